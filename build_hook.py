@@ -34,10 +34,17 @@ class ReadyKernels(BuildHookInterface):
         if version == "editable":
             return
         self.folder = folder = Path(tempfile.mkdtemp(prefix="laticauda-ready-"))
-        own = {"NUMBA_CACHE_DIR": str(folder / "cache"), "NUMBA_CPU_NAME": "x86-64-v3", "NUMBA_CPU_FEATURES": ""}
-        # Not by PYTHONPATH: where pip's own Python has these sources installed to be edited, its isolation drops them.
+        own = {
+            "NUMBA_CACHE_DIR": str(folder / "cache"),
+            "NUMBA_CPU_NAME": "x86-64-v3",
+            "NUMBA_CPU_FEATURES": "",
+        }
+        # Not by PYTHONPATH: where pip's own Python has these sources installed to be edited, its
+        # isolation drops them.
         paths = [str(Path(self.root, "src")), *filter(None, sys.path)]
-        done = subprocess.run([sys.executable, "-c", SCRIPT, str(folder), *paths], env={**os.environ, **own})
+        done = subprocess.run(
+            [sys.executable, "-c", SCRIPT, str(folder), *paths], env={**os.environ, **own}
+        )
         if done.returncode:
             self.app.display_warning("no kernels in this wheel: the first run will compile them")
         for one in folder.glob("*.code"):

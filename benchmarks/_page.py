@@ -40,7 +40,9 @@ def main(address: str) -> None:
     words, report = camera(), 0.0
     protocol = f"viser-v{viser.__version__}"
     got, second = 0, time.monotonic() + 1.0
-    with connect(address.replace("http", "ws"), subprotocols=[protocol], max_size=None, compression=None) as page:
+    with connect(
+        address.replace("http", "ws"), subprotocols=[protocol], max_size=None, compression=None
+    ) as page:
         while True:
             got += len(page.recv())
             now = time.monotonic()

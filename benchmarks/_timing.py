@@ -32,7 +32,8 @@ def random_gaits(n: int) -> list[lc.Gait]:
     rng = np.random.default_rng(1)
     ranges = {"amplitude": (0.2, 0.7), "frequency": (1.0, 3.0), "phase_shift": (0.3, 1.0)}
     return [
-        lc.lateral_undulation(**{name: float(rng.uniform(*ends)) for name, ends in ranges.items()}) for _ in range(n)
+        lc.lateral_undulation(**{name: float(rng.uniform(*ends)) for name, ends in ranges.items()})
+        for _ in range(n)
     ]
 
 

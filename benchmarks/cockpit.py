@@ -3,8 +3,8 @@
     python benchmarks/cockpit.py                 # 20 s each; pages that take everything and draw nothing
     python benchmarks/cockpit.py 20 --browser    # three pages in Chromium, which draws without a graphics card here
 
-The pages run in processes of their own: the share is that of the server alone, which holds the world too. They report
-their cameras, and the cameras follow.
+The pages run in processes of their own: the share is that of the server alone, which holds the
+world too. They report their cameras, and the cameras follow.
 """
 
 import argparse
@@ -40,12 +40,16 @@ def resident() -> float:
 def readers(address: str) -> Iterator[list[int]]:
     """Pages without a picture; the bytes that they get, second by second."""
     found = [
-        subprocess.Popen([sys.executable, str(PAGE), address], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+        subprocess.Popen(
+            [sys.executable, str(PAGE), address], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+        )
         for _ in range(PAGES)
     ]
     got: list[int] = []
     for page in found:
-        threading.Thread(target=lambda page=page: got.extend(map(int, page.stdout)), daemon=True).start()
+        threading.Thread(
+            target=lambda page=page: got.extend(map(int, page.stdout)), daemon=True
+        ).start()
     try:
         yield got
     finally:
@@ -60,7 +64,9 @@ def browsers(address: str) -> Iterator[list[int]]:
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
-        found = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=list(FLAGS))
+        found = playwright.chromium.launch(
+            executable_path=shutil.which("chromium"), args=list(FLAGS)
+        )
         for _ in range(PAGES):
             found.new_page(viewport={"width": 800, "height": 500}).goto(address)
         try:
@@ -79,7 +85,12 @@ def measure(model: str, duration: float, *, speed: float = 1.0, browser: bool = 
             time.sleep(0.1)
         time.sleep(5.0)
         got.clear()
-        begun, cpu, world, lag = time.perf_counter(), time.process_time(), live.simulation.time, live.lag
+        begun, cpu, world, lag = (
+            time.perf_counter(),
+            time.process_time(),
+            live.simulation.time,
+            live.lag,
+        )
         time.sleep(duration)
         wall = time.perf_counter() - begun
         cpu, world, lag = time.process_time() - cpu, live.simulation.time - world, live.lag - lag

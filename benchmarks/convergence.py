@@ -1,7 +1,7 @@
 """How does the error fall with the step, for the nine settings of the paper's Table 1 without the fin?
 
-Question: which default step is converged to 1e-6 (prescribed) and 1e-4 (pd, servo) of the distance? Printed: the worst
-of the nine, as a ratio to the distance swum.
+Question: which default step is converged to 1e-6 (prescribed) and 1e-4 (pd, servo) of the distance?
+Printed: the worst of the nine, as a ratio to the distance swum.
 
 Last answer (2026-11-21), at the default steps and at half of them:
     prescribed    0.0500 s  3.7e-07    0.0250 s  5.4e-08
@@ -41,14 +41,21 @@ def main() -> None:
             for kind, *degrees in SETTINGS:
                 amplitude, frequency, phase_shift = np.deg2rad(degrees)
                 gait = lc.Gait(
-                    envelope=envelope_of(kind), amplitude=amplitude, frequency=frequency, phase_shift=phase_shift
+                    envelope=envelope_of(kind),
+                    amplitude=amplitude,
+                    frequency=frequency,
+                    phase_shift=phase_shift,
                 )
                 ends = [
-                    lc.swim(robot, gait, joints=joints, dt=dt, sample_interval=0.1).center_of_mass[-1]
+                    lc.swim(robot, gait, joints=joints, dt=dt, sample_interval=0.1).center_of_mass[
+                        -1
+                    ]
                     for dt in (*steps, steps[-1] / 16)
                 ]
                 for dt, end in zip(steps, ends, strict=False):
-                    worst[dt] = max(worst[dt], float(np.linalg.norm(end - ends[-1]) / np.linalg.norm(ends[-1])))
+                    worst[dt] = max(
+                        worst[dt], float(np.linalg.norm(end - ends[-1]) / np.linalg.norm(ends[-1]))
+                    )
         for dt, error in worst.items():
             print(f"{joints:<12}{dt:>8.4f}{error:>25.1e}")
 

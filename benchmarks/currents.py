@@ -1,8 +1,9 @@
 """What does moving water cost in a batch, against still water?
 
-Question: 30 s of a robot of ten links, random gaits, prescribed joints, everything that `swim_many` does included, one
-process per version of the package, in turns. Printed: time of one core per trial, and the ratio to still water, of the
-version whose sources are given by `--against`, else of this one.
+Question: 30 s of a robot of ten links, random gaits, prescribed joints, everything that `swim_many`
+does included, one process per version of the package, in turns. Printed: time of one core per
+trial, and the ratio to still water, of the version whose sources are given by `--against`, else of
+this one.
 """
 
 import argparse
@@ -29,7 +30,11 @@ def currents() -> dict[str, Any]:
     from laticauda.fluid.waves import Sea
 
     sea = Sea(significant_height=0.02, peak_period=1.5, spread=0.3)
-    axes = {"time": np.linspace(0.0, 31.0, 63), "y": np.linspace(-10.0, 10.0, 41), "x": np.linspace(-10.0, 10.0, 41)}
+    axes = {
+        "time": np.linspace(0.0, 31.0, 63),
+        "y": np.linspace(-10.0, 10.0, 41),
+        "x": np.linspace(-10.0, 10.0, 41),
+    }
     levels = {**axes, "z": np.linspace(-2.0, 0.0, 9)}
     return {
         "uniform": (0.05, 0.02),
@@ -48,7 +53,9 @@ def least(currents: Mapping[str, Any]) -> dict[str, float]:
     for repeat in range(1 + ROUNDS):
         for name, current in currents.items():
             start = time.process_time()
-            lc.swim_many(robot, gaits, environments=[replace(water, current=current)] * TRIALS, threads=1)
+            lc.swim_many(
+                robot, gaits, environments=[replace(water, current=current)] * TRIALS, threads=1
+            )
             if repeat:  # the first compiles
                 best[name] = min(best[name], (time.process_time() - start) / TRIALS)
     return best
@@ -58,13 +65,17 @@ def still_of(sources: Path) -> float:
     """The same of still water, with the package in another folder of sources."""
     run = [sys.executable, __file__, "--still"]
     environment = {**os.environ, "PYTHONPATH": str(sources)}
-    return float(subprocess.run(run, env=environment, capture_output=True, text=True, check=True).stdout)
+    return float(
+        subprocess.run(run, env=environment, capture_output=True, text=True, check=True).stdout
+    )
 
 
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--against", type=Path, help="folder `src` of another version, for still water")
+    parser.add_argument(
+        "--against", type=Path, help="folder `src` of another version, for still water"
+    )
     parser.add_argument("--still", action="store_true", help="print the time of still water alone")
     given = parser.parse_args()
     if given.still:

@@ -1,7 +1,7 @@
 """What does a derivative cost?
 
-Question: ten links, 30 s, prescribed joints: time of one core per trial and parameter of the gait, against a trial of a
-batch, and against central differences (two trials per parameter).
+Question: ten links, 30 s, prescribed joints: time of one core per trial and parameter of the gait,
+against a trial of a batch, and against central differences (two trials per parameter).
 """
 
 import time
@@ -18,9 +18,14 @@ TRIALS = 64
 def main() -> None:
     """Print the table."""
     robot, gaits = of_links(10), random_gaits(TRIALS)
-    trial = fastest(time.process_time, lambda: lc.swim_many(robot, gaits * 8, threads=1)) / (8 * TRIALS)
+    trial = fastest(time.process_time, lambda: lc.swim_many(robot, gaits * 8, threads=1)) / (
+        8 * TRIALS
+    )
     pairs = TRIALS * len(NAMES)
-    derivative = fastest(time.process_time, lambda: sensitivities(robot, gaits, names=NAMES, threads=1)) / pairs
+    derivative = (
+        fastest(time.process_time, lambda: sensitivities(robot, gaits, names=NAMES, threads=1))
+        / pairs
+    )
     alone = fastest(time.perf_counter, lambda: sensitivities(robot, gaits[0], names=NAMES))
     print(f"trial of a batch               {1e3 * trial:7.3f} ms")
     print(f"derivative to one parameter    {1e3 * derivative:7.3f} ms, x {derivative / trial:.1f}")

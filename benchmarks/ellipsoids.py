@@ -1,9 +1,10 @@
 """How much faster is the planar model than MuJoCo with its own fluid, on the same robot and gait?
 
-Question: ten of Mamba's links in the plane, pd joints, 30 s. MuJoCo's force law differs: its ellipsoid model has drag
-and added-mass velocity terms of its own, on each geom, and no added-mass inertia; so the two swim differently, and the
-speeds are printed to say so. Printed: time of one core, ratio, and each one's error against its own run at a fine
-step, over the distance. It needs the extra `spatial`.
+Question: ten of Mamba's links in the plane, pd joints, 30 s. MuJoCo's force law differs: its
+ellipsoid model has drag and added-mass velocity terms of its own, on each geom, and no added-mass
+inertia; so the two swim differently, and the speeds are printed to say so. Printed: time of one
+core, ratio, and each one's error against its own run at a fine step, over the distance. It needs
+the extra `spatial`.
 """
 
 import time
@@ -15,7 +16,9 @@ from _timing import fastest, of_links, print_load
 
 import laticauda as lc
 
-GAIT = lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40))
+GAIT = lc.lateral_undulation(
+    amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40)
+)
 DURATION = 30.0
 STEPS = (0.005, 0.002)
 FINE = 0.0002
@@ -40,7 +43,9 @@ def mujoco_model(robot: lc.Robot, step: float) -> mujoco.MjModel:
     text += "</body>" * robot.n_links + "</worldbody><actuator>"
     for i, joint in enumerate(robot.joints, start=1):
         motor = joint.actuator
-        text += f'<position joint="j{i}" kp="{motor.proportional_gain}" kv="{motor.derivative_gain}"/>'
+        text += (
+            f'<position joint="j{i}" kp="{motor.proportional_gain}" kv="{motor.derivative_gain}"/>'
+        )
     return mujoco.MjModel.from_xml_string(text + "</actuator></mujoco>")
 
 
@@ -52,8 +57,15 @@ def swum(robot: lc.Robot, step: float) -> np.ndarray:
     begin = data.subtree_com[1, :2].copy()
     state = np.zeros(mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS))
     mujoco.mj_getState(model, data, state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
-    time_, joint = np.arange(round(DURATION / step))[:, np.newaxis] * step, np.arange(robot.n_joints)
-    control = GAIT.amplitude * np.minimum(time_, 1.0) * np.sin(GAIT.frequency * time_ + joint * GAIT.phase_shift)
+    time_, joint = (
+        np.arange(round(DURATION / step))[:, np.newaxis] * step,
+        np.arange(robot.n_joints),
+    )
+    control = (
+        GAIT.amplitude
+        * np.minimum(time_, 1.0)
+        * np.sin(GAIT.frequency * time_ + joint * GAIT.phase_shift)
+    )
     mujoco.rollout.rollout(model, data, state[np.newaxis], control[np.newaxis])
     mujoco.mj_forward(model, data)
     return data.subtree_com[1, :2] - begin
@@ -65,23 +77,33 @@ def main() -> None:
     print(f"{'':<26}{'time [ms]':>10}{'x batch, pd':>13}{'speed [m/s]':>13}{'error':>10}")
     gaits = [GAIT] * 80
     batch = fastest(
-        time.process_time, lambda: lc.swim_many(robot, gaits, environments=water, joints="pd", threads=1), 5
+        time.process_time,
+        lambda: lc.swim_many(robot, gaits, environments=water, joints="pd", threads=1),
+        5,
     ) / len(gaits)
     many = [GAIT] * 800
-    fast = fastest(time.process_time, lambda: lc.swim_many(robot, many, environments=water, threads=1), 5) / len(many)
+    fast = fastest(
+        time.process_time, lambda: lc.swim_many(robot, many, environments=water, threads=1), 5
+    ) / len(many)
     exact = swum(robot, FINE)
     for step in STEPS:
         taken = fastest(time.process_time, lambda step=step: swum(robot, step), 2)
         end = swum(robot, step)
         error = np.linalg.norm(end - exact) / np.linalg.norm(exact)
         speed = np.linalg.norm(end) / DURATION
-        print(f"{f'MuJoCo, {step:g} s':<26}{1e3 * taken:>10.1f}{taken / batch:>13.1f}{speed:>13.3f}{error:>10.1e}")
+        print(
+            f"{f'MuJoCo, {step:g} s':<26}{1e3 * taken:>10.1f}{taken / batch:>13.1f}{speed:>13.3f}{error:>10.1e}"
+        )
     for joints, each in (("pd", batch), ("prescribed", fast)):
         trial = lc.swim(robot, GAIT, environment=water, joints=joints)
         dt = float(trial.settings["dt"])
         fine = lc.swim(robot, GAIT, environment=water, joints=joints, dt=dt / 16).center_of_mass[-1]
         error = np.linalg.norm(trial.center_of_mass[-1] - fine) / np.linalg.norm(fine)
-        alone = fastest(time.process_time, lambda j=joints: lc.swim(robot, GAIT, environment=water, joints=j), 10)
+        alone = fastest(
+            time.process_time,
+            lambda j=joints: lc.swim(robot, GAIT, environment=water, joints=j),
+            10,
+        )
         for name, taken in ((f"swim, {joints}", alone), (f"batch, {joints}", each)):
             line = f"{name:<26}{1e3 * taken:>10.2f}{taken / batch:>13.2f}"
             print(f"{line}{trial.forward_velocity:>13.3f}{error:>10.1e}")

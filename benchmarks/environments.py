@@ -1,10 +1,11 @@
 """How many steps per second do the environments make in lanes, against one process per environment?
 
-Question: what does a learner gain from the batch kernel, or in space from threads in one process? Path following:
-steps of 0.2 s of Mamba with its fin, random actions, whole calls through Gymnasium's own `make_vec`, on this machine.
-All ways take turns in every round, and the best round of each counts. Other work on the machine takes from all of them,
-but not the same share: so the second table has the steps per second of processor time, of all processes together. It
-needs `plugins/laticauda-gym`.
+Question: what does a learner gain from the batch kernel, or in space from threads in one process?
+Path following: steps of 0.2 s of Mamba with its fin, random actions, whole calls through
+Gymnasium's own `make_vec`, on this machine. All ways take turns in every round, and the best round
+of each counts. Other work on the machine takes from all of them, but not the same share: so the
+second table has the steps per second of processor time, of all processes together. It needs
+`plugins/laticauda-gym`.
 
     python benchmarks/environments.py [spatial]
 """
@@ -78,8 +79,13 @@ def rates(n: int) -> Rates:
 def print_table(best: Rates, which: int, words: str) -> None:
     print(f"\n{words:<34}" + "".join(f"{n:>10}" for n in COUNTS) + "  environments")
     for way in WAYS:
-        print(f"{way:<34}" + "".join(f"{best[way, n][which]:>10.0f}" for n in COUNTS if (way, n) in best))
-    most = {way: max(found[which] for (name, _), found in best.items() if name == way) for way in WAYS}
+        print(
+            f"{way:<34}"
+            + "".join(f"{best[way, n][which]:>10.0f}" for n in COUNTS if (way, n) in best)
+        )
+    most = {
+        way: max(found[which] for (name, _), found in best.items() if name == way) for way in WAYS
+    }
     processes = best["a process each", MOST_PROCESSES][which]
     for way in ("in lanes", "in lanes, all cores"):
         same = best[way, MOST_PROCESSES][which] / processes

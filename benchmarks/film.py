@@ -40,7 +40,9 @@ def filmed(sources: str, duration: float) -> tuple[float, float]:
     """Wall time and processor time of one film [s]."""
     with tempfile.TemporaryDirectory() as folder:
         words = [sys.executable, "-c", FILM, str(Path(folder) / "film.mp4"), str(duration)]
-        done = subprocess.run(words, env={**os.environ, "PYTHONPATH": sources}, capture_output=True, text=True)
+        done = subprocess.run(
+            words, env={**os.environ, "PYTHONPATH": sources}, capture_output=True, text=True
+        )
         if done.returncode:
             sys.exit(done.stderr)
         wall, processor = map(float, done.stdout.split()[-2:])
@@ -53,15 +55,22 @@ def main() -> None:
     parser.add_argument("--duration", type=float, default=30.0)
     parser.add_argument("--repeats", type=int, default=3)
     options = parser.parse_args()
-    trees = {"now": str(Path(__file__).parents[1] / "src"), **({"before": options.against} if options.against else {})}
+    trees = {
+        "now": str(Path(__file__).parents[1] / "src"),
+        **({"before": options.against} if options.against else {}),
+    }
     best = {name: (float("inf"), float("inf")) for name in trees}
     for _ in range(options.repeats):
         for name, sources in trees.items():
             best[name] = tuple(map(min, best[name], filmed(sources, options.duration)))
     for name, (wall, processor) in best.items():
-        print(f"{name:8s} {wall:6.1f} s wall, {processor:6.1f} s of processor, for {options.duration:g} s of swimming")
+        print(
+            f"{name:8s} {wall:6.1f} s wall, {processor:6.1f} s of processor, for {options.duration:g} s of swimming"
+        )
     if "before" in best:
-        shares = [100.0 * now / before for now, before in zip(best["now"], best["before"], strict=True)]
+        shares = [
+            100.0 * now / before for now, before in zip(best["now"], best["before"], strict=True)
+        ]
         print(f"now / before: {shares[0]:.0f} % wall, {shares[1]:.0f} % processor")
     print_load()
 

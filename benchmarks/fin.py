@@ -17,18 +17,25 @@ ROOTS = (1.875104068711961, 4.694091132974175)  # of cos(x) cosh(x) = -1
 
 def frequencies() -> None:
     """Error of the first two frequencies of a uniform plate in water, with fine strips."""
-    print("Error of the bending frequencies of a uniform plate in water [%], open: against 200 equal hinges")
+    print(
+        "Error of the bending frequencies of a uniform plate in water [%], open: against 200 equal hinges"
+    )
     print("hinges    first   second     first, open")
     for n in range(1, 7):
-        fin = CaudalFin(opening="closed", n_strips=400, n_hinges=n, flexural_rigidity=1.0, added_mass=1.0)
+        fin = CaudalFin(
+            opening="closed", n_strips=400, n_hinges=n, flexural_rigidity=1.0, added_mass=1.0
+        )
         mass = fin.mass / fin.length + WATER.density * pi * (0.5 * fin.height) ** 2
         found = bending_frequencies(replace(ROBOT, caudal_fin=fin), WATER)
         exact = [root**2 * sqrt(1.0 / mass) / (2.0 * pi * fin.length**2) for root in ROOTS]
-        errors = [f"{100.0 * (f / e - 1.0):+8.3f}" for f, e in zip(found, exact, strict=False)] + ["       -"] * (
-            n == 1
-        )
+        errors = [f"{100.0 * (f / e - 1.0):+8.3f}" for f, e in zip(found, exact, strict=False)] + [
+            "       -"
+        ] * (n == 1)
         cut = replace(fin, opening="open")
-        first = bending_frequencies(replace(ROBOT, caudal_fin=cut), WATER)[0] / open_frequency(cut) - 1.0
+        first = (
+            bending_frequencies(replace(ROBOT, caudal_fin=cut), WATER)[0] / open_frequency(cut)
+            - 1.0
+        )
         print(f"{n:6d} {' '.join(errors)}        {100.0 * first:+8.3f}")
 
 
@@ -40,12 +47,16 @@ def open_frequency(fin: CaudalFin, n: int = 200) -> float:
     hinge = (np.arange(n) + 0.5) * fin.length / n
     arm = np.maximum(x - hinge[:, np.newaxis], 0.0)
     stiffness = 1.0 / (fin.length / n)
-    return float(1.0 / np.sqrt(np.linalg.eigvalsh((arm * mass) @ arm.T / stiffness)[-1]) / (2.0 * pi))
+    return float(
+        1.0 / np.sqrt(np.linalg.eigvalsh((arm * mass) @ arm.T / stiffness)[-1]) / (2.0 * pi)
+    )
 
 
 def speeds() -> None:
     """Speed and power of Mamba over the stiffness of its fin, and over the number of hinges."""
-    gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
+    gait = lc.lateral_undulation(
+        amplitude=radians(30), frequency=radians(130), phase_shift=radians(40)
+    )
     print("Speed [m/s] and mean power [W] over 30 s; E I [N m^2], first bending frequency [Hz]")
     none, rigid = lc.swim(lc.load_robot("mamba"), gait), lc.swim(ROBOT, gait)
     print(f"no fin        {none.forward_velocity:.4f} {none.mean_power:6.2f}")
@@ -56,16 +67,25 @@ def speeds() -> None:
             fin = replace(ROBOT.caudal_fin, n_hinges=n, flexural_rigidity=rigidity)
             trials.append(lc.swim(replace(ROBOT, caudal_fin=fin), gait))
         first = bending_frequencies(trials[1].robot, WATER)[0]
-        columns = "   ".join(f"{trial.forward_velocity:.4f} {trial.mean_power:6.2f}" for trial in trials)
+        columns = "   ".join(
+            f"{trial.forward_velocity:.4f} {trial.mean_power:6.2f}" for trial in trials
+        )
         print(f"{rigidity:8g} {first:7.3f}   {columns}")
 
 
 def gains() -> None:
     """By how much the fin makes Mamba faster: in the tank (Table 1) and with fins of several stiffnesses."""
-    measured = {(trial.gait, trial.has_fin): trial.forward_velocity for trial in efficiency_trials()}
+    measured = {
+        (trial.gait, trial.has_fin): trial.forward_velocity for trial in efficiency_trials()
+    }
     stiffnesses = (3.0, 1.0, 0.5, 0.3)
-    print(f"Mean gain in speed by the fin [%]: measured, rigid, E I = {', '.join(map(str, stiffnesses))}")
-    fins = [ROBOT.caudal_fin, *(replace(ROBOT.caudal_fin, n_hinges=3, flexural_rigidity=x) for x in stiffnesses)]
+    print(
+        f"Mean gain in speed by the fin [%]: measured, rigid, E I = {', '.join(map(str, stiffnesses))}"
+    )
+    fins = [
+        ROBOT.caudal_fin,
+        *(replace(ROBOT.caudal_fin, n_hinges=3, flexural_rigidity=x) for x in stiffnesses),
+    ]
     for kind in ("lateral_undulation", "eel_like"):
         found = []
         for (gait, has_fin), speed in measured.items():
@@ -73,7 +93,10 @@ def gains() -> None:
             if gait.kind != kind or has_fin or speed is None or with_fin is None:
                 continue
             alone = lc.swim(lc.load_robot("mamba"), gait).forward_velocity
-            swum = [lc.swim(replace(ROBOT, caudal_fin=fin), gait).forward_velocity / alone for fin in fins]
+            swum = [
+                lc.swim(replace(ROBOT, caudal_fin=fin), gait).forward_velocity / alone
+                for fin in fins
+            ]
             found.append([with_fin / speed, *swum])
         mean = 100.0 * (np.mean(found, axis=0) - 1.0)
         print(f"{kind} ({len(found)} gaits): {' '.join(f'{gain:5.1f}' for gain in mean)}")
@@ -81,20 +104,31 @@ def gains() -> None:
 
 def steps() -> None:
     """Worst errors at the default step and at others, over stiffnesses and numbers of hinges."""
-    gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
-    print("Worst error of path (over the distance) and of mean power in 30 s, E I from 0.001 to 100 and at 1e6 N m^2")
+    gait = lc.lateral_undulation(
+        amplitude=radians(30), frequency=radians(130), phase_shift=radians(40)
+    )
+    print(
+        "Worst error of path (over the distance) and of mean power in 30 s, E I from 0.001 to 100 and at 1e6 N m^2"
+    )
     for rigidities in ((0.001, 0.01, 0.1, 1.0, 10.0, 100.0), (1e6,)):
         worst = {dt: [0.0, 0.0] for dt in (0.01, 0.005, 0.0025)}
         for n in (1, 3, 6):
             for rigidity in rigidities:
-                robot = replace(ROBOT, caudal_fin=replace(ROBOT.caudal_fin, n_hinges=n, flexural_rigidity=rigidity))
+                robot = replace(
+                    ROBOT,
+                    caudal_fin=replace(ROBOT.caudal_fin, n_hinges=n, flexural_rigidity=rigidity),
+                )
                 fine = lc.swim(robot, gait, dt=3e-4)
                 for dt, errors in worst.items():
                     trial = lc.swim(robot, gait, dt=dt)
                     gap = np.linalg.norm(trial.center_of_mass - fine.center_of_mass, axis=1).max()
                     errors[0] = max(errors[0], float(gap / (30.0 * fine.forward_velocity)))
                     errors[1] = max(errors[1], abs(trial.mean_power / fine.mean_power - 1.0))
-        print("; ".join(f"dt {dt:g} s: {path:.0e}, {power:.0e}" for dt, (path, power) in worst.items()))
+        print(
+            "; ".join(
+                f"dt {dt:g} s: {path:.0e}, {power:.0e}" for dt, (path, power) in worst.items()
+            )
+        )
 
 
 if __name__ == "__main__":

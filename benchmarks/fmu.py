@@ -1,8 +1,9 @@
 """How fast is an FMU, how near is it to a swim, and how does it depend on the communication step?
 
-30 s of Mamba with its fin through FMPy (`pip install fmpy`): its own loop, and the FMU's steps alone, beside `swim`
-with as many samples; the greatest differences between the two runs. Then 10 s of servos whose references are sampled
-from a gait at every communication step: how far the center of mass is from that of a swim, in which the gait goes on.
+30 s of Mamba with its fin through FMPy (`pip install fmpy`): its own loop, and the FMU's steps
+alone, beside `swim` with as many samples; the greatest differences between the two runs. Then 10 s
+of servos whose references are sampled from a gait at every communication step: how far the center
+of mass is from that of a swim, in which the gait goes on.
 """
 
 import math
@@ -18,7 +19,9 @@ from _timing import fastest, print_load
 import laticauda as lc
 from laticauda.cosim import export_fmu
 
-GAIT = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(130), phase_shift=math.radians(40))
+GAIT = lc.lateral_undulation(
+    amplitude=math.radians(30), frequency=math.radians(130), phase_shift=math.radians(40)
+)
 ROBOT = lc.load_robot("mamba-fin")
 DURATION = 30.0  # s
 
@@ -30,7 +33,9 @@ def begun(folder: str) -> tuple[Any, dict[str, int]]:
 
     told = read_model_description(folder)
     identifier = told.coSimulation.modelIdentifier
-    one = FMU2Slave(guid=told.guid, unzipDirectory=folder, modelIdentifier=identifier, instanceName="snake")
+    one = FMU2Slave(
+        guid=told.guid, unzipDirectory=folder, modelIdentifier=identifier, instanceName="snake"
+    )
     one.instantiate()
     one.setupExperiment()
     one.enterInitializationMode()
@@ -51,15 +56,23 @@ def speeds(folder: Path) -> None:
     """Print how many seconds of swimming go by per second, and how near the results are."""
     from fmpy import extract, read_model_description, simulate_fmu
 
-    print(f"{'joints':<12}{'step [ms]':>10}{'FMPy [s/s]':>12}{'steps':>10}{'swim':>10}{'m':>10}{'rad':>10}{'N m':>10}")
+    print(
+        f"{'joints':<12}{'step [ms]':>10}{'FMPy [s/s]':>12}{'steps':>10}{'swim':>10}{'m':>10}{'rad':>10}{'N m':>10}"
+    )
     for joints in ("prescribed", "servo"):
         export_fmu(folder / f"{joints}.fmu", ROBOT, GAIT, joints=joints)
         unpacked = extract(str(folder / f"{joints}.fmu"), str(folder / joints))
         told = read_model_description(unpacked)
         for interval in (0.05, 0.01):
 
-            def in_fmpy(unpacked: str = unpacked, told: Any = told, interval: float = interval) -> Any:
-                settings = {"stop_time": DURATION, "step_size": interval, "output_interval": interval}
+            def in_fmpy(
+                unpacked: str = unpacked, told: Any = told, interval: float = interval
+            ) -> Any:
+                settings = {
+                    "stop_time": DURATION,
+                    "step_size": interval,
+                    "output_interval": interval,
+                }
                 return simulate_fmu(unpacked, model_description=told, **settings)
 
             def in_python(joints: str = joints, interval: float = interval) -> lc.Trial:
@@ -67,16 +80,25 @@ def speeds(folder: Path) -> None:
 
             seen, trial = in_fmpy(), in_python()
             gaps = [
-                max(float(np.abs(seen[name + part] - column).max()) for part, column in zip(parts, of.T, strict=False))
+                max(
+                    float(np.abs(seen[name + part] - column).max())
+                    for part, column in zip(parts, of.T, strict=False)
+                )
                 for name, parts, of in (
                     ("center_of_mass", (".x", ".y"), trial.center_of_mass),
                     ("link_angle", [f"[{i}]" for i in range(9)], trial.link_angle),
                     ("joint_torque", [f"[{i}]" for i in range(8)], trial.joint_torque),
                 )
             ]
-            times = fastest(time.process_time, in_fmpy, 3), min(alone(unpacked, interval) for _ in range(3))
+            times = (
+                fastest(time.process_time, in_fmpy, 3),
+                min(alone(unpacked, interval) for _ in range(3)),
+            )
             rates = [DURATION / t for t in (*times, fastest(time.process_time, in_python, 3))]
-            print(f"{joints:<12}{1e3 * interval:>10.0f}{rates[0]:>12.0f}{rates[1]:>10.0f}{rates[2]:>10.0f}", end="")
+            print(
+                f"{joints:<12}{1e3 * interval:>10.0f}{rates[0]:>12.0f}{rates[1]:>10.0f}{rates[2]:>10.0f}",
+                end="",
+            )
             print("".join(f"{gap:>10.0e}" for gap in gaps))
 
 

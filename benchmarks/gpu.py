@@ -1,7 +1,8 @@
 """How many trials a second does a GPU make, against all cores of the processor beside it?
 
 Question: 30 s of Mamba with its fin, random gaits, default steps, everything that `swim_many` does
-included, once compiled. Printed: trials per second of both, and by how much their figures differ at most.
+included, once compiled. Printed: trials per second of both, and by how much their figures differ at
+most.
 
     python benchmarks/gpu.py [--trials 1000 10000 100000]
 
@@ -28,7 +29,9 @@ def swum(gaits: list[lc.Gait], joints: str, device: str) -> tuple[lc.Swims, floa
 
 def difference(one: lc.Swims, other: lc.Swims) -> float:
     """The largest of any figure of any trial that succeeded, over the largest value of that figure [-]."""
-    pairs = ((getattr(one, name)[one.succeeded], getattr(other, name)[one.succeeded]) for name in FIGURES)
+    pairs = (
+        (getattr(one, name)[one.succeeded], getattr(other, name)[one.succeeded]) for name in FIGURES
+    )
     return max(float(np.abs(a - b).max() / np.abs(a).max()) for a, b in pairs)
 
 
@@ -42,7 +45,9 @@ def main() -> None:
     except ValueError as error:
         print(f"Nothing measured: {error}")
         return
-    print(f"{'joints':<12}{'trials':>8}{'first call [s]':>16}{'GPU [1/s]':>12}{'cores [1/s]':>13}{'differ':>10}")
+    print(
+        f"{'joints':<12}{'trials':>8}{'first call [s]':>16}{'GPU [1/s]':>12}{'cores [1/s]':>13}{'differ':>10}"
+    )
     for joints in ("prescribed", "servo"):
         gaits = random_gaits(max(options.trials))
         _, first = swum(gaits[:64], joints, "cuda")

@@ -1,9 +1,9 @@
 """How far is the package from what the machine can do, and what does each of its ways to swim cost?
 
-Question: what does a trial of 30 s and ten links with prescribed joints cost in `swim_many`, against a hand-written
-program that does the same work, in turns? PROGRAM is such a program: called with a number of rounds, it prints a line
-that ends in `ms/trial` and a number. Then the time of one core of the other calls; with `--against`, of another version
-of the package too.
+Question: what does a trial of 30 s and ten links with prescribed joints cost in `swim_many`,
+against a hand-written program that does the same work, in turns? PROGRAM is such a program: called
+with a number of rounds, it prints a line that ends in `ms/trial` and a number. Then the time of one
+core of the other calls; with `--against`, of another version of the package too.
 """
 
 import argparse
@@ -42,13 +42,23 @@ def costs() -> dict[str, float]:
 
     robot, gaits, clock = of_links(10), random_gaits(TRIALS), time.process_time
     water, gait = lc.load_water("paper-lateral"), gaits[0]
-    found = {"batch, per trial": fastest(clock, lambda: lc.swim_many(robot, gaits, threads=1), ROUNDS) / TRIALS}
+    found = {
+        "batch, per trial": fastest(clock, lambda: lc.swim_many(robot, gaits, threads=1), ROUNDS)
+        / TRIALS
+    }
     for joints in ("prescribed", "pd", "servo"):
-        found[f"swim, {joints}"] = fastest(clock, lambda j=joints: lc.swim(robot, gait, joints=j), ROUNDS)
+        found[f"swim, {joints}"] = fastest(
+            clock, lambda j=joints: lc.swim(robot, gait, joints=j), ROUNDS
+        )
     names = ["gait.amplitude", "gait.frequency", "gait.phase_shift", "gait.offset"]
-    slopes = fastest(clock, lambda: sensitivities(robot, gaits[:64], names=names, threads=1), ROUNDS)
+    slopes = fastest(
+        clock, lambda: sensitivities(robot, gaits[:64], names=names, threads=1), ROUNDS
+    )
     found["derivative"] = (slopes / 64 - found["batch, per trial"]) / len(names)
-    heading, guidance = HeadingController(gain=0.4, max_offset=0.35), LineOfSight(look_ahead_distance=1.8)
+    heading, guidance = (
+        HeadingController(gain=0.4, max_offset=0.35),
+        LineOfSight(look_ahead_distance=1.8),
+    )
     law = PathFollowing(gait=gait, path=StraightLine(), guidance=guidance, heading=heading)
     followed = fastest(clock, lambda: lc.swim(robot, law, 30.0), ROUNDS)
     held = fastest(clock, lambda: lc.swim(robot, gait), ROUNDS)
@@ -72,16 +82,23 @@ def main() -> None:
         ratios: list[float] = []
         for _ in range(ROUNDS):
             reference = reference_of(given.program.resolve())
-            own = fastest(time.process_time, lambda: lc.swim_many(robot, gaits, threads=1), 1) / TRIALS
+            own = (
+                fastest(time.process_time, lambda: lc.swim_many(robot, gaits, threads=1), 1)
+                / TRIALS
+            )
             ratios.append(own / reference)
-            print(f"batch {1e3 * own:.3f} ms, program {1e3 * reference:.3f} ms, ratio {own / reference:.2f}")
+            print(
+                f"batch {1e3 * own:.3f} ms, program {1e3 * reference:.3f} ms, ratio {own / reference:.2f}"
+            )
         print(f"median of the ratios: {sorted(ratios)[ROUNDS // 2]:.2f}")
     tables: dict[str, dict[str, float]] = {}
     for name, sources in {"before": given.against, "now": Path(lc.__file__).parents[1]}.items():
         if sources is not None:
             run = [sys.executable, __file__, "--json"]
             environment = {**os.environ, "PYTHONPATH": str(sources)}
-            said = subprocess.run(run, env=environment, capture_output=True, text=True, check=True).stdout
+            said = subprocess.run(
+                run, env=environment, capture_output=True, text=True, check=True
+            ).stdout
             tables[name] = cast("dict[str, float]", json.loads(said))
     print(f"{'time of one core [ms]':<24}" + "".join(f"{name:>10}" for name in tables))
     for name in tables["now"]:

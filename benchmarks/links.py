@@ -1,7 +1,8 @@
 """How does the cost grow with the number of links?
 
-Question: 10 s with prescribed joints, 5 to 160 links, alone and in a batch, at one step: is the recursion linear?
-Printed: time of one core per trial and per link, and the ratio of the latter to that of 10 links.
+Question: 10 s with prescribed joints, 5 to 160 links, alone and in a batch, at one step: is the
+recursion linear? Printed: time of one core per trial and per link, and the ratio of the latter to
+that of 10 links.
 """
 
 import time
@@ -22,14 +23,20 @@ def main() -> None:
     for n in LINKS:
         robot = of_links(n)
         alone = fastest(
-            time.process_time, lambda r=robot: lc.swim(r, gaits[0], DURATION, dt=STEP, sample_interval=0.5), 20
+            time.process_time,
+            lambda r=robot: lc.swim(r, gaits[0], DURATION, dt=STEP, sample_interval=0.5),
+            20,
         )
         batch = fastest(
             time.process_time,
-            lambda r=robot: lc.swim_many(r, gaits, DURATION, dt=STEP, sample_interval=0.5, threads=1),
+            lambda r=robot: lc.swim_many(
+                r, gaits, DURATION, dt=STEP, sample_interval=0.5, threads=1
+            ),
         )
         found[n] = alone, batch / TRIALS
-    print(f"{'links':>6}{'alone [us]':>12}{'per link':>10}{'ratio':>7}{'batch [us]':>12}{'per link':>10}{'ratio':>7}")
+    print(
+        f"{'links':>6}{'alone [us]':>12}{'per link':>10}{'ratio':>7}{'batch [us]':>12}{'per link':>10}{'ratio':>7}"
+    )
     for n, times in found.items():
         line = f"{n:>6}"
         for each, reference in zip(times, found[10], strict=True):

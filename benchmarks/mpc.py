@@ -1,14 +1,15 @@
 """Model-predictive control against line of sight, with and without an integral, in a current across the path.
 
-Question: Mamba with its fin follows the x axis from 1 m beside it for 180 s, in no current and in 0.03 and 0.06 m/s
-across. How far from the path is it in the last 60 s, what does a meter along the path take, and is the plan there in
-time?
+Question: Mamba with its fin follows the x axis from 1 m beside it for 180 s, in no current and in
+0.03 and 0.06 m/s across. How far from the path is it in the last 60 s, what does a meter along the
+path take, and is the plan there in time?
 
     python benchmarks/mpc.py
 
-Lateral undulation of 30 deg, 90 deg/s, 40 deg; prescribed joints. The averaged model comes from four trials in still
-water that are run first. Errors are means over the gait cycle. The time is that of a whole control instant, filter and
-solver, on the wall: other work on the machine adds to it.
+Lateral undulation of 30 deg, 90 deg/s, 40 deg; prescribed joints. The averaged model comes from
+four trials in still water that are run first. Errors are means over the gait cycle. The time is
+that of a whole control instant, filter and solver, on the wall: other work on the machine adds to
+it.
 """
 
 import math
@@ -27,7 +28,9 @@ CURRENTS = (0.0, 0.03, 0.06)  # across, to the left [m/s]
 FREQUENCIES_DEG_S = (60.0, 80.0, 100.0, 120.0)
 DURATION, LATE = 180.0, 120.0  # [s]
 POWER_LIMIT = 15.0  # W
-GAIT = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40))
+GAIT = lc.lateral_undulation(
+    amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40)
+)
 INSTANTS: list[float] = []
 
 
@@ -76,7 +79,9 @@ def controllers() -> dict[str, Any]:
 
 def row(name: str, current: float, trial: lc.Trial) -> str:
     assert trial.period is not None
-    middle, error = following.mean_error(trial.time, trial.signals["cross_track_error"], trial.period)
+    middle, error = following.mean_error(
+        trial.time, trial.signals["cross_track_error"], trial.period
+    )
     late, end = error[middle >= LATE], trial.time >= LATE
     spent, along = np.ptp(trial.work[end, 0]), np.ptp(trial.signals["along_track_distance"][end])
     seconds = DURATION - LATE
@@ -92,12 +97,16 @@ def row(name: str, current: float, trial: lc.Trial) -> str:
 def main() -> None:
     print_load()
     each = controllers()
-    print("| law | current [m/s] | rms error [mm] | mean [mm] | along [m/s] | power [W] | J/m | p50 [ms] | p99 [ms] |")
+    print(
+        "| law | current [m/s] | rms error [mm] | mean [mm] | along [m/s] | power [W] | J/m | p50 [ms] | p99 [ms] |"
+    )
     print("|---|---|---|---|---|---|---|---|---|")
     for name, controller in each.items():
         for current in CURRENTS:
             INSTANTS.clear()
-            trial = lc.run(body(current), controller, DURATION, start=lc.Start(center_of_mass=(0.0, 1.0)))
+            trial = lc.run(
+                body(current), controller, DURATION, start=lc.Start(center_of_mass=(0.0, 1.0))
+            )
             print(row(name, current, trial), flush=True)
 
 

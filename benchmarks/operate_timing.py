@@ -1,16 +1,17 @@
 """How punctual is the operator's loop?
 
-Question: 100 Hz for 10 minutes, the virtual tank in another process, everything recorded: the distribution of the
-loop's lateness and of its latency (from when a tick is due until its last frame is on the bus), and the missed
-deadlines. A bare loop that does nothing runs beside it in a process of its own: no deadline is to be missed that it
-meets. With --counting there is no operator: a loop that counts for 3 ms in every period, as long as a tick takes, has
-its place. What it misses is due to the computer and to the length of a tick, not to what the operator does.
-Printed, and drawn to out/operate_timing.png. Other work on the computer shows: look at the load that is printed.
+Question: 100 Hz for 10 minutes, the virtual tank in another process, everything recorded: the
+distribution of the loop's lateness and of its latency (from when a tick is due until its last frame
+is on the bus), and the missed deadlines. A bare loop that does nothing runs beside it in a process
+of its own: no deadline is to be missed that it meets. With --counting there is no operator: a loop
+that counts for 3 ms in every period, as long as a tick takes, has its place. What it misses is due
+to the computer and to the length of a tick, not to what the operator does. Printed, and drawn to
+out/operate_timing.png. Other work on the computer shows: look at the load that is printed.
 
     python benchmarks/operate_timing.py [--duration 600] [--plain] [--learning] [--counting]
 
-With --plain neither loop has real-time priority; with --learning a second twin learns beside the recording. The filter
-has its twin, as by the command.
+With --plain neither loop has real-time priority; with --learning a second twin learns beside the
+recording. The filter has its twin, as by the command.
 
 Last answer: see docs/how-to/operate.md; docs/images/operate-timing.png is its picture.
 """
@@ -68,14 +69,23 @@ def beside(duration: float, priority: str, work: float = 0.0) -> Generator[list[
     """A loop in a process of its own; at the end its due times, lateness and latency, [s], are in the list."""
     told: list[np.ndarray] = []
     with tempfile.TemporaryFile("w+") as printed:
-        loop = subprocess.Popen([sys.executable, "-c", BARE, str(duration + 30.0), priority, str(work)], stdout=printed)
+        loop = subprocess.Popen(
+            [sys.executable, "-c", BARE, str(duration + 30.0), priority, str(work)], stdout=printed
+        )
         try:
             yield told
         finally:
             loop.terminate()
             loop.wait()
         printed.seek(0)
-        told.append(np.array([[float(word) for word in line.split()] for line in printed.read().splitlines()[:-1]]))
+        told.append(
+            np.array(
+                [
+                    [float(word) for word in line.split()]
+                    for line in printed.read().splitlines()[:-1]
+                ]
+            )
+        )
 
 
 def missed_at(moment: float, bare: np.ndarray) -> bool:
@@ -96,23 +106,41 @@ def main() -> None:
     parser.add_argument("--duration", type=float, default=600.0)
     parser.add_argument("--plain", action="store_true", help="without real-time priority")
     parser.add_argument("--learning", action="store_true", help="with a twin that learns meanwhile")
-    parser.add_argument("--counting", action="store_true", help="a loop that only counts, instead of the operator")
+    parser.add_argument(
+        "--counting", action="store_true", help="a loop that only counts, instead of the operator"
+    )
     given = parser.parse_args()
     duration, how = given.duration, "plain" if given.plain else "urgent"
     if given.counting:
         with beside(duration, how) as none, beside(duration, how, COUNTED) as counts:
             time.sleep(duration)
         due, late, latency = counts[0].T
-        print(f"counting loop: {due.size} ticks, lateness {SPREAD} % {1e3 * np.percentile(late, SPREAD)} ms")
+        print(
+            f"counting loop: {due.size} ticks, lateness {SPREAD} % {1e3 * np.percentile(late, SPREAD)} ms"
+        )
         print(f"counting loop: latency {SPREAD} % {1e3 * np.percentile(latency, SPREAD)} ms")
         print_missed(due[latency > 0.01], none[0])
         print_load()
         return
     if given.plain:
         worker.urgent = lambda: nullcontext("The loop has normal priority.")
-    words = ["lab", "--json", "--robot", "mamba-modules", "--bus", BUS, "--port", "0", "--position", "0", "0.5"]
+    words = [
+        "lab",
+        "--json",
+        "--robot",
+        "mamba-modules",
+        "--bus",
+        BUS,
+        "--port",
+        "0",
+        "--position",
+        "0",
+        "0.5",
+    ]
     program = [sys.executable, "-c", "from laticauda.cli import main; raise SystemExit(main())"]
-    lab: Any = subprocess.Popen([*program, *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    lab: Any = subprocess.Popen(
+        [*program, *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
     try:
         at = json.loads(lab.stdout.readline())
         what = Operation(
@@ -133,7 +161,9 @@ def main() -> None:
             tank=CaptureVolume(volume_x=(-1.0, 11.0)),
             calibration=Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5),
             # The run is to go on, however late the loop is.
-            limits=Limits(max_lateness=10.0, joint_timeout=10.0, heartbeat_timeout=10.0, mocap_timeout=10.0),
+            limits=Limits(
+                max_lateness=10.0, joint_timeout=10.0, heartbeat_timeout=10.0, mocap_timeout=10.0
+            ),
             learning=Learning() if given.learning else None,
         )
         twin = lc.plant(what.body(), what.pool(), joints="servo")
@@ -150,12 +180,19 @@ def main() -> None:
     assert timing is not None
     print(f"{result.reason} {len(timing.times)} ticks of {1e3 * timing.interval:g} ms")
     for name, value in timing.summary().items():
-        print(f"{name:<18}{1e3 * value:>10.3f} ms" if isinstance(value, float) else f"{name:<18}{value:>10}")
+        print(
+            f"{name:<18}{1e3 * value:>10.3f} ms"
+            if isinstance(value, float)
+            else f"{name:<18}{value:>10}"
+        )
     print_missed(timing.times[timing.latency > timing.interval, 0] + offset, none[0])
     print_load()
     Path("out").mkdir(exist_ok=True)
     note = "tank in another process, everything recorded"
-    save_figure(timing_sheet(timing.lateness, timing.latency, timing.interval, note=note), "out/operate_timing.png")
+    save_figure(
+        timing_sheet(timing.lateness, timing.latency, timing.interval, note=note),
+        "out/operate_timing.png",
+    )
 
 
 if __name__ == "__main__":

@@ -1,9 +1,10 @@
 """Is the search for the Pareto front of speed against power worth more than ten times as many random points?
 
-Question: does `optimize` find the fronts of both of the paper's gaits in under 2 minutes on 2 cores, and is their
-hypervolume at least that of random search with ten times the budget, for 5 seeds? Amplitude, frequency and phase shift
-are free within 10 to 50 deg, 50 to 150 deg/s and 10 to 60 deg. The hypervolume is the area that a front beats between
-standstill and the greatest power on any of a gait's fronts; all points that were tried count, on both sides.
+Question: does `optimize` find the fronts of both of the paper's gaits in under 2 minutes on 2
+cores, and is their hypervolume at least that of random search with ten times the budget, for 5
+seeds? Amplitude, frequency and phase shift are free within 10 to 50 deg, 50 to 150 deg/s and 10 to
+60 deg. The hypervolume is the area that a front beats between standstill and the greatest power on
+any of a gait's fronts; all points that were tried count, on both sides.
 
     python benchmarks/pareto.py
 
@@ -57,7 +58,9 @@ def main() -> None:
     parser.add_argument("--budget", type=int, default=4000)
     budget = parser.parse_args().budget
     robot = lc.load_robot("mamba")
-    print(f"{'gait':<20}{'seed':>5}{'NSGA-II':>10}{'random':>10}{f'{TIMES} x':>10}{'ratio':>9}{'time [s]':>10}{'':>10}")
+    print(
+        f"{'gait':<20}{'seed':>5}{'NSGA-II':>10}{'random':>10}{f'{TIMES} x':>10}{'ratio':>9}{'time [s]':>10}{'':>10}"
+    )
     print(f"{'':<20}{'':>5}{'':>10}{'equal':>10}{'random':>10}{'':>9}{'NSGA-II':>10}{'random':>10}")
     ratios, taken = [], {}
     for kind in ("lateral_undulation", "eel_like"):
@@ -71,7 +74,15 @@ def main() -> None:
             middle = time.perf_counter()
             by_chance = random_search(optimization, TIMES * budget, seed)
             end = time.perf_counter()
-            runs.append((seed, losses(optimization.objectives, front.figures), by_chance, middle - start, end - middle))
+            runs.append(
+                (
+                    seed,
+                    losses(optimization.objectives, front.figures),
+                    by_chance,
+                    middle - start,
+                    end - middle,
+                )
+            )
         reference = (0.0, max(float(found[:, 1].max()) for _, found, *_ in runs))
         for seed, found, by_chance, *times in runs:
             area = HV(ref_point=np.array(reference))
@@ -82,7 +93,9 @@ def main() -> None:
                 f"{kind:<20}{seed:>5}{sought:>10.4f}{equal:>10.4f}{many:>10.4f}{sought / many:>9.4f}"
                 f"{times[0]:>10.1f}{times[1]:>10.1f}"
             )
-    print(f"both fronts in {sum(taken.values()):.1f} s; least ratio {min(ratios):.4f}, mean {np.mean(ratios):.4f}")
+    print(
+        f"both fronts in {sum(taken.values()):.1f} s; least ratio {min(ratios):.4f}, mean {np.mean(ratios):.4f}"
+    )
 
 
 if __name__ == "__main__":

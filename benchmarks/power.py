@@ -2,12 +2,14 @@
 
     P = active_power + stall_current x (what the motors draw per ampere of stall current)
 
-The two are fitted to the rows of Table 1 (least squares of relative errors), Table 2 is predicted. Its rows without fin
-look as if the power at rest had been taken off once more; errors are printed with and without that hypothesis.
+The two are fitted to the rows of Table 1 (least squares of relative errors), Table 2 is predicted.
+Its rows without fin look as if the power at rest had been taken off once more; errors are printed
+with and without that hypothesis.
 
     python benchmarks/power.py
 
-Last answer (2026-11-21), errors of Table 1, of rows left out, of Table 2, and of it with the hypothesis:
+Last answer (2026-11-21), errors of Table 1, of rows left out, of Table 2, and of it with the
+hypothesis:
     constant      98.7 W            10.8  11.4  47.8   7.0 %
     prescribed    91.1 W, 0.05 A     9.2  11.3  41.9   2.1 %
     servo         56.9 W, 2.72 A     8.2   9.5  28.4  15.0 %
@@ -48,7 +50,9 @@ def mape(predicted: np.ndarray, measured: np.ndarray) -> float:
 def left_out(columns: np.ndarray, power: np.ndarray) -> float:
     """Error of rows that were not fitted, one at a time."""
     others = [np.arange(power.size) != k for k in range(power.size)]
-    return mape(np.array([columns[k] @ fitted(columns[m], power[m]) for k, m in enumerate(others)]), power)
+    return mape(
+        np.array([columns[k] @ fitted(columns[m], power[m]) for k, m in enumerate(others)]), power
+    )
 
 
 def main() -> None:
@@ -56,7 +60,9 @@ def main() -> None:
     second = path_following_trials()
     of_first, of_second = (np.array([row.mean_power for row in rows]) for rows in (first, second))
     idle = np.array([0.0 if row.has_fin else lc.load_robot("mamba").idle_power for row in second])
-    print("joints, [W], [A]; error of Table 1, of rows left out, of Table 2, of Table 2 with the idle hypothesis [%]")
+    print(
+        "joints, [W], [A]; error of Table 1, of rows left out, of Table 2, of Table 2 with the idle hypothesis [%]"
+    )
     for joints in ("constant", "prescribed", "servo"):
         columns = [np.ones((len(rows), 1)) for rows in (first, second)]
         if joints != "constant":

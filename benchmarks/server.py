@@ -1,8 +1,8 @@
 """How many round trips per second does the server make?
 
-Question: can a controller on the other side of a socket run far faster than the 20 Hz of a control loop? Every request
-is a step of 0.05 s of Mamba in the plane, with another offset; server and client share this machine. From Octave, if it
-is installed with its package instrument-control.
+Question: can a controller on the other side of a socket run far faster than the 20 Hz of a control
+loop? Every request is a step of 0.05 s of Mamba in the plane, with another offset; server and
+client share this machine. From Octave, if it is installed with its package instrument-control.
 """
 
 import itertools
@@ -50,7 +50,9 @@ def from_octave(port: int, joints: str) -> float | None:
     if shutil.which("octave-cli") is None:
         return None
     code = OCTAVE.format(folder=clients_folder() / "matlab", port=port, joints=joints, count=COUNT)
-    done = subprocess.run(["octave-cli", "--quiet", "--eval", code], capture_output=True, text=True, timeout=300)
+    done = subprocess.run(
+        ["octave-cli", "--quiet", "--eval", code], capture_output=True, text=True, timeout=300
+    )
     try:
         return float(done.stdout)
     except ValueError:

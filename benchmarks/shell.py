@@ -1,7 +1,7 @@
 """How long does `laticauda swim` take from the shell, and `import laticauda`?
 
-Question: under 2.5 s once the compiled code is cached, under 20 s the very first time; the import under 0.4 s. Ratios
-are to an empty Python process in the same call.
+Question: under 2.5 s once the compiled code is cached, under 20 s the very first time; the import
+under 0.4 s. Ratios are to an empty Python process in the same call.
 
 Last answer (2 shared cores, AMD EPYC, 2026-11-21):
     python -c pass                          0.01 s
@@ -35,7 +35,10 @@ def main() -> None:
     program = "from laticauda.cli import main; main()"
     empty = wall([sys.executable, "-c", "pass"], 7)
     swim = [sys.executable, "-c", program, *SWIM]
-    rows = [("python -c pass", empty), ("import laticauda", wall([sys.executable, "-c", "import laticauda"], 7))]
+    rows = [
+        ("python -c pass", empty),
+        ("import laticauda", wall([sys.executable, "-c", "import laticauda"], 7)),
+    ]
     with tempfile.TemporaryDirectory() as folder:
         rows.append(("laticauda swim, nothing compiled", wall(swim, 1, NUMBA_CACHE_DIR=folder)))
         rows.append(("laticauda swim, compiled", wall(swim, 5, NUMBA_CACHE_DIR=folder)))

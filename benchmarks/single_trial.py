@@ -1,10 +1,12 @@
 """How fast is one warm 30 s trial of Mamba, and how exact at that speed?
 
-Question: does a prescribed trial take under 2 ms of one core at an error of 1e-6 of the distance, and a pd or servo
-trial under 60 ms at 1e-4? Times are the least of many runs; the ratio is to the same accelerations by the printed
-matrices (`tests/printed_equations.py`, NumPy), as many evaluations as the run makes.
+Question: does a prescribed trial take under 2 ms of one core at an error of 1e-6 of the distance,
+and a pd or servo trial under 60 ms at 1e-4? Times are the least of many runs; the ratio is to the
+same accelerations by the printed matrices (`tests/printed_equations.py`, NumPy), as many
+evaluations as the run makes.
 
-Last answer (2 shared cores, AMD EPYC, 2026-11-21), of the whole public call; the kernel alone takes 1.0 of the 1.4 ms:
+Last answer (2 shared cores, AMD EPYC, 2026-11-21), of the whole public call; the kernel alone takes
+1.0 of the 1.4 ms:
     joints      dt [s]   time [ms]   matrices / kernel   error / distance
     prescribed   0.050         1.4               x 700            3.7e-07
     pd           0.002        11.5               x 690            1.0e-05
@@ -24,7 +26,9 @@ from laticauda.hydrodynamics import link_coefficients
 sys.path.append(str(Path(__file__).parent.parent / "tests"))
 import printed_equations as equations  # the oracle of the tests
 
-GAIT = lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40))
+GAIT = lc.lateral_undulation(
+    amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40)
+)
 STAGES = {"prescribed": 6, "pd": 2, "servo": 2}
 
 
@@ -42,27 +46,45 @@ def least(action: Callable[[], object], runs: int) -> float:
 def matrices_time(robot: lc.Robot, water: lc.Water) -> float:
     """Time of one evaluation by the printed matrices [s]."""
     c = link_coefficients(robot, water)
-    names = ("half_length", "mass", "c_t", "c_n", "mu_t", "mu_n", "lambda_1", "lambda_2", "lambda_3")
+    names = (
+        "half_length",
+        "mass",
+        "c_t",
+        "c_n",
+        "mu_t",
+        "mu_n",
+        "lambda_1",
+        "lambda_2",
+        "lambda_3",
+    )
     inertia = np.array([module.moment_of_inertia for module in robot.modules])
     chain = equations.Chain(inertia=inertia, **{name: getattr(c, name) for name in names})
     n, rng = robot.n_links, np.random.default_rng(0)
     theta, rate, zero = rng.normal(size=n), rng.normal(size=n), np.zeros(n - 1)
     still = np.zeros((n, 2)), np.zeros(n)
     options = equations.Options()
-    return least(lambda: equations.accelerations(theta, rate, np.zeros(2), chain, options, zero, *still), 200)
+    return least(
+        lambda: equations.accelerations(theta, rate, np.zeros(2), chain, options, zero, *still), 200
+    )
 
 
 def main() -> None:
     """Print the table."""
     robot, water = lc.load_robot("mamba"), lc.load_water("paper-lateral")
     one = matrices_time(robot, water)
-    print(f"{'joints':<12}{'dt [s]':>8}{'time [ms]':>12}{'matrices / kernel':>20}{'error / distance':>19}")
+    print(
+        f"{'joints':<12}{'dt [s]':>8}{'time [ms]':>12}{'matrices / kernel':>20}{'error / distance':>19}"
+    )
     for joints, stages in STAGES.items():
         trial = lc.swim(robot, GAIT, environment=water, joints=joints)
         dt = float(trial.settings["dt"])
-        exact = lc.swim(robot, GAIT, environment=water, joints=joints, dt=dt / 32).center_of_mass[-1]
+        exact = lc.swim(robot, GAIT, environment=water, joints=joints, dt=dt / 32).center_of_mass[
+            -1
+        ]
         error = np.linalg.norm(trial.center_of_mass[-1] - exact) / np.linalg.norm(exact)
-        taken = least(lambda joints=joints: lc.swim(robot, GAIT, environment=water, joints=joints), 30)
+        taken = least(
+            lambda joints=joints: lc.swim(robot, GAIT, environment=water, joints=joints), 30
+        )
         ratio = stages * 30.0 / dt * one / taken
         print(f"{joints:<12}{dt:>8.3f}{1e3 * taken:>12.1f}{f'x{ratio:5.0f}':>20}{error:>19.1e}")
 

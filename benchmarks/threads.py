@@ -1,7 +1,7 @@
 """How does a batch scale with threads?
 
-Question: 30 s of a robot of ten links, random gaits; wall time with one thread over that with more, up to all cores.
-Printed: the gain; it needs a quiet machine.
+Question: 30 s of a robot of ten links, random gaits; wall time with one thread over that with more,
+up to all cores. Printed: the gain; it needs a quiet machine.
 """
 
 import time
@@ -22,7 +22,11 @@ def main() -> None:
     for joints, n in TRIALS.items():
         gaits = random_gaits(n)
         walls = [
-            fastest(time.perf_counter, lambda g=gaits, j=joints, k=k: lc.swim_many(robot, g, joints=j, threads=k), 12)
+            fastest(
+                time.perf_counter,
+                lambda g=gaits, j=joints, k=k: lc.swim_many(robot, g, joints=j, threads=k),
+                12,
+            )
             for k in counts
         ]
         print(f"{joints:<12}" + "".join(f"{walls[0] / wall:>12.2f}" for wall in walls))

@@ -1,7 +1,8 @@
 """How does the cost of a batch grow with the number of trials?
 
-Question: 30 s of a robot of ten links with prescribed joints, on all cores: from how many trials on does a trial cost
-what it costs at last? Printed: wall time per trial, and the ratio to that of the largest batch.
+Question: 30 s of a robot of ten links with prescribed joints, on all cores: from how many trials on
+does a trial cost what it costs at last? Printed: wall time per trial, and the ratio to that of the
+largest batch.
 """
 
 import time
@@ -17,7 +18,10 @@ def main() -> None:
     """Print the table."""
     robot, gaits = of_links(10), random_gaits(TRIALS[-1])
     each = {
-        n: fastest(time.perf_counter, lambda n=n: lc.swim_many(robot, gaits[:n]), 20 if n < 1000 else 3) / n
+        n: fastest(
+            time.perf_counter, lambda n=n: lc.swim_many(robot, gaits[:n]), 20 if n < 1000 else 3
+        )
+        / n
         for n in TRIALS
     }
     print(f"{'trials':>8}{'per trial [ms]':>16}{'ratio':>7}")

@@ -58,11 +58,19 @@ WRITERS: dict[str, Job] = {
         files=("run.nc", "run.pdf", "run.toml"),
     ),
     "swim, a film": Job(words="swim --duration 1 --video out/run.mp4", files=("run.mp4",)),
-    "follow": Job(words="follow --duration 2 --save out/run.nc --plot out/run.png", files=("run.nc", "run.png")),
-    "reproduce": Job(
-        words="reproduce --only efficiency --workers 2 --output out", is_cut=True, files=("report.html", "table1.csv")
+    "follow": Job(
+        words="follow --duration 2 --save out/run.nc --plot out/run.png",
+        files=("run.nc", "run.png"),
     ),
-    "sweep": Job(words="sweep --vary amplitude-deg=20:60:300 --duration 2 --output out/sweep", goes_on="sweep"),
+    "reproduce": Job(
+        words="reproduce --only efficiency --workers 2 --output out",
+        is_cut=True,
+        files=("report.html", "table1.csv"),
+    ),
+    "sweep": Job(
+        words="sweep --vary amplitude-deg=20:60:300 --duration 2 --output out/sweep",
+        goes_on="sweep",
+    ),
     "optimize": Job(
         words="optimize --vary amplitude-deg=20:30 --duration 5 --frequency-deg-s 110 --budget 300 --seed 3 "
         "--output out/optimum",
@@ -77,18 +85,29 @@ WRITERS: dict[str, Job] = {
         words="design-experiment --parameters water.normal_drag --sensors speed --trials 1 --output out/plan.png",
         files=("plan.png",),
     ),
-    "view, a picture": Job(words="view run.nc --still out/run.png --size 64 64", files=("run.png",)),
-    "view, a film": Job(words="view run.nc --video out/run.mp4 --size 64 64 --fps 5 --to 0.4", files=("run.mp4",)),
+    "view, a picture": Job(
+        words="view run.nc --still out/run.png --size 64 64", files=("run.png",)
+    ),
+    "view, a film": Job(
+        words="view run.nc --video out/run.mp4 --size 64 64 --fps 5 --to 0.4", files=("run.mp4",)
+    ),
     "export mjcf": Job(words="export mjcf --output out/robot.xml", files=("robot.xml",)),
     "export urdf": Job(words="export urdf --output out/robot.urdf", files=("robot.urdf",)),
     "export fmu": Job(words="export fmu --output out/robot.fmu", files=("robot.fmu",)),
     "export c": Job(words="export c --output out/robot.h", files=("robot.h",)),
     "export web": Job(words="export web --output out", files=("index.html",)),
     "lab": Job(words="lab --duration 1 --port 0 --save out/run.nc", files=("run.nc",)),
-    "operate": Job(words="operate operation.toml --no-dashboard --output out", files=("run.nc",), is_cut=True),
+    "operate": Job(
+        words="operate operation.toml --no-dashboard --output out", files=("run.nc",), is_cut=True
+    ),
     "replay": Job(words="replay run.mcap --save out/run.nc", files=("run.nc",)),
-    "trial plot": Job(words="trial plot run.nc run-0.nc --output out/plot.svg", files=("plot.svg",)),
-    **{f"trial convert, {ending}": _converted(ending) for ending in ("nc", "csv", "mat", "mcap", "parquet")},
+    "trial plot": Job(
+        words="trial plot run.nc run-0.nc --output out/plot.svg", files=("plot.svg",)
+    ),
+    **{
+        f"trial convert, {ending}": _converted(ending)
+        for ending in ("nc", "csv", "mat", "mcap", "parquet")
+    },
 }
 """The commands that write, in every way in which they do."""
 OTHERS: dict[str, Job] = {
@@ -138,7 +157,9 @@ def lay(folder: Path, job: Job) -> dict[str, bytes]:
         shutil.copytree(folder / job.goes_on, out, dirs_exist_ok=True)
     for name in (*job.files, "other.txt"):
         (out / name).write_bytes(f"an older {name}".encode() * 50)
-    return {str(file.relative_to(out)): file.read_bytes() for file in out.rglob("*") if file.is_file()}
+    return {
+        str(file.relative_to(out)): file.read_bytes() for file in out.rglob("*") if file.is_file()
+    }
 
 
 def harm(out: Path, older: dict[str, bytes], job: Job, *, is_whole: bool) -> str:
@@ -153,8 +174,13 @@ def harm(out: Path, older: dict[str, bytes], job: Job, *, is_whole: bool) -> str
     for name, content in older.items():
         if not (out / name).is_file():
             return f"{name} is gone"
-        now, is_own = (out / name).read_bytes(), bool(job.goes_on) and name.startswith(f"{job.goes_on}/")
-        if now != content and (is_whole or not (name in job.files or is_own) or now == content[: len(now)]):
+        now, is_own = (
+            (out / name).read_bytes(),
+            bool(job.goes_on) and name.startswith(f"{job.goes_on}/"),
+        )
+        if now != content and (
+            is_whole or not (name in job.files or is_own) or now == content[: len(now)]
+        ):
             return f"{name} is another one"
     return ""
 
@@ -181,7 +207,10 @@ class Answers:
         """Keep an answer beside those of other jobs; None leaves what there was, or "not tried"."""
         kept = self.read()
         before = kept.get(str(row[0]), dict.fromkeys(self.columns, "not tried"))
-        new = {name: before[name] if one is None else str(one) for name, one in zip(self.columns, row, strict=True)}
+        new = {
+            name: before[name] if one is None else str(one)
+            for name, one in zip(self.columns, row, strict=True)
+        }
         rows = kept | {str(row[0]): new}
         with self.file.open("w", newline="") as file:
             table = csv.DictWriter(file, self.columns, lineterminator="\n")

@@ -1,10 +1,11 @@
 """Mutants of a Python file for campaigns/mutants.py: the same text with one small fault in it.
 
-The faults are the usual ones: a comparison that lets its edge in, or out, or is the wrong way round; `and` for `or`; a
-condition, a flag or a sign turned round; an arithmetic operator for its opposite; a number that is one more or less;
-min for max, all for any; an absolute value that is left out; a call, an assignment to a part of something or a `raise`
-that is left out; nothing returned instead of something; the next turn of a loop for its end. Texts, annotations,
-decorators, assertions (also the `strict` of zip) and what only type checkers read stay as they are.
+The faults are the usual ones: a comparison that lets its edge in, or out, or is the wrong way
+round; `and` for `or`; a condition, a flag or a sign turned round; an arithmetic operator for its
+opposite; a number that is one more or less; min for max, all for any; an absolute value that is
+left out; a call, an assignment to a part of something or a `raise` that is left out; nothing
+returned instead of something; the next turn of a loop for its end. Texts, annotations, decorators,
+assertions (also the `strict` of zip) and what only type checkers read stay as they are.
 """
 
 import ast
@@ -14,15 +15,35 @@ from typing import Any
 
 EDGES = {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt}
 OPPOSITES: dict[type[ast.cmpop], type[ast.cmpop]] = {
-    **{ast.Lt: ast.GtE, ast.GtE: ast.Lt, ast.Gt: ast.LtE, ast.LtE: ast.Gt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq},
+    **{
+        ast.Lt: ast.GtE,
+        ast.GtE: ast.Lt,
+        ast.Gt: ast.LtE,
+        ast.LtE: ast.Gt,
+        ast.Eq: ast.NotEq,
+        ast.NotEq: ast.Eq,
+    },
     **{ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.In: ast.NotIn, ast.NotIn: ast.In},
 }
 ARITHMETIC: dict[type[ast.operator], type[ast.operator]] = {
-    **{ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.FloorDiv: ast.Div},
+    **{
+        ast.Add: ast.Sub,
+        ast.Sub: ast.Add,
+        ast.Mult: ast.Div,
+        ast.Div: ast.Mult,
+        ast.FloorDiv: ast.Div,
+    },
     **{ast.Mod: ast.Mult, ast.Pow: ast.Mult, ast.LShift: ast.RShift, ast.RShift: ast.LShift},
     **{ast.BitAnd: ast.BitOr, ast.BitOr: ast.BitAnd},
 }
-NAMES = {"min": "max", "max": "min", "any": "all", "all": "any", "minimum": "maximum", "maximum": "minimum"}
+NAMES = {
+    "min": "max",
+    "max": "min",
+    "any": "all",
+    "all": "any",
+    "minimum": "maximum",
+    "maximum": "minimum",
+}
 TYPING = ("Literal", "Annotated", "TypeVar", "cast")
 
 
@@ -86,7 +107,13 @@ def _faults(node: ast.AST, place: _Place) -> Iterator[Fault]:
             within = place.inside(child)
             for new in _of_expression(child) if isinstance(child, ast.expr) else ():
                 if within.holder is None or child is within.holder:
-                    yield place, child, ast.unparse(new) if isinstance(new, ast.Constant) else f"({ast.unparse(new)})"
+                    yield (
+                        place,
+                        child,
+                        ast.unparse(new)
+                        if isinstance(new, ast.Constant)
+                        else f"({ast.unparse(new)})",
+                    )
                 else:  # where a part of such a text stands is not known before Python 3.12: it is written as a whole
                     swap(new)
                     yield place, within.holder, ast.unparse(within.holder)
@@ -116,7 +143,9 @@ def _children(node: ast.AST, field: str, value: Any) -> Iterator[tuple[ast.AST, 
 
 def _is_for_checkers(node: ast.AST) -> bool:
     """Whether a node only says something to people or to checkers of types."""
-    if (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)) or getattr(node, "arg", "") == "strict":
+    if (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)) or getattr(
+        node, "arg", ""
+    ) == "strict":
         return True
     if isinstance(node, ast.Assert | ast.Import | ast.ImportFrom | ast.pattern | ast.arguments):
         return True
@@ -124,7 +153,13 @@ def _is_for_checkers(node: ast.AST) -> bool:
         return isinstance(node.annotation, ast.Name) and node.annotation.id == "TypeAlias"
     if isinstance(node, ast.If):
         return isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"
-    called = node.func if isinstance(node, ast.Call) else node.value if isinstance(node, ast.Subscript) else None
+    called = (
+        node.func
+        if isinstance(node, ast.Call)
+        else node.value
+        if isinstance(node, ast.Subscript)
+        else None
+    )
     return isinstance(called, ast.Name) and called.id in TYPING
 
 
@@ -147,7 +182,9 @@ def _of_expression(node: ast.expr) -> Iterator[ast.expr]:
         case ast.Constant(value=int() | float() as number):
             yield ast.Constant(number + 1)
             yield ast.Constant(number - 1)
-        case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)) if name in ("abs", "absolute") and node.args:
+        case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)) if (
+            name in ("abs", "absolute") and node.args
+        ):
             yield node.args[0]
         case ast.Name(id=name) if name in NAMES:
             yield ast.Name(NAMES[name])
@@ -160,12 +197,17 @@ def _is_union(node: ast.BinOp) -> bool:
     if not isinstance(node.op, ast.BitOr):
         return False
     ends = [ast.unparse(one).split("[")[0].split(".")[-1] for one in (node.left, node.right)]
-    return any(end[:1].isupper() or end in ("None", "int", "float", "bool", "str", "list", "tuple") for end in ends)
+    return any(
+        end[:1].isupper() or end in ("None", "int", "float", "bool", "str", "list", "tuple")
+        for end in ends
+    )
 
 
 def _of_statement(node: ast.stmt) -> Iterator[str]:
     match node:
-        case ast.Return(value=ast.expr() as value) if not (isinstance(value, ast.Constant) and value.value is None):
+        case ast.Return(value=ast.expr() as value) if not (
+            isinstance(value, ast.Constant) and value.value is None
+        ):
             yield "return None"
         case ast.Expr(value=ast.Call()) | ast.Raise() | ast.AugAssign():
             yield "pass"
@@ -182,10 +224,17 @@ def _mutant(lines: list[bytes], place: _Place, node: Any, new: str) -> Mutant:
     head, tail = lines[begin][: node.col_offset], lines[end][node.end_col_offset :]
     changed = head + new.encode() + tail
     text = b"".join(
-        [*lines[:begin], changed, b"\n" * (end - begin) if tail.endswith(b"\n") else b"", *lines[end + 1 :]]
+        [
+            *lines[:begin],
+            changed,
+            b"\n" * (end - begin) if tail.endswith(b"\n") else b"",
+            *lines[end + 1 :],
+        ]
     )
     outer = place.outer
-    first = 0 if outer is None else min([outer.lineno, *(one.lineno for one in outer.decorator_list)])
+    first = (
+        0 if outer is None else min([outer.lineno, *(one.lineno for one in outer.decorator_list)])
+    )
     return Mutant(
         function=place.qualified,
         line=node.lineno,

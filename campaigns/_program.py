@@ -2,8 +2,9 @@
 
     python campaigns/_program.py [--cut] WORDS...
 
-Cut down, `reproduce` repeats a part of the paper with two workers and one figure per study, `operate` has the virtual
-tank in its own process, and of `sweep` the regions are smaller; `recorded SECONDS` is an operation without wires.
+Cut down, `reproduce` repeats a part of the paper with two workers and one figure per study,
+`operate` has the virtual tank in its own process, and of `sweep` the regions are smaller;
+`recorded SECONDS` is an operation without wires.
 """
 
 import contextlib
@@ -37,7 +38,9 @@ class Forked:
         is_bound: Whether rights hold for it, as they do not for root.
     """
 
-    def __init__(self, words: str, folder: Path, *, is_cut: bool = False, is_bound: bool = False) -> None:
+    def __init__(
+        self, words: str, folder: Path, *, is_cut: bool = False, is_bound: bool = False
+    ) -> None:
         self._told, self._modules = tempfile.TemporaryFile(), tempfile.TemporaryFile("w+")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # of threads, which no child misses
@@ -58,11 +61,18 @@ class Forked:
         """Be a process of its own."""
         os.setsid()
         os.chdir(folder)
-        for place, number in ((os.open(os.devnull, os.O_RDWR), (0, 1)), (self._told.fileno(), (2,))):
+        for place, number in (
+            (os.open(os.devnull, os.O_RDWR), (0, 1)),
+            (self._told.fileno(), (2,)),
+        ):
             for one in number:
                 os.dup2(place, one)
-        sys.stdout, sys.stderr = (os.fdopen(number, "w", buffering=1, closefd=False) for number in (1, 2))
-        if is_bound:  # all capabilities are given up; those to write anywhere are lost to its children, too
+        sys.stdout, sys.stderr = (
+            os.fdopen(number, "w", buffering=1, closefd=False) for number in (1, 2)
+        )
+        if (
+            is_bound
+        ):  # all capabilities are given up; those to write anywhere are lost to its children, too
             system = ctypes.CDLL(None)
             for override in (1, 2):
                 system.prctl(24, override, 0, 0, 0)
@@ -93,13 +103,15 @@ def left_over_of(session: int) -> int:
     """How many processes there are in a session, after some time to end; those that nobody waits for do not count."""
     n, until = 1, time.monotonic() + 10.0
     while n and time.monotonic() < until:
-        listed = subprocess.run(["ps", "-o", "stat=", "-s", str(session)], capture_output=True, text=True).stdout
+        listed = subprocess.run(
+            ["ps", "-o", "stat=", "-s", str(session)], capture_output=True, text=True
+        ).stdout
         n = sum(not state.startswith("Z") for state in listed.split())
         time.sleep(0.05 if n else 0.0)
     return n
 
 
-# ---- the program ---------------------------------------------------------------------------------------------------
+# ---- the program ---------------------------------------------------------------------------------
 
 
 def recorded(folder: Path, duration: float) -> None:
@@ -137,7 +149,9 @@ def do_part(*args: Any) -> Any:
 
         return short
 
-    module.CHAPTERS = {name: (title, shortened(chapter)) for name, (title, chapter) in module.CHAPTERS.items()}
+    module.CHAPTERS = {
+        name: (title, shortened(chapter)) for name, (title, chapter) in module.CHAPTERS.items()
+    }
     return getattr(module, "_do_all", module._do)(*args)
 
 

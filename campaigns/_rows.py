@@ -16,15 +16,23 @@ def stored(path: Path, kind: Any) -> list[Any]:
         return []
     kinds = {field.name: field.type for field in fields(kind)}
     with path.open(newline="") as file:
-        return [kind(**{name: kinds[name](text) for name, text in row.items()}) for row in csv.DictReader(file)]
+        return [
+            kind(**{name: kinds[name](text) for name, text in row.items()})
+            for row in csv.DictReader(file)
+        ]
 
 
 def gone_on(
-    path: Path, kind: Any, jobs: Iterable[tuple[str, int]], run_one: Callable[[str, int], Any], workers: int = 1
+    path: Path,
+    kind: Any,
+    jobs: Iterable[tuple[str, int]],
+    run_one: Callable[[str, int], Any],
+    workers: int = 1,
 ) -> list[Any]:
     """The rows in a file, after the jobs, fault and seed, that it has not yet; each is kept as soon as it is done.
 
-    With several workers rows stay in the order of the jobs; what a worker is ahead is lost when it is stopped.
+    With several workers rows stay in the order of the jobs; what a worker is ahead is lost when it
+    is stopped.
     """
     rows = stored(path, kind)
     done = {(row.fault, row.seed) for row in rows}

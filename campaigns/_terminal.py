@@ -26,21 +26,38 @@ class Running:
     """
 
     def __init__(self, words: str, folder: Path, *, is_cut: bool = False) -> None:
-        if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell starts its background jobs, and theirs, deaf
+        if (
+            signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+        ):  # a shell starts its background jobs, and theirs, deaf
             signal.signal(signal.SIGINT, signal.default_int_handler)
-        run = ["setsid", "--ctty", sys.executable, _program.__file__, *(["--cut"] if is_cut else []), *words.split()]
+        run = [
+            "setsid",
+            "--ctty",
+            sys.executable,
+            _program.__file__,
+            *(["--cut"] if is_cut else []),
+            *words.split(),
+        ]
         self.ended = math.inf
         """When it has ended, by the clock `time.monotonic` [s]."""
         self._terminal, inner = pty.openpty()
         how = termios.tcgetattr(inner)
         how[3] |= termios.NOFLSH  # Ctrl-C does not take away what was said before
         termios.tcsetattr(inner, termios.TCSANOW, how)
-        self._process = subprocess.Popen(run, cwd=folder, stdin=inner, stdout=subprocess.PIPE, stderr=inner)
+        self._process = subprocess.Popen(
+            run, cwd=folder, stdin=inner, stdout=subprocess.PIPE, stderr=inner
+        )
         os.close(inner)
         assert self._process.stdout is not None
         places = {"out": self._process.stdout.fileno(), "err": self._terminal}
-        self._told, self._news, self._is_over = dict.fromkeys(places, b""), threading.Condition(), False
-        self._readers = [threading.Thread(target=self._read, args=place, daemon=True) for place in places.items()]
+        self._told, self._news, self._is_over = (
+            dict.fromkeys(places, b""),
+            threading.Condition(),
+            False,
+        )
+        self._readers = [
+            threading.Thread(target=self._read, args=place, daemon=True) for place in places.items()
+        ]
         for reader in self._readers:
             reader.start()
 
@@ -60,7 +77,9 @@ class Running:
     def wait_for(self, lines: int) -> None:
         """Wait until so many lines are on standard output, or the end of the program; the first says "begun"."""
         with self._news:
-            self._news.wait_for(lambda: self._told["out"].count(b"\n") >= lines or self._is_over, PATIENCE)
+            self._news.wait_for(
+                lambda: self._told["out"].count(b"\n") >= lines or self._is_over, PATIENCE
+            )
 
     def interrupt(self) -> None:
         """Press Ctrl-C."""

@@ -1,12 +1,14 @@
 """Is an accepted run right? What is noticed of it when something is wrong with robot, cameras or water, and how often
 is something seen that is not there?
 
-Question: an operation of 40 s in the virtual tank, in which one thing goes wrong at a random moment after the first
-cycle: a jammed joint, a weak one, a zero that slips by 5 deg, a lost fin, cameras that take another body for the
-robot's or whose clock drifts, a marker body that turns by 5 deg, water that begins to move. Which check of the verdict
-says so, and how long after? And of good runs, of three gaits and robots, open loop and along a path, at 20, 50 and 100
-Hz: how many are rejected, and how near does each check come to its limit? The tank of good runs takes steps of 10 ms,
-so that a joint may have ended its own before it is asked. It is stepped, so a seed always gives the same run.
+Question: an operation of 40 s in the virtual tank, in which one thing goes wrong at a random moment
+after the first cycle: a jammed joint, a weak one, a zero that slips by 5 deg, a lost fin, cameras
+that take another body for the robot's or whose clock drifts, a marker body that turns by 5 deg,
+water that begins to move. Which check of the verdict says so, and how long after? And of good runs,
+of three gaits and robots, open loop and along a path, at 20, 50 and 100 Hz: how many are rejected,
+and how near does each check come to its limit? The tank of good runs takes steps of 10 ms, so that
+a joint may have ended its own before it is asked. It is stepped, so a seed always gives the same
+run.
 
     python campaigns/accepted.py --runs 20           # of each fault
     python campaigns/accepted.py --hours 10          # of good runs; goes on where accepted.csv ends
@@ -96,7 +98,9 @@ def run_one(fault: str, seed: int) -> Row:
     what = operation(chance, fault)
     robot = what.body()
     plant = lc.plant(robot, what.pool(), joints="servo")
-    start = lc.Start(center_of_mass=(0.0, chance.uniform(-0.3, 0.3)), heading=chance.uniform(-0.2, 0.2))
+    start = lc.Start(
+        center_of_mass=(0.0, chance.uniform(-0.3, 0.3)), heading=chance.uniform(-0.2, 0.2)
+    )
     step = 0.02 if fault else 0.01  # of the tank [s]
     tank = Tank(VirtualRobot(robot, plant, start), LabSettings(seed=seed, step=step))
     begun: list[float] = []
@@ -113,11 +117,19 @@ def run_one(fault: str, seed: int) -> Row:
 
     with tempfile.TemporaryDirectory() as folder:
         done = operate(what, Path(folder), tank=tank, twin=plant, show=show, frames=False)
-    words = f"{what.robot} {what.gait.kind} {'path' if what.following else 'open'} {what.rate:.0f} Hz"
-    if done.verdict is None or (not done.accepted and not done.reason.startswith("The run failed a check")):
+    words = (
+        f"{what.robot} {what.gait.kind} {'path' if what.following else 'open'} {what.rate:.0f} Hz"
+    )
+    if done.verdict is None or (
+        not done.accepted and not done.reason.startswith("The run failed a check")
+    ):
         return Row(fault, seed, words, "stopped", done.reason, math.nan, "")
     word = "noted" if done.accepted else "WRONG"
-    first = min((one for one in done.verdict.checks if one.word == word), key=lambda one: one.since, default=None)
+    first = min(
+        (one for one in done.verdict.checks if one.word == word),
+        key=lambda one: one.since,
+        default=None,
+    )
     return Row(
         fault,
         seed,
@@ -125,18 +137,24 @@ def run_one(fault: str, seed: int) -> Row:
         "accepted" if done.accepted else "rejected",
         first.name if first else "",
         round(first.since - wait, 2) if first else math.nan,
-        " ".join(f"{one.name}={one.share:.2f}" for one in done.verdict.checks if one.share is not None),
+        " ".join(
+            f"{one.name}={one.share:.2f}" for one in done.verdict.checks if one.share is not None
+        ),
     )
 
 
 def table(rows: list[Row]) -> str:
     """How many were noticed and when, how many good ones were not accepted, and the shares of limits they used."""
-    lines = [f"{'fault':<28}{'runs':>6}{'rejected':>10}{'stopped':>9}{'noted':>7}{'after [s], median (most)':>27}  by"]
+    lines = [
+        f"{'fault':<28}{'runs':>6}{'rejected':>10}{'stopped':>9}{'noted':>7}{'after [s], median (most)':>27}  by"
+    ]
     for fault in FAULTS:
         found = [row for row in rows if row.fault == fault]
         if not found:
             continue
-        rejected, stopped = ([row for row in found if row.outcome == word] for word in ("rejected", "stopped"))
+        rejected, stopped = (
+            [row for row in found if row.outcome == word] for word in ("rejected", "stopped")
+        )
         noted = sum(row.outcome == "accepted" and bool(row.by) for row in found)
         after = sorted(row.after for row in rejected)
         times = f"{median(after):.0f} ({after[-1]:.0f})" if after else "-"
@@ -151,7 +169,10 @@ def table(rows: list[Row]) -> str:
     lines += [f"    {row.what}, seed {row.seed}: {row.outcome} by {row.by}" for row in bad]
     for name in Acceptance.__dataclass_fields__:
         shares = [
-            float(part.split("=")[1]) for row in good for part in row.shares.split() if part.startswith(f"{name}=")
+            float(part.split("=")[1])
+            for row in good
+            for part in row.shares.split()
+            if part.startswith(f"{name}=")
         ]
         if shares:
             lines.append(

@@ -1,7 +1,8 @@
 """AmphiBot's run 1: a real robot that nobody fitted, simulated from its measured joint angles.
 
-The joints do what they did (`amphibot-1`, prescribed), the water is the textbook's, and nothing is fitted. What comes
-out stands beside what two cameras saw, and beside models without hydrodynamics, with numbers from the literature.
+The joints do what they did (`amphibot-1`, prescribed), the water is the textbook's, and nothing is
+fitted. What comes out stands beside what two cameras saw, and beside models without hydrodynamics,
+with numbers from the literature.
 
 python campaigns/amphibot.py
 """
@@ -20,7 +21,11 @@ from laticauda.simulate import spread, stated
 from laticauda.trial.markers import Track, marker_distance, marker_places
 
 LINK = 0.0965  # m
-ALONG = [0.6245] + [at for k in range(6, 1, -1) for at in (k * LINK, k * LINK - 0.0545)] + [LINK, LINK - 0.053]
+ALONG = (
+    [0.6245]
+    + [at for k in range(6, 1, -1) for at in (k * LINK, k * LINK - 0.0545)]
+    + [LINK, LINK - 0.053]
+)
 """Of the 13 LEDs, head first: distance from the tail end along the straight body [m]."""
 FREQUENCY = 1.347  # Hz, from the LEDs
 SPANS = {
@@ -49,7 +54,13 @@ def textbook(**changes: Any) -> lc.Water:
 def swum(water: lc.Water, **changes: Any) -> lc.Trial:
     """The run: 13 s from straight and at rest; `changes` are those of `laticauda.swim`."""
     gait = lc.recorded_gait(lc.load_joint_angles("amphibot-1"))
-    return lc.swim("amphibot", gait, 13.0, environment=water, **{"dt": 0.005, "sample_interval": 0.02, **changes})
+    return lc.swim(
+        "amphibot",
+        gait,
+        13.0,
+        environment=water,
+        **{"dt": 0.005, "sample_interval": 0.02, **changes},
+    )
 
 
 def track() -> Track:
@@ -62,7 +73,9 @@ def steady(time: np.ndarray, place: np.ndarray, begin: float, end: float) -> flo
     now = (time >= begin) & (time <= end)
     t, w = time[now], 2.0 * math.pi * FREQUENCY
     columns = [np.ones_like(t), t, *(wave(k * w * t) for k in (1, 2) for wave in (np.sin, np.cos))]
-    return float(np.hypot(*np.linalg.lstsq(np.stack(columns, axis=1), place[now], rcond=None)[0][1]))
+    return float(
+        np.hypot(*np.linalg.lstsq(np.stack(columns, axis=1), place[now], rcond=None)[0][1])
+    )
 
 
 def along_body(time: np.ndarray, markers: np.ndarray, begin: float, end: float) -> float:
@@ -84,7 +97,9 @@ def figures(trial: lc.Trial) -> dict[str, float]:
     markers = marker_places(trial, ALONG)
     middle = markers.mean(axis=1)
     found = {
-        name: steady(trial.time, middle, a, b) if name.startswith("swim") else along_body(trial.time, markers, a, b)
+        name: steady(trial.time, middle, a, b)
+        if name.startswith("swim")
+        else along_body(trial.time, markers, a, b)
         for name, (a, b, _) in SPANS.items()
     }
     return {**found, "start": came(trial.time, middle)}
@@ -93,13 +108,19 @@ def figures(trial: lc.Trial) -> dict[str, float]:
 def measured() -> dict[str, float]:
     """The same of the real robot."""
     seen = track()
-    return {**{name: speed for name, (_, _, speed) in SPANS.items()}, "start": came(seen.time, seen.place.mean(axis=1))}
+    return {
+        **{name: speed for name, (_, _, speed) in SPANS.items()},
+        "start": came(seen.time, seen.place.mean(axis=1)),
+    }
 
 
 def stated_intervals(trial: lc.Trial) -> dict[str, tuple[float, float]]:
     """Between what the figures lie, by what is known of the coefficients and by what the model missed such motion."""
     kinds = {"swim": "swimming", "glide": "gliding", "start": "starting"}
-    return {name: stated(one, kinds[name.split()[0]]) for name, one in spread(trial, figures=figures).items()}
+    return {
+        name: stated(one, kinds[name.split()[0]])
+        for name, one in spread(trial, figures=figures).items()
+    }
 
 
 def null_models() -> dict[str, dict[str, float]]:
@@ -107,12 +128,19 @@ def null_models() -> dict[str, dict[str, float]]:
     robot, tail = lc.load_robot("amphibot"), 2.0 * 0.092  # m, from side to side, of the last LED
     a, b = robot.modules[0].section.half_height, robot.modules[0].section.half_width
     decay = 0.5 * 1000.0 * COAST * math.pi * robot.length * (a + b) / robot.mass  # 1/m
-    stop, speed = 8.03, SPANS["swim 2"][2]  # the glide begins with the speed of the swim, and no wave
+    stop, speed = (
+        8.03,
+        SPANS["swim 2"][2],
+    )  # the glide begins with the speed of the swim, and no wave
 
     def come(t: float) -> float:
         return math.log1p(speed * decay * (t - stop)) / decay
 
-    coast = {name: (come(b) - come(a)) / (b - a) for name, (a, b, _) in SPANS.items() if name.startswith("glide")}
+    coast = {
+        name: (come(b) - come(a)) / (b - a)
+        for name, (a, b, _) in SPANS.items()
+        if name.startswith("glide")
+    }
     swims = [name for name in SPANS if name.startswith("swim")]
     return {
         f"stride of {STRIDE} body lengths": dict.fromkeys(swims, STRIDE * robot.length * FREQUENCY),
@@ -124,7 +152,10 @@ def null_models() -> dict[str, dict[str, float]]:
 def row(words: str, found: Mapping[str, float], real: Mapping[str, float]) -> str:
     """A line of the table: values, and by how many percent they miss."""
     cells = [
-        f"{found[name]:.3f} ({100 * (found[name] / real[name] - 1):+4.0f} %)" if name in found else "" for name in real
+        f"{found[name]:.3f} ({100 * (found[name] / real[name] - 1):+4.0f} %)"
+        if name in found
+        else ""
+        for name in real
     ]
     return f"{words:34}" + "".join(f"{cell:>16}" for cell in cells)
 
@@ -135,17 +166,29 @@ def main() -> None:
     print(" " * 34 + "".join(f"{name:>16}" for name in real))
     print(f"{'measured [m/s, m]':34}" + "".join(f"{one:>16.3f}" for one in real.values()))
     bare = {"textbook, no shed edge": textbook(trailing_edge="none")}
-    waters = {f"textbook, beta {beta}": textbook(drag=lc.TotalSpeedDrag(beta=beta)) for beta in (0.5, 0.0, 1.0)}
+    waters = {
+        f"textbook, beta {beta}": textbook(drag=lc.TotalSpeedDrag(beta=beta))
+        for beta in (0.5, 0.0, 1.0)
+    }
     for name, water in {**waters, **bare, "paper-lateral": lc.load_water("paper-lateral")}.items():
         trial = swum(water)
         time, gap = marker_distance(trial, seen, ALONG, fitted=(0.4, 1.1))
-        print(row(name, figures(trial), real), f"  LEDs {1000 * np.interp(4.5, time, gap):.0f} mm apart at 4.5 s")
+        print(
+            row(name, figures(trial), real),
+            f"  LEDs {1000 * np.interp(4.5, time, gap):.0f} mm apart at 4.5 s",
+        )
     for name, found in null_models().items():
         print(row(name, found, real))
     trial = swum(textbook())
-    ranges = {"coefficients in their intervals": spread(trial, figures=figures), "stated": stated_intervals(trial)}
+    ranges = {
+        "coefficients in their intervals": spread(trial, figures=figures),
+        "stated": stated_intervals(trial),
+    }
     for words, found in ranges.items():
-        print(f"{words:34}" + "".join(f"{f'{low:.3f} to {high:.3f}':>16}" for low, high in found.values()))
+        print(
+            f"{words:34}"
+            + "".join(f"{f'{low:.3f} to {high:.3f}':>16}" for low, high in found.values())
+        )
 
 
 if __name__ == "__main__":

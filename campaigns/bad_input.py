@@ -1,15 +1,16 @@
 """Does any bad input end in a traceback, a figure that is not finite, a message that names nothing, or a full memory?
 
-Property style: a seed draws inputs of each kind, and each is tried in a child process of its own with 6 GB more than
-its parent and 60 s of a core. What is refused has to be refused in one sentence that names the place; what is
-accepted has to come to finite figures, or to a run that says that it diverged; and no warning of numpy may reach the
-shell.
+Property style: a seed draws inputs of each kind, and each is tried in a child process of its own
+with 6 GB more than its parent and 60 s of a core. What is refused has to be refused in one sentence
+that names the place; what is accepted has to come to finite figures, or to a run that says that it
+diverged; and no warning of numpy may reach the shell.
 
     python campaigns/bad_input.py [--seed N] [--count N] [--only KIND ...]
 
-Last answer (seed 11): flags, paths, texts, lists, columns and tasks 0 faults of 100 each; seed 7: exports 0 of 8, and
-folders 0 of 8. What they found before is in the changelog. Calls of seeds 11 and 21 (cut off) found `Grid`, `Resumed`,
-`check_waves`, `from_frame` and functions of `compiling`, as `for_python(range)`, which are mended.
+Last answer (seed 11): flags, paths, texts, lists, columns and tasks 0 faults of 100 each; seed 7:
+exports 0 of 8, and folders 0 of 8. What they found before is in the changelog. Calls of seeds 11
+and 21 (cut off) found `Grid`, `Resumed`, `check_waves`, `from_frame` and functions of `compiling`,
+as `for_python(range)`, which are mended.
 """
 
 import argparse
@@ -43,7 +44,9 @@ from laticauda.errors import LaticaudaError
 GIGABYTES, SECONDS = 6, 60
 ROBOTS = ("mamba", "mamba-fin", "mamba-thruster")
 HUGE = 10**9
-PACKAGES = tuple(one.name for one in pkgutil.iter_modules(lc.__path__) if one.ispkg and one.name != "cli")
+PACKAGES = tuple(
+    one.name for one in pkgutil.iter_modules(lc.__path__) if one.ispkg and one.name != "cli"
+)
 MODULES = ("hydrodynamics", "interfaces", "kinematics")  # that users import as they are
 
 
@@ -56,7 +59,7 @@ class Case(NamedTuple):
     """Tries it in a folder of its own, and returns what is wrong with what came; "" for nothing."""
 
 
-# ---- what happens to a case ------------------------------------------------------------------------------------------
+# ---- what happens to a case ----------------------------------------------------------------------
 
 
 def tried(case: Case) -> str:
@@ -116,20 +119,25 @@ def call(function: Callable[..., Any], given: dict[str, Any], name: str) -> Call
     """Call something with one bad argument: it works, or a ValueError or one of our own errors says which."""
 
     def work() -> str:
-        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()) as err:
+        with (
+            contextlib.redirect_stdout(io.StringIO()),
+            contextlib.redirect_stderr(io.StringIO()) as err,
+        ):
             try:
                 function(**given)
             except (ValueError, LaticaudaError) as error:
                 return "" if str(error).strip() else f"{type(error).__name__} says nothing"
             except TypeError as error:
-                if not re.search(r"missing \d+ required|unexpected keyword", str(error)):  # said well by Python
+                if not re.search(
+                    r"missing \d+ required|unexpected keyword", str(error)
+                ):  # said well by Python
                     raise
         return "" if "Warning:" not in err.getvalue() else err.getvalue()[-300:]
 
     return work
 
 
-# ---- kinds of bad input ----------------------------------------------------------------------------------------------
+# ---- kinds of bad input --------------------------------------------------------------------------
 
 WORDS = (
     "-1",
@@ -162,7 +170,17 @@ TYPED = (
     ("cockpit", "--port", "-1"),
 )  # fmt: skip
 NUMBERS = (
-    *("duration", "sample-interval", "dt", "density", "normal-drag", "added-mass", "depth", "current", "n-links"),
+    *(
+        "duration",
+        "sample-interval",
+        "dt",
+        "density",
+        "normal-drag",
+        "added-mass",
+        "depth",
+        "current",
+        "n-links",
+    ),
     *("heading-deg", "amplitude-deg"),
 )
 
@@ -174,13 +192,19 @@ def flags(rng: random.Random) -> Iterator[Case]:
         flag = rng.choice([*FLAGS, *(f"--{name}" for name in NUMBERS)])
         extra = [word, *rng.choices(WORDS, k=rng.choice((0, 0, 1, 3)))]
         names = (flag, "Unrecognized", "Missing", "--", word or "--")
-        yield Case("flags", " ".join([*command, flag, *extra]), shell(*command, flag, *extra, names=names))
+        yield Case(
+            "flags", " ".join([*command, flag, *extra]), shell(*command, flag, *extra, names=names)
+        )
 
 
 def _nested(rng: random.Random) -> str:
     depth = rng.choice((50, 2000, 100_000))
     return rng.choice(
-        ("a = " + "[" * depth + "]" * depth, "a = " + "{b = " * depth + "1" + "}" * depth, "[" + "a." * depth + "b]")
+        (
+            "a = " + "[" * depth + "]" * depth,
+            "a = " + "{b = " * depth + "1" + "}" * depth,
+            "[" + "a." * depth + "b]",
+        )
     )
 
 
@@ -209,7 +233,17 @@ FILES = (
 
 
 PATHS = (
-    *("/dev/zero", "/dev/null", "/dev/urandom", "/", ".", "\udcff.toml", "a" * 300, "s3://a/b.nc", "memory://b"),
+    *(
+        "/dev/zero",
+        "/dev/null",
+        "/dev/urandom",
+        "/",
+        ".",
+        "\udcff.toml",
+        "a" * 300,
+        "s3://a/b.nc",
+        "memory://b",
+    ),
     *("pipe.toml", "pipe.nc"),
 )
 
@@ -224,7 +258,9 @@ def paths(rng: random.Random) -> Iterator[Case]:
             Path("good.csv").write_text("t,x\n0,1\n1,2\n")
             if path.startswith("pipe"):
                 os.mkfifo(path)
-                if os.fork() == 0:  # a writer of rubbish, who does not wait for ever for one who reads it
+                if (
+                    os.fork() == 0
+                ):  # a writer of rubbish, who does not wait for ever for one who reads it
                     signal.alarm(10)
                     with contextlib.suppress(OSError), open(path, "wb") as pipe:
                         pipe.write(b"\x00a = [" * 1000)
@@ -252,7 +288,9 @@ def texts(rng: random.Random) -> Iterator[Case]:
         words, text = rng.choice(FILES), rng.choice((_nested(rng), *odd))
         ending = ".csv" if "--list" in words else ".toml"
 
-        def work(words: tuple[str, ...] = words, text: str = text, name: str = f"bad{ending}") -> str:
+        def work(
+            words: tuple[str, ...] = words, text: str = text, name: str = f"bad{ending}"
+        ) -> str:
             Path("good.csv").write_text("t,x\n0,1\n1,2\n")
             Path(name).write_text(text, encoding="utf-8", errors="surrogateescape")
             return shell(*words, name, names=(name, "--"))()
@@ -278,10 +316,14 @@ def _prepared(folder: Path) -> dict[str, tuple[bytes, tuple[str, ...]]]:
     """Good files that programs wrote, and the commands that read them."""
     import xarray
 
-    where = {name: (name, np.linspace(-5.0, 5.0, 4)) for name in ("y", "x")} | {"time": ("time", np.array([0.0, 9.0]))}
+    where = {name: (name, np.linspace(-5.0, 5.0, 4)) for name in ("y", "x")} | {
+        "time": ("time", np.array([0.0, 9.0]))
+    }
     still = {name: (("time", "y", "x"), np.zeros((2, 4, 4)), {"units": "m/s"}) for name in "uv"}
     xarray.Dataset(still, coords=where).to_netcdf(str(folder / "flow.nc"))  # pyright: ignore[reportUnknownMemberType]
-    trial = lc.swim("mamba", lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7), 0.5)
+    trial = lc.swim(
+        "mamba", lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7), 0.5
+    )
     found: dict[str, tuple[bytes, tuple[str, ...]]] = {}
     for ending in ("nc", "mcap", "parquet", "mat"):
         with contextlib.suppress(LaticaudaError):
@@ -339,7 +381,11 @@ def _odd_zip(rng: random.Random, content: bytes) -> bytes:
 def folders(rng: random.Random) -> Iterator[Case]:
     """Damaged folders of sweeps and optimizations, whose zip may be encrypted or of an odd method."""
     while True:
-        words, how, seed = rng.choice((SWEEP, OPTIMIZE)), rng.choice(("bytes", "zip", "text")), rng.random()
+        words, how, seed = (
+            rng.choice((SWEEP, OPTIMIZE)),
+            rng.choice(("bytes", "zip", "text")),
+            rng.random(),
+        )
 
         def work(words: tuple[str, ...] = words, how: str = how, seed: float = seed) -> str:
             shell(*words)()
@@ -347,7 +393,9 @@ def folders(rng: random.Random) -> Iterator[Case]:
             files = sorted(path for path in Path("out").rglob("*") if path.is_file())
             if not files:
                 return "no files"
-            bad = inner.choice([path for path in files if path.suffix in (".json", ".npz", ".done")])
+            bad = inner.choice(
+                [path for path in files if path.suffix in (".json", ".npz", ".done")]
+            )
             if how == "text" and bad.suffix == ".json":
                 bad.write_text(
                     inner.choice(
@@ -403,12 +451,16 @@ def public() -> list[tuple[str, Callable[..., Any]]]:
     for package in ("", *PACKAGES, *MODULES):
         module = importlib.import_module(f"laticauda.{package}".rstrip("."))
         told: list[str] | None = getattr(module, "__all__", None)
-        whose = "laticauda" if told else module.__name__  # without a list, what it imports for itself is not its own
+        whose = (
+            "laticauda" if told else module.__name__
+        )  # without a list, what it imports for itself is not its own
         for name in told or dir(module):
             thing: Any = getattr(module, name, None)
             own = callable(thing) and getattr(thing, "__module__", "").startswith(whose)
             is_class = inspect.isclass(thing)
-            own = own and not (is_class and (issubclass(thing, Exception) or getattr(thing, "_is_protocol", False)))
+            own = own and not (
+                is_class and (issubclass(thing, Exception) or getattr(thing, "_is_protocol", False))
+            )
             if own and not name.startswith("_") and thing is not lc.Plant:
                 found.setdefault(id(thing), (f"{module.__name__}.{name}", thing))
     return sorted(found.values(), key=lambda one: one[0])
@@ -416,16 +468,48 @@ def public() -> list[tuple[str, Callable[..., Any]]]:
 
 def good_arguments() -> dict[str, Any]:
     """What fits an argument of a name, where that is clear."""
-    robot, gait = lc.load_robot("mamba"), lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
+    robot, gait = (
+        lc.load_robot("mamba"),
+        lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7),
+    )
     trial = lc.swim(robot, gait, 0.5)
     scenario = trial.scenario
     body, command = lc.plant(scenario), lc.Command(gait=gait)
     return {
-        **{"robot": robot, "gait": gait, "motion": gait, "trial": trial, "scenario": scenario, "start": lc.Start()},
-        **{"environment": scenario.environment, "water": scenario.environment, "plant": body, "body": body},
-        **{"robots": [robot], "gaits": [gait], "scenarios": [scenario], "trials": [trial, trial], "name": "mamba"},
-        **{"first": trial, "second": trial, "controller": lc.OpenLoop(command=command), "command": command},
-        **{"duration": 0.1, "sample_interval": 0.05, "dt": 0.05, "amplitude": 0.5, "frequency": 2.3},
+        **{
+            "robot": robot,
+            "gait": gait,
+            "motion": gait,
+            "trial": trial,
+            "scenario": scenario,
+            "start": lc.Start(),
+        },
+        **{
+            "environment": scenario.environment,
+            "water": scenario.environment,
+            "plant": body,
+            "body": body,
+        },
+        **{
+            "robots": [robot],
+            "gaits": [gait],
+            "scenarios": [scenario],
+            "trials": [trial, trial],
+            "name": "mamba",
+        },
+        **{
+            "first": trial,
+            "second": trial,
+            "controller": lc.OpenLoop(command=command),
+            "command": command,
+        },
+        **{
+            "duration": 0.1,
+            "sample_interval": 0.05,
+            "dt": 0.05,
+            "amplitude": 0.5,
+            "frequency": 2.3,
+        },
         **{"phase_shift": 0.7, "time": trial.time, "center_of_mass": trial.center_of_mass},
     }
 
@@ -444,7 +528,11 @@ def calls(rng: random.Random) -> Iterator[Case]:
             signature = inspect.signature(function)
         except (TypeError, ValueError):
             continue
-        plain = [p for p in signature.parameters.values() if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
+        plain = [
+            p
+            for p in signature.parameters.values()
+            if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)
+        ]
         plain = [p for p in plain if p.name != "self"]
         if not plain:
             continue
@@ -452,19 +540,52 @@ def calls(rng: random.Random) -> Iterator[Case]:
         given = {p.name: known.get(p.name) for p in plain if p.default is p.empty}
         if any(p.default is p.empty and p.name not in known and p is not bad for p in plain):
             continue  # no good value of another is known: what is refused may be that one
-        yield Case("calls", f"{name}({bad.name}={odd()!r:.60})", call(function, {**given, bad.name: odd()}, bad.name))
+        yield Case(
+            "calls",
+            f"{name}({bad.name}={odd()!r:.60})",
+            call(function, {**given, bad.name: odd()}, bad.name),
+        )
 
 
-CELLS = ("nan", "inf", "", "x", "1e400", "1e308", "-1", "0", "9" * 400, '"', "1,5", "\u202e", "0x1", "30 deg")
-HEADS = ("amplitude-deg", "frequency-deg-s", "normal-drag", "n-links", "amplitude", "", "x", "water.density")
+CELLS = (
+    "nan",
+    "inf",
+    "",
+    "x",
+    "1e400",
+    "1e308",
+    "-1",
+    "0",
+    "9" * 400,
+    '"',
+    "1,5",
+    "\u202e",
+    "0x1",
+    "30 deg",
+)
+HEADS = (
+    "amplitude-deg",
+    "frequency-deg-s",
+    "normal-drag",
+    "n-links",
+    "amplitude",
+    "",
+    "x",
+    "water.density",
+)
 
 
 def lists(rng: random.Random) -> Iterator[Case]:
     """Lists of points of a sweep with odd names and cells."""
     while True:
         heads = rng.sample(HEADS, rng.choice((1, 2, 3)))
-        rows = [[rng.choice((*CELLS, "30", "30", "30")) for _ in heads] for _ in range(rng.choice((0, 1, 3)))]
-        text = "\n".join(",".join(row[: rng.choice((len(row), len(row), 1))]) for row in (heads, *rows))
+        rows = [
+            [rng.choice((*CELLS, "30", "30", "30")) for _ in heads]
+            for _ in range(rng.choice((0, 1, 3)))
+        ]
+        text = "\n".join(
+            ",".join(row[: rng.choice((len(row), len(row), 1))]) for row in (heads, *rows)
+        )
         words = ("sweep", "--duration", "0.1", "--output", "out", "--list", "points.csv")
 
         def work(text: str = text, words: tuple[str, ...] = words) -> str:
@@ -478,10 +599,21 @@ MAP: dict[str, Any] = {
     "kind": "columns",
     "robot": "mamba",
     "longest_gap": 0.2,
-    "gait": {"kind": "lateral-undulation", "amplitude_deg": 30.0, "frequency_deg_s": 130.0, "phase_shift_deg": 40.0},
+    "gait": {
+        "kind": "lateral-undulation",
+        "amplitude_deg": 30.0,
+        "frequency_deg_s": 130.0,
+        "phase_shift_deg": 40.0,
+    },
     "time": {"column": "t", "unit": "s"},
     "frame": {"x": "x", "y": "y", "origin": [0.0, 0.0], "rotation_deg": 0.0},
-    "body": {"link": 0, "position": ["x", "y"], "length_unit": "m", "yaw": "yaw", "angle_unit": "rad"},
+    "body": {
+        "link": 0,
+        "position": ["x", "y"],
+        "length_unit": "m",
+        "yaw": "yaw",
+        "angle_unit": "rad",
+    },
     "joint_angle": {"columns": "phi {}", "unit": "rad"},
     "power": {"current": "I", "voltage": 35.0, "idle": 41.3},
 }
@@ -514,7 +646,9 @@ def _one_changed(rng: random.Random, table: dict[str, Any]) -> dict[str, Any]:
     how = rng.choice(("odd", "odd", "odd", "missing", "more"))
     if how == "missing":
         return {name: one for name, one in table.items() if name != key}
-    return table | {key if how == "odd" else rng.choice(("nonsense", "", "\x00")): rng.choice(LEAVES)}
+    return table | {
+        key if how == "odd" else rng.choice(("nonsense", "", "\x00")): rng.choice(LEAVES)
+    }
 
 
 def columns(rng: random.Random) -> Iterator[Case]:
@@ -547,9 +681,14 @@ TASK: dict[str, Any] = {
     "noise": "estimated",
     "starts": 1,
     "seed": 1,
-    "parameters": [{"name": "water.tangential_friction", "start": 0.15, "lower": 0.03, "upper": 0.5}],
+    "parameters": [
+        {"name": "water.tangential_friction", "start": 0.15, "lower": 0.03, "upper": 0.5}
+    ],
     "table1": {"sigma": 0.05, "selected_from": 1},
-    "fixed": {"water": {"normal_drag": 1.75, "added_mass": 1.5}, "caudal_fin": {"normal_drag": 2.0}},
+    "fixed": {
+        "water": {"normal_drag": 1.75, "added_mass": 1.5},
+        "caudal_fin": {"normal_drag": 2.0},
+    },
 }
 
 
@@ -574,9 +713,29 @@ def tasks(rng: random.Random) -> Iterator[Case]:
 
 EXPORTS = tuple(
     f"export {kind} --output {name}"
-    for kind, name in {"mjcf": "x.xml", "urdf": "x.urdf", "fmu": "x.fmu", "c": "x.h", "web": "page"}.items()
+    for kind, name in {
+        "mjcf": "x.xml",
+        "urdf": "x.urdf",
+        "fmu": "x.fmu",
+        "c": "x.h",
+        "web": "page",
+    }.items()
 )
-NAMES = ("", "a b", 'a"b', "a*/b", "</script>", "\u202e", "x" * 3000, "../x", "int", "1", "%s%n", "a\\nb", "${x}")
+NAMES = (
+    "",
+    "a b",
+    'a"b',
+    "a*/b",
+    "</script>",
+    "\u202e",
+    "x" * 3000,
+    "../x",
+    "int",
+    "1",
+    "%s%n",
+    "a\\nb",
+    "${x}",
+)
 
 
 def exports(rng: random.Random) -> Iterator[Case]:
@@ -585,12 +744,22 @@ def exports(rng: random.Random) -> Iterator[Case]:
 
     plain = {name: to_toml(lc.load_robot(name)) for name in ROBOTS}
     while True:
-        words, name, key = rng.choice(EXPORTS).split(), rng.choice(NAMES), rng.choice(("name", "description"))
-        text = re.sub(rf"(?m)^{key} = .*$", lambda _: f"{key} = {json.dumps(name)}", plain[rng.choice(ROBOTS)])  # noqa: B023
+        words, name, key = (
+            rng.choice(EXPORTS).split(),
+            rng.choice(NAMES),
+            rng.choice(("name", "description")),
+        )
+        text = re.sub(
+            rf"(?m)^{key} = .*$",
+            lambda _, key=key, name=name: f"{key} = {json.dumps(name)}",
+            plain[rng.choice(ROBOTS)],
+        )
 
         def work(text: str = text, words: tuple[str, ...] = tuple(words)) -> str:
             Path("bad.toml").write_text(text, encoding="utf-8")
-            return shell(*words, "--robots" if "web" in words else "--robot", "bad.toml", names=("bad.toml",))()
+            return shell(
+                *words, "--robots" if "web" in words else "--robot", "bad.toml", names=("bad.toml",)
+            )()
 
         yield Case("exports", f"{' '.join(words)} {key} {name[:40]!r}", work)
 
@@ -608,7 +777,19 @@ def values(rng: random.Random) -> Iterator[Case]:
         end = rng.choice((*declared.ends, declared.least if math.isfinite(declared.least) else 0.0))
         beside = math.nextafter(end, math.inf), math.nextafter(end, -math.inf)
         number: Any = rng.choice((end, *beside, 1e308, 5e-324, -end))
-        number = rng.choice((number, number, math.nan, math.inf, 10**400, int(end), f"{end}", [end], np.float32(end)))
+        number = rng.choice(
+            (
+                number,
+                number,
+                math.nan,
+                math.inf,
+                10**400,
+                int(end),
+                f"{end}",
+                [end],
+                np.float32(end),
+            )
+        )
 
         def work(kind: Any = kind, name: str = name, number: Any = number) -> str:
             try:
@@ -617,7 +798,11 @@ def values(rng: random.Random) -> Iterator[Case]:
                 return "" if str(error).strip() else "refused without a word"
             except TypeError as error:
                 return "" if "missing" in str(error) else repr(error)
-            there = codec.decode(kind, json.loads(json.dumps(codec.encode(made, kind)))) if hints_of(kind) else made
+            there = (
+                codec.decode(kind, json.loads(json.dumps(codec.encode(made, kind))))
+                if hints_of(kind)
+                else made
+            )
             return "" if there == made else f"a file gives {there}"
 
         yield Case("values", f"{kind.__name__}({name}={number!r:.40})", work)
@@ -634,7 +819,8 @@ def robots(rng: random.Random) -> Iterator[Case]:
         text = rng.choice(plain if is_robot else waters)
         places = list(re.finditer(r"(?m)^(\w+) = (-?[\d.e+-]+)$", text))
         for place in sorted(
-            rng.sample(places, min(len(places), rng.choice((1, 1, 2, 4)))), key=lambda one: -one.start()
+            rng.sample(places, min(len(places), rng.choice((1, 1, 2, 4)))),
+            key=lambda one: -one.start(),
         ):
             number = (
                 rng.choice((1.0, 1.0, -1.0)) * 10.0 ** rng.uniform(-320.0, 308.0)
@@ -647,20 +833,44 @@ def robots(rng: random.Random) -> Iterator[Case]:
         def work(text: str = text, flag: str = flag) -> str:
             Path("bad.toml").write_text(text)
             return shell(
-                "swim", "--duration", "12", "--json", flag, "bad.toml", names=("bad.toml", "--", "environment", "joint")
+                "swim",
+                "--duration",
+                "12",
+                "--json",
+                flag,
+                "bad.toml",
+                names=("bad.toml", "--", "environment", "joint"),
             )()
 
-        yield Case("robots", "; ".join(set(text.splitlines()) - set("".join((*plain, *waters)).splitlines())), work)
+        yield Case(
+            "robots",
+            "; ".join(set(text.splitlines()) - set("".join((*plain, *waters)).splitlines())),
+            work,
+        )
 
 
 CALLED = (calls, values)
 KINDS = {
     one.__name__: one
-    for one in (*CALLED, flags, paths, texts, lists, columns, tasks, exports, damaged, folders, robots)
+    for one in (
+        *CALLED,
+        flags,
+        paths,
+        texts,
+        lists,
+        columns,
+        tasks,
+        exports,
+        damaged,
+        folders,
+        robots,
+    )
 }
 
 
-def faults(seed: int, count: int, kinds: tuple[str, ...] = tuple(KINDS)) -> Iterator[tuple[Case, str]]:
+def faults(
+    seed: int, count: int, kinds: tuple[str, ...] = tuple(KINDS)
+) -> Iterator[tuple[Case, str]]:
     """The cases at fault, and what is wrong, as they are found.
 
     Args:
@@ -680,7 +890,9 @@ def faults(seed: int, count: int, kinds: tuple[str, ...] = tuple(KINDS)) -> Iter
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--seed", type=int, nargs="+", default=[0, 1, 2, 3, 4])
     parser.add_argument("--count", type=int, default=150)
     parser.add_argument("--only", nargs="+", default=list(KINDS), choices=list(KINDS))

@@ -1,9 +1,10 @@
 """Does the cockpit lose memory while a page is left open?
 
-Question: how do the memory of the server and of a page grow over 30 minutes, once with nothing done and once with
-something done on it every ten seconds (gait, fin, joints, current, path, forces, reset)? Time is made to go faster: as
-many pictures are sent as in those minutes, each with its share of the world's time. The page is Chromium, if that and
-playwright are there, and otherwise a client that reads everything and draws nothing.
+Question: how do the memory of the server and of a page grow over 30 minutes, once with nothing done
+and once with something done on it every ten seconds (gait, fin, joints, current, path, forces,
+reset)? Time is made to go faster: as many pictures are sent as in those minutes, each with its
+share of the world's time. The page is Chromium, if that and playwright are there, and otherwise a
+client that reads everything and draws nothing.
 
     python campaigns/cockpit_soak.py                       # 30 minutes, ten times as fast as real time
     python campaigns/cockpit_soak.py --minutes 10 --every 0.2 --no-browser   # 3000 changes
@@ -12,18 +13,21 @@ playwright are there, and otherwise a client that reads everything and draws not
 
 The tests run a slice of it.
 
-The first 20 minutes fill the memory that is set aside for the run: only after them is growth a loss. A change empties
-it, so that one look at the memory says little: a day looks every ten minutes, and compares means of two hours.
+The first 20 minutes fill the memory that is set aside for the run: only after them is growth a
+loss. A change empties it, so that one look at the memory says little: a day looks every ten
+minutes, and compares means of two hours.
 
-The day without a browser (2 cores, beside the whole test suite, 2026-11-27): 24 h, 200 visits and 1440 changes at 31
-times real time; the last two hours are 0.1 % above hours 2 and 3. Memory of the server, means of an hour, and what its
-allocator held at least in it, which a change does not empty [MB]:
+The day without a browser (2 cores, beside the whole test suite, 2026-11-27): 24 h, 200 visits and
+1440 changes at 31 times real time; the last two hours are 0.1 % above hours 2 and 3. Memory of the
+server, means of an hour, and what its allocator held at least in it, which a change does not empty
+[MB]:
     hour         1      2      3      4      8     12     16     20     22     23     24
     server   305.1  306.8  306.9  306.6  307.1  306.4  306.9  307.6  306.7  307.2  306.8
     held      84.6   84.2   84.6   84.3   84.7   84.4   84.4   84.3   84.6   84.3   84.6
-Before what pages leave behind was collected, it held 44 MB in the first hour and 52 in the last, and the server grew by
-6.1 %. (It began with kernels from a cache then; the numbers above have 50 MB of the compiler in them.) With Chromium an
-hour takes some 2.5 minutes there; the day has not been run with it.
+Before what pages leave behind was collected, it held 44 MB in the first hour and 52 in the last,
+and the server grew by 6.1 %. (It began with kernels from a cache then; the numbers above have 50 MB
+of the compiler in them.) With Chromium an hour takes some 2.5 minutes there; the day has not been
+run with it.
 
 Last answer (2 cores, 2026-11-21), with Chromium:
     minutes                       1      5     10     15     20     25     30
@@ -127,7 +131,9 @@ def chromium(address: str) -> Iterator[Visitor]:
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
-        found = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=list(FLAGS))
+        found = playwright.chromium.launch(
+            executable_path=shutil.which("chromium"), args=list(FLAGS)
+        )
         pages: list[Any] = []
 
         def again() -> None:
@@ -153,12 +159,16 @@ def do_something(cockpit: Cockpit, chance: random.Random) -> None:
     live = cockpit.live
     robot = live.scenario.robot
     things: tuple[Callable[[], None], ...] = (
-        lambda: live.alter(gait=replace(live.scenario.gait, amplitude=math.radians(chance.uniform(10.0, 40.0)))),
+        lambda: live.alter(
+            gait=replace(live.scenario.gait, amplitude=math.radians(chance.uniform(10.0, 40.0)))
+        ),
         lambda: live.alter(robot=with_fin(robot, robot.caudal_fin is None, None)),
         lambda: live.alter(robot=with_fin(robot, True, chance.uniform(0.1, 0.5))),
         lambda: live.alter(joints=chance.choice(("prescribed", "pd", "servo"))),
         lambda: live.alter(current=(chance.uniform(-0.05, 0.05), 0.0)),
-        lambda: live.alter(path=None if isinstance(live.scenario.motion, lc.PathFollowing) else StraightLine()),
+        lambda: live.alter(
+            path=None if isinstance(live.scenario.motion, lc.PathFollowing) else StraightLine()
+        ),
         lambda: setattr(live, "link_forces", not live.link_forces),
         cockpit._reset,
     )
@@ -192,7 +202,8 @@ def soak(
     Args:
         minutes: For how long, in the world's time [min].
         times: How much faster than real time, if the computer can [-].
-        every: Time between two things that are done on the page, in the world's time; infinity: nothing is done [s].
+        every: Time between two things that are done on the page, in the world's time; infinity:
+            nothing is done [s].
         browser: Whether the page is one in Chromium.
         seed: Of what is done.
         sample: Time between two looks at the memory, in the world's time [s].
@@ -220,7 +231,10 @@ def soak(
             if k % round(sample / frame) == 0:
                 rows.append((k * frame / 60.0, resident(), visitor.heap()))
                 if clock > 1.0:
-                    print("{:6.0f} min  server {:6.1f} MB  page {:6.1f} MB".format(*rows[-1]), flush=True)
+                    print(
+                        "{:6.0f} min  server {:6.1f} MB  page {:6.1f} MB".format(*rows[-1]),
+                        flush=True,
+                    )
             if time.monotonic() > begun + longest:
                 minutes = k * frame / 60.0
                 break
@@ -245,10 +259,18 @@ def main() -> None:
     options = parser.parse_args()
     browser = not options.no_browser and shutil.which("chromium") is not None
     if options.day:
-        way = {"every": 60.0, "browser": browser, "seed": options.seed, "sample": 600.0, "longest": options.longest}
+        way = {
+            "every": 60.0,
+            "browser": browser,
+            "seed": options.seed,
+            "sample": 600.0,
+            "longest": options.longest,
+        }
         found = soak(24 * 60.0, DAY, clock=DAY, visits=200, **way)
         hours = found.minutes / 60.0
-        early, late = (found.server[(hours > end - 2.0) & (hours <= end)] for end in (3.0, hours[-1]))
+        early, late = (
+            found.server[(hours > end - 2.0) & (hours <= end)] for end in (3.0, hours[-1])
+        )
         growth, visits = late.mean() / early.mean() - 1.0, round(200 * hours[-1] / 24.0)
         print(
             f"{hours[-1]:.0f} h, {visits} visits, at {found.times:.1f} x real time: the last two hours "
@@ -256,7 +278,9 @@ def main() -> None:
         )
         return
     for kind, every in (("idle", math.inf), ("busy", options.every)):
-        found = soak(options.minutes, options.times, every=every, browser=browser, seed=options.seed)
+        found = soak(
+            options.minutes, options.times, every=every, browser=browser, seed=options.seed
+        )
         for row in zip(found.minutes, found.server, found.page, strict=True):
             print("{} {:6.1f} min  server {:6.1f} MB  page {:6.1f} MB".format(kind, *row))
         print(

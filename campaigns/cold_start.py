@@ -1,15 +1,17 @@
 """What does the first `laticauda swim` cost after an installation, and where does it run at all?
 
-A wheel is built and installed into new environments. In turns: the first swim with empty caches, and the same of an
-installation without the wheel's kernels, whose caches are full. Then the same command without a home, as another user
-who may write nowhere, from an archive (refused by name), and under other Pythons. And what the first second goes into.
+A wheel is built and installed into new environments. In turns: the first swim with empty caches,
+and the same of an installation without the wheel's kernels, whose caches are full. Then the same
+command without a home, as another user who may write nowhere, from an archive (refused by name),
+and under other Pythons. And what the first second goes into.
 
     python campaigns/cold_start.py            # beside the stored answer; what is missing here is said, and left out
     python campaigns/cold_start.py --write    # writes cold_start.csv
     python campaigns/cold_start.py --pythons python3.12 python3.13
 
-Takes three minutes, and some more per further Python, which gets all packages from the index. Times are those of the
-processor, the least of several; another user is tried by root only, for others the environment is made read-only.
+Takes three minutes, and some more per further Python, which gets all packages from the index. Times
+are those of the processor, the least of several; another user is tried by root only, for others the
+environment is made read-only.
 """
 
 import argparse
@@ -29,7 +31,8 @@ from typing import Any, NamedTuple
 
 STORED, ROOT = Path(__file__).with_suffix(".csv"), Path(__file__).parent.parent
 SWIM = (
-    "swim --robot mamba --gait lateral-undulation --amplitude-deg 30 --frequency-deg-s 130 --phase-shift-deg 40 --json"
+    "swim --robot mamba --gait lateral-undulation "
+    "--amplitude-deg 30 --frequency-deg-s 130 --phase-shift-deg 40 --json"
 )
 LIMITS = {"first swim": 2.5}
 """Of what is measured as multiples of the command whose kernels are there."""
@@ -56,12 +59,24 @@ class Answer(NamedTuple):
 
 def build(folder: Path) -> Path:
     """The wheel of these sources, by an environment of its own for the build."""
-    words = [sys.executable, "-m", "pip", "wheel", "-qq", "--no-deps", "--wheel-dir", str(folder), str(ROOT)]
+    words = [
+        sys.executable,
+        "-m",
+        "pip",
+        "wheel",
+        "-qq",
+        "--no-deps",
+        "--wheel-dir",
+        str(folder),
+        str(ROOT),
+    ]
     subprocess.run(words, check=True)
     return next(folder.glob("laticauda-*.whl"))
 
 
-def install(wheel: Path, folder: Path, python: str = sys.executable, *, borrow: bool = True) -> Path:
+def install(
+    wheel: Path, folder: Path, python: str = sys.executable, *, borrow: bool = True
+) -> Path:
     """A new environment with the wheel; returns its folder of programs.
 
     Args:
@@ -71,7 +86,15 @@ def install(wheel: Path, folder: Path, python: str = sys.executable, *, borrow: 
         borrow: Whether all else comes from the packages of the Python that runs this.
     """
     subprocess.run([python, "-m", "venv", "--without-pip", str(folder)], check=True)
-    pip = [sys.executable, "-m", "pip", "--python", str(folder / "bin" / "python"), "install", "-qq"]
+    pip = [
+        sys.executable,
+        "-m",
+        "pip",
+        "--python",
+        str(folder / "bin" / "python"),
+        "install",
+        "-qq",
+    ]
     subprocess.run([*pip, *(["--no-deps", "--no-index"] if borrow else []), str(wheel)], check=True)
     if borrow:  # only now, or pip would find it installed
         (packages,) = folder.glob("lib/python*/site-packages")
@@ -97,7 +120,9 @@ def swim(programs: Path, cache: Path | None, **changes: Any) -> tuple[float, dic
     own |= {} if cache is None else {"NUMBA_CACHE_DIR": str(cache)}
     words = [str(programs / "laticauda"), *SWIM.split()]
     before = processor_time()
-    done = subprocess.run(words, env=own, cwd="/", capture_output=True, text=True, check=True, **changes)
+    done = subprocess.run(
+        words, env=own, cwd="/", capture_output=True, text=True, check=True, **changes
+    )
     return processor_time() - before, json.loads(done.stdout), done.stderr
 
 
@@ -135,13 +160,22 @@ def first_second(*words: str) -> dict[str, float]:
         words: The command.
     """
     python, *arguments = words
-    done = subprocess.run([python, "-X", "importtime", *arguments], capture_output=True, text=True, check=True, cwd="/")
+    done = subprocess.run(
+        [python, "-X", "importtime", *arguments],
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd="/",
+    )
     names = re.findall(r"^import time: +\d+ \| +\d+ \| +([\w.]+)", done.stderr, re.MULTILINE)
     imports, shares, last = "import importlib, contextlib\n", {}, 0.0
     for family, own in FAMILIES.items():
         mine = [name for name in names if re.match(own, name)]
         names = [name for name in names if name not in mine]
-        imports += "".join(f"with contextlib.suppress(ImportError): importlib.import_module({one!r})\n" for one in mine)
+        imports += "".join(
+            f"with contextlib.suppress(ImportError): importlib.import_module({one!r})\n"
+            for one in mine
+        )
         now = spent(python, "-c", imports)
         shares[family], last = now - last, now
     whole = spent(*words)
@@ -161,7 +195,9 @@ def elsewhere(with_kernels: Path, without: Path, folder: Path) -> list[Answer]:
         found.append(Answer("may write nowhere", _quiet(swim(with_kernels, None, **own)[2])))
         said = swim(without, None, **own)[2]
         told = said.count("compiled kernels are kept in ") == 1
-        found.append(Answer("may write nowhere, and compiles", f"{WORKS}, and says so" if told else said))
+        found.append(
+            Answer("may write nowhere, and compiles", f"{WORKS}, and says so" if told else said)
+        )
     finally:
         for path in [folder, *folder.rglob("*")] if not is_root else []:
             path.chmod(path.stat().st_mode | 0o200)
@@ -202,7 +238,11 @@ def runnable_by_all() -> str:
     """A Python of this version that another user can run, too; else this one."""
     name = "python{}.{}".format(*sys.version_info)
     for place in (os.path.realpath(sys.executable), f"/usr/bin/{name}", f"/usr/local/bin/{name}"):
-        if all(path.stat().st_mode & 0o005 == 0o005 for path in (Path(place), *Path(place).parents) if path.exists()):
+        if all(
+            path.stat().st_mode & 0o005 == 0o005
+            for path in (Path(place), *Path(place).parents)
+            if path.exists()
+        ):
             if Path(place).exists():
                 return place
     return sys.executable
@@ -225,13 +265,22 @@ def main() -> int:
         folder = Path(name)
         folder.chmod(0o755)
         wheel, python = build(folder), runnable_by_all()
-        with_kernels, without = (install(wheel, folder / one, python) for one in ("with", "without"))
+        with_kernels, without = (
+            install(wheel, folder / one, python) for one in ("with", "without")
+        )
         for ready in without.parent.glob("lib/python*/site-packages/laticauda/compiling/ready"):
             shutil.rmtree(ready)
         found = costs(with_kernels, without, folder, settings.rounds)
-        shares = first_second(str(with_kernels / "python"), str(with_kernels / "laticauda"), *SWIM.split())
-        found += [Answer(f"share of it: {one}", f"{100.0 * share:.0f} %") for one, share in shares.items()]
-        found += [*elsewhere(with_kernels, without, folder / "with"), archived(with_kernels, folder)]
+        shares = first_second(
+            str(with_kernels / "python"), str(with_kernels / "laticauda"), *SWIM.split()
+        )
+        found += [
+            Answer(f"share of it: {one}", f"{100.0 * share:.0f} %") for one, share in shares.items()
+        ]
+        found += [
+            *elsewhere(with_kernels, without, folder / "with"),
+            archived(with_kernels, folder),
+        ]
         found += [under(one, folder / f"under-{k}") for k, one in enumerate(settings.pythons)]
     kept = stored() if STORED.exists() else {}
     for case, answer in found:
@@ -240,7 +289,11 @@ def main() -> int:
         with STORED.open("w", newline="", encoding="utf-8") as file:
             csv.writer(file, lineterminator="\n").writerows([Answer._fields, *found])
     good = (WORKS, f"{WORKS}, and says so", REFUSED)
-    bad = [one.case for one in found if one.answer not in good and not re.match(r"\d|left out", one.answer)]
+    bad = [
+        one.case
+        for one in found
+        if one.answer not in good and not re.match(r"\d|left out", one.answer)
+    ]
     bad += [case for case, limit in LIMITS.items() if float(dict(found)[case]) > limit]
     print("; ".join(bad) or "all as it should be")
     return 1 if bad else 0

@@ -1,17 +1,19 @@
 """Does laticauda work with the oldest and the newest packages that it allows, on every Python here? And its weight?
 
-A wheel is built, and goes for each Python into two new environments with all that `[all]` has: in one, every package
-that `pyproject.toml` names, or that of `plugins/laticauda-gym`, is the oldest that it allows and that has a wheel for
-that Python, in the other the newest. There the program swims, and the tests that touch those packages run against the
-wheel; old packages may warn of newer ones. In the first of the newest, every extra is weighed.
+A wheel is built, and goes for each Python into two new environments with all that `[all]` has: in
+one, every package that `pyproject.toml` names, or that of `plugins/laticauda-gym`, is the oldest
+that it allows and that has a wheel for that Python, in the other the newest. There the program
+swims, and the tests that touch those packages run against the wheel; old packages may warn of newer
+ones. In the first of the newest, every extra is weighed.
 
     python campaigns/environments.py                                  # beside the stored answer
     python campaigns/environments.py --write                          # writes environments.csv
     python campaigns/environments.py --weigh export                   # the large one, too
     python campaigns/environments.py --pythons python3.12 --only lowest --tests tests/logs -x
 
-Pythons are those called python3.11 to python3.14 that start. The package `uv` resolves and installs; where it is
-missing, it is installed into the temporary folder. An environment takes five minutes, most of it the tests.
+Pythons are those called python3.11 to python3.14 that start. The package `uv` resolves and
+installs; where it is missing, it is installed into the temporary folder. An environment takes five
+minutes, most of it the tests.
 """
 
 import argparse
@@ -36,7 +38,8 @@ RESOLUTIONS = {"lowest": "lowest-direct", "newest": "highest"}
 OUTSIDE = ("export",)
 """Extras that `[all]` has not."""
 SWIM = (
-    "swim --robot mamba --gait lateral-undulation --amplitude-deg 30 --frequency-deg-s 130 --phase-shift-deg 40 --json"
+    "swim --robot mamba --gait lateral-undulation "
+    "--amplitude-deg 30 --frequency-deg-s 130 --phase-shift-deg 40 --json"
 )
 TOOLS = [
     "beartype>=0.20,<0.24",
@@ -54,7 +57,9 @@ tests/figures/test_swim.py tests/identify/test_uncertainty.py tests/logs tests/m
 tests/operate/drivers tests/reports/test_page.py tests/simulate/test_reference_numbers.py tests/trial
 """.split()
 """Those that touch other packages."""
-BESIDE = tomllib.loads((ROOT / "plugins/laticauda-gym/pyproject.toml").read_text(encoding="utf-8"))["project"]
+BESIDE = tomllib.loads((ROOT / "plugins/laticauda-gym/pyproject.toml").read_text(encoding="utf-8"))[
+    "project"
+]
 """A distribution whose tests are among them, and use nothing more of it than its sources."""
 WEIGHTS = """
 import importlib.metadata, importlib.util, json, os, re, sys
@@ -104,7 +109,17 @@ class Wheel(NamedTuple):
         Args:
             folder: Where it is put.
         """
-        words = [sys.executable, "-m", "pip", "wheel", "-qq", "--no-deps", "--wheel-dir", str(folder), str(ROOT)]
+        words = [
+            sys.executable,
+            "-m",
+            "pip",
+            "wheel",
+            "-qq",
+            "--no-deps",
+            "--wheel-dir",
+            str(folder),
+            str(ROOT),
+        ]
         subprocess.run(words, check=True)
         file = next(folder.glob("laticauda-*.whl"))
         with zipfile.ZipFile(file) as archive:
@@ -121,7 +136,9 @@ class Wheel(NamedTuple):
     def wanted(self) -> list[str]:
         """It, and by itself whatever `[all]` requires: the oldest of what others require would be too old for them."""
         groups = [group for extra, group in self.requirements.items() if extra not in OUTSIDE]
-        groups.append([requirement for requirement in BESIDE["dependencies"] if requirement != "laticauda"])
+        groups.append(
+            [requirement for requirement in BESIDE["dependencies"] if requirement != "laticauda"]
+        )
         return [str(self.file), *sorted({requirement for group in groups for requirement in group})]
 
 
@@ -137,7 +154,9 @@ class Environment:
     def __init__(self, folder: Path, python: str, uv: str) -> None:
         subprocess.run([python, "-m", "venv", "--without-pip", str(folder)], check=True)
         self.folder, self.bin, self._uv = folder, folder / "bin", uv
-        self._variables = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+        self._variables = {
+            name: value for name, value in os.environ.items() if not name.startswith("PYTHON")
+        }
         self._variables |= {
             "NUMBA_CACHE_DIR": str(folder / "numba"),
             "PATH": f"{self.bin}{os.pathsep}{os.environ['PATH']}",
@@ -150,13 +169,25 @@ class Environment:
             requirements: What.
             resolution: Which versions, in uv's words.
         """
-        words = [self._uv, "pip", "install", "--quiet", "--compile-bytecode", "--only-binary", ":all:"]
+        words = [
+            self._uv,
+            "pip",
+            "install",
+            "--quiet",
+            "--compile-bytecode",
+            "--only-binary",
+            ":all:",
+        ]
         words += ["--python", str(self.bin / "python"), "--resolution", resolution]
         subprocess.run([*words, *requirements], check=True)
 
     def _run(self, *words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
         done = subprocess.run(
-            [str(self.bin / words[0]), *words[1:]], env=self._variables, cwd=cwd, capture_output=True, text=True
+            [str(self.bin / words[0]), *words[1:]],
+            env=self._variables,
+            cwd=cwd,
+            capture_output=True,
+            text=True,
         )
         if done.returncode:
             print(done.stdout[-20_000:], done.stderr[-5_000:], sep="\n", file=sys.stderr)
@@ -165,7 +196,11 @@ class Environment:
     def swim(self) -> str:
         """What the program says when it does what it is for."""
         done = self._run("laticauda", *SWIM.split(), cwd=self.folder)
-        return f"{json.loads(done.stdout)['forward_velocity']:.4f} m/s" if done.returncode == 0 else "fails"
+        return (
+            f"{json.loads(done.stdout)['forward_velocity']:.4f} m/s"
+            if done.returncode == 0
+            else "fails"
+        )
 
     def test(self, words: list[str], *, strict: bool) -> str:
         """How the tests end, without their time.
@@ -174,9 +209,18 @@ class Environment:
             words: Files and options.
             strict: Whether a warning is an error.
         """
-        options = ["-q", "-p", "no:cacheprovider", "-m", "not slow", *([] if strict else ["-o", "filterwarnings="])]
+        options = [
+            "-q",
+            "-p",
+            "no:cacheprovider",
+            "-m",
+            "not slow",
+            *([] if strict else ["-o", "filterwarnings="]),
+        ]
         done = self._run("python", "-m", "pytest", *options, *words, cwd=ROOT)
-        ends = re.findall(r"^\W*(\d+ (?:passed|failed|error).*?) in [\d.]+s", done.stdout, re.MULTILINE)
+        ends = re.findall(
+            r"^\W*(\d+ (?:passed|failed|error).*?) in [\d.]+s", done.stdout, re.MULTILINE
+        )
         return ends[-1] if ends else f"exit status {done.returncode}"
 
     def weights(self, extras: list[str]) -> dict[str, str]:
@@ -199,13 +243,18 @@ def installer(folder: Path) -> str:
     if found := shutil.which("uv"):
         return found
     subprocess.run([sys.executable, "-m", "venv", str(folder)], check=True)
-    subprocess.run([str(folder / "bin" / "python"), "-m", "pip", "install", "-qq", "uv"], check=True)
+    subprocess.run(
+        [str(folder / "bin" / "python"), "-m", "pip", "install", "-qq", "uv"], check=True
+    )
     return str(folder / "bin" / "uv")
 
 
 def starts(python: str) -> bool:
     """Whether a Python is there, and not only its name."""
-    return bool(shutil.which(python)) and subprocess.run([python, "-c", ""], capture_output=True).returncode == 0
+    return (
+        bool(shutil.which(python))
+        and subprocess.run([python, "-c", ""], capture_output=True).returncode == 0
+    )
 
 
 def answers(
@@ -228,10 +277,15 @@ def answers(
                 one = Environment(folder / "one", python, uv)
                 one.install(*wheel.wanted(), resolution=RESOLUTIONS[resolution])
                 if resolution == "newest" and not sizes:
-                    sizes = one.weights([extra for extra in wheel.requirements if extra and extra not in OUTSIDE])
+                    sizes = one.weights(
+                        [extra for extra in wheel.requirements if extra and extra not in OUTSIDE]
+                    )
                 one.install(*TOOLS)
                 yield f"{python}, {resolution}: swim", one.swim()
-                yield f"{python}, {resolution}: tests", one.test(tests, strict=resolution == "newest")
+                yield (
+                    f"{python}, {resolution}: tests",
+                    one.test(tests, strict=resolution == "newest"),
+                )
                 shutil.rmtree(one.folder)
         for extra in weigh:
             one = Environment(folder / "one", pythons[0], uv)
@@ -255,24 +309,37 @@ def main() -> None:
     parser.add_argument("--pythons", nargs="+", default=PYTHONS)
     parser.add_argument("--only", choices=RESOLUTIONS, help="one of the two kinds")
     parser.add_argument(
-        "--weigh", nargs="*", default=[], choices=OUTSIDE, help="extras to be weighed beside the others"
+        "--weigh",
+        nargs="*",
+        default=[],
+        choices=OUTSIDE,
+        help="extras to be weighed beside the others",
     )
-    parser.add_argument("--write", action="store_true", help=f"into {STORED.name}, beside what other Pythons gave")
     parser.add_argument(
-        "--tests", nargs=argparse.REMAINDER, default=TESTS, help="other words for pytest; the last option"
+        "--write", action="store_true", help=f"into {STORED.name}, beside what other Pythons gave"
+    )
+    parser.add_argument(
+        "--tests",
+        nargs=argparse.REMAINDER,
+        default=TESTS,
+        help="other words for pytest; the last option",
     )
     args = parser.parse_args()
     before, bad = stored(), False
     found = [python for python in args.pythons if starts(python)]
     print(f"Not here: {', '.join({*args.pythons} - {*found}) or 'nothing'}.")
     now: dict[str, str] = {}
-    for case, answer in answers(found, [args.only] if args.only else [*RESOLUTIONS], args.weigh, args.tests):
+    for case, answer in answers(
+        found, [args.only] if args.only else [*RESOLUTIONS], args.weigh, args.tests
+    ):
         print(f"{case:30} {answer:50} {before.get(case, '')}", flush=True)
         now[case] = answer
         bad |= "fail" in answer or "error" in answer or "exit" in answer
     if args.write:
         with STORED.open("w", newline="", encoding="utf-8") as lines:
-            csv.writer(lines, lineterminator="\n").writerows([("case", "answer"), *sorted((before | now).items())])
+            csv.writer(lines, lineterminator="\n").writerows(
+                [("case", "answer"), *sorted((before | now).items())]
+            )
     sys.exit(bad)
 
 

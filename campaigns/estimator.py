@@ -1,21 +1,24 @@
 """How well is the robot known when motion capture is noisy, loses frames and drops out?
 
-Question: path following of Mamba with servo joints, turning included; markers on the last module with 1 mm and 0.1 deg
-of noise, joint sensors with 0.2 deg of noise and 0.5 deg of play, 10 % of the frames lost, 0.5 % of them reflections
-some 0.3 m off, frames 10 ms late, and about once in 10 s nothing for 1 s. How far from the truth are the center of mass
-and the heading, with the filter and with kinematics alone (which stands still in a drop-out)?
+Question: path following of Mamba with servo joints, turning included; markers on the last module
+with 1 mm and 0.1 deg of noise, joint sensors with 0.2 deg of noise and 0.5 deg of play, 10 % of the
+frames lost, 0.5 % of them reflections some 0.3 m off, frames 10 ms late, and about once in 10 s
+nothing for 1 s. How far from the truth are the center of mass and the heading, with the filter and
+with kinematics alone (which stands still in a drop-out)?
 
     python campaigns/estimator.py             # 6 runs of 60 s, 3 seeds each
 
-Noise is drawn by seed. `twin` is the filter beside a plant that is exactly the truth's, which no real robot will offer;
-so there are twins in water whose coefficients are all 30 % too high or too low, and one with C_f and C_A 30 % too high,
-C_D 30 % too low and 0.6 of the servos' gain. `no twin` is the filter that knows no water. All are told the play, as a
-calibration finds it, but `play not told`. The play is the virtual tank's: the sensor leads by half of it wherever the
-motor pulls. Errors are root mean squares after the first 3 s, of the distance in the plane [mm] and of the heading
-[deg]. The tests run a slice.
+Noise is drawn by seed. `twin` is the filter beside a plant that is exactly the truth's, which no
+real robot will offer; so there are twins in water whose coefficients are all 30 % too high or too
+low, and one with C_f and C_A 30 % too high, C_D 30 % too low and 0.6 of the servos' gain. `no twin`
+is the filter that knows no water. All are told the play, as a calibration finds it, but
+`play not told`. The play is the virtual tank's: the sensor leads by half of it wherever the motor
+pulls. Errors are root mean squares after the first 3 s, of the distance in the plane [mm] and of
+the heading [deg]. The tests run a slice.
 
-Last answer (2 cores shared with other work, 2026-11-21; then the processor time per tick of 10 ms, all its samples and
-the estimate included, and the mean squared errors of place and heading in units of the filter's own variances):
+Last answer (2 cores shared with other work, 2026-11-21; then the processor time per tick of 10 ms,
+all its samples and the estimate included, and the mean squared errors of place and heading in units
+of the filter's own variances):
                                    always      outside in drop-outs   [mm, deg]
     lateral undulation
         twin                   1.45  0.24   1.12  0.12   3.33  0.71  1.18 ms, 0.4 0.3
@@ -159,7 +162,9 @@ def truth(case: Case, duration: float) -> lc.Trial:
     return lc.run(body, controller, duration, start=start, sample_interval=INTERVAL)
 
 
-def sensed(trial: lc.Trial, sensors: Sensors, seed: int) -> tuple[list[tuple[float, Sample]], np.ndarray]:
+def sensed(
+    trial: lc.Trial, sensors: Sensors, seed: int
+) -> tuple[list[tuple[float, Sample]], np.ndarray]:
     """What the sensors make of it: samples with the time of their arrival, in that order, and which times drop out."""
     chance = np.random.default_rng(seed)
     n, chain = trial.time.size, trial.robot.planar()
@@ -176,12 +181,20 @@ def sensed(trial: lc.Trial, sensors: Sensors, seed: int) -> tuple[list[tuple[flo
     assert trial.gait is not None
     found: list[tuple[float, int, Sample]] = []
     for k, now in enumerate(trial.time.tolist()):
-        asked = ReferenceSample(time=now, angle=trial.joint_angle_ref[k], frequency=trial.gait.frequency)
+        asked = ReferenceSample(
+            time=now, angle=trial.joint_angle_ref[k], frequency=trial.gait.frequency
+        )
         found.append((now, 0, asked))
         found.append((now, 1, JointSample(time=now, angle=joint[k], torque=torque[k])))
         if not is_lost[k]:
             place = np.array([marker[k, 0], marker[k, 1], -0.15])
-            found.append((now + sensors.latency, 2, PoseSample(time=now, position=place, rotation=_turned(yaw[k]))))
+            found.append(
+                (
+                    now + sensors.latency,
+                    2,
+                    PoseSample(time=now, position=place, rotation=_turned(yaw[k])),
+                )
+            )
     found.sort(key=lambda item: item[:2])
     return [(arrival, sample) for arrival, _, sample in found], dropped
 
@@ -263,7 +276,9 @@ def _mean(found: Sequence[Errors]) -> Errors:
 
 
 def _shown(found: Errors) -> str:
-    return " ".join(f"{value[0]:6.2f} {value[1]:5.2f}" for value in (found.always, found.outside, found.inside))
+    return " ".join(
+        f"{value[0]:6.2f} {value[1]:5.2f}" for value in (found.always, found.outside, found.inside)
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -286,7 +301,12 @@ class Twin:
             added_inertia=self.added * water.added_inertia,
         )
         joints = tuple(
-            replace(joint, actuator=replace(joint.actuator, servo_gain=self.servo_gain * joint.actuator.servo_gain))
+            replace(
+                joint,
+                actuator=replace(
+                    joint.actuator, servo_gain=self.servo_gain * joint.actuator.servo_gain
+                ),
+            )
             for joint in robot.joints
         )
         return lc.plant(replace(robot, joints=joints), other, joints="servo")
@@ -304,7 +324,8 @@ def table(case: Case, n_seeds: int, duration: float) -> list[str]:
     """The lines of one run."""
     trial = truth(case, duration)
     makers: dict[str, Any] = {
-        name: Estimator(robot=trial.robot, backlash=BACKLASH, plant=twin.plant(case)) for name, twin in TWINS.items()
+        name: Estimator(robot=trial.robot, backlash=BACKLASH, plant=twin.plant(case))
+        for name, twin in TWINS.items()
     }
     makers |= {
         "twin, play not told": Estimator(robot=trial.robot, plant=TWINS["twin"].plant(case)),
@@ -323,7 +344,11 @@ def table(case: Case, n_seeds: int, duration: float) -> list[str]:
             costs.append(cost)
             trust.append(consistency(trial, estimates) if name != "kinematics" else (0.0, 0.0))
         place, heading = np.mean(trust, axis=0)
-        end = "" if name == "kinematics" else f"  {1e3 * min(costs):.2f} ms, {place:.1f} {heading:.1f}"
+        end = (
+            ""
+            if name == "kinematics"
+            else f"  {1e3 * min(costs):.2f} ms, {place:.1f} {heading:.1f}"
+        )
         lines.append(f"    {name:20} {_shown(_mean(found))}{end}")
     return lines
 

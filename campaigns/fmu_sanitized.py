@@ -1,8 +1,9 @@
 """Does the C code of an FMU touch memory that is not its own, or do what C leaves undefined?
 
-The code of FMUs of FMI 2.0 and 3.0 is built with gcc's address and undefined-behaviour sanitizers (leaks too), and a
-program in C, built alike, calls it at random: three instances in any order of states, references that are none, numbers
-that are none, states kept, restored, packed, damaged, cut and unpacked. The first report ends the program.
+The code of FMUs of FMI 2.0 and 3.0 is built with gcc's address and undefined-behaviour sanitizers
+(leaks too), and a program in C, built alike, calls it at random: three instances in any order of
+states, references that are none, numbers that are none, states kept, restored, packed, damaged, cut
+and unpacked. The first report ends the program.
 
     python campaigns/fmu_sanitized.py                  # 100 000 calls, half of them to each
 
@@ -62,7 +63,9 @@ def called(version: str, calls: int, seed: int, folder: Path) -> str:
     words = [str(driver), str(folder / "robot.so"), found[1], version, str(calls), str(seed)]
     done = subprocess.run(words, capture_output=True, text=True)
     if done.returncode != 0 or done.stderr:
-        raise RuntimeError(f"FMI {version}, seed {seed}, status {done.returncode}:\n{done.stderr[-6000:]}")
+        raise RuntimeError(
+            f"FMI {version}, seed {seed}, status {done.returncode}:\n{done.stderr[-6000:]}"
+        )
     return done.stdout.strip()
 
 

@@ -1,7 +1,8 @@
 """What does the twin in space, with the published servos, make of gaits that a search in the plane found best?
 
-A front is searched for `mamba-fin` twice, with servo joints and with prescribed ones that keep within what the servos
-have (`laticauda optimize`, 800 points of 20 s). Ten gaits of each then swim in space with servos.
+A front is searched for `mamba-fin` twice, with servo joints and with prescribed ones that keep
+within what the servos have (`laticauda optimize`, 800 points of 20 s). Ten gaits of each then swim
+in space with servos.
 
     python campaigns/front_in_space.py
 """
@@ -29,7 +30,9 @@ def errors(joints: str) -> np.ndarray:
             laticauda([*SEARCH.split(), "--joints", joints, "--output", folder])
         front = np.genfromtxt(f"{folder}/front.csv", delimiter=",", skip_header=1)[:, :4]
     found: list[float] = []
-    for amplitude, frequency, shift, speed in front[np.linspace(0, len(front) - 1, N_GAITS).astype(int)].tolist():
+    for amplitude, frequency, shift, speed in front[
+        np.linspace(0, len(front) - 1, N_GAITS).astype(int)
+    ].tolist():
         gait = lc.lateral_undulation(amplitude=amplitude, frequency=frequency, phase_shift=shift)
         trial = lc.swim(robot, gait, DURATION, joints="servo", model="spatial")
         found.append(100.0 * (trial.forward_velocity / speed - 1.0))
@@ -38,7 +41,9 @@ def errors(joints: str) -> np.ndarray:
 
 def main(words: Sequence[str] | None = None) -> None:
     """Print the errors of both fronts."""
-    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args(words)
+    argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    ).parse_args(words)
     for joints in ("servo", "prescribed"):
         off = errors(joints)
         print(

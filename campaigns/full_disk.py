@@ -6,10 +6,11 @@ Every command that writes runs over older files of the names of its own, which h
     file        over files that may not be written
     killed      ended by SIGKILL at a random moment, then run again
 
-Of each file that was there either the older bytes remain or, where it was killed, all of the new. Under the first three
-the program ends with one line that names the place and with status 2; nothing is left beside the files, also not once
-a killed command has run again. Sweeps and optimizations find half of their work in the folder, which stays; operations
-find a trial of their name, but no recording, which they would not replace.
+Of each file that was there either the older bytes remain or, where it was killed, all of the new.
+Under the first three the program ends with one line that names the place and with status 2; nothing
+is left beside the files, also not once a killed command has run again. Sweeps and optimizations
+find half of their work in the folder, which stays; operations find a trial of their name, but no
+recording, which they would not replace.
 
     python campaigns/full_disk.py              # as root, on Linux: file systems are mounted, rights given up
     python campaigns/full_disk.py --moments 8  # more moments
@@ -44,7 +45,9 @@ def fault_at(out: Path, fault: str) -> Generator[None]:
         aside = out.with_name("aside")
         out.rename(aside)
         out.mkdir()
-        subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={ROOM}", "tmpfs", str(out)], check=True)
+        subprocess.run(
+            ["mount", "-t", "tmpfs", "-o", f"size={ROOM}", "tmpfs", str(out)], check=True
+        )
         try:
             shutil.copytree(aside, out, dirs_exist_ok=True)
             with contextlib.suppress(OSError), (out / "rest").open("wb", buffering=0) as rest:
@@ -71,7 +74,11 @@ def fault_at(out: Path, fault: str) -> Generator[None]:
 
 def rubbish(out: Path) -> str:
     """What a writer left behind."""
-    found = [file for file in out.rglob("*") if file.name.startswith(".") or file.name.endswith(".partial")]
+    found = [
+        file
+        for file in out.rglob("*")
+        if file.name.startswith(".") or file.name.endswith(".partial")
+    ]
     return ", ".join(sorted(str(file.relative_to(out)) for file in found))
 
 
@@ -91,7 +98,9 @@ def on_disk(job: Job, folder: Path, fault: str) -> str:
         status, told = job.fork(folder, is_bound=fault != "full").end()
     wrong = harm(out, older, job, is_whole=True) or complaint(told) or rubbish(out)
     expected = (2,)
-    if "operate" in job.words:  # a robot that stopped swam, too, and beside a file of its name it takes the next one
+    if (
+        "operate" in job.words
+    ):  # a robot that stopped swam, too, and beside a file of its name it takes the next one
         expected = (0, 1, 2) if fault == "file" else (1, 2)
     if not wrong and status not in expected:
         wrong = f"status {status}"
@@ -144,7 +153,9 @@ def answer(command: str, fault: str, folder: Path, moments: int, seed: int = 0) 
 def can_mount() -> bool:
     """Whether file systems can be mounted here."""
     with tempfile.TemporaryDirectory() as name:
-        done = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", name], capture_output=True)
+        done = subprocess.run(
+            ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", name], capture_output=True
+        )
         return done.returncode == 0 and subprocess.run(["umount", name]).returncode == 0
 
 
@@ -158,7 +169,10 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         prepare(Path(name))
         for command in options.only:
-            row = {fault: answer(command, fault, Path(name), options.moments) for fault in options.faults}
+            row = {
+                fault: answer(command, fault, Path(name), options.moments)
+                for fault in options.faults
+            }
             print(command, *row.values(), sep=" | ", flush=True)
             ANSWERS.keep(command, *map(row.get, FAULTS))
             is_good = is_good and GOOD.issuperset(row.values())

@@ -3,8 +3,9 @@
     python campaigns/golden.py                 compare with campaigns/golden.npz, recorded before the rebuild
     python campaigns/golden.py --record        record anew (and say why in the commit)
 
-Bit for bit on the machine that recorded them; other processors round differently in the last digits, so the
-comparison says how far apart each run is, and fails beyond 1e-12 of a series' largest number there and here alike.
+Bit for bit on the machine that recorded them; other processors round differently in the last
+digits, so the comparison says how far apart each run is, and fails beyond 1e-12 of a series'
+largest number there and here alike.
 """
 
 import argparse
@@ -25,13 +26,32 @@ from laticauda.robot import PectoralFin
 STORE = Path(__file__).with_suffix(".npz")
 TOLERANCE = 1e-12
 ARRAYS = (
-    *("time", "center_of_mass", "center_of_mass_velocity", "heading", "heading_rate", "link_angle", "joint_angle"),
+    *(
+        "time",
+        "center_of_mass",
+        "center_of_mass_velocity",
+        "heading",
+        "heading_rate",
+        "link_angle",
+        "joint_angle",
+    ),
     *("joint_rate", "joint_angle_ref", "joint_torque", "work", "electrical_work"),
 )
-FIGURES = ("forward_velocity", "steady_velocity", "net_power", "mean_power", "cost_of_transport", "center_of_mass")
+FIGURES = (
+    "forward_velocity",
+    "steady_velocity",
+    "net_power",
+    "mean_power",
+    "cost_of_transport",
+    "center_of_mass",
+)
 
-LATERAL = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
-EEL = lc.eel_like(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40), offset=0.05)
+LATERAL = lc.lateral_undulation(
+    amplitude=radians(30), frequency=radians(130), phase_shift=radians(40)
+)
+EEL = lc.eel_like(
+    amplitude=radians(30), frequency=radians(130), phase_shift=radians(40), offset=0.05
+)
 ROLLING = replace(
     lc.lateral_undulation(amplitude=0.4, frequency=2.0, phase_shift=0.6),
     pitch=lc.Wave(amplitude=0.1, frequency=2.0, phase_shift=0.6, phase=1.5, offset=0.01),
@@ -52,90 +72,175 @@ def with_drag(calm: Any, **numbers: Any) -> Any:
 def custom(n: int) -> Any:
     """A gait with an envelope of its own."""
     return lc.custom_gait(
-        envelope=lambda i, n: 0.3 + i / n, n_links=n, amplitude=0.4, frequency=2.0, phase_shift=0.7, offset=-0.02
+        envelope=lambda i, n: 0.3 + i / n,
+        n_links=n,
+        amplitude=0.4,
+        frequency=2.0,
+        phase_shift=0.7,
+        offset=-0.02,
     )
 
 
-def planar(robot: Any, gait: Any, where: Any, joints: str = "prescribed", **settings: Any) -> lc.Trial:
+def planar(
+    robot: Any, gait: Any, where: Any, joints: str = "prescribed", **settings: Any
+) -> lc.Trial:
     """A run of the planar model; nothing is left to a default that could change."""
     step = {"prescribed": 0.01, "pd": 0.002, "servo": 0.002}[joints]
-    usual = {"dt": step, "offset_bandwidth": 10.0, "ramp": 1.0, "sample_interval": 0.25, "link_forces": True}
-    return lc.swim(robot, gait, 6.0, environment=where, model="planar", joints=joints, **(usual | settings))
+    usual = {
+        "dt": step,
+        "offset_bandwidth": 10.0,
+        "ramp": 1.0,
+        "sample_interval": 0.25,
+        "link_forces": True,
+    }
+    return lc.swim(
+        robot, gait, 6.0, environment=where, model="planar", joints=joints, **(usual | settings)
+    )
 
 
-def spatial(robot: Any, gait: Any, where: Any, root: str, joints: str = "prescribed", **settings: Any) -> lc.Trial:
+def spatial(
+    robot: Any, gait: Any, where: Any, root: str, joints: str = "prescribed", **settings: Any
+) -> lc.Trial:
     """The same in space."""
-    usual = {"dt": 0.005, "offset_bandwidth": 10.0, "ramp": 1.0, "sample_interval": 0.25, "link_forces": True}
+    usual = {
+        "dt": 0.005,
+        "offset_bandwidth": 10.0,
+        "ramp": 1.0,
+        "sample_interval": 0.25,
+        "link_forces": True,
+    }
     usual |= {"gravity": True, "root": root}
-    return lc.swim(robot, gait, 4.0, environment=where, model="spatial", joints=joints, **(usual | settings))
+    return lc.swim(
+        robot, gait, 4.0, environment=where, model="spatial", joints=joints, **(usual | settings)
+    )
 
 
 def following(guidance: Any, path: Any, robot: str, model: str = "planar") -> lc.Trial:
     """A path followed."""
     controller = lc.PathFollowing(
-        gait=LATERAL, path=path, guidance=guidance, heading=lc.HeadingController(gain=0.4, max_offset=0.35)
+        gait=LATERAL,
+        path=path,
+        guidance=guidance,
+        heading=lc.HeadingController(gain=0.4, max_offset=0.35),
     )
     body = lc.plant(
-        lc.load_robot(robot), water(), model=model, joints="prescribed", dt=0.01, offset_bandwidth=4.0, ramp=1.0
+        lc.load_robot(robot),
+        water(),
+        model=model,
+        joints="prescribed",
+        dt=0.01,
+        offset_bandwidth=4.0,
+        ramp=1.0,
     )
-    return lc.run(body, controller, 8.0, start=lc.Start(center_of_mass=(0.0, 0.5), heading=0.2), sample_interval=0.25)
+    return lc.run(
+        body,
+        controller,
+        8.0,
+        start=lc.Start(center_of_mass=(0.0, 0.5), heading=0.2),
+        sample_interval=0.25,
+    )
 
 
 def elastic(hinges: int = 3, *, driven: bool = False) -> Any:
     """Mamba with a fin that bends, and that its last joint may drive."""
     robot = lc.load_robot("mamba-fin")
     joint = robot.joints[0] if driven else None
-    return replace(robot, caudal_fin=replace(robot.caudal_fin, n_hinges=hinges, flexural_rigidity=0.5, joint=joint))
+    return replace(
+        robot,
+        caudal_fin=replace(robot.caudal_fin, n_hinges=hinges, flexural_rigidity=0.5, joint=joint),
+    )
 
 
 def scenarios() -> Mapping[str, Callable[[], Any]]:
     """The runs by name."""
     robot = {
         name: lc.load_robot(name)
-        for name in ("mamba", "mamba-fin", "mamba-thruster", "mamba-modules", "mamba-modules-fin", "chain")
+        for name in (
+            "mamba",
+            "mamba-fin",
+            "mamba-thruster",
+            "mamba-modules",
+            "mamba-modules-fin",
+            "chain",
+        )
     }
     edge = water("kirchhoff", trailing_edge="elongated", rotational="strip")
     plated = replace(
         robot["mamba"],
-        pectoral_fins=(PectoralFin(link=7, area=0.004, lift_slope=3.0, stall_angle=0.4, x=0.02, y=0.05, angle=0.1),),
+        pectoral_fins=(
+            PectoralFin(
+                link=7, area=0.004, lift_slope=3.0, stall_angle=0.4, x=0.02, y=0.05, angle=0.1
+            ),
+        ),
     )
     fin_wave = replace(LATERAL, fin=lc.Wave(amplitude=0.2, frequency=3.0, phase=0.4, offset=0.02))
     return {
         "mamba": lambda: planar(robot["mamba"], LATERAL, water()),
-        "mamba eel pd": lambda: planar(robot["mamba"], EEL, lc.load_water("paper-eel"), "pd", ramp=0.0),
+        "mamba eel pd": lambda: planar(
+            robot["mamba"], EEL, lc.load_water("paper-eel"), "pd", ramp=0.0
+        ),
         "mamba servo": lambda: planar(robot["mamba"], LATERAL, water(), "servo", ramp=0.0),
         "fin relative": lambda: planar(robot["mamba-fin"], LATERAL, water()),
-        "fin kirchhoff strip": lambda: planar(robot["mamba-fin"], LATERAL, water("kirchhoff", rotational="strip")),
+        "fin kirchhoff strip": lambda: planar(
+            robot["mamba-fin"], LATERAL, water("kirchhoff", rotational="strip")
+        ),
         "fin classic": lambda: planar(robot["mamba-fin"], EEL, water("classic")),
         "fin trailing edge servo": lambda: planar(robot["mamba-fin"], LATERAL, edge, "servo"),
-        "thruster": lambda: planar(robot["mamba-thruster"], LATERAL, lc.load_water("published-2015")),
+        "thruster": lambda: planar(
+            robot["mamba-thruster"], LATERAL, lc.load_water("published-2015")
+        ),
         "modules in the plane": lambda: planar(robot["mamba-modules"], LATERAL, water("kirchhoff")),
         "chain vortex": lambda: planar(robot["chain"], custom(10), lc.load_water("paper-vortex")),
         "current": lambda: planar(robot["mamba"], LATERAL, water(current=(0.05, -0.08))),
-        "depth taper": lambda: planar(robot["mamba"], LATERAL, water(depth=0.12, friction_taper=0.3)),
-        "drag polynomial": lambda: planar(robot["mamba-fin"], LATERAL, with_drag(water("kirchhoff"), **DRAG)),
+        "depth taper": lambda: planar(
+            robot["mamba"], LATERAL, water(depth=0.12, friction_taper=0.3)
+        ),
+        "drag polynomial": lambda: planar(
+            robot["mamba-fin"], LATERAL, with_drag(water("kirchhoff"), **DRAG)
+        ),
         "pectoral fin": lambda: planar(plated, LATERAL, water()),
         "elastic fin": lambda: planar(elastic(), LATERAL, water("kirchhoff"), dt=0.002),
-        "driven elastic fin pd": lambda: planar(elastic(driven=True), fin_wave, water("kirchhoff"), "pd"),
+        "driven elastic fin pd": lambda: planar(
+            elastic(driven=True), fin_wave, water("kirchhoff"), "pd"
+        ),
         "crawl viscous": lambda: planar(robot["mamba"], LATERAL, lc.load_ground("viscous")),
-        "crawl coulomb pd": lambda: planar(robot["mamba"], LATERAL, lc.load_ground("coulomb"), "pd", dt=0.0005),
+        "crawl coulomb pd": lambda: planar(
+            robot["mamba"], LATERAL, lc.load_ground("coulomb"), "pd", dt=0.0005
+        ),
         "follow line": lambda: following(
-            lc.LineOfSight(look_ahead_distance=0.18), lc.StraightLine(point=(0.0, 0.0), angle=0.1), "mamba"
+            lc.LineOfSight(look_ahead_distance=0.18),
+            lc.StraightLine(point=(0.0, 0.0), angle=0.1),
+            "mamba",
         ),
         "follow spline integral": lambda: following(
             lc.IntegralLineOfSight(look_ahead_distance=0.3, integral_gain=0.02),
             lc.Spline(waypoints=((0.0, 0.0), (0.5, 0.0), (1.0, 0.4), (2.0, 0.4))),
             "mamba-fin",
         ),
-        "spatial planar root": lambda: spatial(robot["mamba-fin"], LATERAL, water("kirchhoff"), "planar"),
-        "spatial free root": lambda: spatial(robot["mamba-modules"], ROLLING, water("kirchhoff", depth=0.6), "free"),
+        "spatial planar root": lambda: spatial(
+            robot["mamba-fin"], LATERAL, water("kirchhoff"), "planar"
+        ),
+        "spatial free root": lambda: spatial(
+            robot["mamba-modules"], ROLLING, water("kirchhoff", depth=0.6), "free"
+        ),
         "spatial servo": lambda: spatial(robot["mamba"], LATERAL, water(), "free", "servo"),
-        "spatial pd relative fin": lambda: spatial(robot["mamba-modules-fin"], EEL, water(), "free", "pd"),
-        "spatial drag polynomial": lambda: spatial(robot["mamba"], LATERAL, with_drag(water(), **DRAG), "free"),
-        "spatial elastic fin": lambda: spatial(elastic(), LATERAL, water("kirchhoff"), "planar", dt=0.002),
-        "spatial crawl": lambda: spatial(robot["mamba"], LATERAL, lc.load_ground("coulomb"), "free", "pd", dt=0.001),
+        "spatial pd relative fin": lambda: spatial(
+            robot["mamba-modules-fin"], EEL, water(), "free", "pd"
+        ),
+        "spatial drag polynomial": lambda: spatial(
+            robot["mamba"], LATERAL, with_drag(water(), **DRAG), "free"
+        ),
+        "spatial elastic fin": lambda: spatial(
+            elastic(), LATERAL, water("kirchhoff"), "planar", dt=0.002
+        ),
+        "spatial crawl": lambda: spatial(
+            robot["mamba"], LATERAL, lc.load_ground("coulomb"), "free", "pd", dt=0.001
+        ),
         "spatial follow": lambda: following(
-            lc.LineOfSight(look_ahead_distance=0.18), lc.StraightLine(point=(0.0, 0.0), angle=0.0), "mamba", "spatial"
+            lc.LineOfSight(look_ahead_distance=0.18),
+            lc.StraightLine(point=(0.0, 0.0), angle=0.0),
+            "mamba",
+            "spatial",
         ),
         "batch": lambda: batch("cpu", robot["mamba-fin"], 12),
         "cuda simulator": lambda: batch("cuda", elastic(1), 3),
@@ -151,7 +256,13 @@ def batch(device: str, robot: Any, count: int) -> lc.Swims:
     gaits = [replace(EEL, amplitude=0.2 + 0.03 * i) for i in range(count)]
     waters = [water(normal_drag=1e7 if i == 1 else 1.0 + 0.1 * i) for i in range(count)]
     duration = 0.3 if device == "cuda" else 15.0
-    settings = {"joints": "prescribed", "dt": 0.05, "offset_bandwidth": 10.0, "ramp": 1.0, "device": device}
+    settings = {
+        "joints": "prescribed",
+        "dt": 0.05,
+        "offset_bandwidth": 10.0,
+        "ramp": 1.0,
+        "device": device,
+    }
     return lc.swim_many(robot, gaits, duration, environments=waters, **settings)
 
 
@@ -165,7 +276,11 @@ def series(run: Any) -> Iterator[tuple[str, np.ndarray]]:
         value = getattr(run, name)
         if value is not None:
             yield name, value
-    for kind, named in (("link_force", run.link_force or {}), ("signals", run.signals), ("state", run.state)):
+    for kind, named in (
+        ("link_force", run.link_force or {}),
+        ("signals", run.signals),
+        ("state", run.state),
+    ):
         for name, value in named.items():
             yield f"{kind}.{name}", np.asarray(value)
 
@@ -182,8 +297,12 @@ def distance(there: np.ndarray, here: np.ndarray) -> float:
 
 def main() -> int:
     """Record or compare."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--record", action="store_true", help="write the file instead of comparing with it")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--record", action="store_true", help="write the file instead of comparing with it"
+    )
     parser.add_argument("--only", default="", help="only runs whose name contains this")
     parser.add_argument("--store", type=Path, default=STORE, help="the file")
     chosen = parser.parse_args()
@@ -201,7 +320,9 @@ def main() -> int:
         mine = {f"{name}: {key}": value for key, value in series(run)}
         found |= mine
         if not chosen.record:
-            apart = {key: distance(stored[key], mine[key]) if key in stored else np.inf for key in mine}
+            apart = {
+                key: distance(stored[key], mine[key]) if key in stored else np.inf for key in mine
+            }
             lost = [key for key in stored if key.startswith(f"{name}: ") and key not in mine]
             most = max(apart, key=lambda key: apart[key])
             worst = max([worst, apart[most], *(np.inf for _ in lost)])
@@ -212,7 +333,11 @@ def main() -> int:
             for key in lost:
                 print(f"{'':26} not there any more: {key}")
         else:
-            status = run.status if isinstance(run, lc.Trial) else f"{int(run.succeeded.sum())} of {len(run)} succeeded"
+            status = (
+                run.status
+                if isinstance(run, lc.Trial)
+                else f"{int(run.succeeded.sum())} of {len(run)} succeeded"
+            )
             print(f"{name:26} {len(mine)} series, {status}")
     if chosen.record:
         np.savez_compressed(chosen.store, **found)

@@ -1,10 +1,11 @@
 """Do the stated 95 % intervals hold the truth 95 times of 100?
 
-Question: 120 random robots (4 to 11 links, with and without a fin) in waters of random coefficients and a random
-current swim three random gaits each; a tracker with noise and a twisted mount sees their center of mass and heading;
-where they begin is unknown.
-Which share of the intervals holds the true value, of all and by parameter, and is what cannot be identified (the added
-inertia of thin links, and the joints' skin, which prescribed joints hold against) reported as such?
+Question: 120 random robots (4 to 11 links, with and without a fin) in waters of random coefficients
+and a random current swim three random gaits each; a tracker with noise and a twisted mount sees
+their center of mass and heading; where they begin is unknown.
+Which share of the intervals holds the true value, of all and by parameter, and is what cannot be
+identified (the added inertia of thin links, and the joints' skin, which prescribed joints hold
+against) reported as such?
 
     python campaigns/identify_coverage.py
     python campaigns/identify_coverage.py --lag 0.95
@@ -22,9 +23,9 @@ water.added_inertia              0 of    0        -   120        0 of    0      
 robot.joint.stiffness            0 of    0        -   120        0 of    0        -   120
 all                            667 of  708   94.2 %            659 of  691   95.4 %
 
-One parameter's share of 120 scatters by 2 points. 120 other robots (`--seed 7`), white noise: 669 of 713, 93.8 %, by
-parameter 92.4 to 95.7 %. With starts that are known exactly, and not fitted, 675 of 713 did,
-94.7 %, and 693 of 718 of 120 other robots (`--seed 7`).
+One parameter's share of 120 scatters by 2 points. 120 other robots (`--seed 7`), white noise: 669
+of 713, 93.8 %, by parameter 92.4 to 95.7 %. With starts that are known exactly, and not fitted, 675
+of 713 did, 94.7 %, and 693 of 718 of 120 other robots (`--seed 7`).
 """
 
 import argparse
@@ -67,8 +68,14 @@ def random_robot(rng: np.random.Generator) -> Robot:
     n = int(rng.integers(4, 12))
     section = Section(half_height=rng.uniform(0.03, 0.07), half_width=rng.uniform(0.03, 0.07))
     length = rng.uniform(0.1, 0.2)
-    module = Module(length=length, mass=1000.0 * section.area * length * rng.uniform(0.7, 1.0), section=section)
-    fin = CaudalFin(length=rng.uniform(0.2, 0.4), height=rng.uniform(0.06, 0.14)) if rng.random() < 0.5 else None
+    module = Module(
+        length=length, mass=1000.0 * section.area * length * rng.uniform(0.7, 1.0), section=section
+    )
+    fin = (
+        CaudalFin(length=rng.uniform(0.2, 0.4), height=rng.uniform(0.06, 0.14))
+        if rng.random() < 0.5
+        else None
+    )
     return Robot(name="random", modules=(module,) * n, joints=(Joint(),) * (n - 1), caudal_fin=fin)
 
 
@@ -91,15 +98,22 @@ def correlated(shape: tuple[int, ...], lag: float, rng: np.random.Generator) -> 
     return noise
 
 
-def tracked(trial: Trial, name: str, twist: float, lag: float, rng: np.random.Generator) -> Measurement:
+def tracked(
+    trial: Trial, name: str, twist: float, lag: float, rng: np.random.Generator
+) -> Measurement:
     """What the tracker makes of a trial: noise on everything, and a mount that is twisted."""
     log = replace(
         trial,
-        center_of_mass=trial.center_of_mass + POSITION * correlated(trial.center_of_mass.shape, lag, rng),
+        center_of_mass=trial.center_of_mass
+        + POSITION * correlated(trial.center_of_mass.shape, lag, rng),
         heading=trial.heading + twist + HEADING * correlated(trial.heading.shape, lag, rng),
     )
-    seen = from_trial(log, name=name, series={"center_of_mass": POSITION, "heading": HEADING}, every=EVERY)
-    return replace(seen, scenario=replace(seen.scenario, environment=lc.load_water("paper-lateral")))
+    seen = from_trial(
+        log, name=name, series={"center_of_mass": POSITION, "heading": HEADING}, every=EVERY
+    )
+    return replace(
+        seen, scenario=replace(seen.scenario, environment=lc.load_water("paper-lateral"))
+    )
 
 
 def case(number: int, seed: int = SEED, lag: float = 0.0, threads: int | None = 1) -> Case:
@@ -108,7 +122,8 @@ def case(number: int, seed: int = SEED, lag: float = 0.0, threads: int | None = 
     robot = random_robot(rng)
     water = lc.load_water("paper-lateral")
     truth = {
-        "water.tangential_friction": water.tangential_friction * float(np.exp(rng.uniform(-0.7, 0.7))),
+        "water.tangential_friction": water.tangential_friction
+        * float(np.exp(rng.uniform(-0.7, 0.7))),
         "water.normal_drag": water.normal_drag * float(np.exp(rng.uniform(-0.7, 0.7))),
         "water.added_mass": water.added_mass * float(np.exp(rng.uniform(-0.7, 0.7))),
         "water.current_x": rng.uniform(-0.03, 0.03),
@@ -121,11 +136,19 @@ def case(number: int, seed: int = SEED, lag: float = 0.0, threads: int | None = 
         current=(truth["water.current_x"], truth["water.current_y"]),
     )
     measurements = [
-        tracked(lc.swim(robot, random_gait(rng), DURATION, environment=true_water), f"{k}", truth[SEEN[5]], lag, rng)
+        tracked(
+            lc.swim(robot, random_gait(rng), DURATION, environment=true_water),
+            f"{k}",
+            truth[SEEN[5]],
+            lag,
+            rng,
+        )
         for k in range(3)
     ]
     wanted = [*SEEN, HIDDEN[0], Unknown(name=HIDDEN[1], start=0.1, upper=10.0)]
-    return Case(truth=truth, found=fit(measurements, parameters=wanted, n_starts=1, threads=threads))
+    return Case(
+        truth=truth, found=fit(measurements, parameters=wanted, n_starts=1, threads=threads)
+    )
 
 
 def counts(cases: list[Case]) -> dict[str, tuple[int, int, int]]:
@@ -148,7 +171,12 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--robots", type=int, default=ROBOTS)
     parser.add_argument("--seed", type=int, default=SEED)
-    parser.add_argument("--lag", type=float, default=0.0, help="correlation of the noise from sample to sample, 50 ms")
+    parser.add_argument(
+        "--lag",
+        type=float,
+        default=0.0,
+        help="correlation of the noise from sample to sample, 50 ms",
+    )
     options = parser.parse_args()
     cases: list[Case] = []
     for number in range(options.robots):

@@ -1,8 +1,9 @@
 """Which water, which drive and which place of the drag explain the tank trials of two robots?
 
-Question: 72 models of two fitted numbers each are fitted to the speeds of the paper's Table 1. Which holds when a group
-of gait and fin is left out, which says most of another robot, and what do the chosen ones say of Table 2, which nothing
-was fitted to or chosen by? What was decided beforehand, and the answer, are in `identify_paper.md`.
+Question: 72 models of two fitted numbers each are fitted to the speeds of the paper's Table 1.
+Which holds when a group of gait and fin is left out, which says most of another robot, and what do
+the chosen ones say of Table 2, which nothing was fitted to or chosen by? What was decided
+beforehand, and the answer, are in `identify_paper.md`.
 
     python campaigns/identify_paper.py --interval             # Table 1 from textbook water, nothing compared
     python campaigns/identify_paper.py --output FILE          # all candidates; Table 2 and power by the chosen
@@ -45,12 +46,16 @@ GROUP_NAMES = tuple(dict.fromkeys(group_name(row.gait.kind, row.has_fin) for row
 GROUP = np.array([GROUP_NAMES.index(group_name(row.gait.kind, row.has_fin)) for row in ROWS])
 FOLLOWED = path_following_trials()
 FOLLOWED_SPEED = np.array([row.forward_velocity for row in FOLLOWED])
-FOLLOWED_GROUP = np.array([GROUP_NAMES.index(group_name(row.gait.kind, row.has_fin)) for row in FOLLOWED])
+FOLLOWED_GROUP = np.array(
+    [GROUP_NAMES.index(group_name(row.gait.kind, row.has_fin)) for row in FOLLOWED]
+)
 LOOP_DELAY = 0.12  # committed beforehand: cameras, computer, bus, servo [s]
 KICK = 2.0  # joints that torque does not limit start with a kick, which says nothing of power [s]
 LAGS = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8)  # from heading to joint, shown beside it [s]
 FIN = {"tangential_friction": 0.005, "normal_drag": 2.0, "added_mass": 1.0}
-SERVO_POWER = 2.9 * 7.5  # stall torque x no-load speed of the published servo, which a gear keeps [W]
+SERVO_POWER = (
+    2.9 * 7.5
+)  # stall torque x no-load speed of the published servo, which a gear keeps [W]
 BAND = math.radians(10.0)  # error at which a position loop asks for the whole speed
 SPEEDS = (0.2, 7.5)  # rad/s
 HERE = Path(__file__).parent
@@ -97,7 +102,9 @@ class Candidate:
         robots: dict[bool, Robot] = {}
         for has_fin in (False, True):
             robot = lc.load_robot("mamba-fin" if has_fin else "mamba")
-            robot = adjusted(robot, {"actuator": actuator, **({"caudal_fin": FIN} if has_fin else {})})
+            robot = adjusted(
+                robot, {"actuator": actuator, **({"caudal_fin": FIN} if has_fin else {})}
+            )
             if self.place == "tail":
                 robot = replace(robot, tether=Tether(drag=drag))
             elif self.place == "head":
@@ -116,7 +123,9 @@ def _drive(name: str, speed: float) -> tuple[dict[str, float], Any]:
         return {"no_load_speed": speed, "stall_torque": SERVO_POWER / speed}, "servo"
     ratio = 200.0 / 2.9 if name == "speed-servo" else 7.5 / (1.5 * speed)
     of_motor = {"stall_torque": 2.9 * ratio}
-    of_motor |= {"stall_current": 4.6 * ratio} if name == "speed-servo" else {"no_load_speed": 1.5 * speed}
+    of_motor |= (
+        {"stall_current": 4.6 * ratio} if name == "speed-servo" else {"no_load_speed": 1.5 * speed}
+    )
     gain = 200.0 / speed if name == "speed-servo" else 2.9 * ratio / (0.1 * speed)
     return of_motor, lc.SpeedServo(speed_limit=speed, position_gain=speed / BAND, speed_gain=gain)
 
@@ -145,27 +154,40 @@ def forward_velocities(models: Sequence[Model], rows: Sequence[Any] = ROWS) -> n
     for model, law in zip(models, laws, strict=True):  # a joint law's numbers are one set per batch
         robots = [model.robots[row.has_fin] for row in rows]
         batch = lc.swim_many(
-            robots, [row.gait for row in rows], 30.0, environments=model.water, joints=law, dt=0.004, threads=1
+            robots,
+            [row.gait for row in rows],
+            30.0,
+            environments=model.water,
+            joints=law,
+            dt=0.004,
+            threads=1,
         )
         found.append(np.maximum(np.where(batch.succeeded, batch.forward_velocity, 0.001), 0.001))
     return np.stack(found)
 
 
-def fitted(candidate: Candidate, keep: np.ndarray, start: Numbers | None = None) -> tuple[Numbers, bool]:
+def fitted(
+    candidate: Candidate, keep: np.ndarray, start: Numbers | None = None
+) -> tuple[Numbers, bool]:
     """Least squares of log(simulated / measured) over the rows to keep; and whether a number is at an end."""
     rows, goal = [row for row, kept in zip(ROWS, keep, strict=True) if kept], np.log(MEASURED[keep])
     usual, *ends = PLACES[candidate.place]
     low, high = np.log(np.array([ends, SPEEDS])).T
 
     def logs(*points: np.ndarray) -> np.ndarray:
-        return np.log(forward_velocities([candidate.model(tuple(np.exp(x))) for x in points], rows)) - goal
+        return (
+            np.log(forward_velocities([candidate.model(tuple(np.exp(x))) for x in points], rows))
+            - goal
+        )
 
     def slopes(x: np.ndarray) -> np.ndarray:
         here, *there = logs(x, *(x - 1e-3 * np.eye(2)))
         return (here - np.array(there)).T / 1e-3
 
     first = np.clip(np.log(start or (usual, 0.8)), low + 2e-3, high - 2e-3)
-    found = least_squares(lambda x: logs(x)[0], first, slopes, bounds=(low, high), max_nfev=20, xtol=1e-4, ftol=1e-5)
+    found = least_squares(
+        lambda x: logs(x)[0], first, slopes, bounds=(low, high), max_nfev=20, xtol=1e-4, ftol=1e-5
+    )
     near = np.minimum(found.x - low, high - found.x) < 0.01 * (high - low)
     return (float(np.exp(found.x[0])), float(np.exp(found.x[1]))), bool(np.any(near))
 
@@ -195,7 +217,10 @@ def on_table_1(candidate: Candidate) -> dict[str, Any]:
 
 def on_amphibot(candidate: Candidate) -> dict[str, float]:
     """Simulated over measured - 1 of run 1: two swims, two glides, the start."""
-    real, found = amphibot.measured(), amphibot.figures(amphibot.swum(candidate.water(lc.load_robot("amphibot"))))
+    real, found = (
+        amphibot.measured(),
+        amphibot.figures(amphibot.swum(candidate.water(lc.load_robot("amphibot")))),
+    )
     return {name: found[name] / real[name] - 1.0 for name in real}
 
 
@@ -204,7 +229,7 @@ def swims_of(found: Mapping[str, float]) -> float:
     return 50.0 * sum(abs(found[name]) for name in ("swim 1", "swim 2"))
 
 
-# ---- what the fin brings ---------------------------------------------------------------------------------------------
+# ---- what the fin brings -------------------------------------------------------------------------
 
 
 def gains(speeds: np.ndarray) -> list[list[float]]:
@@ -221,12 +246,17 @@ def gains(speeds: np.ndarray) -> list[list[float]]:
 
 def followed_gains(speeds: np.ndarray) -> list[list[float]]:
     """The same in Table 2, case by case."""
-    return [[speeds[FOLLOWED_GROUP == a + 1][k] / speeds[FOLLOWED_GROUP == a][k] for k in range(3)] for a in (0, 2)]
+    return [
+        [speeds[FOLLOWED_GROUP == a + 1][k] / speeds[FOLLOWED_GROUP == a][k] for k in range(3)]
+        for a in (0, 2)
+    ]
 
 
 def gain_ratios(speeds: np.ndarray) -> list[float]:
     """Simulated over measured gain v_fin / v_nofin - 1 of both gaits, means over the settings."""
-    pairs = zip(*(map(np.mean, of(s)) for of, s in ((gains, speeds), (gains, MEASURED))), strict=True)
+    pairs = zip(
+        *(map(np.mean, of(s)) for of, s in ((gains, speeds), (gains, MEASURED))), strict=True
+    )
     return [float((ours - 1.0) / (theirs - 1.0)) for ours, theirs in pairs]
 
 
@@ -240,7 +270,7 @@ def gains_in_words(simulated: list[list[float]], measured: list[list[float]]) ->
     return "; ".join(found)
 
 
-# ---- Table 2 and power -----------------------------------------------------------------------------------------------
+# ---- Table 2 and power ---------------------------------------------------------------------------
 
 
 def follow(model: Model, delay: float) -> list[Trial]:
@@ -251,7 +281,9 @@ def follow(model: Model, delay: float) -> list[Trial]:
         how = {"joints": model.joints, "offset_bandwidth": 1e6, "loop_delay": delay}
         body = plant(model.robots[row.has_fin], model.water, **how)
         controller = settings.controller(row.gait)
-        start = lc.Start(center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading)
+        start = lc.Start(
+            center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading
+        )
         there = lambda seen: bool(seen.center_of_mass[0] >= settings.distance)  # noqa: E731
         found.append(run(body, controller, settings.duration, start=start, until=there))
     return found
@@ -274,11 +306,13 @@ def table_2(trials: Sequence[Trial]) -> dict[str, Any]:
 def powers(model: Model, followed: Sequence[Trial]) -> list[dict[str, Any]]:
     """Electrical power of all 30 measured rows by one model each, no coefficient negative.
 
-    The hypothesis: only the rows of Table 2 without the fin had the idle 41.3 W taken off, or had it twice.
+    The hypothesis: only the rows of Table 2 without the fin had the idle 41.3 W taken off, or had
+    it twice.
     """
     first = [row for row in efficiency_trials() if row.mean_power is not None]
     trials = [
-        lc.swim(model.robots[row.has_fin], row.gait, environment=model.water, joints=model.joints) for row in first
+        lc.swim(model.robots[row.has_fin], row.gait, environment=model.water, joints=model.joints)
+        for row in first
     ] + list(followed)
     measured = np.array([row.mean_power for row in (*first, *FOLLOWED)], dtype=float)
     bare = np.array([False] * len(first) + [not row.has_fin for row in FOLLOWED])
@@ -299,13 +333,26 @@ def powers(model: Model, followed: Sequence[Trial]) -> list[dict[str, Any]]:
         target = measured + (41.3 * bare if is_idle else 0.0)
         matrix = np.stack(parts, axis=1) / target[:, None]  # relative errors count
         numbers = nnls(matrix, one)[0]
-        left = [float(matrix[i] @ nnls(np.delete(matrix, i, 0), one[1:])[0]) for i in range(len(target))]
-        error, out = (100.0 * float(np.mean(np.abs(says - 1.0))) for says in (matrix @ numbers, np.array(left)))
-        found.append({"name": name, "idle": is_idle, "numbers": numbers.tolist(), "error": error, "left_out": out})
+        left = [
+            float(matrix[i] @ nnls(np.delete(matrix, i, 0), one[1:])[0]) for i in range(len(target))
+        ]
+        error, out = (
+            100.0 * float(np.mean(np.abs(says - 1.0)))
+            for says in (matrix @ numbers, np.array(left))
+        )
+        found.append(
+            {
+                "name": name,
+                "idle": is_idle,
+                "numbers": numbers.tolist(),
+                "error": error,
+                "left_out": out,
+            }
+        )
     return found
 
 
-# ---- the choice ------------------------------------------------------------------------------------------------------
+# ---- the choice ----------------------------------------------------------------------------------
 
 
 def chosen(results: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
@@ -317,7 +364,9 @@ def chosen(results: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]
         "Mamba's": min(equal, key=lambda one: swims_of(one["amphibot"])),
         "shared": min(allowed, key=lambda one: max(one["by_groups"], swims_of(one["amphibot"]))),
         "by Mamba alone": min(allowed, key=lambda one: one["by_groups"]),
-        "by AmphiBot alone": min(allowed, key=lambda one: (round(swims_of(one["amphibot"]), 6), one["by_groups"])),
+        "by AmphiBot alone": min(
+            allowed, key=lambda one: (round(swims_of(one["amphibot"]), 6), one["by_groups"])
+        ),
     }
 
 
@@ -325,14 +374,23 @@ def interval() -> None:
     """Every row of Table 1 in the textbook's water, into a file, beside nothing."""
     with (HERE / "identify_paper_interval.csv").open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(("gait", "fin", "alpha_deg", "omega_deg_s", "delta_deg", "v_m_s", "low_m_s", "high_m_s"))
+        writer.writerow(
+            ("gait", "fin", "alpha_deg", "omega_deg_s", "delta_deg", "v_m_s", "low_m_s", "high_m_s")
+        )
         for row in ROWS:
-            robot = replace(lc.load_robot("mamba-fin" if row.has_fin else "mamba"), surface="skinned")
+            robot = replace(
+                lc.load_robot("mamba-fin" if row.has_fin else "mamba"), surface="skinned"
+            )
             trial = lc.swim(robot, row.gait, environment=textbook_of(robot))
             low, high = spread(trial, intervals_of(trial.scenario))["forward_velocity"]
-            angles = (math.degrees(getattr(row.gait, one)) for one in ("amplitude", "frequency", "phase_shift"))
+            angles = (
+                math.degrees(getattr(row.gait, one))
+                for one in ("amplitude", "frequency", "phase_shift")
+            )
             speeds = (f"{v:.4f}" for v in (trial.forward_velocity, low, high))
-            writer.writerow((row.gait.kind, int(row.has_fin), *(f"{a:.0f}" for a in angles), *speeds))
+            writer.writerow(
+                (row.gait.kind, int(row.has_fin), *(f"{a:.0f}" for a in angles), *speeds)
+            )
 
 
 def line(one: Mapping[str, Any]) -> str:
@@ -360,7 +418,8 @@ def report(candidate: Candidate, one: Mapping[str, Any], what: str) -> None:
         bias = " ".join(f"{b:+.0f}" for b in found["bias"])
         mark = ", committed" if delay == LOOP_DELAY else ""
         print(
-            f"  Table 2, delay {delay:.3f} s{mark}, lag {delay + lag:.2f} s: {found['error']:.1f} % ({bias}), ", end=""
+            f"  Table 2, delay {delay:.3f} s{mark}, lag {delay + lag:.2f} s: {found['error']:.1f} % ({bias}), ",
+            end="",
         )
         print(f"{found['converging']}/12 converge, fin gain {found['gains']}", flush=True)
         if delay == LOOP_DELAY:
@@ -372,10 +431,16 @@ def report(candidate: Candidate, one: Mapping[str, Any], what: str) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--interval", action="store_true", help="write the interval of Table 1 and end")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--interval", action="store_true", help="write the interval of Table 1 and end"
+    )
     parser.add_argument("--only", default="", help="part of the names of the candidates")
-    parser.add_argument("--output", type=Path, help="JSON file of what came out, which the next run goes on with")
+    parser.add_argument(
+        "--output", type=Path, help="JSON file of what came out, which the next run goes on with"
+    )
     arguments = parser.parse_args()
     if arguments.interval:
         return interval()
@@ -403,9 +468,13 @@ def main() -> None:
     print()
     for what, one in found.items():
         print(f"{what}: {line(one)}")
-    found["drag on the body"] = chosen([one for one in results if one["name"].endswith("body")])["shared"]
+    found["drag on the body"] = chosen([one for one in results if one["name"].endswith("body")])[
+        "shared"
+    ]
     for what in ("Mamba's", "shared", "drag on the body"):
-        report(next(one for one in CANDIDATES if one.name == found[what]["name"]), found[what], what)
+        report(
+            next(one for one in CANDIDATES if one.name == found[what]["name"]), found[what], what
+        )
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
 """Does a table of speeds give the numbers of the preset that was fitted to them?
 
-Question: the paper's Table 1 as a CSV file of one's own, one row a trial, in the place of `[table1]` in
-examples/mamba-identified.toml. Are the two numbers those that the preset prints, and those of the paper's own rows to
-the last digit?
+Question: the paper's Table 1 as a CSV file of one's own, one row a trial, in the place of
+`[table1]` in examples/mamba-identified.toml. Are the two numbers those that the preset prints, and
+those of the paper's own rows to the last digit?
 
     python campaigns/identify_table.py
 
@@ -36,8 +36,16 @@ def write_table1(path: Path) -> None:
     lines = [HEAD]
     for row in efficiency_trials():
         gait = row.gait
-        angles = (f"{degrees(one):.0f}" for one in (gait.amplitude, gait.frequency, gait.phase_shift))
-        cells = (short[gait.kind], "fin" if row.has_fin else "nofin", *angles, row.forward_velocity, row.mean_power)
+        angles = (
+            f"{degrees(one):.0f}" for one in (gait.amplitude, gait.frequency, gait.phase_shift)
+        )
+        cells = (
+            short[gait.kind],
+            "fin" if row.has_fin else "nofin",
+            *angles,
+            row.forward_velocity,
+            row.mean_power,
+        )
         lines.append(",".join("" if cell is None else str(cell) for cell in cells))
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
@@ -47,7 +55,9 @@ def main() -> None:
     own = {name: one for name, one in told.items() if name != "table1"}
     with TemporaryDirectory() as folder:
         write_table1(Path(folder) / "table1.csv")
-        mine = task_from_table({**own, "table": {"file": "table1.csv", "sigma": 0.05}}, "mine", Path(folder))
+        mine = task_from_table(
+            {**own, "table": {"file": "table1.csv", "sigma": 0.05}}, "mine", Path(folder)
+        )
     for title, task in (("a file", mine), ("the paper's rows", load_task(EXAMPLE))):
         found = task.run()
         print(f"{title}: {found.percentage_error():.2f} %", flush=True)

@@ -1,17 +1,18 @@
 """What does Ctrl-C do, at any moment of any command?
 
-Question: every command runs in a terminal, where Ctrl-C reaches all its processes, and is stopped at moments from its
-first import to its exit; half of the time a second Ctrl-C follows. It has to end with one line and status 130, and with
-older files whole; or, if its work was done, with 0; a second Ctrl-C ends it at once, as the signal does. Servers,
-operations and identifications end in good order instead, with 0 or with what they have found. No process may be left,
-no other line may be said.
+Question: every command runs in a terminal, where Ctrl-C reaches all its processes, and is stopped
+at moments from its first import to its exit; half of the time a second Ctrl-C follows. It has to
+end with one line and status 130, and with older files whole; or, if its work was done, with 0; a
+second Ctrl-C ends it at once, as the signal does. Servers, operations and identifications end in
+good order instead, with 0 or with what they have found. No process may be left, no other line may
+be said.
 
     python campaigns/interruptions.py                        # all, and the answer to interruptions.csv
     python campaigns/interruptions.py --moments 3 --only swim
 
-Moments are counted from where the program takes the signal: in the 0.05 s before that Python itself is starting, and
-Ctrl-C is answered by Python. The tests run a slice. The stored times until the end are those of a computer with ten
-times as much to do as it has cores for.
+Moments are counted from where the program takes the signal: in the 0.05 s before that Python itself
+is starting, and Ctrl-C is answered by Python. The tests run a slice. The stored times until the end
+are those of a computer with ten times as much to do as it has cores for.
 """
 
 import argparse
@@ -71,7 +72,9 @@ def undisturbed(job: Job, folder: Path) -> tuple[float, list[str]]:
     return took, lines(told)
 
 
-def stopped(name: str, folder: Path, after: float, again: float | None, usual: list[str], found: Found) -> None:
+def stopped(
+    name: str, folder: Path, after: float, again: float | None, usual: list[str], found: Found
+) -> None:
     """Stop a command.
 
     Args:
@@ -101,7 +104,9 @@ def stopped(name: str, folder: Path, after: float, again: float | None, usual: l
         wrong = "a traceback"
     elif not kind and name not in IN_GOOD_ORDER:
         wrong = f"status {status}"
-    elif (kind == "one line and 130" and len(said) != 1) or (len(said) > 1 and name not in IN_GOOD_ORDER):
+    elif (kind == "one line and 130" and len(said) != 1) or (
+        len(said) > 1 and name not in IN_GOOD_ORDER
+    ):
         wrong = f"{len(said)} lines"
     elif kind == "the signal" and again is not None and took > AT_ONCE:
         wrong = f"{took:.0f} s after the second Ctrl-C"
@@ -118,7 +123,14 @@ def swept(name: str, folder: Path, moments: int, seed: int = 0) -> Found:
     chance, found = random.Random(f"{name} {seed}"), Found()
     took, usual = undisturbed(JOBS[name], folder)
     for k in range(moments):
-        stopped(name, folder, (k + chance.random()) / moments * took, chance.choice(SECOND), usual, found)
+        stopped(
+            name,
+            folder,
+            (k + chance.random()) / moments * took,
+            chance.choice(SECOND),
+            usual,
+            found,
+        )
     return found
 
 
@@ -134,7 +146,14 @@ def main() -> None:
             shutil.rmtree(Path(scratch) / "out", ignore_errors=True)
             found = swept(name, Path(scratch), options.moments)
             n_faults += len(found.faults)
-            print(name, found.ends, f"{found.longest:.1f} s", f"{len(found.faults)} faults", sep=" | ", flush=True)
+            print(
+                name,
+                found.ends,
+                f"{found.longest:.1f} s",
+                f"{len(found.faults)} faults",
+                sep=" | ",
+                flush=True,
+            )
             for fault in found.faults:
                 print("    " + fault.replace("\n", "\n    "), flush=True)
             row = (*found.ends.values(), f"{found.longest:.1f}", len(found.faults))

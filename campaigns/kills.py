@@ -1,16 +1,18 @@
 """Is anything lost when a job of any kind is killed?
 
-Question: sweeps, optimizations, identifications, the paper's reproduction and operations are killed by SIGKILL at
-random moments of their work, 100 times in all, and run again: are the results the same, bit for bit, as those of a job
-that nobody killed, and does every process of it end? A recording of an operation cannot be the same: it has to be
-readable, and to be the beginning of a whole one.
+Question: sweeps, optimizations, identifications, the paper's reproduction and operations are killed
+by SIGKILL at random moments of their work, 100 times in all, and run again: are the results the
+same, bit for bit, as those of a job that nobody killed, and does every process of it end? A
+recording of an operation cannot be the same: it has to be readable, and to be the beginning of a
+whole one.
 
     python campaigns/kills.py                           # 100 kills, and the answer to kills.csv
     python campaigns/kills.py --kills 2 --only operate  # fewer
 
-A job is killed once to three times in a row before it may come to its end. Sweeps and optimizations go on where they
-were; identifications and reproductions begin anew, over what is there. The tests run a slice. More kills of sweeps and
-optimizations, before single file operations and of workers too, are in sweep_kills.py and optimize_kills.py.
+A job is killed once to three times in a row before it may come to its end. Sweeps and optimizations
+go on where they were; identifications and reproductions begin anew, over what is there. The tests
+run a slice. More kills of sweeps and optimizations, before single file operations and of workers
+too, are in sweep_kills.py and optimize_kills.py.
 """
 
 import argparse
@@ -30,20 +32,29 @@ REPRODUCE = WRITERS["reproduce"]
 JOBS: dict[str, Job] = {
     "sweep": replace(WRITERS["sweep"], words=WRITERS["sweep"].words.replace("60:300", "60:1500")),
     "optimize": WRITERS["optimize"],
-    "identify": replace(WRITERS["identify"], words=WRITERS["identify"].words.replace("--starts 1", "--starts 2")),
+    "identify": replace(
+        WRITERS["identify"], words=WRITERS["identify"].words.replace("--starts 1", "--starts 2")
+    ),
     "reproduce": replace(REPRODUCE, words=REPRODUCE.words.replace("--workers 2", "--workers 1")),
     "reproduce, by two workers": REPRODUCE,
     "operate": Job(words="recorded 3.0"),
 }
 KILLS = {name: 20 for name in JOBS} | {"reproduce": 15, "reproduce, by two workers": 5}
-SAME = {name: "the same bits" for name in JOBS} | {"operate": "readable, the beginning of a whole one"}
-ANSWERS = Answers(Path(__file__).with_suffix(".csv"), ("job", "kills", "ends", "result"), tuple(JOBS))
+SAME = {name: "the same bits" for name in JOBS} | {
+    "operate": "readable, the beginning of a whole one"
+}
+ANSWERS = Answers(
+    Path(__file__).with_suffix(".csv"), ("job", "kills", "ends", "result"), tuple(JOBS)
+)
 
 
 def contents(folder: Path) -> dict[str, str]:
     """Digests of all files that a job has written."""
     found = sorted(file for file in (folder / "out").rglob("*") if file.is_file())
-    return {str(file.relative_to(folder)): hashlib.sha256(file.read_bytes()).hexdigest() for file in found}
+    return {
+        str(file.relative_to(folder)): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in found
+    }
 
 
 def is_beginning(folder: Path, whole: Path) -> bool:
@@ -87,7 +98,8 @@ def killed(name: str, kills: int, scratch: Path, seed: int = 0) -> tuple[int, in
         seed: Of the moments.
 
     Returns:
-        How many kills hit it, how often it came to its end after some, and what was lost; "" if nothing was.
+        How many kills hit it, how often it came to its end after some, and what was lost; "" if
+        nothing was.
     """
     job, chance = JOBS[name], random.Random(f"{name} {seed}")
     whole, broken = scratch / f"{name}-whole", scratch / f"{name}-broken"

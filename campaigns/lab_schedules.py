@@ -1,8 +1,9 @@
 """Is an operation ever unsafe, wrongly accepted, lost or stuck, whatever goes wrong, and however it coincides?
 
-Tank, bus, cameras, meter, operator and disk run in one process on a virtual clock. A seed draws a robot's operation and
-one to four mishaps of hardware, network, clocks, disk, computer and operator at random moments; all that follows is the
-same, bit for bit, for the same seed and commit. Of every schedule it is asked:
+Tank, bus, cameras, meter, operator and disk run in one process on a virtual clock. A seed draws a
+robot's operation and one to four mishaps of hardware, network, clocks, disk, computer and operator
+at random moments; all that follows is the same, bit for bit, for the same seed and commit. Of every
+schedule it is asked:
 
     unsafe      is every module limp in time after what stops the operation, and whenever the operation is idle?
     accepted    is a run accepted that was stopped, not recorded, long not seen, or whose way was another one?
@@ -13,21 +14,21 @@ same, bit for bit, for the same seed and commit. Of every schedule it is asked:
     python campaigns/lab_schedules.py --hours 1000     # until so much has been simulated in all
     python campaigns/lab_schedules.py --seed 17        # one, and what happened in it
 
-A schedule at fault is cut down to the mishaps that it takes, and the line that repeats it is printed. The tests run a
-slice. How far it went, and what it tried, is in lab_schedules.json.
+A schedule at fault is cut down to the mishaps that it takes, and the line that repeats it is
+printed. The tests run a slice. How far it went, and what it tried, is in lab_schedules.json.
 
-Found and mended: when the cameras' clock steps back shortly before or in a run, or orders come late, the way was off by
-up to 0.24 m (seeds 93, 96, 99, 100): such runs are rejected since there is a verdict that asks how old poses are, too.
-In seeds 605 and 867 nothing went wrong, and the way was off by 0.11 m: the filter took no angle of two joints whose
-servos had stalled and broke away, for ten samples or 0.4 s; three are enough.
-In seed 895 corrupted answers of all modules put the robot beyond the edge 0.28 s after the begin, and that run was
-accepted, as no cycle was whole to be checked: jumps of angles count within a cycle too, and a run that comes to an edge
-needs a whole cycle.
-In seed 2940 the cameras' clock stepped back by 0.3 s in the middle of a run of 3 s: the rest of it was not seen, and
-the way was off by 0.14 m. A run whose end was not seen is rejected.
+Found and mended: when the cameras' clock steps back shortly before or in a run, or orders come
+late, the way was off by up to 0.24 m (seeds 93, 96, 99, 100): such runs are rejected since there is
+a verdict that asks how old poses are, too. In seeds 605 and 867 nothing went wrong, and the way was
+off by 0.11 m: the filter took no angle of two joints whose servos had stalled and broke away, for
+ten samples or 0.4 s; three are enough. In seed 895 corrupted answers of all modules put the robot
+beyond the edge 0.28 s after the begin, and that run was accepted, as no cycle was whole to be
+checked: jumps of angles count within a cycle too, and a run that comes to an edge needs a whole
+cycle. In seed 2940 the cameras' clock stepped back by 0.3 s in the middle of a run of 3 s: the rest
+of it was not seen, and the way was off by 0.14 m. A run whose end was not seen is rejected.
 
-Not noticeable, and so not asked for: frames of the cameras that are all late by the same time, a clock that drifts by
-less than 1 in 1000.
+Not noticeable, and so not asked for: frames of the cameras that are all late by the same time, a
+clock that drifts by less than 1 in 1000.
 """
 
 import argparse
@@ -62,7 +63,15 @@ from laticauda.operate.settings import Calibration, CaptureVolume, Connection, L
 from laticauda.operate.verdict import verdict_of
 
 STORED = Path(__file__).with_suffix(".json")
-AT_ONE = ("frame_loss", "frame_corruption", "bus_off", "dead_module", "stuck_servo", "leak", "over_temperature")
+AT_ONE = (
+    "frame_loss",
+    "frame_corruption",
+    "bus_off",
+    "dead_module",
+    "stuck_servo",
+    "leak",
+    "over_temperature",
+)
 HARDWARE = (*AT_ONE, "body_lost", "mocap_silent", "meter_silent", "late_computer")
 NETWORK = ("bus_late", "bus_doubled", "bus_lost", "bus_torn", "sent_doubled", "sent_lost")
 CAMERAS = ("frames_late", "frames_doubled", "frames_lost", "meter_torn")
@@ -74,7 +83,9 @@ GAITS = {"lateral_undulation": 30.0, "eel_like": 40.0}
 RATE, STEP, LONGEST = 25.0, 0.02, 150.0  # of the loop [1/s]; of the devices; of an operation [s]
 FRAMES = 5  # of so many recordings, one keeps the raw frames too, which are most of it
 REACTION = 0.15  # modules hear of an event at the next tick, and their heartbeat comes ten times a second [s]
-ASTRAY = 0.1  # by which the way of an accepted run may be off: noise, and frames late by up to 0.3 s [m]
+ASTRAY = (
+    0.1  # by which the way of an accepted run may be off: noise, and frames late by up to 0.3 s [m]
+)
 CHUNK = 0.6  # what a torn file may lack besides what was cut off [s]
 
 
@@ -123,7 +134,11 @@ class Outcome:
     def line(self) -> str:
         """The command that repeats it."""
         drawn = schedule(random.Random(self.seed))[1]
-        only = "" if self.mishaps == drawn else f" --mishaps '{json.dumps([asdict(one) for one in self.mishaps])}'"
+        only = (
+            ""
+            if self.mishaps == drawn
+            else f" --mishaps '{json.dumps([asdict(one) for one in self.mishaps])}'"
+        )
         return f"python campaigns/lab_schedules.py --seed {self.seed}{only}"
 
 
@@ -154,7 +169,9 @@ def schedule(chance: random.Random) -> tuple[Operation, tuple[Mishap, ...]]:
     worst = 4.5 + operation.duration  # about when the run ends, and much happens at once
     mishaps: list[Mishap] = []
     for _ in range(chance.randint(1, 4)):
-        at = chance.choice([chance.uniform(0.0, worst + 3.0), chance.uniform(2.5, 4.5), chance.gauss(worst, 0.3)])
+        at = chance.choice(
+            [chance.uniform(0.0, worst + 3.0), chance.uniform(2.5, 4.5), chance.gauss(worst, 0.3)]
+        )
         mishaps.append(
             Mishap(
                 kind=chance.choice(KINDS),
@@ -168,7 +185,7 @@ def schedule(chance: random.Random) -> tuple[Operation, tuple[Mishap, ...]]:
     return operation, tuple(mishaps)
 
 
-# ---- what can go wrong -----------------------------------------------------------------------------------------------
+# ---- what can go wrong ---------------------------------------------------------------------------
 
 
 class World:
@@ -189,7 +206,11 @@ class World:
     def delayed(self, kind: str, now: float) -> float:
         """By how much a frame is late [s]."""
         one = self.on(kind, now)
-        return one.size * self.chance.random() if one is not None and self.chance.random() < one.share else 0.0
+        return (
+            one.size * self.chance.random()
+            if one is not None and self.chance.random() < one.share
+            else 0.0
+        )
 
 
 class Queue:
@@ -207,7 +228,9 @@ class Queue:
             for _ in range(2 if world.hits(f"{prefix}_doubled", now) else 1):
                 if not world.hits(f"{prefix}_lost", now):
                     self.count += 1
-                    self.waiting.append((now + world.delayed(f"{prefix}_late", now), self.count, frame))
+                    self.waiting.append(
+                        (now + world.delayed(f"{prefix}_late", now), self.count, frame)
+                    )
         self.waiting.sort(key=lambda one: one[:2])
         arrived = [frame for due, _, frame in self.waiting if due <= now]
         self.waiting = [one for one in self.waiting if one[0] > now]
@@ -237,7 +260,9 @@ class Bus(TankBus):
         heard = [one for one in messages if not self.world.hits("sent_lost", now)]
         for _ in range(2 if self.world.hits("sent_doubled", now) else 1):
             super().send(tuple(heard))
-        frames = tuple(Frame(now, *protocol.encode(one), is_ours=True, message=one) for one in messages)
+        frames = tuple(
+            Frame(now, *protocol.encode(one), is_ours=True, message=one) for one in messages
+        )
         for frame in frames:
             self.digest.update(repr((frame.time, frame.identifier, frame.data)).encode())
         return frames
@@ -273,7 +298,11 @@ class Water(Tank):
     @property
     def moving(self) -> list[int]:
         """Modules that hold or move; one without power is limp, whatever its memory held."""
-        dead = [node.number for node in self.nodes if self.faults.on("dead_module", node.number) is not None]
+        dead = [
+            node.number
+            for node in self.nodes
+            if self.faults.on("dead_module", node.number) is not None
+        ]
         return [node.number for node in self.nodes if node.is_on and node.number not in dead]
 
     def advance_to(self, time: float) -> None:
@@ -314,7 +343,7 @@ class Disk(Sink):
             self._put()
 
 
-# ---- one schedule ----------------------------------------------------------------------------------------------------
+# ---- one schedule --------------------------------------------------------------------------------
 
 
 def run(seed: int, mishaps: Sequence[Mishap] | None = None, folder: Path | None = None) -> Outcome:
@@ -332,9 +361,15 @@ def run(seed: int, mishaps: Sequence[Mishap] | None = None, folder: Path | None 
     operation, drawn = schedule(chance)
     world = World(drawn if mishaps is None else tuple(mishaps), seed)
     outcome = Outcome(seed=seed, mishaps=tuple(world.mishaps))
-    start = lc.Start(center_of_mass=(0.0, chance.uniform(-1.5, 1.5)), heading=chance.uniform(-0.5, 0.5))
-    body = VirtualRobot(operation.body(), lc.plant(operation.body(), operation.pool(), joints="servo"), start)
-    settings = LabSettings(seed=seed, step=STEP, nodes=NodeSettings(startup_time=0.2, calibration_time=0.2))
+    start = lc.Start(
+        center_of_mass=(0.0, chance.uniform(-1.5, 1.5)), heading=chance.uniform(-0.5, 0.5)
+    )
+    body = VirtualRobot(
+        operation.body(), lc.plant(operation.body(), operation.pool(), joints="servo"), start
+    )
+    settings = LabSettings(
+        seed=seed, step=STEP, nodes=NodeSettings(startup_time=0.2, calibration_time=0.2)
+    )
     tank = Water(body, settings, [_fault(one) for one in world.mishaps if one.kind in HARDWARE])
     tank.world = world
     operator, path = Operator(operation=operation), folder / f"{seed}.mcap"
@@ -345,7 +380,9 @@ def run(seed: int, mishaps: Sequence[Mishap] | None = None, folder: Path | None 
     try:
         with OperationRecorder(path, header_of(operator)) as recorder:
             disk = Disk(recorder, world, frames=seed % FRAMES == 0)
-            last, _ = run_loop(operator, devices, keys=_keys(world, tank), sink=disk, show=watch, longest=LONGEST)
+            last, _ = run_loop(
+                operator, devices, keys=_keys(world, tank), sink=disk, show=watch, longest=LONGEST
+            )
             disk.flush()
     except Exception as error:
         outcome.wrong.append(f"hang: {type(error).__name__}: {error}")
@@ -355,14 +392,25 @@ def run(seed: int, mishaps: Sequence[Mishap] | None = None, folder: Path | None 
     _judge_safety(outcome, operator, tank, last, log)
     _judge_record(outcome, disk, log, world)
     _judge_acceptance(outcome, operator, tank, last, log, world)
-    bus.digest.update(repr((tank.time, tank.truth.center_of_mass.tolist(), tank.truth.joint_angle.tolist())).encode())
+    bus.digest.update(
+        repr(
+            (tank.time, tank.truth.center_of_mass.tolist(), tank.truth.joint_angle.tolist())
+        ).encode()
+    )
     outcome.digest = bus.digest.hexdigest()
     return outcome
 
 
 def _fault(one: Mishap) -> Fault:
     node = one.node if one.kind in AT_ONE else 0
-    return Fault(kind=one.kind, time=one.time, duration=one.duration, node=node, share=one.share, delay=2.0 * one.size)
+    return Fault(
+        kind=one.kind,
+        time=one.time,
+        duration=one.duration,
+        node=node,
+        share=one.share,
+        delay=2.0 * one.size,
+    )
 
 
 def _keys(world: World, tank: Tank) -> Callable[[float], Mapping[str, str]]:
@@ -373,7 +421,9 @@ def _keys(world: World, tank: Tank) -> Callable[[float], Mapping[str, str]]:
             if one.kind == "sleeping_computer" and now >= one.time and one not in slept:
                 slept.add(one)
                 tank.advance_to(now + 4.0 * one.size)
-        return {kind: "schedule" for kind in ("operator_key", "emergency_key") if world.on(kind, now)}
+        return {
+            kind: "schedule" for kind in ("operator_key", "emergency_key") if world.on(kind, now)
+        }
 
     return keys
 
@@ -387,14 +437,19 @@ class Watch:
     def __call__(self, state: OperatorState, outputs: Outputs) -> None:
         """One tick."""
         supervisor, now = state.supervisor, self.tank.time
-        if supervisor.state in ("idle", "fault") and now - supervisor.since > self.operator.supervisor.within("limp"):
+        if supervisor.state in (
+            "idle",
+            "fault",
+        ) and now - supervisor.since > self.operator.supervisor.within("limp"):
             if self.tank.moving and not any("unsafe" in one for one in self.outcome.wrong):
                 self.outcome.wrong.append(
                     f"unsafe: module {self.tank.moving} moves at {now:.2f} s in {supervisor.state}"
                 )
 
 
-def _judge_safety(outcome: Outcome, operator: Operator, tank: Water, last: OperatorState, log: OperationLog) -> None:
+def _judge_safety(
+    outcome: Outcome, operator: Operator, tank: Water, last: OperatorState, log: OperationLog
+) -> None:
     """Limp within the stated time of the first event that stops it, and for good."""
     for _ in range(100):
         tank.advance_to(tank.time + 0.02)
@@ -406,11 +461,15 @@ def _judge_safety(outcome: Outcome, operator: Operator, tank: Water, last: Opera
     if tank.limp_at is None:
         outcome.wrong.append("unsafe: a module is not limp at the end")
         return
-    stops = [one for one in events if one.data["action"] != "finish" and one.data["before"] != "idle"]
+    stops = [
+        one for one in events if one.data["action"] != "finish" and one.data["before"] != "idle"
+    ]
     if stops:
         within = operator.supervisor.within(str(stops[0].data["action"])) + REACTION
         if tank.limp_at - stops[0].time > within:
-            outcome.wrong.append(f"unsafe: limp {tank.limp_at - stops[0].time:.2f} s after {stops[0].data['event']}")
+            outcome.wrong.append(
+                f"unsafe: limp {tank.limp_at - stops[0].time:.2f} s after {stops[0].data['event']}"
+            )
     if last.supervisor.state not in ("idle", "fault"):
         outcome.wrong.append(f"unsafe: the supervisor is {last.supervisor.state} at the end")
 
@@ -425,17 +484,26 @@ def _judge_record(outcome: Outcome, disk: Disk, log: OperationLog, world: World)
     if torn is None or not log.entries:
         return
     path, whole = log.path, log.path.read_bytes()
-    path.with_suffix(".torn.mcap").write_bytes(whole[: int(len(whole) * torn.share * world.chance.random())])
+    path.with_suffix(".torn.mcap").write_bytes(
+        whole[: int(len(whole) * torn.share * world.chance.random())]
+    )
     try:
         left = read_operation(path.with_suffix(".torn.mcap"))
     except LaticaudaError:
         return  # not even its header is there; that is said
-    if [repr(one) for one in left.entries] != [repr(one) for one in log.entries[: len(left.entries)]]:
+    if [repr(one) for one in left.entries] != [
+        repr(one) for one in log.entries[: len(left.entries)]
+    ]:
         outcome.wrong.append("lost: a torn file is not the beginning of the whole one")
 
 
 def _judge_acceptance(
-    outcome: Outcome, operator: Operator, tank: Water, last: OperatorState, log: OperationLog, world: World
+    outcome: Outcome,
+    operator: Operator,
+    tank: Water,
+    last: OperatorState,
+    log: OperationLog,
+    world: World,
 ) -> None:
     """What is accepted ended by itself, is on disk, was seen, and went where the file says."""
     how = operator.operation
@@ -455,7 +523,10 @@ def _judge_acceptance(
         outcome.wrong.append("accepted: without a trial")
         return
     truth = tank.body.trial("")
-    said, place = trial.center_of_mass, [_at(truth, last.begun), _at(truth, last.begun + trial.duration)]
+    said, place = (
+        trial.center_of_mass,
+        [_at(truth, last.begun), _at(truth, last.begun + trial.duration)],
+    )
     off = math.dist(said[-1] - said[0], place[1] - place[0])
     if off > ASTRAY:
         outcome.wrong.append(f"accepted: its way is off by {off:.3f} m")
@@ -477,41 +548,67 @@ def shrunk(found: Outcome) -> Outcome:
         for k, one in enumerate(mishaps):
             yield (*mishaps[:k], *mishaps[k + 1 :])
             if one.duration > 0.05:
-                yield (*mishaps[:k], replace(one, duration=max(0.05, min(one.duration, 10.0) / 4.0)), *mishaps[k + 1 :])
+                yield (
+                    *mishaps[:k],
+                    replace(one, duration=max(0.05, min(one.duration, 10.0) / 4.0)),
+                    *mishaps[k + 1 :],
+                )
 
     while (less := next(filter(None, map(is_at_fault, simpler(found.mishaps))), None)) is not None:
         found = less
     return found
 
 
-# ---- many ------------------------------------------------------------------------------------------------------------
+# ---- many ----------------------------------------------------------------------------------------
 
 
 def stored() -> dict[str, Any]:
     """How far the campaign went."""
     if STORED.exists():
         return json.loads(STORED.read_text())
-    return {"next_seed": 0, "schedules": 0, "hours": 0.0, "accepted": 0, "violations": 0, "tried": {}, "seen": {}}
+    return {
+        "next_seed": 0,
+        "schedules": 0,
+        "hours": 0.0,
+        "accepted": 0,
+        "violations": 0,
+        "tried": {},
+        "seen": {},
+    }
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--schedules", type=int, default=2000)
-    parser.add_argument("--hours", type=float, help="of simulated time in all, in place of --schedules")
+    parser.add_argument(
+        "--hours", type=float, help="of simulated time in all, in place of --schedules"
+    )
     parser.add_argument("--minutes", type=float, default=math.inf, help="after which it pauses")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--seed", type=int, help="only this one")
     parser.add_argument("--mishaps", help="with other mishaps, JSON")
     options = parser.parse_args()
     if options.seed is not None:
-        given = None if options.mishaps is None else [Mishap(**one) for one in json.loads(options.mishaps)]
+        given = (
+            None
+            if options.mishaps is None
+            else [Mishap(**one) for one in json.loads(options.mishaps)]
+        )
         one = run(options.seed, given)
         print(
-            *one.mishaps, f"events {one.seen}, accepted {one.accepted}, digest {one.digest[:16]}", *one.wrong, sep="\n"
+            *one.mishaps,
+            f"events {one.seen}, accepted {one.accepted}, digest {one.digest[:16]}",
+            *one.wrong,
+            sep="\n",
         )
         return bool(one.wrong)
     kept, end, n_wrong = stored(), time.monotonic() + 60.0 * options.minutes, 0
-    seeds = range(kept["next_seed"], kept["next_seed"] + (options.schedules if options.hours is None else 10**9))
+    seeds = range(
+        kept["next_seed"],
+        kept["next_seed"] + (options.schedules if options.hours is None else 10**9),
+    )
     with multiprocessing.Pool(options.workers) as pool:
         for one in pool.imap(run, seeds):
             n_wrong += _counted(kept, one)
@@ -535,7 +632,9 @@ def _counted(kept: dict[str, Any], one: Outcome) -> int:
     kept["accepted"] += one.accepted
     kept["violations"] += bool(one.wrong)
     for name, more in (("tried", {mishap.kind for mishap in one.mishaps}), ("seen", set(one.seen))):
-        kept[name] = {word: kept[name].get(word, 0) + (word in more) for word in sorted({*kept[name], *more})}
+        kept[name] = {
+            word: kept[name].get(word, 0) + (word in more) for word in sorted({*kept[name], *more})
+        }
     return bool(one.wrong)
 
 

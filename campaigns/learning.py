@@ -1,15 +1,16 @@
 """A learner against line of sight: path following in a current, three seeds, a stated budget.
 
-Question: does PPO of stable-baselines3 follow a line better than the paper's line of sight, than the best of a grid of
-that law and of the integral law? All of them steer the same robot through the same environment, every 0.2 s, in the
-same 256 episodes, which neither the learner nor the grid has seen. The return is what counts; what it is made of
-stands beside it, of the last 20 s of each episode.
+Question: does PPO of stable-baselines3 follow a line better than the paper's line of sight, than
+the best of a grid of that law and of the integral law? All of them steer the same robot through the
+same environment, every 0.2 s, in the same 256 episodes, which neither the learner nor the grid has
+seen. The return is what counts; what it is made of stands beside it, of the last 20 s of each
+episode.
 
     pip install . "./plugins/laticauda-gym[sb3]"
     python campaigns/learning.py --budget 1000000
 
-PPO's settings are the defaults of stable-baselines3 but for those in `SETTINGS`, which are the best of three that were
-tried with 300 000 steps of seed 0, a seed that the comparison does not use.
+PPO's settings are the defaults of stable-baselines3 but for those in `SETTINGS`, which are the best
+of three that were tried with 300 000 steps of seed 0, a seed that the comparison does not use.
 """
 
 import argparse
@@ -32,8 +33,14 @@ UNSEEN = 3_000_000  # seed of the first episode of the comparison
 TUNING = 2_000_000  # of those that the grid is searched with
 DISTANCES, GAINS = (0.09, 0.18, 0.36, 0.72, 1.62), (0.25, 0.4, 0.6, 0.9, 1.4)  # m, -
 INTEGRAL_GAINS = (0.01, 0.02, 0.04, 0.12)  # m/s
-# Steps per lane and update, and a smaller spread at first: offsets that jump by all they can every 0.2 s turn nothing.
-SETTINGS = {"n_steps": 128, "batch_size": 512, "learning_rate": 1e-3, "policy_kwargs": {"log_std_init": -1.0}}
+# Steps per lane and update, and a smaller spread at first: offsets that jump by all they can every
+# 0.2 s turn nothing.
+SETTINGS = {
+    "n_steps": 128,
+    "batch_size": 512,
+    "learning_rate": 1e-3,
+    "policy_kwargs": {"log_std_init": -1.0},
+}
 Act = Callable[[np.ndarray], np.ndarray]
 
 
@@ -42,7 +49,9 @@ def steers(envs: SwimmingVectorEnv, guidance: Any, gain: float) -> Act:
     task: Any = envs.task
     heading = lc.HeadingController(gain=gain, max_offset=task.max_offset)
     line = lc.StraightLine()
-    law = lc.PathFollowing(gait=task.gait, path=line, guidance=guidance, heading=heading, interval=task.interval)
+    law = lc.PathFollowing(
+        gait=task.gait, path=line, guidance=guidance, heading=heading, interval=task.interval
+    )
     pilots = Pilots(law, envs.episodes)
     return lambda _: pilots.actions()
 
@@ -85,7 +94,8 @@ def learned(seed: int, budget: int) -> tuple[Any, float]:
 def row(name: str, figures: dict[str, np.ndarray], best: np.ndarray) -> str:
     """One line of the table: means over the episodes, the error as their root mean square.
 
-    The episodes are the same for all, so the difference to the best law says more than the two returns.
+    The episodes are the same for all, so the difference to the best law says more than the two
+    returns.
     """
     returns = figures["return"]
     error = 1e3 * math.sqrt(np.mean(figures["error"] ** 2))
@@ -109,7 +119,9 @@ def best_of(laws: list[tuple[Any, float]]) -> tuple[Any, float]:
 
 def print_laws() -> np.ndarray:
     """The rows of those that do not learn; the returns of the best."""
-    sight = [(lc.LineOfSight(look_ahead_distance=d), k) for d, k in itertools.product(DISTANCES, GAINS)]
+    sight = [
+        (lc.LineOfSight(look_ahead_distance=d), k) for d, k in itertools.product(DISTANCES, GAINS)
+    ]
     learns = [
         (lc.IntegralLineOfSight(look_ahead_distance=d, integral_gain=s), k)
         for d, s, k in itertools.product(DISTANCES, INTEGRAL_GAINS, GAINS)
@@ -126,7 +138,9 @@ def print_laws() -> np.ndarray:
     figures: dict[str, dict[str, np.ndarray]] = {}
     for name, law in laws.items():
         make: Any = (lambda envs: lambda _: np.zeros((EPISODES, 1))) if law is None else None
-        figures[name] = evaluated(make or (lambda envs, law=law: steers(envs, *law)), UNSEEN, EPISODES)
+        figures[name] = evaluated(
+            make or (lambda envs, law=law: steers(envs, *law)), UNSEEN, EPISODES
+        )
     best = max((each["return"] for each in figures.values()), key=np.mean)
     for name, each in figures.items():
         print(row(name, each, best), flush=True)
@@ -136,20 +150,28 @@ def print_laws() -> np.ndarray:
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser()
-    parser.add_argument("--budget", type=int, default=1_000_000, help="steps of 0.2 s that each learner may take")
+    parser.add_argument(
+        "--budget", type=int, default=1_000_000, help="steps of 0.2 s that each learner may take"
+    )
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3], help="of the learners")
     args = parser.parse_args()
     if importlib.util.find_spec("stable_baselines3") is None:
         print("This needs stable-baselines3; run `pip install stable-baselines3`.", file=sys.stderr)
         return
-    print("| who steers | return | less the best law's | rms error [mm] | along [m/s] | power [W] |")
+    print(
+        "| who steers | return | less the best law's | rms error [mm] | along [m/s] | power [W] |"
+    )
     print("|---|---|---|---|---|---|")
     best = print_laws()
     for seed in args.seeds:
         model, seconds = learned(seed, args.budget)
         act: Act = lambda seen, model=model: model.predict(seen, deterministic=True)[0]  # noqa: E731
         figures = evaluated(lambda envs, act=act: act, UNSEEN, EPISODES)
-        print(row(f"PPO, {args.budget} steps, seed {seed}", figures, best), f"learned in {seconds:.0f} s", flush=True)
+        print(
+            row(f"PPO, {args.budget} steps, seed {seed}", figures, best),
+            f"learned in {seconds:.0f} s",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

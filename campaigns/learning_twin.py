@@ -1,10 +1,11 @@
 """How right is the twin that learns while the robot swims, and how soon does it name what has happened?
 
-Question: an operation of a minute in the virtual tank, in water whose drag and friction nobody fitted (off by 20 %, one
-standard deviation) and that moves (4 mm/s), with a marker body that sits elsewhere than is said (0.3 deg). How often
-does the truth lie within the 95 % intervals of what is learnt, after 20, 40 and 60 s? How far off is the speed that it
-foresees for the next minute? And with a fin that is lost, a joint that jams or is weak, water that begins to move: what
-is named, and how long after? The tank is stepped, so a seed always gives the same run.
+Question: an operation of a minute in the virtual tank, in water whose drag and friction nobody
+fitted (off by 20 %, one standard deviation) and that moves (4 mm/s), with a marker body that sits
+elsewhere than is said (0.3 deg). How often does the truth lie within the 95 % intervals of what is
+learnt, after 20, 40 and 60 s? How far off is the speed that it foresees for the next minute? And
+with a fin that is lost, a joint that jams or is weak, water that begins to move: what is named, and
+how long after? The tank is stepped, so a seed always gives the same run.
 
     python campaigns/learning_twin.py --runs 54         # good ones
     python campaigns/learning_twin.py --faults 10       # of each; goes on where learning_twin.csv ends
@@ -88,7 +89,11 @@ def operation(chance: random.Random, fault: str) -> Operation:
         connection=Connection(meter_address="stepped"),
         supply_voltage=35.0,
         calibration=Calibration(
-            joint_zeros=True, idle_time=0.5, still_time=2.0, patience=10.0, marker_yaw=chance.gauss(0.0, CRAB)
+            joint_zeros=True,
+            idle_time=0.5,
+            still_time=2.0,
+            patience=10.0,
+            marker_yaw=chance.gauss(0.0, CRAB),
         ),
     )
 
@@ -100,10 +105,16 @@ def run_one(fault: str, seed: int) -> Row:
     robot, guess = what.body(), what.pool()
     current = (chance.gauss(0.0, 0.004), chance.gauss(0.0, 0.004))
     share = {name: math.exp(chance.gauss(0.0, 0.2)) for name in unknown}
-    true = replace(guess, current=current, **{name: getattr(guess, name) * one for name, one in share.items()})
+    true = replace(
+        guess, current=current, **{name: getattr(guess, name) * one for name, one in share.items()}
+    )
     body = VirtualRobot(robot, lc.plant(robot, true, joints="servo"))
     tank = Tank(body, LabSettings(seed=seed, step=0.02))
-    heard = Heard(Learner(robot=robot, plant=lc.plant(robot, guess, joints="servo"), mount=what.calibration.mount))
+    heard = Heard(
+        Learner(
+            robot=robot, plant=lc.plant(robot, guess, joints="servo"), mount=what.calibration.mount
+        )
+    )
     begun, wait, node = list[float](), chance.uniform(25.0, 29.0), chance.randint(2, 6)
 
     def show(state, outputs) -> None:
@@ -119,18 +130,29 @@ def run_one(fault: str, seed: int) -> Row:
 
     operator = Operator(operation=what, clears=False, check_only=False, twin=None)
     state, _ = run_loop(
-        operator, TankDevices(tank, has_meter=True), keys=lambda _: {}, sink=heard, show=show, longest=DURATION + 60.0
+        operator,
+        TankDevices(tank, has_meter=True),
+        keys=lambda _: {},
+        sink=heard,
+        show=show,
+        longest=DURATION + 60.0,
     )
     words = f"{what.robot} {what.gait.amplitude:.2f} {what.gait.frequency:.2f}"
     if state.begun is None:
         return Row(fault, seed, words, "", math.nan, f"never began: {state.failure}", math.nan)
     since = begun[0] + (wait if fault else 0.0)
-    named = [(one.time - since, one.changes[0]) for one in heard.learned if one.changes and one.time > since]
+    named = [
+        (one.time - since, one.changes[0])
+        for one in heard.learned
+        if one.changes and one.time > since
+    ]
     truth = {name: getattr(true, name) for name in unknown}
     truth |= dict(zip(("current_x", "current_y"), current, strict=True))
     off = [_off(known_at(heard.learned, begun[0] + at), truth) for at in AT] if not fault else []
     after, name = named[0] if named else (math.nan, "")
-    return Row(fault, seed, words, "; ".join(off), foreseen(what, heard, true), name, round(after, 2))
+    return Row(
+        fault, seed, words, "; ".join(off), foreseen(what, heard, true), name, round(after, 2)
+    )
 
 
 def known_at(learned: list[Learned], time: float) -> Learned:
@@ -139,7 +161,9 @@ def known_at(learned: list[Learned], time: float) -> Learned:
 
 
 def _off(known: Learned, truth: dict[str, float]) -> str:
-    return " ".join(f"{name}={(known.value[name] - truth[name]) / known.deviation[name]:.2f}" for name in LEARNT)
+    return " ".join(
+        f"{name}={(known.value[name] - truth[name]) / known.deviation[name]:.2f}" for name in LEARNT
+    )
 
 
 def foreseen(what: Operation, heard: Heard, true: lc.Water) -> float:
@@ -166,10 +190,14 @@ def table(rows: list[Row]) -> str:
             lines.append(
                 f"    {name:<20} after {at:.0f} s: {100 * sum(within) / max(len(within), 1):>4.0f} % within 95 %"
             )
-    lines.append(f"    all {len(every)} intervals: {100 * sum(every) / max(len(every), 1):.1f} % hold the truth")
+    lines.append(
+        f"    all {len(every)} intervals: {100 * sum(every) / max(len(every), 1):.1f} % hold the truth"
+    )
     errors = sorted(100.0 * abs(row.speed) for row in good)
     if errors:
-        lines.append(f"    speed of the next minute: off by {median(errors):.1f} %, {errors[-1]:.1f} % at most")
+        lines.append(
+            f"    speed of the next minute: off by {median(errors):.1f} %, {errors[-1]:.1f} % at most"
+        )
     alarms = [row for row in good if row.named]
     lines.append(f"    named although nothing happened: {len(alarms)}")
     for fault, kind in FAULTS.items():

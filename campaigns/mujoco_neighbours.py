@@ -1,7 +1,8 @@
 """Does the extra `spatial` live beside the other users of MuJoCo, each in a fresh environment of its own?
 
-Installs laticauda[spatial] with each by pip, looks that the library that runs is the one that is imported, and runs
-`campaigns/strangers.py` there. dm_control 1.0.50 does not work with MuJoCo 4, so it gets 3.17.
+Installs laticauda[spatial] with each by pip, looks that the library that runs is the one that is
+imported, and runs `campaigns/strangers.py` there. dm_control 1.0.50 does not work with MuJoCo 4, so
+it gets 3.17.
 
 Last answer, of 2026-11-22 (each ran the script to its end):
 
@@ -34,9 +35,18 @@ def main() -> None:
         with tempfile.TemporaryDirectory() as folder:
             subprocess.run([sys.executable, "-m", "venv", folder], check=True)
             python = str(Path(folder, "bin", "python"))
-            subprocess.run([python, "-m", "pip", "install", "--quiet", f"{ROOT}[spatial]", *packages], check=True)
-            for line in (["-m", "pip", "check"], ["-c", PROBE], [str(ROOT / "campaigns" / "strangers.py")]):
-                done = subprocess.run([python, *line], check=True, capture_output=True, text=True, env=clean)
+            subprocess.run(
+                [python, "-m", "pip", "install", "--quiet", f"{ROOT}[spatial]", *packages],
+                check=True,
+            )
+            for line in (
+                ["-m", "pip", "check"],
+                ["-c", PROBE],
+                [str(ROOT / "campaigns" / "strangers.py")],
+            ):
+                done = subprocess.run(
+                    [python, *line], check=True, capture_output=True, text=True, env=clean
+                )
                 print(" ".join(packages), done.stdout.strip(), sep=": ", flush=True)
 
 

@@ -1,7 +1,8 @@
 """Does a test notice when a line of the safety code, or of state estimation, says something else?
 
-Question: of all small faults (mutants: see _mutations.py) that can be made in the safety code of `operate` and in
-`estimation`, which share do the tests next to them notice? At least 85 % is asked for.
+Question: of all small faults (mutants: see _mutations.py) that can be made in the safety code of
+`operate` and in `estimation`, which share do the tests next to them notice? At least 85 % is asked
+for.
 
     python campaigns/mutants.py                          # all that is not known yet; goes on where it was stopped
     python campaigns/mutants.py --only estimation        # files whose paths hold one of these
@@ -9,22 +10,26 @@ Question: of all small faults (mutants: see _mutations.py) that can be made in t
     python campaigns/mutants.py --again                  # once more those that lived: after new tests
     python campaigns/mutants.py --show                   # those that live, as a list of lines
 
-A process imports everything, collects the tests and waits; each mutant is a fork of it in which one function's code is
-another, so that a mutant costs its tests and no start (some 0.1 to 1 s). What runs when a file is imported gets a fork
-from before the import. The quickest tests come first, and the first that fails ends it; what takes longer than three
-times the sound code counts as noticed, for tests that hang are. Nothing here is compiled: what Numba compiles lies in
-other packages, and its tests compare results to the last digits.
+A process imports everything, collects the tests and waits; each mutant is a fork of it in which one
+function's code is another, so that a mutant costs its tests and no start (some 0.1 to 1 s). What
+runs when a file is imported gets a fork from before the import. The quickest tests come first, and
+the first that fails ends it; what takes longer than three times the sound code counts as noticed,
+for tests that hang are. Nothing here is compiled: what Numba compiles lies in other packages, and
+its tests compare results to the last digits.
 
-mutants.csv has the last answer, file by file, and mutants_alive.csv the mutants that live: `equivalent` with the reason
-for which no test can tell them from the code (they are read from there and stay), `alive` without. The progress lies in
-build/mutants.jsonl. The tests run a slice, and ask whether every mutant that is called equivalent still exists.
+mutants.csv has the last answer, file by file, and mutants_alive.csv the mutants that live:
+`equivalent` with the reason for which no test can tell them from the code (they are read from there
+and stay), `alive` without. The progress lies in build/mutants.jsonl. The tests run a slice, and ask
+whether every mutant that is called equivalent still exists.
 
-Last answer (2 shared cores, 2026-11-23; about an hour): supervisor and limits 271 of 272, the other is equivalent
-(2026-11-28); estimation 1397 of 1436 (97.3 %), of the 1402 that are not equivalent 99.6 %. Of the verdict a sample of
-120 was tried on 2026-11-28, of which 107 are noticed (82 to 94 % of all), and 10 of the others are equivalent; later,
-after its jumps had changed, all 62 of these and 138 others by chance: 178, and 8 more since they have a test. Of the
-twin that learns (learning and stretches, 2026-11-28) 515 of 604 (85.3 %). After digital_twin and motion_model had
-changed (2026-11-27), 158 of the 1044 mutants of these two and of filter were tried by chance, of which 155 are noticed.
+Last answer (2 shared cores, 2026-11-23; about an hour): supervisor and limits 271 of 272, the other
+is equivalent (2026-11-28); estimation 1397 of 1436 (97.3 %), of the 1402 that are not equivalent
+99.6 %. Of the verdict a sample of 120 was tried on 2026-11-28, of which 107 are noticed (82 to 94 %
+of all), and 10 of the others are equivalent; later, after its jumps had changed, all 62 of these
+and 138 others by chance: 178, and 8 more since they have a test. Of the twin that learns (learning
+and stretches, 2026-11-28) 515 of 604 (85.3 %). After digital_twin and motion_model had changed
+(2026-11-27), 158 of the 1044 mutants of these two and of filter were tried by chance, of which 155
+are noticed.
 """
 
 import argparse
@@ -63,7 +68,16 @@ ENOUGH = 0.85
 PATIENCE, AT_LEAST = 3.0, 10.0  # times what sound code takes; [s], of this process's own
 IMPORTING = 20.0  # what it may take until the tests begin [s]
 SLOWLY = 6.0  # a computer that is busy does as much in so many times the time
-BEFORE = ("numpy", "numba", "scipy.optimize", "xarray", "matplotlib.pyplot", "hypothesis", "beartype", "jaxtyping")
+BEFORE = (
+    "numpy",
+    "numba",
+    "scipy.optimize",
+    "xarray",
+    "matplotlib.pyplot",
+    "hypothesis",
+    "beartype",
+    "jaxtyping",
+)
 """What is imported once and for all."""
 
 
@@ -82,7 +96,9 @@ class Target:
 def _swim(module: Any) -> None:
     lc = import_module("laticauda")
     robot, water = lc.load_robot("mamba"), lc.load_water("paper-lateral")
-    lc.swim(robot, lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7), duration=0.1)
+    lc.swim(
+        robot, lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7), duration=0.1
+    )
     plant = lc.plant(robot, water, joints="servo")
     gait = lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)
     lc.run(plant, lc.OpenLoop(command=lc.Command(gait=gait)), 0.1)
@@ -95,12 +111,21 @@ def _estimation(*names: str) -> tuple[str, ...]:
 
 TARGETS = (
     Target(
-        files=("src/laticauda/operate/safety/limits.py", "src/laticauda/operate/safety/supervisor.py"),
+        files=(
+            "src/laticauda/operate/safety/limits.py",
+            "src/laticauda/operate/safety/supervisor.py",
+        ),
         tests=("tests/operate/safety",),
     ),
-    Target(files=("src/laticauda/operate/verdict.py",), tests=("tests/operate/test_verdict.py",), warm=_swim),
     Target(
-        files=_estimation("samples", "filter_state", "kinematics", "digital_twin", "motion_model", "filter"),
+        files=("src/laticauda/operate/verdict.py",),
+        tests=("tests/operate/test_verdict.py",),
+        warm=_swim,
+    ),
+    Target(
+        files=_estimation(
+            "samples", "filter_state", "kinematics", "digital_twin", "motion_model", "filter"
+        ),
         tests=("tests/estimation",),
         left_out=(
             "test_estimator_campaign",
@@ -140,26 +165,42 @@ class Work:
     def answer(self, outcome: str, seconds: float) -> str:
         """As a line of the progress."""
         one = self.mutant
-        told = {"file": self.file, "function": one.function, "line": one.line, "before": one.before, "after": one.after}
-        return json.dumps({"digest": self.digest, **told, "outcome": outcome, "seconds": round(seconds, 2)}) + "\n"
+        told = {
+            "file": self.file,
+            "function": one.function,
+            "line": one.line,
+            "before": one.before,
+            "after": one.after,
+        }
+        return (
+            json.dumps(
+                {"digest": self.digest, **told, "outcome": outcome, "seconds": round(seconds, 2)}
+            )
+            + "\n"
+        )
 
 
 def work_in(root: Path, file: str) -> list[Work]:
     """All mutants of a file."""
     text = (root / file).read_text(encoding="utf-8")
     return [
-        Work(file, hashlib.sha256(f"{file}\n{one.text}".encode()).hexdigest()[:16], one) for one in mutants_of(text)
+        Work(file, hashlib.sha256(f"{file}\n{one.text}".encode()).hexdigest()[:16], one)
+        for one in mutants_of(text)
     ]
 
 
-# ---- in forks --------------------------------------------------------------------------------------------------------
+# ---- in forks ------------------------------------------------------------------------------------
 
 
 class Asked:
     """A plugin of pytest: which tests are asked, in which order; with mutants of functions, a fork for each of them."""
 
     def __init__(
-        self, root: Path, target: Target, works: Sequence[Work], tell: Callable[[Work, str, float], None]
+        self,
+        root: Path,
+        target: Target,
+        works: Sequence[Work],
+        tell: Callable[[Work, str, float], None],
     ) -> None:
         self._root, self._target, self._works, self._tell = root, target, works, tell
         self.seconds: dict[str, float] = {}
@@ -172,7 +213,12 @@ class Asked:
             steps = [hypothesis.Phase.explicit, hypothesis.Phase.generate]
             checks = list(hypothesis.HealthCheck)
             hypothesis.settings.register_profile(
-                "mutants", derandomize=True, database=None, deadline=None, phases=steps, suppress_health_check=checks
+                "mutants",
+                derandomize=True,
+                database=None,
+                deadline=None,
+                phases=steps,
+                suppress_health_check=checks,
             )
             hypothesis.settings.load_profile("mutants")
         sys.setprofile(self._note)
@@ -184,7 +230,9 @@ class Asked:
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
         sys.setprofile(None)
-        items[:] = [item for item in items if not any(word in item.nodeid for word in self._target.left_out)]
+        items[:] = [
+            item for item in items if not any(word in item.nodeid for word in self._target.left_out)
+        ]
         items.sort(key=lambda item: self.seconds.get(item.nodeid, math.inf))
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
@@ -201,11 +249,19 @@ class Asked:
             key = (str(self._root / work.file), work.mutant.function, work.mutant.first)
             functions = known.get(key, [])
             code = _code_of(work.mutant, key[0])
-            if not functions or code is None or len(code.co_freevars) != len(functions[0].__code__.co_freevars):
+            if (
+                not functions
+                or code is None
+                or len(code.co_freevars) != len(functions[0].__code__.co_freevars)
+            ):
                 self.at_import.append(work)
                 continue
-            status, _, seconds = forked(lambda _, f=functions, c=code: self._faulty(session.items, f, c), patience)
-            if status == "0" and key in self._used:  # it may have done its work when the tests were collected
+            status, _, seconds = forked(
+                lambda _, f=functions, c=code: self._faulty(session.items, f, c), patience
+            )
+            if (
+                status == "0" and key in self._used
+            ):  # it may have done its work when the tests were collected
                 self.at_import.append(work)
             else:
                 self._tell(work, outcome_of(status), seconds)
@@ -230,7 +286,10 @@ class Asked:
 
 def _passes(item: pytest.Item) -> bool:
     runner = import_module("_pytest.runner")
-    return all(report.passed or report.skipped for report in runner.runtestprotocol(item, log=False, nextitem=None))
+    return all(
+        report.passed or report.skipped
+        for report in runner.runtestprotocol(item, log=False, nextitem=None)
+    )
 
 
 def _functions(files: set[str]) -> dict[tuple[str, str, int], list[Any]]:
@@ -239,7 +298,9 @@ def _functions(files: set[str]) -> dict[tuple[str, str, int], list[Any]]:
     for one in gc.get_objects():
         if isinstance(one, types.FunctionType) and one.__code__.co_filename in files:
             code = one.__code__
-            found.setdefault((code.co_filename, code.co_qualname, code.co_firstlineno), []).append(one)
+            found.setdefault((code.co_filename, code.co_qualname, code.co_firstlineno), []).append(
+                one
+            )
     return found
 
 
@@ -253,7 +314,11 @@ def _code_of(mutant: Mutant, path: str) -> types.CodeType | None:
                 yield from inside(one)
 
     whole = compile(mutant.text, path, "exec", dont_inherit=True)
-    same = (one for one in inside(whole) if (one.co_qualname, one.co_firstlineno) == (mutant.function, mutant.first))
+    same = (
+        one
+        for one in inside(whole)
+        if (one.co_qualname, one.co_firstlineno) == (mutant.function, mutant.first)
+    )
     return next(same, None)
 
 
@@ -315,7 +380,14 @@ def _imported_with(root: Path, work: Work, target: Target, seconds: dict[str, fl
 
 
 def _words(root: Path, target: Target) -> list[str]:
-    without = ("-p", "no:cacheprovider", "-p", "no:xdist", "-W", "ignore::pytest.PytestAssertRewriteWarning")
+    without = (
+        "-p",
+        "no:cacheprovider",
+        "-p",
+        "no:xdist",
+        "-W",
+        "ignore::pytest.PytestAssertRewriteWarning",
+    )
     return [*(str(root / one) for one in target.tests), f"--rootdir={root}", "-q", *without]
 
 
@@ -346,7 +418,9 @@ def try_all(root: Path, target: Target, works: Sequence[Work], progress: Path) -
         for work in works:
             if work.digest in left:
                 status, _, took = forked(
-                    lambda _, one=work: _quietly(out.fileno(), lambda: _imported_with(root, one, target, seconds)),
+                    lambda _, one=work: _quietly(
+                        out.fileno(), lambda: _imported_with(root, one, target, seconds)
+                    ),
                     patience,
                 )
                 tell(work, outcome_of(status), took)
@@ -358,7 +432,7 @@ def _quietly(file: int, do: Callable[[], int]) -> int:
     return do()
 
 
-# ---- the answer ------------------------------------------------------------------------------------------------------
+# ---- the answer ----------------------------------------------------------------------------------
 
 
 def wilson(n: int, of: int) -> tuple[float, float]:
@@ -391,7 +465,10 @@ def _listed() -> dict[Key, tuple[str, str]]:
         return {}
     with ALIVE.open(newline="", encoding="utf-8") as file:
         return {
-            (row["file"], row["function"], row["before"], row["after"]): (row["outcome"], row["reason"])
+            (row["file"], row["function"], row["before"], row["after"]): (
+                row["outcome"],
+                row["reason"],
+            )
             for row in csv.DictReader(file)
         }
 
@@ -406,7 +483,9 @@ def key_of(work: Work) -> Key:
     return work.file, work.mutant.function, work.mutant.before, work.mutant.after
 
 
-def write(works: Sequence[Work], known: dict[str, dict[str, Any]]) -> list[tuple[str, Counter[str]]]:
+def write(
+    works: Sequence[Work], known: dict[str, dict[str, Any]]
+) -> list[tuple[str, Counter[str]]]:
     """Write both tables; returns what became of the mutants of every file."""
     reasons, counts, alive = equivalents(), dict[str, Counter[str]](), list[tuple[str, ...]]()
     for work in works:
@@ -421,13 +500,25 @@ def write(works: Sequence[Work], known: dict[str, dict[str, Any]]) -> list[tuple
     with STORED.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(
-            ("file", "mutants", "tried", "seen", "hung", "equivalent", "alive", "share", "without_equivalent")
+            (
+                "file",
+                "mutants",
+                "tried",
+                "seen",
+                "hung",
+                "equivalent",
+                "alive",
+                "share",
+                "without_equivalent",
+            )
         )
         for name, count in rows:
             n = sum(name in (work.file, "all") for work in works)
             told = (count[word] for word in ("hung", "equivalent", "alive"))
             seen = count["noticed"] + count["hung"]
-            table.writerow((name, n, count["tried"], seen, *told, *(f"{share:.4f}" for share in shares(count))))
+            table.writerow(
+                (name, n, count["tried"], seen, *told, *(f"{share:.4f}" for share in shares(count)))
+            )
     with ALIVE.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(("file", "function", "before", "after", "outcome", "reason"))
@@ -442,7 +533,9 @@ def shares(count: Counter[str]) -> tuple[float, float]:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--only", nargs="+", default=[""], help="parts of files' paths")
     parser.add_argument("--sample", type=int, help="try so many by chance")
     parser.add_argument("--seed", type=int, default=1, help="of their order")
@@ -453,7 +546,9 @@ def main() -> int:
     options = parser.parse_args()
     PROGRESS.parent.mkdir(exist_ok=True)
     known = answers(PROGRESS)
-    everything = [work for target in TARGETS for file in target.files for work in work_in(ROOT, file)]
+    everything = [
+        work for target in TARGETS for file in target.files for work in work_in(ROOT, file)
+    ]
     chosen = [work for work in everything if any(part in work.file for part in options.only)]
     random.Random(options.seed).shuffle(chosen)
     chosen = chosen[: options.sample]
@@ -461,7 +556,9 @@ def main() -> int:
         reasons = equivalents()
         for work in sorted(chosen, key=lambda one: (one.file, one.mutant.line)):
             if known.get(work.digest, {}).get("outcome") == "alive" and key_of(work) not in reasons:
-                print(f"{work.file}:{work.mutant.line}: {work.mutant.before}\n    -> {work.mutant.after}")
+                print(
+                    f"{work.file}:{work.mutant.line}: {work.mutant.before}\n    -> {work.mutant.after}"
+                )
         return 0
     sys.path[:0] = [str(ROOT / "src")]
     os.environ["PYTHONPATH"] = f"{ROOT / 'src'}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
@@ -475,7 +572,10 @@ def main() -> int:
             work
             for work in chosen
             if work.file in target.files
-            and (work.digest not in known or (options.again and known[work.digest]["outcome"] == "alive"))
+            and (
+                work.digest not in known
+                or (options.again and known[work.digest]["outcome"] == "alive")
+            )
             and key_of(work) not in reasons
         ] + [
             work
@@ -500,11 +600,15 @@ def main() -> int:
     known = answers(PROGRESS)
     rows = write(everything, known)
     for name, count in rows:
-        print(f"{name:<48} {dict(count)}  {shares(count)[0]:.1%}, without equivalent ones {shares(count)[1]:.1%}")
+        print(
+            f"{name:<48} {dict(count)}  {shares(count)[0]:.1%}, without equivalent ones {shares(count)[1]:.1%}"
+        )
     some = Counter(known[work.digest]["outcome"] for work in chosen if work.digest in known)
     n, of = some["noticed"] + some["hung"], some.total()
     low, high = wilson(n, of)
-    print(f"chosen ones: {n} of {of} noticed, {n / max(of, 1):.1%}; as a sample, {low:.1%} to {high:.1%} of all (95 %)")
+    print(
+        f"chosen ones: {n} of {of} noticed, {n / max(of, 1):.1%}; as a sample, {low:.1%} to {high:.1%} of all (95 %)"
+    )
     return int(shares(rows[-1][1])[0] < ENOUGH)
 
 

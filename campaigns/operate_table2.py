@@ -1,15 +1,17 @@
 """The paper's Table 2, operated from end to end in the virtual tank: is it what the simulation says?
 
-Question: `laticauda operate table2_series.toml` with its twelve settings, each repeated, on the virtual tank without
-wires: every run is prepared, swum, stopped and recorded as on the robot, with noise of its own, and a robot that
-somebody put down 2 cm and 1 deg off (standard deviations, an assumption). Beside it the paper's measurement, and the
-same trial simulated with servo joints and nothing in between.
+Question: `laticauda operate table2_series.toml` with its twelve settings, each repeated, on the
+virtual tank without wires: every run is prepared, swum, stopped and recorded as on the robot, with
+noise of its own, and a robot that somebody put down 2 cm and 1 deg off (standard deviations, an
+assumption). Beside it the paper's measurement, and the same trial simulated with servo joints and
+nothing in between.
 
     python campaigns/operate_table2.py                    # 12 settings, 3 runs each
     python campaigns/operate_table2.py --repeats 2 --workers 2 --output out/table2
 
-The folder holds what goes on from here: the trials are what `laticauda identify` takes, `repeats.csv` what
-`laticauda reproduce --repeats` takes. A campaign that was stopped goes on where it was.
+The folder holds what goes on from here: the trials are what `laticauda identify` takes,
+`repeats.csv` what `laticauda reproduce --repeats` takes. A campaign that was stopped goes on where
+it was.
 """
 
 import argparse
@@ -32,7 +34,10 @@ from laticauda.paper.efficiency import TABLE2
 from laticauda.paper.measured import path_following_trials
 from laticauda.trial import following
 
-PLACED, TURNED = 0.02, math.radians(1.0)  # how well somebody puts the robot down: an assumption [m], [rad]
+PLACED, TURNED = (
+    0.02,
+    math.radians(1.0),
+)  # how well somebody puts the robot down: an assumption [m], [rad]
 
 
 def operated(operation: Operation, folder: Path) -> Result:
@@ -44,12 +49,18 @@ def operated(operation: Operation, folder: Path) -> Result:
     heading = operation.start.heading + TURNED * float(chance.standard_normal())
     robot = operation.body()
     servos = lc.plant(robot, operation.pool(), joints="servo")
-    world = VirtualRobot(robot, servos, lc.Start(center_of_mass=(float(x), float(y)), heading=heading))
+    world = VirtualRobot(
+        robot, servos, lc.Start(center_of_mass=(float(x), float(y)), heading=heading)
+    )
     twin = lc.plant(robot, operation.pool(), joints="servo")
     meter = "" if operation.supply_voltage is None else "stepped"
     operation = replace(operation, connection=replace(operation.connection, meter_address=meter))
-    (folder / f"{operation.name}.mcap").unlink(missing_ok=True)  # of a run that was stopped or rejected
-    return operate(operation, folder, tank=Tank(world, LabSettings(seed=seed)), twin=twin, frames=False)
+    (folder / f"{operation.name}.mcap").unlink(
+        missing_ok=True
+    )  # of a run that was stopped or rejected
+    return operate(
+        operation, folder, tank=Tank(world, LabSettings(seed=seed)), twin=twin, frames=False
+    )
 
 
 def simulated(operation: Operation) -> lc.Trial:
@@ -79,7 +90,13 @@ def row(number: int, repeats: int, duration: float | None, folder: Path) -> dict
     series = setting(number, repeats, duration, folder)
     (done,) = series.settings
     pure = simulated(done.operation)
-    names = ("forward_velocity", "electrical_power", "total_power", "convergence_time", "steady_error")
+    names = (
+        "forward_velocity",
+        "electrical_power",
+        "total_power",
+        "convergence_time",
+        "steady_error",
+    )
     measured = path_following_trials()[number]
     return {
         "name": done.operation.name,
@@ -97,7 +114,10 @@ def row(number: int, repeats: int, duration: float | None, folder: Path) -> dict
 
 def gathered(folder: Path) -> None:
     """One table of repeats of all settings, as one series would have written it."""
-    parts = [path.read_text(encoding="utf-8").splitlines() for path in sorted(folder.glob("*/repeats.csv"))]
+    parts = [
+        path.read_text(encoding="utf-8").splitlines()
+        for path in sorted(folder.glob("*/repeats.csv"))
+    ]
     lines = [parts[0][0], *(line for part in parts for line in part[1:])]
     (folder / "repeats.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
@@ -115,12 +135,28 @@ def table(rows: list[dict[str, object]]) -> str:
     for one in rows:
         velocity, error = one["forward_velocity"], one["simulated_error"]
         name = (
-            str(one["name"]).replace("lateral-undulation", "lateral").replace("-fin", ", fin").replace("-case-", ", ")
+            str(one["name"])
+            .replace("lateral-undulation", "lateral")
+            .replace("-fin", ", fin")
+            .replace("-case-", ", ")
         )
-        away = "" if velocity is None else f"{100 * (velocity[0] / one['simulated_velocity'] - 1):+.1f} %"
-        swum = (shown(velocity, 4), f"{one['simulated_velocity']:.4f}", away, f"{one['measured_velocity']:.4f}")
+        away = (
+            ""
+            if velocity is None
+            else f"{100 * (velocity[0] / one['simulated_velocity'] - 1):+.1f} %"
+        )
+        swum = (
+            shown(velocity, 4),
+            f"{one['simulated_velocity']:.4f}",
+            away,
+            f"{one['measured_velocity']:.4f}",
+        )
         beside = (shown(one["steady_error"], 3), "-" if error is None else f"{error:.3f}")
-        drawn = (shown(one["electrical_power"], 1), f"{one['simulated_power']:.1f}", f"{one['measured_power']:.1f}")
+        drawn = (
+            shown(one["electrical_power"], 1),
+            f"{one['simulated_power']:.1f}",
+            f"{one['measured_power']:.1f}",
+        )
         speeds.append(f"| {' | '.join((name, *swum, *beside))} |")
         powers.append(f"| {' | '.join((name, *drawn, shown(one['total_power'], 1)))} |")
     said = [f"{one['name']}: {one['accepted']} runs accepted" for one in rows]
@@ -142,20 +178,30 @@ def main() -> int:
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--duration", type=float, help="of every run [s]; the file's otherwise")
-    parser.add_argument("--settings", type=int, nargs="*", help="their numbers, 0 to 11; all otherwise")
+    parser.add_argument(
+        "--settings", type=int, nargs="*", help="their numbers, 0 to 11; all otherwise"
+    )
     parser.add_argument("--output", type=Path, default=Path("out/table2"))
     options = parser.parse_args()
     numbers = options.settings or range(len(load_operation(TABLE2).trials))
     rows: list[dict[str, object]] = []
     with ProcessPoolExecutor(options.workers) as pool:
-        waiting = [pool.submit(row, n, options.repeats, options.duration, options.output) for n in numbers]
+        waiting = [
+            pool.submit(row, n, options.repeats, options.duration, options.output) for n in numbers
+        ]
         for one in waiting:
             rows.append(one.result())
-            print(f"{rows[-1]['name']}: {rows[-1]['accepted']} accepted", file=sys.stderr, flush=True)
+            print(
+                f"{rows[-1]['name']}: {rows[-1]['accepted']} accepted", file=sys.stderr, flush=True
+            )
     gathered(options.output)
     (options.output / "table.json").write_text(json.dumps(rows, indent=1), encoding="utf-8")
     print(table(rows))
-    away = [abs(one["forward_velocity"][0] / one["simulated_velocity"] - 1) for one in rows if one["forward_velocity"]]
+    away = [
+        abs(one["forward_velocity"][0] / one["simulated_velocity"] - 1)
+        for one in rows
+        if one["forward_velocity"]
+    ]
     print(f"velocities differ from the simulation's by up to {100 * max(away):.1f} %")
     return 0 if all(one["accepted"] >= options.repeats for one in rows) else 1
 

@@ -1,8 +1,9 @@
 """How far are published optima of Mamba's gaits from what the same model gives here?
 
-Question: is the mean error within 1 % in speed and 1.1 % in net power, with the envelope (n-i)/(n-1) for eel-like?
-The rows are in a file of one's own, with the columns of `reproduce --repeats`, of the robot without its fin; P_avg_W is
-the net mechanical power: see docs/validation.md, Published optima.
+Question: is the mean error within 1 % in speed and 1.1 % in net power, with the envelope
+(n-i)/(n-1) for eel-like? The rows are in a file of one's own, with the columns of
+`reproduce --repeats`, of the robot without its fin; P_avg_W is the net mechanical power: see
+docs/validation.md, Published optima.
 
     python campaigns/optima.py optima.csv [figure.png]
 
@@ -63,14 +64,25 @@ def run_optima(rows: Sequence[Repeat], envelope: Envelope | None = None) -> tupl
     if any(row.has_fin or row.power is None for row in rows):
         raise BadArgument("rows", "must be without fin and each have a power")
     eel = envelope or Anguilliform()
-    gaits = [replace(row.gait, envelope=eel) if isinstance(row.gait.envelope, EelLike) else row.gait for row in rows]
-    water = replace(load_water("published-2015"), name="optima", normal_drag=2.0, added_mass_form="classic")
+    gaits = [
+        replace(row.gait, envelope=eel) if isinstance(row.gait.envelope, EelLike) else row.gait
+        for row in rows
+    ]
+    water = replace(
+        load_water("published-2015"), name="optima", normal_drag=2.0, added_mass_form="classic"
+    )
     swum = swim_many(load_robot("mamba", n_links=10), gaits, 30.0, environments=water, joints="pd")
     simulated = np.array([swum.forward_velocity, swum.net_power])
-    published = np.array([[row.velocity[0], row.power[0] if row.power else np.nan] for row in rows]).T
+    published = np.array(
+        [[row.velocity[0], row.power[0] if row.power else np.nan] for row in rows]
+    ).T
     kinds = np.array([gait.words for gait in gaits])
     return tuple(
-        Optima(gait=str(kind), published=published[:, kinds == kind], simulated=simulated[:, kinds == kind])
+        Optima(
+            gait=str(kind),
+            published=published[:, kinds == kind],
+            simulated=simulated[:, kinds == kind],
+        )
         for kind in dict.fromkeys(kinds)
     )
 
@@ -104,7 +116,9 @@ def main() -> None:
     heads = "".join(f"{what:>14}{'mean':>6}{'worst':>6}" for what in ("speed: bias", "power: bias"))
     print(f"{'':<20}{'envelope':>14}{heads} [%]")
     for one in (*found, *others):
-        envelope = {EelLike.words: "(n-i)/(n+1)", Anguilliform.words: "(n-i)/(n-1)"}.get(one.gait, "1")
+        envelope = {EelLike.words: "(n-i)/(n+1)", Anguilliform.words: "(n-i)/(n-1)"}.get(
+            one.gait, "1"
+        )
         figures = [(np.mean(row), np.mean(np.abs(row)), np.max(np.abs(row))) for row in one.errors]
         columns = [f"{bias:>+14.1f}{mean:>6.1f}{worst:>6.1f}" for bias, mean, worst in figures]
         print(f"{one.gait:<20}{envelope:>14}{''.join(columns)}")

@@ -1,7 +1,7 @@
 """Does an optimization lose anything when it is killed?
 
-Question: an optimization is killed by SIGKILL at random moments, again and again, and resumed: is what comes out the
-same, bit for bit, as without?
+Question: an optimization is killed by SIGKILL at random moments, again and again, and resumed: is
+what comes out the same, bit for bit, as without?
 
     python campaigns/optimize_kills.py              # 20 kills each, two objectives and one
 
@@ -37,7 +37,11 @@ def run(folder: Path | None, budget: int, kind: str = "front", say: bool = False
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
     sought = Optimization(
         scenario=lc.scenario("mamba", gait, 2.0),
-        bounds={"gait.amplitude": (0.2, 2.0), "gait.phase_shift": (0.2, 1.2), "robot.n_links": (8, 9)},
+        bounds={
+            "gait.amplitude": (0.2, 2.0),
+            "gait.phase_shift": (0.2, 1.2),
+            "robot.n_links": (8, 9),
+        },
         objectives=KINDS[kind],
     )
     how: Any = {"progress": lambda done, total: print(done, flush=True)} if say else {}
@@ -67,7 +71,16 @@ def kill_at_moments(folder: Path, budget: int, kills: int, seed: int, kind: str 
     chance = random.Random(seed)
     hits = 0
     for _ in range(kills):
-        words = [sys.executable, __file__, "--child", str(folder), "--budget", str(budget), "--kind", kind]
+        words = [
+            sys.executable,
+            __file__,
+            "--child",
+            str(folder),
+            "--budget",
+            str(budget),
+            "--kind",
+            kind,
+        ]
         process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
         assert process.stdout is not None
         for _ in range(2):  # it has begun, and stored a generation
@@ -97,7 +110,9 @@ def main() -> None:
             hits = kill_at_moments(folder, options.budget, options.kills, 1, kind)
             same = contents(run(folder, options.budget, kind)) == expected
             failed |= not same
-            print(f"{kind:6} {options.budget} trials, {hits} kills hit: {'the same bits' if same else 'DIFFERENT'}")
+            print(
+                f"{kind:6} {options.budget} trials, {hits} kills hit: {'the same bits' if same else 'DIFFERENT'}"
+            )
     sys.exit(failed)
 
 

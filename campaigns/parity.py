@@ -1,15 +1,17 @@
 """Do the closed form and MuJoCo with water agree, and how does the difference fall with the step?
 
-Question: is the spatial model (planar root, no gravity) within 0.3 % of the distance at 0.5 ms, and within 0.1 % after
-Richardson extrapolation, for every case and every drive? Path: largest distance between the two paths over the distance
-traveled in 30 s, the best rotation about the start taken out. The planar run has a quarter of the smallest step.
+Question: is the spatial model (planar root, no gravity) within 0.3 % of the distance at 0.5 ms, and
+within 0.1 % after Richardson extrapolation, for every case and every drive? Path: largest distance
+between the two paths over the distance traveled in 30 s, the best rotation about the start taken
+out. The planar run has a quarter of the smallest step.
 
     python campaigns/parity.py [FIGURE]    run all, write parity.csv and print the worst of the cases; draw the figure
 
-The tests run slices of it, in tests/spatial/test_parity.py and tests/spatial/test_fin.py, and the paper's claim that
-both models agree is judged by its answer, in tests/paper/test_claims.py.
+The tests run slices of it, in tests/spatial/test_parity.py and tests/spatial/test_fin.py, and the
+paper's claim that both models agree is judged by its answer, in tests/paper/test_claims.py.
 
-Last answer (2 shared cores, 2026-11-22; 40 s), the worst of lateral, eel-like, turning, fin and current:
+Last answer (2 shared cores, 2026-11-22; 40 s), the worst of lateral, eel-like, turning, fin and
+current:
     prescribed  0.0500 s   path 5.8e-05   Richardson -         heading 4.9e-04 rad
     prescribed  0.0250 s   path 3.1e-06   Richardson 6.5e-07   heading 3.0e-05 rad
     prescribed  0.0125 s   path 1.8e-07   Richardson 1.8e-08   heading 1.8e-06 rad
@@ -122,7 +124,12 @@ def parity(
             better = path + (path - before.center_of_mass[:, :2]) / (2.0 ** ORDERS[joints] - 1.0)
             richardson = apart(better, planar.center_of_mass)[0] / traveled
         heading = float(np.max(np.abs(spatial.heading - planar.heading)))
-        differences = {"path": gap / traveled, "rotation": rotation, "heading": heading, "richardson": richardson}
+        differences = {
+            "path": gap / traveled,
+            "rotation": rotation,
+            "heading": heading,
+            "richardson": richardson,
+        }
         yield Parity(case=case, joints=joints, dt=dt, **differences)
         before = spatial
 
@@ -130,7 +137,9 @@ def parity(
 def apart(path: np.ndarray, other: np.ndarray) -> tuple[float, float]:
     """Largest distance between two paths after the best rotation of the first about their start, and that rotation."""
     a, b = path - path[0], other - other[0]
-    rotation = math.atan2(float(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])), float(np.sum(a * b)))
+    rotation = math.atan2(
+        float(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])), float(np.sum(a * b))
+    )
     c, s = math.cos(rotation), math.sin(rotation)
     turned = a @ np.array([[c, s], [-s, c]])
     return float(np.max(np.linalg.norm(turned - b, axis=1))), rotation
@@ -140,7 +149,10 @@ def stored() -> list[Parity]:
     """The last answer."""
     with STORE.open(newline="") as file:
         rows = [
-            {name: text if name in ("case", "joints") else number(text) for name, text in row.items()}
+            {
+                name: text if name in ("case", "joints") else number(text)
+                for name, text in row.items()
+            }
             for row in csv.DictReader(file)
         ]
     return [Parity(**row) for row in rows]
@@ -170,7 +182,10 @@ def main() -> None:
         writer = csv.DictWriter(file, [one.name for one in fields(Parity)], lineterminator="\n")
         writer.writeheader()
         writer.writerows(
-            {name: f"{v:.3g}" if isinstance(v, float) and name != "dt" else v for name, v in asdict(row).items()}
+            {
+                name: f"{v:.3g}" if isinstance(v, float) and name != "dt" else v
+                for name, v in asdict(row).items()
+            }
             for row in rows
         )
     path, richardson, heading = (worst(rows, name) for name in ("path", "richardson", "heading"))
@@ -213,10 +228,13 @@ def convergence(
         curves: At most three: by what the legend says, the difference by step [s].
         ax: Where to draw.
         ylabel: What the difference is, with its unit.
-        orders: With which power of the step curves should fall: a short line of this slope is drawn beside each [-].
+        orders: With which power of the step curves should fall: a short line of this slope is drawn
+            beside each [-].
         bounds: Levels that the differences have to stay below, with what they are called.
     """
-    for (label, curve), (color, dashes), marker in zip(curves.items(), style.LINES, MARKERS, strict=False):
+    for (label, curve), (color, dashes), marker in zip(
+        curves.items(), style.LINES, MARKERS, strict=False
+    ):
         style_of = {"color": color, "linewidth": style.LINE, "marker": marker, "markersize": 3.5}
         steps, differences = 1e3 * np.array([*curve]), [*curve.values()]
         ax.loglog(steps, differences, linestyle=dashes, label=label, **style_of)
@@ -238,7 +256,9 @@ def _slope(curve: Mapping[float, float], order: int, ax: Axes) -> None:
     dt = max(curve) * np.array([1.0, 0.5])
     level = 0.3 * curve[max(curve)] * (dt / dt[0]) ** order
     ax.loglog(1e3 * dt, level, color=style.GRAY, linewidth=style.THIN)
-    style.note(ax, f"order {order}", (float(1e3 * dt[1]), float(level[1])), (2, -3), ha="left", va="top")
+    style.note(
+        ax, f"order {order}", (float(1e3 * dt[1]), float(level[1])), (2, -3), ha="left", va="top"
+    )
 
 
 if __name__ == "__main__":

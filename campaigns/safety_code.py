@@ -1,16 +1,18 @@
 """Is every branch of the safety code gone through by the tests that stand next to it?
 
-Question: supervisor, limits, verdict, recording and protocol decide whether a robot is stopped in time and a run is
-right. Which of their statements and branches does no test of theirs run? None may be left, and no line is excluded but
-what stands under `if TYPE_CHECKING`.
+Question: supervisor, limits, verdict, recording and protocol decide whether a robot is stopped in
+time and a run is right. Which of their statements and branches does no test of theirs run? None may
+be left, and no line is excluded but what stands under `if TYPE_CHECKING`.
 
     python campaigns/safety_code.py                # measure, write safety_code.csv, print what is not run
     python campaigns/safety_code.py --only verdict # files whose path holds this, by their own tests; nothing is written
 
-It is measured by coverage.py, branches too, also in the program that writes a recording. Whether a test would notice if
-a line said something else is the question of mutants.py. The tests run a slice.
+It is measured by coverage.py, branches too, also in the program that writes a recording. Whether a
+test would notice if a line said something else is the question of mutants.py. The tests run a
+slice.
 
-Last answer (2 shared cores, 2026-11-28; 100 s): all of 1763 statements and 356 branches in 15 files.
+Last answer (2 shared cores, 2026-11-28; 100 s): all of 1763 statements and 356 branches in 15
+files.
 """
 
 import argparse
@@ -52,7 +54,9 @@ def files_of(part: str) -> list[Path]:
     return [path] if path.suffix else sorted(path.glob("*.py"))
 
 
-def measured(parts: Sequence[str], *, tests: Sequence[str] = ()) -> list[tuple[str, int, int, str, str]]:
+def measured(
+    parts: Sequence[str], *, tests: Sequence[str] = ()
+) -> list[tuple[str, int, int, str, str]]:
     """Run the tests of some parts, or others, under coverage.py; a row for every file.
 
     Raises:
@@ -63,20 +67,37 @@ def measured(parts: Sequence[str], *, tests: Sequence[str] = ()) -> list[tuple[s
         settings, data, told = (Path(folder) / name for name in ("settings", "data", "told.json"))
         settings.write_text(SETTINGS.format(data=data, source=ROOT / "src" / "laticauda"))
         path = f"{ROOT / 'src'}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
-        surroundings = {**os.environ, "PYTHONPATH": path, "CI": "1"}  # hypothesis then draws the same every time
+        surroundings = {
+            **os.environ,
+            "PYTHONPATH": path,
+            "CI": "1",
+        }  # hypothesis then draws the same every time
 
         def coverage(*words: str) -> str:
-            command = [sys.executable, "-m", "coverage", words[0], f"--rcfile={settings}", *words[1:]]
-            done = subprocess.run(command, cwd=ROOT, env=surroundings, capture_output=True, text=True)
+            command = [
+                sys.executable,
+                "-m",
+                "coverage",
+                words[0],
+                f"--rcfile={settings}",
+                *words[1:],
+            ]
+            done = subprocess.run(
+                command, cwd=ROOT, env=surroundings, capture_output=True, text=True
+            )
             if done.returncode:
-                raise RuntimeError(f"{' '.join(command)}\n{done.stdout[-3000:]}\n{done.stderr[-3000:]}")
+                raise RuntimeError(
+                    f"{' '.join(command)}\n{done.stdout[-3000:]}\n{done.stderr[-3000:]}"
+                )
             return done.stdout
 
         coverage("run", "-m", "pytest", "-q", "-p", "no:cacheprovider", *chosen)
         coverage("combine", "-q")
         files = [file for part in parts for file in files_of(part)]
         coverage("json", "-q", "-o", str(told), f"--include={','.join(map(str, files))}")
-        found = {Path(name).resolve(): one for name, one in json.loads(told.read_text())["files"].items()}
+        found = {
+            Path(name).resolve(): one for name, one in json.loads(told.read_text())["files"].items()
+        }
     rows = list[tuple[str, int, int, str, str]]()
     for file in files:
         one = found.get(file.resolve())
@@ -86,7 +107,15 @@ def measured(parts: Sequence[str], *, tests: Sequence[str] = ()) -> list[tuple[s
         lines = " ".join(map(str, one["missing_lines"]))
         branches = " ".join(f"{a}->{b}" for a, b in one["missing_branches"])
         summary = one["summary"]
-        rows.append((str(file.relative_to(ROOT)), summary["num_statements"], summary["num_branches"], lines, branches))
+        rows.append(
+            (
+                str(file.relative_to(ROOT)),
+                summary["num_statements"],
+                summary["num_branches"],
+                lines,
+                branches,
+            )
+        )
     return rows
 
 
@@ -97,7 +126,9 @@ def stored() -> list[dict[str, str]]:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--only", default="", help="part of a path")
     options = parser.parse_args()
     rows = measured([part for part in TESTS if options.only in part])
@@ -107,10 +138,14 @@ def main() -> int:
             table.writerow(COLUMNS)
             table.writerows(rows)
     for name, statements, branches, lines, ways in rows:
-        print(f"{name:<52} {statements:>4} statements {branches:>4} branches   {lines} {ways}".rstrip())
+        print(
+            f"{name:<52} {statements:>4} statements {branches:>4} branches   {lines} {ways}".rstrip()
+        )
     n, n_branches = (sum(row[i] for row in rows) for i in (1, 2))
     left = [row for row in rows if row[3] or row[4]]
-    print(f"{n} statements, {n_branches} branches; {len(rows) - len(left)} of {len(rows)} files are run in full")
+    print(
+        f"{n} statements, {n_branches} branches; {len(rows) - len(left)} of {len(rows)} files are run in full"
+    )
     return int(bool(left))
 
 

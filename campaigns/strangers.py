@@ -1,12 +1,13 @@
 """Do models that others made swim and float by one line, `water.attach(model)`, without energy from nowhere?
 
-Each is driven for 10 s by sines on its actuators. The energy is that of the bodies and of the water that they take
-along, with weight, buoyancy and springs; all but the actuators can only take from it. dm_control's two need its
-package, and Gymnasium's its own: `python campaigns/mujoco_neighbours.py` runs this script beside each. `--films FOLDER`
-stores eight pictures of each as an array.
+Each is driven for 10 s by sines on its actuators. The energy is that of the bodies and of the water
+that they take along, with weight, buoyancy and springs; all but the actuators can only take from
+it. dm_control's two need its package, and Gymnasium's its own:
+`python campaigns/mujoco_neighbours.py` runs this script beside each. `--films FOLDER` stores eight
+pictures of each as an array.
 
-Last answer ("surplus": the most that the energy was ever above its start and the actuators' work, over the energy that
-they turned over):
+Last answer ("surplus": the most that the energy was ever above its start and the actuators' work,
+over the energy that they turned over):
 
     dm_control's fish (MuJoCo 3.17)      5 elements, 0.03 m away, work   0.014 J, surplus -1.3e-06
     dm_control's swimmer (MuJoCo 3.17)   6 elements, work   0.001 J, surplus  4.0e-14
@@ -45,7 +46,11 @@ AUV = """<mujoco><option timestep="0.005"/><worldbody><light pos="0 0 3"/><body 
 
 def quadruped() -> mujoco.MjModel:
     """Four legs of two hinges, lighter than water: it floats and paddles."""
-    places = {f"{a}{b}": (x, y) for a, x in (("f", 0.2), ("h", -0.2)) for b, y in (("l", 0.13), ("r", -0.13))}
+    places = {
+        f"{a}{b}": (x, y)
+        for a, x in (("f", 0.2), ("h", -0.2))
+        for b, y in (("l", 0.13), ("r", -0.13))
+    }
     legs = "".join(LEG.format(n=n, x=x, y=y) for n, (x, y) in places.items())
     motors = "".join(f'<motor joint="{n}{j}" gear="1.5"/>' for n in places for j in "hk")
     return mujoco.MjModel.from_xml_string(QUADRUPED.format(legs=legs, motors=motors))
@@ -81,7 +86,10 @@ def energy(model: Any, data: Any, handle: water.Water) -> float:
     inertia = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, inertia)
     total = float(data.energy[0]) + 0.5 * data.qvel @ inertia @ data.qvel
-    if handle.options["surface"] is None and not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY:
+    if (
+        handle.options["surface"] is None
+        and not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
+    ):
         density = handle.options["density"]
         for element in handle.elements:
             body = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, element.body)
@@ -101,10 +109,14 @@ def run(name: str, model: Any, surface: float | None, films: Path | None) -> Non
     begin = energy(model, data, handle) if surface is None else math.nan
     work, turned, surplus, step, frames = 0.0, 0.0, -math.inf, model.opt.timestep, []
     renderer = mujoco.Renderer(model, 360, 640) if films else None
-    low, high = np.where(model.actuator_ctrllimited[:, None], model.actuator_ctrlrange, [-1.0, 1.0]).T
+    low, high = np.where(
+        model.actuator_ctrllimited[:, None], model.actuator_ctrlrange, [-1.0, 1.0]
+    ).T
     phase = np.arange(model.nu) * 1.0
     for i in range(round(10.0 / step)):
-        data.ctrl[:] = 0.5 * (low + high) + 0.4 * (high - low) * np.sin(2.0 * math.pi * i * step + phase)
+        data.ctrl[:] = 0.5 * (low + high) + 0.4 * (high - low) * np.sin(
+            2.0 * math.pi * i * step + phase
+        )
         before = data.qvel.copy()
         mujoco.mj_step(model, data)
         power = float(data.qfrc_actuator @ (0.5 * (before + data.qvel)))
@@ -117,7 +129,9 @@ def run(name: str, model: Any, surface: float | None, films: Path | None) -> Non
             camera = mujoco.MjvCamera()
             mujoco.mjv_defaultFreeCamera(model, camera)
             camera.lookat[:] = data.subtree_com[1]
-            camera.distance = 3.0 * model.stat.extent if model.nbody < 12 else 1.2 * model.stat.extent
+            camera.distance = (
+                3.0 * model.stat.extent if model.nbody < 12 else 1.2 * model.stat.extent
+            )
             renderer.update_scene(data, camera)
             frames.append(renderer.render())
     far = float(np.linalg.norm(data.subtree_com[1] - mujoco_start(model)))
@@ -131,7 +145,9 @@ def run(name: str, model: Any, surface: float | None, films: Path | None) -> Non
         print(f"    {one.message}")
     if films is not None and frames:
         films.mkdir(parents=True, exist_ok=True)
-        strip = np.concatenate([np.concatenate(frames[k : k + 4 * 25 : 25], axis=1) for k in (0, 100)], axis=0)
+        strip = np.concatenate(
+            [np.concatenate(frames[k : k + 4 * 25 : 25], axis=1) for k in (0, 100)], axis=0
+        )
         np.save(films / f"{name.replace(' ', '-')}.npy", strip)
 
 

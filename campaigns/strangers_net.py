@@ -12,7 +12,8 @@ Each question starts real programs and real connections; nothing leaves this com
 
     python campaigns/strangers_net.py [--only NAME ...] [--seed N] [--talks N] [--seconds N] [--store]
 
-The answer of 2026-11-23 (2 cores, loaded; greedy in 100 s) is in campaigns/strangers_net.csv; the tests run a slice.
+The answer of 2026-11-23 (2 cores, loaded; greedy in 100 s) is in campaigns/strangers_net.csv; the
+tests run a slice.
 """
 
 import argparse
@@ -46,16 +47,23 @@ CANARY = "stranger_canary"
 Row = tuple[str, str, str]
 
 
-# ---- programs --------------------------------------------------------------------------------------------------------
+# ---- programs ------------------------------------------------------------------------------------
 
 
 @contextlib.contextmanager
-def serving(words: str, *, inside: tuple[str, ...] = (), **environment: str) -> Iterator[tuple[Any, dict[str, Any]]]:
+def serving(
+    words: str, *, inside: tuple[str, ...] = (), **environment: str
+) -> Iterator[tuple[Any, dict[str, Any]]]:
     """A command that serves, and the line that it prints."""
     run = [*inside, sys.executable, "-c", PROGRAM, *words.split()]
     with tempfile.TemporaryFile("w+") as told:
         process = subprocess.Popen(
-            run, stdout=subprocess.PIPE, stderr=told, text=True, env=os.environ | environment, stdin=subprocess.DEVNULL
+            run,
+            stdout=subprocess.PIPE,
+            stderr=told,
+            text=True,
+            env=os.environ | environment,
+            stdin=subprocess.DEVNULL,
         )
         try:
             assert process.stdout is not None
@@ -98,7 +106,7 @@ class Client:
         self.wire.close()
 
 
-# ---- listeners -------------------------------------------------------------------------------------------------------
+# ---- listeners -----------------------------------------------------------------------------------
 
 BUS = "udp_multicast:239.74.163.77:43177"
 SERVERS = {
@@ -125,7 +133,9 @@ def sockets_of(pid: int) -> set[str]:
     for one in (process := psutil.Process(pid), *process.children(recursive=True)):
         with contextlib.suppress(psutil.NoSuchProcess, psutil.ZombieProcess):
             for each in one.net_connections(kind="inet"):
-                if each.laddr and (each.status == psutil.CONN_LISTEN or each.type == socket.SOCK_DGRAM):
+                if each.laddr and (
+                    each.status == psutil.CONN_LISTEN or each.type == socket.SOCK_DGRAM
+                ):
                     found.add(
                         f"{'tcp' if each.type == socket.SOCK_STREAM else 'udp'} {each.laddr.ip}:{each.laddr.port}"
                     )
@@ -158,20 +168,37 @@ def listeners(options: argparse.Namespace) -> Iterator[Row]:
                 found |= sockets_of(process.pid)
                 joined |= groups("239.74.163.77")
                 time.sleep(0.25)
-            where = ", ".join(sorted(f"{one.split()[0]} {one.split()[1].rpartition(':')[0]}" for one in found))
+            where = ", ".join(
+                sorted(f"{one.split()[0]} {one.split()[1].rpartition(':')[0]}" for one in found)
+            )
             good = found and all(map(is_here, found)) and joined <= {"lo"}
             interfaces = f", joined on {', '.join(joined)}" if joined else ""
-            yield "listeners", name, f"{'loopback' if good else 'BEYOND LOOPBACK'}: {where}{interfaces}"
+            yield (
+                "listeners",
+                name,
+                f"{'loopback' if good else 'BEYOND LOOPBACK'}: {where}{interfaces}",
+            )
     with tempfile.TemporaryDirectory() as folder:
         import laticauda as lc
 
-        run, trial = Path(folder) / "run.nc", Path(__file__).parent.parent / "examples" / "lab" / "trial.toml"
-        lc.swim("mamba", lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7), 20.0).save(run)
+        run, trial = (
+            Path(folder) / "run.nc",
+            Path(__file__).parent.parent / "examples" / "lab" / "trial.toml",
+        )
+        lc.swim(
+            "mamba", lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7), 20.0
+        ).save(run)
         for name, words in OTHERS.items():
-            words = words.replace("RUN", str(run)).replace("OUT", f"{folder}/{name}").replace("TRIAL", str(trial))
+            words = (
+                words.replace("RUN", str(run))
+                .replace("OUT", f"{folder}/{name}")
+                .replace("TRIAL", str(trial))
+            )
             found: set[str] = set()
             process = subprocess.Popen(
-                [sys.executable, "-c", PROGRAM, *words.split()], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+                [sys.executable, "-c", PROGRAM, *words.split()],
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
             )
             end = time.monotonic() + 15.0
             while process.poll() is None and time.monotonic() < end:
@@ -188,7 +215,7 @@ def listeners(options: argparse.Namespace) -> Iterator[Row]:
             )
 
 
-# ---- tokens ----------------------------------------------------------------------------------------------------------
+# ---- tokens --------------------------------------------------------------------------------------
 
 ASKING = """
 import http.client, json, socket, sys
@@ -229,7 +256,11 @@ def other_computer() -> Iterator[tuple[str, tuple[str, ...], tuple[str, ...]]]:
     try:
         if made:
             for name, address in ((near, "10.211.7.1/30"), (far, "10.211.7.2/30")):
-                for words in (f"addr add {address} dev {name}", f"link set {name} up", "link set lo up"):
+                for words in (
+                    f"addr add {address} dev {name}",
+                    f"link set {name} up",
+                    "link set lo up",
+                ):
                     assert ip(f"-n {name} {words}")
             yield "10.211.7.1", ("ip", "netns", "exec", near), ("ip", "netns", "exec", far)
         else:
@@ -244,24 +275,41 @@ def other_computer() -> Iterator[tuple[str, tuple[str, ...], tuple[str, ...]]]:
 def tokens(options: argparse.Namespace) -> Iterator[Row]:
     with other_computer() as (address, here, there):
         way = "from another network namespace" if there else "by this computer's own address"
-        for name, words in (("serve", "serve --json --port 0"), ("cockpit", "cockpit --json --port 0")):
+        for name, words in (
+            ("serve", "serve --json --port 0"),
+            ("cockpit", "cockpit --json --port 0"),
+        ):
             for host in ("127.0.0.1", "0.0.0.0"):
                 with serving(f"{words} --host {host}", inside=here) as (_, facts):
                     if name == "serve":
                         port, token = facts["port"], facts["token"]
                     else:
-                        port, _, rest = facts["address"].removeprefix("http://").rpartition(":")[2].partition("/")
+                        port, _, rest = (
+                            facts["address"]
+                            .removeprefix("http://")
+                            .rpartition(":")[2]
+                            .partition("/")
+                        )
                         token = rest.strip("/")
                     said = {"no token": "", "a wrong one": "a" * 24, "the token": token}
                     found = list[str]()
                     for what, given in said.items() if token else [("no token", "")]:
-                        run = [*there, sys.executable, "-c", ASKING, name, address, str(port), given]
+                        run = [
+                            *there,
+                            sys.executable,
+                            "-c",
+                            ASKING,
+                            name,
+                            address,
+                            str(port),
+                            given,
+                        ]
                         done = subprocess.run(run, capture_output=True, text=True, timeout=PATIENCE)
                         found.append(f"{what}: {done.stdout.strip() or done.stderr[-200:]}")
                     yield "tokens", f"{name} --host {host}, {way}", "; ".join(found)
 
 
-# ---- origins ---------------------------------------------------------------------------------------------------------
+# ---- origins -------------------------------------------------------------------------------------
 
 ATTACK = """async ([http, ws, protocol]) => {
   const got = {};
@@ -332,7 +380,9 @@ def origins(options: argparse.Namespace) -> Iterator[Row]:
             sync_playwright() as playwright,
         ):
             ports = {"cockpit": int(facts["address"].rpartition(":")[2]), "serve": server.port}
-            found = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox", rules])
+            found = playwright.chromium.launch(
+                executable_path=chromium, args=["--no-sandbox", rules]
+            )
             for name, port in ports.items():
                 ways = {
                     "its own page": f"http://127.0.0.1:{port}",
@@ -345,32 +395,54 @@ def origins(options: argparse.Namespace) -> Iterator[Row]:
                         continue  # it has none
                     page, before = found.new_page(), counted.done
                     rebound = "evil.example" if "rebound" in way else "127.0.0.1"
-                    if way == "a rebound host name":  # the page came while the name still led elsewhere
+                    if (
+                        way == "a rebound host name"
+                    ):  # the page came while the name still led elsewhere
                         page.route(
-                            "**/attack", lambda route: route.fulfill(body="<html></html>", content_type="text/html")
+                            "**/attack",
+                            lambda route: route.fulfill(
+                                body="<html></html>", content_type="text/html"
+                            ),
                         )
                         page.goto(f"{origin}/attack")
                     else:
                         page.goto(origin)
-                    got = page.evaluate(ATTACK, [f"http://{rebound}:{port}/", f"ws://{rebound}:{port}/", protocol])
+                    got = page.evaluate(
+                        ATTACK, [f"http://{rebound}:{port}/", f"ws://{rebound}:{port}/", protocol]
+                    )
                     page.close()
                     given = {kind: what for kind, what in got.items() if what != "nothing"}
-                    shown = ", ".join(f"{kind} {what} characters" for kind, what in given.items()) or "nothing"
+                    shown = (
+                        ", ".join(f"{kind} {what} characters" for kind, what in given.items())
+                        or "nothing"
+                    )
                     done = f"; requests done: {counted.done - before}" if name == "serve" else ""
                     yield "origins", f"{name}, {way}", f"gets {shown}{done}"
             own = Client(server.port)
             known = "observation" in own.ask("reset")
             own.close()
-            yield "origins", "serve, a client of this computer", f"gets {'its answers' if known else 'NOTHING'}"
+            yield (
+                "origins",
+                "serve, a client of this computer",
+                f"gets {'its answers' if known else 'NOTHING'}",
+            )
             found.close()
     finally:
         counted.undo()
         evil.shutdown()
 
 
-# ---- greedy clients --------------------------------------------------------------------------------------------------
+# ---- greedy clients ------------------------------------------------------------------------------
 
-ALL = ("link_angle", "joint_angle", "joint_rate", "joint_angle_ref", "joint_torque", "center_of_mass", "work")
+ALL = (
+    "link_angle",
+    "joint_angle",
+    "joint_rate",
+    "joint_angle_ref",
+    "joint_torque",
+    "center_of_mass",
+    "work",
+)
 
 
 def hoard(client: Client, chance: random.Random) -> None:
@@ -387,7 +459,13 @@ def hoard(client: Client, chance: random.Random) -> None:
 
 def swallow(client: Client, chance: random.Random) -> None:
     """Ask for large answers ahead, and read none of them."""
-    line = {"do": "run", "duration": 20, "sample_interval": 0.01, "series": ["joint_angle"], "n_links": 150}
+    line = {
+        "do": "run",
+        "duration": 20,
+        "sample_interval": 0.01,
+        "series": ["joint_angle"],
+        "n_links": 150,
+    }
     client.wire.settimeout(5.0)
     with contextlib.suppress(OSError):
         client.wire.sendall((json.dumps(line) + "\n").encode() * 50)
@@ -399,7 +477,8 @@ def babble(client: Client, chance: random.Random) -> None:
     for _ in range(5):
         piece = chance.choice(("[]", "{}", '{"a":0}', '"a"', "1e3", "[[[]]]"))
         client.stream.write(
-            b'{"do":"reset","references":[' + ",".join([piece] * (1_000_000 // (len(piece) + 1))).encode()
+            b'{"do":"reset","references":['
+            + ",".join([piece] * (1_000_000 // (len(piece) + 1))).encode()
         )
         client.stream.write(b"]}\n")
         client.stream.flush()
@@ -410,7 +489,9 @@ def shift(client: Client, chance: random.Random) -> None:
     """Other water, other joints, other models, all the time."""
     flows = ({"kind": "uniform", "velocity": [0.1, 0.0]}, "vortex", "street", "turbulence")
     for _ in range(4):
-        client.ask("reset", current=chance.choice(flows), joints=chance.choice(("prescribed", "pd")))
+        client.ask(
+            "reset", current=chance.choice(flows), joints=chance.choice(("prescribed", "pd"))
+        )
         client.ask("reset", model="spatial", n_links=chance.choice((5, 20, 60)), robot="mamba")
         client.ask("step", duration=0.5)
 
@@ -453,10 +534,14 @@ def greedy(options: argparse.Namespace) -> Iterator[Row]:
         good.close()
         most, after = megabytes(process.pid, "VmHWM"), megabytes(process.pid)
         answer = f"most {most:.0f} MB, before {before:.0f} MB, after {after:.0f} MB; {count} visits"
-        yield "greedy", f"16 clients, {options.seconds:g} s", answer if known else f"NOT ANSWERED AFTER {took:.0f} s"
+        yield (
+            "greedy",
+            f"16 clients, {options.seconds:g} s",
+            answer if known else f"NOT ANSWERED AFTER {took:.0f} s",
+        )
 
 
-# ---- hostile conversations -------------------------------------------------------------------------------------------
+# ---- hostile conversations -----------------------------------------------------------------------
 
 FIELDS = (
     "do", "id", "protocol", "token", "robot", "n_links", "water", "ground", "parameters", "coefficients", "current",
@@ -496,7 +581,12 @@ def hostile_line(chance: random.Random) -> bytes:
         return b'{"do":"reset","gait":' + chance.choice((b"[", b'{"gait":')) * depth
     if kind == 4:
         return chance.choice(
-            (b"GET / HTTP/1.1\r", b"\x16\x03\x01\x02\x00", b"NaN", b'{"do":"step","duration":Infinity}')
+            (
+                b"GET / HTTP/1.1\r",
+                b"\x16\x03\x01\x02\x00",
+                b"NaN",
+                b'{"do":"step","duration":Infinity}',
+            )
         )
     return line
 
@@ -521,7 +611,9 @@ def converse(port: int, chance: random.Random) -> str:
             if "The server failed" in str(reply.get("error", "")):
                 return f"{line[:200]!r}: {reply['error']}"
         if chance.random() < 0.2:
-            wire.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\x01\x00\x00\x00\x00\x00\x00\x00")
+            wire.setsockopt(
+                socket.SOL_SOCKET, socket.SO_LINGER, b"\x01\x00\x00\x00\x00\x00\x00\x00"
+            )
     except OSError:
         pass
     finally:
@@ -554,12 +646,16 @@ def talks(options: argparse.Namespace) -> Iterator[Row]:
         traces = process.said().count("Traceback")
         alive = process.poll() is None
     faults = f"{len(found)} faults, {traces} tracebacks"
-    yield "talks", f"{options.talks} conversations", f"{faults}, {'alive' if alive else 'DEAD'}, {grown:+.0f} MB"
+    yield (
+        "talks",
+        f"{options.talks} conversations",
+        f"{faults}, {'alive' if alive else 'DEAD'}, {grown:+.0f} MB",
+    )
     for wrong in found[:5]:
         yield "talks", "fault", wrong
 
 
-# ---- code ------------------------------------------------------------------------------------------------------------
+# ---- code ----------------------------------------------------------------------------------------
 
 WATCHED = (
     "import",
@@ -587,7 +683,13 @@ def poisoned(folder: Path, seed: int) -> list[tuple[str, Callable[[], object]]]:
     from laticauda.cosim import Session
 
     chance = random.Random(seed)
-    words = (CANARY, f"{CANARY}:Evil", f"{CANARY}.Evil", f"__import__('{CANARY}')", f"!!python/name:{CANARY}.Evil")
+    words = (
+        CANARY,
+        f"{CANARY}:Evil",
+        f"{CANARY}.Evil",
+        f"__import__('{CANARY}')",
+        f"!!python/name:{CANARY}.Evil",
+    )
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
     trial = lc.swim("mamba", gait, 1.0)
     cases = list[tuple[str, Callable[[], object]]]()
@@ -597,7 +699,9 @@ def poisoned(folder: Path, seed: int) -> list[tuple[str, Callable[[], object]]]:
         name = lines[k].split("=")[0]
         changed = "\n".join([*lines[:k], f'{name}= "{chance.choice(words)}"', *lines[k + 1 :]])
         cases.append(("scenario", functools.partial(scenarios.run_from_toml, changed)))
-        kind = "\n".join([*lines[:k], f'{name}= {{kind = "{chance.choice(words)}"}}', *lines[k + 1 :]])
+        kind = "\n".join(
+            [*lines[:k], f'{name}= {{kind = "{chance.choice(words)}"}}', *lines[k + 1 :]]
+        )
         cases.append(("scenario", functools.partial(scenarios.run_from_toml, kind)))
     for name in FIELDS[4:]:
         for given in (chance.choice(words), {"kind": chance.choice(words)}, [chance.choice(words)]):
@@ -610,7 +714,9 @@ def poisoned(folder: Path, seed: int) -> list[tuple[str, Callable[[], object]]]:
         texts = [b"mamba", b"lateral", b"planar", b"polynomial", b"prescribed", b"laticauda"]
         for k, text in enumerate(texts):
             bad = folder / f"text-{k}{ending}"
-            bad.write_bytes(content.replace(text, CANARY.encode()[: len(text)].ljust(len(text), b"_")))
+            bad.write_bytes(
+                content.replace(text, CANARY.encode()[: len(text)].ljust(len(text), b"_"))
+            )
             cases.append((f"file {ending}", functools.partial(lc.load_trial, bad)))
         raw = folder / f"pickle{ending}"
         raw.write_bytes(pickle.dumps(Evil()))
@@ -646,7 +752,9 @@ def code_here(seed: int) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as name:
         folder, mark = Path(name), Path(name) / "mark"
         os.environ["STRANGER_MARK"] = str(mark)
-        (folder / f"{CANARY}.py").write_text(f"open({str(mark)!r}, 'w').close()\nclass Evil: pass\n")
+        (folder / f"{CANARY}.py").write_text(
+            f"open({str(mark)!r}, 'w').close()\nclass Evil: pass\n"
+        )
         sys.path.insert(0, str(folder))
         cases = poisoned(folder, seed)
         sys.addaudithook(hook)
@@ -672,13 +780,21 @@ def code_here(seed: int) -> dict[str, Any]:
 def code(options: argparse.Namespace) -> Iterator[Row]:
     run = [sys.executable, __file__, "--code-here", str(options.seed)]
     done = subprocess.run(run, capture_output=True, text=True, timeout=600.0)
-    found = json.loads(done.stdout.splitlines()[-1]) if done.stdout else {"tried": 0, "seen": [done.stderr[-300:]]}
+    found = (
+        json.loads(done.stdout.splitlines()[-1])
+        if done.stdout
+        else {"tried": 0, "seen": [done.stderr[-300:]]}
+    )
     kinds = ", ".join(f"{count} x {kind}" for kind, count in found.get("kinds", {}).items())
-    answer = "; ".join(found["seen"][:3]) if found["seen"] else "none imported, compiled, run or unpickled"
+    answer = (
+        "; ".join(found["seen"][:3])
+        if found["seen"]
+        else "none imported, compiled, run or unpickled"
+    )
     yield "code", f"{found['tried']} poisoned inputs ({kinds})", answer
 
 
-# ---- all -------------------------------------------------------------------------------------------------------------
+# ---- all -----------------------------------------------------------------------------------------
 
 QUESTIONS = {one.__name__: one for one in (listeners, tokens, origins, greedy, talks, code)}
 

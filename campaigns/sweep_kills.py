@@ -1,8 +1,9 @@
 """Does a sweep lose anything when it is killed?
 
-Question: a sweep is killed by SIGKILL, again and again, and resumed: is what comes out the same, bit for bit, as
-without? Three ways: at random moments; before a random file operation in its folder (between two of them a file is
-half written, or a region without its mark); and by killing workers of a Dask cluster that runs it.
+Question: a sweep is killed by SIGKILL, again and again, and resumed: is what comes out the same,
+bit for bit, as without? Three ways: at random moments; before a random file operation in its folder
+(between two of them a file is half written, or a region without its mark); and by killing workers
+of a Dask cluster that runs it.
 
     python campaigns/sweep_kills.py                 # 20 kills at random moments, 20 at file operations, 20 workers
 
@@ -49,7 +50,11 @@ def sweep(n: int, kind: str = "grid") -> Sweep:
             }
         ),
         "samples": Samples(
-            ranges={"gait.amplitude": (0.2, 0.9), "robot.n_links": (8, 9), "water.normal_drag": (1.0, 2.0)},
+            ranges={
+                "gait.amplitude": (0.2, 0.9),
+                "robot.n_links": (8, 9),
+                "water.normal_drag": (1.0, 2.0),
+            },
             n_points=n * n,
             seed=4,
         ),
@@ -84,13 +89,17 @@ def child(folder: Path, n: int, kind: str) -> None:
     work = sweep(n, kind)
     if KILL_AT in os.environ:
         die_at(int(os.environ[KILL_AT]), folder)
-    run_sweep(work, folder, region_size=REGION_SIZE, progress=lambda done, total: print(done, flush=True))
+    run_sweep(
+        work, folder, region_size=REGION_SIZE, progress=lambda done, total: print(done, flush=True)
+    )
 
 
 def started(folder: Path, n: int, kind: str, **environment: str) -> "subprocess.Popen[str]":
     """A child that has begun with the sweep."""
     words = [sys.executable, __file__, "--child", str(folder), "--size", str(n), "--kind", kind]
-    process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env={**os.environ, **environment})
+    process = subprocess.Popen(
+        words, stdout=subprocess.PIPE, text=True, env={**os.environ, **environment}
+    )
     assert process.stdout is not None
     process.stdout.readline()
     return process
@@ -141,7 +150,8 @@ def kill_workers(folder: Path, n: int, kills: int, seed: int, kind: str = "grid"
     import dask
     from distributed import Client, LocalCluster
 
-    # A local cluster gives a worker up that is away for 15 s, or that is away again after that time.
+    # A local cluster gives a worker up that is away for 15 s, or that is away again after that
+    # time.
     dask.config.set({"distributed.deploy.lost-worker-timeout": "1h"})
 
     chance = random.Random(seed)
@@ -151,8 +161,11 @@ def kill_workers(folder: Path, n: int, kills: int, seed: int, kind: str = "grid"
 
     def kill(done: int, total: int) -> None:
         nonlocal hits
-        at_work = [nanny for nanny in cluster.workers.values() if nanny.worker_address in client.nthreads()]
-        # One that is just being started anew would take its nanny with it, and nobody would start another.
+        at_work = [
+            nanny for nanny in cluster.workers.values() if nanny.worker_address in client.nthreads()
+        ]
+        # One that is just being started anew would take its nanny with it, and nobody would start
+        # another.
         if at and done >= at[0] and at_work:
             at.pop(0)
             if done < total:
@@ -160,7 +173,9 @@ def kill_workers(folder: Path, n: int, kills: int, seed: int, kind: str = "grid"
                 hits += 1
 
     with (
-        LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0") as cluster,
+        LocalCluster(
+            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0"
+        ) as cluster,
         Client(cluster, set_as_default=False) as client,
     ):
         run_sweep(work, folder, client=client, region_size=REGION_SIZE, progress=kill)

@@ -1,8 +1,8 @@
 """Does a sweep's memory grow with the number of its trials?
 
-Question: how much memory do sweeps of 1e5 and 1e6 trials (and 1e7, if asked for) take at most, each in a process of
-its own? The trials are short (0.2 s), so what is measured is everything around them: making the points, storing, and
-finding the best.
+Question: how much memory do sweeps of 1e5 and 1e6 trials (and 1e7, if asked for) take at most, each
+in a process of its own? The trials are short (0.2 s), so what is measured is everything around
+them: making the points, storing, and finding the best.
 
     python campaigns/sweep_memory.py
     python campaigns/sweep_memory.py --most 10000000
@@ -31,7 +31,11 @@ DURATION = 0.2  # [s]
 def child(n: int) -> None:
     """One sweep in this process."""
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
-    ranges = {"gait.amplitude": (0.2, 0.9), "gait.frequency": (1.0, 3.0), "gait.phase_shift": (0.2, 1.0)}
+    ranges = {
+        "gait.amplitude": (0.2, 0.9),
+        "gait.frequency": (1.0, 3.0),
+        "gait.phase_shift": (0.2, 1.0),
+    }
     points = Samples(ranges=ranges, n_points=n)
     sweep = Sweep(scenario=lc.scenario("mamba", gait, DURATION), points=points)
     swim_many([sweep.scenario] * 16)  # compiled, if it was not

@@ -1,13 +1,14 @@
 """A fish robot that nobody fitted here: ETH Zurich's tendon-driven fish, simulated from its tracked tail.
 
-The joints do what markers on the tail say (`tendon_fish.csv`: a harmonic of every joint, tail first), prescribed; the
-water is the textbook's. What comes out stands beside the speed of the head in the same videos, and beside models
-without hydrodynamics.
+The joints do what markers on the tail say (`tendon_fish.csv`: a harmonic of every joint, tail
+first), prescribed; the water is the textbook's. What comes out stands beside the speed of the head
+in the same videos, and beside models without hydrodynamics.
 
     python campaigns/tendon_fish.py                     the table
     python campaigns/tendon_fish.py --markers FOLDER    make tendon_fish.csv anew from the source's Data/Markers
 
-Source of the markers: github.com/srl-ethz/fishsim (MIT License, Copyright (c) 2026 Soft Robotics Lab, ETH Zurich).
+Source of the markers: github.com/srl-ethz/fishsim (MIT License, Copyright (c) 2026 Soft Robotics
+Lab, ETH Zurich).
 """
 
 import argparse
@@ -30,7 +31,9 @@ RATE = 60.0  # frames per second, as the source's own script has it
 HEAD = 0.142  # m, between the first two markers: the scale
 NOSE = 0.077  # m, from the first marker to the origin of the source's lengths
 JOINTS = np.array([0.285, 0.3145, 0.3455, 0.376, 0.401])  # m, from that origin
-BEHIND = np.array([0.0145, 0.015, 0.016, 0.0145, 0.0105, 0.073])  # m, of tail markers behind their joint
+BEHIND = np.array(
+    [0.0145, 0.015, 0.016, 0.0145, 0.0105, 0.073]
+)  # m, of tail markers behind their joint
 PLACE, TURN = 0.005, 0.12
 """How well markers are seen [m], and by how much neighboring joints differ [rad]: without, their angles alternate."""
 N_CYCLES, N_SAMPLES = 12, 24
@@ -55,10 +58,17 @@ class Swim:
 def swims() -> list[Swim]:
     """The table."""
     with TABLE.open(encoding="utf-8") as file:
-        rows = [[float(cell) for cell in row] for row in csv.reader(line for line in file if line[0] in "0123456789")]
+        rows = [
+            [float(cell) for cell in row]
+            for row in csv.reader(line for line in file if line[0] in "0123456789")
+        ]
     return [
         Swim(
-            asked=a, frequency=f, speed=v, tip=tip, joints=tuple(np.radians(j[::2]) * np.exp(1j * np.radians(j[1::2])))
+            asked=a,
+            frequency=f,
+            speed=v,
+            tip=tip,
+            joints=tuple(np.radians(j[::2]) * np.exp(1j * np.radians(j[1::2]))),
         )
         for a, f, v, tip, *j in rows
     ]
@@ -102,7 +112,10 @@ def null_models(swim: Swim) -> Mapping[str, float]:
 
 def reduced(asked: str, folder: Path) -> Swim:
     """A video's markers as a table's row."""
-    seen = np.loadtxt(folder / f"markers_{asked}.csv", delimiter=",").reshape(-1, 9, 2) * (1.0, -1.0)
+    seen = np.loadtxt(folder / f"markers_{asked}.csv", delimiter=",").reshape(-1, 9, 2) * (
+        1.0,
+        -1.0,
+    )
     seen *= HEAD / np.linalg.norm(seen[:, 1] - seen[:, 0], axis=1).mean()
     time = np.arange(len(seen)) / RATE
     axis = (seen[:, 1] - seen[:, 0]) @ (1.0, 1j)
@@ -118,7 +131,8 @@ def reduced(asked: str, folder: Path) -> Swim:
     head = seen[:, :2].mean(axis=1)
     path = np.stack([np.polyval(np.polyfit(time, one, 3), time) for one in head.T], axis=1)
     along = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum() / time[-1])
-    # Angles here grow from head to tail and to the left of a fish seen from behind: tail first they turn the other way.
+    # Angles here grow from head to tail and to the left of a fish seen from behind: tail first they
+    # turn the other way.
     return Swim(
         asked=float(asked.replace("_", ".")),
         frequency=w / 2.0 / np.pi,
@@ -130,7 +144,10 @@ def reduced(asked: str, folder: Path) -> Swim:
 
 def _harmonic(w: float, time: np.ndarray, values: np.ndarray) -> tuple[complex, float]:
     """Amplitude and phase of the first harmonic, beside a mean and the second; and the sum of squares that is left."""
-    columns = [np.ones_like(time), *(wave(k * w * time) for k in (1, 2) for wave in (np.cos, np.sin))]
+    columns = [
+        np.ones_like(time),
+        *(wave(k * w * time) for k in (1, 2) for wave in (np.cos, np.sin)),
+    ]
     found = np.linalg.lstsq(np.stack(columns, axis=1), values, rcond=None)
     return complex(found[0][1], -found[0][2]), float(found[1][0])
 
@@ -149,14 +166,20 @@ def _bent(beside: np.ndarray) -> np.ndarray:
 
 def record(folder: Path) -> None:
     """Write the table."""
-    lines = ["# asked_hz,frequency_hz,speed_m_s,tip_m, then amplitude_deg,phase_deg of every joint, tail first"]
+    lines = [
+        "# asked_hz,frequency_hz,speed_m_s,tip_m, then amplitude_deg,phase_deg of every joint, tail first"
+    ]
     for one in (reduced(name, folder) for name in VIDEOS):
-        joints = [cell for c in one.joints for cell in (np.degrees(abs(c)), np.degrees(np.angle(c)))]
+        joints = [
+            cell for c in one.joints for cell in (np.degrees(abs(c)), np.degrees(np.angle(c)))
+        ]
         lines.append(
-            f"{one.asked:.2f},{one.frequency:.4f},{one.speed:.4f},{one.tip:.4f}," + ",".join(f"{x:.1f}" for x in joints)
+            f"{one.asked:.2f},{one.frequency:.4f},{one.speed:.4f},{one.tip:.4f},"
+            + ",".join(f"{x:.1f}" for x in joints)
         )
     notice = (
-        "# Reduced from github.com/srl-ethz/fishsim, Data/Markers (MIT License, Copyright (c) 2026 Soft Robotics Lab)"
+        "# Reduced from github.com/srl-ethz/fishsim, Data/Markers "
+        "(MIT License, Copyright (c) 2026 Soft Robotics Lab)"
     )
     TABLE.write_text("\n".join([notice, *lines]) + "\n", encoding="utf-8")
 
@@ -178,7 +201,10 @@ def main() -> None:
     for name in null_models(rows[0]):
         found[name] = [null_models(one)[name] for one in rows]
     for name, speeds in found.items():
-        cells = [f"{v:.3f} ({100 * (v / one.speed - 1):+.0f} %)" for v, one in zip(speeds, rows, strict=True)]
+        cells = [
+            f"{v:.3f} ({100 * (v / one.speed - 1):+.0f} %)"
+            for v, one in zip(speeds, rows, strict=True)
+        ]
         print(f"{name:28}" + "".join(f"{cell:>18}" for cell in cells))
 
 

@@ -2,10 +2,11 @@
 
     python campaigns/web_page.py [FOLDER]       pictures go to FOLDER, out/web_page if left out
 
-Takes two minutes. It says how large the page is, how far 40 settings by chance are from Python (at most 1e-12 of each
-series' largest number), and for each browser, from a disk and from a file server, on a desk and on a phone: when the
-robot made its first stroke, what swimming takes of a frame at real time, and whether a link opens its setting again.
-What is not installed is left out, and said.
+Takes two minutes. It says how large the page is, how far 40 settings by chance are from Python (at
+most 1e-12 of each series' largest number), and for each browser, from a disk and from a file
+server, on a desk and on a phone: when the robot made its first stroke, what swimming takes of a
+frame at real time, and whether a link opens its setting again. What is not installed is left out,
+and said.
 """
 
 import argparse
@@ -31,7 +32,12 @@ from laticauda.errors import BadArgument
 
 LINK = "robot=mamba-fin&current-y=0.03&waypoints=0.2+-0.5+2.4+-0.5+3.8+0.6"
 SIZES = {"desk": (1366, 768), "phone": (390, 844)}
-MOST = {"difference": 1e-12, "kilobytes": 500.0, "first stroke [ms]": 1000.0, "of a frame [ms]": 4.0}
+MOST = {
+    "difference": 1e-12,
+    "kilobytes": 500.0,
+    "first stroke [ms]": 1000.0,
+    "of a frame [ms]": 4.0,
+}
 TIMES = "({...page.timing, wide: document.documentElement.scrollWidth})"
 OTHER = "robot=mamba-fin&fin=elastic&gait=eel_like&amplitude-deg=41&flexural-rigidity=0.35&waypoints=0+1+2+1.5"
 
@@ -49,7 +55,9 @@ def worst_difference(folder: Path, count: int = 40, seed: int = 11) -> tuple[flo
     return worst, taken
 
 
-def looked_at(evaluate: Callable[[str], Any], go: Callable[[str], None], address: str, width: int) -> dict[str, Any]:
+def looked_at(
+    evaluate: Callable[[str], Any], go: Callable[[str], None], address: str, width: int
+) -> dict[str, Any]:
     """What a browser shows at an address, after some seconds."""
     go(f"{address}#{LINK}")
     time.sleep(4.0)
@@ -58,8 +66,14 @@ def looked_at(evaluate: Callable[[str], Any], go: Callable[[str], None], address
     evaluate(f"openSetting(fromLink('{OTHER}'))")
     time.sleep(1.0)
     link = evaluate("location.hash")
-    assert evaluate("JSON.stringify(page.setting) === JSON.stringify(fromLink(location.hash.slice(1)))")
-    return {"first stroke [ms]": times["first"], "of a frame [ms]": times["spent"] / times["frames"], "link": link}
+    assert evaluate(
+        "JSON.stringify(page.setting) === JSON.stringify(fromLink(location.hash.slice(1)))"
+    )
+    return {
+        "first stroke [ms]": times["first"],
+        "of a frame [ms]": times["spent"] / times["frames"],
+        "link": link,
+    }
 
 
 def in_chromium(addresses: dict[str, str], pictures: Path) -> dict[str, dict[str, Any]]:
@@ -101,7 +115,9 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         files = export_web(folder)
-        figures["page"] = {"kilobytes": sum(len(gzip.compress(file.read_bytes())) for file in files) / 1000.0}
+        figures["page"] = {
+            "kilobytes": sum(len(gzip.compress(file.read_bytes())) for file in files) / 1000.0
+        }
         if NODE is None:
             print("node is not installed: no numbers are compared")
         else:
@@ -112,7 +128,10 @@ def main() -> int:
         with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
             threading.Thread(target=server.serve_forever, daemon=True).start()
             index = "index.html"
-            addresses = {"disk": (folder / index).as_uri(), "server": f"http://127.0.0.1:{server.server_port}/{index}"}
+            addresses = {
+                "disk": (folder / index).as_uri(),
+                "server": f"http://127.0.0.1:{server.server_port}/{index}",
+            }
             figures |= in_chromium(addresses, pictures)
             if FIREFOX is None:
                 print("Firefox is not installed")

@@ -1,7 +1,8 @@
 """Make the font in which the docs show formulas: `python docs/make_font.py`, which `make docs` does.
 
-Browsers have no font for formulas on every system. This is what the docs need of STIX Two Math (under the SIL Open Font
-License 1.1, which the font's own records say), as it comes with ziamath, under a name of its own.
+Browsers have no font for formulas on every system. This is what the docs need of STIX Two Math
+(under the SIL Open Font License 1.1, which the font's own records say), as it comes with ziamath,
+under a name of its own.
 """
 
 from importlib.util import find_spec
@@ -33,7 +34,9 @@ def make_font() -> None:
     assert spec.origin is not None
     options = subset.Options()
     options.flavor, options.layout_features, options.name_IDs = "woff", ["*"], ["*"]
-    font = subset.load_font(str(Path(spec.origin).parent / "fonts" / "STIXTwoMath-Regular.ttf"), options)
+    font = subset.load_font(
+        str(Path(spec.origin).parent / "fonts" / "STIXTwoMath-Regular.ttf"), options
+    )
     chosen = subset.Subsetter(options)
     chosen.populate(unicodes=[code for begin, end in RANGES for code in range(begin, end)])
     chosen.subset(font)

@@ -1,7 +1,7 @@
 """Run the examples and make the gallery of them: `python docs/make_gallery.py`, which `make docs` does.
 
-Each gets a page with its code, what it prints and the pictures that it saves. What was made of today's code is not made
-again.
+Each gets a page with its code, what it prints and the pictures that it saves. What was made of
+today's code is not made again.
 """
 
 import ast
@@ -56,7 +56,8 @@ def page(example: Path, title: str, found: Found) -> str:
     code = text[text.index('"""', 3) + 3 :].strip()
     name = title.split(": ")[1]
     shown = [
-        f"![{name}: the picture that the example draws]({example.stem}-{picture})" for picture, _ in found.pictures
+        f"![{name}: the picture that the example draws]({example.stem}-{picture})"
+        for picture, _ in found.pictures
     ]
     prints = ["It prints", f"```text\n{found.printed.rstrip()}\n```"]
     return "\n\n".join([f"# {title}", words, *shown, f"```python\n{code}\n```", *prints]) + "\n"
@@ -71,7 +72,9 @@ def digest(example: Path) -> str:
 def make_gallery() -> None:
     """Write the page of every example that is not there yet, and the page with all of them."""
     FOLDER.mkdir(exist_ok=True)
-    listed = re.findall(r'"(\d\d: .+)": gallery/(\w+)\.md', (ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
+    listed = re.findall(
+        r'"(\d\d: .+)": gallery/(\w+)\.md', (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    )
     cards = [INDEX]
     for title, stem in listed:
         example, mark = ROOT / "examples" / f"{stem}.py", FOLDER / f".{stem}"

@@ -1,7 +1,7 @@
 r"""Formulas in the docs, as MathML that is made when they are built: no script and no network is needed to read them.
 
-`$c_t$` stands in a line, and a paragraph between lines of `$$` is set apart. It is TeX, with Greek letters as they are,
-and `aligned` for several lines.
+`$c_t$` stands in a line, and a paragraph between lines of `$$` is set apart. It is TeX, with Greek
+letters as they are, and `aligned` for several lines.
 """
 
 import html
@@ -18,7 +18,8 @@ from markdown.util import AtomicString
 
 IN_LINE = r"(?<![\\$])\$(?![\s$])([^$]+?)(?<!\s)\$(?![\d$])"
 APART = re.compile(r"^ {0,3}\$\$(.+?)\$\$\s*$", re.DOTALL)
-# What is not in latex2mathml: names of columns that line up, and letters in bold that are no Latin ones.
+# What is not in latex2mathml: names of columns that line up, and letters in bold that are no Latin
+# ones.
 ALIGNED = re.compile(r"\\(begin|end)\{aligned\}")
 BOLD = re.compile(r"\\boldsymbol\{([\u03b1-\u03c9])\}")
 PRIMES = re.compile("[\u2032\u2033\u2034]+")
@@ -30,7 +31,9 @@ def formula(tex: str, display: str) -> Element:
     """TeX as an element of MathML."""
     tex = html.unescape(tex).strip()
     tex = tex.replace(r"\tag{", r"\qquad \tag{")
-    known = BOLD.sub(lambda found: chr(ord(found[1]) + FIRST_BOLD), ALIGNED.sub(r"\\\1{split}", tex))
+    known = BOLD.sub(
+        lambda found: chr(ord(found[1]) + FIRST_BOLD), ALIGNED.sub(r"\\\1{split}", tex)
+    )
     math = convert_to_element(known, display=display)
     math.set("alttext", tex)
     for parent in list(math.iter()):
@@ -44,7 +47,9 @@ def formula(tex: str, display: str) -> Element:
 
 def dress(parent: Element, place: int, element: Element) -> None:
     """Mend what browsers would set too wide, too narrow or too high."""
-    if element.tag in ("msup", "msubsup") and PRIMES.fullmatch(html.unescape(element[-1].text or "")):
+    if element.tag in ("msup", "msubsup") and PRIMES.fullmatch(
+        html.unescape(element[-1].text or "")
+    ):
         primes = Element("mo", {"lspace": "0", "rspace": "0"})
         primes.text = AtomicString(html.unescape(element[-1].text or ""))
         row = Element("mrow")
@@ -58,12 +63,23 @@ def dress(parent: Element, place: int, element: Element) -> None:
     before = next((one for one in reversed(parent[:place]) if one.tag != "mspace"), None)
     if element.text in ("|", "/"):
         element.attrib.update({"lspace": "0.05em", "rspace": "0.05em"})
-    elif element.text in "+\u2212" and before is not None and before.tag == "mo" and before.text not in CLOSING:
+    elif (
+        element.text in "+\u2212"
+        and before is not None
+        and before.tag == "mo"
+        and before.text not in CLOSING
+    ):
         element.set("form", "prefix")
-    elif element.tag in ("mi", "mo") and element.text.isalnum() and len(element.text) > 1:  # sin, clip
+    elif (
+        element.tag in ("mi", "mo") and element.text.isalnum() and len(element.text) > 1
+    ):  # sin, clip
         element.tag = "mi"
         after = parent[place + 1] if place + 1 < len(parent) else None
-        if parent.tag in ("mrow", "mtd") and after is not None and html.unescape(after.text or "") not in ("(", ")"):
+        if (
+            parent.tag in ("mrow", "mtd")
+            and after is not None
+            and html.unescape(after.text or "") not in ("(", ")")
+        ):
             parent.insert(place + 1, Element("mspace", {"width": "0.17em"}))
 
 

@@ -1,7 +1,7 @@
 """The distributions beside laticauda, as installed: only their entry points say that they are there.
 
-An installer needs the index; so their metadata are written here, from their pyproject.toml. The shapes that they state
-are checked, as those of laticauda.
+An installer needs the index; so their metadata are written here, from their pyproject.toml. The
+shapes that they state are checked, as those of laticauda.
 """
 
 import sys
@@ -23,9 +23,14 @@ def write_metadata(folder: Path, place: Path) -> None:
     project = tomllib.loads((folder / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     info = place / f"{project['name'].replace('-', '_')}-{project['version']}.dist-info"
     info.mkdir()
-    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n")
+    (info / "METADATA").write_text(
+        f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n"
+    )
     groups = project.get("entry-points", {}).items()
-    lines = [f"[{group}]\n" + "".join(f"{name} = {at}\n" for name, at in points.items()) for group, points in groups]
+    lines = [
+        f"[{group}]\n" + "".join(f"{name} = {at}\n" for name, at in points.items())
+        for group, points in groups
+    ]
     (info / "entry_points.txt").write_text("".join(lines))
 
 

@@ -5,7 +5,14 @@ import math
 import laticauda as lc
 from laticauda import lab
 from laticauda.operate.session import operate
-from laticauda.operate.settings import Acceptance, Calibration, CaptureVolume, Connection, Limits, Operation
+from laticauda.operate.settings import (
+    Acceptance,
+    Calibration,
+    CaptureVolume,
+    Connection,
+    Limits,
+    Operation,
+)
 
 # A computer that is busy with other tests is late; that is not what is tested here.
 PATIENT = Limits(
@@ -34,7 +41,8 @@ def swum(served: lab.Lab, folder, *, bus: str = "", mocap: str = "", **more):
             connection=here.at(**{"bus": bus} if bus else {}, **{"mocap": mocap} if mocap else {}),
             calibration=Calibration(joint_zeros=True, idle_time=0.2, still_time=0.5),
             limits=PATIENT,
-            # It is still for a moment only, and on a busy computer devices answer late, at 20 Hz by many degrees.
+            # It is still for a moment only, and on a busy computer devices answer late, at 20 Hz by
+            # many degrees.
             acceptance=Acceptance(water_speed=0.1, pose_age=2.0, angle_jump=math.radians(10.0)),
             **more,
         )

@@ -22,7 +22,9 @@ def random_robot(rng, n_links, *, fin=False, thrusters=0):
         Module(
             length=rng.uniform(0.05, 0.3),
             mass=rng.uniform(0.3, 2.0),
-            section=Section(half_height=rng.uniform(0.03, 0.08), half_width=rng.uniform(0.02, 0.07)),
+            section=Section(
+                half_height=rng.uniform(0.03, 0.08), half_width=rng.uniform(0.02, 0.07)
+            ),
             normal_drag=rng.uniform(0.5, 2.0) if rng.random() < 0.3 else None,
         )
         for _ in range(n_links)
@@ -85,7 +87,9 @@ class State:
 
 
 def random_state(rng, n_links, fast=3.0):
-    return State(rng.uniform(-3, 3, n_links), rng.uniform(-fast, fast, n_links), rng.uniform(-0.5, 0.5, 2))
+    return State(
+        rng.uniform(-3, 3, n_links), rng.uniform(-fast, fast, n_links), rng.uniform(-0.5, 0.5, 2)
+    )
 
 
 @cache
@@ -107,7 +111,9 @@ def oracle(robot, water):
         opening = robot.caudal_fin.length - 2.0 * fin_half.sum()
         if opening > 1e-9:
             fin_half = np.append(fin_half, opening / 2.0)
-            fin_mass = np.append(fin_mass, robot.caudal_fin.mass * opening / robot.caudal_fin.length)
+            fin_mass = np.append(
+                fin_mass, robot.caudal_fin.mass * opening / robot.caudal_fin.length
+            )
             fin = {name: np.append(values, 0.0) for name, values in fin.items()}
         n_fin = len(fin_half)
         half, mass = np.append(fin_half, half), np.append(fin_mass, mass)
@@ -116,12 +122,16 @@ def oracle(robot, water):
     chain = equations.Chain(half_length=half, mass=mass, inertia=inertia, **columns)
     last = robot.caudal_fin or robot.modules[0]
     C_A = water.added_mass if last.added_mass is None else last.added_mass
-    height = robot.caudal_fin.height / 2.0 if robot.caudal_fin else robot.modules[0].section.half_height
+    height = (
+        robot.caudal_fin.height / 2.0 if robot.caudal_fin else robot.modules[0].section.half_height
+    )
     options = equations.Options(
         form=water.added_mass_form,
         drag=water.drag,
         current=np.array(water.current),
-        wake_mass=water.density * np.pi * C_A * height**2 if water.trailing_edge == "elongated" else 0.0,
+        wake_mass=water.density * np.pi * C_A * height**2
+        if water.trailing_edge == "elongated"
+        else 0.0,
     )
     return chain, options, n_fin
 
@@ -140,7 +150,9 @@ def effectors(robot, theta, n_fin):
 def fill(a: Layout, state: State):
     """Rows with a body state set; fin links follow the tail."""
     S = a.template.copy()
-    body = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(-1, rows.BODY_ROWS)
+    body = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(
+        -1, rows.BODY_ROWS
+    )
     body[a.tail_link + 1 :, rows.ANGLE] = np.diff(state.theta)
     body[a.tail_link + 1 :, rows.RATE] = np.diff(state.rate)
     S[rows.HEADING], S[rows.HEADING_RATE] = state.theta.mean(), state.rate.mean()
@@ -156,7 +168,11 @@ class CutFin(CaudalFin):
     @property
     def pieces(self):
         (whole,) = super().pieces
-        ends = [0.0, *(edge for edge in self.edges if 1e-9 < edge < self.length - 1e-9), self.length]
+        ends = [
+            0.0,
+            *(edge for edge in self.edges if 1e-9 < edge < self.length - 1e-9),
+            self.length,
+        ]
         return tuple(
             replace(whole, begin=begin, end=end, mass=whole.mass * (end - begin) / self.length)
             for begin, end in pairwise(ends)
@@ -174,7 +190,9 @@ def laid_out(robot, water, fin_as_links):
     return layout(robot, water, coefficients=coefficients)
 
 
-def recursion(robot, water, state, *, joint_acceleration=None, joint_torque=None, fin_as_links=False):
+def recursion(
+    robot, water, state, *, joint_acceleration=None, joint_torque=None, fin_as_links=False
+):
     """Accelerations by the kernel: theta'' of the body's links, p'', joint accelerations, joint torques."""
     a = laid_out(robot, water, fin_as_links)
     S, body = fill(a, state)

@@ -22,7 +22,9 @@ def changed(base: str | None) -> list[Path]:
     """Files that differ from a commit, new ones too, that are still there."""
     base = base or next(iter(git("rev-parse", "--abbrev-ref", "@{upstream}")), "HEAD")
     names = {*git("diff", "--name-only", base), *git("ls-files", "--others", "--exclude-standard")}
-    return sorted(path for path in map(Path, names) if path.suffix == ".py" and (ROOT / path).exists())
+    return sorted(
+        path for path in map(Path, names) if path.suffix == ".py" and (ROOT / path).exists()
+    )
 
 
 def tests_of(paths: list[Path]) -> list[Path]:

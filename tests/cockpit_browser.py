@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-# Nobody has a graphics card here: Mesa draws some five pictures a second, Chromium's own software two.
+# Nobody has a graphics card here: Mesa draws some five pictures a second, Chromium's own software
+# two.
 DRAWN_BY = "gl-egl" if ctypes.util.find_library("EGL_mesa") else "swiftshader"
 FLAGS = (
     "--no-sandbox",
@@ -25,7 +26,9 @@ SIZE = {"width": 1024, "height": 640}
 SMALL = {"width": 640, "height": 400}
 PHONE = {"width": 390, "height": 844}
 PANEL = 400  # width of what the panel hides on the right [px]
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+CHROMIUM = (
+    shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+)
 
 
 def need_chromium():
@@ -64,7 +67,9 @@ def open_page(found, address, size=SIZE):
 
 def close_notes(page):
     """Away with the notes in the corner."""
-    page.evaluate("document.querySelectorAll('.mantine-Notification-root button').forEach(it => it.click())")
+    page.evaluate(
+        "document.querySelectorAll('.mantine-Notification-root button').forEach(it => it.click())"
+    )
 
 
 def until(condition, patience=40.0):
@@ -92,7 +97,9 @@ def height(page, text):
 
 def field(page, label):
     """The field of a control."""
-    return page.get_by_text(label, exact=True).locator("xpath=following::input[not(@type='hidden')][1]")
+    return page.get_by_text(label, exact=True).locator(
+        "xpath=following::input[not(@type='hidden')][1]"
+    )
 
 
 def choose(page, label, wanted):
@@ -104,10 +111,13 @@ def choose(page, label, wanted):
 def drag(page, slider, share):
     """Take hold of a slider and let it go at this share of its length.
 
-    Not with the arrow keys: viser's page turns the camera with them, too, if a picture is drawn while they are down.
+    Not with the arrow keys: viser's page turns the camera with them, too, if a picture is drawn
+    while they are down.
     """
     thumb = slider.bounding_box()
-    track = slider.locator("xpath=ancestor::*[contains(@class, 'mantine-Slider-root')]").bounding_box()
+    track = slider.locator(
+        "xpath=ancestor::*[contains(@class, 'mantine-Slider-root')]"
+    ).bounding_box()
     height = thumb["y"] + 0.5 * thumb["height"]
     page.mouse.move(thumb["x"] + 0.5 * thumb["width"], height)
     page.mouse.down()

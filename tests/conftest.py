@@ -1,6 +1,7 @@
 """Set-up of all tests: shapes are checked at run time, and nothing is drawn on a screen.
 
-Every module whose functions state array shapes is loaded through jaxtyping's hook, see `typechecker.check_shapes`.
+Every module whose functions state array shapes is loaded through jaxtyping's hook, see
+`typechecker.check_shapes`.
 """
 
 import os
@@ -14,12 +15,15 @@ from typechecker import check_shapes, next_test
 
 SOURCES = Path(__file__).parent.parent / "src"
 
-# Python keeps what it compiles, also of the programs that tests start, whatever the shell says: it is half their time.
+# Python keeps what it compiles, also of the programs that tests start, whatever the shell says: it
+# is half their time.
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 os.environ["MPLBACKEND"] = "Agg"
 os.environ["NUMBA_NRT_STATS"] = "1"  # lets a test count the allocations of compiled code
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell starts its background jobs, and theirs, deaf to Ctrl-C
+if (
+    signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+):  # a shell starts its background jobs, and theirs, deaf to Ctrl-C
     signal.signal(signal.SIGINT, signal.default_int_handler)
 settings.register_profile("laticauda", deadline=None, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("laticauda")

@@ -6,7 +6,9 @@ from typing import Any
 
 
 class Client:
-    def __init__(self, port: int, timeout: float = 120.0) -> None:  # kernels may have to be compiled first
+    def __init__(
+        self, port: int, timeout: float = 120.0
+    ) -> None:  # kernels may have to be compiled first
         self.wire = socket.create_connection(("127.0.0.1", port), timeout=timeout)
         self.stream = self.wire.makefile("rwb")
 

@@ -15,11 +15,15 @@ def by_complex_step(law: Law, arguments: Sequence[float], which: int) -> np.ndar
     return np.imag(np.atleast_1d(np.array(law(*moved)))) / step
 
 
-def by_differences(law: Law, arguments: Sequence[float], which: int, step: float = 1e-4) -> np.ndarray:
+def by_differences(
+    law: Law, arguments: Sequence[float], which: int, step: float = 1e-4
+) -> np.ndarray:
     """The same by central differences of order four."""
 
     def at(offset: float) -> np.ndarray:
-        return np.atleast_1d(np.array(law(*(a + offset * (i == which) for i, a in enumerate(arguments)))))
+        return np.atleast_1d(
+            np.array(law(*(a + offset * (i == which) for i, a in enumerate(arguments))))
+        )
 
     return (8.0 * (at(step) - at(-step)) - at(2.0 * step) + at(-2.0 * step)) / (12.0 * step)
 
@@ -32,7 +36,9 @@ def check_complex_steps(law: Law, arguments: Sequence[float]) -> None:
     for which in range(len(arguments)):
         expected = by_differences(law, arguments, which)
         scale = 1.0 + np.abs(expected).max() + np.abs(value).max()
-        np.testing.assert_allclose(by_complex_step(law, arguments, which), expected, atol=1e-7 * scale)
+        np.testing.assert_allclose(
+            by_complex_step(law, arguments, which), expected, atol=1e-7 * scale
+        )
 
 
 def check_compiled(law: Law, arguments: Sequence[float]) -> None:
@@ -42,4 +48,6 @@ def check_compiled(law: Law, arguments: Sequence[float]) -> None:
     fast = for_python(compiled(law))
     for kind in (float, complex):
         numbers = [kind(a) for a in arguments]
-        np.testing.assert_allclose(np.array(fast(*numbers)), np.array(law(*numbers)), rtol=1e-13, atol=1e-15)
+        np.testing.assert_allclose(
+            np.array(fast(*numbers)), np.array(law(*numbers)), rtol=1e-13, atol=1e-15
+        )

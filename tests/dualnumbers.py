@@ -39,7 +39,10 @@ class Dual:
 
     def __truediv__(self, other):
         other = dual(other)
-        return Dual(self.real / other.real, (self.slope * other.real - self.real * other.slope) / other.real**2)
+        return Dual(
+            self.real / other.real,
+            (self.slope * other.real - self.real * other.slope) / other.real**2,
+        )
 
     def __rtruediv__(self, other):
         return dual(other) / self
@@ -48,7 +51,10 @@ class Dual:
         return Dual(-self.real, -self.slope)
 
     def __pow__(self, exponent):
-        return Dual(self.real**exponent, exponent * self.real ** (exponent - 1) * self.slope if self.real else 0.0)
+        return Dual(
+            self.real**exponent,
+            exponent * self.real ** (exponent - 1) * self.slope if self.real else 0.0,
+        )
 
     __radd__, __rmul__ = __add__, __mul__
 
@@ -84,7 +90,9 @@ def _by_numbers(formula, record, n_first):
 
 def _driven(code, motion, drive, numbers):
     """The built-in joint laws."""
-    law = {joint_laws.PD_DRIVEN: joint_laws.PD(), joint_laws.SERVO_DRIVEN: joint_laws.Servo()}.get(code)
+    law = {joint_laws.PD_DRIVEN: joint_laws.PD(), joint_laws.SERVO_DRIVEN: joint_laws.Servo()}.get(
+        code
+    )
     return (0.0, 0.0, 0.0) if law is None else law(*motion, joint_laws.Drive(*drive))
 
 
@@ -120,7 +128,12 @@ def python_kernels(law=None):
         **{name: value for name, value in vars(stages).items() if name.isupper()},
         "lane_types": SimpleNamespace(rows_of=lambda width: same),
     }
-    names = {"WIDTH": 1, "joint_law": None, "flow": (), "law": (law or laws.PolynomialDrag()).formula}
+    names = {
+        "WIDTH": 1,
+        "joint_law": None,
+        "flow": (),
+        "law": (law or laws.PolynomialDrag()).formula,
+    }
     for template in ("loads", "recursion", "drives", "stepping"):
         source = (PLANAR / f"{template}.py").read_text(encoding="utf-8")
         source = re.sub(r"^(from|import) .*$", "", source, flags=re.MULTILINE)

@@ -38,7 +38,9 @@ class Firefox:
 
     def open(self, address: str) -> None:
         """Go there, and wait until all is loaded."""
-        self._ask("browsingContext.navigate", context=self._page, url="about:blank", wait="complete")
+        self._ask(
+            "browsingContext.navigate", context=self._page, url="about:blank", wait="complete"
+        )
         self._ask("browsingContext.navigate", context=self._page, url=address, wait="complete")
 
     def evaluate(self, expression: str) -> Any:
@@ -51,12 +53,21 @@ class Firefox:
 
     def screenshot(self, path: Path) -> None:
         """Take a picture of what is seen."""
-        path.write_bytes(base64.b64decode(self._ask("browsingContext.captureScreenshot", context=self._page)["data"]))
+        path.write_bytes(
+            base64.b64decode(
+                self._ask("browsingContext.captureScreenshot", context=self._page)["data"]
+            )
+        )
 
     def drag(self, begin: tuple[float, float], end: tuple[float, float]) -> None:
         """Press at a place, and let go at another [px]."""
         moves = [{"type": "pointerMove", "x": round(x), "y": round(y)} for x, y in (begin, end)]
-        actions = [moves[0], {"type": "pointerDown", "button": 0}, moves[1], {"type": "pointerUp", "button": 0}]
+        actions = [
+            moves[0],
+            {"type": "pointerDown", "button": 0},
+            moves[1],
+            {"type": "pointerUp", "button": 0},
+        ]
         mouse = {"type": "pointer", "id": "mouse", "actions": actions}
         self._ask("input.performActions", context=self._page, actions=[mouse])
 
@@ -68,7 +79,15 @@ def firefox() -> Iterator[Firefox]:
 
     assert FIREFOX is not None
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
-        words = [FIREFOX, "--headless", "--no-remote", "--profile", profile, "--remote-debugging-port", "0"]
+        words = [
+            FIREFOX,
+            "--headless",
+            "--no-remote",
+            "--profile",
+            profile,
+            "--remote-debugging-port",
+            "0",
+        ]
         process = subprocess.Popen(
             [*words, "about:blank"], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True
         )

@@ -25,7 +25,8 @@ def check_derivatives(flow, x, y, z, t, tolerance=2e-5):
 class Moving(Flow):
     """Waves of deep water along x, in water that moves with v_x + shear y + gain t, v_y + swing x + veer z.
 
-    One for all tests of robots in water whose motion is known: its kernels take seconds, and are compiled once.
+    One for all tests of robots in water whose motion is known: its kernels take seconds, and are
+    compiled once.
     """
 
     v_x: float = quantity("m/s", "velocity", default=0.0)
@@ -43,6 +44,10 @@ class Moving(Flow):
         size, theta = a * omega * np.exp(k * z), k * x - omega * t
         c, s = size * np.cos(theta), size * np.sin(theta)
         o = 0.0 * c
-        velocity = (self.v_x + self.shear * y + self.gain * t + c, self.v_y + self.swing * x + self.veer * z, s)
+        velocity = (
+            self.v_x + self.shear * y + self.gain * t + c,
+            self.v_y + self.swing * x + self.veer * z,
+            s,
+        )
         slopes = (-k * s, self.shear + o, k * c, self.swing + o, o, self.veer + o, k * c, o, k * s)
         return (*velocity, self.gain + omega * s, o, -omega * c, *slopes, a * np.cos(theta))

@@ -1,9 +1,9 @@
 """Machine code that other clones have compiled: `fetch` it before tests, `keep` it after them.
 
-Kernels are named by digests of all that they are made of, and Numba 0.68 compares the content of the source file (older
-ones its date, and compile), so what does not fit is not used. An index and its data belong together: both are taken, or
-neither. The files are hard links where they can be, which is safe because Numba replaces them and never writes into
-them.
+Kernels are named by digests of all that they are made of, and Numba 0.68 compares the content of
+the source file (older ones its date, and compile), so what does not fit is not used. An index and
+its data belong together: both are taken, or neither. The files are hard links where they can be,
+which is safe because Numba replaces them and never writes into them.
 """
 
 import os
@@ -39,7 +39,11 @@ def keep(folder: Path = SOURCES, store: Path = STORE) -> int:
 def _take(source: Path, to: Path) -> int:
     STORE.mkdir(parents=True, exist_ok=True)
     with locked(STORE / "lock", wait=True):
-        new = [one for one in source.rglob("__pycache__/*.nbi") if not (to / one.relative_to(source)).exists()]
+        new = [
+            one
+            for one in source.rglob("__pycache__/*.nbi")
+            if not (to / one.relative_to(source)).exists()
+        ]
         for index in new:
             for one in [*_data_of(index), index]:
                 _link(one, to / one.relative_to(source))

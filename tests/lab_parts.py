@@ -18,7 +18,9 @@ EXACT = LabSettings(
         startup_time=0.1,
         calibration_time=0.1,
     ),
-    mocap=MocapSettings(position_noise=0.0, rotation_noise=0.0, drop_share=0.0, lost_share=0.0, reflection_share=0.0),
+    mocap=MocapSettings(
+        position_noise=0.0, rotation_noise=0.0, drop_share=0.0, lost_share=0.0, reflection_share=0.0
+    ),
 )
 
 
@@ -64,5 +66,7 @@ class Operator:
 def make_tank(settings=EXACT, model="planar", faults=()):
     robot = load_robot("mamba-modules")
     return Tank(
-        VirtualRobot(robot, plant(robot, load_water("paper-lateral"), model=model, joints="servo")), settings, faults
+        VirtualRobot(robot, plant(robot, load_water("paper-lateral"), model=model, joints="servo")),
+        settings,
+        faults,
     )

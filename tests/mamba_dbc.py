@@ -10,7 +10,14 @@ from laticauda.protocol.can import LAYOUTS, NOT_AVAILABLE, NUMBERS
 
 FILE = Path(protocol.__file__).with_name("mamba.dbc")
 OPERATOR = "Operator"
-CYCLE = {"References": 10, "Sync": 10, "JointState": 10, "Loads": 50, "Acceleration": 50, "Heartbeat": 100}
+CYCLE = {
+    "References": 10,
+    "Sync": 10,
+    "JointState": 10,
+    "Loads": 50,
+    "Acceleration": 50,
+    "Heartbeat": 100,
+}
 """Usual time between two frames; what is not there comes when it is needed [ms]."""
 
 
@@ -24,17 +31,24 @@ def dbc_text() -> str:
     times = ['BA_DEF_ BO_ "GenMsgCycleTime" INT 0 65535;', 'BA_DEF_DEF_ "GenMsgCycleTime" 0;']
     values: list[str] = []
     for layout, number in ((one, number) for one in LAYOUTS for number in one.numbers):
-        identifier, suffix = layout.identifier + number, {"": "", "node": f"{number:02d}", "group": str(number)}
+        identifier, suffix = (
+            layout.identifier + number,
+            {"": "", "node": f"{number:02d}", "group": str(number)},
+        )
         sender, hears = OPERATOR, ",".join(nodes)
         if layout.number == "node":
             sender, hears = nodes[number - 1], OPERATOR
-        lines.append(f"BO_ {identifier} {layout.kind.__name__}{suffix[layout.number]}: {layout.length} {sender}")
+        lines.append(
+            f"BO_ {identifier} {layout.kind.__name__}{suffix[layout.number]}: {layout.length} {sender}"
+        )
         remarks.append(f'CM_ BO_ {identifier} "{layout.says}";')
         if layout.kind.__name__ in CYCLE:
             times.append(f'BA_ "GenMsgCycleTime" BO_ {identifier} {CYCLE[layout.kind.__name__]};')
         for name, kind, how, _, start, low, _, is_word in layout.signals:
             sign = "-" if how.signed else "+"
-            lines.append(f' SG_ {name} : {start}|{how.bits}@1{sign} ({how.scale},0) [0|0] "{how.unit}" {hears}')
+            lines.append(
+                f' SG_ {name} : {start}|{how.bits}@1{sign} ({how.scale},0) [0|0] "{how.unit}" {hears}'
+            )
             if how.says:
                 remarks.append(f'CM_ SG_ {identifier} {name} "{how.says}";')
             if is_word and kind is not bool:

@@ -111,7 +111,10 @@ def page() -> str:
 def rules() -> list[str]:
     """The table of the events."""
     supervisor, of_event = Supervisor(), limits_of()
-    found = ["| event | what happened | limits | action | limp within | then |", "|---|---|---|---|---|---|"]
+    found = [
+        "| event | what happened | limits | action | limp within | then |",
+        "|---|---|---|---|---|---|",
+    ]
     for rule in RULES:
         action = WORDS.get(rule.action, rule.action.replace("_", " "))
         within = supervisor.within(rule.action)

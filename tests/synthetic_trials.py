@@ -13,7 +13,9 @@ from laticauda.scenarios import Experiment
 from laticauda.trial import Trial
 
 PERIOD = 2.5
-USUAL_GAIT = Gait(amplitude=math.radians(30.0), frequency=2.0 * math.pi / PERIOD, phase_shift=math.radians(40.0))
+USUAL_GAIT = Gait(
+    amplitude=math.radians(30.0), frequency=2.0 * math.pi / PERIOD, phase_shift=math.radians(40.0)
+)
 
 
 def synthetic_trial(
@@ -35,7 +37,8 @@ def synthetic_trial(
 ) -> Trial:
     """A run at constant speed along a circle (`turning_rate` [rad/s]) or a line, with a gait of 2.5 s.
 
-    The heading is the course plus a ripple of the gait's period; the joints do work of 3 W absolute, 1 W net.
+    The heading is the course plus a ripple of the gait's period; the joints do work of 3 W
+    absolute, 1 W net.
     """
     robot = robot or load_robot("mamba")
     side = -1.0 if mirrored else 1.0
@@ -56,7 +59,9 @@ def synthetic_trial(
     bend_rate = omega * np.cos(omega * time[:, np.newaxis] + wave)
     link_angle = direction + angle[:, np.newaxis] + side * ripple * bend
     link_rate = side * (turning_rate + ripple * bend_rate)
-    rotation = np.array([[math.cos(direction), -math.sin(direction)], [math.sin(direction), math.cos(direction)]])
+    rotation = np.array(
+        [[math.cos(direction), -math.sin(direction)], [math.sin(direction), math.cos(direction)]]
+    )
     height = np.zeros((time.size, n_axes - 2))
     given = {
         "time": time,
@@ -93,7 +98,8 @@ def full_trial() -> Trial:
     robot = Robot(
         name="odd one",
         description='two "quoted" words, a \\ and an é',
-        modules=(Module(length=0.1, mass=0.3, section=Section(half_height=0.05, half_width=0.04)),) * 4,
+        modules=(Module(length=0.1, mass=0.3, section=Section(half_height=0.05, half_width=0.04)),)
+        * 4,
         joints=load_robot("mamba").joints[:3],
         caudal_fin=load_robot("mamba-fin").caudal_fin,
     )
@@ -103,13 +109,25 @@ def full_trial() -> Trial:
     return synthetic_trial(
         duration=1.0,
         robot=robot,
-        gait=Gait(amplitude=0.3, frequency=2.0, phase_shift=0.1, envelope=Custom(values=(0.1, 1 / 3, 1e-300))),
+        gait=Gait(
+            amplitude=0.3,
+            frequency=2.0,
+            phase_shift=0.1,
+            envelope=Custom(values=(0.1, 1 / 3, 1e-300)),
+        ),
         environment=load_water("paper-eel"),
         joint_torque=rng.normal(size=(n, 3)),
         electrical_work=np.cumsum(rng.random(n)),
         link_force={"drag": rng.normal(size=(n, 4, 2)), "effector": -np.zeros((n, 4, 2))},
         signals={"offset": rng.normal(size=n), "of_ones_own": -np.zeros(n)},
-        notes={"model": "planar", "dt": 0.02, "bandwidth": math.inf, "steps": 3, "throw": False, "seed": None},
+        notes={
+            "model": "planar",
+            "dt": 0.02,
+            "bandwidth": math.inf,
+            "steps": 3,
+            "throw": False,
+            "seed": None,
+        },
         created="2026-01-02T03:04:05+00:00",
         status="The joints jumped at 0.5 s. Try a smaller gain: ½ of it.",
         succeeded=False,

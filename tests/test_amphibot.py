@@ -18,9 +18,14 @@ def trial():
 @pytest.mark.parametrize("name", list(amphibot.SPANS))
 def test_the_cameras_tell_the_speeds_that_the_predictions_are_held_against(name):
     begin, end, speed = amphibot.SPANS[name]
-    seen, kind = amphibot.track(), amphibot.steady if name.startswith("swim") else amphibot.along_body
+    seen, kind = (
+        amphibot.track(),
+        amphibot.steady if name.startswith("swim") else amphibot.along_body,
+    )
     places = seen.place.mean(axis=1) if name.startswith("swim") else seen.place
-    assert kind(seen.time, places, begin, end) == pytest.approx(speed, abs=0.01 if name.startswith("swim") else 0.02)
+    assert kind(seen.time, places, begin, end) == pytest.approx(
+        speed, abs=0.01 if name.startswith("swim") else 0.02
+    )
 
 
 def test_the_textbook_predicts_swims_glides_and_the_start(trial):
@@ -34,12 +39,18 @@ KINDS = {"swim": "swimming", "glide": "gliding", "start": "starting"}
 
 
 def test_what_was_measured_lies_in_the_stated_interval(trial):
-    found, of_coefficients, real = amphibot.figures(trial), spread(trial, figures=amphibot.figures), amphibot.measured()
+    found, of_coefficients, real = (
+        amphibot.figures(trial),
+        spread(trial, figures=amphibot.figures),
+        amphibot.measured(),
+    )
     for name, interval in of_coefficients.items():
         low, high = stated(interval, KINDS[name.split()[0]])
         assert low < real[name] < high
         if name.startswith("swim"):
-            assert interval[0] < real[name] < interval[1]  # even without what the model itself has missed
+            assert (
+                interval[0] < real[name] < interval[1]
+            )  # even without what the model itself has missed
             assert (high - low) / 2.0 < 0.25 * found[name]
 
 
@@ -50,7 +61,10 @@ def test_the_leds_stay_near_those_that_were_seen(trial):
 
 
 def test_the_water_of_the_paper_does_not(trial):
-    found, real = amphibot.figures(amphibot.swum(amphibot.lc.load_water("paper-lateral"))), amphibot.measured()
+    found, real = (
+        amphibot.figures(amphibot.swum(amphibot.lc.load_water("paper-lateral"))),
+        amphibot.measured(),
+    )
     assert found["swim 1"] < 0.5 * real["swim 1"]
     assert found["glide 1"] < 0.1 * real["glide 1"]
 

@@ -24,7 +24,11 @@ from laticauda.arguments import explained, misfit
         (Callable[[float], None], [print], [3]),
         (
             lc.Controller[Any],
-            [lc.OpenLoop(command=lc.Command(gait=lc.Gait(amplitude=0.5, frequency=2.0, phase_shift=0.7)))],
+            [
+                lc.OpenLoop(
+                    command=lc.Command(gait=lc.Gait(amplitude=0.5, frequency=2.0, phase_shift=0.7))
+                )
+            ],
             [lc.Start()],
         ),
         (dict[str, float], [{}], [[]]),
@@ -46,7 +50,9 @@ def _doubled(numbers: Sequence[float], *, name: str = "", **further: int) -> lis
 def test_a_call_says_which_argument_is_of_the_wrong_type():
     doubled = explained(_doubled, __name__)
     assert doubled([1.0], further=3) == [2.0]
-    with pytest.raises(ValueError, match=r"`numbers` must be of class Sequence\[float\], got int\."):
+    with pytest.raises(
+        ValueError, match=r"`numbers` must be of class Sequence\[float\], got int\."
+    ):
         doubled(3)
     with pytest.raises(ValueError, match=r"`numbers\[1\]` must be of class float, got str\."):
         doubled([1.0, "x"])
@@ -62,9 +68,13 @@ def test_what_python_says_well_and_faults_of_our_own_stay_what_they_are():
 
 def test_public_functions_and_classes_are_explained_once_and_found_by_pickle():
     assert pickle.loads(pickle.dumps(lc.swim)) is lc.swim
-    assert not hasattr(lc.swim.__wrapped__, "__wrapped__") or "explained" not in vars(lc.swim.__wrapped__)
+    assert not hasattr(lc.swim.__wrapped__, "__wrapped__") or "explained" not in vars(
+        lc.swim.__wrapped__
+    )
     assert packaging.explained(lc.swim, "elsewhere") is lc.swim
-    with pytest.raises(ValueError, match=r"`schedule` must be of class Iterable\[Fault\], got int\."):
+    with pytest.raises(
+        ValueError, match=r"`schedule` must be of class Iterable\[Fault\], got int\."
+    ):
         lab.Faults(3)
     with pytest.raises(ValueError, match=r"`scenario` must be of class Scenario, got int\."):
         lc.save_scenario(3, "x.toml")

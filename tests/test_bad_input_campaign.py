@@ -17,4 +17,6 @@ def test_a_traceback_would_be_found():
 
     case = bad_input.Case("calls", "", bad_input.call(crash, {"words": 1}, "words"))
     assert "AttributeError" in bad_input.tried(case)
-    assert bad_input.shell("swim", "--fin-amplitude-deg", "-1", names=("--no-such-name",))().startswith("names nothing")
+    assert bad_input.shell(
+        "swim", "--fin-amplitude-deg", "-1", names=("--no-such-name",)
+    )().startswith("names nothing")

@@ -70,7 +70,10 @@ class Machine:
 
 positive = st.floats(1e-9, 1e6)
 joints = st.builds(
-    Joint, axis=st.sampled_from(["yaw", "pitch"]), limit=st.floats(1e-3, math.pi), rate=st.sampled_from([0.0, 0.1, 2.0])
+    Joint,
+    axis=st.sampled_from(["yaw", "pitch"]),
+    limit=st.floats(1e-3, math.pi),
+    rate=st.sampled_from([0.0, 0.1, 2.0]),
 )
 machines = st.builds(
     Machine,
@@ -98,11 +101,15 @@ def test_a_member_that_may_be_absent_says_its_kind():
 
 def test_what_is_no_member_says_no_kind_where_a_member_might_be():
     scenario_motion = Gait | Controller[object]
-    assert "kind" not in encode(lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7), scenario_motion)
+    assert "kind" not in encode(
+        lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7), scenario_motion
+    )
 
 
 def test_a_table_says_no_more_than_it_has_to():
-    machine = Machine(name="m", joints=(Joint(), Joint(axis="pitch")) * 2, spring=Slack(), shape=Square(side=2.0))
+    machine = Machine(
+        name="m", joints=(Joint(), Joint(axis="pitch")) * 2, spring=Slack(), shape=Square(side=2.0)
+    )
     assert encode(machine) == {
         "name": "m",
         "mass": 1.0,
@@ -131,7 +138,11 @@ def test_a_kind_can_be_said_in_several_ways(table, spring):
     ("table", "key", "rule"),
     [
         ({"nam": 1}, "nam", "is not known; did you mean `name`?"),
-        ({"xyz": 1}, "xyz", "is not known; the keys here are name, mass, spring, shape, joints, first, corners"),
+        (
+            {"xyz": 1},
+            "xyz",
+            "is not known; the keys here are name, mass, spring, shape, joints, first, corners",
+        ),
         ({"name": None, "joints": 3}, "joints", "must be a list of tables, got 3"),
         ({"joints": [3]}, "joints[0]", "must be a table, got 3"),
         ({"mass": -1}, "mass", "must be > 0 kg, got -1"),
@@ -148,17 +159,37 @@ def test_a_kind_can_be_said_in_several_ways(table, spring):
             "must be between 0 and 180 deg, got 400",
         ),
         ({"first": {"rate_deg_s": "x"}}, "first.rate_deg_s", "must be a number in deg/s, got 'x'"),
-        ({"joints": [{"count": 0}]}, "joints[0].count", "must be a whole number from 1 to 1000, got 0"),
-        ({"joints": [{"axis": []}]}, "joints[0].count", "must be a whole number from 1 to 1000, got 0"),
+        (
+            {"joints": [{"count": 0}]},
+            "joints[0].count",
+            "must be a whole number from 1 to 1000, got 0",
+        ),
+        (
+            {"joints": [{"axis": []}]},
+            "joints[0].count",
+            "must be a whole number from 1 to 1000, got 0",
+        ),
         (
             {"joints": [{"axis": [], "count": 1}]},
             "joints[0].axis",
             "must be a text or a list of 1 to `count` = 1 texts, got 0",
         ),
-        ({"joints": [{"axis": "roll"}]}, "joints[0].axis", "must be one of `yaw`, `pitch`, got 'roll'"),
-        ({"spring": "steal"}, "spring.kind", "must be one of `steel`, `slack`, got 'steal'; did you mean `steel`?"),
+        (
+            {"joints": [{"axis": "roll"}]},
+            "joints[0].axis",
+            "must be one of `yaw`, `pitch`, got 'roll'",
+        ),
+        (
+            {"spring": "steal"},
+            "spring.kind",
+            "must be one of `steel`, `slack`, got 'steal'; did you mean `steel`?",
+        ),
         ({"spring": {"kind": 3}}, "spring.kind", "must be one of `steel`, `slack`, got '3'"),
-        ({"spring": {"kind": "slack", "stiffness": 1}}, "spring.stiffness", "is not known; the keys here are "),
+        (
+            {"spring": {"kind": "slack", "stiffness": 1}},
+            "spring.stiffness",
+            "is not known; the keys here are ",
+        ),
         ({"shape": {"side": 1}}, "shape.kind", "must be one of `round`, `square`, got None"),
         ({"shape": {"kind": "round", "radius": 0}}, "shape.radius", "must be > 0 m, got 0"),
         ({"corners": [[0, 0], [1]]}, "corners[1]", "must be two numbers in m, got 1 of them"),
@@ -172,7 +203,9 @@ def test_what_is_wrong_is_said_of_its_key(table, key, rule):
 
 def test_a_missing_key_and_the_file_are_named():
     with (
-        pytest.raises(RobotFileError, match=r"^m\.toml: key `name`: is missing; every Machine needs it$"),
+        pytest.raises(
+            RobotFileError, match=r"^m\.toml: key `name`: is missing; every Machine needs it$"
+        ),
         keys_of("m.toml", RobotFileError),
     ):
         decode(Machine, {})
@@ -180,6 +213,10 @@ def test_a_missing_key_and_the_file_are_named():
 
 def test_what_differs_is_put_over_a_table():
     common = {"a": 1, "law": {"kind": "x", "k": 1}, "list": [1]}
-    assert merged(common, {"law": {"k": 2}, "list": [2]}) == {"a": 1, "law": {"kind": "x", "k": 2}, "list": [2]}
+    assert merged(common, {"law": {"k": 2}, "list": [2]}) == {
+        "a": 1,
+        "law": {"kind": "x", "k": 2},
+        "list": [2],
+    }
     assert merged(common, {"law": {"kind": "y"}})["law"] == {"kind": "y", "k": 1}
     assert common["law"] == {"kind": "x", "k": 1}

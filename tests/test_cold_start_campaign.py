@@ -10,5 +10,9 @@ def test_the_first_swim_costs_little_more_than_any_other_and_runs_where_little_c
     assert all(float(kept[case]) <= limit for case, limit in cold_start.LIMITS.items())
     assert kept["no home"] == kept["may write nowhere"] == cold_start.WORKS
     assert kept["from an archive"] == cold_start.REFUSED
-    shares = [int(share.removesuffix(" %")) for case, share in kept.items() if case.startswith("share of it")]
+    shares = [
+        int(share.removesuffix(" %"))
+        for case, share in kept.items()
+        if case.startswith("share of it")
+    ]
     assert abs(sum(shares) - 100) <= len(shares)  # rounding

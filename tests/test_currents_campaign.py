@@ -26,7 +26,9 @@ def test_every_law_swam_every_water_from_every_seed():
 
 @pytest.mark.parametrize("law", ["LOS", currents.OBSERVED])
 def test_a_run_in_a_uniform_current_is_that_of_the_stored_answer(law):
-    (kept,) = (one for one in currents.stored() if (one.water, one.law, one.seed) == ("uniform", law, 3))
+    (kept,) = (
+        one for one in currents.stored() if (one.water, one.law, one.seed) == ("uniform", law, 3)
+    )
     again = asdict(currents.run("uniform", law, 3))
     for name, value in asdict(kept).items():
         if isinstance(value, float):

@@ -4,12 +4,14 @@ Every page is followed from top to bottom, as a reader would, in an empty folder
 
 - a block whose fence names a file (``title="eel.toml"``) is written to that file;
 - ``python`` blocks run in one namespace;
-- a ``text`` block that is titled "it prints" is what the block before it printed, numbers to 1 %: a line `...` stands
-  for any lines, and one that ends so is the beginning of a line;
-- of ``bash`` blocks, lines that start with ``laticauda`` run, and of ``make`` lines the target must exist. Those of
-  the README run in a shell, by the installed command; the others in this process, which has loaded all they need.
+- a ``text`` block that is titled "it prints" is what the block before it printed, numbers to 1 %: a
+  line `...` stands for any lines, and one that ends so is the beginning of a line;
+- of ``bash`` blocks, lines that start with ``laticauda`` run, and of ``make`` lines the target must
+  exist. Those of the README run in a shell, by the installed command; the others in this process,
+  which has loaded all they need.
 
-A block after the comment ``<!-- not run: reason -->`` is skipped. Blocks that include an example are run elsewhere.
+A block after the comment ``<!-- not run: reason -->`` is skipped. Blocks that include an example
+are run elsewhere.
 """
 
 import json
@@ -79,7 +81,11 @@ def run_in_shell(line: str) -> None:
     # The command of this environment comes first, whatever else is installed.
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
-        ["bash", "-c", line], env={**os.environ, "PATH": path}, capture_output=True, text=True, timeout=300
+        ["bash", "-c", line],
+        env={**os.environ, "PATH": path},
+        capture_output=True,
+        text=True,
+        timeout=300,
     )
     assert done.returncode == 0, f"{line}\n{done.stdout}\n{done.stderr}"
 
@@ -135,7 +141,9 @@ def follow(page: Path, capture: Callable[[], str] = str) -> None:
                 if line.startswith("laticauda "):
                     (run_in_shell if page.name == "README.md" else run_here)(line)
                 elif line.startswith("make "):
-                    run_in_shell(f"make -C {ROOT} --dry-run {line.removeprefix('make ')} > {os.devnull}")
+                    run_in_shell(
+                        f"make -C {ROOT} --dry-run {line.removeprefix('make ')} > {os.devnull}"
+                    )
 
 
 @pytest.fixture(autouse=True)
@@ -167,7 +175,9 @@ def test_the_code_of_the_page_runs_from_top_to_bottom(
 
 
 @pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda notebook: notebook.stem)
-def test_the_notebook_runs_and_keeps_no_results(notebook: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_the_notebook_runs_and_keeps_no_results(
+    notebook: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.chdir(tmp_path)
     namespace: dict[str, object] = {"__name__": "__main__"}
     for cell in json.loads(notebook.read_text(encoding="utf-8"))["cells"]:
@@ -186,7 +196,9 @@ def test_every_link_of_the_page_leads_to_a_file(page: Path):
         for name in ("index", *(source.stem for source in ROOT.glob(sources)))
     }
     assert not [
-        link for link in links if not (page.parent / link).exists() and (page.parent / link).resolve() not in made
+        link
+        for link in links
+        if not (page.parent / link).exists() and (page.parent / link).resolve() not in made
     ]
 
 
@@ -203,13 +215,23 @@ def test_every_formula_of_the_page_is_typeset(page: Path):
     reader = Markdown(extensions=[formulas, "tables", "pymdownx.superfences"])
     shown = re.sub(r"<(math|pre|code).*?</\1>", "", reader.convert(text), flags=re.DOTALL)
     assert "$" not in shown
-    assert not [block.code for block in blocks(page) if block.language == "text" and re.search(MATHEMATICS, block.code)]
+    assert not [
+        block.code
+        for block in blocks(page)
+        if block.language == "text" and re.search(MATHEMATICS, block.code)
+    ]
 
 
 def test_what_a_page_says_is_printed_is_looked_for_line_by_line():
     printed = "one 1.00 m\ntwo [2]\n\nthree, and so on\nfour 4e-3\n"
     check_printed("one 1.001 m\n...\nthree, ...\nfour 4.01e-3\n", printed)
-    for wrong in ("two [2]\n", "...\nfive\n", "one 1.02 m\n", "one 1.00 m\nthree, and so on\n", "one 1.00\n"):
+    for wrong in (
+        "two [2]\n",
+        "...\nfive\n",
+        "one 1.02 m\n",
+        "one 1.00 m\nthree, and so on\n",
+        "one 1.00\n",
+    ):
         with pytest.raises(AssertionError, match="printed"):
             check_printed(wrong, printed)
 

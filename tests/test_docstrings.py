@@ -1,7 +1,7 @@
 """The docstrings: every public parameter and field is documented, and every example prints what it says.
 
-Public is what a package's `__init__` offers, and all of `angles` and `errors`. That an undocumented parameter is a test
-failure is an idea of python-control's.
+Public is what a package's `__init__` offers, and all of `angles` and `errors`. That an undocumented
+parameter is a test failure is an idea of python-control's.
 """
 
 import ast
@@ -22,7 +22,9 @@ from laticauda.quantities import texts_of
 
 SOURCES = Path(__file__).parent.parent / "src"
 PACKAGES = sorted(path.parent for path in SOURCES.rglob("__init__.py"))
-WITH_EXAMPLES = [path for path in sorted(SOURCES.rglob("*.py")) if ">>> " in path.read_text(encoding="utf-8")]
+WITH_EXAMPLES = [
+    path for path in sorted(SOURCES.rglob("*.py")) if ">>> " in path.read_text(encoding="utf-8")
+]
 
 
 def dotted(path: Path) -> str:
@@ -34,13 +36,19 @@ def public() -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name in [*map(dotted, PACKAGES), "laticauda.angles", "laticauda.errors"]:
         module = importlib.import_module(name)
-        offered = getattr(module, "__all__", [key for key in vars(module) if not key.startswith("_")])
+        offered = getattr(
+            module, "__all__", [key for key in vars(module) if not key.startswith("_")]
+        )
         for key in offered:
             try:
                 thing = getattr(module, key)
-            except MissingExtra:  # a door of what is too large for CI: looked at where that is installed
+            except (
+                MissingExtra
+            ):  # a door of what is too large for CI: looked at where that is installed
                 continue
-            if getattr(thing, "__module__", "").startswith("laticauda") and hasattr(thing, "__qualname__"):
+            if getattr(thing, "__module__", "").startswith("laticauda") and hasattr(
+                thing, "__qualname__"
+            ):
                 found[f"{thing.__module__}.{thing.__qualname__}"] = thing
     return found
 
@@ -51,7 +59,9 @@ def functions(thing: Any) -> Iterator[Any]:
         yield thing
     elif inspect.isclass(thing):
         members = [
-            getattr(member, "__func__", member) for name, member in vars(thing).items() if not name.startswith("_")
+            getattr(member, "__func__", member)
+            for name, member in vars(thing).items()
+            if not name.startswith("_")
         ]
         yield from filter(inspect.isfunction, members)
 
@@ -92,7 +102,11 @@ def undocumented_fields(cls: type) -> list[str]:
 
 def test_every_public_name_and_parameter_is_documented():
     things = public()
-    missing = {name: "docstring" for name, thing in things.items() if callable(thing) and not inspect.getdoc(thing)}
+    missing = {
+        name: "docstring"
+        for name, thing in things.items()
+        if callable(thing) and not inspect.getdoc(thing)
+    }
     for name, thing in things.items():
         for function in functions(thing):
             if names := undocumented_parameters(function):
@@ -115,11 +129,16 @@ def test_what_an_argument_is_stands_where_it_is_listed():
         for line in ELSEWHERE.findall(ast.get_docstring(node, clean=False) or "")
     ]
     assert found == []
-    assert ELSEWHERE.findall("Args:\n    keep: See `fit`.\n    how: As for `run`.\n    seed: Of all.") != []
+    assert (
+        ELSEWHERE.findall("Args:\n    keep: See `fit`.\n    how: As for `run`.\n    seed: Of all.")
+        != []
+    )
 
 
 @pytest.mark.parametrize("path", WITH_EXAMPLES, ids=dotted)
-def test_every_example_in_a_docstring_prints_what_it_says(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_every_example_in_a_docstring_prints_what_it_says(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.chdir(tmp_path)
     module = importlib.import_module(dotted(path).removesuffix(".__init__"))
     assert doctest.testmod(module, optionflags=doctest.NORMALIZE_WHITESPACE).failed == 0

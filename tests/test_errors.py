@@ -50,7 +50,9 @@ def test_what_is_no_number_is_refused(check, value, shown):
 @pytest.mark.parametrize("check", CHECKS)
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, np.float64("nan"), 10**400])
 def test_what_is_not_finite_is_refused(check, value):
-    with pytest.raises(ValueError, match=r"^`length` must be a finite number in m, got (nan|-?inf)\.$"):
+    with pytest.raises(
+        ValueError, match=r"^`length` must be a finite number in m, got (nan|-?inf)\.$"
+    ):
         check("length", value, "m")
 
 
@@ -150,8 +152,13 @@ def test_a_missing_extra_says_what_to_install_also_after_crossing_processes():
 
 
 def test_a_missing_program_says_what_to_install_also_after_crossing_processes():
-    error = pickle.loads(pickle.dumps(errors.MissingProgram("A video", "the program ffmpeg", "ffmpeg")))
-    assert str(error) == "A video needs the program ffmpeg; on Debian and Ubuntu run `apt-get install ffmpeg`."
+    error = pickle.loads(
+        pickle.dumps(errors.MissingProgram("A video", "the program ffmpeg", "ffmpeg"))
+    )
+    assert (
+        str(error)
+        == "A video needs the program ffmpeg; on Debian and Ubuntu run `apt-get install ffmpeg`."
+    )
 
 
 DEAF = """

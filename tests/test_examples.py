@@ -33,10 +33,22 @@ def test_the_example_runs(example: Path, tmp_path: Path, monkeypatch: pytest.Mon
                         del base._known[name]
         return
     # Example 14 uses a distribution beside laticauda, which need not be installed for the tests.
-    found = os.pathsep.join([str(ROOT / "plugins/laticauda-gym/src"), *filter(None, [os.environ.get("PYTHONPATH")])])
-    environment = {**os.environ, "MPLBACKEND": "Agg", "PYTHONPATH": found, "PYTHONWARNINGS": "error"}
+    found = os.pathsep.join(
+        [str(ROOT / "plugins/laticauda-gym/src"), *filter(None, [os.environ.get("PYTHONPATH")])]
+    )
+    environment = {
+        **os.environ,
+        "MPLBACKEND": "Agg",
+        "PYTHONPATH": found,
+        "PYTHONWARNINGS": "error",
+    }
     done = subprocess.run(
-        [sys.executable, example], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300
+        [sys.executable, example],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=300,
     )
     assert done.returncode == 0, done.stderr
 
@@ -52,10 +64,14 @@ def test_the_example_is_one_numbered_idea_on_one_page(example: Path):
 
 def test_every_example_has_its_place_in_the_gallery():
     contents = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
-    assert not [example.name for example in EXAMPLES if f": gallery/{example.stem}.md\n" not in contents]
+    assert not [
+        example.name for example in EXAMPLES if f": gallery/{example.stem}.md\n" not in contents
+    ]
 
 
-def test_a_page_of_the_gallery_has_the_code_what_it_prints_and_the_picture_that_it_draws(tmp_path: Path):
+def test_a_page_of_the_gallery_has_the_code_what_it_prints_and_the_picture_that_it_draws(
+    tmp_path: Path,
+):
     gallery = runpy.run_path(str(ROOT / "docs" / "make_gallery.py"))
     example = tmp_path / "01_one.py"
     example.write_text(EXAMPLE, encoding="utf-8")

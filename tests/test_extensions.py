@@ -45,7 +45,8 @@ def test_a_member_is_known_once_it_is_defined_and_only_in_its_group():
 
 def test_an_unknown_name_is_refused_with_those_that_there_are():
     with pytest.raises(
-        ValueError, match=r"`kind` must be one of .*`loud-bang`, got 'loudbang'; did you mean `loud-bang`\?"
+        ValueError,
+        match=r"`kind` must be one of .*`loud-bang`, got 'loudbang'; did you mean `loud-bang`\?",
     ):
         Sound.named("loudbang")
 

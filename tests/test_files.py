@@ -27,7 +27,9 @@ def test_a_text_is_read_without_its_byte_order_mark(tmp_path: Path):
         (b"x = 1" + b"0" * 5000, r"a\.toml: is not valid TOML: Exceeds the limit"),
     ],
 )
-def test_what_is_no_toml_is_refused_with_its_name_and_the_reason(tmp_path: Path, content: bytes, message: str):
+def test_what_is_no_toml_is_refused_with_its_name_and_the_reason(
+    tmp_path: Path, content: bytes, message: str
+):
     (tmp_path / "a.toml").write_bytes(content)
     with pytest.raises(RobotFileError, match=message):
         read_toml(tmp_path / "a.toml", RobotFileError)
@@ -46,7 +48,9 @@ def test_what_is_no_file_is_refused(tmp_path: Path):
 
 @pytest.mark.skipif(not Path("/dev/zero").exists(), reason="no such device")
 def test_what_never_ends_is_not_read_to_its_end():
-    with pytest.raises(RobotFileError, match="is larger than 64 MiB, too large for a file of this kind"):
+    with pytest.raises(
+        RobotFileError, match="is larger than 64 MiB, too large for a file of this kind"
+    ):
         read_text("/dev/zero", RobotFileError)
 
 
@@ -55,8 +59,12 @@ def test_a_text_that_is_no_toml_is_refused_by_its_name():
         parse_toml("=", "<text>", RobotFileError)
 
 
-@pytest.mark.parametrize("content", ["größer", "größer".encode(), lambda path: path.write_text("größer", "utf-8")])
-def test_bytes_texts_and_functions_write_a_file_and_leave_nothing_beside_it(tmp_path: Path, content):
+@pytest.mark.parametrize(
+    "content", ["größer", "größer".encode(), lambda path: path.write_text("größer", "utf-8")]
+)
+def test_bytes_texts_and_functions_write_a_file_and_leave_nothing_beside_it(
+    tmp_path: Path, content
+):
     write(tmp_path / "a.txt", "old")
     write(tmp_path / "a.txt", content)
     assert (tmp_path / "a.txt").read_text("utf-8") == "größer"
@@ -76,7 +84,10 @@ def _fails_halfway(path: Path) -> None:
 
 def test_when_it_fails_the_old_file_stays_and_the_message_says_what_to_do(tmp_path: Path):
     write(tmp_path / "a.txt", "old")
-    with pytest.raises(StorageFailed, match=r"a\.txt: cannot be written: No space left on device; make room there, or"):
+    with pytest.raises(
+        StorageFailed,
+        match=r"a\.txt: cannot be written: No space left on device; make room there, or",
+    ):
         write(tmp_path / "a.txt", _fails_halfway)
     assert (tmp_path / "a.txt").read_text() == "old"
     assert os.listdir(tmp_path) == ["a.txt"]
@@ -90,7 +101,9 @@ def test_what_cannot_be_written_is_refused(tmp_path: Path):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="links and modes of POSIX")
-def test_a_link_goes_on_pointing_to_its_file_whose_mode_stays_and_a_device_stays_a_device(tmp_path: Path):
+def test_a_link_goes_on_pointing_to_its_file_whose_mode_stays_and_a_device_stays_a_device(
+    tmp_path: Path,
+):
     write(tmp_path / "a.txt", "old")
     (tmp_path / "a.txt").chmod(0o640)
     (tmp_path / "link").symlink_to("a.txt")
@@ -116,8 +129,12 @@ write(Path(sys.argv[1]), lambda new: (new.write_text("half"), os.kill(os.getpid(
 """
 
 
-@pytest.mark.skipif(os.name != "posix", reason="elsewhere nobody can ask whether a process is there")
-def test_what_a_killed_writer_left_is_removed_by_the_next_and_what_a_living_one_writes_stays(tmp_path: Path):
+@pytest.mark.skipif(
+    os.name != "posix", reason="elsewhere nobody can ask whether a process is there"
+)
+def test_what_a_killed_writer_left_is_removed_by_the_next_and_what_a_living_one_writes_stays(
+    tmp_path: Path,
+):
     write(tmp_path / "a.txt", "old")
     subprocess.run([sys.executable, "-c", KILLED, str(tmp_path / "a.txt")], check=False)
     assert len(os.listdir(tmp_path)) == 2
@@ -151,26 +168,42 @@ def test_a_file_that_was_made_read_only_stays_as_it_is(tmp_path: Path):
     file.write_text("old")
     file.chmod(0o444)
     for folder in (tmp_path, *tmp_path.parents):
-        if folder.name.startswith(("test_", "popen-", "pytest-")):  # others may look into what is ours
+        if folder.name.startswith(
+            ("test_", "popen-", "pytest-")
+        ):  # others may look into what is ours
             folder.chmod(0o777)
-    done = subprocess.run([sys.executable, "-c", READ_ONLY, str(file)], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", READ_ONLY, str(file)], capture_output=True, text=True, check=False
+    )
     assert done.returncode != 0
-    assert "a.txt: cannot be written: it is read-only; correct this, or name another place." in done.stderr
+    assert (
+        "a.txt: cannot be written: it is read-only; correct this, or name another place."
+        in done.stderr
+    )
     assert (file.read_text(), os.listdir(tmp_path)) == ("old", ["a.txt"])
 
 
-@pytest.mark.parametrize("address", ["s3://bucket/run.toml", "memory://x", Path("gs://a/b"), "file:///tmp/x.toml"])
+@pytest.mark.parametrize(
+    "address", ["s3://bucket/run.toml", "memory://x", Path("gs://a/b"), "file:///tmp/x.toml"]
+)
 def test_an_address_is_no_file_and_never_becomes_a_folder(tmp_path: Path, monkeypatch, address):
     monkeypatch.chdir(tmp_path)
     for read_or_write in (read_text, read_bytes, lambda path: write(path, b"x")):
-        with pytest.raises(StorageFailed, match=r"^\w+:/.* is an address; give a path on this computer"):
+        with pytest.raises(
+            StorageFailed, match=r"^\w+:/.* is an address; give a path on this computer"
+        ):
             read_or_write(address)
     assert not list(tmp_path.iterdir())
 
 
 def test_a_number_that_is_not_finite_is_null_in_json():
     content = {"speed": float("nan"), "rows": [(1.0, float("inf"))], "name": "x", "n": 3}
-    assert json.loads(to_json(content)) == {"speed": None, "rows": [[1.0, None]], "name": "x", "n": 3}
+    assert json.loads(to_json(content)) == {
+        "speed": None,
+        "rows": [[1.0, None]],
+        "name": "x",
+        "n": 3,
+    }
 
 
 def test_an_empty_text_is_the_name_of_no_file():

@@ -51,7 +51,10 @@ PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 def repository_files() -> list[Path]:
     """Every text file that belongs to the project: tracked, or new and not ignored."""
     listed = subprocess.run(
-        ["git", "ls-files", "--cached", "--others", "--exclude-standard"], cwd=ROOT, capture_output=True, text=True
+        ["git", "ls-files", "--cached", "--others", "--exclude-standard"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
     )
     if listed.returncode:
         pytest.skip("not a git checkout")
@@ -62,7 +65,9 @@ def repository_files() -> list[Path]:
 
 def test_importing_laticauda_loads_no_heavy_library():
     code = f"import sys, laticauda; print(*[name for name in {HEAVY} if name in sys.modules])"
-    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
     assert loaded.stdout.split() == []
 
 
@@ -113,7 +118,9 @@ def test_results_the_fields_of_dataclasses_and_axes_of_one_name_are_checked_too(
 
 def test_no_file_names_a_path_of_somebodys_machine():
     # Written in pieces, so that this file does not name them either.
-    pattern = re.compile("|".join(["/" + folder + "/" for folder in ("home", "root", "Users", "work", "opt")]))
+    pattern = re.compile(
+        "|".join(["/" + folder + "/" for folder in ("home", "root", "Users", "work", "opt")])
+    )
     found = {
         f"{file.relative_to(ROOT)}:{number}": line.strip()
         for file in repository_files()
@@ -129,7 +136,9 @@ def test_the_version_is_stated_in_one_place():
     assert importlib.metadata.version("laticauda") == version, "run `make setup` again"
     stated = re.compile(r"""(__version__|^\s*version)\s*[:=]\s*["']?\d""", re.MULTILINE)
     found = {
-        str(file.relative_to(ROOT)) for file in repository_files() if stated.search(file.read_text(encoding="utf-8"))
+        str(file.relative_to(ROOT))
+        for file in repository_files()
+        if stated.search(file.read_text(encoding="utf-8"))
     }
     beside = {name for name in found if name.startswith("plugins/")}  # distributions of their own
     assert found == {"pyproject.toml", *beside}
@@ -155,9 +164,9 @@ def distribution(name: str) -> str:
 def test_every_dependency_has_a_lower_bound_and_the_same_one_everywhere():
     assert not {name: written for name, written in required().items() if len(written) > 1}
     assert all(">=" in requirement for written in required().values() for requirement in written)
-    assert {one for one in PYPROJECT["build-system"]["requires"] if not one.startswith("hatchling")} <= {
-        requirement for written in required().values() for requirement in written
-    }
+    assert {
+        one for one in PYPROJECT["build-system"]["requires"] if not one.startswith("hatchling")
+    } <= {requirement for written in required().values() for requirement in written}
 
 
 def test_an_upper_bound_has_a_reason():
@@ -168,14 +177,18 @@ def test_an_upper_bound_has_a_reason():
         .partition("[project.scripts]")[0]
     )
     capped = [line for line in text.splitlines() if re.search(r'>=[^"]*,<', line)]
-    assert len(capped) == sum(",<" in requirement for written in required().values() for requirement in written)
+    assert len(capped) == sum(
+        ",<" in requirement for written in required().values() for requirement in written
+    )
     assert not [line for line in capped if "  # " not in line]
 
 
 def test_the_extra_all_is_all_but_the_large_ones():
     large = {"all", "export"}
     extras = PYPROJECT["project"]["optional-dependencies"]
-    assert extras["all"] == [f"laticauda[{','.join(extra for extra in extras if extra not in large)}]"]
+    assert extras["all"] == [
+        f"laticauda[{','.join(extra for extra in extras if extra not in large)}]"
+    ]
 
 
 def imports(tree: ast.AST) -> Iterator[tuple[str, str]]:
@@ -186,15 +199,21 @@ def imports(tree: ast.AST) -> Iterator[tuple[str, str]]:
                 yield from ((alias.name, "") for alias in names)
             case ast.ImportFrom(module=str(module), level=0):
                 yield module, ""
-            case ast.Call(func=ast.Name(id="import_module"), args=[ast.Constant(value=str(module)), *_]):
+            case ast.Call(
+                func=ast.Name(id="import_module"), args=[ast.Constant(value=str(module)), *_]
+            ):
                 yield module, ""
             case ast.Call(func=ast.Name(id="hardware"), args=[_, ast.Constant(value=str(module))]):
                 yield module, "hardware"
             case ast.Call(
-                func=ast.Name(id="optional_import"), args=[_, package, ast.Constant(value=str(extra)), *module]
+                func=ast.Name(id="optional_import"),
+                args=[_, package, ast.Constant(value=str(extra)), *module],
             ):
                 match module[0] if module else package:
-                    case ast.Constant(value=str(name)) | ast.JoinedStr(values=[ast.Constant(value=str(name)), *_]):
+                    case (
+                        ast.Constant(value=str(name))
+                        | ast.JoinedStr(values=[ast.Constant(value=str(name)), *_])
+                    ):
                         yield name, extra
             case _:
                 pass
@@ -209,7 +228,11 @@ def test_what_is_imported_is_declared_in_the_extra_that_is_named_and_nothing_is_
         for name, extra in imports(ast.parse(module.read_text(encoding="utf-8")))
         if (top := name.split(".")[0]) not in own
     }
-    assert not {one for one in found if not {*one[:-1]} & required(*({"", one[-1]} if one[-1] else ())).keys()}
+    assert not {
+        one
+        for one in found
+        if not {*one[:-1]} & required(*({"", one[-1]} if one[-1] else ())).keys()
+    }
     program = {"ziglang"}  # run, not imported
     assert required().keys() - {name for one in found for name in one} == program
 
@@ -217,7 +240,11 @@ def test_what_is_imported_is_declared_in_the_extra_that_is_named_and_nothing_is_
 def test_the_pages_give_the_extras_the_weights_that_were_measured():
     with (ROOT / "campaigns" / "environments.csv").open(newline="", encoding="utf-8") as lines:
         answers = {row["case"]: row["answer"] for row in csv.DictReader(lines)}
-    weights = {case.removeprefix("size of "): answer for case, answer in answers.items() if case.startswith("size of ")}
+    weights = {
+        case.removeprefix("size of "): answer
+        for case, answer in answers.items()
+        if case.startswith("size of ")
+    }
     assert {*PYPROJECT["project"]["optional-dependencies"], "plain"} == weights.keys()
     for page in ("README.md", "docs/install.md"):
         text = (ROOT / page).read_text(encoding="utf-8")
@@ -231,14 +258,22 @@ def test_the_recipe_for_conda_wants_what_the_package_wants():
     names = {"matplotlib-base": "matplotlib", "mujoco-python": "mujoco"}
     recipe = (ROOT / "recipe" / "recipe.yaml").read_text(encoding="utf-8").partition("  run:\n")[2]
     listed = {
-        names.get(name, name): bounds for name, bounds in re.findall(r"^    - ([\w-]+) (>=\S+)$", recipe, re.MULTILINE)
+        names.get(name, name): bounds
+        for name, bounds in re.findall(r"^    - ([\w-]+) (>=\S+)$", recipe, re.MULTILINE)
     }
     wanted = {name: one for name, written in required().items() for one in written}
     assert required("").keys() <= listed.keys() <= {*wanted, "python"}
     assert all(wanted[name].endswith(bounds) for name, bounds in listed.items() if name != "python")
 
 
-SILENT = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
+SILENT = {
+    tokenize.COMMENT,
+    tokenize.NL,
+    tokenize.NEWLINE,
+    tokenize.INDENT,
+    tokenize.DEDENT,
+    tokenize.ENDMARKER,
+}
 
 
 def source_lines(text: str) -> int:
@@ -249,7 +284,9 @@ def source_lines(text: str) -> int:
         for statement in body if isinstance(body, list) else ():
             if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant):
                 docs.update(range(statement.lineno, statement.end_lineno + 1))
-    tokens = [t for t in tokenize.generate_tokens(io.StringIO(text).readline) if t.type not in SILENT]
+    tokens = [
+        t for t in tokenize.generate_tokens(io.StringIO(text).readline) if t.type not in SILENT
+    ]
     return len({line for t in tokens for line in range(t.start[0], t.end[0] + 1)} - docs)
 
 
@@ -259,5 +296,9 @@ def test_the_house_does_not_grow():
 
 
 def test_a_module_is_one_idea_and_can_be_read_in_one_go():
-    long = {module.name: n for module in MODULES if (n := len(module.read_text(encoding="utf-8").splitlines())) > 400}
+    long = {
+        module.name: n
+        for module in MODULES
+        if (n := len(module.read_text(encoding="utf-8").splitlines())) > 400
+    }
     assert not long

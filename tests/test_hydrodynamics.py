@@ -22,7 +22,9 @@ def module(length: float = 0.14, a: float = 0.03, b: float = 0.05, **changes: An
 
 
 def robot(*modules: Module, fin: CaudalFin | None = None) -> Robot:
-    return Robot(name="test", modules=modules, joints=(Joint(),) * (len(modules) - 1), caudal_fin=fin)
+    return Robot(
+        name="test", modules=modules, joints=(Joint(),) * (len(modules) - 1), caudal_fin=fin
+    )
 
 
 def of(one: Module, water: Water) -> dict[str, float]:
@@ -37,7 +39,7 @@ def fin_strips(water: Any = UNIT, **changes: Any) -> Coefficients:
     return found
 
 
-# --- the trailing edge ------------------------------------------------------------------------------------------------
+# --- the trailing edge ----------------------------------------------------------------------------
 
 
 @given(half_axes, numbers, st.none() | numbers, st.none() | st.floats(0.11, 2.0), st.booleans())
@@ -49,10 +51,12 @@ def test_the_edge_sheds_what_the_last_piece_of_the_body_carries(
     one = robot(module(a=a, added_mass=None if with_fin else own), module(), fin=fin)
     carried = link_coefficients(one, water)
     last, i = (carried.fin, -1) if carried.fin else (carried, 0)
-    assert wake_mass(one, water) == pytest.approx(last.mu_n[i] / (2.0 * last.half_length[i]), rel=1e-13)
+    assert wake_mass(one, water) == pytest.approx(
+        last.mu_n[i] / (2.0 * last.half_length[i]), rel=1e-13
+    )
 
 
-# --- links ------------------------------------------------------------------------------------------------------------
+# --- links ----------------------------------------------------------------------------------------
 
 
 def test_the_published_link_has_its_published_coefficients():
@@ -71,10 +75,14 @@ def test_all_loads_grow_with_the_density(length: float, a: float, b: float, dens
 
 
 @given(lengths, half_axes, half_axes, st.floats(0.05, 0.95), st.sampled_from(["paper", "strip"]))
-def test_a_link_cut_in_two_has_the_loads_of_the_whole(length: float, a: float, b: float, at: float, form: Any):
+def test_a_link_cut_in_two_has_the_loads_of_the_whole(
+    length: float, a: float, b: float, at: float, form: Any
+):
     water = replace(UNIT, rotational=form, tangential_added_mass=0.4)
     whole = of(module(length, a, b), water)
-    cut = link_coefficients(robot(module(at * length, a, b), module((1.0 - at) * length, a, b)), water)
+    cut = link_coefficients(
+        robot(module(at * length, a, b), module((1.0 - at) * length, a, b)), water
+    )
     for name in ("c_t", "c_n", "mu_t", "mu_n"):
         assert getattr(cut, name).sum() == pytest.approx(whole[name]), name
 
@@ -85,7 +93,9 @@ def test_the_strip_forms_inertia_and_linear_torque_obey_the_parallel_axis_theore
 ):
     water = replace(UNIT, rotational="strip")
     whole = of(module(length, a, b), water)
-    cut = link_coefficients(robot(module(at * length, a, b), module((1.0 - at) * length, a, b)), water)
+    cut = link_coefficients(
+        robot(module(at * length, a, b), module((1.0 - at) * length, a, b)), water
+    )
     middle = np.array([0.5 * at, 0.5 * (1.0 + at)]) * length - 0.5 * length
     assert np.sum(cut.lambda_1 + cut.mu_n * middle**2) == pytest.approx(whole["lambda_1"])
     assert np.sum(cut.lambda_2 + cut.c_n * middle**2) == pytest.approx(whole["lambda_2"])
@@ -95,13 +105,23 @@ def test_the_strip_forms_inertia_and_linear_torque_obey_the_parallel_axis_theore
 def test_the_strip_form_is_the_sum_of_the_normal_loads_along_a_turning_link(
     length: float, a: float, b: float, C_D: float, C_A: float, rate: float, u: float
 ):
-    water = replace(UNIT, normal_drag=C_D, added_mass=C_A, rotational="strip", drag=PolynomialDrag(reference_speed=u))
+    water = replace(
+        UNIT,
+        normal_drag=C_D,
+        added_mass=C_A,
+        rotational="strip",
+        drag=PolynomialDrag(reference_speed=u),
+    )
     found = of(module(length, a, b), water)
-    x, weight = np.polynomial.legendre.leggauss(6)  # exact on each half, where x |x| is a polynomial
+    x, weight = np.polynomial.legendre.leggauss(
+        6
+    )  # exact on each half, where x |x| is a polynomial
     x, weight = np.concatenate((x - 1.0, x + 1.0)) * length / 4.0, np.tile(weight, 2) / 4.0
     across = Element(0.0, found["c_n"], 0.0, 0.0)
     normal = [water.drag(0.0, xi * rate, abs(xi * rate), 0.0, across)[1] for xi in x]
-    tau = water.drag(0.0, 0.0, 0.0, rate, Element(0.0, 0.0, found["lambda_2"], found["lambda_3"]))[2]
+    tau = water.drag(0.0, 0.0, 0.0, rate, Element(0.0, 0.0, found["lambda_2"], found["lambda_3"]))[
+        2
+    ]
     assert tau == pytest.approx(np.sum(weight * x * normal), rel=1e-12, abs=1e-15)
     assert found["lambda_1"] == pytest.approx(np.sum(weight * x**2) * found["mu_n"], rel=1e-12)
 
@@ -113,7 +133,9 @@ def test_the_strip_form_leaves_the_forces_alone():
 
 def test_tangential_added_mass_is_a_share_of_the_displaced_mass():
     one = module()
-    assert of(one, replace(UNIT, tangential_added_mass=0.2))["mu_t"] == pytest.approx(0.2 * 1000.0 * one.volume)
+    assert of(one, replace(UNIT, tangential_added_mass=0.2))["mu_t"] == pytest.approx(
+        0.2 * 1000.0 * one.volume
+    )
 
 
 @pytest.mark.parametrize(
@@ -125,7 +147,9 @@ def test_tangential_added_mass_is_a_share_of_the_displaced_mass():
         ("added_inertia", {"lambda_1"}),
     ],
 )
-def test_a_coefficient_of_its_own_changes_that_link_alone_and_only_what_it_is_about(override: str, changed: set[str]):
+def test_a_coefficient_of_its_own_changes_that_link_alone_and_only_what_it_is_about(
+    override: str, changed: set[str]
+):
     plain = link_coefficients(robot(module(), module(), module()), UNIT)
     own = link_coefficients(robot(module(), module(**{override: 0.015}), module()), UNIT)
     doubled = link_coefficients(robot(*[module()] * 3), replace(UNIT, **{override: 0.015}))
@@ -148,10 +172,14 @@ def test_links_of_different_length_come_tail_first():
     assert found.fin is None
 
 
-# --- friction along the body ------------------------------------------------------------------------------------------
+# --- friction along the body ----------------------------------------------------------------------
 
 
-@given(st.lists(lengths, min_size=1, max_size=8), st.floats(-1.0, 1.0), st.sampled_from(["paper", "strip"]))
+@given(
+    st.lists(lengths, min_size=1, max_size=8),
+    st.floats(-1.0, 1.0),
+    st.sampled_from(["paper", "strip"]),
+)
 def test_a_taper_spreads_the_friction_along_the_body_and_leaves_all_else_and_its_mean_alone(
     each: list[float], taper: float, form: Any
 ):
@@ -159,7 +187,9 @@ def test_a_taper_spreads_the_friction_along_the_body_and_leaves_all_else_and_its
     water = replace(UNIT, rotational=form)
     even, tapered = (link_coefficients(one, replace(water, friction_taper=t)) for t in (0.0, taper))
     place = (np.cumsum(each) - np.array(each) / 2.0) / np.sum(each)
-    np.testing.assert_allclose(tapered.c_t, even.c_t * (1.0 + taper * (1.0 - 2.0 * place)), rtol=1e-12)
+    np.testing.assert_allclose(
+        tapered.c_t, even.c_t * (1.0 + taper * (1.0 - 2.0 * place)), rtol=1e-12
+    )
     assert tapered.c_t.sum() == pytest.approx(even.c_t.sum())
     for name in ("c_n", "mu_t", "mu_n", "lambda_1"):
         np.testing.assert_array_equal(getattr(tapered, name), getattr(even, name))
@@ -169,11 +199,14 @@ def test_a_taper_spreads_the_friction_along_the_body_and_leaves_all_else_and_its
 
 def test_a_positive_taper_is_more_friction_at_the_tail_and_modules_with_their_own_keep_it():
     found = link_coefficients(
-        robot(module(), module(tangential_friction=0.03), module()), replace(UNIT, friction_taper=0.6)
+        robot(module(), module(tangential_friction=0.03), module()),
+        replace(UNIT, friction_taper=0.6),
     )
     even = link_coefficients(robot(*[module()] * 3), UNIT)
     np.testing.assert_allclose(found.c_t / even.c_t, [1.4, 1.0, 0.6])
-    found = link_coefficients(robot(module(tangential_friction=0.03), module()), replace(UNIT, friction_taper=0.6))
+    found = link_coefficients(
+        robot(module(tangential_friction=0.03), module()), replace(UNIT, friction_taper=0.6)
+    )
     np.testing.assert_allclose(found.c_t / even.c_t[:2], [1.0, 0.7])
 
 
@@ -181,10 +214,12 @@ def test_the_taper_of_modules_that_merge_to_a_link_is_that_of_the_link():
     halves, whole = robot(*[module(0.07)] * 6), robot(*[module(0.14)] * 3)
     water = replace(UNIT, friction_taper=-0.5)
     each = link_coefficients(halves, water).c_t
-    np.testing.assert_allclose(each[::2] + each[1::2], link_coefficients(whole, water).c_t, rtol=1e-13)
+    np.testing.assert_allclose(
+        each[::2] + each[1::2], link_coefficients(whole, water).c_t, rtol=1e-13
+    )
 
 
-# --- the surface ------------------------------------------------------------------------------------------------------
+# --- the surface ----------------------------------------------------------------------------------
 
 
 @given(half_axes, st.floats(1.001, 100.0))
@@ -200,7 +235,9 @@ def test_far_below_the_surface_nothing_is_added():
 
 @pytest.mark.parametrize("depth", [0.05, 0.0, float("nan")])
 def test_an_element_that_is_not_covered_is_refused(depth: float):
-    with pytest.raises(ValueError, match=rf"`depth` must be > 0.05 m, the element's half height, got {depth}\."):
+    with pytest.raises(
+        ValueError, match=rf"`depth` must be > 0.05 m, the element's half height, got {depth}\."
+    ):
         immersion_factor(0.05, depth)
     if depth == 0.05:
         with pytest.raises(ValueError, match=r"`depth` must be > 0\.06 m"):
@@ -210,7 +247,8 @@ def test_an_element_that_is_not_covered_is_refused(depth: float):
 def test_the_surface_acts_on_the_normal_added_mass_of_links_and_fin_alone():
     fin = CaudalFin(height=0.08)
     deep, shallow = (
-        link_coefficients(robot(module(a=0.03), fin=fin), replace(UNIT, depth=depth)) for depth in (None, 0.1)
+        link_coefficients(robot(module(a=0.03), fin=fin), replace(UNIT, depth=depth))
+        for depth in (None, 0.1)
     )
     assert shallow.mu_n[0] == pytest.approx(deep.mu_n[0] * (1.0 + 0.03**2 / 0.02))
     assert deep.fin is not None and shallow.fin is not None
@@ -220,7 +258,7 @@ def test_the_surface_acts_on_the_normal_added_mass_of_links_and_fin_alone():
         np.testing.assert_array_equal(getattr(shallow.fin, name), getattr(deep.fin, name))
 
 
-# --- the caudal fin ---------------------------------------------------------------------------------------------------
+# --- the caudal fin -------------------------------------------------------------------------------
 
 
 def added_inertia(strips: Coefficients, behind: float = 0.18) -> float:
@@ -228,8 +266,12 @@ def added_inertia(strips: Coefficients, behind: float = 0.18) -> float:
     return float(np.sum(strips.lambda_1 + strips.mu_n * (behind - strips.position) ** 2))
 
 
-@pytest.mark.parametrize(("opening", "mass", "inertia"), [("open", 2.42, 0.610), ("closed", 3.18, 0.654)])
-def test_mambas_fin_has_the_added_mass_and_inertia_of_its_plate(opening: str, mass: float, inertia: float):
+@pytest.mark.parametrize(
+    ("opening", "mass", "inertia"), [("open", 2.42, 0.610), ("closed", 3.18, 0.654)]
+)
+def test_mambas_fin_has_the_added_mass_and_inertia_of_its_plate(
+    opening: str, mass: float, inertia: float
+):
     strips = fin_strips(opening=opening)
     np.testing.assert_allclose(strips.mu_n / (2.0 * strips.half_length), 6.36, rtol=1e-3)
     assert strips.mu_n.sum() == pytest.approx(mass, abs=0.005)
@@ -268,7 +310,9 @@ def test_strips_follow_each_other_from_the_root_to_the_trailing_edge():
         np.testing.assert_allclose(front[1:], back[:-1], atol=1e-15)
         assert (front[0], back[-1]) == (pytest.approx(-root), pytest.approx(-0.5))
     assert len(fin_strips().mass) == 8
-    assert len(fin_strips(opening="closed").mass) == 11  # 0.12 m of opening in pieces of at most 0.0475 m
+    assert (
+        len(fin_strips(opening="closed").mass) == 11
+    )  # 0.12 m of opening in pieces of at most 0.0475 m
 
 
 def test_the_opening_has_mass_but_no_strip():
@@ -278,7 +322,8 @@ def test_the_opening_has_mass_but_no_strip():
 
 
 @pytest.mark.parametrize(
-    ("override", "changed"), [("tangential_friction", "c_t"), ("normal_drag", "c_n"), ("added_mass", "mu_n")]
+    ("override", "changed"),
+    [("tangential_friction", "c_t"), ("normal_drag", "c_n"), ("added_mass", "mu_n")],
 )
 def test_a_fin_may_have_coefficients_of_its_own(override: str, changed: str):
     plain, own = fin_strips(), fin_strips(**{override: 0.5})
@@ -288,12 +333,13 @@ def test_a_fin_may_have_coefficients_of_its_own(override: str, changed: str):
         np.testing.assert_allclose(getattr(own, name), factor * getattr(plain, name))
 
 
-# --- the ground -------------------------------------------------------------------------------------------------------
+# --- the ground -----------------------------------------------------------------------------------
 
 
 def test_viscous_ground_gives_every_link_the_same_friction_and_nothing_else():
     found = link_coefficients(
-        robot(module(0.1), module(0.2)), Ground(friction=ViscousFriction(), tangential=1.0, normal=3.0)
+        robot(module(0.1), module(0.2)),
+        Ground(friction=ViscousFriction(), tangential=1.0, normal=3.0),
     )
     np.testing.assert_array_equal(found.c_t, 1.0)
     np.testing.assert_array_equal(found.c_n, 3.0)
@@ -319,7 +365,9 @@ def test_on_the_ground_the_fin_keeps_its_mass_and_dry_friction_acts_on_its_weigh
 
 
 def test_mamba_has_the_coefficients_of_its_section():
-    found = link_coefficients(load_robot("mamba"), Water(tangential_friction=0.3, normal_drag=1.75, added_mass=1.5))
+    found = link_coefficients(
+        load_robot("mamba"), Water(tangential_friction=0.3, normal_drag=1.75, added_mass=1.5)
+    )
     assert len(found.mass) == 9
     np.testing.assert_allclose(found.mu_n, 1000.0 * np.pi * 1.5 * 0.055**2 * 0.18)
     np.testing.assert_allclose(found.c_n, 0.5 * 1000.0 * 1.75 * 0.11 * 0.18)

@@ -12,7 +12,12 @@ from laticauda.interfaces import Command, Resumed, Start
 from laticauda.robot import Joint, load_water
 from laticauda.simulate import plant
 
-GAIT = eel_like(amplitude=math.radians(30), frequency=math.radians(120), phase_shift=math.radians(40), offset=0.2)
+GAIT = eel_like(
+    amplitude=math.radians(30),
+    frequency=math.radians(120),
+    phase_shift=math.radians(40),
+    offset=0.2,
+)
 MODELS = ("planar", "spatial")
 
 
@@ -83,15 +88,23 @@ def test_one_joint_that_is_off_leaves_the_others_on(model):
 def test_what_does_not_fit_is_refused(model):
     plant_ = body(model)
     state = plant_.init(Start(), Command(gait=GAIT))
-    with pytest.raises(ValueError, match=r"`references` must have one entry per joint, 8 of them, got 3\."):
+    with pytest.raises(
+        ValueError, match=r"`references` must have one entry per joint, 8 of them, got 3\."
+    ):
         plant_.step(state, Command(gait=GAIT, references=(0.0,) * 3), 0.01)
-    with pytest.raises(ValueError, match=r"`references\[1\]` must be a finite number in rad, got nan\."):
+    with pytest.raises(
+        ValueError, match=r"`references\[1\]` must be a finite number in rad, got nan\."
+    ):
         plant_.step(state, Command(gait=GAIT, references=(0.0, math.nan, *[0.0] * 6)), 0.01)
-    with pytest.raises(ValueError, match=r"`enabled` must have one entry per joint, 8 of them, got 1\."):
+    with pytest.raises(
+        ValueError, match=r"`enabled` must have one entry per joint, 8 of them, got 1\."
+    ):
         plant_.step(state, Command(gait=GAIT, enabled=(True,)), 0.01)
     stiff = body(model, "prescribed")
     with pytest.raises(ValueError, match="`references` must be None for prescribed joints"):
-        stiff.step(stiff.init(Start(), Command(gait=GAIT)), Command(gait=GAIT, references=(0.0,) * 8), 0.01)
+        stiff.step(
+            stiff.init(Start(), Command(gait=GAIT)), Command(gait=GAIT, references=(0.0,) * 8), 0.01
+        )
 
 
 def driven_fin_body(model: str):
@@ -107,7 +120,9 @@ def test_a_driven_fin_goes_to_one_more_reference_and_by_the_gait_without_it(mode
     gait = replace(GAIT, fin=wave)
     begin = plant_.init(Start(), Command(gait=gait))
     by_gait = plant_.march(begin, Command(gait=gait, references=(0.1,) * 8), 2.0, 0.5)[1]
-    held, log, failure = plant_.march(begin, Command(gait=gait, references=(*(0.1,) * 8, -0.4)), 2.0, 0.5)
+    held, log, failure = plant_.march(
+        begin, Command(gait=gait, references=(*(0.1,) * 8, -0.4)), 2.0, 0.5
+    )
     assert failure is None
     assert np.ptp(by_gait.signals["fin_angle_ref"]) > 0.5
     np.testing.assert_array_equal(log.signals["fin_angle_ref"][1:], -0.4)
@@ -126,7 +141,9 @@ def test_the_motor_of_a_driven_fin_is_switched_off_by_one_more_entry(model):
     on = replace(command, enabled=(True,) * 8)
     _, log, _ = plant_.march(plant_.init(Start(), on), on, 1.0, 0.1)
     assert weak < 0.1 * np.abs(log.signals["fin_torque"]).max()
-    with pytest.raises(ValueError, match="one entry per joint, 8 of them, or one more for the fin, got 10"):
+    with pytest.raises(
+        ValueError, match="one entry per joint, 8 of them, or one more for the fin, got 10"
+    ):
         plant_.step(plant_.init(Start(), on), replace(on, references=(0.0,) * 10), 0.01)
 
 

@@ -15,6 +15,8 @@ def test_ctrl_c_ended_every_command_as_it_should():
     assert all(int(row["moments"]) >= 10 and row["faults"] == "0" for row in found.values())
 
 
-@pytest.mark.skipif(sys.platform != "linux" or shutil.which("setsid") is None, reason="needs a terminal of its own")
+@pytest.mark.skipif(
+    sys.platform != "linux" or shutil.which("setsid") is None, reason="needs a terminal of its own"
+)
 def test_ctrl_c_in_a_terminal_ends_a_command_with_one_line_and_leaves_older_files_whole(tmp_path):
     assert interruptions.swept("export mjcf", tmp_path, 2).faults == []

@@ -9,7 +9,14 @@ import pytest
 from hypothesis import given, strategies as st
 
 from laticauda import kinematics
-from laticauda.kinematics import Posture, from_quaternion, link_angles, module_poses, to_quaternion, turn
+from laticauda.kinematics import (
+    Posture,
+    from_quaternion,
+    link_angles,
+    module_poses,
+    to_quaternion,
+    turn,
+)
 from laticauda.robot import CaudalFin, Module, Robot, Section, load_robot
 
 SMALL_ANGLES = st.floats(-1.0, 1.0)
@@ -37,8 +44,13 @@ def robots(draw):
     for _ in range(n):
         length = draw(st.floats(0.05, 0.5))
         center = draw(st.floats(-0.4, 0.4)) * length
-        modules.append(Module(length=length, mass=draw(st.floats(0.1, 3.0)), section=SECTION, center=center))
-    fin = draw(st.none() | st.builds(CaudalFin, length=st.floats(0.2, 1.0), thickness=st.floats(0.001, 0.1)))
+        modules.append(
+            Module(length=length, mass=draw(st.floats(0.1, 3.0)), section=SECTION, center=center)
+        )
+    fin = draw(
+        st.none()
+        | st.builds(CaudalFin, length=st.floats(0.2, 1.0), thickness=st.floats(0.001, 0.1))
+    )
     return Robot(name="any", modules=tuple(modules), joints=(JOINT,) * (n - 1), caudal_fin=fin)
 
 
@@ -101,7 +113,10 @@ def test_one_marker_and_the_joint_angles_give_the_whole_pose_back(pose, data):
     across = np.stack((-np.sin(link_angle[:, link]), np.cos(link_angle[:, link])), axis=-1)
     along = tangents(link_angle)[:, link]
     marker = posture.link_centers[:, link] + offset[0] * along + offset[1] * across
-    joint_angle, joint_rate = kinematics.joint_angles(link_angle), kinematics.joint_angles(link_rate)
+    joint_angle, joint_rate = (
+        kinematics.joint_angles(link_angle),
+        kinematics.joint_angles(link_rate),
+    )
 
     theta = kinematics.link_angles(joint_angle, angle=link_angle[:, link], link=link)
     theta_rate = kinematics.link_angles(joint_rate, angle=link_rate[:, link], link=link)
@@ -118,7 +133,9 @@ def test_a_pose_that_is_turned_and_moved_has_its_parts_turned_and_moved(pose, an
     here = Posture(robot, center_of_mass, link_angle)
     there = Posture(robot, center_of_mass @ rotation.T + shift, link_angle + angle)
     for part in ("link_ends", "link_centers", "trailing_edge"):
-        np.testing.assert_allclose(getattr(there, part), getattr(here, part) @ rotation.T + shift, atol=1e-11)
+        np.testing.assert_allclose(
+            getattr(there, part), getattr(here, part) @ rotation.T + shift, atol=1e-11
+        )
 
 
 @given(poses(batch=(2, 4)))
@@ -136,7 +153,9 @@ def test_any_leading_axes_give_what_each_pose_gives_alone(pose):
 
 
 @given(st.lists(ANGLES, min_size=0, max_size=8), ANGLES)
-def test_link_angles_from_the_heading_have_that_heading_and_those_joint_angles(joint_angle, heading):
+def test_link_angles_from_the_heading_have_that_heading_and_those_joint_angles(
+    joint_angle, heading
+):
     joint_angle = np.array(joint_angle, dtype=float)
     link_angle = kinematics.link_angles(joint_angle, angle=heading)
     assert kinematics.heading(link_angle) == pytest.approx(heading, abs=1e-12)
@@ -165,7 +184,10 @@ def test_a_robot_with_pitch_joints_and_its_planar_reduction_are_in_the_same_plac
     link_angle = np.linspace(-0.5, 0.5, planar.n_links)
     place = np.array([0.3, -0.2])
     module_angle = np.repeat(link_angle, [round(module.length / 0.09) for module in planar.modules])
-    here, there = Posture(planar, place, link_angle).link_ends, Posture(robot, place, module_angle).link_ends
+    here, there = (
+        Posture(planar, place, link_angle).link_ends,
+        Posture(robot, place, module_angle).link_ends,
+    )
     np.testing.assert_allclose(here[0], there[0], atol=1e-12)
     np.testing.assert_allclose(here[-1], there[-1], atol=1e-12)
 
@@ -181,13 +203,22 @@ def test_a_lost_marker_loses_one_pose_only():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda r: Posture(r, np.zeros(2), np.zeros(8)), "`link_angle` must have 9 columns, one per link of the robot"),
-        (lambda r: Posture(r, np.zeros((5, 2)), np.zeros((5, 1))), "`link_angle` must have 9 columns"),
+        (
+            lambda r: Posture(r, np.zeros(2), np.zeros(8)),
+            "`link_angle` must have 9 columns, one per link of the robot",
+        ),
+        (
+            lambda r: Posture(r, np.zeros((5, 2)), np.zeros((5, 1))),
+            "`link_angle` must have 9 columns",
+        ),
         (
             lambda r: Posture(r, np.zeros(3), np.zeros(9)),
             "`center_of_mass` must have 2 columns, x and y, got shape (3,).",
         ),
-        (lambda r: kinematics.center_of_mass(r, np.zeros(1), np.zeros(9)), "`position` must have 2 columns"),
+        (
+            lambda r: kinematics.center_of_mass(r, np.zeros(1), np.zeros(9)),
+            "`position` must have 2 columns",
+        ),
     ],
 )
 def test_an_array_that_does_not_fit_the_robot_is_refused(call, message):
@@ -208,7 +239,7 @@ def test_a_link_that_the_robot_does_not_have_is_refused():
         kinematics.link_angles(np.zeros(8), angle=0.0, link=-1)
 
 
-# ---- in space --------------------------------------------------------------------------------------------------------
+# ---- in space ------------------------------------------------------------------------------------
 
 
 @given(yaw=st.lists(SMALL_ANGLES, min_size=8, max_size=8), tail=SMALL_ANGLES)
@@ -277,7 +308,9 @@ def test_a_spatial_body_is_where_its_model_has_it():
     np.testing.assert_allclose(data.subtree_com[modules[0]], world.truth.center_of_mass, atol=1e-9)
 
 
-@given(st.lists(st.floats(-1.0, 1.0), min_size=4, max_size=4).filter(lambda q: np.linalg.norm(q) > 0.1))
+@given(
+    st.lists(st.floats(-1.0, 1.0), min_size=4, max_size=4).filter(lambda q: np.linalg.norm(q) > 0.1)
+)
 def test_a_quaternion_gives_its_rotation_back(numbers):
     rotation = from_quaternion(*(np.array(numbers) / np.linalg.norm(numbers)).tolist())
     np.testing.assert_allclose(from_quaternion(*to_quaternion(rotation)), rotation, atol=1e-12)

@@ -54,7 +54,9 @@ def faults(code: str) -> list[str]:
         ("zip(a, b, strict=True)", ["pass"]),
     ],
 )
-def test_a_mutant_is_one_small_fault_and_what_only_people_and_checkers_read_has_none(code, expected):
+def test_a_mutant_is_one_small_fault_and_what_only_people_and_checkers_read_has_none(
+    code, expected
+):
     assert faults(code) == expected
 
 
@@ -138,7 +140,9 @@ def test_faults_are_noticed_hang_or_live_in_functions_and_where_a_file_is_import
     (tmp_path / "pytest.ini").write_text("[pytest]\npythonpath = .\n")
     path = os.pathsep.join([str(FOLDER), *sys.path])
     words = [sys.executable, "-c", ASK, str(tmp_path)]
-    subprocess.run(words, check=True, env={**os.environ, "PYTHONPATH": path}, cwd=tmp_path, timeout=120)
+    subprocess.run(
+        words, check=True, env={**os.environ, "PYTHONPATH": path}, cwd=tmp_path, timeout=120
+    )
     rows = [json.loads(line) for line in (tmp_path / "progress").read_text().splitlines()]
     assert {row["after"]: row["outcome"] for row in rows} == {
         "IS_OPEN = False": "noticed",

@@ -15,10 +15,18 @@ optima = campaign("optima")
 run_optima = optima.run_optima
 
 GAITS = (
-    lc.lateral_undulation(amplitude=math.radians(40), frequency=math.radians(210), phase_shift=math.radians(20)),
-    lc.lateral_undulation(amplitude=math.radians(35), frequency=math.radians(210), phase_shift=math.radians(45)),
+    lc.lateral_undulation(
+        amplitude=math.radians(40), frequency=math.radians(210), phase_shift=math.radians(20)
+    ),
+    lc.lateral_undulation(
+        amplitude=math.radians(35), frequency=math.radians(210), phase_shift=math.radians(45)
+    ),
     *(
-        lc.eel_like(amplitude=math.radians(alpha), frequency=math.radians(210), phase_shift=math.radians(delta))
+        lc.eel_like(
+            amplitude=math.radians(alpha),
+            frequency=math.radians(210),
+            phase_shift=math.radians(delta),
+        )
         for alpha, delta in ((60, 26), (52, 35), (50, 45), (58, 55), (72, 70))
     ),
 )
@@ -47,7 +55,11 @@ def test_what_is_published_from_here_is_met(found):
 
 def test_the_conventions_are_those_of_the_optimization(found):
     water = lc.Water(
-        name="textbook", tangential_friction=0.03, normal_drag=2.0, added_mass=1.0, added_mass_form="classic"
+        name="textbook",
+        tangential_friction=0.03,
+        normal_drag=2.0,
+        added_mass=1.0,
+        added_mass_form="classic",
     )
     gait = replace(GAITS[3], envelope=Anguilliform())
     trial = lc.swim(lc.load_robot("mamba", n_links=10), gait, 30.0, environment=water, joints="pd")
@@ -73,7 +85,13 @@ def test_what_cannot_be_compared_is_refused():
 
 def test_the_figure_shows_every_optimum_twice(found):
     figure = optima.optima_figure(found)
-    shown = [sum(len(line.get_xdata()) for line in ax.lines if line.get_marker() != "None") for ax in figure.axes]
+    shown = [
+        sum(len(line.get_xdata()) for line in ax.lines if line.get_marker() != "None")
+        for ax in figure.axes
+    ]
     assert shown == [len(GAITS)] * 2
-    assert [ax.get_xlabel() for ax in figure.axes] == ["published forward velocity [m/s]", "published net power [W]"]
+    assert [ax.get_xlabel() for ax in figure.axes] == [
+        "published forward velocity [m/s]",
+        "published net power [W]",
+    ]
     assert [ax.get_xscale() for ax in figure.axes] == ["linear", "log"]

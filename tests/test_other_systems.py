@@ -78,10 +78,15 @@ print(len(list(os.scandir(os.environ["NUMBA_CACHE_DIR"]))))
 def test_without_posix_every_module_can_be_imported_and_what_needs_it_says_so():
     done = subprocess.run([sys.executable, "-c", WITHOUT_POSIX], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.splitlines() == ["The meter's port cannot be opened: No module named 'tty'.", "True"]
+    assert done.stdout.splitlines() == [
+        "The meter's port cannot be opened: No module named 'tty'.",
+        "True",
+    ]
 
 
-def test_where_nothing_can_be_written_kernels_are_kept_until_the_program_ends_and_it_says_so(tmp_path):
+def test_where_nothing_can_be_written_kernels_are_kept_until_the_program_ends_and_it_says_so(
+    tmp_path,
+):
     script = tmp_path / "script.py"
     script.write_text(UNWRITABLE)
     environment = {name: one for name, one in os.environ.items() if name != "NUMBA_CACHE_DIR"}
@@ -91,7 +96,10 @@ def test_where_nothing_can_be_written_kernels_are_kept_until_the_program_ends_an
     assert not Path(folder).exists()
     assert int(count) == 1
     assert done.stderr.count("UserWarning") == 1
-    assert f"compiled kernels are kept in {folder} only until this program ends; set NUMBA_CACHE" in done.stderr
+    assert (
+        f"compiled kernels are kept in {folder} only until this program ends; set NUMBA_CACHE"
+        in done.stderr
+    )
 
 
 def test_an_archive_is_refused_by_name(tmp_path):
@@ -100,6 +108,8 @@ def test_an_archive_is_refused_by_name(tmp_path):
         for file in PACKAGE.glob("*.py"):
             archive.write(file, f"laticauda/{file.name}")
     environment = {**os.environ, "PYTHONPATH": ""}
-    done = subprocess.run([sys.executable, tmp_path / "swim.pyz"], capture_output=True, text=True, env=environment)
+    done = subprocess.run(
+        [sys.executable, tmp_path / "swim.pyz"], capture_output=True, text=True, env=environment
+    )
     assert done.returncode != 0
     assert "ImportError: laticauda must be installed in a folder" in done.stderr

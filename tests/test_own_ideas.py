@@ -23,7 +23,8 @@ from laticauda.simulate.numbers import changed
 
 pytestmark = pytest.mark.slow
 
-# The laws of the docs, letter by letter: the kernels are compiled for a formula once, whoever holds it.
+# The laws of the docs, letter by letter: the kernels are compiled for a formula once, whoever holds
+# it.
 MODULE = '''
 from laticauda.actuation import JointLaw
 from laticauda.fluid import DragLaw
@@ -86,7 +87,9 @@ def ideas(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def gait(ideas):
-    return Gait(envelope=ideas.Carangiform(share=0.2), amplitude=0.5, frequency=2.0, phase_shift=0.7)
+    return Gait(
+        envelope=ideas.Carangiform(share=0.2), amplitude=0.5, frequency=2.0, phase_shift=0.7
+    )
 
 
 @pytest.fixture(scope="module")
@@ -113,7 +116,9 @@ def test_they_swim_and_their_numbers_count(ideas, gait, water):
         how | {"environment": replace(water, drag=ideas.WashedDrag(wash=0.3, floor=0.2))},
     ]
     speeds = [lc.swim(ROBOT, gait, **one).forward_velocity for one in changes]
-    speeds.append(lc.swim(ROBOT, replace(gait, envelope=ideas.Carangiform(share=0.5)), **how).forward_velocity)
+    speeds.append(
+        lc.swim(ROBOT, replace(gait, envelope=ideas.Carangiform(share=0.5)), **how).forward_velocity
+    )
     assert all(abs(speed / usual.forward_velocity - 1.0) > 1e-3 for speed in speeds)
 
 
@@ -132,13 +137,20 @@ def test_the_model_in_space_agrees_with_that_in_the_plane(ideas, gait, water):
     planar = lc.swim(ROBOT, gait, 2.0, **how)
     spatial = lc.swim(ROBOT, gait, 2.0, model="spatial", root="planar", **how)
     length = np.linalg.norm(planar.center_of_mass[-1])
-    np.testing.assert_allclose(spatial.center_of_mass[:, :2], planar.center_of_mass, atol=1e-3 * length)
+    np.testing.assert_allclose(
+        spatial.center_of_mass[:, :2], planar.center_of_mass, atol=1e-3 * length
+    )
 
 
 def test_sweeps_know_their_numbers(ideas, gait, water):
     own = scenario(ROBOT, gait, 2.0, environment=water, joints=ideas.Spring())
     known = parameters(own)
-    assert {"water.drag.wash", "water.drag.floor", "gait.envelope.share", "joints.stiffness"} <= known.keys()
+    assert {
+        "water.drag.wash",
+        "water.drag.floor",
+        "gait.envelope.share",
+        "joints.stiffness",
+    } <= known.keys()
     assert known["water.drag.floor"].unit == "m/s"
     assert changed(own, {"joints.stiffness": 12.0}).model.joints == ideas.Spring(stiffness=12.0)
 
@@ -150,20 +162,28 @@ def test_the_derivatives_to_their_numbers_are_those_of_differences(ideas, gait, 
     own = scenario(ROBOT, gait, 2.0, environment=water, **how)
     ends = [changed(own, {"joints.stiffness": 30.0 + step}) for step in (1e-3, -1e-3)]
     up, down = lc.swim_many(ends).forward_velocity
-    assert found.of("forward_velocity", "joints.stiffness")[0] == pytest.approx((up - down) / 2e-3, rel=1e-4)
+    assert found.of("forward_velocity", "joints.stiffness")[0] == pytest.approx(
+        (up - down) / 2e-3, rel=1e-4
+    )
     for name in names[:2]:
         field, step = name.rsplit(".", 1)[1], 1e-5
         value = getattr(water.drag, field)
-        ends = [replace(water, drag=replace(water.drag, **{field: value + s})) for s in (step, -step)]
+        ends = [
+            replace(water, drag=replace(water.drag, **{field: value + s})) for s in (step, -step)
+        ]
         up, down = lc.swim_many(ROBOT, gait, 2.0, environments=ends, **how).forward_velocity
-        assert found.of("forward_velocity", name)[0] == pytest.approx((up - down) / (2.0 * step), rel=1e-5)
+        assert found.of("forward_velocity", name)[0] == pytest.approx(
+            (up - down) / (2.0 * step), rel=1e-5
+        )
 
 
 def test_a_fit_finds_their_numbers_and_its_parameter_file_keeps_them(ideas, gait, water, tmp_path):
     how = {"joints": ideas.Spring(stiffness=25.0), "dt": 0.002}
     truth = {"water.drag.wash": 0.3, "water.drag.floor": 0.5, "joints.stiffness": 25.0}
     trial = lc.swim(ROBOT, gait, 4.0, environment=water, **how)
-    measured = from_trial(trial, name="own", series={"center_of_mass": 0.001, "joint_angle": 0.01}, every=4)
+    measured = from_trial(
+        trial, name="own", series={"center_of_mass": 0.001, "joint_angle": 0.01}, every=4
+    )
     elsewhere = replace(water, drag=ideas.WashedDrag(wash=0.2, floor=0.4))
     measured = replace(measured, scenario=replace(measured.scenario, environment=elsewhere))
     found = fit([measured], parameters=list(truth), joints=ideas.Spring(), dt=0.002, n_starts=1)
@@ -185,7 +205,9 @@ def test_an_fmu_has_their_numbers_as_parameters(ideas, gait, water, tmp_path):
     assert variables["joints.stiffness"].start == 30.0
     fmpy = pytest.importorskip("fmpy", exc_type=ImportError)
     numbers = {"water.drag.wash": 0.1, "joints.stiffness": 20.0}
-    seen = fmpy.simulate_fmu(str(tmp_path / "own.fmu"), stop_time=2.0, output_interval=0.05, start_values=numbers)
+    seen = fmpy.simulate_fmu(
+        str(tmp_path / "own.fmu"), stop_time=2.0, output_interval=0.05, start_values=numbers
+    )
     trial = lc.swim(changed(own, numbers))
     assert seen["center_of_mass.x"][-1] == pytest.approx(trial.center_of_mass[-1, 0], rel=1e-9)
     assert seen["heading"][-1] == pytest.approx(trial.heading[-1], rel=1e-9)
@@ -208,13 +230,21 @@ def test_another_program_drives_them_over_tcp(ideas, gait, water):
     trial = lc.swim(ROBOT, gait, 2.0, environment=water, joints=ideas.Spring(stiffness=25.0))
     assert ask("run", duration=2.0, **own)["figures"] == trial.summary()
     assert ask("reset", **own)["settings"]["joints"] == "spring"
-    assert ask("step", duration=0.1, gait={"envelope": {"share": 0.3}})["observation"]["time"] == pytest.approx(0.1)
+    assert ask("step", duration=0.1, gait={"envelope": {"share": 0.3}})["observation"][
+        "time"
+    ] == pytest.approx(0.1)
     assert ask("get")["command"]["gait"]["envelope"] == {"share": 0.3}
 
 
 def test_they_are_learnt_with_in_gymnasium(ideas, gait, water):
     environments = pytest.importorskip("laticauda_gym.environments")
-    who = {"robot": "mamba", "gait": gait, "environment": water, "joints": ideas.Spring(), "duration": 2.0}
+    who = {
+        "robot": "mamba",
+        "gait": gait,
+        "environment": water,
+        "joints": ideas.Spring(),
+        "duration": 2.0,
+    }
     env = environments.SwimmingEnv("PathFollowing", **who)
     env.reset(options={"y": 0.0, "heading": 0.0, "current_speed": 0.0})
     for _ in range(env.task.n_steps):
@@ -232,10 +262,17 @@ def test_the_page_shows_and_chooses_them(ideas, gait, water):
     page = Cockpit(Live(replace(own, motion=replace(gait, envelope=LateralUndulation()))), port=0)
     try:
         controls = page._controls.by_name
-        assert "carangiform" in controls["kind"].handle.options and "spring" in controls["joints"].handle.options
+        assert (
+            "carangiform" in controls["kind"].handle.options
+            and "spring" in controls["joints"].handle.options
+        )
         page.live.alter(**controls["kind"].changes("carangiform"))
         page.live.advance(0.2)
-        assert page.live.scenario.gait.kind == controls["kind"].shown(page.live.scenario) == "carangiform"
+        assert (
+            page.live.scenario.gait.kind
+            == controls["kind"].shown(page.live.scenario)
+            == "carangiform"
+        )
         page.live.alter(**controls["joints"].changes("spring"))
         page.live.advance(0.2)
         assert page.live.scenario.model.joints == ideas.Spring()
@@ -250,19 +287,32 @@ LINE = "--robot mamba --gait ideas:Carangiform --law ideas:WashedDrag --joints i
 
 def test_the_command_line_drives_stores_and_resumes_them(ideas, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    assert main(f"swim {LINE} --stiffness 25 --wash 0.4 --save own.nc --save-scenario own.toml".split()) == 0
+    assert (
+        main(
+            f"swim {LINE} --stiffness 25 --wash 0.4 --save own.nc --save-scenario own.toml".split()
+        )
+        == 0
+    )
     stored = lc.load_trial("own.nc")
     assert stored.scenario.environment.drag == ideas.WashedDrag(wash=0.4)
     assert stored.scenario.model.joints == ideas.Spring(stiffness=25.0)
     assert stored.gait.kind == "carangiform"
     np.testing.assert_array_equal(lc.swim(stored.scenario).center_of_mass, stored.center_of_mass)
     written = lc.load_scenario("own.toml")
-    assert (written.environment, written.model.joints) == (stored.scenario.environment, stored.scenario.model.joints)
+    assert (written.environment, written.model.joints) == (
+        stored.scenario.environment,
+        stored.scenario.model.joints,
+    )
     assert main(f"swim own.toml {LINE.removeprefix('--robot mamba')} --save same.nc".split()) == 0
     assert lc.load_trial("same.nc").scenario == stored.scenario
     assert main("swim --resume own.nc --duration 1 --save on.nc".split()) == 0
     assert lc.load_trial("on.nc").time[-1] == pytest.approx(3.0)
-    assert main(f"sweep {LINE} --vary water.drag.wash=0:0.4:2 joints.stiffness=20,30 --output swept".split()) == 0
+    assert (
+        main(
+            f"sweep {LINE} --vary water.drag.wash=0:0.4:2 joints.stiffness=20,30 --output swept".split()
+        )
+        == 0
+    )
     assert "4 trials" in capsys.readouterr().out
 
 
@@ -276,7 +326,11 @@ def test_a_file_shows_the_laws_of_those_who_are_not_here(ideas, tmp_path, monkey
     found = json.loads(capsys.readouterr().out)
     assert found["coefficients"]["drag"] == {"kind": "washed-drag", "wash": 0.4, "floor": 0.1}
     assert found["gait_parameters"]["envelope"]["kind"] == "carangiform"
-    for line in ("trial show own.nc", "trial plot own.nc --output own.png", "trial convert own.nc own.csv"):
+    for line in (
+        "trial show own.nc",
+        "trial plot own.nc --output own.png",
+        "trial convert own.nc own.csv",
+    ):
         assert main(line.split()) == 0
 
 
@@ -294,7 +348,10 @@ def test_a_law_that_cannot_be_compiled_says_why(ideas):
             return self.words, drive.nothing, 0.0
 
     try:
-        with pytest.raises(ValueError, match=r"`Broken` must have a formula that Numba can compile: Unknown attribute"):
+        with pytest.raises(
+            ValueError,
+            match=r"`Broken` must have a formula that Numba can compile: Unknown attribute",
+        ):
             lc.plant(ROBOT, STILL, joints=Broken())
     finally:
         del JointLaw._known["broken"]

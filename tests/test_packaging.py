@@ -13,7 +13,9 @@ LAZY = ["laticauda", *(f"laticauda.{name}" for name in NAMES.split())]
 @pytest.mark.parametrize("package", LAZY)
 def test_a_package_shows_its_public_names_and_nothing_else(package):
     module = importlib.import_module(package)
-    for found in pkgutil.iter_modules(module.__path__, f"{package}."):  # none takes the place of a function
+    for found in pkgutil.iter_modules(
+        module.__path__, f"{package}."
+    ):  # none takes the place of a function
         if package != "laticauda":
             importlib.import_module(found.name)
     assert dir(module) == sorted(module.__all__)

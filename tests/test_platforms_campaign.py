@@ -14,7 +14,10 @@ platforms = campaign("platforms")
 def test_every_platform_that_could_be_run_swims_as_python_does():
     kept = platforms.stored()
     assert {(one.platform, one.case) for one in kept} == {("aarch64", platforms.IN_C)} | {
-        (name, case) for name, platform in PLATFORMS.items() if platform.folder for case in platforms.cases()
+        (name, case)
+        for name, platform in PLATFORMS.items()
+        if platform.folder
+        for case in platforms.cases()
     }
     for one in kept:
         assert math.isnan(one.error) if one.platform.startswith("darwin") else one.error < 1e-12

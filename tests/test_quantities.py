@@ -64,7 +64,11 @@ SOURCES = Path(laticauda.__file__).parent
 limited = st.floats(-LARGEST, LARGEST)
 
 MODULES = [
-    path.relative_to(SOURCES.parent).with_suffix("").as_posix().replace("/", ".").removesuffix(".__init__")
+    path.relative_to(SOURCES.parent)
+    .with_suffix("")
+    .as_posix()
+    .replace("/", ".")
+    .removesuffix(".__init__")
     for path in sorted(SOURCES.rglob("*.py"))
     if "quantities import" in path.read_text()
 ]
@@ -81,12 +85,16 @@ ENDLESS = {
 
 
 @given(finite, finite, finite)
-def test_a_number_in_its_range_stays_what_it_is_and_any_other_is_refused(low: float, high: float, number: float):
+def test_a_number_in_its_range_stays_what_it_is_and_any_other_is_refused(
+    low: float, high: float, number: float
+):
     declared = Quantity(unit="m", text="x", ge=low, le=high)
     if low <= number <= high:
         assert declared.checked("x", number) == number
     else:
-        with pytest.raises(ValueError, match=r"^`x` must be (between .* and .*|>= .*|<= .*) m, got "):
+        with pytest.raises(
+            ValueError, match=r"^`x` must be (between .* and .*|>= .*|<= .*) m, got "
+        ):
             declared.checked("x", number)
 
 
@@ -125,7 +133,10 @@ def test_numbers_of_all_kinds_become_floats_and_counts_ints(number):
         ({"place": (1.0, "b")}, "`place[1]` must be a number in m, got 'b'."),
         ({"corners": [(0, 0), (1, "b")]}, "`corners[1][1]` must be a number in m, got 'b'."),
         ({"corners": [(0, 0), 1]}, "`corners[1]` must be two numbers in m, got 1."),
-        ({"kind": "midleg"}, "`kind` must be one of `fore_leg`, `hind_leg`, got 'midleg'; did you mean `hind_leg`?"),
+        (
+            {"kind": "midleg"},
+            "`kind` must be one of `fore_leg`, `hind_leg`, got 'midleg'; did you mean `hind_leg`?",
+        ),
         ({"is_wet": 1}, "`is_wet` must be true or false, got 1."),
         ({"name": 3}, "`name` must be a text, got 3."),
         ({"name": " "}, "`name` must be a text on one line that is not blank, got ' '."),
@@ -155,7 +166,9 @@ def test_without_a_declared_range_the_limit_of_the_unit_holds(unit: str, number:
 def test_a_side_without_a_bound_is_that_of_the_unit_in_a_value_too():
     with pytest.raises(ValueError, match=r"^`length` must be <= 1e\+07 m, got 20000000\.0\.$"):
         Leg(length=2e7)
-    with pytest.raises(ValueError, match=r"^`place\[1\]` must be >= -1e\+07 m, got -20000000\.0\.$"):
+    with pytest.raises(
+        ValueError, match=r"^`place\[1\]` must be >= -1e\+07 m, got -20000000\.0\.$"
+    ):
         Leg(length=1.0, place=(0.0, -2e7))
     assert Leg(length=1e7).lasting == math.inf
 
@@ -173,7 +186,11 @@ def values() -> Iterator[type]:
     for name in MODULES:
         with contextlib.suppress(MissingExtra):
             module = importlib.import_module(name)
-            found |= {one: None for one in vars(module).values() if isinstance(one, type) and is_dataclass(one)}
+            found |= {
+                one: None
+                for one in vars(module).values()
+                if isinstance(one, type) and is_dataclass(one)
+            }
     return (one for one in found if one.__module__.startswith("laticauda.") and quantities_of(one))
 
 
@@ -263,10 +280,20 @@ def test_a_value_tells_what_it_holds_in_units_and_degrees_and_leaves_out_what_sa
         hinge: Hinge | None = option("In it", default=None)
 
     assert told(Foot()) == {"side": "left"}
-    foot = Foot(size=(0.3, 0.0), angle=math.radians(30), rate=math.radians(5), is_bare=True, hinge=Hinge())
-    words = {"size": "(0.3, 0) m", "angle": "30 deg", "rate": "5 deg/s", "is_bare": "yes", "side": "left"}
+    foot = Foot(
+        size=(0.3, 0.0), angle=math.radians(30), rate=math.radians(5), is_bare=True, hinge=Hinge()
+    )
+    words = {
+        "size": "(0.3, 0) m",
+        "angle": "30 deg",
+        "rate": "5 deg/s",
+        "is_bare": "yes",
+        "side": "left",
+    }
     assert told(foot) == words | {"hinge": "(stiffness 1 N m/rad)"}
-    assert told(foot, "size", "hinge") == {name: one for name, one in words.items() if name != "size"}
+    assert told(foot, "size", "hinge") == {
+        name: one for name, one in words.items() if name != "size"
+    }
     assert told(load_water("paper-vortex"))["drag"] == "quadratic only"
 
 

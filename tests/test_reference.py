@@ -12,13 +12,17 @@ NOT_THERE = ("cli",)
 
 
 def packages() -> set[str]:
-    found = {path.parent.name for path in (ROOT / "src/laticauda").glob("*/__init__.py")} - set(NOT_THERE)
+    found = {path.parent.name for path in (ROOT / "src/laticauda").glob("*/__init__.py")} - set(
+        NOT_THERE
+    )
     return found | {"hydrodynamics", "interfaces", "kinematics"}  # modules of their own
 
 
 def test_every_package_has_its_page_and_stands_in_the_contents():
     pages = {path.stem for path in (ROOT / "docs/api").glob("*.md")} - {"index", "values"}
-    listed = set(re.findall(r"api/(\w+)\.md", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"))) - {"index", "values"}
+    listed = set(
+        re.findall(r"api/(\w+)\.md", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
+    ) - {"index", "values"}
     assert pages == listed == packages()
 
 
@@ -38,9 +42,16 @@ def test_a_series_and_a_figure_show_what_is_declared_of_them():
     extensions = griffe.load_extensions(ROOT / "docs/declared_fields.py")
     log = griffe.load("laticauda.series", search_paths=[ROOT / "src"], extensions=extensions)["Log"]
     assert log["joint_rate"].docstring.value == "Rate of the joint angle [rad s-1]."
-    assert (str(log["joint_rate"].annotation), str(log["electrical_work"].value)) == ("Joints", "None")
-    trial = griffe.load("laticauda.trial.trial", search_paths=[ROOT / "src"], extensions=extensions)["Trial"]
-    assert trial["mechanical_power"].docstring.value == "Mechanical power, mean of sum |u phi'| [W]."
+    assert (str(log["joint_rate"].annotation), str(log["electrical_work"].value)) == (
+        "Joints",
+        "None",
+    )
+    trial = griffe.load(
+        "laticauda.trial.trial", search_paths=[ROOT / "src"], extensions=extensions
+    )["Trial"]
+    assert (
+        trial["mechanical_power"].docstring.value == "Mechanical power, mean of sum |u phi'| [W]."
+    )
     assert trial["forward_velocity"].docstring.value.endswith("over the whole run (5) [m/s].")
 
 

@@ -23,9 +23,13 @@ def test_no_stranger_got_or_broke_anything():
             else "no token: refused; a wrong one: refused; the token: answered"
         )
     for asked, answer in kept["origins"]:
-        assert answer.startswith("gets nothing") is ("its own" not in asked and "of this computer" not in asked)
+        assert answer.startswith("gets nothing") is (
+            "its own" not in asked and "of this computer" not in asked
+        )
         assert "done" not in answer or answer.endswith("done: 0")
-    assert all(float(re.match(r"most (\d+) MB", answer)[1]) < 1000.0 for _, answer in kept["greedy"])
+    assert all(
+        float(re.match(r"most (\d+) MB", answer)[1]) < 1000.0 for _, answer in kept["greedy"]
+    )
     assert all(answer.startswith("0 faults, 0 tracebacks, alive") for _, answer in kept["talks"])
     assert all(answer == "none imported, compiled, run or unpickled" for _, answer in kept["code"])
 

@@ -23,7 +23,9 @@ def test_its_wave_travels_from_head_to_tail():
 
 def test_the_textbook_is_far_too_fast_and_the_shed_edge_is_why():
     assert fish.speed(FAST, fish.textbook(FAST)) / FAST.speed == pytest.approx(3.62, rel=0.02)
-    assert fish.speed(FAST, fish.textbook(FAST, trailing_edge="none")) / FAST.speed == pytest.approx(0.74, rel=0.02)
+    assert fish.speed(
+        FAST, fish.textbook(FAST, trailing_edge="none")
+    ) / FAST.speed == pytest.approx(0.74, rel=0.02)
 
 
 def test_models_without_hydrodynamics_miss_it_too():

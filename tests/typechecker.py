@@ -1,12 +1,14 @@
 """The checker behind the shapes: beartype, which takes an int where a float is asked for, as Python does.
 
-jaxtyping's import hook puts its decorator `jaxtyped` on all functions of a module. That one binds the arguments by
-`inspect` at every call, and checks them twice, 40 microseconds in all, half of the time of tests that step a
-controller.
-`shaped` stands in its place: the same checks, once, and a scope for the names of axes only where there are any.
+jaxtyping's import hook puts its decorator `jaxtyped` on all functions of a module. That one binds
+the arguments by `inspect` at every call, and checks them twice, 40 microseconds in all, half of the
+time of tests that step a controller.
+`shaped` stands in its place: the same checks, once, and a scope for the names of axes only where
+there are any.
 
-Of what one test calls over and over, the first `FIRST` calls of each function are checked, and then those whose number
-is a power of two: a wrong shape is seldom right for long. LATICAUDA_CHECKS=all checks every call.
+Of what one test calls over and over, the first `FIRST` calls of each function are checked, and then
+those whose number is a power of two: a wrong shape is seldom right for long. LATICAUDA_CHECKS=all
+checks every call.
 """
 
 import dataclasses
@@ -42,7 +44,8 @@ def _is_checked(key: int) -> bool:
 def check_shapes(sources: Path, *others: str) -> None:
     """Have shapes checked in modules that are imported from now on: those in a folder of packages that state any.
 
-    Modules that Numba compiles are left alone: the hook wraps functions, and Numba cannot compile the wrapper.
+    Modules that Numba compiles are left alone: the hook wraps functions, and Numba cannot compile
+    the wrapper.
 
     Args:
         sources: The folder.
@@ -64,14 +67,18 @@ def shaped(*, typechecker: Callable[..., Any]) -> Callable[[Any], Any]:
     Args:
         typechecker: Decorator that makes a function check what it gets and gives.
 
-    Values (`laticauda.quantities.value`) check their fields themselves, and make tuples of lists: only shapes are left.
+    Values (`laticauda.quantities.value`) check their fields themselves, and make tuples of lists:
+    only shapes are left.
     """
 
     def decorate(thing: Any) -> Any:
         if not inspect.isclass(thing):
             return _checked(thing, typechecker)
         if dataclasses.is_dataclass(thing) and "__init__" in vars(thing):
-            is_value = getattr(getattr(thing, "__post_init__", None), "__module__", "") == "laticauda.quantities"
+            is_value = (
+                getattr(getattr(thing, "__post_init__", None), "__module__", "")
+                == "laticauda.quantities"
+            )
             if not is_value or _has_shapes(tuple(thing.__init__.__annotations__.values())):
                 thing.__init__ = _checked(thing.__init__, typechecker)
         return thing
@@ -106,6 +113,8 @@ def _checked(function: Callable[..., Any], typechecker: Callable[..., Any]) -> C
 
 def _has_shapes(hint: Any) -> bool:
     """Whether an annotation, or one inside it, states a shape; a text may."""
-    if isinstance(hint, str) or (inspect.isclass(hint) and issubclass(hint, jaxtyping.AbstractArray)):
+    if isinstance(hint, str) or (
+        inspect.isclass(hint) and issubclass(hint, jaxtyping.AbstractArray)
+    ):
         return True
     return any(map(_has_shapes, hint if isinstance(hint, tuple | list) else get_args(hint)))

@@ -1,7 +1,8 @@
 """The water's loads computed outside of any callback, from Jacobians, as an oracle for `laticauda.mujoco_water.water`.
 
-Way (b): the force that makes a model without added mass accelerate as one with it. Nothing of the compiled code is
-used: velocities and their rates come from `mj_jac` and `mj_jacDot`, the velocity terms from their textbook definitions.
+Way (b): the force that makes a model without added mass accelerate as one with it. Nothing of the
+compiled code is used: velocities and their rates come from `mj_jac` and `mj_jacDot`, the velocity
+terms from their textbook definitions.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,7 +14,9 @@ from laticauda.fluid.laws import PolynomialDrag
 from laticauda.mujoco_water.elements import Element
 
 
-def snake(n_bodies: int = 5, *, option: str = "", joint: str = "", root: str = "<freejoint/>") -> str:
+def snake(
+    n_bodies: int = 5, *, option: str = "", joint: str = "", root: str = "<freejoint/>"
+) -> str:
     """A chain of ellipsoids, joints alternating, as MJCF; its bodies are `b0` and so on."""
     text = f'<mujoco><option timestep="0.001" gravity="0 0 0" {option}/><worldbody>'
     for i in range(n_bodies):
@@ -43,7 +46,9 @@ def elements(n_bodies: int = 5, *, drag: float = 1.0) -> list[Element]:
     ]
 
 
-def random_state(model: mujoco.MjModel, data: mujoco.MjData, seed: int = 0, speed: float = 1.0) -> None:
+def random_state(
+    model: mujoco.MjModel, data: mujoco.MjData, seed: int = 0, speed: float = 1.0
+) -> None:
     """Some pose and some velocity."""
     rng = np.random.default_rng(seed)
     mujoco.mj_resetData(model, data)
@@ -60,8 +65,8 @@ def inertia_and_force(
 ) -> tuple[np.ndarray, np.ndarray]:
     """A, and the generalized force of drag and added mass for joints that do not accelerate (tau_fluid - b_A).
 
-    `data` has been through `mj_forward` of a model without water. `current` is the water's velocity, or a function of
-    place and time of its velocity, material acceleration and rotation.
+    `data` has been through `mj_forward` of a model without water. `current` is the water's
+    velocity, or a function of place and time of its velocity, material acceleration and rotation.
     """
     A, force = np.zeros((model.nv, model.nv)), np.zeros(model.nv)
     shape = (3, model.nv)
@@ -88,7 +93,9 @@ def inertia_and_force(
             tau -= np.cross(w, i @ w) + np.cross(u, m @ u)
         u_own, w_own = R.T @ u, R.T @ w
         f += R @ (-np.array(e.drag) * u_own * (e.law.reference_speed + abs(u_own)))
-        slope = e.law.reference_speed * np.array(e.torque_linear) + np.array(e.torque_quadratic) * abs(w_own)
+        slope = e.law.reference_speed * np.array(e.torque_linear) + np.array(
+            e.torque_quadratic
+        ) * abs(w_own)
         tau += R @ (-slope * w_own)
         force += J.T @ f + K.T @ tau
     return A, force

@@ -22,7 +22,9 @@ SCRIPT = Path(__file__).parent / "cosim" / "web" / "trials.js"
 
 def data_of(folder: Path) -> dict[str, Any]:
     """What the page knows of its robots and sliders."""
-    return json.loads((folder / "robots.js").read_text("utf-8").removeprefix("const PAGE = ").removesuffix(";\n"))
+    return json.loads(
+        (folder / "robots.js").read_text("utf-8").removeprefix("const PAGE = ").removesuffix(";\n")
+    )
 
 
 def some_links(folder: Path, count: int, seed: int) -> list[str]:
@@ -40,7 +42,9 @@ def _some_link(page: dict[str, Any], chance: random.Random, *, follows: bool) ->
         if slider["flag"] == "amplitude-deg":
             high = 40.0  # or steering takes the joints beyond their limit
         if chance.random() < 0.6:
-            said[slider["flag"]] = round(low + step * chance.randint(1, round((high - low) / step)), 9)
+            said[slider["flag"]] = round(
+                low + step * chance.randint(1, round((high - low) / step)), 9
+            )
     if follows:
         said["waypoints"] = " ".join(str(round(chance.uniform(-2.0, 2.0), 2)) for _ in range(6))
         for name, choices in (("guidance", "guidance"), ("heading-estimate", "heading_estimate")):
@@ -51,7 +55,9 @@ def _some_link(page: dict[str, Any], chance: random.Random, *, follows: bool) ->
 def trials(folder: Path, links: list[str]) -> list[dict[str, Any]]:
     """What the page makes of links: trial, figures, and what it says."""
     assert NODE is not None
-    done = subprocess.run([NODE, SCRIPT, folder], input="\n".join(links), text=True, capture_output=True, check=True)
+    done = subprocess.run(
+        [NODE, SCRIPT, folder], input="\n".join(links), text=True, capture_output=True, check=True
+    )
     return [json.loads(line) for line in done.stdout.splitlines()]
 
 
@@ -76,7 +82,9 @@ def by_shell(text: str, folder: Path) -> lc.Scenario:
 def nameless(scenario: lc.Scenario) -> lc.Scenario:
     """Without what it is called."""
     robot, water = scenario.robot, scenario.environment
-    return replace(scenario, robot=replace(robot, description=""), environment=replace(water, name="water"))
+    return replace(
+        scenario, robot=replace(robot, description=""), environment=replace(water, name="water")
+    )
 
 
 def difference(csv: str, trial: lc.Trial) -> float:
@@ -84,8 +92,12 @@ def difference(csv: str, trial: lc.Trial) -> float:
     head, *lines = csv.splitlines()
     table = np.array([[float(cell) for cell in line.split(",")] for line in lines])
     there = {f"{name} [{unit}]": values for name, unit, values in flat_columns(trial.to_dataset())}
-    names = [name for name in head.split(",") if not name.startswith("fin_")]  # these the trial calls otherwise
+    names = [
+        name for name in head.split(",") if not name.startswith("fin_")
+    ]  # these the trial calls otherwise
     assert set(names) <= set(there) and len(names) > 25
     shared = {name: table[:, i] for i, name in enumerate(head.split(",")) if name in there}
     sizes = {name: max(1.0, float(np.abs(there[name]).max())) for name in shared}
-    return max(float(np.abs(values - there[name]).max()) / sizes[name] for name, values in shared.items())
+    return max(
+        float(np.abs(values - there[name]).max()) / sizes[name] for name, values in shared.items()
+    )

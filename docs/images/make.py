@@ -1,6 +1,7 @@
 """Draw the pictures of the docs: `python docs/images/make.py`, or some of them, by name: `... make.py cockpit film`.
 
-The same code always gives the same files, apart from the live page's: what a browser draws differs by some pixels.
+The same code always gives the same files, apart from the live page's: what a browser draws differs
+by some pixels.
 """
 
 import subprocess
@@ -75,13 +76,24 @@ def half_width(name: str) -> float:
     return HALF_WIDTH.get(name, LEAST_HALF_WIDTH)
 
 
-def arrow(ax: Axes, points: list[tuple[float, float]], label: str, at: tuple[float, float], **place: str) -> None:
+def arrow(
+    ax: Axes, points: list[tuple[float, float]], label: str, at: tuple[float, float], **place: str
+) -> None:
     """A line along the points with a head at its end, and a label."""
     ax.plot(*zip(*points, strict=True), color=style.INK, linewidth=0.8, solid_joinstyle="miter")
     ax.annotate(
-        "", points[-1], points[-2], arrowprops={"arrowstyle": "-|>", "color": style.INK, "lw": 0.8, "shrinkB": 0}
+        "",
+        points[-1],
+        points[-2],
+        arrowprops={"arrowstyle": "-|>", "color": style.INK, "lw": 0.8, "shrinkB": 0},
     )
-    ax.text(*at, label, fontsize=style.TICK, color=style.BLUE, **{"ha": "center", "va": "bottom", **place})
+    ax.text(
+        *at,
+        label,
+        fontsize=style.TICK,
+        color=style.BLUE,
+        **{"ha": "center", "va": "bottom", **place},
+    )
 
 
 def control_structure() -> Figure:
@@ -110,11 +122,25 @@ def control_structure() -> Figure:
     for (one, other), label in zip(pairwise(PAPER), labels, strict=True):
         begin, end = BLOCKS[one][0] + half_width(one), BLOCKS[other][0] - half_width(other)
         arrow(ax, [(begin, 1.55), (end, 1.55)], label, ((begin + end) / 2.0 - 0.03, 1.59))
-    robot, estimate, heading, path = (BLOCKS[name][0] for name in ("robot", "estimate", "heading", "path"))
+    robot, estimate, heading, path = (
+        BLOCKS[name][0] for name in ("robot", "estimate", "heading", "path")
+    )
     low = 1.55 - HALF_HEIGHT
-    arrow(ax, [(robot, low), (robot, 0.55), (estimate + half_width("estimate"), 0.55)], "$\\theta_i$", (5.93, 0.59))
-    arrow(ax, [(estimate - half_width("estimate"), 0.55), (heading, 0.55), (heading, low)], "$\\theta$", (3.7, 0.59))
-    arrow(ax, [(robot + 0.2, low), (robot + 0.2, 0.12), (path, 0.12), (path, low)], "$p$", (2.0, 0.16))
+    arrow(
+        ax,
+        [(robot, low), (robot, 0.55), (estimate + half_width("estimate"), 0.55)],
+        "$\\theta_i$",
+        (5.93, 0.59),
+    )
+    arrow(
+        ax,
+        [(estimate - half_width("estimate"), 0.55), (heading, 0.55), (heading, low)],
+        "$\\theta$",
+        (3.7, 0.59),
+    )
+    arrow(
+        ax, [(robot + 0.2, low), (robot + 0.2, 0.12), (path, 0.12), (path, low)], "$p$", (2.0, 0.16)
+    )
     return figure
 
 
@@ -137,7 +163,12 @@ def fronts() -> Figure:
     for kind in ("lateral_undulation", "eel_like"):
         gait = lc.Gait(envelope=envelope_of(kind), amplitude=0.5, frequency=2.0, phase_shift=0.7)
         found.append(
-            optimize(Optimization(scenario=lc.scenario("mamba", gait), bounds=bounds, beyond_actuators=True), seed=1)
+            optimize(
+                Optimization(
+                    scenario=lc.scenario("mamba", gait), bounds=bounds, beyond_actuators=True
+                ),
+                seed=1,
+            )
         )
     return front_figure(found)
 
@@ -148,22 +179,36 @@ def identified() -> Figure:
     settings = path_following_settings()
 
     def body(row: MeasuredTrial | MeasuredPathFollowing) -> lc.Plant[Any]:
-        robot = parameters.robot(lc.load_robot("mamba-fin" if row.has_fin else "mamba"), row.gait.kind)
-        loop = {"offset_bandwidth": 1e6, "loop_delay": 0.12}  # as it was committed before Table 2 was run
+        robot = parameters.robot(
+            lc.load_robot("mamba-fin" if row.has_fin else "mamba"), row.gait.kind
+        )
+        loop = {
+            "offset_bandwidth": 1e6,
+            "loop_delay": 0.12,
+        }  # as it was committed before Table 2 was run
         return lc.plant(robot, parameters.water(row.gait.kind), joints=parameters.joints, **loop)
 
     def followed(row: MeasuredPathFollowing) -> float:
         controller = settings.controller(row.gait)
-        start = lc.Start(center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading)
+        start = lc.Start(
+            center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading
+        )
         there = settings.distance
         trial = lc.run(
-            body(row), controller, settings.duration, start=start, until=lambda seen: seen.center_of_mass[0] >= there
+            body(row),
+            controller,
+            settings.duration,
+            start=start,
+            until=lambda seen: seen.center_of_mass[0] >= there,
         )
         return trial.forward_velocity
 
     first = [row for row in efficiency_trials() if row.forward_velocity is not None]
     second = path_following_trials()
-    swum = [lc.run(body(row), lc.OpenLoop(command=lc.Command(gait=row.gait)), 30.0).forward_velocity for row in first]
+    swum = [
+        lc.run(body(row), lc.OpenLoop(command=lc.Command(gait=row.gait)), 30.0).forward_velocity
+        for row in first
+    ]
     figure = style.new_figure(style.DOUBLE_COLUMN, 3.6)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     for ax, rows, says, title in (
@@ -171,7 +216,9 @@ def identified() -> Figure:
         (panels[1], second, [followed(row) for row in second], "Table 2, not fitted"),
     ):
         ends = (0.06, 0.29)
-        ax.fill_between(ends, [0.9 * v for v in ends], [1.1 * v for v in ends], color="#ECECEC", linewidth=0.0)
+        ax.fill_between(
+            ends, [0.9 * v for v in ends], [1.1 * v for v in ends], color="#ECECEC", linewidth=0.0
+        )
         ax.plot(ends, ends, color=style.GRAY, linewidth=style.THIN)
         for key, (color, marker, label) in GROUPS.items():
             points = [
@@ -180,8 +227,19 @@ def identified() -> Figure:
                 if (row.gait.kind, row.has_fin) == key
             ]
             face = color if key[1] else "white"
-            ax.plot(*zip(*points, strict=True), marker, color=color, markerfacecolor=face, markersize=5.5, label=label)
-        style.dress(ax, xlabel="measured speed [m/s]", ylabel="predicted speed [m/s]" if ax is panels[0] else "")
+            ax.plot(
+                *zip(*points, strict=True),
+                marker,
+                color=color,
+                markerfacecolor=face,
+                markersize=5.5,
+                label=label,
+            )
+        style.dress(
+            ax,
+            xlabel="measured speed [m/s]",
+            ylabel="predicted speed [m/s]" if ax is panels[0] else "",
+        )
         ax.set(xlim=ends, ylim=ends, aspect="equal")
         error = mape(np.array([row.forward_velocity for row in rows]), np.array(says))
         ax.set_title(f"{title}: {error:.1f} %", fontsize=style.LABEL, color=style.INK)
@@ -198,17 +256,33 @@ def smaller_still(trial: lc.Trial, path: Path, time: float) -> None:
 def three_dimensions(folder: Path) -> None:
     """A helix in the water, sidewinding on the ground, and from a shore into the water."""
     robot, water = lc.load_robot("mamba-modules"), lc.load_water("paper-lateral")
-    yaw = lc.lateral_undulation(amplitude=radians(30), frequency=radians(120), phase_shift=radians(40))
-    wave = lc.Wave(amplitude=radians(30), frequency=radians(120), phase_shift=radians(40), phase=radians(90))
-    helix = lc.swim(robot, replace(yaw, pitch=wave), 8.0, environment=water, model="spatial", gravity=False)
+    yaw = lc.lateral_undulation(
+        amplitude=radians(30), frequency=radians(120), phase_shift=radians(40)
+    )
+    wave = lc.Wave(
+        amplitude=radians(30), frequency=radians(120), phase_shift=radians(40), phase=radians(90)
+    )
+    helix = lc.swim(
+        robot, replace(yaw, pitch=wave), 8.0, environment=water, model="spatial", gravity=False
+    )
     smaller_still(helix, folder / "helix.png", 8.0)
-    ground = lc.Ground(friction=lc.CoulombFriction(regularization_speed=1e-2), tangential=0.1, normal=0.5)
+    ground = lc.Ground(
+        friction=lc.CoulombFriction(regularization_speed=1e-2), tangential=0.1, normal=0.5
+    )
     sidewinding = replace(yaw, amplitude=radians(25), pitch=replace(wave, amplitude=radians(5)))
     bare = replace(ground, tangential=0.4, normal=0.4)
-    smaller_still(lc.swim(robot, sidewinding, 6.0, environment=bare, model="spatial"), folder / "sidewinding.png", 6.0)
+    smaller_still(
+        lc.swim(robot, sidewinding, 6.0, environment=bare, model="spatial"),
+        folder / "sidewinding.png",
+        6.0,
+    )
     plant = lc.plant(robot, water, model="spatial", scene=Shore(ground=ground))
     start = lc.Start(center_of_mass=(1.6, 0.0))
-    smaller_still(lc.run(plant, lc.OpenLoop(command=lc.Command(gait=yaw)), 9.0, start=start), folder / "shore.png", 7.0)
+    smaller_still(
+        lc.run(plant, lc.OpenLoop(command=lc.Command(gait=yaw)), 9.0, start=start),
+        folder / "shore.png",
+        7.0,
+    )
 
 
 def cockpit(folder: Path) -> None:
@@ -218,7 +292,9 @@ def cockpit(folder: Path) -> None:
     from laticauda.cockpit.simulation import changed
 
     robot = lc.load_robot("mamba-fin")
-    gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
+    gait = lc.lateral_undulation(
+        amplitude=radians(30), frequency=radians(130), phase_shift=radians(40)
+    )
     plain = lc.scenario(robot, gait)
     with camera(plain) as seen:
         seen.swim(changed(plain, path=lc.StraightLine(point=(0.0, -0.6)), joints="servo"), 40.0)
@@ -247,14 +323,25 @@ def film(folder: Path, name: str = "follow", run: str = FILM) -> None:
         whole = Path(scratch) / "film.mp4"
         if command([*run.split(), "--video", str(whole)]) != 0:
             raise SystemExit("the run of the film failed")
-        words = ["ffmpeg", "-y", "-loglevel", "error", "-i", str(whole), "-vf", "fps=12,scale=640:-2:flags=lanczos"]
+        words = [
+            "ffmpeg",
+            "-y",
+            "-loglevel",
+            "error",
+            "-i",
+            str(whole),
+            "-vf",
+            "fps=12,scale=640:-2:flags=lanczos",
+        ]
         words += ["-c:v", "libwebp_anim", "-quality", "65", "-compression_level", "4", "-loop", "0"]
         subprocess.run([*words, str(folder / f"{name}.webp")], check=True)
 
 
 def swim(folder: Path) -> None:
     """A swim on one sheet."""
-    gait = lc.lateral_undulation(amplitude=radians(30), frequency=radians(130), phase_shift=radians(40))
+    gait = lc.lateral_undulation(
+        amplitude=radians(30), frequency=radians(130), phase_shift=radians(40)
+    )
     save_figure(swim_sheet(lc.swim(lc.load_robot("mamba"), gait)), folder / "swim.png")
 
 
@@ -267,7 +354,9 @@ def street(folder: Path) -> None:
 
 PICTURES: dict[str, Callable[[Path], object]] = {
     "swim": swim,
-    "path-following": lambda folder: save_figure(control_structure(), folder / "path-following.png"),
+    "path-following": lambda folder: save_figure(
+        control_structure(), folder / "path-following.png"
+    ),
     "swim-3d": lambda folder: swim_3d(folder / "swim-3d.png"),
     "front": lambda folder: save_figure(fronts(), folder / "front.png"),
     "three-dimensions": three_dimensions,

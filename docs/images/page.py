@@ -16,7 +16,13 @@ from laticauda.cockpit import Cockpit, Live
 
 SIZE = {"width": 1600, "height": 900}
 # Without a graphics card.
-FLAGS = ("--no-sandbox", "--disable-gpu", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+FLAGS = (
+    "--no-sandbox",
+    "--disable-gpu",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+)
 PATIENCE = 300_000.0  # a slow computer draws some pictures in a minute [ms]
 STEP = 0.05  # between two pictures that the page is told of [s]
 # A page in a browser without a graphics card says so.
@@ -78,7 +84,9 @@ def camera(scenario: lc.Scenario) -> Iterator[Camera]:
     cockpit = Cockpit(Live(scenario), port=0)
     try:
         with sync_playwright() as playwright:
-            browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=list(FLAGS))
+            browser = playwright.chromium.launch(
+                executable_path=shutil.which("chromium"), args=list(FLAGS)
+            )
             page = browser.new_page(viewport=SIZE)  # pyright: ignore[reportArgumentType]
             page.set_default_timeout(PATIENCE)
             page.goto(cockpit.address)

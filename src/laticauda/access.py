@@ -1,7 +1,8 @@
 """Access control for laticauda's servers: they answer their own pages and, from other computers, holders of the token.
 
-A browser sends any request that a page asks for, even to servers on this computer that nobody else can reach. It states
-which page asked (`Origin`) and which host the page named (`Host`), and a page cannot make it state anything else.
+A browser sends any request that a page asks for, even to servers on this computer that nobody else
+can reach. It states which page asked (`Origin`) and which host the page named (`Host`), and a page
+cannot make it state anything else.
 """
 
 import hmac
@@ -37,12 +38,15 @@ class Door:
             host: Host on which it listens; any host except those in `LOCAL` requires a token.
 
         Raises:
-            ValueError: If `host` is not a host, or the environment's token could be guessed or cannot be part of a URL.
+            ValueError: If `host` is not a host, or the environment's token could be guessed or
+                cannot be part of a URL.
         """
         hostname("host", host)
         given = os.environ.get(VARIABLE, "")
         if given and not re.fullmatch(r"[A-Za-z0-9_-]{16,}", given):
-            raise BadArgument(VARIABLE, "must be 16 or more letters, digits, `-` and `_`; its value is not shown")
+            raise BadArgument(
+                VARIABLE, "must be 16 or more letters, digits, `-` and `_`; its value is not shown"
+            )
         return cls(host, given or ("" if host in LOCAL else secrets.token_urlsafe(18)))
 
     @property
@@ -68,13 +72,16 @@ class Door:
             token: Token given by the client; anything but a text counts as no token.
         """
         said = token if isinstance(token, str) else ""
-        return not self.token or hmac.compare_digest(said.encode(errors="replace"), self.token.encode())
+        return not self.token or hmac.compare_digest(
+            said.encode(errors="replace"), self.token.encode()
+        )
 
     def refusal(self, path: str, headers: Callable[[str], list[str]]) -> str:
         """Return why a browser's request is not answered, in a sentence; "" if it is answered.
 
         Args:
-            path: Requested path, which begins with the token: a page's sockets have the page's address.
+            path: Requested path, which begins with the token: a page's sockets have the page's
+                address.
             headers: Returns all values of the request header with a given name.
         """
         hosts, origins = headers("Host"), headers("Origin")

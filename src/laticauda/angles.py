@@ -27,8 +27,11 @@ def wrap_to_pi(angle: float | NDArray[np.float64]) -> float | NDArray[np.float64
         >>> wrap_to_pi(3.0 * np.pi / 2.0) == -np.pi / 2.0
         True
     """
-    # fmod is exact, and so is the subtraction of one turn: no digit is lost, however large the angle.
-    if isinstance(angle, float) and math.isfinite(angle):  # ten times faster than arrays of one, and just as exact
+    # fmod is exact, and so is the subtraction of one turn: no digit is lost, however large the
+    # angle.
+    if isinstance(angle, float) and math.isfinite(
+        angle
+    ):  # ten times faster than arrays of one, and just as exact
         return wrapped(angle)
     turn = 2.0 * math.pi
     rest = np.fmod(angle, turn)

@@ -1,7 +1,8 @@
 """Error messages that name an argument of the wrong type, where Python itself would fail somewhere inside a call.
 
-Values validate themselves, and functions check ranges. What is not a robot at all, or not a list of robots, is
-recognized by its type: `explained` looks for it after a call has failed, so that successful calls cost nothing.
+Values validate themselves, and functions check ranges. What is not a robot at all, or not a list of
+robots, is recognized by its type: `explained` looks for it after a call has failed, so that
+successful calls cost nothing.
 """
 
 import functools
@@ -19,19 +20,27 @@ from laticauda.errors import BadArgument
 MOST_SEEN = 100
 """Number of items of a list that are checked."""
 _MARK = "explained"
-_NUMBERS: dict[Any, type] = {float: Real, int: Integral}  # Python accepts one for the other, and NumPy's for both
+_NUMBERS: dict[Any, type] = {
+    float: Real,
+    int: Integral,
+}  # Python accepts one for the other, and NumPy's for both
 
 
 def explained(thing: Any, package: str) -> Any:
     """Wrap a function or class so that a failure due to an argument of the wrong type names that argument.
 
     Args:
-        thing: Function or class; anything else, and a class that validates its fields itself, is returned unchanged.
+        thing: Function or class; anything else, and a class that validates its fields itself, is
+            returned unchanged.
         package: Package from which users import it.
     """
     if isinstance(thing, types.FunctionType | types.MethodType) or hasattr(thing, "cache_info"):
         return _explained(thing, package)
-    if isinstance(thing, type) and "__init__" in vars(thing) and not hasattr(thing, "__post_init__"):
+    if (
+        isinstance(thing, type)
+        and "__init__" in vars(thing)
+        and not hasattr(thing, "__post_init__")
+    ):
         thing.__init__ = _explained(thing.__init__, package)  # type: ignore[misc]
     return thing
 
@@ -69,7 +78,9 @@ def _explained(function: Callable[..., Any], package: str) -> Callable[..., Any]
     return call
 
 
-def _wrong(function: Callable[..., Any], args: tuple[Any, ...], given: Mapping[str, Any]) -> BadArgument | None:
+def _wrong(
+    function: Callable[..., Any], args: tuple[Any, ...], given: Mapping[str, Any]
+) -> BadArgument | None:
     """Return an error for the first argument of the wrong type; None: all are right, or Python's error suffices."""
     plain: Any = inspect.unwrap(function)
     signature = inspect.signature(plain)
@@ -98,7 +109,9 @@ def misfit(name: str, value: object, hint: Any) -> BadArgument | None:
         hint: Annotation of the argument.
     """
     # Resolve a TypeVar to its constraints or bound.
-    any_of: Any = functools.reduce(lambda one, other: one | other, getattr(hint, "__constraints__", ()) or (hint,))
+    any_of: Any = functools.reduce(
+        lambda one, other: one | other, getattr(hint, "__constraints__", ()) or (hint,)
+    )
     hint = getattr(hint, "__bound__", None) or any_of
     kind, inner = get_origin(hint) or hint, get_args(hint)
     if kind in (typing.Union, types.UnionType):
@@ -112,11 +125,21 @@ def misfit(name: str, value: object, hint: Any) -> BadArgument | None:
     elif getattr(kind, "_is_protocol", False):
         is_right = all(hasattr(value, word) for word in dir(kind) if not word.startswith("_"))
     else:
-        is_right = isinstance(value, kind) and not (inner and isinstance(value, str))  # a text is not a list of texts
+        is_right = isinstance(value, kind) and not (
+            inner and isinstance(value, str)
+        )  # a text is not a list of texts
     if not is_right:
-        wanted = re.sub(r"\b(?:\w+\.)+(?=\w)", "", inspect.formatannotation(hint)).replace(" | ", " or ")
+        wanted = re.sub(r"\b(?:\w+\.)+(?=\w)", "", inspect.formatannotation(hint)).replace(
+            " | ", " or "
+        )
         return BadArgument(name, f"must be of class {wanted}, got {type(value).__name__}")
-    if kind not in (list, tuple, Sequence, Iterable) or not inner or not isinstance(value, Sequence):
+    if (
+        kind not in (list, tuple, Sequence, Iterable)
+        or not inner
+        or not isinstance(value, Sequence)
+    ):
         return None
     items = enumerate(islice(cast("Sequence[object]", value), MOST_SEEN))
-    return next((wrong for i, one in items if (wrong := misfit(f"{name}[{i}]", one, inner[0]))), None)
+    return next(
+        (wrong for i, one in items if (wrong := misfit(f"{name}[{i}]", one, inner[0]))), None
+    )

@@ -1,16 +1,17 @@
 """Conversion between values and the plain tables of TOML and JSON, based only on field types; it knows no classes.
 
-`decode` is strict: anything unknown or unusable is rejected with the key and the rule. `encode` is its inverse.
-A table has the fields of a class as keys, with these short forms:
+`decode` is strict: anything unknown or unusable is rejected with the key and the rule. `encode` is
+its inverse. A table has the fields of a class as keys, with these short forms:
 
 - a number in rad or rad/s may be given in degrees, under its name with ``_deg`` or ``_deg_s``;
-- where several classes are possible (a union, or an `Extensible` base), the key ``kind`` selects one; a text in place
-  of the table is that kind with its defaults;
-- entries of a list of a class that is `counted` may have a ``count``; keys that the class lists under that name may be
-  lists, through which the ``count`` objects cycle.
+- where several classes are possible (a union, or an `Extensible` base), the key ``kind`` selects
+  one; a text in place of the table is that kind with its defaults;
+- entries of a list of a class that is `counted` may have a ``count``; keys that the class lists
+  under that name may be lists, through which the ``count`` objects cycle.
 
-A class may list the keys of older files in `former`, each with its current place ("" for none), or provide a function
-that converts such a table to the current form. Those of version 0.1 are in ``codec.toml``, by class name.
+A class may list the keys of older files in `former`, each with its current place ("" for none), or
+provide a function that converts such a table to the current form. Those of version 0.1 are in
+``codec.toml``, by class name.
 """
 
 import math
@@ -33,7 +34,9 @@ T = TypeVar("T")
 
 FORMAT = 2
 """Format of the files written; increases when their keys change. Version 0.1 wrote none, which counts as current."""
-OLDER: Mapping[str, dict[str, str]] = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
+OLDER: Mapping[str, dict[str, str]] = tomllib.loads(
+    Path(__file__).with_suffix(".toml").read_text("utf-8")
+)
 MOST_COUNTED = 1000  # a typing error must not fill the memory
 
 
@@ -108,7 +111,9 @@ def decode(hint: Any, value: object, at: str = "", default: object = None) -> An
         if not isinstance(value, list | tuple):
             raise BadKey(at, f"must be a list of tables, got {shown(value)}")
         entries = cast("Sequence[object]", value)
-        return tuple(one for i, entry in enumerate(entries) for one in _entry(inner[0], entry, f"{at}[{i}]"))
+        return tuple(
+            one for i, entry in enumerate(entries) for one in _entry(inner[0], entry, f"{at}[{i}]")
+        )
     return value
 
 
@@ -141,7 +146,8 @@ def take_kind(table: Table, *kinds: str) -> str:
     """Remove the header from the table of a file, and return the kind.
 
     Args:
-        table: The whole file; ``kind`` and ``format`` are removed. Without a format, the current one is assumed.
+        table: The whole file; ``kind`` and ``format`` are removed. Without a format, the current
+            one is assumed.
         kinds: Accepted kinds.
 
     Raises:
@@ -153,10 +159,16 @@ def take_kind(table: Table, *kinds: str) -> str:
         raise BadKey("kind", f"is missing; it {rule}")
     word = table.pop("kind")
     if word not in kinds:
-        raise BadKey("kind", f"{rule}, got {shown(word)}{nearest(word, kinds) if isinstance(word, str) else ''}")
+        raise BadKey(
+            "kind",
+            f"{rule}, got {shown(word)}{nearest(word, kinds) if isinstance(word, str) else ''}",
+        )
     number = table.pop("format", FORMAT)
     if number not in range(1, FORMAT + 1):
-        raise BadKey("format", f"must be 1 to {FORMAT}, which this version of laticauda reads, got {shown(number)}")
+        raise BadKey(
+            "format",
+            f"must be 1 to {FORMAT}, which this version of laticauda reads, got {shown(number)}",
+        )
     return word
 
 
@@ -239,7 +251,9 @@ def _object(kind: type[Any], table: Table, at: str, held: Any = None) -> Any:
     check_keys(table, [*hints, *degrees], at)
     in_degrees = {key: one for key, one in table.items() if key in degrees}
     given = {degrees[key] for key in in_degrees}
-    values = {} if held is None else {name: getattr(held, name) for name in hints if name not in given}
+    values = (
+        {} if held is None else {name: getattr(held, name) for name in hints if name not in given}
+    )
     for field in fields(kind):
         is_said = field.name in given or field.name in table or field.name in values
         if not is_said and field.default is MISSING and field.default_factory is MISSING:
@@ -270,7 +284,9 @@ def with_new_names(kind: type, table: Table) -> Table:
         kind: Class that the table describes; its `former`, if any, defines the changes.
         table: Table as in the file.
     """
-    former: Mapping[str, str] | Callable[[Table], Table] = getattr(kind, "former", OLDER.get(kind.__name__, {}))
+    former: Mapping[str, str] | Callable[[Table], Table] = getattr(
+        kind, "former", OLDER.get(kind.__name__, {})
+    )
     if callable(former):
         return former(table)
     for old in former.keys() & table.keys():
@@ -293,8 +309,16 @@ def _kinds(hint: Any) -> Callable[[Any], type] | None:
         group: type[Extensible] = base
         return lambda word: group.named(word if isinstance(word, str) else shown(word))
     if get_origin(hint) in (types.UnionType, Union):
-        several = {name_of(one): one for one in get_args(hint) if is_dataclass(one) and isinstance(one, type)}
-        return (lambda word: several[one_of("kind", word, tuple(several))]) if len(several) > 1 else None
+        several = {
+            name_of(one): one
+            for one in get_args(hint)
+            if is_dataclass(one) and isinstance(one, type)
+        }
+        return (
+            (lambda word: several[one_of("kind", word, tuple(several))])
+            if len(several) > 1
+            else None
+        )
     return None
 
 
@@ -320,31 +344,42 @@ def _entry(hint: Any, entry: Any, at: str) -> list[Any]:
     if cycled is None:
         return [decode(hint, entry, at)]
     table = table_of(entry, at)
-    key, turns = next(((key, table[key]) for key in cycled if isinstance(table.get(key), list)), ("count", [None]))
+    key, turns = next(
+        ((key, table[key]) for key in cycled if isinstance(table.get(key), list)), ("count", [None])
+    )
     count = table.pop("count", len(turns))
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST_COUNTED:
-        raise BadKey(join(at, "count"), f"must be a whole number from 1 to {MOST_COUNTED}, got {shown(count)}")
+        raise BadKey(
+            join(at, "count"),
+            f"must be a whole number from 1 to {MOST_COUNTED}, got {shown(count)}",
+        )
     if not 1 <= len(turns) <= count:
         rule = f"must be a text or a list of 1 to `count` = {count} texts, got {len(turns)}"
         raise BadKey(join(at, key), rule)
-    distinct = [decode(hint, table if key == "count" else table | {key: turn}, at) for turn in turns]
+    distinct = [
+        decode(hint, table if key == "count" else table | {key: turn}, at) for turn in turns
+    ]
     return [distinct[i % len(distinct)] for i in range(count)]
 
 
 def encode(value: Any, hint: Any = None) -> Any:
     """Return data that `decode` converts back to an equal value.
 
-    Fields that are zero, infinite, empty or absent by default are omitted if they have that value; all others are
-    written, so that a file keeps its meaning when a default changes.
+    Fields that are zero, infinite, empty or absent by default are omitted if they have that value;
+    all others are written, so that a file keeps its meaning when a default changes.
 
     Args:
         value: A dataclass, or the value of one of its fields.
-        hint: Its type, if the value alone does not determine what `decode` will be given; None: its own class.
+        hint: Its type, if the value alone does not determine what `decode` will be given; None: its
+            own class.
     """
     if is_dataclass(value):
         thing: Any = value
-        has_kind = _kinds(hint) is not None or any(  # also for `X | None`, but in `X | Y` for the matching type
-            _kinds(one) is not None and isinstance(value, get_origin(one) or one) for one in get_args(hint)
+        has_kind = _kinds(
+            hint
+        ) is not None or any(  # also for `X | None`, but in `X | Y` for the matching type
+            _kinds(one) is not None and isinstance(value, get_origin(one) or one)
+            for one in get_args(hint)
         )
         return {**({"kind": name_of(thing.__class__)} if has_kind else {}), **_table(thing)}
     if isinstance(value, Unknown):
@@ -356,7 +391,11 @@ def encode(value: Any, hint: Any = None) -> Any:
         cycled = getattr(things[0], "counted", None) if things else None
         if cycled is not None:
             return _counted(things, cycled)
-        inner = next((one for one in get_args(hint) if one is not Ellipsis), None) if hint is not None else None
+        inner = (
+            next((one for one in get_args(hint) if one is not Ellipsis), None)
+            if hint is not None
+            else None
+        )
         return [encode(thing, inner) for thing in things]
     return value
 
@@ -372,8 +411,15 @@ def _table(thing: Any) -> Table:
         name, written = field.name, encode(value, hints[field.name])
         if written == {} and field.default_factory is not MISSING:
             continue
-        if name in degrees and isinstance(value, float) and math.radians(round(math.degrees(value), 9)) == value:
-            name, written = degrees[name], round(math.degrees(value), 9)  # converts back to exactly the same number
+        if (
+            name in degrees
+            and isinstance(value, float)
+            and math.radians(round(math.degrees(value), 9)) == value
+        ):
+            name, written = (
+                degrees[name],
+                round(math.degrees(value), 9),
+            )  # converts back to exactly the same number
         table[name] = written
     return table
 

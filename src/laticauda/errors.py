@@ -1,11 +1,11 @@
 """The errors of laticauda, and the checks that raise them.
 
-A bad argument is a `ValueError` that names the argument, the rule with its unit and the value received.
-Errors caused by the outside world rather than by an argument derive from `LaticaudaError`.
-Each check returns the cleaned value, so that a dataclass can check and convert in one line.
-Packages that belong to one of laticauda's extras are imported when they are first needed, and not before; if one is
-missing, the error states what to install. Processes started by such an import, and laticauda's own workers, ignore
-Ctrl-C: it is handled by this process.
+A bad argument is a `ValueError` that names the argument, the rule with its unit and the value
+received. Errors caused by the outside world rather than by an argument derive from
+`LaticaudaError`. Each check returns the cleaned value, so that a dataclass can check and convert in
+one line. Packages that belong to one of laticauda's extras are imported when they are first needed,
+and not before; if one is missing, the error states what to install. Processes started by such an
+import, and laticauda's own workers, ignore Ctrl-C: it is handled by this process.
 """
 
 import math
@@ -78,7 +78,8 @@ class MissingExtra(LaticaudaError, ImportError):
     """
 
     def __init__(self, feature: str, package: str, extra: str) -> None:
-        # All three are stored in `args`: an error that crosses a process boundary is rebuilt from them.
+        # All three are stored in `args`: an error that crosses a process boundary is rebuilt from
+        # them.
         super().__init__(feature, package, extra)
 
     def __str__(self) -> str:
@@ -108,7 +109,8 @@ class MissingProgram(LaticaudaError, RuntimeError):
 def finite(name: str, value: object, unit: str = "") -> float:
     """Return `value` as a float if it is a single finite number.
 
-    NumPy numbers are accepted like Python's. Truth values, texts, arrays, nan and infinities are rejected.
+    NumPy numbers are accepted like Python's. Truth values, texts, arrays, nan and infinities are
+    rejected.
 
     Args:
         name: Name of the argument, as the user knows it.
@@ -199,7 +201,9 @@ def whole(name: str, value: object, least: int, most: int = sys.maxsize) -> int:
         raise BadArgument(name, f"must be a whole number >= {least}, got {shown(value)}")
     number = int(value)
     if number > most:
-        raise BadArgument(name, f"must be a whole number between {least} and {most}, got {shown(value)}")
+        raise BadArgument(
+            name, f"must be a whole number between {least} and {most}, got {shown(value)}"
+        )
     return number
 
 
@@ -351,7 +355,7 @@ def shown(value: object) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-# ---- packages that may be missing -----------------------------------------------------------------------------------
+# ---- packages that may be missing ----------------------------------------------------------------
 
 
 def optional_import(feature: str, package: str, extra: str, module: str | None = None) -> Any:

@@ -1,8 +1,9 @@
 """Extension points: base classes whose subclasses are found by name, wherever they are defined.
 
-Drag laws, joint laws, envelopes and controllers are subclasses of such a base. The name of a subclass in files, flags
-and messages is its class name with hyphens. It is found if it comes with the package, was defined or imported by this
-process, or is an entry point of an installed package; nothing named in a file is imported because of it.
+Drag laws, joint laws, envelopes and controllers are subclasses of such a base. The name of a
+subclass in files, flags and messages is its class name with hyphens. It is found if it comes with
+the package, was defined or imported by this process, or is an entry point of an installed package;
+nothing named in a file is imported because of it.
 """
 
 import functools
@@ -18,7 +19,9 @@ from laticauda.errors import BadArgument, nearest
 
 ENTRY_POINTS = "laticauda."
 """Prefix of the entry-point groups; the group of drag laws is ``laticauda.drag_laws``."""
-HOMES: Mapping[str, Mapping[str, str]] = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+HOMES: Mapping[str, Mapping[str, str]] = tomllib.loads(
+    Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")
+)
 """By group, the module of every member that comes with the package and is imported only on demand."""
 
 
@@ -44,7 +47,9 @@ class Extensible:
         super().__init_subclass__(**rest)
         if group is not None:
             cls.group, cls._homes = group, HOMES.get(group, {})
-            cls._known = {name_of(cls): cls} if "called" in vars(cls) else {}  # a base with a name is itself a member
+            cls._known = (
+                {name_of(cls): cls} if "called" in vars(cls) else {}
+            )  # a base with a name is itself a member
         elif not cls.__name__.startswith("_"):
             cls._known[name_of(cls)] = cls
 

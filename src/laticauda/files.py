@@ -39,7 +39,9 @@ def local(path: str | os.PathLike[str]) -> Path:
         raise StorageFailed("'': an empty text is not the name of a file")
     if place.parts and place.parts[0][2:].endswith(":"):  # a drive name has a single letter
         shown = str(path).replace("://", ":/").replace(":/", "://")  # a path has lost a slash
-        raise StorageFailed(f"{shown}: is an address; give a path on this computer, and copy the files separately")
+        raise StorageFailed(
+            f"{shown}: is an address; give a path on this computer, and copy the files separately"
+        )
     return place
 
 
@@ -55,7 +57,9 @@ def read_bytes(path: str | Path, most_bytes: int = MOST_DATA) -> bytes:
     """
     with local(path).open("rb") as file:
         size = os.fstat(file.fileno()).st_size  # memory for all of it is requested at once
-        most_bytes = most_bytes if size else min(most_bytes, MOST_BYTES)  # a device has no size, and perhaps no end
+        most_bytes = (
+            most_bytes if size else min(most_bytes, MOST_BYTES)
+        )  # a device has no size, and perhaps no end
         content = file.read(min(size or most_bytes, most_bytes) + 1)
     if len(content) > most_bytes:
         raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(path))
@@ -89,15 +93,23 @@ def read_text(
         raise error(f"{path}: is a folder, not a file") from None
     except (OSError, ValueError) as failure:  # a null byte in the name is a ValueError
         if getattr(failure, "errno", None) == errno.EFBIG:
-            raise error(f"{path}: is larger than {most_bytes >> 20} MiB, too large for a file of this kind") from None
-        raise error(f"{path}: cannot be read: {getattr(failure, 'strerror', None) or failure}") from None
+            raise error(
+                f"{path}: is larger than {most_bytes >> 20} MiB, too large for a file of this kind"
+            ) from None
+        raise error(
+            f"{path}: cannot be read: {getattr(failure, 'strerror', None) or failure}"
+        ) from None
     try:
         return content.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as failure:
-        raise error(f"{path}: is not UTF-8 text ({failure.reason} at byte {failure.start})") from None
+        raise error(
+            f"{path}: is not UTF-8 text ({failure.reason} at byte {failure.start})"
+        ) from None
 
 
-def parse_toml(text: str, shown: object, error: type[LaticaudaError] = StorageFailed) -> dict[str, Any]:
+def parse_toml(
+    text: str, shown: object, error: type[LaticaudaError] = StorageFailed
+) -> dict[str, Any]:
     """Parse a TOML text.
 
     Args:
@@ -117,13 +129,17 @@ def parse_toml(text: str, shown: object, error: type[LaticaudaError] = StorageFa
 
 
 def read_toml(
-    path: str | Path, error: type[LaticaudaError] = StorageFailed, *, missing: type[LaticaudaError] | None = None
+    path: str | Path,
+    error: type[LaticaudaError] = StorageFailed,
+    *,
+    missing: type[LaticaudaError] | None = None,
 ) -> dict[str, Any]:
     """Read the table in a TOML file.
 
     Args:
         path: Path of the file.
-        error: Error raised if the file cannot be read or is not TOML; the message states which file and why.
+        error: Error raised if the file cannot be read or is not TOML; the message states which file
+            and why.
         missing: Error raised if the file does not exist; None: `error`.
     """
     return parse_toml(read_text(path, error, missing=missing), path, error)
@@ -138,7 +154,8 @@ def read_rows(
 
     Args:
         path: Path of the file.
-        error: Error raised if the file cannot be read, or its rows differ in length; the message gives file and reason.
+        error: Error raised if the file cannot be read, or its rows differ in length; the message
+            gives file and reason.
     """
     lines = ["" if line.startswith("#") else line for line in read_text(path, error).splitlines()]
     reader = csv.reader(lines, strict=True)
@@ -153,12 +170,15 @@ def read_rows(
     return names, [(number, dict(zip(names, row, strict=True))) for number, row in rows]
 
 
-def read_columns(path: str | Path, error: type[LaticaudaError] = StorageFailed) -> dict[str, list[str]]:
+def read_columns(
+    path: str | Path, error: type[LaticaudaError] = StorageFailed
+) -> dict[str, list[str]]:
     """Read the cells of a CSV file by column.
 
     Args:
         path: Path of the file.
-        error: Error raised if the file cannot be read, or its rows differ in length; the message gives file and reason.
+        error: Error raised if the file cannot be read, or its rows differ in length; the message
+            gives file and reason.
     """
     names, rows = read_rows(path, error)
     return {name: [row[name] for _, row in rows] for name in names}
@@ -204,26 +224,36 @@ def to_json(content: Any, indent: int | None = 2) -> str:
 def write(path: str | Path, content: bytes | str | Callable[[Path], object]) -> None:
     """Write a file as a whole, so that readers see either the old or the new version.
 
-    The content is written to another name with the same extension in the same folder, and then moved into place.
-    Leftovers of processes on this computer that were killed while writing there are removed. A target that is not a
-    regular file, such as a pipe or a device, is written directly.
+    The content is written to another name with the same extension in the same folder, and then
+    moved into place. Leftovers of processes on this computer that were killed while writing there
+    are removed. A target that is not a regular file, such as a pipe or a device, is written
+    directly.
 
     Args:
         path: Path of the file; its folder must exist.
-        content: Bytes, a text (written as UTF-8), or a function that writes to the path that it receives.
+        content: Bytes, a text (written as UTF-8), or a function that writes to the path that it
+            receives.
 
     Raises:
         StorageFailed: If the file cannot be written; the previous content is then still there.
     """
     target = Path(os.path.realpath(local(path)))  # a link continues to point to the file
     is_plain = target.is_file() or not target.exists()
-    new = target.with_name(f".{os.getpid()}-{_HOST}{os.urandom(4).hex()}{target.suffix}") if is_plain else target
+    new = (
+        target.with_name(f".{os.getpid()}-{_HOST}{os.urandom(4).hex()}{target.suffix}")
+        if is_plain
+        else target
+    )
     try:
-        if target.exists() and not os.access(target, os.W_OK):  # a move would need permission for the folder only
+        if target.exists() and not os.access(
+            target, os.W_OK
+        ):  # a move would need permission for the folder only
             raise PermissionError(errno.EACCES, "it is read-only")
         _clear(target.parent)
         if callable(content):
-            new.open("ab").close()  # obstacles are reported by the system, not by a library in its own words
+            new.open(
+                "ab"
+            ).close()  # obstacles are reported by the system, not by a library in its own words
             content(new)
         else:
             new.write_bytes(content.encode() if isinstance(content, str) else content)
@@ -234,8 +264,13 @@ def write(path: str | Path, content: bytes | str | Callable[[Path], object]) -> 
                 shutil.copymode(target, new)
             new.replace(target)
     except OSError as error:
-        reason, advice = error.strerror or error, "make room there" if is_full(error) else "correct this"
-        raise StorageFailed(f"{path}: cannot be written: {reason}; {advice}, or name another place.") from error
+        reason, advice = (
+            error.strerror or error,
+            "make room there" if is_full(error) else "correct this",
+        )
+        raise StorageFailed(
+            f"{path}: cannot be written: {reason}; {advice}, or name another place."
+        ) from error
     finally:
         if is_plain:
             with suppress(OSError):  # it could not be made
@@ -256,7 +291,9 @@ def _clear(folder: Path) -> None:
     for left in folder.glob(f".[0-9]*-{_HOST}*") if os.name == "posix" else ():
         with suppress(OSError, ValueError):
             try:
-                os.kill(int(left.name[1:].partition("-")[0]), 0)  # signal 0 only tests whether the process exists
+                os.kill(
+                    int(left.name[1:].partition("-")[0]), 0
+                )  # signal 0 only tests whether the process exists
             except ProcessLookupError:
                 left.unlink()
 
@@ -266,8 +303,8 @@ def locked(path: Path, *, wait: bool) -> Generator[None]:
     """Keep other processes from doing the same work, where system and file system support locks.
 
     Args:
-        path: A folder or a file that all of them lock; a file is created if needed. The lock is released when the
-            process ends, however it ends.
+        path: A folder or a file that all of them lock; a file is created if needed. The lock is
+            released when the process ends, however it ends.
         wait: Whether to wait for another process that holds the lock.
 
     Raises:

@@ -1,9 +1,10 @@
 """Laws with parameters: values whose fields are the numbers and whose `__call__` is the formula.
 
-Python calls the law itself. Kernels compile the formula once per class (`laticauda.compiling.formulas`), with a record
-of rows in place of `self`: its fields have the same names, and each of several trials in parallel, and each derivative,
-has its own values of them. A formula therefore has access to its own fields, which are numbers or truth values, but not
-to methods or properties; it may call plain functions defined outside the class.
+Python calls the law itself. Kernels compile the formula once per class
+(`laticauda.compiling.formulas`), with a record of rows in place of `self`: its fields have the same
+names, and each of several trials in parallel, and each derivative, has its own values of them. A
+formula therefore has access to its own fields, which are numbers or truth values, but not to
+methods or properties; it may call plain functions defined outside the class.
 """
 
 from collections.abc import Callable
@@ -52,14 +53,18 @@ class Law:
     def words(self) -> str:
         """Description for people: its name and its numbers with their units."""
         units = {name: one.unit for name, one in quantities_of(type(self)).items()}  # pyright: ignore[reportArgumentType]
-        told = [f"{name} {float(getattr(self, name)):g} {units.get(name, '')}".rstrip() for name in self.formula.fields]
+        told = [
+            f"{name} {float(getattr(self, name)):g} {units.get(name, '')}".rstrip()
+            for name in self.formula.fields
+        ]
         return ", ".join([name_of(type(self)).replace("-", " "), *told])
 
 
 class OfFunction(Law):
     """Mixin of laws that are a plain `function`; the variables that it closes over are compiled into it.
 
-    Such laws have no numbers to be swept or identified, and cannot be stored in files: write a class for that.
+    Such laws have no numbers to be swept or identified, and cannot be stored in files: write a
+    class for that.
     """
 
     function: Callable[..., Any]
@@ -89,7 +94,12 @@ def _formula(kind: type[Any]) -> Formula:
     hints = hints_of(kind)
     for name, hint in hints.items():
         if hint not in (float, bool, int):
-            raise BadArgument(name, f"of {kind.__name__} must be a number; write another class for another formula")
+            raise BadArgument(
+                name,
+                f"of {kind.__name__} must be a number; write another class for another formula",
+            )
     if len(hints) > MOST_NUMBERS:
-        raise ValueError(f"`{kind.__name__}` must have at most {MOST_NUMBERS} numbers, got {len(hints)}.")
+        raise ValueError(
+            f"`{kind.__name__}` must have at most {MOST_NUMBERS} numbers, got {len(hints)}."
+        )
     return Formula(name=kind.__name__, function=kind.__call__, fields=tuple(hints))

@@ -7,18 +7,20 @@ With rho the water's density, a and b the vertical and lateral half-axes, l the 
     mu_n = rho pi C_A a^2 2l             lambda_3 = rho pi C_f (a+b) l^4 / 8
     mu_t = C_T rho pi a b 2l
 
-Kelasidi, Liljeback, Pettersen and Gravdahl, Robotics and Biomimetics 2:8 (2015), Table 1; mu_t is 0 there. Its lambda_2
-and lambda_3 contain the tangential friction only, and the unit of its lambda_1 is not that of an inertia (its value is
-negligible). ``rotational="strip"`` replaces all three by those of the normal loads distributed uniformly along a link
-that rotates about its middle:
+Kelasidi, Liljeback, Pettersen and Gravdahl, Robotics and Biomimetics 2:8 (2015), Table 1; mu_t is 0
+there. Its lambda_2 and lambda_3 contain the tangential friction only, and the unit of its lambda_1
+is not that of an inertia (its value is negligible). ``rotational="strip"`` replaces all three by
+those of the normal loads distributed uniformly along a link that rotates about its middle:
 
     lambda_1 = mu_n l^2 / 3              lambda_2 = c_n l^2 / 3              lambda_3 = c_n l^3 / 4
 
-In a water with a `friction_taper`, C_f (1 + taper (1 - 2 s)) replaces C_f on the links, where s is the position of the
-link's middle, from 0 at the tail end of the body to 1 at its head end; for links of equal length, the mean is C_f. The
-taper does not affect the fin, nor modules with their own C_f.
+In a water with a `friction_taper`, C_f (1 + taper (1 - 2 s)) replaces C_f on the links, where s is
+the position of the link's middle, from 0 at the tail end of the body to 1 at its head end; for
+links of equal length, the mean is C_f. The taper does not affect the fin, nor modules with their
+own C_f.
 
-The wake behind the tail end carries m' = rho pi C_A a^2 per length, from the section there (`wake_mass`).
+The wake behind the tail end carries m' = rho pi C_A a^2 per length, from the section there
+(`wake_mass`).
 
 `bending_frequencies` computes the natural frequencies of a flexible fin in that water.
 """
@@ -77,29 +79,36 @@ def link_coefficients(robot: Robot, environment: Environment) -> Coefficients:
 
         mu_n = rho pi C_A (h/2)^2 d,   c_n = 1/2 rho C_D h d,   c_t = 1/2 rho C_f 2 h d (two faces),   mu_t = 0
 
-    and no torque of its own, unless ``rotational="strip"`` adds the contributions within a strip. An open opening has
-    mass (see `CaudalFin`) but no area, and hence no strip. On the ground the strips carry the fin's whole mass: dry
-    friction acts on their weight; viscous friction, which is given per link, does not act on them.
+    and no torque of its own, unless ``rotational="strip"`` adds the contributions within a strip.
+    An open opening has mass (see `CaudalFin`) but no area, and hence no strip. On the ground the
+    strips carry the fin's whole mass: dry friction acts on their weight; viscous friction, which is
+    given per link, does not act on them.
 
     Args:
         robot: Robot whose joints all rotate about the vertical axis (see `Robot.planar`).
         environment: The water in which it swims, or the ground on which it crawls.
 
     Returns:
-        Arrays per link, tail first, together with the fin's strips. Coefficients of a module or of the fin replace the
-        water's on that module or on the fin.
+        Arrays per link, tail first, together with the fin's strips. Coefficients of a module or of
+        the fin replace the water's on that module or on the fin.
 
     Raises:
         ValueError: If the water's depth does not cover a link or the fin.
     """
-    known = {id(one): (one.half_length, one.mass, one.volume) for one in {id(m): m for m in robot.modules}.values()}
+    known = {
+        id(one): (one.half_length, one.mass, one.volume)
+        for one in {id(m): m for m in robot.modules}.values()
+    }
     half_length, mass, volume = np.array([known[id(module)] for module in robot.modules]).T
     fin = robot.caudal_fin
     if isinstance(environment, Ground):
         loads, density = _ground_loads(mass, environment), 0.0
         strips = _fin_on_ground(fin, environment) if fin else None
     else:
-        loads, density = _loads_in_water(robot.modules, half_length, environment), environment.density
+        loads, density = (
+            _loads_in_water(robot.modules, half_length, environment),
+            environment.density,
+        )
         strips = _fin_in_water(fin, environment) if fin else None
     return _coefficients(half_length, half_length, mass, loads, density * volume, strips)
 
@@ -122,7 +131,9 @@ def immersion_factor(half_height: float, depth: float | None) -> float:
     if depth is None:
         return 1.0
     if not depth > half_height:
-        raise BadArgument("depth", f"must be > {half_height:g} m, the element's half height, got {depth}")
+        raise BadArgument(
+            "depth", f"must be > {half_height:g} m, the element's half height, got {depth}"
+        )
     return 1.0 + half_height**2 / (2.0 * depth**2)
 
 
@@ -149,7 +160,9 @@ def wake_mass(robot: Robot, water: Water) -> float:
     """
     fin, tail = robot.caudal_fin, robot.modules[0]
     last, half_height = (fin, fin.height / 2.0) if fin else (tail, tail.section.half_height)
-    return mass_across(last.added_mass, half_height, water) * immersion_factor(half_height, water.depth)
+    return mass_across(last.added_mass, half_height, water) * immersion_factor(
+        half_height, water.depth
+    )
 
 
 def own(override: float | None, water: float) -> float:
@@ -180,7 +193,9 @@ def _loads_in_water(modules: Sequence[Module], half_length: np.ndarray, water: W
     friction = [water.tangential_friction] * len(modules)
     if water.friction_taper != 0.0:
         middle = np.cumsum(2.0 * half_length) - half_length
-        share = 1.0 + water.friction_taper * (1.0 - middle / np.sum(half_length))  # 1 + taper (1 - 2 s)
+        share = 1.0 + water.friction_taper * (
+            1.0 - middle / np.sum(half_length)
+        )  # 1 + taper (1 - 2 s)
         friction = (water.tangential_friction * share).tolist()
     known: dict[tuple[int, float], tuple[float, ...]] = {}
     columns: list[tuple[float, ...]] = []
@@ -206,7 +221,11 @@ def _link_loads(module: Module, water: Water, friction: float) -> tuple[float, .
         lambdas = _strip_lambdas(mu_n, c_n, l)
     else:
         friction = rho * np.pi * C_f * (a + b) * l**3
-        lambdas = (rho * np.pi * C_M * (a**2 - b**2) ** 2 * l**3 / 12.0, friction / 6.0, friction * l / 8.0)
+        lambdas = (
+            rho * np.pi * C_M * (a**2 - b**2) ** 2 * l**3 / 12.0,
+            friction / 6.0,
+            friction * l / 8.0,
+        )
     return (c_t, c_n, mu_t, mu_n, *lambdas)
 
 
@@ -218,14 +237,20 @@ def _fin_in_water(fin: CaudalFin, water: Water) -> Coefficients:
     mu_n *= immersion_factor(h / 2.0, water.depth)
     c_n = 0.5 * rho * own(fin.normal_drag, water.normal_drag) * h * d
     c_t = 0.5 * rho * own(fin.tangential_friction, water.tangential_friction) * 2.0 * h * d
-    lambdas = _strip_lambdas(mu_n, c_n, d / 2.0) if water.rotational == "strip" else (zero, zero, zero)
+    lambdas = (
+        _strip_lambdas(mu_n, c_n, d / 2.0) if water.rotational == "strip" else (zero, zero, zero)
+    )
     return _strips(fin, edges, (c_t, c_n, zero, mu_n, *lambdas), rho)
 
 
 def _fin_on_ground(fin: CaudalFin, ground: Ground) -> Coefficients:
     edges = _strip_edges(fin, closed=True)
     mass = fin.mass * np.diff(edges) / fin.length
-    loads = _ground_loads(mass, ground) if ground.friction.of_weight else [np.zeros_like(mass)] * len(_LOADS)
+    loads = (
+        _ground_loads(mass, ground)
+        if ground.friction.of_weight
+        else [np.zeros_like(mass)] * len(_LOADS)
+    )
     return _strips(fin, edges, loads, 0.0)
 
 
@@ -244,7 +269,9 @@ def _strip_edges(fin: CaudalFin, *, closed: bool) -> np.ndarray:
 
 
 @lru_cache(maxsize=64)  # most robots of a batch have the same fin; the array is never modified
-def _cut_strips(length: float, opening: float, n_strips: int, closed: bool, cuts: tuple[float, ...]) -> np.ndarray:
+def _cut_strips(
+    length: float, opening: float, n_strips: int, closed: bool, cuts: tuple[float, ...]
+) -> np.ndarray:
     edges = np.linspace(opening, length, n_strips + 1)
     if closed and opening > 0.0:
         pieces = int(np.ceil(opening / (edges[1] - edges[0])))
@@ -253,13 +280,19 @@ def _cut_strips(length: float, opening: float, n_strips: int, closed: bool, cuts
     return np.sort(np.concatenate((edges, inside)))
 
 
-def _strips(fin: CaudalFin, edges: np.ndarray, loads: Iterable[np.ndarray], density: float) -> Coefficients:
+def _strips(
+    fin: CaudalFin, edges: np.ndarray, loads: Iterable[np.ndarray], density: float
+) -> Coefficients:
     d = np.diff(edges)
     displaced = density * fin.volume * d / np.sum(d)  # the whole volume, including an opening's
-    return _coefficients(d / 2.0, -(edges[:-1] + edges[1:]) / 2.0, fin.mass * d / fin.length, loads, displaced)
+    return _coefficients(
+        d / 2.0, -(edges[:-1] + edges[1:]) / 2.0, fin.mass * d / fin.length, loads, displaced
+    )
 
 
-def _strip_lambdas(mu_n: _Number, c_n: _Number, half_length: _Number) -> tuple[_Number, _Number, _Number]:
+def _strip_lambdas(
+    mu_n: _Number, c_n: _Number, half_length: _Number
+) -> tuple[_Number, _Number, _Number]:
     """Return normal added mass and drag (linear, quadratic) spread along an element that rotates about its middle."""
     return mu_n * half_length**2 / 3.0, c_n * half_length**2 / 3.0, c_n * half_length**3 / 4.0
 
@@ -267,8 +300,9 @@ def _strip_lambdas(mu_n: _Number, c_n: _Number, half_length: _Number) -> tuple[_
 def bending_frequencies(robot: Robot, environment: Environment) -> Float[np.ndarray, " n_hinges"]:
     """Compute the natural frequencies of a robot's fin with its root fixed, without drag and damping.
 
-    For small deflections, (K - (2 pi f)^2 M) phi = 0 for the hinge angles phi, with K the hinges' stiffness and M the
-    inertia of plate and added mass behind them, m (x - s_i)(x - s_j) for a mass m at x behind the hinges i and j.
+    For small deflections, (K - (2 pi f)^2 M) phi = 0 for the hinge angles phi, with K the hinges'
+    stiffness and M the inertia of plate and added mass behind them, m (x - s_i)(x - s_j) for a mass
+    m at x behind the hinges i and j.
 
     Args:
         robot: Robot whose fin has hinges.
@@ -290,7 +324,9 @@ def bending_frequencies(robot: Robot, environment: Environment) -> Float[np.ndar
     """
     fin, strips = robot.caudal_fin, link_coefficients(robot, environment).fin
     if fin is None or strips is None or not fin.hinges:
-        raise BadArgument("robot", "must have a fin that bends (`caudal_fin.n_hinges` > 0), got one that does not")
+        raise BadArgument(
+            "robot", "must have a fin that bends (`caudal_fin.n_hinges` > 0), got one that does not"
+        )
     hinge = np.array([one.position for one in fin.hinges])
     pieces = [(0.5 * (p.begin + p.end), p.mass, p.mass * p.length**2 / 12.0) for p in fin.pieces]
     water = zip(-strips.position, strips.mu_n, strips.lambda_1, strict=True)

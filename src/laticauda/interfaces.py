@@ -18,7 +18,10 @@ from laticauda.robot import Robot
 
 State = TypeVar("State")
 FAR = 1e5  # beyond this, digits of the motion are lost
-EFFECTORS = (("thrusts", "thrusters", "thrust", "N"), ("deflections", "pectoral_fins", "deflection", "rad"))
+EFFECTORS = (
+    ("thrusts", "thrusters", "thrust", "N"),
+    ("deflections", "pectoral_fins", "deflection", "rad"),
+)
 """Effectors in a command: field of the command, field of the robot, the effector's quantity, and its unit."""
 ORIENTATION = tuple(f"orientation_{part}" for part in "wxyz")
 """Signals of a spatial trial: orientation of module 0 as a quaternion. A measured trial may lack them."""
@@ -36,11 +39,12 @@ class Command:
     """Offset added for the pitch joints; positive turns down [rad]."""
     references: tuple[float, ...] | None = None
     """Reference of every joint from an external source, held until the next command: the gait and the offsets are then
-    ignored, and the reference generator pauses. For joints driven by pd control or servos. One more value may follow
-    for a driven fin, which otherwise moves with the gait [rad]."""
+    ignored, and the reference generator pauses. For joints driven by pd control or servos. One more
+    value may follow for a driven fin, which otherwise moves with the gait [rad]."""
     enabled: tuple[bool, ...] | None = None
     """For every joint, whether its motor is on. If off, only the friction of the gear and of the skin acts. None: all
-    are on. For joints driven by pd control or servos. One more value may follow for a driven fin [-]."""
+    are on. For joints driven by pd control or servos. One more value may follow for a driven fin
+    [-]."""
     thrusts: tuple[float, ...] | None = None
     """Thrust of every driven thruster, one with a `max_thrust` that limits it, in order. None: its own thrust [N]."""
     deflections: tuple[float, ...] | None = None
@@ -62,7 +66,8 @@ class Command:
             robot: The robot with its effectors as built.
 
         Raises:
-            ValueError: If the numbers of values and of driven effectors differ, or a value is not finite.
+            ValueError: If the numbers of values and of driven effectors differ, or a value is not
+                finite.
         """
         changes: dict[str, Any] = {}
         for name, group, number, unit in EFFECTORS:
@@ -88,8 +93,8 @@ class Command:
             joints: Joint law that drives them.
 
         Raises:
-            ValueError: If their number does not match the joints, with or without a driven fin, a reference is not a
-                finite number, or the joints are prescribed.
+            ValueError: If their number does not match the joints, with or without a driven fin, a
+                reference is not a finite number, or the joints are prescribed.
         """
         for name in ("references", "enabled"):
             values = getattr(self, name)
@@ -97,14 +102,19 @@ class Command:
                 continue
             if joints.prescribed:
                 rule = "must be None for prescribed joints, which can neither jump nor go limp"
-                raise BadArgument(name, f"{rule}; use `joints` = `servo` or `pd`, got {len(values)} of them")
+                raise BadArgument(
+                    name, f"{rule}; use `joints` = `servo` or `pd`, got {len(values)} of them"
+                )
             n, most = robot.n_joints, len(robot.driven_joints)
             if len(values) not in (n, most):
                 rule = f"must have one entry per joint, {n} of them{', or one more for the fin' if most > n else ''}"
                 raise BadArgument(name, f"{rule}, got {len(values)}")
-        # A single sum checks all of them, a hundred times per second; the faulty one is located only if the sum fails.
+        # A single sum checks all of them, a hundred times per second; the faulty one is located
+        # only if the sum fails.
         held = self.references or ()
-        if not (all(type(angle) is float for angle in held) and math.isfinite(math.fsum(map(abs, held)))):
+        if not (
+            all(type(angle) is float for angle in held) and math.isfinite(math.fsum(map(abs, held)))
+        ):
             for i, angle in enumerate(held):
                 finite(f"references[{i}]", angle, "rad")
 
@@ -141,12 +151,24 @@ class Observation:
 class Start:
     """Start of a run: straight, and at rest unless it has a forward velocity."""
 
-    center_of_mass: tuple[float, float] = quantity("m", "Center of mass", default=(0.0, 0.0), ge=-FAR, le=FAR)
-    heading: float = quantity("rad", "Direction in which the robot points", default=0.0, ge=-FAR, le=FAR)
-    velocity: float = quantity("m/s", "Forward speed, along the body", default=0.0, ge=-100.0, le=100.0)
-    depth: float | None = quantity("m", "Axis depth at mass center, free root; None: the environment's", default=None)
-    pitch: float = quantity("rad", "Downward, with a free root", default=0.0, ge=-0.5 * math.pi, le=0.5 * math.pi)
-    roll: float = quantity("rad", "About its axis; positive lifts the left side", default=0.0, ge=-math.pi, le=math.pi)
+    center_of_mass: tuple[float, float] = quantity(
+        "m", "Center of mass", default=(0.0, 0.0), ge=-FAR, le=FAR
+    )
+    heading: float = quantity(
+        "rad", "Direction in which the robot points", default=0.0, ge=-FAR, le=FAR
+    )
+    velocity: float = quantity(
+        "m/s", "Forward speed, along the body", default=0.0, ge=-100.0, le=100.0
+    )
+    depth: float | None = quantity(
+        "m", "Axis depth at mass center, free root; None: the environment's", default=None
+    )
+    pitch: float = quantity(
+        "rad", "Downward, with a free root", default=0.0, ge=-0.5 * math.pi, le=0.5 * math.pi
+    )
+    roll: float = quantity(
+        "rad", "About its axis; positive lifts the left side", default=0.0, ge=-math.pi, le=math.pi
+    )
 
     def check_planar(self) -> None:
         """Reject a start out of the plane, for a body that stays in it."""
@@ -165,14 +187,18 @@ class Resumed:
     def __post_init__(self) -> None:
         """Store plain numbers, which can be compared and saved."""
         instance("state", self.state, Mapping)
-        state = {name: tuple(np.asarray(values, dtype=float).tolist()) for name, values in self.state.items()}
+        state = {
+            name: tuple(np.asarray(values, dtype=float).tolist())
+            for name, values in self.state.items()
+        }
         object.__setattr__(self, "state", state)
 
 
 class Controller(Extensible, Generic[State], group="controllers"):
     """Base of controllers, which decide the next command. Their state is a value, as is that of a plant.
 
-    A custom controller is a subclass of this class; if it is a frozen dataclass, it is stored with its trials.
+    A custom controller is a subclass of this class; if it is a frozen dataclass, it is stored with
+    its trials.
     """
 
     gait: Gait
@@ -216,7 +242,9 @@ class OpenLoop(Controller[None]):
     """Controller that ignores observations: one command from start to end."""
 
     command: Command = option("Command that is always held")
-    interval: float = quantity("s", "Time between control instants; infinite: called once", default=math.inf, gt=0.0)
+    interval: float = quantity(
+        "s", "Time between control instants; infinite: called once", default=math.inf, gt=0.0
+    )
 
     @property
     def gait(self) -> Gait:  # pyright: ignore[reportIncompatibleVariableOverride]  # as frozen as a field
@@ -248,9 +276,14 @@ def check_waves(robot: Robot, gait: Gait) -> None:
     """
     instance("gait", gait, Gait)
     if gait.fin is not None and 0 not in robot.fin_joints:
-        raise BadArgument("gait.fin", f"must be None unless the fin is driven (`caudal_fin.joint`), got {gait.fin}")
+        raise BadArgument(
+            "gait.fin",
+            f"must be None unless the fin is driven (`caudal_fin.joint`), got {gait.fin}",
+        )
     if gait.pitch is not None and all(joint.axis == "yaw" for joint in robot.joints):
-        raise BadArgument("gait.pitch", f"must be None for a robot without pitch joints, got {gait.pitch}")
+        raise BadArgument(
+            "gait.pitch", f"must be None for a robot without pitch joints, got {gait.pitch}"
+        )
 
 
 def fin_signals(
@@ -263,7 +296,8 @@ def fin_signals(
     """Return the motion of the fin's joints as signals: all of a driven root, angles and rates of passive hinges.
 
     Args:
-        joints: Joints of the fin, from the root on: 0 is a driven root, 1 and above are passive hinges.
+        joints: Joints of the fin, from the root on: 0 is a driven root, 1 and above are passive
+            hinges.
         angle: Angle of each joint [rad].
         rate: Rate of each joint [rad/s].
         reference: Reference angle of a driven joint [rad].

@@ -4,13 +4,15 @@ Every point of the robot is the center of mass plus a fixed combination of the l
 
     r = p + sum_i b_i t_i,                t_i = (cos theta_i, sin theta_i)
 
-so a robot is described by a few rows of levers b [m]. The pieces of a fin count as links here, behind the tail link;
-if `fin_angle` is omitted, the fin is straight. Links are numbered from the tail, phi_i = theta_{i+1} - theta_i; angles
-are counter-clockwise from the world x axis. All arrays may have any number of leading axes (time first). The robot is
-used unchanged: reduce one with pitch joints by `robot.planar()`. nan is passed through: a lost marker gives an unknown
-pose, at that sample only.
+so a robot is described by a few rows of levers b [m]. The pieces of a fin count as links here,
+behind the tail link; if `fin_angle` is omitted, the fin is straight. Links are numbered from the
+tail, phi_i = theta_{i+1} - theta_i; angles are counter-clockwise from the world x axis. All arrays
+may have any number of leading axes (time first). The robot is used unchanged: reduce one with pitch
+joints by `robot.planar()`. nan is passed through: a lost marker gives an unknown pose, at that
+sample only.
 
-The module also computes the poses of modules in space from center of mass, tail module orientation and joint angles.
+The module also computes the poses of modules in space from center of mass, tail module orientation
+and joint angles.
 """
 
 from dataclasses import dataclass
@@ -25,7 +27,15 @@ from laticauda.errors import BadArgument, instance, shown, whole
 from laticauda.robot import Robot
 from laticauda.series import numbers
 
-__all__ = ["ModulePoses", "Posture", "center_of_mass", "from_quaternion", "heading", "joint_angles", "levers"]
+__all__ = [
+    "ModulePoses",
+    "Posture",
+    "center_of_mass",
+    "from_quaternion",
+    "heading",
+    "joint_angles",
+    "levers",
+]
 __all__ += ["link_angles", "module_poses", "to_quaternion", "turn"]
 
 Angles = Float[np.ndarray, "*batch n_links"]
@@ -68,7 +78,8 @@ def link_angles(
 
     Args:
         joint_angle: phi [rad], or phi' [rad/s].
-        angle: Angle of `link`, or the heading (6) if `link` is None [rad]; its rate [rad/s] if rates are given.
+        angle: Angle of `link`, or the heading (6) if `link` is None [rad]; its rate [rad/s] if
+            rates are given.
         link: Link whose angle is given, 0 = tail; None means the mean of all links.
 
     Returns:
@@ -116,8 +127,12 @@ class Posture:
     def __post_init__(self) -> None:
         """Reject anything that is not a robot, and arrays that do not fit it."""
         instance("robot", self.robot, Robot)
-        object.__setattr__(self, "center_of_mass", _columns("center_of_mass", self.center_of_mass, 2, "x and y"))
-        object.__setattr__(self, "link_angle", _columns("link_angle", self.link_angle, self.robot.n_links))
+        object.__setattr__(
+            self, "center_of_mass", _columns("center_of_mass", self.center_of_mass, 2, "x and y")
+        )
+        object.__setattr__(
+            self, "link_angle", _columns("link_angle", self.link_angle, self.robot.n_links)
+        )
 
     @property
     def link_centers(self) -> Points:
@@ -155,14 +170,16 @@ def center_of_mass(
 ) -> Vectors:
     """Compute the center of mass of the whole robot, including its fin, from one marker and the link angles.
 
-    Motion capture tracks one link and the joints report their angles; `link_angles` turns these into link angles.
+    Motion capture tracks one link and the joints report their angles; `link_angles` turns these
+    into link angles.
 
     Args:
         robot: The robot.
         position: Position of the marker [m], world axes.
         link_angle: theta [rad].
         link: The link that carries the marker, 0 = tail.
-        offset: Position of the marker relative to the middle of the link: toward the head, to the left [m].
+        offset: Position of the marker relative to the middle of the link: toward the head, to the
+            left [m].
         fin_angle: Angles of the joints of a flexible or driven fin, from its root on [rad].
 
     Returns:
@@ -198,9 +215,12 @@ def levers(robot: Robot) -> RobotLevers:
         robot: The robot.
     """
     instance("robot", robot, Robot)
-    # First relative to the tail end, then shifted by the center of mass, which is such a row itself.
+    # First relative to the tail end, then shifted by the center of mass, which is such a row
+    # itself.
     pieces = robot.caudal_fin.pieces[::-1] if robot.caudal_fin is not None else ()
-    length = np.array([*(piece.length for piece in pieces), *(module.length for module in robot.modules)])
+    length = np.array(
+        [*(piece.length for piece in pieces), *(module.length for module in robot.modules)]
+    )
     mass = np.array([*(piece.mass for piece in pieces), *(module.mass for module in robot.modules)])
     off_middle = np.array([*(0.0 for _ in pieces), *(module.center for module in robot.modules)])
     n, f = len(length), len(pieces)
@@ -231,11 +251,15 @@ def _offsets(lever: Levers, angle: np.ndarray) -> Points:
     return np.stack((np.cos(angle) @ lever.T, np.sin(angle) @ lever.T), axis=-1)
 
 
-# A wrong last axis would broadcast silently to a wrong result, so every public entry point makes this check.
+# A wrong last axis would broadcast silently to a wrong result, so every public entry point makes
+# this check.
 
 
 def _columns(
-    name: str, values: Float[np.ndarray, "*batch columns"], n: int, what: str = "one per link of the robot"
+    name: str,
+    values: Float[np.ndarray, "*batch columns"],
+    n: int,
+    what: str = "one per link of the robot",
 ) -> Float[np.ndarray, "*batch columns"]:
     array = numbers(name, values)
     if array.ndim == 0 or array.shape[-1] != n:
@@ -250,7 +274,7 @@ def _rotated(vector: tuple[float, float], angle: Float[np.ndarray, "*batch"]) ->
     return np.stack((cos * along - sin * across, sin * along + cos * across), axis=-1)
 
 
-# ---- modules in space ------------------------------------------------------------------------------------------------
+# ---- modules in space ----------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -277,7 +301,8 @@ def module_poses(
         robot: The robot with all of its modules, not reduced to the plane.
         center_of_mass: Center of mass of the robot [m].
         rotation: Orientation of the tail module: its axes as columns [-].
-        joint_angle: phi of all joints, yaw and pitch; positive yaw bends to the left, positive pitch down [rad].
+        joint_angle: phi of all joints, yaw and pitch; positive yaw bends to the left, positive
+            pitch down [rad].
         ballast_depth: Distance of the modules' centers of mass below their axes [m].
     """
     n = robot.n_links

@@ -17,16 +17,18 @@ _Exports = tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]
 def lazy_exports(*own: str) -> _Exports:
     """Return `__getattr__`, `__dir__` and `__all__` of the calling package, whose names are imported when first used.
 
-    The names are those that its `__init__` imports for type checkers only, so that they are listed once:
+    The names are those that its `__init__` imports for type checkers only, so that they are listed
+    once:
 
         if TYPE_CHECKING:
             from laticauda.identify.fitting import fit as fit
 
         __getattr__, __dir__, __all__ = lazy_exports()
 
-    A function in a module of the same name is imported outside that block, at once: otherwise the module would replace
-    it. A call that fails because of an argument of the wrong type names that argument, see `laticauda.arguments`.
-    The import statements are read from the compiled `__init__`, which also exists in zip files and frozen programs.
+    A function in a module of the same name is imported outside that block, at once: otherwise the
+    module would replace it. A call that fails because of an argument of the wrong type names that
+    argument, see `laticauda.arguments`. The import statements are read from the compiled
+    `__init__`, which also exists in zip files and frozen programs.
 
     Args:
         *own: Further public names, which the `__init__` defines itself.
@@ -42,7 +44,9 @@ def lazy_exports(*own: str) -> _Exports:
         elif instruction.opname == "IMPORT_FROM":
             homes[instruction.argval] = home
     package, there = caller.f_globals["__name__"], set(caller.f_globals)
-    imported = {name for name, home in homes.items() if name not in there or home.startswith(f"{package}.")}
+    imported = {
+        name for name, home in homes.items() if name not in there or home.startswith(f"{package}.")
+    }
     for name in imported & there:
         caller.f_globals[name] = explained(caller.f_globals[name], package)
     names = sorted(imported.union(own) - {lazy_exports.__name__})

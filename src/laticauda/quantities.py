@@ -5,8 +5,9 @@
         reference_speed: float = quantity("m/s", "U_ref, where both parts are equal", ge=0.0, default=1.0)
         linear: bool = option("Whether there is a part that is linear in the speed", default=True)
 
-A `value` is a frozen, keyword-only dataclass that checks each of its fields once, by type and declared range. Files,
-flags, sweeps, FMUs, pages, the reference and `help` read the declarations with `quantities_of`, `texts_of`, `hints_of`.
+A `value` is a frozen, keyword-only dataclass that checks each of its fields once, by type and
+declared range. Files, flags, sweeps, FMUs, pages, the reference and `help` read the declarations
+with `quantities_of`, `texts_of`, `hints_of`.
 """
 
 import dataclasses
@@ -20,7 +21,17 @@ import typing
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, dataclass
 from itertools import islice
-from typing import Any, Literal, TypeVar, Union, cast, dataclass_transform, get_args, get_origin, overload
+from typing import (
+    Any,
+    Literal,
+    TypeVar,
+    Union,
+    cast,
+    dataclass_transform,
+    get_args,
+    get_origin,
+    overload,
+)
 
 from laticauda.errors import BadArgument, finite, flag, instance, one_of, shown, text, whole
 
@@ -87,9 +98,16 @@ class Quantity:
         else:
             rule = f"<= {highest:g}" if number > highest else f">= {lowest:g}"
         hint, (low, high) = "", self.in_degrees.ends
-        if self.unit == "rad" and math.isfinite(self.le) and abs(number) > math.pi and low <= number <= high:
+        if (
+            self.unit == "rad"
+            and math.isfinite(self.le)
+            and abs(number) > math.pi
+            and low <= number <= high
+        ):
             hint = f": {number:g} rad is {math.degrees(number):.4g} deg; did you mean {name}_deg={number:g}?"
-        raise BadArgument(name, f"must be {rule}{f' {self.unit}' if self.unit else ''}, got {shown(value)}{hint}")
+        raise BadArgument(
+            name, f"must be {rule}{f' {self.unit}' if self.unit else ''}, got {shown(value)}{hint}"
+        )
 
     @property
     def in_degrees(self) -> "Quantity":
@@ -101,12 +119,16 @@ class Quantity:
     def ends(self) -> tuple[float, float]:
         """The smallest and the largest accepted number, both finite."""
         limit = LIMITS.get(self.unit, LARGEST)
-        return self.least if math.isfinite(self.least) else -limit, self.le if math.isfinite(self.le) else limit
+        return self.least if math.isfinite(self.least) else -limit, self.le if math.isfinite(
+            self.le
+        ) else limit
 
     @property
     def least(self) -> float:
         """The smallest number accepted by declaration; minus infinity if there is none."""
-        above = LEAST.get(self.unit, SMALLEST) if self.gt == 0.0 else math.nextafter(self.gt, math.inf)
+        above = (
+            LEAST.get(self.unit, SMALLEST) if self.gt == 0.0 else math.nextafter(self.gt, math.inf)
+        )
         return max(self.ge, above if math.isfinite(self.gt) else self.gt)
 
     @property
@@ -123,11 +145,19 @@ class Quantity:
 
 
 @overload
-def quantity(unit: str, text: str, *, default: T, ge: float = ..., gt: float = ..., le: float = ...) -> T: ...
+def quantity(
+    unit: str, text: str, *, default: T, ge: float = ..., gt: float = ..., le: float = ...
+) -> T: ...
 @overload
 def quantity(unit: str, text: str, *, ge: float = ..., gt: float = ..., le: float = ...) -> Any: ...
 def quantity(
-    unit: str, text: str, *, default: Any = MISSING, ge: float = -math.inf, gt: float = -math.inf, le: float = math.inf
+    unit: str,
+    text: str,
+    *,
+    default: Any = MISSING,
+    ge: float = -math.inf,
+    gt: float = -math.inf,
+    le: float = math.inf,
 ) -> Any:
     """Declare a field that holds a number, several numbers, or None if its type allows it.
 
@@ -149,16 +179,23 @@ def option(text: str, *, default: T, check: Check | None = ...) -> T: ...
 def option(text: str, *, default_factory: Callable[[], T], check: Check | None = ...) -> T: ...
 @overload
 def option(text: str, *, check: Check | None = ...) -> Any: ...
-def option(text: str, *, default: Any = MISSING, default_factory: Any = MISSING, check: Check | None = None) -> Any:
+def option(
+    text: str, *, default: Any = MISSING, default_factory: Any = MISSING, check: Check | None = None
+) -> Any:
     """Declare a field that is not a number: a text, a truth value, a choice or another value.
 
     Args:
         text: Description, a phrase without a final period.
         default: Default; if omitted, the field is required.
         default_factory: Function that makes the default.
-        check: Replaces the check implied by the type: `check(name, value)` returns the cleaned value.
+        check: Replaces the check implied by the type: `check(name, value)` returns the cleaned
+            value.
     """
-    made: Any = {"default_factory": default_factory} if default_factory is not MISSING else {"default": default}
+    made: Any = (
+        {"default_factory": default_factory}
+        if default_factory is not MISSING
+        else {"default": default}
+    )
     return dataclasses.field(**made, metadata={"text": text, "check": check})
 
 
@@ -166,10 +203,11 @@ def option(text: str, *, default: Any = MISSING, default_factory: Any = MISSING,
 def value(kind: Kind) -> Kind:
     """Make a frozen, keyword-only dataclass whose fields are checked before its own ``__post_init__`` (decorator).
 
-    Numbers become floats within their range, whole numbers ints; texts of a `Literal` must be among its choices, with
-    hyphens equivalent to underscores; truth values are true or false; a field of a class holds an instance of it; lists
-    become tuples. A default is always valid, even infinity. Further checks are left to the class. An angle or its rate
-    may be given in degrees, under its name with `DEGREES`: `amplitude_deg=30`.
+    Numbers become floats within their range, whole numbers ints; texts of a `Literal` must be among
+    its choices, with hyphens equivalent to underscores; truth values are true or false; a field of
+    a class holds an instance of it; lists become tuples. A default is always valid, even infinity.
+    Further checks are left to the class. An angle or its rate may be given in degrees, under its
+    name with `DEGREES`: `amplitude_deg=30`.
 
     Args:
         kind: The class; its docstring gets a list of the fields.
@@ -216,8 +254,12 @@ def _in_degrees_too(init: Callable[..., None]) -> Callable[..., None]:
             name, number = degrees_of(kind)[key], given.pop(key)
             declared = quantities_of(kind)[name]
             if name in given:
-                raise BadArgument(key, f"must not be given together with `{name}`, the same in {declared.unit}")
-            given[name] = None if number is None else math.radians(declared.in_degrees.checked(key, number))
+                raise BadArgument(
+                    key, f"must not be given together with `{name}`, the same in {declared.unit}"
+                )
+            given[name] = (
+                None if number is None else math.radians(declared.in_degrees.checked(key, number))
+            )
         init(self, **given)
 
     return from_degrees
@@ -228,7 +270,9 @@ def one_among(*choices: str) -> Check:
 
     def check(name: str, given: Any) -> str:
         plain = given.replace("-", "_") if isinstance(given, str) else given
-        return plain if isinstance(plain, str) and plain in choices else one_of(name, given, choices)
+        return (
+            plain if isinstance(plain, str) and plain in choices else one_of(name, given, choices)
+        )
 
     return check
 
@@ -243,7 +287,11 @@ def quantities_of(kind: type) -> Mapping[str, Quantity]:
 @functools.cache
 def degrees_of(kind: type) -> Mapping[str, str]:
     """Return the names that give a class's angles and their rates in degrees, with the fields that they stand for."""
-    found = {name + DEGREES[one.unit]: name for name, one in quantities_of(kind).items() if one.unit in DEGREES}
+    found = {
+        name + DEGREES[one.unit]: name
+        for name, one in quantities_of(kind).items()
+        if one.unit in DEGREES
+    }
     return types.MappingProxyType(found)
 
 
@@ -258,20 +306,25 @@ def texts_of(kind: type) -> Mapping[str, str]:
 def hints_of(kind: type) -> Mapping[str, Any]:
     """Return the types of a class's fields."""
     hints = typing.get_type_hints(kind)
-    return types.MappingProxyType({field.name: hints[field.name] for field in dataclasses.fields(kind)})
+    return types.MappingProxyType(
+        {field.name: hints[field.name] for field in dataclasses.fields(kind)}
+    )
 
 
 def told(thing: object, *left_out: str) -> dict[str, str]:
     """Describe the content of a value in words, by field; fields that are None, empty or 0 are omitted.
 
-    Numbers have their units, angles are in degrees; nested values give their `words`, or are put in parentheses.
+    Numbers have their units, angles are in degrees; nested values give their `words`, or are put in
+    parentheses.
 
     Args:
         thing: The value.
         left_out: Fields that are described elsewhere.
     """
     held = {name: getattr(thing, name) for name in texts_of(type(thing)) if name not in left_out}
-    words = {name: in_words(one, quantities_of(type(thing)).get(name)) for name, one in held.items()}
+    words = {
+        name: in_words(one, quantities_of(type(thing)).get(name)) for name, one in held.items()
+    }
     return {name: one for name, one in words.items() if one}
 
 
@@ -285,7 +338,9 @@ def in_words(given: Any, declared: Quantity | None) -> str:
     if declared is None:
         return given if isinstance(given, str) else "yes" if given is True else ""
     numbers = cast("tuple[Any, ...]", given if isinstance(given, tuple) else (given,))
-    if not any(numbers) or not all(isinstance(one, int | float) and math.isfinite(one) for one in numbers):
+    if not any(numbers) or not all(
+        isinstance(one, int | float) and math.isfinite(one) for one in numbers
+    ):
         return ""
     in_degrees = declared.unit in DEGREES
     listed = ", ".join(f"{math.degrees(one) if in_degrees else one:g}" for one in numbers)
@@ -306,7 +361,9 @@ def _checks(kind: type) -> tuple[tuple[str, float, float, Check | None], ...]:
         if declared is not None and float in among:
             low, high = declared.ends
             high = math.inf if field.default == math.inf else high
-        found.append((field.name, low, high, field.metadata.get("check") or _check_of(hint, declared)))
+        found.append(
+            (field.name, low, high, field.metadata.get("check") or _check_of(hint, declared))
+        )
     return tuple(found)
 
 
@@ -317,7 +374,9 @@ def _check_of(hint: Any, declared: Quantity | None) -> Check | None:
         return _check_of_union(hint, inner, declared)
     if get_origin(hint) is tuple:
         counts = () if inner[-1] is Ellipsis else (len(inner),)
-        return functools.partial(several, _check_of(inner[0], declared), _things(inner[0], counts, declared), counts)
+        return functools.partial(
+            several, _check_of(inner[0], declared), _things(inner[0], counts, declared), counts
+        )
     if get_origin(hint) is Literal:
         return one_among(*get_args(hint))
     if declared is not None:
@@ -332,11 +391,23 @@ def _check_of(hint: Any, declared: Quantity | None) -> Check | None:
 def _check_of_union(hint: Any, inner: list[Any], declared: Quantity | None) -> Check | None:
     if len(inner) == 1 and len(get_args(hint)) == 2:  # a type or None
         check = _check_of(inner[0], declared)
-        return None if check is None else lambda name, given: None if given is None else check(name, given)
+        return (
+            None
+            if check is None
+            else lambda name, given: None if given is None else check(name, given)
+        )
     kinds = get_args(hint)
-    tuples, others = [one for one in kinds if get_origin(one) is tuple], [one for one in kinds if isinstance(one, type)]
-    if tuples and len(tuples) + len(others) == len(kinds):  # for instance two or three numbers, or an object instead
-        item, counts = get_args(tuples[0])[0], tuple(len(get_args(one)) for one in tuples if ... not in get_args(one))
+    tuples, others = (
+        [one for one in kinds if get_origin(one) is tuple],
+        [one for one in kinds if isinstance(one, type)],
+    )
+    if tuples and len(tuples) + len(others) == len(
+        kinds
+    ):  # for instance two or three numbers, or an object instead
+        item, counts = (
+            get_args(tuples[0])[0],
+            tuple(len(get_args(one)) for one in tuples if ... not in get_args(one)),
+        )
         words = (_WORDS.get(one, one.__name__) for one in others if one is not type(None))
         things = " or a ".join([_things(item, counts, declared), *words])
         check = functools.partial(several, _check_of(item, declared), things, counts)
@@ -351,7 +422,9 @@ def _whole(declared: Quantity, name: str, given: Any) -> int:
     return number
 
 
-def several(item: Check | None, things: str, counts: tuple[int, ...], name: str, given: Any) -> tuple[Any, ...]:
+def several(
+    item: Check | None, things: str, counts: tuple[int, ...], name: str, given: Any
+) -> tuple[Any, ...]:
     """Return an iterable as a tuple of checked items.
 
     Args:
@@ -372,7 +445,9 @@ def several(item: Check | None, things: str, counts: tuple[int, ...], name: str,
         raise BadArgument(name, f"must be {things}, got more than {MOST_ITEMS} of them")
     if counts and len(values) not in counts:
         raise BadArgument(name, f"must be {things}, got {len(values)} of them")
-    return values if item is None else tuple(item(f"{name}[{i}]", one) for i, one in enumerate(values))
+    return (
+        values if item is None else tuple(item(f"{name}[{i}]", one) for i, one in enumerate(values))
+    )
 
 
 def _things(kind: Any, counts: tuple[int, ...], declared: Quantity | None) -> str:
@@ -383,7 +458,11 @@ def _things(kind: Any, counts: tuple[int, ...], declared: Quantity | None) -> st
     if declared is not None:
         return f"a list of {_things(get_args(kind)[0], (len(get_args(kind)),), declared)}"
     amount = f"{' or '.join(map(str, counts))} " if counts else ""
-    return f"a list of {amount}texts" if kind is str else f"a tuple of {getattr(kind, '__name__', 'tuples')}"
+    return (
+        f"a list of {amount}texts"
+        if kind is str
+        else f"a tuple of {getattr(kind, '__name__', 'tuples')}"
+    )
 
 
 def _with_fields(kind: type) -> str:

@@ -1,9 +1,10 @@
 """Functions of single numbers that are valid for every number type of the kernels: floats, complex steps, lanes.
 
-Laws of fluids, joints and gaits are plain Python functions of numbers. The kernels compile them for floats, for complex
-numbers (whose imaginary part carries a derivative) and for lanes (one number per trial, side by side in a vector
-register). The last two cannot be compared in an `if`: a law selects with `where`, inspects real parts, and uses the
-functions below. The kernels replace these with versions that give the same numbers.
+Laws of fluids, joints and gaits are plain Python functions of numbers. The kernels compile them for
+floats, for complex numbers (whose imaginary part carries a derivative) and for lanes (one number
+per trial, side by side in a vector register). The last two cannot be compared in an `if`: a law
+selects with `where`, inspects real parts, and uses the functions below. The kernels replace these
+with versions that give the same numbers.
 """
 
 from typing import Any, cast
@@ -18,9 +19,11 @@ def where(condition: Any, a: float, b: float) -> float:
     """Return `a` if the condition holds, else `b`; both are evaluated, so both must be valid. Arrays work elementwise.
 
     Args:
-        condition: Condition on real parts, as in ``x.real > 0.0``; combine two with ``|`` and ``&``.
+        condition: Condition on real parts, as in ``x.real > 0.0``; combine two with ``|`` and
+            ``&``.
         a: Any number.
-        b: Number of the same kind: ``0.0 * x``, not ``0.0``, if `a` depends on an `x` that may be complex.
+        b: Number of the same kind: ``0.0 * x``, not ``0.0``, if `a` depends on an `x` that may be
+            complex.
 
     Returns:
         One of the two numbers.
@@ -65,9 +68,12 @@ def table_row(address: float, index: Any, further: float) -> Any:
     """Return the four numbers of a table row, elementwise for index arrays; they do not vary with the index.
 
     Args:
-        address: Address of the table from `table_address`, the same for all; its real part if it may be complex.
-        index: Index of a row, a whole number as a float; kernels do not check whether the row exists.
-        further: Number of rows to add to the index; the same for all that run side by side, see `first_lane`.
+        address: Address of the table from `table_address`, the same for all; its real part if it
+            may be complex.
+        index: Index of a row, a whole number as a float; kernels do not check whether the row
+            exists.
+        further: Number of rows to add to the index; the same for all that run side by side, see
+            `first_lane`.
     """
     return tuple(np.moveaxis(_tables[int(address)][np.asarray(index + further, dtype=int)], -1, 0))
 

@@ -39,24 +39,42 @@ class Log:
     """
 
     time: Annotated[Samples, Series("s", "time since the start of the run, strictly increasing")]
-    center_of_mass: Annotated[Places, Series("m", "position of the center of mass, with the fin's mass, world axes")]
-    center_of_mass_velocity: Annotated[Places, Series("m s-1", "velocity of the center of mass, world axes")]
-    heading: Annotated[Samples, Series("rad", "mean angle of the body's links (6), unwrapped, without the fin")]
+    center_of_mass: Annotated[
+        Places, Series("m", "position of the center of mass, with the fin's mass, world axes")
+    ]
+    center_of_mass_velocity: Annotated[
+        Places, Series("m s-1", "velocity of the center of mass, world axes")
+    ]
+    heading: Annotated[
+        Samples, Series("rad", "mean angle of the body's links (6), unwrapped, without the fin")
+    ]
     heading_rate: Annotated[Samples, Series("rad s-1", "rate of the heading")]
-    link_angle: Annotated[Links, Series("rad", "angle of each link to the world x axis, counter-clockwise, tail first")]
-    joint_angle: Annotated[Joints, Series("rad", "joint angle, head side minus tail side, tail first")]
+    link_angle: Annotated[
+        Links,
+        Series("rad", "angle of each link to the world x axis, counter-clockwise, tail first"),
+    ]
+    joint_angle: Annotated[
+        Joints, Series("rad", "joint angle, head side minus tail side, tail first")
+    ]
     joint_rate: Annotated[Joints, Series("rad s-1", "rate of the joint angle")]
     joint_angle_ref: Annotated[Joints, Series("rad", "joint angle that was asked for")]
-    joint_torque: Annotated[Joints, Series("N m", "torque of the joint's drive; its power is torque times rate")]
-    work: Annotated[Work, Series("J", "work of the joints so far: sum of |u phi'|, of u phi', of max(u phi', 0)")]
+    joint_torque: Annotated[
+        Joints, Series("N m", "torque of the joint's drive; its power is torque times rate")
+    ]
+    work: Annotated[
+        Work,
+        Series("J", "work of the joints so far: sum of |u phi'|, of u phi', of max(u phi', 0)"),
+    ]
     electrical_work: Annotated[
-        Samples | None, Series("J", "electrical work of the robot above idle, by a model or a meter")
+        Samples | None,
+        Series("J", "electrical work of the robot above idle, by a model or a meter"),
     ] = None
     link_force: Mapping[str, Float[np.ndarray, "*time link axis"]] | None = None
     """Force on each link by component (drag, added_mass, effector), world axes; None if not requested [N]."""
     signals: Mapping[str, Samples] = field(default_factory=dict[str, np.ndarray])
     """Internal quantities of a controller, held between control instants (see `control`), and other data logged by a
-    plant: `orientation_w` to `orientation_z` of module 0, a quaternion, for the spatial plant; often empty [SI]."""
+    plant: `orientation_w` to `orientation_z` of module 0, a quaternion, for the spatial plant;
+    often empty [SI]."""
 
     def at(self, index: int | slice) -> "Log":
         """Select some of the samples.
@@ -88,7 +106,9 @@ def numbers(name: str, values: object) -> Float[np.ndarray, "..."]:
     except (ValueError, MemoryError):  # rows of different lengths, or endless input
         given = np.empty((), dtype=object)
     if given.dtype.kind not in "iuf" or np.ma.is_masked(values):
-        raise BadArgument(name, f"must be an array of numbers, got {type(values).__name__} of {given.dtype}")
+        raise BadArgument(
+            name, f"must be an array of numbers, got {type(values).__name__} of {given.dtype}"
+        )
     return np.asarray(given, dtype=np.float64, order="C")
 
 
@@ -110,8 +130,14 @@ def log_of(series: Mapping[str, np.ndarray]) -> Log:
     Args:
         series: Every array by name.
     """
-    forces = {name.removeprefix(LINK_FORCE): one for name, one in series.items() if name.startswith(LINK_FORCE)}
-    signals = {name.removeprefix(SIGNAL): one for name, one in series.items() if name.startswith(SIGNAL)}
+    forces = {
+        name.removeprefix(LINK_FORCE): one
+        for name, one in series.items()
+        if name.startswith(LINK_FORCE)
+    }
+    signals = {
+        name.removeprefix(SIGNAL): one for name, one in series.items() if name.startswith(SIGNAL)
+    }
     found: dict[str, Any] = {name: series[name] for name in SERIES if name in series}
     return Log(**found, link_force=forces or None, signals=signals)
 

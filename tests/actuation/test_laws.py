@@ -23,17 +23,21 @@ def pd(angle, rate, reference, reference_rate, acceleration, k_p, k_d):
     return published(0.0, angle, rate, reference, reference_rate, acceleration, drive)
 
 
-def servo(angle, rate, reference, gain, stall_torque, no_load_speed, friction_torque, viscous_friction):
+def servo(
+    angle, rate, reference, gain, stall_torque, no_load_speed, friction_torque, viscous_friction
+):
     drive = Drive(0.0, 0.0, gain, stall_torque, no_load_speed, friction_torque, viscous_friction)
     return servo_of(angle, rate, reference, drive)
 
 
-def mambas(angle: float, rate: float, reference: float, **friction: float) -> tuple[float, float, float, float]:
+def mambas(
+    angle: float, rate: float, reference: float, **friction: float
+) -> tuple[float, float, float, float]:
     dry = {"friction_torque": 0.0, "viscous_friction": 0.0, **friction}
     return servo(angle, rate, reference, 5.7, STALL, SPEED, **dry)
 
 
-# --- pd ---------------------------------------------------------------------------------------------------------------
+# --- pd -------------------------------------------------------------------------------------------
 
 
 def test_the_pd_law_is_the_published_one():
@@ -54,7 +58,7 @@ def test_the_slopes_of_the_pd_law_are_its_derivatives(arguments: tuple[float, ..
     assert damping == pytest.approx(-by_differences(pd, arguments, RATE)[0], abs=1e-8)
 
 
-# --- servo ------------------------------------------------------------------------------------------------------------
+# --- servo ----------------------------------------------------------------------------------------
 
 
 def test_a_servo_stalls_at_its_stall_torque_and_stops_pulling_at_its_no_load_speed():
@@ -68,7 +72,9 @@ def test_a_servo_stalls_at_its_stall_torque_and_stops_pulling_at_its_no_load_spe
 def test_a_servo_at_work_never_exceeds_its_stall_torque_nor_its_no_load_speed(
     angle: float, reference: float, rate: float, dry: float, viscous: float
 ):
-    torque, _, _, duty = mambas(angle, rate, reference, friction_torque=dry, viscous_friction=viscous)
+    torque, _, _, duty = mambas(
+        angle, rate, reference, friction_torque=dry, viscous_friction=viscous
+    )
     assert -1.0 <= duty <= 1.0
     if torque * rate > 0.0:
         assert abs(torque) <= STALL
@@ -76,21 +82,30 @@ def test_a_servo_at_work_never_exceeds_its_stall_torque_nor_its_no_load_speed(
 
 
 @given(angles, rates, angles, frictions, frictions)
-def test_a_servo_is_the_same_to_both_sides(angle: float, rate: float, reference: float, dry: float, viscous: float):
+def test_a_servo_is_the_same_to_both_sides(
+    angle: float, rate: float, reference: float, dry: float, viscous: float
+):
     friction = {"friction_torque": dry, "viscous_friction": viscous}
     torque, stiffness, damping, duty = mambas(angle, rate, reference, **friction)
     assert mambas(-angle, -rate, -reference, **friction) == (-torque, stiffness, damping, -duty)
 
 
 @given(angles, rates, frictions, frictions)
-def test_a_servo_that_is_where_it_should_be_only_brakes(angle: float, rate: float, dry: float, viscous: float):
+def test_a_servo_that_is_where_it_should_be_only_brakes(
+    angle: float, rate: float, dry: float, viscous: float
+):
     torque = mambas(angle, rate, angle, friction_torque=dry, viscous_friction=viscous)[0]
     assert torque * rate <= 0.0
 
 
 @given(rates, frictions, frictions)
-def test_friction_takes_torque_away_from_motion_and_is_zero_at_rest(rate: float, dry: float, viscous: float):
-    lost = mambas(0.0, rate, 0.1)[0] - mambas(0.0, rate, 0.1, friction_torque=dry, viscous_friction=viscous)[0]
+def test_friction_takes_torque_away_from_motion_and_is_zero_at_rest(
+    rate: float, dry: float, viscous: float
+):
+    lost = (
+        mambas(0.0, rate, 0.1)[0]
+        - mambas(0.0, rate, 0.1, friction_torque=dry, viscous_friction=viscous)[0]
+    )
     assert lost * rate >= 0.0
     assert abs(lost) <= dry + viscous * abs(rate) + 1e-12
     if abs(rate) > 0.5:
@@ -107,18 +122,27 @@ def test_the_slopes_of_the_servo_are_its_derivatives(arguments: tuple[float, ...
     assert (stiffness == 0.0) == (abs(demand) > 1.0)
 
 
-# --- power ------------------------------------------------------------------------------------------------------------
+# --- power ----------------------------------------------------------------------------------------
 
 
 @given(angles, rates, angles, positive, positive, positive, frictions, frictions)
 def test_the_power_is_the_supply_times_the_current_for_the_share_of_time_that_the_servo_is_on(
-    angle: float, rate: float, reference: float, gain: float, stall: float, speed: float, dry: float, viscous: float
+    angle: float,
+    rate: float,
+    reference: float,
+    gain: float,
+    stall: float,
+    speed: float,
+    dry: float,
+    viscous: float,
 ):
     assume(stall > 0.01 and speed > 0.01)
     torque, _, _, duty = servo(angle, rate, reference, gain, stall, speed, dry, viscous)
     expected = 34.0 * max(duty * (duty - rate / speed), 0.0)
     scale = 34.0 * (1.0 + (abs(rate) / speed) ** 2 + ((dry + viscous * abs(rate)) / stall) ** 2)
-    assert motor_power(torque, rate, stall, speed, dry, viscous, 34.0) == pytest.approx(expected, abs=1e-11 * scale)
+    assert motor_power(torque, rate, stall, speed, dry, viscous, 34.0) == pytest.approx(
+        expected, abs=1e-11 * scale
+    )
 
 
 @given(st.floats(-5.0, 5.0), rates, positive, positive, frictions, frictions, st.floats(1.0, 5.0))
@@ -141,30 +165,52 @@ def test_a_motor_draws_its_stall_power_when_blocked_and_nothing_without_torque_o
         (0.0, 3.0, 0.0),
         (-0.1 * stall, 0.6 * SPEED, 0.0),
     ):
-        assert motor_power(torque, rate, stall, SPEED, 0.0, 0.0, 34.0) == pytest.approx(expected, abs=1e-12)
+        assert motor_power(torque, rate, stall, SPEED, 0.0, 0.0, 34.0) == pytest.approx(
+            expected, abs=1e-12
+        )
 
 
 def test_mambas_servo_does_not_create_energy():
     actuator = Actuator()
-    assert actuator.voltage * actuator.stall_current >= actuator.stall_torque * actuator.no_load_speed
+    assert (
+        actuator.voltage * actuator.stall_current >= actuator.stall_torque * actuator.no_load_speed
+    )
 
 
-# --- derivatives and compilation --------------------------------------------------------------------------------------
+# --- derivatives and compilation ------------------------------------------------------------------
 
 
 @given(st.tuples(angles, rates, angles, rates, rates, positive, positive))
-def test_every_derivative_of_the_pd_law_by_complex_step_is_that_by_differences(arguments: tuple[float, ...]):
+def test_every_derivative_of_the_pd_law_by_complex_step_is_that_by_differences(
+    arguments: tuple[float, ...],
+):
     check_complex_steps(pd, arguments)
 
 
-@given(st.tuples(angles, st.floats(-0.2, 0.2), angles, positive, positive, positive, frictions, frictions))
-def test_every_derivative_of_the_servo_by_complex_step_is_that_by_differences(arguments: tuple[float, ...]):
+@given(
+    st.tuples(
+        angles, st.floats(-0.2, 0.2), angles, positive, positive, positive, frictions, frictions
+    )
+)
+def test_every_derivative_of_the_servo_by_complex_step_is_that_by_differences(
+    arguments: tuple[float, ...],
+):
     assume(abs(abs(arguments[3] * (arguments[2] - arguments[0])) - 1.0) > 0.01)
     check_complex_steps(servo, arguments)
 
 
-@given(st.tuples(st.floats(-5.0, 5.0), st.floats(-0.2, 0.2), *[st.floats(0.3, 5.0)] * 2, *[frictions] * 2, positive))
-def test_every_derivative_of_the_motors_power_by_complex_step_is_that_by_differences(arguments: tuple[float, ...]):
+@given(
+    st.tuples(
+        st.floats(-5.0, 5.0),
+        st.floats(-0.2, 0.2),
+        *[st.floats(0.3, 5.0)] * 2,
+        *[frictions] * 2,
+        positive,
+    )
+)
+def test_every_derivative_of_the_motors_power_by_complex_step_is_that_by_differences(
+    arguments: tuple[float, ...],
+):
     torque, rate, stall, speed, dry, viscous, _ = arguments
     current = (torque + viscous * rate + dry * np.tanh(rate / 0.05)) / stall
     assume(abs(current * (current + rate / speed)) > 0.02 and abs(current) > 0.01)
@@ -182,5 +228,7 @@ def test_every_derivative_of_the_motors_power_by_complex_step_is_that_by_differe
         (motor_power, (-0.3, 7.2, 2.9, 7.5, 0.0, 0.0, 34.0)),
     ],
 )
-def test_the_laws_compile_for_real_and_for_complex_numbers(law: object, arguments: tuple[float, ...]):
+def test_the_laws_compile_for_real_and_for_complex_numbers(
+    law: object, arguments: tuple[float, ...]
+):
     check_compiled(law, arguments)  # pyright: ignore[reportArgumentType]

@@ -18,7 +18,9 @@ PROGRAM = Path(sys.executable).parent / "laticauda"
 
 
 def shell(*words: str, **settings: Any) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([PROGRAM, *words], capture_output=True, text=True, timeout=120, **settings)
+    return subprocess.run(
+        [PROGRAM, *words], capture_output=True, text=True, timeout=120, **settings
+    )
 
 
 def test_the_installed_command_swims():
@@ -48,7 +50,9 @@ def test_the_version_is_that_of_the_package(run):
     assert run("--version").out == f"laticauda {laticauda.__version__}\n"
 
 
-@pytest.mark.parametrize("line", ["--help", "-h", "trial --help", "swim -h", "robots --help", "trial show --help"])
+@pytest.mark.parametrize(
+    "line", ["--help", "-h", "trial --help", "swim -h", "robots --help", "trial show --help"]
+)
 def test_help_is_printed_and_ends_well(run, line):
     done = run(line)
     assert done.status == 0
@@ -59,7 +63,9 @@ def test_help_is_printed_and_ends_well(run, line):
 def test_the_help_lists_every_command(run):
     framed = "".join(run(f"{words} --help").out for words in ("", *app.GROUPS))
     listed = " ".join(framed.replace("│", " ").split())  # without the frame and its line breaks
-    assert all(words.split()[-1] in listed and text in listed for words, (_, text) in app.COMMANDS.items())
+    assert all(
+        words.split()[-1] in listed and text in listed for words, (_, text) in app.COMMANDS.items()
+    )
 
 
 @pytest.mark.parametrize("width", [80, 120])
@@ -97,7 +103,9 @@ def test_the_help_of_every_command_has_an_example_that_runs_and_offers_json(run,
         assert example_of(run, words)
         pytest.skip(f"needs a robot: tests/cli/test_{words}.py runs it in the virtual tank")
     bare, fin = ("run.nc", "bare.nc", "run-1.nc"), ("fin.nc",)
-    for name, flags in ({n: "" for n in bare} | {n: "--robot mamba-fin" for n in fin} | {"run-2.nc": EEL}).items():
+    for name, flags in (
+        {n: "" for n in bare} | {n: "--robot mamba-fin" for n in fin} | {"run-2.nc": EEL}
+    ).items():
         assert run(f"swim {flags} --duration 3 --save {name}").status == 0
     if words == "view":
         skip_without_rendering()
@@ -113,8 +121,12 @@ def test_the_help_of_every_command_has_an_example_that_runs_and_offers_json(run,
 @pytest.mark.parametrize("words", SERVERS)
 def test_the_example_of_a_server_says_its_address_and_ends_well_by_ctrl_c(run, words):
     command = [sys.executable, "-c", "from laticauda.cli import main; raise SystemExit(main())"]
-    free = re.sub(r"--port \d+", "--port 0", example_of(run, words))  # other tests serve at the same time
-    with running([*command, *free.split()], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as server:
+    free = re.sub(
+        r"--port \d+", "--port 0", example_of(run, words)
+    )  # other tests serve at the same time
+    with running(
+        [*command, *free.split()], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as server:
         assert server.stdout.readline().strip()
         server.send_signal(signal.SIGINT)
         _, told = server.communicate(timeout=LONG)
@@ -122,7 +134,8 @@ def test_the_example_of_a_server_says_its_address_and_ends_well_by_ctrl_c(run, w
 
 
 @pytest.mark.parametrize(
-    "command", ["--help", "--version", "swim --help", "robots", "robots mamba --toml", "trial --help"]
+    "command",
+    ["--help", "--version", "swim --help", "robots", "robots mamba --toml", "trial --help"],
 )
 def test_commands_that_do_not_simulate_load_no_heavy_library(command):
     heavy = ["numba", "matplotlib", "netCDF4", "xarray", "scipy", "tqdm"]
@@ -148,14 +161,30 @@ def test_a_swim_loads_neither_plots_nor_files_unless_asked():
     ("error", "status", "message"),
     [
         (KeyboardInterrupt(), 130, "laticauda: stopped.\n"),
-        (MemoryError(), 2, "laticauda: there is not enough memory; try a shorter run, or fewer samples.\n"),
+        (
+            MemoryError(),
+            2,
+            "laticauda: there is not enough memory; try a shorter run, or fewer samples.\n",
+        ),
         (OverflowError("too much"), 2, "laticauda: a number is out of range: too much.\n"),
-        (PermissionError(13, "Permission denied", "a.nc"), 2, "laticauda: a.nc: permission denied.\n"),
-        (FileNotFoundError(2, "No such file or directory", "b"), 2, "laticauda: b: no such file or directory.\n"),
+        (
+            PermissionError(13, "Permission denied", "a.nc"),
+            2,
+            "laticauda: a.nc: permission denied.\n",
+        ),
+        (
+            FileNotFoundError(2, "No such file or directory", "b"),
+            2,
+            "laticauda: b: no such file or directory.\n",
+        ),
         (OSError("no space"), 2, "laticauda: no space.\n"),
         (laticauda.errors.TrialFileError("Cannot read `x`."), 2, "laticauda: Cannot read `x`.\n"),
         (ValueError("`json` must be nice."), 2, "laticauda: `json` must be nice.\n"),
-        (laticauda.errors.BadArgument("json", "must be nice"), 2, "laticauda: --json must be nice.\n"),
+        (
+            laticauda.errors.BadArgument("json", "must be nice"),
+            2,
+            "laticauda: --json must be nice.\n",
+        ),
     ],
     ids=lambda value: type(value).__name__ if isinstance(value, BaseException) else "",
 )
@@ -252,7 +281,9 @@ cli.main([])
 
 
 def test_ctrl_c_while_a_kernel_is_compiled_ends_at_once_as_what_the_compiler_left_may_crash():
-    done = subprocess.run([sys.executable, "-c", COMPILED], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", COMPILED], capture_output=True, text=True, check=False
+    )
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "laticauda: stopped.\n")
 
 
@@ -282,7 +313,9 @@ sys.exit(cli.main())
 @pytest.mark.parametrize("where", ["alone", "in a cycle"])
 def test_what_ctrl_c_leaves_half_made_says_nothing_when_it_goes(where: str):
     words = [sys.executable, "-c", HALF_MADE]
-    done = subprocess.run([*words, "interrupted", where], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [*words, "interrupted", where], capture_output=True, text=True, check=False
+    )
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "laticauda: stopped.\n")
 
 
@@ -312,11 +345,19 @@ cli.main([])
 
 @pytest.mark.skipif(os.name != "posix", reason="another end of processes")
 def test_a_second_ctrl_c_ends_it_at_once():
-    done = subprocess.run([sys.executable, "-c", TWICE], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", TWICE], capture_output=True, text=True, check=False
+    )
     assert (done.returncode, done.stdout, done.stderr) == (-signal.SIGINT, "", "")
 
 
 def test_a_mistyped_command_is_told_the_nearest(run):
     done = run("swimm")
-    assert (done.status, done.err) == (2, "laticauda: there is no command `swimm`; did you mean `swim`?\n")
-    assert run("nonsense").err == "laticauda: there is no command `nonsense`; `laticauda --help` lists all commands.\n"
+    assert (done.status, done.err) == (
+        2,
+        "laticauda: there is no command `swimm`; did you mean `swim`?\n",
+    )
+    assert (
+        run("nonsense").err
+        == "laticauda: there is no command `nonsense`; `laticauda --help` lists all commands.\n"
+    )

@@ -14,7 +14,12 @@ pytest.importorskip("viser")
 
 
 def started(*words):
-    command = [sys.executable, "-c", "import sys; from laticauda.cli import main; sys.exit(main())", "cockpit"]
+    command = [
+        sys.executable,
+        "-c",
+        "import sys; from laticauda.cli import main; sys.exit(main())",
+        "cockpit",
+    ]
     return running([*command, "--port", "0", *words], stdout=PIPE, stderr=PIPE)
 
 
@@ -45,7 +50,10 @@ def test_a_port_that_is_taken_is_said(capsys):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         assert main(["cockpit", "--port", str(port)]) == 2
-    assert f"Cannot serve the cockpit at 127.0.0.1:{port}: address already in use" in capsys.readouterr().err
+    assert (
+        f"Cannot serve the cockpit at 127.0.0.1:{port}: address already in use"
+        in capsys.readouterr().err
+    )
 
 
 def test_a_port_that_cannot_be_is_refused(capsys):

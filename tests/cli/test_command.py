@@ -50,7 +50,9 @@ def test_every_field_of_a_command_from_elsewhere_is_a_flag():
     assert (found.robot, found.name) == ("chain", "x")
 
 
-def test_an_outcome_is_text_or_one_json_object_and_a_status(folder: Path, capsys: pytest.CaptureFixture[str]):
+def test_an_outcome_is_text_or_one_json_object_and_a_status(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+):
     assert Count()() == 0
     assert capsys.readouterr() == ("three\n", "")
     assert Count(json=True, fails=True)() == 1
@@ -60,9 +62,12 @@ def test_an_outcome_is_text_or_one_json_object_and_a_status(folder: Path, capsys
 
 
 @pytest.mark.parametrize(
-    ("command", "name"), [(Count(save="a.txt"), "save"), (Count(part=Part(plot="no/a.png")), "plot")]
+    ("command", "name"),
+    [(Count(save="a.txt"), "save"), (Count(part=Part(plot="no/a.png")), "plot")],
 )
-def test_files_that_cannot_be_written_are_refused_before_the_work(folder: Path, command: Count, name: str):
+def test_files_that_cannot_be_written_are_refused_before_the_work(
+    folder: Path, command: Count, name: str
+):
     with pytest.raises(BadArgument) as refused:
         command()
     assert refused.value.name == name
@@ -79,7 +84,11 @@ def test_a_server_ends_well_by_ctrl_c_and_is_closed(capsys: pytest.CaptureFixtur
 
 def test_a_server_that_is_stopped_while_something_is_compiled_is_closed_and_goes_on_to_save(capsys):
     closed: list[bool] = []
-    compiler = compile("import signal; signal.raise_signal(signal.SIGINT)", f"{os.sep}numba{os.sep}lower.py", "exec")
+    compiler = compile(
+        "import signal; signal.raise_signal(signal.SIGINT)",
+        f"{os.sep}numba{os.sep}lower.py",
+        "exec",
+    )
     before = signal.signal(signal.SIGINT, cli._stop)
     try:
         with until_stopped(lambda: closed.append(True)):
@@ -150,12 +159,16 @@ def test_a_long_film_says_every_tenth_where_nobody_looks(monkeypatch):
     for k in range(901):
         show(k / 30.0)
     lines = log.getvalue().splitlines()
-    assert [line.split(" %")[0] for line in lines] == [f"laticauda: {tenth}0" for tenth in range(1, 11)]
+    assert [line.split(" %")[0] for line in lines] == [
+        f"laticauda: {tenth}0" for tenth in range(1, 11)
+    ]
     assert lines[2] == "laticauda: 30 % filmed, 9.0 of 30.0 s"
 
 
 def test_a_stopped_study_says_how_many_trials_are_stored_and_how_to_go_on():
-    with pytest.raises(KeyboardInterrupt, match=r"^stopped; 3 of 9 trials are stored in a\. Run the same"):
+    with pytest.raises(
+        KeyboardInterrupt, match=r"^stopped; 3 of 9 trials are stored in a\. Run the same"
+    ):
         with command.stored_trials("a") as show:
             show(3, 9)
             raise KeyboardInterrupt

@@ -25,7 +25,9 @@ ASK = 'COMP_WORDS=(laticauda "$@"); COMP_CWORD=$#; _laticauda; echo "${COMPREPLY
     ],
 )
 def test_tab_offers_what_the_program_has(typed: list[str], offered: str, tmp_path: Path):
-    (function,) = re.findall(r"```bash\n(_laticauda\(\).*?)```", PAGE.read_text(encoding="utf-8"), re.S)
+    (function,) = re.findall(
+        r"```bash\n(_laticauda\(\).*?)```", PAGE.read_text(encoding="utf-8"), re.S
+    )
     program = tmp_path / "laticauda"
     start = "import sys; from laticauda.cli import main; sys.exit(main())"
     program.write_text(f'#!/bin/sh\nexec "{sys.executable}" -c "{start}" "$@"\n', encoding="utf-8")

@@ -39,7 +39,9 @@ def test_after_an_identification_its_fit_is_what_is_known(run, folder: Path):
 
 
 def test_rivals_are_told_apart_by_an_oblique_tow(run):
-    done = run(f"design-experiment --rivals textbook paper-vortex --parameters {WANTED} --no-swims --trials 1 --json")
+    done = run(
+        f"design-experiment --rivals textbook paper-vortex --parameters {WANTED} --no-swims --trials 1 --json"
+    )
     assert (done.status, done.err) == (0, "")
     found = json.loads(done.out)
     assert [one["trial"] for one in found["trials"]] == ["oblique tow, 15 deg, at 0.4 m/s"]
@@ -49,15 +51,21 @@ def test_rivals_are_told_apart_by_an_oblique_tow(run):
         < 1e-6
         < found["trials"][0]["distance"]["textbook / paper-vortex"]
     )
-    text = run(f"design-experiment --rivals textbook paper-vortex --parameters {WANTED} --no-swims --trials 1").out
+    text = run(
+        f"design-experiment --rivals textbook paper-vortex --parameters {WANTED} --no-swims --trials 1"
+    ).out
     assert "Chance that the wrong one of two fits better:" in text
 
 
-def test_a_tank_day_begins_with_a_list_of_runs_and_its_empty_tables_say_what_to_do(run, folder: Path):
+def test_a_tank_day_begins_with_a_list_of_runs_and_its_empty_tables_say_what_to_do(
+    run, folder: Path
+):
     done = run("design-experiment --tank-day day --robot amphibot")
     assert (done.status, done.err) == (0, "")
     assert done.out.startswith("day/RUNS.md: what to do.")
-    assert (folder / "day" / "swim.csv").read_text().startswith("time_s,x_m,y_m,yaw_deg,joint_1_deg,")
+    assert (
+        (folder / "day" / "swim.csv").read_text().startswith("time_s,x_m,y_m,yaw_deg,joint_1_deg,")
+    )
     again = run("design-experiment --tank-day day")
     assert again.status == 2
     assert "No file was filled in" in again.err

@@ -8,7 +8,9 @@ mujoco = pytest.importorskip("mujoco")
 
 
 def test_an_exported_mjcf_file_opens_in_mujoco(run, folder):
-    done = run("export mjcf --output robot.xml --robot mamba-modules-fin --scene tank --actuators servo")
+    done = run(
+        "export mjcf --output robot.xml --robot mamba-modules-fin --scene tank --actuators servo"
+    )
     assert (done.status, done.err) == (0, "")
     assert done.out.startswith("robot.xml: mamba-modules-fin, 19 modules, 14.855 kg, 1.71 m (")
     model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
@@ -29,7 +31,12 @@ def test_an_exported_urdf_file_opens_in_mujoco(run, folder):
 
 
 def test_a_robot_on_the_ground_is_exported_with_the_ground(run, folder):
-    assert run("export mjcf --output robot.xml --ground coulomb --root planar --n-links 5 --robot chain").status == 0
+    assert (
+        run(
+            "export mjcf --output robot.xml --ground coulomb --root planar --n-links 5 --robot chain"
+        ).status
+        == 0
+    )
     model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
     assert model.geom("ground").type[0] == mujoco.mjtGeom.mjGEOM_PLANE
     assert model.nv == 3 + 4
@@ -37,7 +44,9 @@ def test_a_robot_on_the_ground_is_exported_with_the_ground(run, folder):
 
 def test_an_exported_fmu_swims_in_fmpy_as_the_command_swims(run, folder):
     fmpy = pytest.importorskip("fmpy", exc_type=ImportError)
-    done = run("export fmu --output robot.fmu --robot mamba-fin --gait eel-like --normal-drag 1.5 --heading-deg 90")
+    done = run(
+        "export fmu --output robot.fmu --robot mamba-fin --gait eel-like --normal-drag 1.5 --heading-deg 90"
+    )
     assert done.status == 0
     assert done.out.startswith("robot.fmu: mamba-fin, 23 parameters, 6 inputs, 53 outputs (")
     seen = fmpy.simulate_fmu(str(folder / "robot.fmu"), stop_time=5.0, output_interval=0.05)
@@ -77,9 +86,18 @@ def test_a_library_in_c_is_written_beside_its_header(run, folder):
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        ("export mjcf --output robot.txt", "--output must be a file that ends in .xml, got robot.txt."),
-        ("export urdf --output robot.xml", "--output must be a file that ends in .urdf, got robot.xml."),
-        ("export mjcf --output no/robot.xml", "--output must be a file in a folder that exists, got no/robot.xml."),
+        (
+            "export mjcf --output robot.txt",
+            "--output must be a file that ends in .xml, got robot.txt.",
+        ),
+        (
+            "export urdf --output robot.xml",
+            "--output must be a file that ends in .urdf, got robot.xml.",
+        ),
+        (
+            "export mjcf --output no/robot.xml",
+            "--output must be a file in a folder that exists, got no/robot.xml.",
+        ),
         (
             "export mjcf --output robot.xml --ground coulomb --scene tank",
             "--scene must not be `tank` without water, got",
@@ -88,22 +106,37 @@ def test_a_library_in_c_is_written_beside_its_header(run, folder):
             "export mjcf --output robot.xml --ground coulomb --water paper-eel",
             "--water must not be given with --ground.",
         ),
-        ("export urdf --output robot.urdf --meshes a.stl", "--meshes must be one file per module (9) or none, got 1."),
-        ("export mjcf --output robot.xml --meshes a.stl", "--meshes must be one file per module (9) or none, got 1."),
+        (
+            "export urdf --output robot.urdf --meshes a.stl",
+            "--meshes must be one file per module (9) or none, got 1.",
+        ),
+        (
+            "export mjcf --output robot.xml --meshes a.stl",
+            "--meshes must be one file per module (9) or none, got 1.",
+        ),
         ("export mjcf --output robot.xml --root fixed", "('free', 'planar')"),
         ("export mjcf --output robot.xml --robot mambo", "did you mean"),
         ("export fmu", "Missing from laticauda export fmu"),
-        ("export fmu --output robot.zip", "--output must be a file that ends in .fmu, got robot.zip."),
+        (
+            "export fmu --output robot.zip",
+            "--output must be a file that ends in .fmu, got robot.zip.",
+        ),
         (
             "export fmu --output robot.fmu --ground coulomb",
             "--ground must not be given: the exported robot swims in water.",
         ),
-        ("export fmu --output robot.fmu --model spatial", "--model must be `planar`: the spatial model needs MuJoCo"),
+        (
+            "export fmu --output robot.fmu --model spatial",
+            "--model must be `planar`: the spatial model needs MuJoCo",
+        ),
         (
             "export fmu --output robot.fmu --inputs references",
             "--inputs must be 'gait' for prescribed joints, which cannot jump",
         ),
-        ("export fmu --output robot.fmu --platform linux64,vax", "--platform must be one of `linux64`, "),
+        (
+            "export fmu --output robot.fmu --platform linux64,vax",
+            "--platform must be one of `linux64`, ",
+        ),
         ("export c --output robot.c", "--output must be a file that ends in .h, got robot.c."),
         ("export c --output robot.h --platform vax", "--platform must be one of `linux64`, "),
         ("export fmu --output robot.fmu --normal-drag -1", "--normal-drag must be >= 0, got -1"),

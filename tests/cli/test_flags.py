@@ -101,7 +101,9 @@ def test_a_second_wave_is_there_once_a_number_of_it_is_typed_and_keeps_what_was_
     assert read(Wiggle, [], "wiggle", Wiggle(gait=plain)).gait == plain
     added = read(Wiggle, ["--pitch-offset-deg", "0"], "wiggle", Wiggle(gait=plain)).gait
     assert added.pitch == Wave(amplitude=0.0, frequency=2.0, phase_shift=0.7)
-    changed = read(Wiggle, ["--pitch-offset-deg", "0"], "wiggle", Wiggle(gait=replace(plain, pitch=wave))).gait
+    changed = read(
+        Wiggle, ["--pitch-offset-deg", "0"], "wiggle", Wiggle(gait=replace(plain, pitch=wave))
+    ).gait
     assert changed.pitch is not None and changed.pitch.frequency == 3.0
     assert changed.pitch.phase == pytest.approx(0.4, rel=1e-9)
 
@@ -116,4 +118,7 @@ def test_every_field_of_water_and_of_its_law_is_an_option_with_its_text(run):
 
 
 def test_the_help_shows_what_a_preset_has(run):
-    assert f"(default: {load_water('paper-eel').tangential_friction:g})" in run("swim --gait eel-like --help").out
+    assert (
+        f"(default: {load_water('paper-eel').tangential_friction:g})"
+        in run("swim --gait eel-like --help").out
+    )

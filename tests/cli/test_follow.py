@@ -6,7 +6,9 @@ from laticauda.logs import load_trial
 
 
 def test_follow_prints_how_soon_the_robot_came_to_the_path(run):
-    done = run("follow --robot mamba-fin --frequency-deg-s 90 --position 0 1.848 --heading-deg 7.7 --duration 60")
+    done = run(
+        "follow --robot mamba-fin --frequency-deg-s 90 --position 0 1.848 --heading-deg 7.7 --duration 60"
+    )
     assert done.status == 0
     assert "time until the mean error stays within 0.1 m for a cycle" in done.out
     assert "offset at its limit" in done.out
@@ -24,7 +26,9 @@ def test_follow_as_json_has_the_figures_of_path_following(run):
 
 def test_follow_takes_waypoints_and_the_integral_law(run):
     path = "--waypoints 0 0 3 0 5 2 --smooth --position 0 0.3"
-    done = run(f"follow --robot mamba-fin {path} --guidance integral-line-of-sight --duration 30 --json")
+    done = run(
+        f"follow --robot mamba-fin {path} --guidance integral-line-of-sight --duration 30 --json"
+    )
     assert done.status == 0
     settings = json.loads(done.out)["settings"]
     assert settings["path"].startswith("Spline(")
@@ -63,7 +67,10 @@ def test_a_plan_without_a_limit_of_power_has_none_in_the_json(run):
     ("line", "message"),
     [
         ("--power-limit 3", "Unrecognized options: --power-limit"),
-        ("--guidance model-predictive --heading-estimate raw", "Unrecognized options: --heading-estimate"),
+        (
+            "--guidance model-predictive --heading-estimate raw",
+            "Unrecognized options: --heading-estimate",
+        ),
         ("--guidance model-predictive --speed 0", "--speed must be > 0 m/s, got 0"),
         (
             "--guidance model-predictive --frequency-deg-s 90 --frequency-limits-deg-s 100 120",
@@ -76,7 +83,10 @@ def test_a_plan_without_a_limit_of_power_has_none_in_the_json(run):
         ("--look-ahead-distance 0", "--look-ahead-distance must be > 0 m, got 0"),
         ("--waypoints 0 0", "must"),
         ("--waypoints 0 0 0 0", "must"),
-        ("--waypoints 0 0 1", "--waypoints must be pairs of numbers, x1 y1 x2 y2 ..., got 3 numbers."),
+        (
+            "--waypoints 0 0 1",
+            "--waypoints must be pairs of numbers, x1 y1 x2 y2 ..., got 3 numbers.",
+        ),
         ("--waypoints 0 0 nan 1", "must be a finite number in m, got nan"),
         ("--max-offset-deg 80", "or joint 0 goes beyond its limit"),
         ("--max-offset-deg -1", "--max-offset-deg must be"),

@@ -21,9 +21,13 @@ def trials(tmp_path_factory) -> Path:
     usual = lc.load_water("paper-lateral")
     for i, (amplitude, frequency) in enumerate(((30.0, 110.0), (25.0, 140.0), (35.0, 90.0))):
         gait = lc.lateral_undulation(
-            amplitude=np.radians(amplitude), frequency=np.radians(frequency), phase_shift=np.radians(40.0)
+            amplitude=np.radians(amplitude),
+            frequency=np.radians(frequency),
+            phase_shift=np.radians(40.0),
         )
-        trial = lc.swim(lc.load_robot("mamba"), gait, 6.0, environment=replace(usual, tangential_friction=TRUE))
+        trial = lc.swim(
+            lc.load_robot("mamba"), gait, 6.0, environment=replace(usual, tangential_friction=TRUE)
+        )
         noise = 0.004 * np.random.default_rng(i).standard_normal(trial.center_of_mass.shape)
         scenario = replace(trial.scenario, environment=usual)
         trial = replace(trial, center_of_mass=trial.center_of_mass + noise, scenario=scenario)
@@ -35,7 +39,9 @@ def trials(tmp_path_factory) -> Path:
 
 def test_trials_become_a_parameter_file_a_report_and_a_table(run, folder: Path, trials: Path):
     files = " ".join(str(trials / f"run-{i}.nc") for i in range(3))
-    done = run(f"identify {files} --parameters {FRICTION} --robot mamba --measured center_of_mass=0.004 {FAST}")
+    done = run(
+        f"identify {files} --parameters {FRICTION} --robot mamba --measured center_of_mass=0.004 {FAST}"
+    )
     assert (done.status, done.err) == (0, "")
     assert "1 of 1 parameters identified from 3 measurements" in done.out
     assert "and 9 numbers for where the trials began." in done.out
@@ -50,7 +56,14 @@ def test_trials_become_a_parameter_file_a_report_and_a_table(run, folder: Path, 
     assert "laticauda identify " in page
     assert "run-1.nc, SHA-256 " in page
     assert "<script" not in page
-    for name in ("parity.png", "parity.pdf", "residuals.png", "intervals.png", "residuals.csv", "directions.csv"):
+    for name in (
+        "parity.png",
+        "parity.pdf",
+        "residuals.png",
+        "intervals.png",
+        "residuals.csv",
+        "directions.csv",
+    ):
         assert (out / name).stat().st_size > 0
     again = run("swim --parameters identification/parameters.toml --duration 1 --json")
     assert again.status == 0
@@ -93,7 +106,10 @@ figures = {{forward_velocity = 0.003}}
     kept = lc.load_parameters(folder / "a" / "parameters.toml")
     assert (kept.name, kept.title, kept.every_gait.added_mass) == ("tank", "in the tank", 1.4)
     assert kept.changes == {"actuator": {"tracking": 1.0}}
-    assert "not be given with tank.toml" in run("identify tank.toml --parameters water.normal_drag").err
+    assert (
+        "not be given with tank.toml"
+        in run("identify tank.toml --parameters water.normal_drag").err
+    )
 
 
 def test_bad_input_is_named(run, folder: Path, trials: Path):
@@ -128,9 +144,8 @@ def test_what_has_no_effect_and_what_is_repeated_is_said(run, folder: Path, tria
     one = trials / "run-0.nc"
     (folder / "copy.nc").write_bytes(one.read_bytes())
     measured = "--measured forward_velocity=0.01"
-    line = (
-        f"identify {one} copy.nc --parameters robot.joint.actuator.servo_gain {measured} --quick --noise known {FAST}"
-    )
+    parameters = "--parameters robot.joint.actuator.servo_gain"
+    line = f"identify {one} copy.nc {parameters} {measured} --quick --noise known {FAST}"
     done = run(line)
     assert done.status == 0
     assert "has no effect on what was measured" in done.out
@@ -152,7 +167,12 @@ def test_the_shipped_file_of_the_preset_fixes_what_the_preset_has():
     assert task.options["joints"] == preset.joints
 
 
-SPEEDS = ["gait,alpha_deg,omega_deg_s,delta_deg,v_m_s", "LU,30,90,40,0.093", "LU,30,120,40,0.124", "LU,36,110,40,0.13"]
+SPEEDS = [
+    "gait,alpha_deg,omega_deg_s,delta_deg,v_m_s",
+    "LU,30,90,40,0.093",
+    "LU,30,120,40,0.124",
+    "LU,36,110,40,0.13",
+]
 
 
 def test_a_table_of_speeds_gives_what_python_gives(run, folder: Path):
@@ -160,7 +180,9 @@ def test_a_table_of_speeds_gives_what_python_gives(run, folder: Path):
     done = run(f"identify --table speeds.csv --parameters {FRICTION} --quick {FAST} --json")
     assert (done.status, done.err) == (0, "")
     said = json.loads(done.out)
-    found = fit(from_table(folder / "speeds.csv"), parameters=[FRICTION], noise="estimated", n_starts=1)
+    found = fit(
+        from_table(folder / "speeds.csv"), parameters=[FRICTION], noise="estimated", n_starts=1
+    )
     assert said["parameters"] == [row | {"best": found[FRICTION].value} for row in found.table()]
     assert set(said["sources"]) == {"speeds.csv"}
     assert any(words.startswith("no coast-down") for words in said["warnings"])
@@ -175,7 +197,11 @@ def test_laws_stand_side_by_side_with_null_models(run, folder: Path):
     laws = "--laws paper mamba-identified"
     done = run(f"identify --table speeds.csv --parameters {FRICTION} {laws} --quick {FAST}")
     assert (done.status, done.err) == (0, "")
-    rows = [line for line in done.out.splitlines() if line.startswith(("paper ", "mamba-identified ", "null model"))]
+    rows = [
+        line
+        for line in done.out.splitlines()
+        if line.startswith(("paper ", "mamba-identified ", "null model"))
+    ]
     assert len(rows) == 6
     for name in ("paper", "mamba-identified"):
         kept = lc.load_parameters(folder / "identification" / name / "parameters.toml")

@@ -11,12 +11,28 @@ from laticauda import load_trial
 from laticauda.cli import main
 from laticauda.protocol import JointState, Sync, bus_address, from_frame, open_bus, to_frame
 
-PROGRAM = [sys.executable, "-c", "import sys; from laticauda.cli import main; sys.exit(main())", "lab"]
+PROGRAM = [
+    sys.executable,
+    "-c",
+    "import sys; from laticauda.cli import main; sys.exit(main())",
+    "lab",
+]
 BUS = "udp_multicast:239.74.163.97:43196"
 
 
 def test_the_lab_says_where_it_is_serves_obeys_a_line_and_ends_with_ctrl_c(tmp_path):
-    words = [*PROGRAM, "--json", "--bus", BUS, "--port", "0", "--speed", "4", "--save", str(tmp_path / "truth.nc")]
+    words = [
+        *PROGRAM,
+        "--json",
+        "--bus",
+        BUS,
+        "--port",
+        "0",
+        "--speed",
+        "4",
+        "--save",
+        str(tmp_path / "truth.nc"),
+    ]
     with running(words, stdin=PIPE, stdout=PIPE, stderr=PIPE) as lab:
         assert lab.stdout is not None and lab.stdin is not None and lab.stderr is not None
         told = json.loads(lab.stdout.readline())
@@ -32,7 +48,9 @@ def test_the_lab_says_where_it_is_serves_obeys_a_line_and_ends_with_ctrl_c(tmp_p
                 pytest.fail("no node answered")
         lab.stdin.write("carry 1 2 90\n")
         lab.stdin.flush()
-        while "the robot lies straight at 1 2 m, heading 90 deg" not in (line := lab.stderr.readline()):
+        while "the robot lies straight at 1 2 m, heading 90 deg" not in (
+            line := lab.stderr.readline()
+        ):
             assert line
         lab.send_signal(signal.SIGINT)
         assert lab.wait(LONG) == 0
@@ -41,7 +59,15 @@ def test_the_lab_says_where_it_is_serves_obeys_a_line_and_ends_with_ctrl_c(tmp_p
 
 
 def test_a_lab_with_an_end_ends(capsys):
-    words = ["lab", "--bus", "udp_multicast:239.74.163.96:43195", "--port", "0", "--duration", "0.3"]
+    words = [
+        "lab",
+        "--bus",
+        "udp_multicast:239.74.163.96:43195",
+        "--port",
+        "0",
+        "--duration",
+        "0.3",
+    ]
     assert main(words) == 0
     out = capsys.readouterr().out
     assert out.startswith("bus udp_multicast:239.74.163.96:43195 | qtm 127.0.0.1:")
@@ -49,10 +75,23 @@ def test_a_lab_with_an_end_ends(capsys):
 
 
 def test_whoever_opens_the_lab_to_others_is_warned(capsys):
-    words = ["lab", "--bus", "udp_multicast:239.74.163.95:43194", "--hops", "1", "--host", "0.0.0.0", "--port", "0"]
+    words = [
+        "lab",
+        "--bus",
+        "udp_multicast:239.74.163.95:43194",
+        "--hops",
+        "1",
+        "--host",
+        "0.0.0.0",
+        "--port",
+        "0",
+    ]
     assert main([*words, "--duration", "0.1"]) == 0
     captured = capsys.readouterr()
-    assert "Anyone who reaches 0.0.0.0 can read the cameras: the protocol has no passwords." in captured.err
+    assert (
+        "Anyone who reaches 0.0.0.0 can read the cameras: the protocol has no passwords."
+        in captured.err
+    )
     assert "can move the robot: a CAN bus has no passwords." in captured.err
     assert "this computer only" not in captured.out
 

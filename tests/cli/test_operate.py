@@ -51,7 +51,11 @@ pose_age = 3
 def lab():
     """A tank whose sensors read what is so, and whose modules wait for a computer that is busy with other tests."""
     robot = lc.load_robot("mamba")
-    world = VirtualRobot(robot, lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"), lc.Start(heading=0.1))
+    world = VirtualRobot(
+        robot,
+        lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"),
+        lc.Start(heading=0.1),
+    )
     settings = replace(EXACT, nodes=replace(EXACT.nodes, hold_after=3.0, limp_after=4.0))
     return Lab(Tank(world, settings), bus=bus_address("virtual:cli-operate"), port=0)
 
@@ -70,7 +74,12 @@ def words(addresses) -> list[str]:
 
 def test_a_trial_file_becomes_a_trial_a_recording_and_one_json_object(lab, trial, tmp_path, capsys):
     with lab as addresses:
-        assert main(["operate", trial, "--json", "--output", str(tmp_path / "runs"), *words(addresses)]) == 0
+        assert (
+            main(
+                ["operate", trial, "--json", "--output", str(tmp_path / "runs"), *words(addresses)]
+            )
+            == 0
+        )
     found = json.loads(capsys.readouterr().out)
     assert found["accepted"]
     assert found["initial_heading"] == pytest.approx(0.1, abs=math.radians(0.3))
@@ -87,7 +96,12 @@ def test_a_trial_file_becomes_a_trial_a_recording_and_one_json_object(lab, trial
 
 def test_a_check_says_that_all_devices_are_well_and_keeps_nothing(lab, trial, tmp_path, capsys):
     with lab as addresses:
-        assert main(["operate", trial, "--check", "--output", str(tmp_path / "runs"), *words(addresses)]) == 0
+        assert (
+            main(
+                ["operate", trial, "--check", "--output", str(tmp_path / "runs"), *words(addresses)]
+            )
+            == 0
+        )
         assert not any(node.is_on for node in lab.tank.nodes)
     out, err = capsys.readouterr()
     assert "All devices are OK." in out
@@ -100,11 +114,15 @@ def series_of(names: str, tmp_path: Path) -> str:
     common = common.replace("[common.-1, 11]", "[-1, 11]")
     trials = "".join(f'[[trials]]\nname = "{name}"\n' for name in names)
     file = tmp_path / "series.toml"
-    file.write_text(f'kind = "series"\nname = "s"\nrepeats = 1\n[common]\n{common}{trials}', encoding="utf-8")
+    file.write_text(
+        f'kind = "series"\nname = "s"\nrepeats = 1\n[common]\n{common}{trials}', encoding="utf-8"
+    )
     return str(file)
 
 
-def test_ctrl_c_after_a_run_while_it_is_judged_ends_the_series_and_the_run_counts(lab, tmp_path, capsys, monkeypatch):
+def test_ctrl_c_after_a_run_while_it_is_judged_ends_the_series_and_the_run_counts(
+    lab, tmp_path, capsys, monkeypatch
+):
     def judged(*args):
         os.kill(os.getpid(), signal.SIGINT)
         return verdict_of(*args)
@@ -120,7 +138,13 @@ def test_ctrl_c_after_a_run_while_it_is_judged_ends_the_series_and_the_run_count
 
 def test_a_check_of_a_series_checks_each_robot_once_and_keeps_nothing(lab, tmp_path, capsys):
     with lab as addresses:
-        check = ["operate", series_of("ab", tmp_path), "--check", "--output", str(tmp_path / "runs")]
+        check = [
+            "operate",
+            series_of("ab", tmp_path),
+            "--check",
+            "--output",
+            str(tmp_path / "runs"),
+        ]
         assert main([*check, *words(addresses)]) == 0
     assert capsys.readouterr().out.count("All devices are OK.") == 1
     assert not (tmp_path / "runs").exists()
@@ -129,8 +153,14 @@ def test_a_check_of_a_series_checks_each_robot_once_and_keeps_nothing(lab, tmp_p
 def test_what_is_wrong_is_said_on_standard_error_with_status_2(trial, tmp_path, capsys):
     for args, message in (
         ([str(tmp_path / "no.toml")], "no such file"),
-        ([trial, "--mocap", "here"], "--mocap must be HOST:PORT, with a port from 1 to 65535, got 'here'"),
-        ([trial, "--bus", "virtual:a", "--mocap", "127.0.0.1:1"], "motion capture at 127.0.0.1:1 cannot be reached"),
+        (
+            [trial, "--mocap", "here"],
+            "--mocap must be HOST:PORT, with a port from 1 to 65535, got 'here'",
+        ),
+        (
+            [trial, "--bus", "virtual:a", "--mocap", "127.0.0.1:1"],
+            "motion capture at 127.0.0.1:1 cannot be reached",
+        ),
         ([trial, "--speed", "0"], "--speed must be > 0"),
     ):
         assert main(["operate", *args]) == 2
@@ -139,9 +169,14 @@ def test_what_is_wrong_is_said_on_standard_error_with_status_2(trial, tmp_path, 
 
 def test_a_robot_that_does_not_exist_is_told_with_the_file_that_names_it(tmp_path, capsys):
     file = tmp_path / "trial.toml"
-    file.write_text(TRIAL.replace("supply_voltage", 'robot = "mamnba"\nsupply_voltage'), encoding="utf-8")
+    file.write_text(
+        TRIAL.replace("supply_voltage", 'robot = "mamnba"\nsupply_voltage'), encoding="utf-8"
+    )
     assert main(["operate", str(file), "--check"]) == 2
-    assert f"{file}: there is no robot preset named `mamnba`; did you mean `mamba`?" in capsys.readouterr().err
+    assert (
+        f"{file}: there is no robot preset named `mamnba`; did you mean `mamba`?"
+        in capsys.readouterr().err
+    )
 
 
 def test_its_help_has_an_example(capsys):
@@ -158,7 +193,9 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def test_it_prints_the_figures_and_writes_the_trial(file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+def test_it_prints_the_figures_and_writes_the_trial(
+    file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
     assert main(["replay", str(file), "--save", str(tmp_path / "run.nc"), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     trial = load_trial(tmp_path / "run.nc")
@@ -167,8 +204,13 @@ def test_it_prints_the_figures_and_writes_the_trial(file: Path, tmp_path: Path, 
     assert found["lost"] == "" and found["status"] == "The end of the tank."
 
 
-def test_what_was_learnt_is_told_and_learnt_again(file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
-    log, told = operate.read_operation(file), {"value": {"normal_drag": 2.0}, "deviation": {"normal_drag": 0.1}}
+def test_what_was_learnt_is_told_and_learnt_again(
+    file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    log, told = (
+        operate.read_operation(file),
+        {"value": {"normal_drag": 2.0}, "deviation": {"normal_drag": 0.1}},
+    )
     learned = [Learned(time=1.0, changes=("The fin is gone.",), **told), Learned(time=2.5, **told)]
     with operate.OperationRecorder(tmp_path / "a.mcap", log.header) as recorder:
         for entry in (*log.entries, *learned):
@@ -200,7 +242,9 @@ def test_a_recording_that_ends_in_the_middle_says_what_is_missing(
     assert "cut.mcap is not intact" in capsys.readouterr().err
 
 
-def test_a_broken_file_is_refused_in_one_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+def test_a_broken_file_is_refused_in_one_sentence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
     broken = tmp_path / "broken.mcap"
     broken.write_bytes(b"no recording")
     assert main(["replay", str(broken)]) == 2
@@ -214,4 +258,6 @@ def test_a_recording_without_a_clock_has_no_timing_to_draw(
     file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
     assert main(["replay", str(file), "--plot-timing", str(tmp_path / "timing.png")]) == 2
-    assert "--plot-timing must go with a recording whose loop had a clock" in capsys.readouterr().err
+    assert (
+        "--plot-timing must go with a recording whose loop had a clock" in capsys.readouterr().err
+    )

@@ -18,7 +18,10 @@ SHORT = "--duration 1 --budget 24 --population 12 --output a"
 def test_the_command_writes_the_front_and_prints_some_of_it(run, folder: Path):
     done = run(f"optimize --seed 1 {SHORT}")
     assert (done.status, done.err) == (0, "")
-    assert "lateral-undulation, robot mamba, forward velocity against mechanical power: 24 points tried" in done.out
+    assert (
+        "lateral-undulation, robot mamba, forward velocity against mechanical power: 24 points tried"
+        in done.out
+    )
     names = ["checkpoint.npz", "front.csv", "front.nc", "front.pdf", "front.png"]
     assert sorted(path.name for path in (folder / "a").iterdir()) == names
     rows = [row.split() for row in done.out.splitlines() if re.match(r"\s+\d", row)]
@@ -38,10 +41,18 @@ def test_the_command_writes_the_front_and_prints_some_of_it(run, folder: Path):
 
 
 def test_what_it_finds_is_what_the_call_finds(run, folder: Path):
-    words = "--vary amplitude-deg=10:60 robot.caudal-fin.length=0.2:0.5 --objective cost-of-transport"
-    done = run(f"optimize --robot mamba-fin --gait eel-like {words} {SHORT} --json --joint-rate-limit-deg-s 100")
+    words = (
+        "--vary amplitude-deg=10:60 robot.caudal-fin.length=0.2:0.5 --objective cost-of-transport"
+    )
+    done = run(
+        f"optimize --robot mamba-fin --gait eel-like {words} {SHORT} --json --joint-rate-limit-deg-s 100"
+    )
     assert done.status == 0
-    gait = lc.eel_like(amplitude=np.radians(30), frequency=float(np.radians(130)), phase_shift=float(np.radians(40)))
+    gait = lc.eel_like(
+        amplitude=np.radians(30),
+        frequency=float(np.radians(130)),
+        phase_shift=float(np.radians(40)),
+    )
     front = optimize(
         Optimization(
             scenario=lc.scenario("mamba-fin", gait, 1.0),
@@ -57,11 +68,15 @@ def test_what_it_finds_is_what_the_call_finds(run, folder: Path):
     )
     (point,) = json.loads(done.out)["points"]
     assert point["gait.amplitude"] == pytest.approx(front.values[0, 0], rel=1e-12)
-    assert point["cost_of_transport"] == pytest.approx(front.figures["cost_of_transport"][0], rel=1e-9)
+    assert point["cost_of_transport"] == pytest.approx(
+        front.figures["cost_of_transport"][0], rel=1e-9
+    )
     assert not (folder / "a" / "front.png").exists()
 
 
-def test_a_stopped_optimization_says_how_to_go_on(run, folder: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_stopped_optimization_says_how_to_go_on(
+    run, folder: Path, monkeypatch: pytest.MonkeyPatch
+):
     swim_points, calls = sweep.swim_points, []
 
     def stop(*args):
@@ -74,7 +89,10 @@ def test_a_stopped_optimization_says_how_to_go_on(run, folder: Path, monkeypatch
         context.setattr(sweep, "swim_points", stop)
         done = run(f"optimize {SHORT}")
     assert (done.status, done.out) == (130, "")
-    assert done.err == "laticauda: stopped; 12 of 24 trials are stored in a. Run the same command again to resume.\n"
+    assert (
+        done.err
+        == "laticauda: stopped; 12 of 24 trials are stored in a. Run the same command again to resume.\n"
+    )
     resumed = run(f"optimize {SHORT}")
     assert resumed.out == run(f"optimize {SHORT.replace(' a', ' b')}").out.replace("b/", "a/")
 
@@ -123,7 +141,10 @@ def test_the_folder_of_another_optimization_is_refused(run):
     assert run(f"optimize {SHORT}").status == 0
     done = run(f"optimize {SHORT} --normal-drag 2")
     assert done.status == 2
-    assert "--output must be empty, or hold this optimization, got a with another one: environment.name is" in done.err
+    assert (
+        "--output must be empty, or hold this optimization, got a with another one: environment.name is"
+        in done.err
+    )
 
 
 def test_without_the_extra_it_says_what_to_install(folder: Path):
@@ -131,7 +152,10 @@ def test_without_the_extra_it_says_what_to_install(folder: Path):
     words = ["optimize", "--duration", "1"]
     done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True)
     assert done.returncode == 2
-    assert done.stderr == 'laticauda: An optimization needs pymoo; run `pip install "laticauda[scale]"`.\n'
+    assert (
+        done.stderr
+        == 'laticauda: An optimization needs pymoo; run `pip install "laticauda[scale]"`.\n'
+    )
 
 
 def test_an_optimum_at_an_end_of_its_range_is_said_with_the_end(run):
@@ -143,19 +167,32 @@ def test_an_optimum_at_an_end_of_its_range_is_said_with_the_end(run):
     assert [row["name"] for row in found] == [row["name"] for row in front.at_bounds()]
 
 
-def test_a_front_at_an_end_of_a_range_says_how_many_points_lie_there(monkeypatch: pytest.MonkeyPatch):
+def test_a_front_at_an_end_of_a_range_says_how_many_points_lie_there(
+    monkeypatch: pytest.MonkeyPatch,
+):
     sought = sought_at_an_end()
     values = np.array([[np.radians(20.0), 1.0], [np.radians(20.0), 2.0], [np.radians(15.0), 2.0]])
     figures = {name: np.arange(3.0) for name in sweep.QUANTITIES}
-    front = Front(optimization=sought, values=values, figures=figures, n_trials=9, n_infeasible=0, seed=0)
+    front = Front(
+        optimization=sought, values=values, figures=figures, n_trials=9, n_infeasible=0, seed=0
+    )
     words = "the best may be beyond it; widen it with --vary."
     said = f"amplitude-deg is 20.00 deg at 2 of the 3 points, the greatest of its range: {words}"
     assert said in _text(front, Path("a"))
-    alone = replace(front, values=values[:1], figures={name: column[:1] for name, column in figures.items()})
-    assert f"amplitude-deg is 20.00 deg, the greatest of its range: {words}" in _text(alone, Path("a"))
+    alone = replace(
+        front, values=values[:1], figures={name: column[:1] for name, column in figures.items()}
+    )
+    assert f"amplitude-deg is 20.00 deg, the greatest of its range: {words}" in _text(
+        alone, Path("a")
+    )
 
 
 def sought_at_an_end() -> Optimization:
     gait = lc.lateral_undulation(amplitude_deg=30, frequency_deg_s=130, phase_shift_deg=40)
-    bounds = {"gait.amplitude": tuple(np.radians([10.0, 20.0])), "gait.frequency": tuple(np.radians([50.0, 150.0]))}
-    return Optimization(scenario=lc.scenario("mamba", gait, 1.0), bounds=bounds, objectives="forward_velocity")
+    bounds = {
+        "gait.amplitude": tuple(np.radians([10.0, 20.0])),
+        "gait.frequency": tuple(np.radians([50.0, 150.0])),
+    }
+    return Optimization(
+        scenario=lc.scenario("mamba", gait, 1.0), bounds=bounds, objectives="forward_velocity"
+    )

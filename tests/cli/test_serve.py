@@ -10,7 +10,12 @@ from patience import LONG, running
 
 from laticauda.cli import main
 
-PROGRAM = [sys.executable, "-c", "import sys; from laticauda.cli import main; sys.exit(main())", "serve"]
+PROGRAM = [
+    sys.executable,
+    "-c",
+    "import sys; from laticauda.cli import main; sys.exit(main())",
+    "serve",
+]
 EEL = 'kind = "robot"\nextends = "mamba"\nname = "eel"\n'
 
 
@@ -36,17 +41,23 @@ def test_the_server_says_where_it_is_serves_and_ends_well_with_ctrl_c(tmp_path):
 def test_whoever_opens_the_server_to_others_is_warned():
     with serving("--host", "0.0.0.0") as server:
         line = server.stdout.readline()
-        assert re.fullmatch(r"tcp 0\.0\.0\.0:\d+ \(token [\w-]{24}\) \| protocol 1 \| clients .*\n", line)
+        assert re.fullmatch(
+            r"tcp 0\.0\.0\.0:\d+ \(token [\w-]{24}\) \| protocol 1 \| clients .*\n", line
+        )
         server.send_signal(signal.SIGINT)
         assert server.wait(LONG) == 0
         told = server.stderr.read()
-        assert "Anyone who reaches 0.0.0.0 and has the token is served; nothing is encrypted" in told
+        assert (
+            "Anyone who reaches 0.0.0.0 and has the token is served; nothing is encrypted" in told
+        )
         assert line.split()[3].rstrip(")") not in told
 
 
 def test_the_schema_of_the_messages_is_printed_and_nobody_is_served(capsys):
     assert main(["serve", "--schema"]) == 0
-    assert json.loads(capsys.readouterr().out)["$defs"]["step"]["properties"]["do"] == {"const": "step"}
+    assert json.loads(capsys.readouterr().out)["$defs"]["step"]["properties"]["do"] == {
+        "const": "step"
+    }
 
 
 @pytest.mark.parametrize(
@@ -55,7 +66,10 @@ def test_the_schema_of_the_messages_is_printed_and_nobody_is_served(capsys):
         (["--port", "70000"], "--port must be between 0 and 65535, got 70000."),
         (["--max-clients", "0"], "--max-clients must be a whole number >= 1, got 0."),
         (["--robots", "nofile.toml"], "nofile.toml: no such file"),
-        (["--robots", "folder/mamba.toml"], "--robots must have unique names, got folder/mamba.toml"),
+        (
+            ["--robots", "folder/mamba.toml"],
+            "--robots must have unique names, got folder/mamba.toml",
+        ),
         (["--host", "nowhere.invalid"], "The server cannot listen at nowhere.invalid:5055: "),
     ],
 )

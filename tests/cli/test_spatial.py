@@ -24,7 +24,9 @@ def test_a_stored_spatial_run_is_resumed_as_one(run):
     assert [done.status for done in (whole, first, second)] == [0, 0, 0]
     whole_trial, joined_trial = load_trial("whole.nc"), load_trial("second.nc")
     assert joined_trial.settings["model"] == "spatial"
-    np.testing.assert_allclose(joined_trial.center_of_mass[-1], whole_trial.center_of_mass[-1], atol=1e-8)
+    np.testing.assert_allclose(
+        joined_trial.center_of_mass[-1], whole_trial.center_of_mass[-1], atol=1e-8
+    )
 
 
 def test_the_physical_robot_follows_a_line_in_space(run):
@@ -38,7 +40,9 @@ def test_the_physical_robot_follows_a_line_in_space(run):
 
 
 def test_a_plot_of_a_spatial_run_can_be_made(run):
-    done = run("swim --robot mamba-modules-fin --duration 5 --model spatial --plot run.png --link-forces --json")
+    done = run(
+        "swim --robot mamba-modules-fin --duration 5 --model spatial --plot run.png --link-forces --json"
+    )
     assert done.status == 0, done.err
 
 
@@ -56,14 +60,20 @@ def test_a_second_wave_can_be_asked_for(run):
     assert found["gait_parameters"]["pitch"]["amplitude"] == pytest.approx(np.deg2rad(20.0))
     assert found["gait_parameters"]["pitch"]["frequency"] == found["gait_parameters"]["frequency"]
     assert found["measured"] is None  # the tank's robot had none
-    text = " ".join(run("swim --model spatial --robot mamba-modules --pitch-amplitude-deg 20 --duration 2").out.split())
+    text = " ".join(
+        run(
+            "swim --model spatial --robot mamba-modules --pitch-amplitude-deg 20 --duration 2"
+        ).out.split()
+    )
     assert "pitch (amplitude 20 deg, frequency 130 deg/s" in text
 
 
 def test_the_planar_model_refuses_a_second_wave(run):
     done = run("swim --pitch-offset-deg 2")
     assert done.status == 2
-    assert "must be None unless `model` is `spatial`: the planar model has no pitch joints" in done.err
+    assert (
+        "must be None unless `model` is `spatial`: the planar model has no pitch joints" in done.err
+    )
 
 
 DRIVEN = """

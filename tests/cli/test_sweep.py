@@ -36,7 +36,11 @@ def test_the_command_fills_a_folder_and_prints_the_best(run, folder: Path):
     # Run again it has nothing to do, and says the same.
     assert run(f"sweep {POINTS} {SHORT}").out == done.out
     as_json = json.loads(run(f"sweep {POINTS} {SHORT} --json --best mechanical-power").out)
-    assert (as_json["n_trials"], as_json["n_failed"], as_json["best_in"]) == (6, 0, "mechanical_power")
+    assert (as_json["n_trials"], as_json["n_failed"], as_json["best_in"]) == (
+        6,
+        0,
+        "mechanical_power",
+    )
     assert as_json["best"][0]["mechanical_power"] == float(found.mechanical_power.min())
     assert as_json["best"][0]["steady_velocity"] is None
     assert as_json["status"] and as_json["robot"] == "mamba"
@@ -68,7 +72,11 @@ def test_the_names_are_those_of_the_options_where_there_is_one(run):
     assert re.search(r"^frequency-deg-s +deg/s +omega", out, re.MULTILINE)
     assert re.search(r"^robot.caudal-fin.length +m +Length from root", out, re.MULTILINE)
     help = run("swim --help").out
-    plain = [vary.spelled(parameter) for parameter in KNOWN.values() if "." not in vary.spelled(parameter)]
+    plain = [
+        vary.spelled(parameter)
+        for parameter in KNOWN.values()
+        if "." not in vary.spelled(parameter)
+    ]
     plain = [word for word in plain if not word.startswith("current")]
     assert len(plain) > 10 and all(f"--{word} " in help for word in plain)
 
@@ -81,7 +89,9 @@ def test_every_name_that_is_listed_can_be_varied():
 
 
 def test_degrees_are_in_the_name():
-    values = vary.grid(["amplitude-deg=10,20", "gait.frequency-deg-s=90", "gait.phase_shift=0.5"], KNOWN).values
+    values = vary.grid(
+        ["amplitude-deg=10,20", "gait.frequency-deg-s=90", "gait.phase_shift=0.5"], KNOWN
+    ).values
     assert values["gait.amplitude"].tolist() == [radians(10), radians(20)]
     assert values["gait.frequency"].tolist() == [radians(90)]
     assert values["gait.phase_shift"].tolist() == [0.5]
@@ -93,30 +103,54 @@ def test_degrees_are_in_the_name():
         ("", "--vary must be given, or --list: NAME=LOW:HIGH:COUNT"),
         ("--vary amplitude-deg", "--vary must be NAME=LOW:HIGH:COUNT or .* got 'amplitude-deg'"),
         ("--vary amplitude-deg=", "--vary must be NAME=LOW:HIGH:COUNT"),
-        ("--vary amplitude-deg=1:2", "--vary must be NAME=LOW:HIGH:COUNT .* got 'amplitude-deg=1:2'"),
-        ("--vary amplitude-deg=1:2:x", "--vary must be NAME=LOW:HIGH:COUNT .* got 'amplitude-deg=1:2:x'"),
+        (
+            "--vary amplitude-deg=1:2",
+            "--vary must be NAME=LOW:HIGH:COUNT .* got 'amplitude-deg=1:2'",
+        ),
+        (
+            "--vary amplitude-deg=1:2:x",
+            "--vary must be NAME=LOW:HIGH:COUNT .* got 'amplitude-deg=1:2:x'",
+        ),
         (
             "--vary amplitude-deg=1:2:0",
             "--vary must have a whole COUNT between 1 and 10000000, got 'ampl",
         ),
         ("--vary amplitude-deg=1,", "--vary must be NAME=LOW:HIGH:COUNT"),
         ("--vary amplitud-deg=1:2:3", "got 'amplitud-deg'; the nearest are `amplitude-deg`"),
-        ("--vary amplitude-deg=1 gait.amplitude=2", "--vary must name each parameter only once, got 'gait.amplitude'"),
+        (
+            "--vary amplitude-deg=1 gait.amplitude=2",
+            "--vary must name each parameter only once, got 'gait.amplitude'",
+        ),
         (
             "--vary amplitude-deg=-3:3:5",
             "--vary must be within the bounds .* gait.amplitude = -0.0523599: ampl",
         ),
-        ("--vary amplitude-deg=1:2 --samples 0", "--samples|n_points.* must be a whole number >= 1, got 0"),
+        (
+            "--vary amplitude-deg=1:2 --samples 0",
+            "--samples|n_points.* must be a whole number >= 1, got 0",
+        ),
         ("--vary amplitude-deg=1:2:3 --samples 4", "--vary must be NAME=LOW:HIGH with --samples"),
         ("--vary amplitude-deg=1:2:3 --seed 4", "--seed must be given with --samples"),
         ("--vary amplitude-deg=1 --threads 0", "--threads must be a whole number >= 1, got 0"),
         ("--list nothing.csv", "nothing.csv: no such file"),
-        ("--list empty.csv", "--list must be a CSV file with the names of parameters in its first line"),
-        ("--list strange.csv", "--list of strange.csv must name a parameter of robot, gait or water, got 'colour'"),
-        ("--list negative.csv", "--list of negative.csv must be within the bounds of the parameters"),
+        (
+            "--list empty.csv",
+            "--list must be a CSV file with the names of parameters in its first line",
+        ),
+        (
+            "--list strange.csv",
+            "--list of strange.csv must name a parameter of robot, gait or water, got 'colour'",
+        ),
+        (
+            "--list negative.csv",
+            "--list of negative.csv must be within the bounds of the parameters",
+        ),
         ("--list ragged.csv", "ragged.csv: row 3: it must have one cell per column"),
         ("--list words.csv", "--list must be a table of numbers, got 'x in words.csv, line 2'"),
-        ("--list words.csv --samples 3", "--list must not be given together with --vary or --samples"),
+        (
+            "--list words.csv --samples 3",
+            "--list must not be given together with --vary or --samples",
+        ),
         ("--vary amplitude-deg=1 --output file", "--output must be a folder, got the file file"),
         (
             "--vary amplitude-deg=1 --output full",
@@ -144,7 +178,8 @@ def test_the_folder_of_another_sweep_is_refused(run):
     done = run(f"sweep {POINTS} --duration 2 --output a")
     assert done.status == 2
     assert (
-        "--output must be empty, or hold this sweep, got a with another one: duration is 1.0 there and 2.0" in done.err
+        "--output must be empty, or hold this sweep, got a with another one: duration is 1.0 there and 2.0"
+        in done.err
     )
 
 
@@ -156,7 +191,10 @@ def test_a_stopped_sweep_says_how_to_go_on(run, folder: Path, monkeypatch: pytes
         context.setattr(sweep, "collected", stop)
         done = run(f"sweep {POINTS} {SHORT}")
     assert (done.status, done.out) == (130, "")
-    assert done.err == "laticauda: stopped; 0 of 6 trials are stored in a. Run the same command again to resume.\n"
+    assert (
+        done.err
+        == "laticauda: stopped; 0 of 6 trials are stored in a. Run the same command again to resume.\n"
+    )
     assert run(f"sweep {POINTS} {SHORT}").status == 0
     assert open_sweep(folder / "a").n_finished == 6
 
@@ -172,7 +210,9 @@ def dask() -> Iterator[str]:
     """The address of a scheduler with a worker in this process."""
     from distributed import LocalCluster
 
-    with LocalCluster(n_workers=1, threads_per_worker=1, processes=False, protocol="tcp", dashboard_address=":0") as it:
+    with LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, protocol="tcp", dashboard_address=":0"
+    ) as it:
         yield it.scheduler_address
 
 

@@ -19,7 +19,11 @@ PAPER = (
 
 
 def lateral(**changes: float) -> lc.Gait:
-    values = {"amplitude": math.radians(30), "frequency": math.radians(130), "phase_shift": math.radians(40)}
+    values = {
+        "amplitude": math.radians(30),
+        "frequency": math.radians(130),
+        "phase_shift": math.radians(40),
+    }
     return lc.lateral_undulation(**values | changes)
 
 
@@ -44,7 +48,9 @@ def test_the_json_has_every_figure_or_the_reason_why_not(run):
 
 
 def test_the_json_says_how_the_run_was_made(run):
-    found = json.loads(run("swim --gait eel-like --normal-drag 1.5 --joints pd --duration 1 --json").out)
+    found = json.loads(
+        run("swim --gait eel-like --normal-drag 1.5 --joints pd --duration 1 --json").out
+    )
     assert found["coefficients"]["normal_drag"] == 1.5
     assert found["coefficients"]["tangential_friction"] == 0.17
     assert found["settings"]["joints"] == "pd"
@@ -55,7 +61,10 @@ def test_the_json_says_how_the_run_was_made(run):
 def test_a_water_with_another_law_says_so_in_its_name(run):
     found = json.loads(run("swim --law total-speed-drag --gamma 0.8 --duration 0.1 --json").out)
     assert found["environment"] == "paper-lateral with total-speed-drag with gamma 0.8"
-    assert json.loads(run("swim --law polynomial-drag --duration 0.1 --json").out)["environment"] == "paper-lateral"
+    assert (
+        json.loads(run("swim --law polynomial-drag --duration 0.1 --json").out)["environment"]
+        == "paper-lateral"
+    )
 
 
 def test_without_options_it_is_the_papers_first_trial(run):
@@ -65,7 +74,10 @@ def test_without_options_it_is_the_papers_first_trial(run):
 def test_the_table_has_the_measured_speed_beside_the_simulated(run):
     text = run(PAPER).out
     assert re.search(r"^forward velocity.* 0\.1476  m/s +0\.1514 +-2\.5 %$", text, re.MULTILINE)
-    assert "paper-lateral (the paper's for lateral undulation): tangential_friction 0.3, normal_drag 1.75" in text
+    assert (
+        "paper-lateral (the paper's for lateral undulation): tangential_friction 0.3, normal_drag 1.75"
+        in text
+    )
     assert "mean power (mechanical)" in text
     assert "do not compare it with a mechanical one" in text
     assert re.search(r"^share of the linear term in the axial drag +0\.8713$", text, re.MULTILINE)
@@ -91,10 +103,19 @@ def test_a_run_of_another_length_than_the_measured_says_so(run):
     [
         ("", "paper-lateral (the paper's for lateral undulation)"),
         ("--gait eel-like", "paper-eel (the paper's for eel-like motion)"),
-        ("--gait custom --envelope 1 1 1 1 1 1 1 0.5", "paper-lateral (the paper's for lateral undulation, for lack"),
+        (
+            "--gait custom --envelope 1 1 1 1 1 1 1 0.5",
+            "paper-lateral (the paper's for lateral undulation, for lack",
+        ),
         ("--water paper-vortex", "paper-vortex (as requested)"),
-        ("--normal-drag 2", "paper-lateral with normal_drag 2 (the paper's for lateral undulation)"),
-        ("--ground viscous", "viscous (as requested): friction viscous, tangential 0.5 N s/m per link, normal"),
+        (
+            "--normal-drag 2",
+            "paper-lateral with normal_drag 2 (the paper's for lateral undulation)",
+        ),
+        (
+            "--ground viscous",
+            "viscous (as requested): friction viscous, tangential 0.5 N s/m per link, normal",
+        ),
     ],
 )
 def test_the_table_says_which_coefficients_and_where_from(run, options, said):
@@ -160,7 +181,9 @@ def test_the_saved_file_is_the_run(run):
     assert stored.forward_velocity == found["forward_velocity"]
 
 
-@pytest.mark.parametrize("options", ["", "--joints servo --link-forces", "--robot mamba-fin --offset-deg 8"])
+@pytest.mark.parametrize(
+    "options", ["", "--joints servo --link-forces", "--robot mamba-fin --offset-deg 8"]
+)
 def test_a_run_that_goes_on_from_a_file_is_the_same_as_one_that_was_never_cut(run, options):
     assert run(f"swim {options} --duration 10 --save whole.nc").status == 0
     assert run(f"swim {options} --duration 4 --save first.nc").status == 0
@@ -239,14 +262,20 @@ tangential_friction = 0.1
 """
 
 
-@pytest.mark.parametrize(("gait", "friction"), [("lateral-undulation", 0.2), ("eel-like", 0.1), ("custom", 0.2)])
-def test_a_parameter_file_gives_the_water_of_the_gait_and_the_trial_keeps_it(run, folder, gait, friction):
+@pytest.mark.parametrize(
+    ("gait", "friction"), [("lateral-undulation", 0.2), ("eel-like", 0.1), ("custom", 0.2)]
+)
+def test_a_parameter_file_gives_the_water_of_the_gait_and_the_trial_keeps_it(
+    run, folder, gait, friction
+):
     (folder / "mine.toml").write_text(MINE)
     envelope = "--envelope 1 1 1 1 1 1 1 1" if gait == "custom" else ""
     done = run(f"swim --duration 1 --gait {gait} {envelope} --parameters mine.toml --save run.nc")
     assert done.status == 0
     said = "mine, eel_like" if gait == "eel-like" else "mine"
-    assert f"water {said} (as mine.toml says): tangential_friction {friction}" in " ".join(done.out.split())
+    assert f"water {said} (as mine.toml says): tangential_friction {friction}" in " ".join(
+        done.out.split()
+    )
     stored = lc.load_trial("run.nc").environment
     assert stored == lc.load_parameters("mine.toml").water(gait.replace("-", "_"))
     assert stored.tangential_friction == friction
@@ -261,7 +290,9 @@ active_power = 30.0
 
 
 @pytest.mark.parametrize("command", ["swim --duration 1", "follow --duration 1"])
-def test_a_parameter_file_changes_the_robot_and_its_joint_law_unless_a_flag_says_otherwise(run, folder, command):
+def test_a_parameter_file_changes_the_robot_and_its_joint_law_unless_a_flag_says_otherwise(
+    run, folder, command
+):
     head, tables = MINE.split("[water]")
     joints, *rest = DRIVEN.splitlines(keepends=True)
     (folder / "mine.toml").write_text(f"{head}{joints}[water]{tables}{''.join(rest)}")
@@ -286,26 +317,43 @@ def test_single_coefficients_replace_those_of_a_parameter_file(run, folder):
     (folder / "mine.toml").write_text(MINE)
     found = json.loads(run("swim --duration 1 --parameters mine.toml --normal-drag 2 --json").out)
     assert found["environment"] == "mine with normal_drag 2"
-    assert (found["coefficients"]["tangential_friction"], found["coefficients"]["normal_drag"]) == (0.2, 2.0)
+    assert (found["coefficients"]["tangential_friction"], found["coefficients"]["normal_drag"]) == (
+        0.2,
+        2.0,
+    )
 
 
 def test_a_scenario_is_a_file_that_options_change(run):
-    first = run("swim --duration 2 --joints pd --heading-deg 10 --save-scenario run.toml --save first.nc")
+    first = run(
+        "swim --duration 2 --joints pd --heading-deg 10 --save-scenario run.toml --save first.nc"
+    )
     assert first.status == 0
-    assert lc.load_scenario("run.toml") == replace(lc.load_trial("first.nc").scenario, model=lc.Planar(joints=PD()))
+    assert lc.load_scenario("run.toml") == replace(
+        lc.load_trial("first.nc").scenario, model=lc.Planar(joints=PD())
+    )
     assert run("swim run.toml --save again.nc").status == 0
-    np.testing.assert_array_equal(lc.load_trial("again.nc").center_of_mass, lc.load_trial("first.nc").center_of_mass)
+    np.testing.assert_array_equal(
+        lc.load_trial("again.nc").center_of_mass, lc.load_trial("first.nc").center_of_mass
+    )
     options = "--amplitude-deg 20 --normal-drag 1.5 --joints servo --n-links 5 --duration 1"
     assert run(f"swim run.toml {options} --save other.nc").status == 0
     other = lc.load_trial("other.nc").scenario
-    assert (math.degrees(other.motion.amplitude), other.environment.normal_drag) == (pytest.approx(20.0), 1.5)
+    assert (math.degrees(other.motion.amplitude), other.environment.normal_drag) == (
+        pytest.approx(20.0),
+        1.5,
+    )
     assert (other.robot.n_links, other.model.joints, other.duration) == (5, Servo(), 1.0)
     assert run("swim none.toml").status == 2
     refused = run("swim run.toml --pitch-amplitude-deg 3")
-    assert (refused.status, "--pitch-... must be None unless `model` is `spatial`" in refused.err) == (2, True)
+    assert (
+        refused.status,
+        "--pitch-... must be None unless `model` is `spatial`" in refused.err,
+    ) == (2, True)
 
 
-def test_a_gait_of_ones_own_in_a_scenario_file_is_typed_beside_it_and_keeps_its_numbers(run, folder, monkeypatch):
+def test_a_gait_of_ones_own_in_a_scenario_file_is_typed_beside_it_and_keeps_its_numbers(
+    run, folder, monkeypatch
+):
     monkeypatch.setattr(lc.Envelope, "_known", dict(lc.Envelope._known))  # forgotten afterwards
     (folder / "unheard.py").write_text(
         "import laticauda as lc\nfrom laticauda.quantities import quantity, value\n\n\n@value\n"
@@ -323,21 +371,30 @@ def test_a_gait_of_ones_own_in_a_scenario_file_is_typed_beside_it_and_keeps_its_
 
 def test_a_water_that_is_named_beside_a_scenario_file_keeps_its_name(run):
     assert run("swim --duration 1 --save-scenario run.toml").status == 0
-    assert json.loads(run("swim run.toml --water paper-eel --json").out)["environment"] == "paper-eel"
+    assert (
+        json.loads(run("swim run.toml --water paper-eel --json").out)["environment"] == "paper-eel"
+    )
 
 
 def test_robots_of_further_scenario_files_swim_in_the_same_scene(run):
     pytest.importorskip("mujoco")
     scene = "swim --model spatial --scene open --duration 0.2"
     assert run(f"{scene} --save-scenario other.toml").status == 0
-    done = run(f"{scene} --robot mamba-fin --position 0 0.6 --beside other.toml --save two.nc --json")
+    done = run(
+        f"{scene} --robot mamba-fin --position 0 0.6 --beside other.toml --save two.nc --json"
+    )
     found = json.loads(done.out)
     first, second = lc.load_trial("two.nc"), lc.load_trial("two-1.nc")
     assert (first.robot.name, second.robot.name) == ("mamba-fin", "mamba")
     assert found["mean_power"] == first.mean_power
     assert found["beside"][0]["mean_power"] == second.mean_power
-    refused = run("swim --model spatial --scene open --duration 0.3 --position 0 1 --beside other.toml")
-    assert (refused.status, refused.err) == (2, "laticauda: --duration must be the same for all robots in one scene.\n")
+    refused = run(
+        "swim --model spatial --scene open --duration 0.3 --position 0 1 --beside other.toml"
+    )
+    assert (refused.status, refused.err) == (
+        2,
+        "laticauda: --duration must be the same for all robots in one scene.\n",
+    )
 
 
 def test_a_scene_that_needs_water_is_refused_on_the_ground(run):
@@ -347,14 +404,21 @@ def test_a_scene_that_needs_water_is_refused_on_the_ground(run):
 
 
 def test_a_trial_is_saved_in_the_formats_that_convert_writes(run, folder: Path):
-    for line in ("swim --duration 1 --save a.nc", "swim --duration 1 --save b.csv", "trial convert a.nc c.csv"):
+    for line in (
+        "swim --duration 1 --save a.nc",
+        "swim --duration 1 --save b.csv",
+        "trial convert a.nc c.csv",
+    ):
         assert run(line).status == 0
     assert (folder / "b.csv").read_bytes() == (folder / "c.csv").read_bytes()
 
 
 def test_what_is_not_available_is_said_in_words_of_the_command(run):
     text = " ".join(run("swim --duration 5").out.split())
-    assert "Not available: electrical power, total power. The power of the motors is unknown: give --joints" in text
+    assert (
+        "Not available: electrical power, total power. The power of the motors is unknown: give --joints"
+        in text
+    )
     assert "The run must span at least" in text
     assert "`time`" not in text and "electrical_work" not in text
 

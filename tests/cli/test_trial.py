@@ -15,7 +15,11 @@ from laticauda.pictures import render, replay
 
 @pytest.fixture
 def stored(run) -> list[str]:
-    for name, options in {"bare.nc": "", "fin.nc": "--robot mamba-fin", "servo.nc": "--joints servo"}.items():
+    for name, options in {
+        "bare.nc": "",
+        "fin.nc": "--robot mamba-fin",
+        "servo.nc": "--joints servo",
+    }.items():
         assert run(f"swim {options} --duration 20 --save {name}").status == 0
     return ["bare.nc", "fin.nc", "servo.nc"]
 
@@ -29,7 +33,10 @@ def test_a_stored_trial_is_shown_as_it_was_when_it_swam(run, stored):
 
 
 def test_a_stored_trial_can_be_read_by_a_program(run, stored):
-    swam, shown = (json.loads(run(line).out) for line in ("swim --duration 20 --json", "trial show bare.nc --json"))
+    swam, shown = (
+        json.loads(run(line).out)
+        for line in ("swim --duration 20 --json", "trial show bare.nc --json")
+    )
     assert shown == swam
 
 
@@ -48,7 +55,9 @@ def test_a_comparison_can_be_read_by_a_program(run, stored):
     values = [load_trial(name).forward_velocity for name in found["trials"]]
     assert speed["unit"] == "m/s"
     assert speed["values"] == values
-    assert speed["differences_percent"] == pytest.approx([0.0, 100.0 * (values[1] / values[0] - 1.0)])
+    assert speed["differences_percent"] == pytest.approx(
+        [0.0, 100.0 * (values[1] / values[0] - 1.0)]
+    )
 
 
 def test_a_difference_from_next_to_nothing_is_shown_in_the_figures_unit(run, stored):
@@ -58,13 +67,17 @@ def test_a_difference_from_next_to_nothing_is_shown_in_the_figures_unit(run, sto
     (row,) = [row for row in text.splitlines() if row.startswith("forward velocity")]
     assert row.endswith(f"+{load_trial('bare.nc').forward_velocity:.4f} m/s")
     assert "nan" not in text
-    found = json.loads(run("trial compare still.nc bare.nc --json").out)["figures"]["forward_velocity"]
+    found = json.loads(run("trial compare still.nc bare.nc --json").out)["figures"][
+        "forward_velocity"
+    ]
     assert found["differences_percent"] == [None, None]
     assert found["differences"][1] == pytest.approx(load_trial("bare.nc").forward_velocity)
 
 
 def test_mechanical_and_electrical_power_are_not_compared(run, stored):
-    assert "mean_power" not in json.loads(run("trial compare bare.nc servo.nc --json").out)["figures"]
+    assert (
+        "mean_power" not in json.loads(run("trial compare bare.nc servo.nc --json").out)["figures"]
+    )
 
 
 def test_a_trial_is_converted_to_a_table_of_numbers(run, stored, folder: Path):
@@ -73,7 +86,10 @@ def test_a_trial_is_converted_to_a_table_of_numbers(run, stored, folder: Path):
     header, *rows = list(csv.reader((folder / "bare.csv").read_text().splitlines()))
     assert header[0] == "time [s]"
     assert len(rows) == 401
-    assert json.loads(run("trial convert bare.nc bare.csv --json").out) == {"output": "bare.csv", "n_samples": 401}
+    assert json.loads(run("trial convert bare.nc bare.csv --json").out) == {
+        "output": "bare.csv",
+        "n_samples": 401,
+    }
 
 
 @pytest.mark.parametrize("ending", ["nc", "mcap", "parquet", "mat"])
@@ -106,21 +122,33 @@ def test_a_log_is_shown_and_compared_with_a_simulation(run, stored, folder: Path
     assert "simulated" not in shown.out
     assert "must have a measured `work`" in " ".join(shown.out.split())
     found = json.loads(run("trial show log.csv --columns map.toml --json").out)
-    assert found["forward_velocity"] == pytest.approx(load_trial("bare.nc").forward_velocity, rel=1e-12)
+    assert found["forward_velocity"] == pytest.approx(
+        load_trial("bare.nc").forward_velocity, rel=1e-12
+    )
     assert "joint_torque" in found["not_measured"]
     compared = json.loads(run("trial compare bare.nc log.csv --columns map.toml --json").out)
-    assert compared["figures"]["forward_velocity"]["differences_percent"][1] == pytest.approx(0.0, abs=1e-9)
+    assert compared["figures"]["forward_velocity"]["differences_percent"][1] == pytest.approx(
+        0.0, abs=1e-9
+    )
 
 
-def test_a_log_without_a_map_and_a_map_with_a_mistake_are_refused_by_name(run, stored, folder: Path):
+def test_a_log_without_a_map_and_a_map_with_a_mistake_are_refused_by_name(
+    run, stored, folder: Path
+):
     run("trial convert bare.nc log.csv")
     refused = run("trial show log.csv")
     assert refused.status == 2
-    assert "does not state the robot; give a column map (`columns`, on the command line --columns)" in refused.err
+    assert (
+        "does not state the robot; give a column map (`columns`, on the command line --columns)"
+        in refused.err
+    )
     (folder / "map.toml").write_text(MAP.replace("position", "positions"))
     refused = run("trial show log.csv --columns map.toml")
     assert refused.status == 2
-    assert "map.toml: key `center_of_mass.positions`: is not known; did you mean `position`?" in refused.err
+    assert (
+        "map.toml: key `center_of_mass.positions`: is not known; did you mean `position`?"
+        in refused.err
+    )
 
 
 pytest.importorskip("mujoco")
@@ -183,7 +211,10 @@ def test_a_screen_that_cannot_be_used_is_no_crash(swum, monkeypatch):
     monkeypatch.setitem(sys.modules, "glfw", types.SimpleNamespace(init=lambda: False))
     done = swum("view run.nc")
     assert done.status == 2
-    assert "A window needs a screen, but the one that is set here cannot be used; write a film" in done.err
+    assert (
+        "A window needs a screen, but the one that is set here cannot be used; write a film"
+        in done.err
+    )
 
 
 def test_the_window_shows_the_trial_from_its_start_until_it_is_closed(swum, monkeypatch, folder):
@@ -211,7 +242,9 @@ def test_the_window_shows_the_trial_from_its_start_until_it_is_closed(swum, monk
 
     monkeypatch.setenv("DISPLAY", ":0")
     monkeypatch.setitem(sys.modules, "glfw", types.SimpleNamespace(init=lambda: True))
-    monkeypatch.setitem(sys.modules, "mujoco.viewer", types.SimpleNamespace(launch_passive=launch_passive))
+    monkeypatch.setitem(
+        sys.modules, "mujoco.viewer", types.SimpleNamespace(launch_passive=launch_passive)
+    )
     monkeypatch.setattr(replay.time, "sleep", lambda seconds: None)
     ticks = iter([0.0, 0.25, 0.5, 1.25])
     monkeypatch.setattr(replay.time, "monotonic", lambda: next(ticks))
@@ -256,7 +289,10 @@ def test_one_trial_is_drawn_as_a_sheet_and_several_in_one_figure(run, folder: Pa
     ("line", "said"),
     [
         ("trial plot --output a.png", "FILES must name one or more trials."),
-        ("trial plot a.nc --output a.gif", "--output must be a file that ends in .png or .pdf or .svg, got a.gif."),
+        (
+            "trial plot a.nc --output a.gif",
+            "--output must be a file that ends in .png or .pdf or .svg, got a.gif.",
+        ),
     ],
 )
 def test_what_cannot_be_drawn_is_refused(run, line: str, said: str):

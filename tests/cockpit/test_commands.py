@@ -22,7 +22,9 @@ from laticauda.scenarios import run_to_toml
 GAIT = lc.lateral_undulation(
     amplitude=math.radians(31.0), frequency=math.radians(125.0), phase_shift=math.radians(40.0)
 )
-PITCH = Wave(amplitude=0.1, frequency=GAIT.frequency, phase_shift=GAIT.phase_shift, phase=0.5 * math.pi)
+PITCH = Wave(
+    amplitude=0.1, frequency=GAIT.frequency, phase_shift=GAIT.phase_shift, phase=0.5 * math.pi
+)
 DURATION = 6.0
 SCENARIOS = [
     lc.scenario("mamba", GAIT),
@@ -30,7 +32,9 @@ SCENARIOS = [
     changed(lc.scenario("mamba", GAIT), current=(0.1, -0.02)),
     changed(lc.scenario("mamba", GAIT), path=StraightLine(point=(0.5, -0.6), angle=0.2)),
     lc.scenario(with_fin(lc.load_robot("mamba"), True, 0.3), GAIT, joints="servo"),
-    lc.scenario("mamba", GAIT, environment=replace(lc.load_water("paper-lateral"), normal_drag=1.4)),
+    lc.scenario(
+        "mamba", GAIT, environment=replace(lc.load_water("paper-lateral"), normal_drag=1.4)
+    ),
     lc.scenario("mamba", GAIT, environment="paper-eel"),
     lc.scenario("mamba", replace(GAIT, envelope=Custom(values=(1.0,) * 4 + (0.5,) * 4))),
     lc.scenario("mamba-modules", replace(GAIT, pitch=PITCH), model="spatial"),
@@ -73,14 +77,18 @@ def test_the_file_the_command_and_the_python_run_as_they_are_and_give_the_number
     exec(code, scope)
     trial = scope["trial"]
     assert scope["scenario"] == replace(scenario, duration=DURATION)
-    assert (printed["forward_velocity"], printed["mean_power"]) == (trial.forward_velocity, trial.mean_power)
+    assert (printed["forward_velocity"], printed["mean_power"]) == (
+        trial.forward_velocity,
+        trial.mean_power,
+    )
     for text in (in_shell, in_python):
         assert escape(json.dumps(text(page.files[FILE].decode())), quote=True) in copied
     for _ in range(round(DURATION / 0.1)):
         live.advance(0.1)
     assert numbers(live)["time"] == pytest.approx(DURATION)
     assert numbers(live)["forward_velocity"] == pytest.approx(trial.forward_velocity, rel=1e-3)
-    # The page steps by half as much: that matters to the work of the first moments, when a path begins with a jerk.
+    # The page steps by half as much: that matters to the work of the first moments, when a path
+    # begins with a jerk.
     assert numbers(live)["mean_power"] == pytest.approx(trial.mean_power, rel=3e-3)
 
 
@@ -96,16 +104,19 @@ def test_what_is_copied_has_the_file_in_it(tmp_path, monkeypatch):
     assert lc.load_scenario(FILE) == scenario
 
 
-# ---- buttons that copy them ------------------------------------------------------------------------------------
+# ---- buttons that copy them ----------------------------------------------------------------------
 
 TEXTS = {"copy <this>": 'first "line" \\\n  --it\'s {one} & more', "copy that": f"{math.pi}"}
 
 
 def test_a_button_puts_its_text_on_the_clipboard_as_it_is(tmp_path):
-    (tmp_path / "page.html").write_text(f"<!doctype html><body>{copy_buttons(TEXTS)}</body>", encoding="utf-8")
+    (tmp_path / "page.html").write_text(
+        f"<!doctype html><body>{copy_buttons(TEXTS)}</body>", encoding="utf-8"
+    )
     with browser() as found:
         page = found.new_context().new_page()
-        # What the browser is asked to copy, in place of the clipboard, which a test must not overwrite.
+        # What the browser is asked to copy, in place of the clipboard, which a test must not
+        # overwrite.
         kept = "Object.defineProperty(navigator, 'clipboard', {value: {writeText: async t => {window.kept = t}}})"
         page.add_init_script(kept)
         page.goto((tmp_path / "page.html").as_uri())
@@ -115,7 +126,9 @@ def test_a_button_puts_its_text_on_the_clipboard_as_it_is(tmp_path):
 
 
 def test_where_the_browser_allows_no_clipboard_the_old_way_is_taken(tmp_path):
-    (tmp_path / "page.html").write_text(f"<!doctype html><body>{copy_buttons(TEXTS)}</body>", encoding="utf-8")
+    (tmp_path / "page.html").write_text(
+        f"<!doctype html><body>{copy_buttons(TEXTS)}</body>", encoding="utf-8"
+    )
     with browser() as found:
         page = found.new_context().new_page()
         page.add_init_script(

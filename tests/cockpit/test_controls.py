@@ -70,7 +70,9 @@ def test_what_the_page_says_has_no_underscores(cockpit):
     assert "eel like" in said and "phase shift [°]" in said
     assert [text for text in (*said, *OF_GAITS) if "_" in text] == []
     use(cockpit, control(cockpit, "flow"), "swell")  # its numbers have fields of their own
-    assert [name for name, one in cockpit._controls.by_name.items() if "_" in one.handle.label] == []
+    assert [
+        name for name, one in cockpit._controls.by_name.items() if "_" in one.handle.label
+    ] == []
 
 
 def test_every_control_acts_at_once(cockpit):
@@ -219,9 +221,13 @@ def test_a_recorded_operation_is_played_back_and_what_is_no_trial_says_why(cockp
     record(tmp_path / "run.mcap")
     cockpit.load(tmp_path / "run.mcap")
     cockpit.frame()
-    assert cockpit._runs._ghost.robot == lc.load_trial(_replayed(tmp_path / "run.mcap")).robot.planar()
+    assert (
+        cockpit._runs._ghost.robot == lc.load_trial(_replayed(tmp_path / "run.mcap")).robot.planar()
+    )
     values = {"gait.amplitude": (0.3, 0.5), "gait.frequency": (1.0, 2.0)}
-    run_sweep(Sweep(scenario=lc.scenario("mamba", GAIT, 2.0), points=Grid(values=values)), tmp_path / "s")
+    run_sweep(
+        Sweep(scenario=lc.scenario("mamba", GAIT, 2.0), points=Grid(values=values)), tmp_path / "s"
+    )
     open_sweep(tmp_path / "s").to_netcdf(tmp_path / "s.nc", engine="netcdf4")
     page = Page()
     for name, content in (("s.nc", (tmp_path / "s.nc").read_bytes()), ("broken.txt", b"nothing")):
@@ -255,7 +261,8 @@ def test_a_gait_of_ones_own_can_be_left_and_taken_up_again():
 
 
 @pytest.mark.parametrize(
-    ("name", "message"), [("run.nc", "Cannot load run.nc: "), ("run.txt", "a trial file ends in one of .nc")]
+    ("name", "message"),
+    [("run.nc", "Cannot load run.nc: "), ("run.txt", "a trial file ends in one of .nc")],
 )
 def test_a_file_that_is_no_trial_says_what_is_wrong(cockpit, name, message):
     page = Page()
@@ -289,7 +296,9 @@ def in_space():
     robot = lc.load_robot("mamba-modules")
     water = replace(lc.load_water("paper-lateral"), density=robot.mass / robot.volume)
     start = lc.Start(depth=0.7, roll=0.2, pitch=0.1)
-    served = Cockpit(Live(lc.scenario(robot, GAIT, environment=water, model="spatial", start=start)), port=0)
+    served = Cockpit(
+        Live(lc.scenario(robot, GAIT, environment=water, model="spatial", start=start)), port=0
+    )
     yield served
     served.close()
 
@@ -304,10 +313,14 @@ def test_depth_pitch_and_roll_are_shown_of_a_robot_in_space(in_space, cockpit):
     assert plotted["pitch"][-1] == pytest.approx(math.degrees(0.1), abs=1.0)
     text = numbers_text(live)
     assert "| depth | **0.7" in text and "| pitch | **" in text and "| roll | **" in text
-    assert in_space._scene._floor.position[2] == -1.5 and in_space._scene._surface.position[2] == 0.0
+    assert (
+        in_space._scene._floor.position[2] == -1.5 and in_space._scene._surface.position[2] == 0.0
+    )
     cockpit.live.advance(0.1)
     cockpit.frame()
-    assert np.isnan(cockpit.live.plots()["depth"]).all() and "depth" not in numbers_text(cockpit.live)
+    assert np.isnan(cockpit.live.plots()["depth"]).all() and "depth" not in numbers_text(
+        cockpit.live
+    )
 
 
 def test_a_depth_is_held_from_the_page_straight_ahead_or_along_the_path(in_space):
@@ -345,13 +358,17 @@ def test_the_pitch_wave_has_sliders_and_goes_when_it_is_still(in_space, cockpit)
 
 
 def test_a_helix_around_a_pipe_is_drawn_and_swum_from_a_scenario():
-    following = Following(circle=(0.0, 0.0, 1.0, 2.0), path_depth=(0.5, 1.0), look_ahead_distance=0.5)
+    following = Following(
+        circle=(0.0, 0.0, 1.0, 2.0), path_depth=(0.5, 1.0), look_ahead_distance=0.5
+    )
     motion, start = following.controller(GAIT), lc.Start(center_of_mass=(0.0, -1.0), depth=0.5)
     pipe = Pipe(bore=0.2, length=1.5, center=(0.0, 0.0, -0.75), tilt=0.5 * math.pi)
     scenario = lc.scenario("mamba-modules", motion, model="spatial", scene=pipe, start=start)
     points = route_of(scenario, 0.0)
     np.testing.assert_allclose(np.hypot(points[:, 0], points[:, 1]), 1.0)
-    assert points[0, 2] == pytest.approx(-0.5, abs=0.02) and points[-1, 2] == pytest.approx(-1.0, abs=0.02)
+    assert points[0, 2] == pytest.approx(-0.5, abs=0.02) and points[-1, 2] == pytest.approx(
+        -1.0, abs=0.02
+    )
     served = Cockpit(Live(scenario), port=0)
     assert len(served._scene._around) == 24  # the staves of the pipe
     assert not served._gizmo.visible
@@ -374,11 +391,15 @@ def test_a_flow_is_chosen_with_the_numbers_that_it_declares_and_can_be_left(cock
     assert not use(cockpit, control(cockpit, "flow"), "street")
     flow = cockpit.live.scenario.environment.current
     numbers = {name for name, one in hints_of(type(flow)).items() if one in (float, int)}
-    assert numbers == {name.removeprefix("flow_") for name in cockpit._controls.by_name if name.startswith("flow_")}
+    assert numbers == {
+        name.removeprefix("flow_") for name in cockpit._controls.by_name if name.startswith("flow_")
+    }
     assert not control(cockpit, "current_x").visible
     use(cockpit, field("direction"), 30.0)
     use(cockpit, field("pairs"), 3)
-    assert cockpit.live.scenario.environment.current == replace(flow, direction=math.radians(30.0), pairs=3)
+    assert cockpit.live.scenario.environment.current == replace(
+        flow, direction=math.radians(30.0), pairs=3
+    )
     assert field("direction").value == 30.0 and control(cockpit, "flow").value == "street"
     [told] = use(cockpit, field("diameter"), -1.0)
     assert "`diameter` must be > 0 m" in told and field("diameter").value == flow.diameter
@@ -387,7 +408,9 @@ def test_a_flow_is_chosen_with_the_numbers_that_it_declares_and_can_be_left(cock
     tails, tips = np.moveaxis(cockpit._scene._water._handles[0].points, 1, 0)
     middle = 0.5 * (tails + tips)[:, :2].astype(float)
     velocity = cockpit.live.scenario.environment.velocity(middle, cockpit.live.simulation.time)
-    assert np.allclose((tips - tails)[:, :2], velocity * cockpit._scene._water._arrows.time, atol=1e-5)
+    assert np.allclose(
+        (tips - tails)[:, :2], velocity * cockpit._scene._water._arrows.time, atol=1e-5
+    )
     assert not use(cockpit, control(cockpit, "flow"), "uniform")
     assert cockpit.live.scenario.environment == before and control(cockpit, "current_x").visible
     assert not any(name.startswith("flow_") for name in cockpit._controls.by_name)

@@ -64,5 +64,7 @@ def test_the_picture_marks_the_gait_and_what_failed_is_gray():
 def test_a_quantity_that_no_trial_has_is_drawn_gray():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        picture = gait_map_picture(np.full((len(FREQUENCIES), len(AMPLITUDES)), np.nan), "cost_of_transport", GAIT)
+        picture = gait_map_picture(
+            np.full((len(FREQUENCIES), len(AMPLITUDES)), np.nan), "cost_of_transport", GAIT
+        )
     assert area(picture, GRAY) > 100_000

@@ -170,7 +170,9 @@ def test_the_run_since_the_last_change_is_saved_whole(live, tmp_path):
     assert load_trial(tmp_path / "run.nc").equals(trial)
 
 
-@pytest.mark.parametrize("change", [{}, {"path": StraightLine(point=(0.0, -0.6))}, {"joints": "servo"}])
+@pytest.mark.parametrize(
+    "change", [{}, {"path": StraightLine(point=(0.0, -0.6))}, {"joints": "servo"}]
+)
 def test_a_run_in_which_nothing_was_changed_can_be_run_again(live, change, tmp_path):
     live.alter(**change)  # before anything has happened, which is no change
     for _ in range(203):
@@ -180,7 +182,9 @@ def test_a_run_in_which_nothing_was_changed_can_be_run_again(live, change, tmp_p
     again = lc.swim(trial.scenario)
     assert trial.time.size == again.time.size >= 204
     for name, values in again.series().items():
-        np.testing.assert_allclose(trial.series()[name], values, rtol=1e-12, atol=1e-12, err_msg=name)
+        np.testing.assert_allclose(
+            trial.series()[name], values, rtol=1e-12, atol=1e-12, err_msg=name
+        )
     live.alter(current=(0.1, 0.0))
     live.advance(1.0)
     assert isinstance(live.trial().scenario, Experiment)
@@ -228,7 +232,8 @@ def test_the_paper_stands_beside_its_own_trials_only(live):
 def test_every_trial_of_the_paper_is_known_when_its_sliders_are_set(case):
     robot = lc.load_robot("mamba-fin" if case.has_fin else "mamba")
     shown = {
-        name: round(math.degrees(getattr(case.gait, name)), 9) for name in ("amplitude", "frequency", "phase_shift")
+        name: round(math.degrees(getattr(case.gait, name)), 9)
+        for name in ("amplitude", "frequency", "phase_shift")
     }
     gait = replace(case.gait, **{name: math.radians(value) for name, value in shown.items()})
     assert measured(lc.scenario(robot, gait)) == case
@@ -260,7 +265,9 @@ def test_no_more_is_kept_than_there_is_room_for_and_that_is_the_newest():
 def test_the_paper_s_water_goes_along_with_the_kind_of_gait_and_another_stays():
     eel = replace(GAIT, envelope=EelLike())
     drifting = changed(lc.scenario("mamba", GAIT), current=(0.1, 0.0))
-    assert changed(drifting, gait=eel).environment == replace(lc.load_water("paper-eel"), current=(0.1, 0.0))
+    assert changed(drifting, gait=eel).environment == replace(
+        lc.load_water("paper-eel"), current=(0.1, 0.0)
+    )
     own = replace(lc.load_water("paper-lateral"), normal_drag=1.4)
     assert changed(lc.scenario("mamba", GAIT, environment=own), gait=eel).environment == own
 

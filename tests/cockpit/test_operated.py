@@ -52,7 +52,9 @@ def estimate(x, time, robot=ROBOT):
 
 
 def recorder(path, robot=ROBOT):
-    return OperationRecorder(path, Header(run=Experiment(robot=robot, environment=lc.load_water("paper-lateral"))))
+    return OperationRecorder(
+        path, Header(run=Experiment(robot=robot, environment=lc.load_water("paper-lateral")))
+    )
 
 
 def aged(path, seconds):
@@ -92,7 +94,9 @@ def test_a_driven_fin_is_drawn_as_its_module_says(cockpit, tmp_path):
     operated.watch(tmp_path)
     with recorder(tmp_path / "fin.mcap", robot) as recording:
         for time_, angle in ((0.0, 0.0), (1.0, 0.4)):
-            recording.record(JointSample(time=time_, angle=np.array([0.0] * robot.n_joints + [angle])))
+            recording.record(
+                JointSample(time=time_, angle=np.array([0.0] * robot.n_joints + [angle]))
+            )
             recording.record(estimate(2.0, time_, robot))
             recording.record(Event(time=time_, kind="state", message="on disk"))
             text = shown(cockpit)
@@ -102,7 +106,9 @@ def test_a_driven_fin_is_drawn_as_its_module_says(cockpit, tmp_path):
     assert "| fin | **23 deg** |" in text
 
 
-def test_a_recording_that_nobody_writes_any_more_is_said_and_the_next_one_in_the_folder_is_shown(cockpit, tmp_path):
+def test_a_recording_that_nobody_writes_any_more_is_said_and_the_next_one_in_the_folder_is_shown(
+    cockpit, tmp_path
+):
     cockpit.operated.watch(tmp_path)
     with recorder(tmp_path / "a-1.mcap") as recording:
         recording.record(estimate(2.0, 50.0))
@@ -123,7 +129,9 @@ def test_the_picture_runs_steadily_half_a_second_behind(tmp_path, monkeypatch):
     found = []
     for age in (0.0, 0.25, 0.5, 1.5):
         now = path.stat().st_mtime + age
-        monkeypatch.setattr("laticauda.cockpit.operated.time", SimpleNamespace(time=lambda now=now: now))
+        monkeypatch.setattr(
+            "laticauda.cockpit.operated.time", SimpleNamespace(time=lambda now=now: now)
+        )
         feed = Feed(path)
         assert feed.look() == ""
         found.append(feed.estimate.time)
@@ -146,7 +154,9 @@ def test_a_file_that_is_no_recording_is_said_in_one_sentence(tmp_path):
     assert "no such file" in Feed(tmp_path / "b.mcap").look().lower()
 
 
-def test_a_recording_that_is_torn_in_the_middle_of_a_record_goes_on_when_the_rest_is_there(tmp_path):
+def test_a_recording_that_is_torn_in_the_middle_of_a_record_goes_on_when_the_rest_is_there(
+    tmp_path,
+):
     whole, growing = tmp_path / "whole.mcap", tmp_path / "growing.mcap"
     with recorder(whole) as recording:
         for k in range(300):

@@ -56,7 +56,14 @@ def chromium():
 @pytest.fixture
 def address():
     """Of `laticauda cockpit`, in a process of its own."""
-    words = ["-c", "import sys; from laticauda.cli import main; sys.exit(main())", "cockpit", "--port", "0", "--json"]
+    words = [
+        "-c",
+        "import sys; from laticauda.cli import main; sys.exit(main())",
+        "cockpit",
+        "--port",
+        "0",
+        "--json",
+    ]
     with running([sys.executable, *words], stdout=subprocess.PIPE) as process:
         yield json.loads(process.stdout.readline())["address"]
         assert process.poll() is None  # nothing has brought it down
@@ -83,7 +90,9 @@ def test_what_is_done_on_the_page_acts_at_once_and_is_seen(chromium, address, tm
 
     # A slider: the speed and the picture change. A paused world stands still in the picture.
     drag(page, sliders.nth(1), 0.36)
-    page.wait_for_timeout(200)  # viser's page sends every 50 ms what was changed last, of whatever control
+    page.wait_for_timeout(
+        200
+    )  # viser's page sends every 50 ms what was changed last, of whatever control
     sliders.nth(SPEED_OF_TIME).press("End")
     assert until(lambda: number(page, SPEED) < 0.8 * speed)
     assert 75.0 <= float(field(page, "frequency [°/s]").input_value()) <= 85.0
@@ -132,7 +141,9 @@ def test_what_is_done_on_the_page_acts_at_once_and_is_seen(chromium, address, tm
     page.context.close()
 
 
-def test_a_broken_file_says_what_is_wrong_and_a_whole_one_swims_as_a_ghost(chromium, cockpit, tmp_path):
+def test_a_broken_file_says_what_is_wrong_and_a_whole_one_swims_as_a_ghost(
+    chromium, cockpit, tmp_path
+):
     (tmp_path / "broken.nc").write_bytes(b"no netCDF")
     lc.swim(cockpit.live.scenario.robot, GAIT, 5.0).save(tmp_path / "run.nc")
     page = open_page(chromium, cockpit.address)
@@ -159,7 +170,9 @@ def test_a_broken_file_says_what_is_wrong_and_a_whole_one_swims_as_a_ghost(chrom
 def test_pages_keep_their_own_view(chromium, cockpit):
     cockpit.live.paused = True
     one, other = (open_page(chromium, cockpit.address, SMALL) for _ in range(2))
-    assert until(lambda: cockpit.pages == 2 and all(view.is_home for view in cockpit._cameras.all()))
+    assert until(
+        lambda: cockpit.pages == 2 and all(view.is_home for view in cockpit._cameras.all())
+    )
     views = cockpit._cameras.all()
     first, second = (view.camera for view in views)
     home = np.array(first.position)
@@ -192,10 +205,14 @@ def test_on_a_phone_the_robot_is_seen_above_the_panel(chromium, cockpit, tmp_pat
     assert until(lambda: [view.is_home for view in cockpit._cameras.all()] == [True])
     camera = cockpit._cameras.all()[0].camera
     handle = page.get_by_text("laticauda cockpit", exact=True)
-    panel = handle.locator("xpath=ancestor::*[contains(@class, 'mantine-Paper-root')]").bounding_box()
+    panel = handle.locator(
+        "xpath=ancestor::*[contains(@class, 'mantine-Paper-root')]"
+    ).bounding_box()
     assert (panel["x"], panel["width"]) == (0.0, PHONE["width"])
     parts = poses(cockpit.live.scenario.robot, cockpit.live.latest()).position
-    seen = [on_screen(camera.position, camera.look_at, FIELD_OF_VIEW, part, PHONE) for part in parts]
+    seen = [
+        on_screen(camera.position, camera.look_at, FIELD_OF_VIEW, part, PHONE) for part in parts
+    ]
     assert all(0.0 < x < PHONE["width"] and 0.0 < y < panel["y"] - 50.0 for x, y in seen)
     page.screenshot(path=shots(tmp_path) / "phone.png")
     handle.click()  # the panel folds up
@@ -204,8 +221,17 @@ def test_on_a_phone_the_robot_is_seen_above_the_panel(chromium, cockpit, tmp_pat
 
 
 def test_a_browser_that_is_killed_harms_nothing(cockpit, tmp_path):
-    words = [need_chromium(), "--headless", *FLAGS, f"--user-data-dir={tmp_path}", "--no-first-run", cockpit.address]
-    killed = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+    words = [
+        need_chromium(),
+        "--headless",
+        *FLAGS,
+        f"--user-data-dir={tmp_path}",
+        "--no-first-run",
+        cockpit.address,
+    ]
+    killed = subprocess.Popen(
+        words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+    )
     try:
         assert until(lambda: cockpit.pages == 1)
     finally:
@@ -224,7 +250,10 @@ def test_pages_that_vanish_in_the_middle_harm_nothing(cockpit):
     def joined():
         protocol = f"viser-v{viser.__version__}"
         page = websockets.connect(
-            cockpit.address.replace("http", "ws"), subprotocols=[protocol], max_size=None, compression=None
+            cockpit.address.replace("http", "ws"),
+            subprotocols=[protocol],
+            max_size=None,
+            compression=None,
         )
         assert page.recv(timeout=10.0)
         return page
@@ -243,7 +272,9 @@ def test_a_depth_is_typed_and_held_in_space(chromium, tmp_path):
     robot = lc.load_robot("mamba-modules")
     water = replace(lc.load_water("paper-lateral"), density=robot.mass / robot.volume)
     start = lc.Start(depth=0.7)
-    served = Cockpit(Live(lc.scenario(robot, GAIT, environment=water, model="spatial", start=start)), port=0)
+    served = Cockpit(
+        Live(lc.scenario(robot, GAIT, environment=water, model="spatial", start=start)), port=0
+    )
     served.open()
     page = open_page(chromium, served.address)
     depth = field(page, "hold depth [m]")
@@ -252,7 +283,10 @@ def test_a_depth_is_typed_and_held_in_space(chromium, tmp_path):
     assert until(lambda: depth_of(served.live.scenario) == 0.85)
     served.live.speed = 4.0
     assert until(lambda: abs(number(page, "depth") - 0.85) < 0.04, 90.0)
-    assert all("deg" in page.locator(f"tr:has-text('{name}')").last.inner_text() for name in ("pitch", "roll"))
+    assert all(
+        "deg" in page.locator(f"tr:has-text('{name}')").last.inner_text()
+        for name in ("pitch", "roll")
+    )
     page.screenshot(path=shots(tmp_path) / "depth.png")
     assert served.live.simulation.failure is None
     page.close()

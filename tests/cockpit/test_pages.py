@@ -15,7 +15,11 @@ class Camera:
 
     def __init__(self):
         self.__dict__.update(
-            position=np.array([9.0, 9.0, 9.0]), look_at=np.zeros(3), threads=set(), heard=None, aspect=1.8
+            position=np.array([9.0, 9.0, 9.0]),
+            look_at=np.zeros(3),
+            threads=set(),
+            heard=None,
+            aspect=1.8,
         )
 
     def __setattr__(self, name, value):
@@ -66,7 +70,9 @@ def loop():
     found = asyncio.new_event_loop()
     thread = threading.Thread(target=found.run_forever)
     thread.start()
-    yield SimpleNamespace(thread=thread, wait=lambda what: asyncio.run_coroutine_threadsafe(what, found).result(10.0))
+    yield SimpleNamespace(
+        thread=thread, wait=lambda what: asyncio.run_coroutine_threadsafe(what, found).result(10.0)
+    )
     found.call_soon_threadsafe(found.stop)
     thread.join()
     found.close()

@@ -21,7 +21,9 @@ LINUX = pytest.mark.skipif(sys.platform != "linux", reason="needs limits of the 
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory):
     path = tmp_path_factory.mktemp("saved") / "run.nc"
-    lc.swim("mamba", lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7), 2.0).save(path)
+    lc.swim(
+        "mamba", lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7), 2.0
+    ).save(path)
     return path
 
 
@@ -31,14 +33,20 @@ def test_what_another_process_has_read_is_the_trial_bit_for_bit(saved):
 
 @LINUX
 def test_a_file_that_needs_too_much_memory_is_refused_and_the_page_goes_on(saved, monkeypatch):
-    monkeypatch.setattr(runs, "ROOM", 1 << 20)  # less than it has already: whatever it asks for next, it does not get
-    with pytest.raises(TrialFileError, match=r"Cannot load mine\.nc: its reader ended at once, or exceeded 1 MiB\."):
+    monkeypatch.setattr(
+        runs, "ROOM", 1 << 20
+    )  # less than it has already: whatever it asks for next, it does not get
+    with pytest.raises(
+        TrialFileError, match=r"Cannot load mine\.nc: its reader ended at once, or exceeded 1 MiB\."
+    ):
         runs.foreign_trial(saved, "mine.nc")
 
 
 def test_a_file_that_takes_too_long_is_refused(saved, monkeypatch):
     monkeypatch.setattr(runs, "SECONDS", 0.01)
-    with pytest.raises(TrialFileError, match=r"Cannot load mine\.nc: reading it takes longer than 0\.01 s\."):
+    with pytest.raises(
+        TrialFileError, match=r"Cannot load mine\.nc: reading it takes longer than 0\.01 s\."
+    ):
         runs.foreign_trial(saved, "mine.nc")
 
 
@@ -65,7 +73,9 @@ def sending(monkeypatch):
 
     async def talk(said):
         where = f"ws://127.0.0.1:{server.get_port()}"
-        async with websockets.connect(where, subprotocols=[f"viser-v{viser.__version__}"], max_size=None) as wire:
+        async with websockets.connect(
+            where, subprotocols=[f"viser-v{viser.__version__}"], max_size=None
+        ) as wire:
             await wire.send(CAMERA)  # or it is no page yet
             for kind, fields in said:
                 fields |= {"source_component_uuid": button._impl.uuid}
@@ -73,7 +83,9 @@ def sending(monkeypatch):
             await (await wire.ping())
             end, held = time.monotonic() + 1.0, 0
             while time.monotonic() < end and not got:
-                held = sum(state["transferred_bytes"] + len(state["parts"]) for state in kept.values())
+                held = sum(
+                    state["transferred_bytes"] + len(state["parts"]) for state in kept.values()
+                )
                 await asyncio.sleep(0.05)
             return held
 
@@ -82,7 +94,13 @@ def sending(monkeypatch):
 
 
 def begun(name, parts, size):
-    said = {"transfer_uuid": name, "filename": "run.nc", "mime_type": "", "part_count": parts, "size_bytes": size}
+    said = {
+        "transfer_uuid": name,
+        "filename": "run.nc",
+        "mime_type": "",
+        "part_count": parts,
+        "size_bytes": size,
+    }
     return "StartUpload", said
 
 
@@ -98,7 +116,10 @@ def test_a_file_within_the_bound_comes(sending):
 @pytest.mark.parametrize(
     "said",
     [
-        [begun("a", 3, 150_000), *(part("a", i, 50_000) for i in range(2))],  # one that is too large
+        [
+            begun("a", 3, 150_000),
+            *(part("a", i, 50_000) for i in range(2)),
+        ],  # one that is too large
         [begun("a", 9, 9), *(part("a", i, 50_000) for i in range(8))],  # one that lies about it
         [one for k in "abcde" for one in (begun(k, 3, 99_999), part(k, 0, 49_000))],  # several
         [begun("a", 10_000, 9), *(part("a", i, 0) for i in range(2000))],  # parts of nothing

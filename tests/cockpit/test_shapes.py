@@ -20,7 +20,11 @@ def test_modules_and_fin_are_where_kinematics_has_them(rigidity):
         live.advance(0.05)
     sample = live.latest()
     found = poses(robot, sample, height=0.3)
-    angles = None if rigidity is None else np.array([sample.signals[f"fin_angle_{k}"] for k in (1, 2, 3)])
+    angles = (
+        None
+        if rigidity is None
+        else np.array([sample.signals[f"fin_angle_{k}"] for k in (1, 2, 3)])
+    )
     place = sample.center_of_mass, sample.link_angle
     ends = Posture(robot, *place, fin_angle=angles).link_ends
     np.testing.assert_allclose(found.position[:9, :2], ends[:-1], atol=1e-12)

@@ -41,7 +41,12 @@ class Served:
 
         async def talk():
             where = f"ws://{headers.pop('Host', self.host)}{path}"
-            way = {"host": "127.0.0.1", "port": self.port, "subprotocols": [protocol], "additional_headers": headers}
+            way = {
+                "host": "127.0.0.1",
+                "port": self.port,
+                "subprotocols": [protocol],
+                "additional_headers": headers,
+            }
             try:
                 async with websockets.connect(where, **way) as wire:
                     got = len(await asyncio.wait_for(wire.recv(), 20.0)) > 0
@@ -95,7 +100,9 @@ def public():
     pages.stop(served.server)
 
 
-def test_beyond_this_computer_a_page_is_answered_that_has_the_token_and_nobody_else(public, caplog, capfd):
+def test_beyond_this_computer_a_page_is_answered_that_has_the_token_and_nobody_else(
+    public, caplog, capfd
+):
     token = public.door.token
     with caplog.at_level(logging.INFO):
         for path in ("/", "/index.html", f"/?{token}", f"/{token[::-1]}/"):
@@ -144,7 +151,10 @@ def test_a_viser_that_would_serve_everybody_is_refused(monkeypatch):
     import websockets.asyncio.server as module
 
     usual = module.serve
-    with pytest.raises(pages.LaticaudaError, match=r"install viser 1\.1"), pages._guarding(Door.of("127.0.0.1")):
+    with (
+        pytest.raises(pages.LaticaudaError, match=r"install viser 1\.1"),
+        pages._guarding(Door.of("127.0.0.1")),
+    ):
         pass  # a viser that makes its server otherwise
     assert module.serve is usual
 

@@ -108,8 +108,12 @@ def test_a_law_that_branches_is_differentiated_lane_by_lane():
 
     x = np.linspace(-0.9, 0.9, WIDTH)
     value, slope = by_lanes(both, x, 2)
-    np.testing.assert_allclose(value, np.where(x > 0.2, (x * x, 3.0 + 0.0 * x), (-x, 2 * x * x)), rtol=1e-15)
-    np.testing.assert_allclose(slope, np.where(x > 0.2, (2 * x, 0.0 * x), (-1.0 + 0.0 * x, 4 * x)), rtol=1e-15)
+    np.testing.assert_allclose(
+        value, np.where(x > 0.2, (x * x, 3.0 + 0.0 * x), (-x, 2 * x * x)), rtol=1e-15
+    )
+    np.testing.assert_allclose(
+        slope, np.where(x > 0.2, (2 * x, 0.0 * x), (-1.0 + 0.0 * x, 4 * x)), rtol=1e-15
+    )
 
 
 @pytest.mark.parametrize(("joints", "seconds"), [("prescribed", 1.0), ("pd", 1.0), ("servo", 1.0)])
@@ -117,14 +121,25 @@ def test_a_run_has_the_derivatives_of_dual_numbers(joints, seconds):
     body = load_robot("mamba-fin").planar()
     plate = PectoralFin(link=3, area=0.01, lift_slope=3.0, stall_angle=0.5, y=0.05, angle=0.1)
     robot = replace(
-        body, modules=body.modules[:4], joints=body.joints[:3], tether=Tether(drag=1.0), pectoral_fins=(plate,)
+        body,
+        modules=body.modules[:4],
+        joints=body.joints[:3],
+        tether=Tether(drag=1.0),
+        pectoral_fins=(plate,),
     )
-    water = replace(load_water("paper-eel"), added_mass_form="kirchhoff", trailing_edge="elongated", current=(0.1, 0.0))
+    water = replace(
+        load_water("paper-eel"),
+        added_mass_form="kirchhoff",
+        trailing_edge="elongated",
+        current=(0.1, 0.0),
+    )
     plant = PlanarPlant(robot=robot, environment=water, settings=Planar(joints=JointLaw.of(joints)))
     command = Command(gait=GAIT)
     S = plant.rows(plant.init(Start(), command), command)
     # Lane k moves every eighth row, so that all parameters are perturbed, but not all at once.
-    slope = np.array([rng.normal(size=S.size) * S * (np.arange(S.size) % WIDTH == k) for k in range(WIDTH)]).T
+    slope = np.array(
+        [rng.normal(size=S.size) * S * (np.arange(S.size) % WIDTH == k) for k in range(WIDTH)]
+    ).T
     slope[rows.AMPLITUDE_NOW : rows.OFFSET_RATE] = 0.1
     steps = round(seconds / plant.dt)
     flat = np.zeros((S.size, WIDTH), complex)

@@ -79,7 +79,9 @@ def test_arithmetic_and_comparisons_go_lane_by_lane():
     np.testing.assert_allclose(by_lanes(mixed, x, y)(8), np.array(expected), rtol=1e-14, atol=1e-15)
 
 
-@pytest.mark.parametrize(("name", "bound"), [("sin", 1e5), ("cos", 1e5), ("tanh", 1.0), ("tanh", 60.0), ("exp", 30.0)])
+@pytest.mark.parametrize(
+    ("name", "bound"), [("sin", 1e5), ("cos", 1e5), ("tanh", 1.0), ("tanh", 60.0), ("exp", 30.0)]
+)
 def test_functions_of_lanes_are_those_of_numpy(name, bound):
     function = getattr(np, name)
 
@@ -149,5 +151,7 @@ def test_any_lane_sees_a_single_one():
 @pytest.mark.parametrize("take", [kernel, compiled, entry, for_python, in_turn])
 @pytest.mark.parametrize("what", [range, 3, None, "tanh"])
 def test_what_is_no_function_is_refused(take, what):
-    with pytest.raises(ValueError, match=f"`function` must be of class function, got {type(what).__name__}"):
+    with pytest.raises(
+        ValueError, match=f"`function` must be of class function, got {type(what).__name__}"
+    ):
         take(what)

@@ -43,13 +43,17 @@ print(sum(double.stats.cache_misses.values()))
 
 @pytest.fixture
 def copy(tmp_path):
-    return shutil.copytree(PACKAGE, tmp_path / "laticauda", ignore=shutil.ignore_patterns("__pycache__"))
+    return shutil.copytree(
+        PACKAGE, tmp_path / "laticauda", ignore=shutil.ignore_patterns("__pycache__")
+    )
 
 
 @pytest.fixture
 def copy_with_machine_code(tmp_path):
     """Whose kernels are found on disk, if they have been compiled here before: what an edit must not be deceived by."""
-    return shutil.copytree(PACKAGE, tmp_path / "laticauda", ignore=shutil.ignore_patterns("*.pyc", "*.o"))
+    return shutil.copytree(
+        PACKAGE, tmp_path / "laticauda", ignore=shutil.ignore_patterns("*.pyc", "*.o")
+    )
 
 
 @pytest.mark.parametrize("modules", MADE_OF, ids=lambda modules: modules[-1])
@@ -79,7 +83,9 @@ def test_specializations_have_in_common_what_does_not_know_how_they_differ():
     )
     one, other = (kernels.recursion for kernels in moving)
     assert one.velocities is other.velocities is still.recursion.velocities
-    assert one.own_bias is other.own_bias is not still.recursion.own_bias  # all that moving water adds is the same
+    assert (
+        one.own_bias is other.own_bias is not still.recursion.own_bias
+    )  # all that moving water adds is the same
     assert one.accelerations is not other.accelerations
     assert specialize(law=TotalSpeedDrag()).recursion.own_bias is not still.recursion.own_bias
     for name in {"own_bias", "accelerations"}:
@@ -110,16 +116,25 @@ def test_what_only_type_checkers_import_does_not_count(tmp_path):
     ("script", "file", "old", "new"),
     [
         (TOW, "fluid/laws.py", "f_n = -element.c_n", "f_n = -2.0 * element.c_n"),
-        (SWIM, "actuation/laws.py", "k_p * (reference - angle), k_p", "0.5 * k_p * (reference - angle), k_p"),
+        (
+            SWIM,
+            "actuation/laws.py",
+            "k_p * (reference - angle), k_p",
+            "0.5 * k_p * (reference - angle), k_p",
+        ),
     ],
     ids=["planar", "spatial"],
 )
-def test_an_edited_scalar_function_changes_what_the_kernels_compute(copy_with_machine_code, script, file, old, new):
+def test_an_edited_scalar_function_changes_what_the_kernels_compute(
+    copy_with_machine_code, script, file, old, new
+):
     copy = copy_with_machine_code
 
     def number():
         run = [sys.executable, "-c", script]
-        done = subprocess.run(run, env={"PYTHONPATH": str(copy.parent)}, capture_output=True, text=True, check=True)
+        done = subprocess.run(
+            run, env={"PYTHONPATH": str(copy.parent)}, capture_output=True, text=True, check=True
+        )
         return float(done.stdout)
 
     before, text = number(), (copy / file).read_text()
@@ -130,5 +145,8 @@ def test_an_edited_scalar_function_changes_what_the_kernels_compute(copy_with_ma
 
 def test_processes_that_begin_together_compile_a_function_once(tmp_path):
     (tmp_path / "alike.py").write_text(ALIKE)
-    begun = [subprocess.Popen([sys.executable, tmp_path / "alike.py"], stdout=subprocess.PIPE) for _ in range(3)]
+    begun = [
+        subprocess.Popen([sys.executable, tmp_path / "alike.py"], stdout=subprocess.PIPE)
+        for _ in range(3)
+    ]
     assert sorted(int(process.communicate()[0]) for process in begun) == [0, 0, 1]

@@ -68,8 +68,16 @@ def test_the_fit_finds_the_model_that_made_the_trials():
     # The speed is that along the chord of a cycle, and a robot that turns swims further than that.
     for name, tolerance in (("turning", 2e-3), ("speed", 5e-3), ("power", 0.1)):
         expected = getattr(MODEL, name)(frequencies, offsets)
-        np.testing.assert_allclose(getattr(found, name)(frequencies, offsets), expected, atol=tolerance)
-    for name, tolerance in (("bend", 0.05), ("bend_lag", 0.03), ("speed_lag", 0.1), ("sway", 0.02), ("sway_lag", 0.3)):
+        np.testing.assert_allclose(
+            getattr(found, name)(frequencies, offsets), expected, atol=tolerance
+        )
+    for name, tolerance in (
+        ("bend", 0.05),
+        ("bend_lag", 0.03),
+        ("speed_lag", 0.1),
+        ("sway", 0.02),
+        ("sway_lag", 0.3),
+    ):
         assert getattr(found, name) == pytest.approx(getattr(MODEL, name), abs=tolerance), name
 
 
@@ -77,10 +85,16 @@ def test_a_robot_in_the_water_is_foretold_from_cycle_to_cycle():
     plant = lc.plant(lc.load_robot("mamba-fin"), lc.load_water("paper-lateral"))
     makers = [OffsetSteps(gait=replace(GAIT, frequency=frequency)) for frequency in (1.0, 1.5, 2.0)]
     model = fit_averaged([lc.run(plant, maker, maker.duration) for maker in makers])
-    other = lc.run(plant, OffsetSteps(gait=replace(GAIT, frequency=1.75), offsets=(0.0, 0.1), interval=30.0), 60.0)
+    other = lc.run(
+        plant,
+        OffsetSteps(gait=replace(GAIT, frequency=1.75), offsets=(0.0, 0.1), interval=30.0),
+        60.0,
+    )
     middle, heading = other.heading_cycle_mean
     late = middle > 40.0
-    assert np.polyfit(middle[late], heading[late], 1)[0] == pytest.approx(model.turning(1.75, 0.1), rel=0.2)
+    assert np.polyfit(middle[late], heading[late], 1)[0] == pytest.approx(
+        model.turning(1.75, 0.1), rel=0.2
+    )
     straight = lc.swim(lc.load_robot("mamba-fin"), replace(GAIT, frequency=1.75), duration=30.0)
     assert straight.steady_velocity == pytest.approx(model.speed(1.75, 0.0), rel=0.03)
 
@@ -108,8 +122,16 @@ UNKNOWN = Experiment(robot=lc.load_robot("mamba"), environment=lc.load_water("pa
     ("frequencies", "change", "message"),
     [
         ((1.0, 2.0), {}, "`trials` must have at least 3 different frequencies, got 2"),
-        ((1.0, 1.5, 2.0), {"signals": {}}, "`trials` must include at least one with a nonzero offset"),
-        ((1.0, 1.5, 2.0), {"scenario": UNKNOWN}, r"`trials\[0\]` must have a gait that moves, got None"),
+        (
+            (1.0, 1.5, 2.0),
+            {"signals": {}},
+            "`trials` must include at least one with a nonzero offset",
+        ),
+        (
+            (1.0, 1.5, 2.0),
+            {"scenario": UNKNOWN},
+            r"`trials\[0\]` must have a gait that moves, got None",
+        ),
         ((1.0, 1.5, 2.0), {"not_measured": ("work",)}, "measured `work` for an averaged model"),
     ],
 )
@@ -122,7 +144,9 @@ def test_trials_of_different_gaits_are_refused():
     trials = [swum(frequency) for frequency in (1.0, 1.5, 2.0)]
     slower = replace(trials[1].gait, amplitude=0.3)
     trials[1] = replace(trials[1], scenario=replace(trials[1].scenario, motion=slower))
-    with pytest.raises(ValueError, match="`trials` must share a gait except for frequency and offset, got 2 gaits"):
+    with pytest.raises(
+        ValueError, match="`trials` must share a gait except for frequency and offset, got 2 gaits"
+    ):
         fit_averaged(trials)
 
 
@@ -138,7 +162,9 @@ def test_a_lag_must_be_positive():
 
 
 def test_steps_without_offsets_are_refused():
-    with pytest.raises(ValueError, match="`offsets` must hold at least one offset in rad, got none"):
+    with pytest.raises(
+        ValueError, match="`offsets` must hold at least one offset in rad, got none"
+    ):
         OffsetSteps(gait=GAIT, offsets=())
     with pytest.raises(ValueError, match="`interval` must be > 0 s, got 0"):
         OffsetSteps(gait=GAIT, interval=0.0)

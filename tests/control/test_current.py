@@ -37,7 +37,9 @@ def watched(drift, offsets, *, mirrored=False, ripple=0.15):
     for k, offset in enumerate(offsets):
         time = 0.2 * k
         place = np.array([truth[0] + drift[0] * time, sign * (truth[1] + drift[1] * time)])
-        heading = sign * (truth[PSI] + MODEL.bend * truth[BEND] + ripple * math.sin(FREQUENCY * time))
+        heading = sign * (
+            truth[PSI] + MODEL.bend * truth[BEND] + ripple * math.sin(FREQUENCY * time)
+        )
         seen = lc.Observation(
             time=time,
             center_of_mass=place,
@@ -49,7 +51,11 @@ def watched(drift, offsets, *, mirrored=False, ripple=0.15):
             joint_rate=NOTHING,
         )
         held = offsets[k - 1] if k else 0.0
-        state = observer.init(seen) if state is None else observer.step(state, FREQUENCY, sign * held, seen)
+        state = (
+            observer.init(seen)
+            if state is None
+            else observer.step(state, FREQUENCY, sign * held, seen)
+        )
         if k + 1 < len(offsets):
             truth = MODEL.after(truth, FREQUENCY, offset, 0.2)
     return state, truth, seen
@@ -72,7 +78,10 @@ def test_links_that_bend_are_not_taken_for_a_robot_that_has_turned():
 
 
 def test_a_mirrored_robot_is_seen_mirrored():
-    (usual, _, _), (mirrored, _, _) = watched((0.01, 0.03), TURN), watched((0.01, 0.03), TURN, mirrored=True)
+    (usual, _, _), (mirrored, _, _) = (
+        watched((0.01, 0.03), TURN),
+        watched((0.01, 0.03), TURN, mirrored=True),
+    )
     signs = np.array([1, -1, -1, -1, 1, -1, 1, -1, -1, -1])
     np.testing.assert_allclose(mirrored.mean, signs * usual.mean, atol=1e-9)
 
@@ -84,14 +93,20 @@ def test_what_is_seen_twice_tells_nothing_new():
 
 def test_its_uncertainty_stays_symmetric_and_positive():
     state, _, seen = watched((0.0, 0.03), TURN)
-    later = CurrentObserver(model=MODEL).step(state, FREQUENCY, 0.2, replace(seen, time=seen.time + 5.0))
+    later = CurrentObserver(model=MODEL).step(
+        state, FREQUENCY, 0.2, replace(seen, time=seen.time + 5.0)
+    )
     for covariance in (state.covariance, later.covariance):
         np.testing.assert_allclose(covariance, covariance.T, atol=1e-15)
         assert np.linalg.eigvalsh(covariance).min() > 0.0
 
 
 @given(
-    st.floats(-4.0, 4.0), st.floats(-3.2, 3.2), st.floats(0.0, 0.5), st.floats(0.01, 0.5), st.floats(0.1, math.pi / 2)
+    st.floats(-4.0, 4.0),
+    st.floats(-3.2, 3.2),
+    st.floats(0.0, 0.5),
+    st.floats(0.01, 0.5),
+    st.floats(0.1, math.pi / 2),
 )
 def test_a_robot_that_points_upstream_goes_where_it_is_to_go_unless_the_current_is_said_to_be_too_strong(
     course, direction, current, speed, most
@@ -104,7 +119,9 @@ def test_a_robot_that_points_upstream_goes_where_it_is_to_go_unless_the_current_
         [[math.cos(course), -math.sin(course)], [math.sin(course), math.cos(course)]]
     )
     assert abs(angle) <= most
-    assume(abs(ahead) > 1e-12)  # a current that leaves no way forward to the last digit may be said to be either
+    assume(
+        abs(ahead) > 1e-12
+    )  # a current that leaves no way forward to the last digit may be said to be either
     if not is_limited:
         assert ahead > 0.0
         assert beside == pytest.approx(0.0, abs=1e-9)
@@ -135,12 +152,18 @@ FAR = Following(guidance="line_of_sight", look_ahead_distance=1.62, gain=0.25)
 
 
 def followed(current, observer, **changes):
-    gait = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40))
+    gait = lc.lateral_undulation(
+        amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40)
+    )
     water = replace(lc.load_water("paper-lateral"), current=current)
     controller = replace(FAR, observer=observer, **changes).controller(gait)
     start = lc.Start(center_of_mass=(0.0, 0.5))
-    trial = lc.swim("mamba-fin", controller, 90.0, environment=water, start=start, offset_bandwidth=10.0)
-    return trial, following.last_third_error(trial.time, trial.signals["cross_track_error"], trial.period)
+    trial = lc.swim(
+        "mamba-fin", controller, 90.0, environment=water, start=start, offset_bandwidth=10.0
+    )
+    return trial, following.last_third_error(
+        trial.time, trial.signals["cross_track_error"], trial.period
+    )
 
 
 def test_line_of_sight_that_observes_the_current_holds_a_line_across_it_and_knows_how_well():

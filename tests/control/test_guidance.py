@@ -65,9 +65,12 @@ def test_the_integral_grows_as_its_law_says():
     state = law.init()
     for _ in range(10_000):
         state, asked = law.step(state, beside(0.3), 0.0, 1e-3, False)
-    # z = e + sigma y: z' = sigma Delta e / (z^2 + Delta^2), so z^3/3 + Delta^2 z grows by sigma Delta e t.
+    # z = e + sigma y: z' = sigma Delta e / (z^2 + Delta^2), so z^3/3 + Delta^2 z grows by sigma
+    # Delta e t.
     z = 0.3 + 0.5 * state
-    assert z**3 / 3 + 4 * z - (0.3**3 / 3 + 4 * 0.3) == pytest.approx(0.5 * 2.0 * 0.3 * 10.0, rel=1e-3)
+    assert z**3 / 3 + 4 * z - (0.3**3 / 3 + 4 * 0.3) == pytest.approx(
+        0.5 * 2.0 * 0.3 * 10.0, rel=1e-3
+    )
     assert asked == pytest.approx(-math.atan(z / 2.0))
 
 
@@ -93,7 +96,9 @@ def test_a_look_ahead_distance_that_is_not_positive_is_refused(distance):
 
 
 def test_other_bad_numbers_are_refused():
-    with pytest.raises(ValueError, match="`look_ahead_distance` must be a finite number in m, got nan"):
+    with pytest.raises(
+        ValueError, match="`look_ahead_distance` must be a finite number in m, got nan"
+    ):
         LineOfSight(look_ahead_distance=math.nan)
     with pytest.raises(ValueError, match=r"`integral_gain` must be >= 0 m/s, got -0\.1"):
         IntegralLineOfSight(look_ahead_distance=1.0, integral_gain=-0.1)

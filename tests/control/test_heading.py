@@ -18,7 +18,9 @@ def test_the_offset_stays_within_its_limit_and_says_when_it_is_there(reference, 
 
 
 @given(heading=ANGLE, error=st.floats(-0.8, 0.8), turns=st.integers(-3, 3))
-def test_the_offset_is_the_gain_times_reference_minus_heading_whatever_the_turns(heading, error, turns):
+def test_the_offset_is_the_gain_times_reference_minus_heading_whatever_the_turns(
+    heading, error, turns
+):
     offset, _ = LAW.offset(heading_ref=heading + error + turns * 2.0 * math.pi, heading=heading)
     assert offset == pytest.approx(0.4 * error, abs=1e-12)
 
@@ -49,7 +51,9 @@ def test_a_mean_over_a_cycle_is_free_of_the_gaits_ripple(period, interval, phase
     heading = mean + 0.3 * np.sin(2.0 * math.pi * time / period + phase)
     seen = estimates(period, time, heading)[0][time >= period]
     # What is left is the error of the trapezoids, of the order of 0.3 (omega h)^2 / 12.
-    np.testing.assert_allclose(seen, mean, atol=0.3 * (2.0 * math.pi * interval / period) ** 2 / 8.0 + 1e-9)
+    np.testing.assert_allclose(
+        seen, mean, atol=0.3 * (2.0 * math.pi * interval / period) ** 2 / 8.0 + 1e-9
+    )
 
 
 @given(window=st.floats(0.3, 4.0), rate=st.floats(-1, 1), start=ANGLE)
@@ -58,7 +62,9 @@ def test_a_mean_lags_a_steady_turn_by_half_its_window(window, rate, start):
     seen = estimates(window, time, start + rate * time)[0]
     late = time >= window
     np.testing.assert_allclose(seen[late], (start + rate * (time - 0.5 * window))[late], atol=1e-9)
-    np.testing.assert_allclose(seen[~late], (start + 0.5 * rate * time)[~late], atol=1e-9)  # over what there is
+    np.testing.assert_allclose(
+        seen[~late], (start + 0.5 * rate * time)[~late], atol=1e-9
+    )  # over what there is
 
 
 def test_a_mean_remembers_one_window_only():
@@ -69,7 +75,9 @@ def test_a_mean_remembers_one_window_only():
 def test_time_must_grow():
     law = HeadingEstimate(window=1.0)
     state, _ = law.step(law.init(), 1.0, 0.0)
-    with pytest.raises(ValueError, match=r"`time` must increase from step to step, got 1\.0 s and then 1\.0 s"):
+    with pytest.raises(
+        ValueError, match=r"`time` must increase from step to step, got 1\.0 s and then 1\.0 s"
+    ):
         law.step(state, 1.0, 0.0)
 
 
@@ -79,7 +87,10 @@ def test_time_must_grow():
         ({"gain": 0.0, "max_offset": 0.3}, r"`gain` must be > 0, got 0\.0"),
         ({"gain": -0.4, "max_offset": 0.3}, r"`gain` must be > 0, got -0\.4"),
         ({"gain": 0.4, "max_offset": 0.0}, r"`max_offset` must be > 0 rad, got 0\.0"),
-        ({"gain": 0.4, "max_offset": math.inf}, "`max_offset` must be a finite number in rad, got inf"),
+        (
+            {"gain": 0.4, "max_offset": math.inf},
+            "`max_offset` must be a finite number in rad, got inf",
+        ),
     ],
 )
 def test_a_controller_that_cannot_steer_is_refused(choices, message):

@@ -43,7 +43,11 @@ def test_a_line_tells_how_far_along_and_how_far_to_the_left(point, angle, along,
 
 
 def test_a_position_in_space_is_seen_from_above():
-    for path in (StraightLine(), Polyline(waypoints=((0, 0), (9, 0))), Spline(waypoints=((0, 0), (9, 0)))):
+    for path in (
+        StraightLine(),
+        Polyline(waypoints=((0, 0), (9, 0))),
+        Spline(waypoints=((0, 0), (9, 0))),
+    ):
         frame = located(path, (2.0, 0.5, -3.0))
         assert (frame.along_track_distance, frame.cross_track_error) == pytest.approx((2.0, 0.5))
 
@@ -54,10 +58,14 @@ def test_the_error_of_a_first_leg_is_the_distance_to_its_line(corners, position)
     (x, y), (to_x, to_y) = corners[:2]
     ahead = np.array([to_x - x, to_y - y]) / math.hypot(to_x - x, to_y - y)
     offset = np.array(position) - (x, y)
-    assert abs(frame.cross_track_error) == pytest.approx(np.linalg.norm(offset - (offset @ ahead) * ahead), abs=1e-9)
+    assert abs(frame.cross_track_error) == pytest.approx(
+        np.linalg.norm(offset - (offset @ ahead) * ahead), abs=1e-9
+    )
 
 
-@given(corners=waypoints(turn=1.5), share=st.floats(0.0, 1.0))  # in a sharper turn the corner must be passed first
+@given(
+    corners=waypoints(turn=1.5), share=st.floats(0.0, 1.0)
+)  # in a sharper turn the corner must be passed first
 def test_a_robot_that_walks_a_polyline_sees_no_error_and_its_own_way(corners, share):
     path = Polyline(waypoints=corners)
     progress = path.init()
@@ -111,18 +119,24 @@ def test_the_length_of_a_spline_is_that_of_a_numerical_integration(corners):
     def speed(u):
         return float(np.linalg.norm(curve.derivatives(np.array([u]))[1]))
 
-    pieces = [quad(speed, *ends, epsabs=1e-10, epsrel=1e-10, limit=200)[0] for ends in pairwise(curve.knots)]
+    pieces = [
+        quad(speed, *ends, epsabs=1e-10, epsrel=1e-10, limit=200)[0]
+        for ends in pairwise(curve.knots)
+    ]
     np.testing.assert_allclose(np.diff(path.lengths), pieces, rtol=1e-7)
 
 
 @given(corners=waypoints(), position=POINT)
-@example(corners=((0.0, 0.0), (3.0167649748995418, 1.64806621706116)), position=(3.0, 2.0))  # behind its end
+@example(
+    corners=((0.0, 0.0), (3.0167649748995418, 1.64806621706116)), position=(3.0, 2.0)
+)  # behind its end
 def test_the_error_of_a_spline_is_the_distance_to_its_nearest_point(corners, position):
     path = Spline(waypoints=corners)
     frame = located(path, position)
     s = np.linspace(0.0, path.length, 4001)
     distance = np.linalg.norm(path.points(s) - position, axis=1)
-    # At an end the robot may be before or behind it; elsewhere it is right beside the nearest point.
+    # At an end the robot may be before or behind it; elsewhere it is right beside the nearest
+    # point.
     outside = max(-frame.along_track_distance, frame.along_track_distance - path.length, 0.0)
     spacing = path.length / 4000.0
     found = math.hypot(frame.cross_track_error, outside)
@@ -158,7 +172,9 @@ def test_the_curvature_of_a_spline_is_that_of_its_circle():
     middle = path.points(np.array([0.5 * path.length]))[0]
     frame = located(path, 0.9 * middle)
     assert frame.curvature == pytest.approx(0.5, rel=1e-3)
-    assert frame.cross_track_error == pytest.approx(0.2, rel=1e-3)  # inside a left-hand bend is left
+    assert frame.cross_track_error == pytest.approx(
+        0.2, rel=1e-3
+    )  # inside a left-hand bend is left
     assert path.length == pytest.approx(2.0 * math.pi, rel=1e-3)
 
 
@@ -168,14 +184,19 @@ def test_curvature_and_direction_of_a_spline_do_not_jump(corners, share):
     for at in path.lengths:
         near = path.points(np.array([at - 1e-7, at + 1e-7]))
         before, after = (path.locate(at, point)[1] for point in near)
-        assert after.curvature == pytest.approx(before.curvature, abs=1e-3 + 1e-3 * abs(before.curvature))
+        assert after.curvature == pytest.approx(
+            before.curvature, abs=1e-3 + 1e-3 * abs(before.curvature)
+        )
         turn = wrap_to_pi(after.path_tangential_angle - before.path_tangential_angle)
         assert turn == pytest.approx(0.0, abs=1e-3)
 
 
 def test_a_spline_goes_straight_on_at_both_ends():
     path = Spline(waypoints=((0, 0), (2, 1), (4, 0)))
-    (before, behind), angle = path.points(np.array([-1.0, path.length + 1.0])), located(path, (0, 0))
+    (before, behind), angle = (
+        path.points(np.array([-1.0, path.length + 1.0])),
+        located(path, (0, 0)),
+    )
     assert math.hypot(*before) == pytest.approx(1.0)
     frame = located(path, before)
     assert frame.along_track_distance == pytest.approx(-1.0)
@@ -187,7 +208,9 @@ def test_a_spline_goes_straight_on_at_both_ends():
 
 
 def test_a_spline_through_two_points_is_the_line_between_them():
-    assert located(Spline(waypoints=((0, 0), (3, 4))), (3, 4)).along_track_distance == pytest.approx(5.0)
+    assert located(
+        Spline(waypoints=((0, 0), (3, 4))), (3, 4)
+    ).along_track_distance == pytest.approx(5.0)
 
 
 @pytest.mark.parametrize("path", [Polyline, Spline])
@@ -214,7 +237,9 @@ def test_waypoints_that_make_no_path_are_refused(path, points, message):
 
 
 def test_what_cannot_be_followed_is_refused():
-    with pytest.raises(ValueError, match=r"with a direction everywhere, but it turns on the spot at \(1, 0\)"):
+    with pytest.raises(
+        ValueError, match=r"with a direction everywhere, but it turns on the spot at \(1, 0\)"
+    ):
         Spline(waypoints=((0, 0), (1, 0), (0, 0)))
     with pytest.raises(ValueError, match="`acceptance_distance` must be >= 0 m, got -1"):
         Polyline(waypoints=((0, 0), (1, 0)), acceptance_distance=-1)

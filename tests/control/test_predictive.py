@@ -10,7 +10,9 @@ from laticauda.control import AveragedModel, ModelPredictive, Polyline, Spline, 
 from laticauda.errors import MissingExtra
 from laticauda.trial import following
 
-GAIT = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40))
+GAIT = lc.lateral_undulation(
+    amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40)
+)
 # What `benchmarks/mpc.py` finds for Mamba with its fin.
 MODEL = AveragedModel(
     turn_0=0.024,
@@ -32,14 +34,20 @@ MPC = ModelPredictive(gait=GAIT, path=StraightLine(), model=MODEL, speed=0.12)
 FREE = replace(MPC, frequency_limits=(math.radians(60), math.radians(120)), power_limit=15.0)
 
 
-def follow(controller, duration, current=(0.0, 0.0), *, y=0.5, heading=0.0, robot="mamba-fin", **choices):
+def follow(
+    controller, duration, current=(0.0, 0.0), *, y=0.5, heading=0.0, robot="mamba-fin", **choices
+):
     water = replace(lc.load_water("paper-lateral"), current=current)
     plant = lc.plant(lc.load_robot(robot), water, **choices)
-    return lc.run(plant, controller, duration, start=lc.Start(center_of_mass=(0.0, y), heading=heading))
+    return lc.run(
+        plant, controller, duration, start=lc.Start(center_of_mass=(0.0, y), heading=heading)
+    )
 
 
 def mean_error(trial):
-    middle, error = following.mean_error(trial.time, trial.signals["cross_track_error"], trial.period)
+    middle, error = following.mean_error(
+        trial.time, trial.signals["cross_track_error"], trial.period
+    )
     return error[middle > trial.duration - 10.0]
 
 
@@ -62,7 +70,12 @@ def test_a_curved_path_is_followed():
 
 
 def test_limits_are_kept():
-    trial = follow(replace(FREE, max_offset=0.2, offset_rate=0.1, frequency_rate=0.05), 40.0, (0.0, 0.06), y=1.5)
+    trial = follow(
+        replace(FREE, max_offset=0.2, offset_rate=0.1, frequency_rate=0.05),
+        40.0,
+        (0.0, 0.06),
+        y=1.5,
+    )
     f, offset = trial.signals["frequency"], trial.signals["offset"]
     assert np.ptp(f) > 0.1
     assert np.abs(offset).max() == pytest.approx(0.2, abs=1e-6)
@@ -74,9 +87,14 @@ def test_limits_are_kept():
 
 
 def test_a_tighter_power_limit_takes_less_power():
-    tight, wide = (follow(replace(FREE, power_limit=limit, interval=0.4), 40.0, (-0.04, 0.0)) for limit in (10.0, 20.0))
+    tight, wide = (
+        follow(replace(FREE, power_limit=limit, interval=0.4), 40.0, (-0.04, 0.0))
+        for limit in (10.0, 20.0)
+    )
     assert tight.mechanical_power < wide.mechanical_power
-    assert np.median(MODEL.power(tight.signals["frequency"], tight.signals["offset"])) == pytest.approx(10.0, abs=0.1)
+    assert np.median(
+        MODEL.power(tight.signals["frequency"], tight.signals["offset"])
+    ) == pytest.approx(10.0, abs=0.1)
 
 
 def seen(y, heading, time=0.0):
@@ -134,7 +152,9 @@ def test_where_there_is_no_plan_line_of_sight_takes_over_and_says_so():
 
 
 def test_corners_do_not_stop_it():
-    trial = follow(replace(MPC, path=Polyline(waypoints=((0, 0), (2, 0), (4, 2))), interval=0.4), 45.0, y=0.0)
+    trial = follow(
+        replace(MPC, path=Polyline(waypoints=((0, 0), (2, 0), (4, 2))), interval=0.4), 45.0, y=0.0
+    )
     assert trial.signals["is_fallback"].mean() < 0.1
     assert trial.signals["along_track_distance"][-1] > 3.5
 
@@ -142,18 +162,24 @@ def test_corners_do_not_stop_it():
 def test_the_trial_keeps_how_it_was_made():
     trial = follow(MPC, 2.0)
     assert trial.scenario.motion == MPC
-    np.testing.assert_allclose(trial.signals["cross_track_error"][:-1:4], trial.center_of_mass[:-1:4, 1], atol=1e-12)
+    np.testing.assert_allclose(
+        trial.signals["cross_track_error"][:-1:4], trial.center_of_mass[:-1:4, 1], atol=1e-12
+    )
 
 
 def test_without_casadi_the_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "casadi", None)
     fresh = replace(MPC, speed=0.1234)  # no solver of another test is kept for it
-    with pytest.raises(MissingExtra, match=r'control needs CasADi; run `pip install "laticauda\[mpc\]"`'):
+    with pytest.raises(
+        MissingExtra, match=r'control needs CasADi; run `pip install "laticauda\[mpc\]"`'
+    ):
         fresh.step(fresh.init(), seen(0.5, 0.0))
 
 
 def test_a_robot_whose_joints_cannot_bend_that_far_is_refused():
-    with pytest.raises(ValueError, match=r"`max_offset` must be <= 1\.047 rad, or joint 0 goes beyond its limit"):
+    with pytest.raises(
+        ValueError, match=r"`max_offset` must be <= 1\.047 rad, or joint 0 goes beyond its limit"
+    ):
         follow(replace(MPC, max_offset=1.2), 1.0)
 
 
@@ -165,9 +191,15 @@ def test_a_robot_whose_joints_cannot_bend_that_far_is_refused():
         ({"horizon": 0}, "`horizon` must be a whole number >= 1, got 0"),
         ({"iterations": 1.5}, r"`iterations` must be a whole number >= 1, got 1\.5"),
         ({"offset_rate": math.nan}, "`offset_rate` must be a finite number in rad/s, got nan"),
-        ({"frequency_limits": (1.0, 1.2)}, r"`frequency_limits` must enclose the gait's frequency of 1\.571 rad/s"),
+        (
+            {"frequency_limits": (1.0, 1.2)},
+            r"`frequency_limits` must enclose the gait's frequency of 1\.571 rad/s",
+        ),
         ({"frequency_limits": (1.0,)}, "`frequency_limits` must be two numbers in rad/s, got 1"),
-        ({"power_limit": 5.0}, r"`power_limit` must be >= 15\.\d+ W, the power at the lowest frequency"),
+        (
+            {"power_limit": 5.0},
+            r"`power_limit` must be >= 15\.\d+ W, the power at the lowest frequency",
+        ),
         ({"power_limit": math.nan}, "`power_limit` must be a finite number in W, got nan"),
         ({"model": 3}, "`model` must be of class AveragedModel, got int"),
     ],

@@ -21,7 +21,9 @@ def example(tmp_path_factory):
     program, folder = tmp_path_factory.mktemp("c") / "example", clients_folder() / "c"
     sources = [str(folder / name) for name in ("example.c", "laticauda_client.c")]
     strict = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Wconversion", "-Werror"]
-    done = subprocess.run([COMPILER, *strict, *sources, "-lm", "-o", str(program)], capture_output=True, text=True)
+    done = subprocess.run(
+        [COMPILER, *strict, *sources, "-lm", "-o", str(program)], capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stderr
     return program
 
@@ -51,4 +53,7 @@ def test_c_shows_the_token_and_says_where_nobody_listens(example, server):
         assert (done.returncode, done.stdout) == (1, "")
         assert done.stderr.startswith("The first message must hold the `token`")
     done = run(example, "127.0.0.1", port)
-    assert (done.returncode, done.stderr) == (1, "No server listens there: start one with `laticauda serve`.\n")
+    assert (done.returncode, done.stderr) == (
+        1,
+        "No server listens there: start one with `laticauda serve`.\n",
+    )

@@ -22,12 +22,21 @@ def why_not() -> str:
     if shutil.which("octave-cli") is None:
         return "GNU Octave is not installed (octave)"
     done = subprocess.run(
-        ["octave-cli", "--quiet", "--eval", "pkg load instrument-control; jsonencode (1); tcpclient;"],
+        [
+            "octave-cli",
+            "--quiet",
+            "--eval",
+            "pkg load instrument-control; jsonencode (1); tcpclient;",
+        ],
         capture_output=True,
         text=True,
         timeout=60,
     )
-    return "its package is not installed (octave-instrument-control)" if "not installed" in done.stderr else ""
+    return (
+        "its package is not installed (octave-instrument-control)"
+        if "not installed" in done.stderr
+        else ""
+    )
 
 
 @pytest.fixture
@@ -60,7 +69,9 @@ def test_twenty_trials_swept_from_octave_are_pythons_to_printed_precision(octave
     assert len(rows) == 20
     robot, phase_shift = lc.load_robot("mamba"), np.deg2rad(40.0)
     for amplitude, frequency, velocity, power in rows:
-        gait = lc.lateral_undulation(amplitude=float(amplitude), frequency=float(frequency), phase_shift=phase_shift)
+        gait = lc.lateral_undulation(
+            amplitude=float(amplitude), frequency=float(frequency), phase_shift=phase_shift
+        )
         trial = lc.swim(robot, gait, duration=30.0)
         assert (velocity, power) == (f"{trial.forward_velocity:.9g}", f"{trial.mean_power:.9g}")
 
@@ -74,7 +85,9 @@ def test_a_path_is_followed_from_octave_as_by_our_own_controller(octave):
         """
     )
     found = np.loadtxt(out.splitlines())
-    gait = lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(90), phase_shift=np.deg2rad(40))
+    gait = lc.lateral_undulation(
+        amplitude=np.deg2rad(30), frequency=np.deg2rad(90), phase_shift=np.deg2rad(40)
+    )
     controller = PathFollowing(
         gait=gait,
         path=StraightLine(),
@@ -147,4 +160,6 @@ def test_octave_shows_the_token_and_a_server_for_others_hears_nobody_without(oct
             disp ('ended well')
         """
         assert octave(code, f"'{public.door.token}'", port=public.port) == "answered\n"
-        assert octave(code, "''", port=public.port).startswith("The first message must hold the `token`")
+        assert octave(code, "''", port=public.port).startswith(
+            "The first message must hold the `token`"
+        )

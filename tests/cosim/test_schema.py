@@ -45,8 +45,20 @@ def test_a_conversation_keeps_to_the_schema_in_both_directions(ask):
         ask("get"),
         ask("get", series="time", since=0.01),
         ask("get", series=["joint_torque", "electrical_work", "work"]),
-        ask("run", duration=1.0, series=["time"], coefficients={"drag": {"kind": "polynomial-drag", "linear": False}}),
-        ask("reset", robot="mine", joints={"kind": "pd"}, root=None, offset=0.1, center_of_mass=[1.0, 2.0]),
+        ask(
+            "run",
+            duration=1.0,
+            series=["time"],
+            coefficients={"drag": {"kind": "polynomial-drag", "linear": False}},
+        ),
+        ask(
+            "reset",
+            robot="mine",
+            joints={"kind": "pd"},
+            root=None,
+            offset=0.1,
+            center_of_mass=[1.0, 2.0],
+        ),
         ask("step", duration=0.1, references=[0.0] * 4),
     ]
     assert not any("error" in answer for answer in answers), answers

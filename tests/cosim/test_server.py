@@ -42,7 +42,9 @@ def test_a_message_of_the_longest_length_is_read_and_a_longer_one_ends_the_conne
     most = MESSAGE_BYTES - 1 - len(start) - len(end)
     assert len(client.line(start + b"a" * most + end)["id"]) == most
     reply = client.line(start + b"a" * (most + 1) + end)
-    assert reply == {"error": f"A message must be {MESSAGE_BYTES} bytes or shorter; this one is longer. Good-bye."}
+    assert reply == {
+        "error": f"A message must be {MESSAGE_BYTES} bytes or shorter; this one is longer. Good-bye."
+    }
     assert client.is_let_go()
 
 
@@ -58,7 +60,9 @@ RUBBISH = (
 
 
 @pytest.mark.parametrize("line", RUBBISH, ids=range(len(RUBBISH)))
-def test_who_sends_what_is_no_json_object_is_hung_up_on_and_what_follows_is_not_done(connect, server, line):
+def test_who_sends_what_is_no_json_object_is_hung_up_on_and_what_follows_is_not_done(
+    connect, server, line
+):
     good, bad = connect(), connect()
     good.ask("reset")
     bad.stream.write(line + b'\r\nHost: 127.0.0.1\r\n\r\n{"do": "run", "duration": 1}\n')
@@ -83,7 +87,9 @@ def test_a_client_that_dies_harms_nobody_and_makes_room(connect, server):
         bad.stream.write(half)
         bad.stream.flush()
         # No good-bye: the other end gets a reset.
-        bad.wire.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\x01\x00\x00\x00\x00\x00\x00\x00")
+        bad.wire.setsockopt(
+            socket.SOL_SOCKET, socket.SO_LINGER, b"\x01\x00\x00\x00\x00\x00\x00\x00"
+        )
         bad.close()
         assert "observation" in good.ask("step", duration=0.05)
     until(lambda: len(server._clients) == 1)
@@ -101,7 +107,9 @@ def test_a_client_that_never_reads_holds_up_nobody(connect):
 
 def test_requests_may_be_sent_ahead_and_are_answered_in_turn(connect):
     client = connect()
-    client.stream.write(b'{"do":"reset","id":1}\r\n\n{"do":"step","duration":1,"id":2}\n{"do":"get","id":3}\n')
+    client.stream.write(
+        b'{"do":"reset","id":1}\r\n\n{"do":"step","duration":1,"id":2}\n{"do":"get","id":3}\n'
+    )
     client.stream.flush()
     assert [client.heard()["id"] for _ in range(3)] == [1, 2, 3]
 
@@ -111,7 +119,9 @@ def test_one_client_too_many_is_told_to_come_back(connect, server):
     for client in clients:
         client.ask("reset")
     late = connect()
-    assert late.heard() == {"error": "The server already has 6 clients, its maximum; try again later."}
+    assert late.heard() == {
+        "error": "The server already has 6 clients, its maximum; try again later."
+    }
     assert late.is_let_go()
     clients[0].close()
     until(lambda: len(server._clients) == 5)
@@ -133,10 +143,18 @@ def test_a_long_run_of_one_client_does_not_stop_the_others(connect):
 
 def test_beyond_this_computer_the_first_message_has_the_token_or_nothing_is_done():
     with Server("0.0.0.0", 0) as server:
-        for line in (b'{"do": "reset"}', b'{"do": "reset", "token": "a"}', b'{"token": null', b"{}", b'{"token": 1}'):
+        for line in (
+            b'{"do": "reset"}',
+            b'{"do": "reset", "token": "a"}',
+            b'{"token": null',
+            b"{}",
+            b'{"token": 1}',
+        ):
             stranger = Client(server.port)
             reply = stranger.line(line + b'\n{"do": "run"}')
-            assert reply == {"error": "The first message must hold the `token` that the server printed. Good-bye."}
+            assert reply == {
+                "error": "The first message must hold the `token` that the server printed. Good-bye."
+            }
             assert stranger.is_let_go()
             stranger.close()
         known = Client(server.port)
@@ -162,7 +180,10 @@ def test_who_does_not_show_the_token_is_let_go_however_busy(monkeypatch):
 
 
 def test_a_port_that_is_taken_is_said():
-    with Server(port=0) as server, pytest.raises(ServerFailed, match=f"cannot listen at 127.0.0.1:{server.port}: "):
+    with (
+        Server(port=0) as server,
+        pytest.raises(ServerFailed, match=f"cannot listen at 127.0.0.1:{server.port}: "),
+    ):
         Server(port=server.port).open()
 
 

@@ -49,7 +49,11 @@ def test_a_run_has_the_figures_and_the_series_of_swim(ask):
 def test_what_a_message_leaves_out_stays_as_it_is(ask):
     ask("reset", gait={"amplitude": 0.2}, offset=0.1)
     command = ask("set", gait={"frequency": 3.0}, current=[0.1, 0.0])["command"]
-    assert (command["gait"]["amplitude"], command["gait"]["frequency"], command["offset"]) == (0.2, 3.0, 0.1)
+    assert (command["gait"]["amplitude"], command["gait"]["frequency"], command["offset"]) == (
+        0.2,
+        3.0,
+        0.1,
+    )
     assert command["current"] == [0.1, 0.0]
     assert ask("get")["command"] == command
 
@@ -64,7 +68,9 @@ def test_joints_follow_references_from_outside_until_they_are_taken_back(ask):
 
 def test_a_motor_that_is_off_follows_nothing(ask):
     ask("reset", joints="servo")
-    angle = ask("step", duration=1.0, references=[0.3] * 8, enabled=[False] * 8)["observation"]["joint_angle"]
+    angle = ask("step", duration=1.0, references=[0.3] * 8, enabled=[False] * 8)["observation"][
+        "joint_angle"
+    ]
     assert angle == pytest.approx([0.0] * 8, abs=1e-9)
 
 
@@ -102,7 +108,9 @@ def test_a_log_that_is_too_long_loses_its_oldest_samples_and_says_how_many(ask, 
 
 def budgeted(**room):
     session = Session(budget=Budget(**room).shared(4))
-    return lambda request, **fields: json.loads(session.answer(json.dumps({"do": request, **fields}).encode()))
+    return lambda request, **fields: json.loads(
+        session.answer(json.dumps({"do": request, **fields}).encode())
+    )
 
 
 def test_a_log_and_a_request_have_a_clients_part_of_the_numbers_of_all():
@@ -114,12 +122,18 @@ def test_a_log_and_a_request_have_a_clients_part_of_the_numbers_of_all():
     assert 5 <= len(reply["series"]["time"]) <= 10
     assert len(reply["series"]["time"]) + reply["dropped"] == 51
     for request in ("step", "run"):
-        assert "s at a `sample_interval` of 0.05 s for 9 links, got 2." in ask(request, duration=2.0)["error"]
+        assert (
+            "s at a `sample_interval` of 0.05 s for 9 links, got 2."
+            in ask(request, duration=2.0)["error"]
+        )
 
 
 def test_an_answer_has_a_clients_part_of_the_numbers_of_all():
     ask = budgeted(answered=400)
-    assert ask("run", series=["time"])["error"] == "`series` must hold 100 numbers or fewer in one answer, got 601."
+    assert (
+        ask("run", series=["time"])["error"]
+        == "`series` must hold 100 numbers or fewer in one answer, got 601."
+    )
 
 
 def test_what_is_large_waits_for_its_turn_and_what_is_small_does_not():
@@ -145,7 +159,9 @@ def test_a_current_of_one_kind_too_many_is_refused_and_changes_nothing(monkeypat
     ask = budgeted()
     before = ask("reset")
     for request in ("reset", "set"):
-        assert ask(request, current="vortex")["error"].startswith("`current` must be of a kind that this server has")
+        assert ask(request, current="vortex")["error"].startswith(
+            "`current` must be of a kind that this server has"
+        )
     assert ask("get")["observation"] == before["observation"]
 
 
@@ -153,7 +169,9 @@ def test_parameters_bring_their_water_their_robot_and_their_joint_law(ask):
     parameters = lc.load_parameters("mamba-identified")
     about = ask("reset", parameters="mamba-identified", gait={"kind": "eel-like"})
     assert about["settings"]["joints"] == "speed-servo"
-    figures = ask("run", duration=5.0, parameters="mamba-identified", gait={"kind": "eel-like"})["figures"]
+    figures = ask("run", duration=5.0, parameters="mamba-identified", gait={"kind": "eel-like"})[
+        "figures"
+    ]
     assert figures["environment"] == parameters.water("eel_like").name
 
 
@@ -165,7 +183,9 @@ def test_a_robot_of_the_servers_own_and_another_number_of_links(ask):
 
 def test_one_number_is_as_good_as_an_array_of_one(ask):
     ask("reset", robot="chain", n_links=2, joints="pd")
-    assert ask("step", duration=0.01, references=0.1, enabled=True)["joint_angle_ref"] == pytest.approx([0.1])
+    assert ask("step", duration=0.01, references=0.1, enabled=True)[
+        "joint_angle_ref"
+    ] == pytest.approx([0.1])
 
 
 def test_the_spatial_model_steps_and_keeps_its_place_when_the_current_changes(ask):
@@ -204,10 +224,14 @@ def test_thrusters_do_what_a_message_says_until_it_is_taken_back():
     session = Session({"pushed": replace(lc.load_robot("chain", 3), thrusters=(thruster,))})
 
     def speed(**fields):
-        answer = json.loads(session.answer(json.dumps({"do": "step", "duration": 4.0, **fields}).encode()))
+        answer = json.loads(
+            session.answer(json.dumps({"do": "step", "duration": 4.0, **fields}).encode())
+        )
         return answer["observation"]["center_of_mass_velocity"][0]
 
-    session.answer(json.dumps({"do": "reset", "robot": "pushed", "gait": {"amplitude": 0.0}}).encode())
+    session.answer(
+        json.dumps({"do": "reset", "robot": "pushed", "gait": {"amplitude": 0.0}}).encode()
+    )
     assert speed() == pytest.approx(0.0, abs=1e-9)
     fast = speed(thrusts=2.0)
     assert fast > 0.1
@@ -225,7 +249,9 @@ def test_a_current_may_be_a_flow_as_a_table_or_by_the_name_of_a_preset(ask):
     water, state = lc.load_water("paper-lateral"), None
     for flow in (gusts, decode(Current, other)):
         body = plant(lc.load_robot("mamba"), replace(water, current=flow))
-        state = body.step(state or body.init(Start(), Command(gait=FIRST_GAIT)), Command(gait=FIRST_GAIT), 0.5)
+        state = body.step(
+            state or body.init(Start(), Command(gait=FIRST_GAIT)), Command(gait=FIRST_GAIT), 0.5
+        )
     assert seen["center_of_mass"] == body.observe(state).center_of_mass.tolist()
     assert sum(name.startswith("current") for name in seen) == 0
     named = read_scenario({"robot": "mamba", "current": "vortex"}, {})
@@ -233,7 +259,12 @@ def test_a_current_may_be_a_flow_as_a_table_or_by_the_name_of_a_preset(ask):
 
 
 def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
-    ask("reset", joints="pd", dt=0.5, coefficients={"normal_drag": 50.0, "tangential_friction": 50.0})
+    ask(
+        "reset",
+        joints="pd",
+        dt=0.5,
+        coefficients={"normal_drag": 50.0, "tangential_friction": 50.0},
+    )
     assert "diverged at t = " in ask("step", duration=50.0)["error"]
     assert ask("step", duration=0.1)["error"].endswith("`reset` starts again.")
     assert "error" not in ask("reset")
@@ -254,37 +285,81 @@ def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
         ),
         ("step", {"duration": 1, "ofset": 1}, "`ofset` is not known; did you mean `offset`?"),
         ("step", {"duration": 1, "offset": "x"}, "`offset` must be a number in rad, got 'x'."),
-        ("step", {"duration": 1, "references": [0.1]}, "`references` must be None for prescribed joints"),
+        (
+            "step",
+            {"duration": 1, "references": [0.1]},
+            "`references` must be None for prescribed joints",
+        ),
         ("set", {"references": [0.1]}, "`references` must be None for prescribed joints"),
         ("set", {"enabled": [1]}, "`enabled[0]` must be true or false, got 1."),
-        ("set", {"current": [0.1]}, "`current` must be two or three numbers in m/s or a Flow, got 1 of them."),
+        (
+            "set",
+            {"current": [0.1]},
+            "`current` must be two or three numbers in m/s or a Flow, got 1 of them.",
+        ),
         ("set", {"current": "vortx"}, "got 'vortx'; did you mean `vortex`?"),
         ("set", {"current": "../mine.toml"}, "`current` must be one of "),
-        ("set", {"current": {"kind": "sum", "flows": [{"source": "/etc/x.nc"}]}}, "`current` must not name a file: "),
+        (
+            "set",
+            {"current": {"kind": "sum", "flows": [{"source": "/etc/x.nc"}]}},
+            "`current` must not name a file: ",
+        ),
         (
             "reset",
             {"coefficients": {"current": {"source": "x.nc"}}},
             "`current` must not name a file: ",
         ),
         ("set", {"current": {"kind": "vortex"}}, "`current.kind` must be one of "),
-        ("set", {"current": {"kind": "turbulence", "modes": 0}}, "`current.modes` must be a whole number >= 1, got 0"),
-        ("run", {"current": {"kind": "turbulence", "modes": 1000}, "dt": 1e-4}, "in a current of 1000 parts"),
+        (
+            "set",
+            {"current": {"kind": "turbulence", "modes": 0}},
+            "`current.modes` must be a whole number >= 1, got 0",
+        ),
+        (
+            "run",
+            {"current": {"kind": "turbulence", "modes": 1000}, "dt": 1e-4},
+            "in a current of 1000 parts",
+        ),
         ("set", {"gait": 3}, "`gait` must be a table, got 3."),
-        ("set", {"gait": {"amplitude": -1}}, "`gait.amplitude` must be between 0 and 3.14159 rad, got -1."),
-        ("set", {"gait": {"amplitud": 1}}, "`gait.amplitud` is not known; did you mean `amplitude`?"),
-        ("set", {"gait": {"fin": {"amplitude": 0.1}}}, "`gait.fin` must be None unless the fin is driven"),
+        (
+            "set",
+            {"gait": {"amplitude": -1}},
+            "`gait.amplitude` must be between 0 and 3.14159 rad, got -1.",
+        ),
+        (
+            "set",
+            {"gait": {"amplitud": 1}},
+            "`gait.amplitud` is not known; did you mean `amplitude`?",
+        ),
+        (
+            "set",
+            {"gait": {"fin": {"amplitude": 0.1}}},
+            "`gait.fin` must be None unless the fin is driven",
+        ),
         ("get", {"series": ["joint_torqe"]}, "`series` must be one of `time`, `center_of_mass`"),
         ("get", {"series": [1]}, "`series` must be an array of names, got [1]."),
         ("run", {"series": ["robot"]}, "`series` must be one of `time`, `center_of_mass`"),
         ("run", {"dt": 1e-7}, "in one request for 9 links and steps of 1e-07 s, got 30."),
         ("reset", {"robot": "/etc/passwd"}, "`robot` must be one of `amphibot`, `chain`, `mamba`"),
         ("reset", {"water": "../secret.toml"}, "`water` must be one of "),
-        ("reset", {"robot": "chain", "n_links": 10**6}, "`n_links` must be between 1 and 200, got 1000000."),
+        (
+            "reset",
+            {"robot": "chain", "n_links": 10**6},
+            "`n_links` must be between 1 and 200, got 1000000.",
+        ),
         ("reset", {"coefficients": {"drag": 1}}, "`drag` must be a table, got 1"),
         ("reset", {"coefficients": {"normal_drag": -1}}, "`normal_drag` must be >= 0, got -1."),
-        ("reset", {"parameters": "mamba-identified", "water": "paper-eel"}, "`parameters` must not be given with"),
+        (
+            "reset",
+            {"parameters": "mamba-identified", "water": "paper-eel"},
+            "`parameters` must not be given with",
+        ),
         ("reset", {"ground": "viscous", "current": [0, 1]}, "`ground` must not be given with"),
-        ("reset", {"center_of_mass": [1, 2, 3]}, "`center_of_mass` must be two numbers in m, got 3 of them."),
+        (
+            "reset",
+            {"center_of_mass": [1, 2, 3]},
+            "`center_of_mass` must be two numbers in m, got 3 of them.",
+        ),
         (
             "reset",
             {"joints": "servos"},
@@ -311,7 +386,10 @@ def test_a_world_must_be_there_first(ask, request_):
         (b"hello", "A message must be one line of JSON; it is not: Expecting value"),
         (b"\xff\xfe", "got bytes that are not text."),
         (b"[1, 2]", "A message must be a JSON object with the field `do`, got list."),
-        (b"[" * 500_000, "A message must be one line of JSON, got brackets that are nested too deeply."),
+        (
+            b"[" * 500_000,
+            "A message must be one line of JSON, got brackets that are nested too deeply.",
+        ),
         (b'{"do": "get", "id": NaN}', "A message must hold finite numbers only, got NaN."),
         (b'{"do": "get", "id": 1e999}', "A message must hold finite numbers only, got 1e999."),
         (b'{"do": "get", "id": ' + b"9" * 10_000 + b"}", "Exceeds the limit"),

@@ -9,7 +9,9 @@ from laticauda.dynamics.stages import GAMMA, combined, implicit_inertia, joint_p
 INERTIA, DAMPING, STIFFNESS = 0.4, 0.3, 5.0
 
 
-def swung(dt: float, duration: float = 1.0, stiffness: float = STIFFNESS, damping: float = DAMPING) -> float:
+def swung(
+    dt: float, duration: float = 1.0, stiffness: float = STIFFNESS, damping: float = DAMPING
+) -> float:
     """Angle of a joint with a spring and a damper, from 1 rad."""
     angle, rate, gamma_dt = 1.0, 0.0, GAMMA * dt
 
@@ -21,7 +23,9 @@ def swung(dt: float, duration: float = 1.0, stiffness: float = STIFFNESS, dampin
         first = (torque(angle, rate) - gamma_dt * stiffness * rate) / (INERTIA + extra)
         first_rate = rate + gamma_dt * first
         ahead, ahead_rate = angle + dt * first_rate, rate + dt * first
-        push = second_torque(torque(ahead, ahead_rate), stiffness, extra, ahead_rate, first_rate, first, gamma_dt)
+        push = second_torque(
+            torque(ahead, ahead_rate), stiffness, extra, ahead_rate, first_rate, first, gamma_dt
+        )
         slopes = combined(ahead_rate, push / (INERTIA + extra), first_rate, first, gamma_dt)
         angle, rate = angle + dt * slopes[0], rate + dt * slopes[1]
     return angle

@@ -9,7 +9,9 @@ from laticauda.estimation import JointSample, PoseSample, ReferenceSample
 from laticauda.interfaces import Command, Start
 from laticauda.kinematics import Posture, turn
 
-GAIT = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(120), phase_shift=math.radians(40))
+GAIT = lc.lateral_undulation(
+    amplitude=math.radians(30), frequency=math.radians(120), phase_shift=math.radians(40)
+)
 
 
 def swum(*ways):
@@ -26,7 +28,11 @@ def swum(*ways):
         found += [
             (time, angle, place, float(yaw))
             for time, angle, place, yaw in zip(
-                log.time[kept], log.joint_angle[kept], marker[kept], log.link_angle[kept, 0], strict=True
+                log.time[kept],
+                log.joint_angle[kept],
+                marker[kept],
+                log.link_angle[kept, 0],
+                strict=True,
             )
         ]
     return found

@@ -40,11 +40,15 @@ def waves(t):
 def test_what_the_twin_does_in_its_own_axes_does_not_depend_on_where_it_is_nor_on_a_current():
     drifting = lc.plant(BODY.robot, replace(BODY.environment, current=(0.2, -0.1)), joints="servo")
     here, there = start_twin(BODY, np.zeros(8)), start_twin(drifting, np.zeros(8))
-    for k in range(2500):  # one begins at rest in the water, the other on the ground: the first seconds differ
+    for k in range(
+        2500
+    ):  # one begins at rest in the water, the other on the ground: the first seconds differ
         here = step_twin(BODY, here, waves(0.01 * k), None, 0.0, 0.01)
         there = step_twin(drifting, there, waves(0.01 * k), None, 0.0, 0.01)
     assert np.linalg.norm(here.center_of_mass - there.center_of_mass) > 1.0
-    assert (there.along, there.across, there.turn) == pytest.approx((here.along, here.across, here.turn), abs=2e-6)
+    assert (there.along, there.across, there.turn) == pytest.approx(
+        (here.along, here.across, here.turn), abs=2e-6
+    )
 
 
 def test_coupling_brings_the_twins_joints_to_those_that_the_sensors_see():
@@ -68,7 +72,9 @@ def test_with_the_right_twin_a_gap_in_a_turn_is_bridged(turning):
         if plant is BODY:
             assert estimate.heading == pytest.approx(turning.heading[k], abs=math.radians(0.6))
             assert estimate.heading_rate == pytest.approx(turning.heading_rate[k], abs=0.05)
-            assert estimate.center_of_mass_velocity == pytest.approx(turning.center_of_mass_velocity[k], abs=0.01)
+            assert estimate.center_of_mass_velocity == pytest.approx(
+                turning.center_of_mass_velocity[k], abs=0.01
+            )
     assert off[0] < 0.004 and off[0] < 0.5 * off[1]
 
 
@@ -76,7 +82,9 @@ def test_a_twin_that_knows_the_robots_speed_tells_it_from_a_current():
     moving = swimming(duration=8.0, current=(0.03, 0.05))
     arrivals, _ = campaign().sensed(moving, campaign().Sensors(between=math.inf), 1)
     _, alone = last(Estimator(robot=moving.robot, backlash=campaign().BACKLASH), arrivals)
-    _, told = last(Estimator(robot=moving.robot, backlash=campaign().BACKLASH, plant=BODY), arrivals)
+    _, told = last(
+        Estimator(robot=moving.robot, backlash=campaign().BACKLASH, plant=BODY), arrivals
+    )
     assert told.current_std < 0.7 * alone.current_std
     assert told.current == pytest.approx(np.array([0.03, 0.05]), abs=0.02)
 
@@ -107,7 +115,9 @@ def test_a_twin_whose_joints_are_elsewhere_is_given_up():
     for k in range(300):
         state = estimator.step(state, ReferenceSample(time=0.01 * k, angle=np.full(8, 0.8)))
         state = estimator.step(state, JointSample(time=0.01 * k, angle=np.zeros(8)))  # limp
-        state = estimator.step(state, PoseSample(time=0.01 * k, position=np.zeros(3), rotation=np.eye(3)))
+        state = estimator.step(
+            state, PoseSample(time=0.01 * k, position=np.zeros(3), rotation=np.eye(3))
+        )
         assert (state.latest.twin is not None) == (k < 100) or 90 < k < 140
     assert state.latest.twin_failed
     assert np.abs(estimator.estimate(state).center_of_mass_velocity).max() < 0.05
@@ -129,9 +139,14 @@ def test_samples_may_come_out_of_order_beside_a_twin_too():
     chosen = [item for item in arrivals if item[0] <= 3.0]
     ordered = sorted(chosen, key=lambda item: item[1].time)
     mixed = sorted(
-        chosen, key=lambda item: item[1].time + (0.03 * math.sin(1e3 * item[1].time) if item[1].time > 1.0 else 0.0)
+        chosen,
+        key=lambda item: (
+            item[1].time + (0.03 * math.sin(1e3 * item[1].time) if item[1].time > 1.0 else 0.0)
+        ),
     )
-    (state, one), (other, two) = (last(Estimator(robot=trial.robot, plant=BODY), items) for items in (ordered, mixed))
+    (state, one), (other, two) = (
+        last(Estimator(robot=trial.robot, plant=BODY), items) for items in (ordered, mixed)
+    )
     assert state.n_late == other.n_late == 0
     assert two.center_of_mass == pytest.approx(one.center_of_mass, abs=1e-9)
     assert two.heading == pytest.approx(one.heading, abs=1e-9)
@@ -141,11 +156,21 @@ def test_what_cannot_be_the_twin_is_refused():
     robot, water = BODY.robot, BODY.environment
     with pytest.raises(ValueError, match=r"`plant` must be of class Plant, got int\."):
         Estimator(robot=robot, plant=3)
-    with pytest.raises(ValueError, match=r"`plant` must have 8 joints, all of them yaw joints, got 9\."):
-        Estimator(robot=robot, plant=lc.plant(lc.load_robot("mamba-modules").planar(), water, joints="servo"))
-    with pytest.raises(ValueError, match=r"`plant` must have joints that follow references, `pd` or `servo`, got"):
+    with pytest.raises(
+        ValueError, match=r"`plant` must have 8 joints, all of them yaw joints, got 9\."
+    ):
+        Estimator(
+            robot=robot,
+            plant=lc.plant(lc.load_robot("mamba-modules").planar(), water, joints="servo"),
+        )
+    with pytest.raises(
+        ValueError, match=r"`plant` must have joints that follow references, `pd` or `servo`, got"
+    ):
         Estimator(robot=robot, plant=lc.plant(robot, water))
-    with pytest.raises(ValueError, match=r"`swim_speed` must be None with a `plant`, which determines it, got 0\.1\."):
+    with pytest.raises(
+        ValueError,
+        match=r"`swim_speed` must be None with a `plant`, which determines it, got 0\.1\.",
+    ):
         Estimator(robot=robot, plant=BODY, swim_speed=0.1)
     with pytest.raises(ValueError, match=r"`coupling` must be >= 0, got -1"):
         Estimator(robot=robot, plant=BODY, coupling=-1.0)
@@ -171,7 +196,9 @@ def test_what_it_foresees_is_its_way_through_the_water_in_the_axes_that_it_had(c
         assert twin is not None
         if k > 100:
             drift = np.array(current)
-            way = complex(*(twin.center_of_mass - before.center_of_mass - 0.01 * drift)) * np.exp(-1j * before.heading)
+            way = complex(*(twin.center_of_mass - before.center_of_mass - 0.01 * drift)) * np.exp(
+                -1j * before.heading
+            )
             assert complex(twin.along, twin.across) == pytest.approx(way, abs=1e-12)
             assert twin.turn == pytest.approx(twin.heading - before.heading, abs=1e-15)
             state = body.observe(twin.plant)
@@ -210,7 +237,9 @@ class Told(PlanarPlant):
 
     def observe(self, state):
         speed, rate = SAID[-1]
-        return replace(super().observe(state), center_of_mass_velocity=np.array(speed), heading_rate=rate)
+        return replace(
+            super().observe(state), center_of_mass_velocity=np.array(speed), heading_rate=rate
+        )
 
 
 SAID: list[tuple[tuple[float, float], float]] = []
@@ -230,7 +259,9 @@ SAID: list[tuple[tuple[float, float], float]] = []
 def test_a_twin_beyond_ten_meters_or_fifty_radians_per_second_has_diverged(speed, rate, is_sane):
     SAID.append((speed, rate))
     told = Told(robot=BODY.robot, environment=BODY.environment, settings=BODY.settings)
-    assert (step_twin(told, start_twin(told, held()), held(), None, 0.0, 0.01) is not None) == is_sane
+    assert (
+        step_twin(told, start_twin(told, held()), held(), None, 0.0, 0.01) is not None
+    ) == is_sane
 
 
 FINNED = lc.load_robot("mamba-fin")
@@ -246,7 +277,10 @@ def test_a_driven_fin_goes_to_its_reference_and_a_robot_without_one_takes_none()
             twin = step_twin(body, twin, held(0.0), None, 0.0, 0.02, fin=fin)
         turns.append(twin.turn)
     assert turns[1] == turns[2] != turns[0]
-    one, two = (step_twin(BODY, start_twin(BODY, held()), held(), None, 0.0, 0.02, fin=fin) for fin in ((), (0.4,)))
+    one, two = (
+        step_twin(BODY, start_twin(BODY, held()), held(), None, 0.0, 0.02, fin=fin)
+        for fin in ((), (0.4,))
+    )
     assert one.along == two.along and one.turn == two.turn
 
 
@@ -256,7 +290,9 @@ def test_a_twin_has_as_many_yaw_joints_as_its_robot_and_in_space_no_others():
     built = lc.load_robot("mamba-modules")
     check_plant(lc.plant(built.planar(), BODY.environment, joints="servo"), built)
     space = lc.plant(built, BODY.environment, model="spatial", joints="servo")
-    with pytest.raises(ValueError, match=r"`plant` must have 9 joints, all of them yaw joints, got 18\."):
+    with pytest.raises(
+        ValueError, match=r"`plant` must have 9 joints, all of them yaw joints, got 18\."
+    ):
         check_plant(space, built)
     pd = lc.plant(BODY.robot, BODY.environment, joints="pd")
     check_plant(pd, BODY.robot)
@@ -302,8 +338,12 @@ def test_the_filter_takes_what_the_twin_foresees_step_by_step():
     np.testing.assert_allclose(later.posterior.covariance, known.covariance, rtol=1e-9, atol=1e-15)
     assert later.twin.center_of_mass == pytest.approx(twin.center_of_mass, abs=1e-12)
     found = estimator.estimate(state)
-    velocity, turning = estimator.twin_model.rates(now.posterior.mean, now.lagged, now.lagged_rate, 1.0, now.twin)
-    assert found.center_of_mass_velocity == pytest.approx(velocity) and found.heading_rate == pytest.approx(turning)
+    velocity, turning = estimator.twin_model.rates(
+        now.posterior.mean, now.lagged, now.lagged_rate, 1.0, now.twin
+    )
+    assert found.center_of_mass_velocity == pytest.approx(
+        velocity
+    ) and found.heading_rate == pytest.approx(turning)
 
 
 def test_references_start_the_twin_once_and_what_explains_the_motion_is_open_then():
@@ -321,16 +361,24 @@ def test_references_start_the_twin_once_and_what_explains_the_motion_is_open_the
     expected = estimator.twin_model.reopened(state.latest.posterior)
     assert np.array_equal(after.latest.posterior.covariance, expected.covariance)
     again = estimator.step(after, ReferenceSample(time=0.0, angle=held(0.3)))
-    assert again.latest.twin is after.latest.twin and again.latest.posterior is after.latest.posterior
+    assert (
+        again.latest.twin is after.latest.twin and again.latest.posterior is after.latest.posterior
+    )
     failed = replace(state.latest, twin_failed=True)
-    left = estimator.step(replace(state, history=((None, failed),)), ReferenceSample(time=0.0, angle=held(0.3)))
+    left = estimator.step(
+        replace(state, history=((None, failed),)), ReferenceSample(time=0.0, angle=held(0.3))
+    )
     assert left.latest.twin is None and left.latest.posterior is failed.posterior
 
 
 def test_without_its_twin_the_filter_goes_on_as_one_that_never_had_it():
     estimator, state = beside()
-    gone = replace(state.latest, twin=replace(state.latest.twin, astray=0.99, joint_angle=held(2.0)))
-    after = estimator.step(replace(state, history=((None, gone),)), JointSample(time=0.12, angle=held(math.nan)))
+    gone = replace(
+        state.latest, twin=replace(state.latest.twin, astray=0.99, joint_angle=held(2.0))
+    )
+    after = estimator.step(
+        replace(state, history=((None, gone),)), JointSample(time=0.12, angle=held(math.nan))
+    )
     assert after.latest.twin is None and after.latest.twin_failed
     expected = estimator.model.reopened(gone.posterior)
     mean, f, q = estimator.model.step(expected.mean, after.latest.lagged, 1.0, 0.02)

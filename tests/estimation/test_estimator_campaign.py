@@ -13,7 +13,9 @@ def test_the_filter_is_within_3_mm_and_a_third_of_a_degree_and_twice_as_good_as_
     arrivals, dropped = module.sensed(trial, module.Sensors(), 0)
     spared, _ = module.sensed(trial, module.Sensors(outliers=0.0), 0)
     assert dropped.any()
-    estimates, _ = module.estimated(Estimator(robot=trial.robot, backlash=module.BACKLASH), arrivals, trial.time)
+    estimates, _ = module.estimated(
+        Estimator(robot=trial.robot, backlash=module.BACKLASH), arrivals, trial.time
+    )
     plain, _ = module.estimated(KinematicEstimator(robot=trial.robot), spared, trial.time)
     found, alone = module.errors(trial, estimates, dropped), module.errors(trial, plain, dropped)
     assert found.always[0] < 3.0 and found.always[1] < 0.3
@@ -35,4 +37,6 @@ def test_with_a_twin_it_is_so_in_path_following_too_and_a_wrong_twin_is_better_t
     beside, alone = found
     assert (beside.always < 0.8 * alone.always).all() and (beside.inside < 0.8 * alone.inside).all()
     if name == "twin":
-        assert beside.always[0] < 3.0 and beside.always[1] < 0.5  # three times as many drop-outs as in the campaign
+        assert (
+            beside.always[0] < 3.0 and beside.always[1] < 0.5
+        )  # three times as many drop-outs as in the campaign

@@ -8,7 +8,14 @@ import pytest
 from operate.tank import campaign, perfect, swimming
 
 import laticauda as lc
-from laticauda.estimation import Estimate, Estimator, JointSample, Noise, PoseSample, ReferenceSample
+from laticauda.estimation import (
+    Estimate,
+    Estimator,
+    JointSample,
+    Noise,
+    PoseSample,
+    ReferenceSample,
+)
 
 
 def last(estimator, arrivals, until=math.inf) -> tuple[object, Estimate]:
@@ -27,7 +34,11 @@ def turned(sample, angle, shift):
         return sample
     c, s = math.cos(angle), math.sin(angle)
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    return replace(sample, position=turn @ sample.position + np.array([*shift, 0.0]), rotation=turn @ sample.rotation)
+    return replace(
+        sample,
+        position=turn @ sample.position + np.array([*shift, 0.0]),
+        rotation=turn @ sample.rotation,
+    )
 
 
 @pytest.fixture(scope="module")
@@ -52,13 +63,17 @@ def test_exact_data_give_the_exact_motion():
     trial = swimming()
     arrivals, dropped = campaign().sensed(trial, replace(perfect(), latency=0.0), 0)
     sharp = Noise(position=1e-5, yaw=1e-5, joint=1e-5)
-    estimates, _ = campaign().estimated(Estimator(robot=trial.robot, noise=sharp), arrivals, trial.time)
+    estimates, _ = campaign().estimated(
+        Estimator(robot=trial.robot, noise=sharp), arrivals, trial.time
+    )
     off = campaign().errors(trial, estimates, dropped).always
     assert off[0] < 0.02 and off[1] < 0.01  # mm, deg
     k = 900
     assert estimates[k].joint_angle == pytest.approx(trial.joint_angle[k], abs=1e-3)
     assert estimates[k].joint_rate == pytest.approx(trial.joint_rate[k], abs=0.03)
-    assert estimates[k].center_of_mass_velocity == pytest.approx(trial.center_of_mass_velocity[k], abs=0.01)
+    assert estimates[k].center_of_mass_velocity == pytest.approx(
+        trial.center_of_mass_velocity[k], abs=0.01
+    )
     assert estimates[k].heading_rate == pytest.approx(trial.heading_rate[k], abs=0.03)
     assert estimates[k].link_angle == pytest.approx(trial.link_angle[k], abs=1e-3)
 
@@ -68,12 +83,20 @@ def test_the_choice_of_world_axes_does_not_matter(noisy):
     estimator = Estimator(robot=lc.load_robot("mamba"))
     angle, shift = 2.5, (3.0, -7.0)
     _, here = last(estimator, arrivals, 4.0)
-    _, there = last(estimator, [(arrival, turned(sample, angle, shift)) for arrival, sample in arrivals], 4.0)
+    _, there = last(
+        estimator, [(arrival, turned(sample, angle, shift)) for arrival, sample in arrivals], 4.0
+    )
     c, s = math.cos(angle), math.sin(angle)
     turn = np.array([[c, -s], [s, c]])
-    assert there.center_of_mass == pytest.approx(turn @ here.center_of_mass + np.array(shift), abs=1e-8)
-    assert there.center_of_mass_velocity == pytest.approx(turn @ here.center_of_mass_velocity, abs=1e-8)
-    assert math.remainder(there.heading - here.heading - angle, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-8)
+    assert there.center_of_mass == pytest.approx(
+        turn @ here.center_of_mass + np.array(shift), abs=1e-8
+    )
+    assert there.center_of_mass_velocity == pytest.approx(
+        turn @ here.center_of_mass_velocity, abs=1e-8
+    )
+    assert math.remainder(there.heading - here.heading - angle, 2.0 * math.pi) == pytest.approx(
+        0.0, abs=1e-8
+    )
     assert there.joint_angle == pytest.approx(here.joint_angle, abs=1e-9)
     assert there.center_of_mass_std == pytest.approx(here.center_of_mass_std, rel=1e-6)
 
@@ -86,7 +109,9 @@ def test_the_heading_goes_on_beyond_half_a_turn():
         c, s = math.cos(yaw), math.sin(yaw)
         state = estimator.step(state, JointSample(time=now, angle=np.zeros(8)))
         rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        state = estimator.step(state, PoseSample(time=now, position=np.array([c, s, 0.0]), rotation=rotation))
+        state = estimator.step(
+            state, PoseSample(time=now, position=np.array([c, s, 0.0]), rotation=rotation)
+        )
     estimate = estimator.estimate(state)
     assert estimate.heading == pytest.approx(7.99, abs=0.03)
     assert estimate.heading_rate == pytest.approx(1.0, abs=0.1)
@@ -109,7 +134,9 @@ def test_samples_may_come_late_and_out_of_order(noisy):
     assert two.heading == pytest.approx(one.heading, abs=1e-9)
 
 
-def test_estimates_in_between_change_nothing_and_are_gone_on_from_where_the_next_sample_comes(noisy, monkeypatch):
+def test_estimates_in_between_change_nothing_and_are_gone_on_from_where_the_next_sample_comes(
+    noisy, monkeypatch
+):
     _, arrivals, _ = noisy
     estimator = Estimator(robot=lc.load_robot("mamba"))
     chosen = [sample for at, sample in arrivals if at <= 1.0]
@@ -117,7 +144,9 @@ def test_estimates_in_between_change_nothing_and_are_gone_on_from_where_the_next
     for sample in chosen:
         plain = estimator.step(plain, sample)
     n_predictions, before = [], Estimator._advanced
-    monkeypatch.setattr(Estimator, "_advanced", lambda *given: n_predictions.append(1) or before(*given))
+    monkeypatch.setattr(
+        Estimator, "_advanced", lambda *given: n_predictions.append(1) or before(*given)
+    )
     for sample in chosen:
         estimator.estimate(asked, sample.time)
         n_predictions.clear()
@@ -162,7 +191,9 @@ def test_a_frame_with_a_bad_residual_is_not_believed(noisy):
     _, arrivals, _ = noisy
     estimator = Estimator(robot=lc.load_robot("mamba"))
     state, estimate = last(estimator, arrivals, 2.0)
-    frame = PoseSample(time=estimate.time, position=np.array([9.0, 9.0, 0.0]), rotation=np.eye(3), residual=0.02)
+    frame = PoseSample(
+        time=estimate.time, position=np.array([9.0, 9.0, 0.0]), rotation=np.eye(3), residual=0.02
+    )
     assert estimator.step(state, frame).n_outliers == state.n_outliers + 1
 
 
@@ -176,7 +207,9 @@ def test_the_filter_gives_in_when_every_frame_contradicts_it(noisy):
     ]
     _, here = last(estimator, arrivals, 4.0)
     _, there = last(estimator, moved)
-    assert there.center_of_mass == pytest.approx(here.center_of_mass + np.array([1.0, 0.5]), abs=0.02)
+    assert there.center_of_mass == pytest.approx(
+        here.center_of_mass + np.array([1.0, 0.5]), abs=0.02
+    )
 
 
 def test_without_frames_it_says_that_it_bridges_and_then_that_the_robot_is_lost(noisy):
@@ -216,7 +249,9 @@ def test_a_joint_that_insists_on_another_angle_is_believed():
         angle = np.zeros(8)
         angle[2] = 0.5 if k > 30 else 0.0
         state = estimator.step(state, JointSample(time=0.01 * k, angle=angle))
-        state = estimator.step(state, PoseSample(time=0.01 * k, position=np.zeros(3), rotation=np.eye(3)))
+        state = estimator.step(
+            state, PoseSample(time=0.01 * k, position=np.zeros(3), rotation=np.eye(3))
+        )
         if k == 32:  # for the second time
             assert abs(estimator.estimate(state).joint_angle[2]) < 0.02
     assert estimator.estimate(state).joint_angle[2] == pytest.approx(0.5, abs=0.02)
@@ -241,7 +276,9 @@ def test_turning_tells_a_current_from_the_robots_own_speed_and_a_known_speed_doe
     arrivals, _ = campaign().sensed(moving, campaign().Sensors(between=math.inf), 1)
     speed = still.steady_velocity
     _, ignorant = last(Estimator(robot=moving.robot, backlash=campaign().BACKLASH), arrivals)
-    _, told = last(Estimator(robot=moving.robot, backlash=campaign().BACKLASH, swim_speed=speed), arrivals)
+    _, told = last(
+        Estimator(robot=moving.robot, backlash=campaign().BACKLASH, swim_speed=speed), arrivals
+    )
     assert ignorant.current_std > 0.03  # a straight run: along the course it cannot be told
     assert told.current_std < 0.5 * ignorant.current_std
     assert told.current == pytest.approx(np.array([0.03, 0.05]), abs=0.02)
@@ -254,16 +291,23 @@ def test_joints_may_come_with_or_without_the_pitch_ones():
     both = np.arange(18) / 100.0
     yaw = both[[joint.axis == "yaw" for joint in robot.joints]]
     pose = PoseSample(time=0.0, position=np.zeros(3), rotation=np.eye(3))
-    states = [estimator.step(estimator.init(), JointSample(time=0.0, angle=angle)) for angle in (both, yaw)]
+    states = [
+        estimator.step(estimator.init(), JointSample(time=0.0, angle=angle))
+        for angle in (both, yaw)
+    ]
     one, two = (estimator.estimate(estimator.step(state, pose)) for state in states)
     assert np.array_equal(one.link_angle, two.link_angle)
-    with pytest.raises(ValueError, match=r"`angle` must hold 18 numbers, one per joint of the robot, got 7\."):
+    with pytest.raises(
+        ValueError, match=r"`angle` must hold 18 numbers, one per joint of the robot, got 7\."
+    ):
         estimator.step(estimator.init(), JointSample(time=0.0, angle=np.zeros(7)))
 
 
 def test_references_fit_the_robot_too():
     estimator = Estimator(robot=lc.load_robot("mamba"))
-    with pytest.raises(ValueError, match=r"`angle` must hold 8 numbers, one per joint of the robot, got 3\."):
+    with pytest.raises(
+        ValueError, match=r"`angle` must hold 8 numbers, one per joint of the robot, got 3\."
+    ):
         estimator.step(estimator.init(), ReferenceSample(time=0.0, angle=np.zeros(3)))
 
 

@@ -49,7 +49,18 @@ def test_noise_is_what_the_campaign_of_the_estimator_chose():
 
 
 @pytest.mark.parametrize(
-    "name", ["position", "yaw", "joint", "joint_acceleration", "sway_time", "current", "surge", "sway", "turning"]
+    "name",
+    [
+        "position",
+        "yaw",
+        "joint",
+        "joint_acceleration",
+        "sway_time",
+        "current",
+        "surge",
+        "sway",
+        "turning",
+    ],
 )
 def test_a_sensor_is_never_exact_and_no_density_is_negative(name):
     strict = name in ("position", "yaw", "joint", "joint_acceleration", "sway_time", "current")
@@ -74,7 +85,9 @@ def test_a_step_of_time_is_f_p_ft_plus_q_and_stays_symmetric():
     transition, noise = CHANCE.normal(size=(5, 5)), np.diag(np.arange(1.0, 6.0))
     mean = CHANCE.normal(size=5)
     after = KNOWN.predict(mean, transition, noise)
-    np.testing.assert_allclose(after.covariance, transition @ KNOWN.covariance @ transition.T + noise, rtol=1e-12)
+    np.testing.assert_allclose(
+        after.covariance, transition @ KNOWN.covariance @ transition.T + noise, rtol=1e-12
+    )
     assert np.array_equal(after.covariance, after.covariance.T)
     assert after.mean is mean
 
@@ -97,7 +110,10 @@ def test_a_measurement_gives_what_is_known_given_it():
 def test_what_is_restarted_is_known_by_itself_alone_and_the_rest_is_as_it_was():
     after = KNOWN.restarted(np.array([1, 3]), np.array([8.0, 9.0]), 0.25)
     assert after.mean.tolist() == [KNOWN.mean[0], 8.0, KNOWN.mean[2], 9.0, KNOWN.mean[4]]
-    assert after.covariance[[1, 3]].tolist() == [[0.0, 0.25, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.25, 0.0]]
+    assert after.covariance[[1, 3]].tolist() == [
+        [0.0, 0.25, 0.0, 0.0, 0.0],
+        [0.0, 0.0, 0.0, 0.25, 0.0],
+    ]
     assert not after.covariance[np.ix_([0, 2, 4], [1, 3])].any()
     kept = np.ix_([0, 2, 4], [0, 2, 4])
     assert np.array_equal(after.covariance[kept], KNOWN.covariance[kept])
@@ -106,25 +122,49 @@ def test_what_is_restarted_is_known_by_itself_alone_and_the_rest_is_as_it_was():
 
 def at(time: float) -> FilterState:
     zeros = np.zeros(1)
-    return FilterState(time=time, reference=zeros, lagged=zeros, lagged_rate=zeros, n_joint_rejected=zeros)
+    return FilterState(
+        time=time, reference=zeros, lagged=zeros, lagged_rate=zeros, n_joint_rejected=zeros
+    )
 
 
 def test_before_anything_a_filter_has_no_pose_no_gait_and_no_twin():
     first = at(0.0)
-    assert (first.posterior, first.joint_angle, first.twin, first.twin_failed) == (None, None, None, False)
-    assert (first.frequency, first.n_rejected, first.fin_reference, first.frame_time) == (0.0, 0, (), -math.inf)
+    assert (first.posterior, first.joint_angle, first.twin, first.twin_failed) == (
+        None,
+        None,
+        None,
+        False,
+    )
+    assert (first.frequency, first.n_rejected, first.fin_reference, first.frame_time) == (
+        0.0,
+        0,
+        (),
+        -math.inf,
+    )
     state = EstimatorState(history=((None, first),))
     assert (state.n_outliers, state.n_late) == (0, 0)
 
 
 @pytest.mark.parametrize(
     ("horizon", "kept"),
-    [(0.0, [4.0]), (0.5, [3.0, 4.0]), (1.0, [3.0, 4.0]), (1.5, [2.0, 3.0, 4.0]), (9.0, [1.0, 2.0, 3.0, 4.0])],
+    [
+        (0.0, [4.0]),
+        (0.5, [3.0, 4.0]),
+        (1.0, [3.0, 4.0]),
+        (1.5, [2.0, 3.0, 4.0]),
+        (9.0, [1.0, 2.0, 3.0, 4.0]),
+    ],
 )
 def test_of_the_past_is_kept_what_a_late_sample_may_go_back_to(horizon, kept):
-    samples = [(JointSample(time=time, angle=np.zeros(1)), at(time)) for time in (1.0, 2.0, 3.0, 4.0)]
-    state = replace(EstimatorState(history=((None, samples[0][1]), *samples[1:])), n_late=3, n_outliers=2)
+    samples = [
+        (JointSample(time=time, angle=np.zeros(1)), at(time)) for time in (1.0, 2.0, 3.0, 4.0)
+    ]
+    state = replace(
+        EstimatorState(history=((None, samples[0][1]), *samples[1:])), n_late=3, n_outliers=2
+    )
     after = state.within(horizon)
     assert [one.time for _, one in after.history] == kept
-    assert after.history[0][0] is None and all(sample is not None for sample, _ in after.history[1:])
+    assert after.history[0][0] is None and all(
+        sample is not None for sample, _ in after.history[1:]
+    )
     assert after.latest is state.latest and (after.n_late, after.n_outliers) == (3, 2)

@@ -27,7 +27,9 @@ USUAL = Estimator(robot=ROBOT)
 BUILT = lc.load_robot("mamba-fin")
 
 
-def joints(time: float, angle: float | np.ndarray = 0.0, torque: float | None = None) -> JointSample:
+def joints(
+    time: float, angle: float | np.ndarray = 0.0, torque: float | None = None
+) -> JointSample:
     pull = None if torque is None else np.full(8, torque)
     return JointSample(time=time, angle=np.broadcast_to(angle, 8), torque=pull)
 
@@ -36,9 +38,13 @@ def references(time: float, angle: float = 0.0, frequency: float = 0.0) -> Refer
     return ReferenceSample(time=time, angle=np.full(8, angle), frequency=frequency)
 
 
-def frame(time: float, x: float = 0.0, y: float = 0.0, yaw: float | None = 0.0, residual: float = 0.0) -> PoseSample:
+def frame(
+    time: float, x: float = 0.0, y: float = 0.0, yaw: float | None = 0.0, residual: float = 0.0
+) -> PoseSample:
     rotation = None if yaw is None else turn("yaw", yaw)
-    return PoseSample(time=time, position=np.array([x, y, 0.0]), rotation=rotation, residual=residual)
+    return PoseSample(
+        time=time, position=np.array([x, y, 0.0]), rotation=rotation, residual=residual
+    )
 
 
 def after(*samples: object, estimator: Estimator = USUAL) -> EstimatorState:
@@ -54,11 +60,21 @@ def started(estimator: Estimator = USUAL, angle: float | np.ndarray = 0.0) -> Es
 
 
 def test_the_settings_are_what_the_documentation_says_of_them():
-    assert (USUAL.swim_speed, USUAL.swim_speed_std, USUAL.plant, USUAL.coupling) == (None, 0.01, None, 1.0)
+    assert (USUAL.swim_speed, USUAL.swim_speed_std, USUAL.plant, USUAL.coupling) == (
+        None,
+        0.01,
+        None,
+        1.0,
+    )
     assert (USUAL.backlash, USUAL.gate, USUAL.largest_residual) == (0.0, 5.0, 0.005)
     assert (USUAL.patience, USUAL.joint_patience, USUAL.horizon) == (10, 3, 0.1)
     model = replace(USUAL, swim_speed=0.2, swim_speed_std=0.03, mount=Mount(module=2)).model
-    assert (model.swim_speed, model.swim_speed_std, model.link, model.has_twin) == (0.2, 0.03, 2, False)
+    assert (model.swim_speed, model.swim_speed_std, model.link, model.has_twin) == (
+        0.2,
+        0.03,
+        2,
+        False,
+    )
     beside = replace(USUAL, mount=Mount(module=2)).twin_model
     assert beside.has_twin and beside.noise == Noise().beside_twin and beside.link == 2
 
@@ -101,7 +117,9 @@ def test_the_first_frame_with_the_joints_before_it_gives_the_pose_that_kinematic
     assert here.joint_rate == pytest.approx(np.zeros(8))
     assert (here.time, here.age, here.status) == (1.0, 0.0, "tracking")
     straight = USUAL.estimate(started())
-    assert straight.center_of_mass_std == pytest.approx(0.05) and straight.heading_std == pytest.approx(0.05)
+    assert straight.center_of_mass_std == pytest.approx(
+        0.05
+    ) and straight.heading_std == pytest.approx(0.05)
     assert straight.current.tolist() == [0.0, 0.0] and straight.current_std == pytest.approx(0.1)
     assert state.latest.joint_angle is None and state.latest.frame_time == 1.0
 
@@ -117,7 +135,9 @@ def test_deviations_are_those_from_the_references_that_the_joints_have_come_to()
     assert early.lagged_rate[0] == pytest.approx(0.2 * 25.0**2 * 0.05 * math.exp(-1.25))
     assert early.posterior.mean[JOINTS + 1 :: 2] == pytest.approx(-early.lagged_rate)
     found = USUAL.estimate(after(references(0.0, 0.2), joints(0.05, 0.1), frame(0.05)))
-    assert found.joint_rate == pytest.approx(np.zeros(8)) and found.joint_angle == pytest.approx(np.full(8, 0.1))
+    assert found.joint_rate == pytest.approx(np.zeros(8)) and found.joint_angle == pytest.approx(
+        np.full(8, 0.1)
+    )
 
 
 def test_before_the_first_frame_the_last_angle_of_every_module_counts():
@@ -130,7 +150,9 @@ def test_before_the_first_frame_the_last_angle_of_every_module_counts():
     then = after(joints(0.0, known), joints(0.1, np.where(np.isnan(partly), math.nan, 0.2))).latest
     assert then.joint_angle.tolist() == [0.2, 0.2, 0.2, 0.1, 0.2, 0.2, 0.2, 0.2]
     assert after(joints(0.0, none)).latest.joint_angle is None
-    assert after(joints(0.0, known), joints(0.1, none)).latest.joint_angle.tolist() == known.tolist()
+    assert (
+        after(joints(0.0, known), joints(0.1, none)).latest.joint_angle.tolist() == known.tolist()
+    )
 
 
 @pytest.mark.parametrize(
@@ -161,7 +183,9 @@ def test_over_time_the_model_goes_on_in_steps_of_at_most_50_ms():
         assert found.heading_std == pytest.approx(math.sqrt(spread[2, 2]))
         assert found.current_std == pytest.approx(math.sqrt(known.covariance[VX, VX]))
         assert (found.time, found.age) == pytest.approx((1.0 + duration, duration))
-    assert USUAL.estimate(state, 0.5).time == USUAL.estimate(state).time == 1.0  # it never goes back
+    assert (
+        USUAL.estimate(state, 0.5).time == USUAL.estimate(state).time == 1.0
+    )  # it never goes back
 
 
 def test_the_current_is_uncertain_along_its_less_certain_direction():
@@ -222,7 +246,9 @@ def test_a_joint_is_believed_when_it_insists_as_often_as_patience_says_and_silen
     assert state.latest.n_joint_rejected.tolist() == [0] * 8
 
 
-def displaced(estimator: Estimator, state: EstimatorState, share: float, *, with_yaw: bool) -> PoseSample:
+def displaced(
+    estimator: Estimator, state: EstimatorState, share: float, *, with_yaw: bool
+) -> PoseSample:
     """A frame whose squared distance is a share of what the gate lets pass, off in x alone."""
     now = state.latest
     expected, rows = estimator.model.marker(now.posterior.mean, now.lagged)
@@ -295,7 +321,9 @@ def test_frames_that_all_contradict_it_open_pose_and_speeds_again():
     state = estimator.step(state, far)
     assert (state.latest.n_rejected, state.n_outliers) == (0, 2)
     np.testing.assert_allclose(state.latest.posterior.mean, opened.mean, rtol=1e-9, atol=1e-12)
-    np.testing.assert_allclose(state.latest.posterior.covariance, opened.covariance, rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(
+        state.latest.posterior.covariance, opened.covariance, rtol=1e-6, atol=1e-12
+    )
 
 
 def test_markers_that_do_not_fit_are_an_outlier_and_a_body_that_is_lost_is_nothing():
@@ -310,12 +338,20 @@ def test_markers_that_do_not_fit_are_an_outlier_and_a_body_that_is_lost_is_nothi
 
 def test_backlash_is_taken_off_on_the_side_to_which_the_motor_pulls():
     estimator = replace(USUAL, backlash=0.04)
-    for torque, pulled in ((3.0, 0.02), (-3.0, -0.02), (0.3, 0.02 * math.tanh(1.0)), (0.0, 0.0), (math.nan, 0.0)):
+    for torque, pulled in (
+        (3.0, 0.02),
+        (-3.0, -0.02),
+        (0.3, 0.02 * math.tanh(1.0)),
+        (0.0, 0.0),
+        (math.nan, 0.0),
+    ):
         now = after(joints(0.0, 0.1, torque), estimator=estimator).latest
         assert now.joint_angle == pytest.approx(np.full(8, 0.1 - pulled), abs=1e-9)
     wide = after(joints(0.0, 0.1, 3.0), estimator=replace(USUAL, backlash=1.0)).latest
     assert wide.joint_angle == pytest.approx(np.full(8, -0.4), abs=1e-7)
-    assert after(joints(0.0, 0.1), estimator=estimator).latest.joint_angle == pytest.approx(np.full(8, 0.1))
+    assert after(joints(0.0, 0.1), estimator=estimator).latest.joint_angle == pytest.approx(
+        np.full(8, 0.1)
+    )
     assert after(joints(0.0, 0.1, 3.0)).latest.joint_angle == pytest.approx(np.full(8, 0.1))
 
 
@@ -347,8 +383,20 @@ def test_samples_of_one_moment_are_taken_in_as_they_come_and_late_ones_where_the
 
 
 def test_samples_that_come_at_once_are_worth_the_same_one_by_one_or_in_any_parts():
-    came = [joints(1.0), frame(1.0, 0.5, -0.2, 0.3), joints(1.02, 0.01), joints(1.04, 0.02), joints(1.06, 0.03)]
-    came += [frame(1.03, 0.501, -0.2, 0.3), joints(0.5), frame(1.05, 0.502, -0.2, 0.31), joints(1.2), joints(1.05)]
+    came = [
+        joints(1.0),
+        frame(1.0, 0.5, -0.2, 0.3),
+        joints(1.02, 0.01),
+        joints(1.04, 0.02),
+        joints(1.06, 0.03),
+    ]
+    came += [
+        frame(1.03, 0.501, -0.2, 0.3),
+        joints(0.5),
+        frame(1.05, 0.502, -0.2, 0.31),
+        joints(1.2),
+        joints(1.05),
+    ]
     one = after(*came)
     for cuts in ([10], [5, 5], [2, 4, 4]):
         state, at = USUAL.init(), 0
@@ -356,7 +404,9 @@ def test_samples_that_come_at_once_are_worth_the_same_one_by_one_or_in_any_parts
             state, at = USUAL.steps(state, came[at : at + n]), at + n
         assert np.array_equal(state.latest.posterior.mean, one.latest.posterior.mean)
         assert np.array_equal(state.latest.posterior.covariance, one.latest.posterior.covariance)
-        assert [known.time for _, known in state.history] == [known.time for _, known in one.history]
+        assert [known.time for _, known in state.history] == [
+            known.time for _, known in one.history
+        ]
         assert state.n_late == one.n_late == 2
 
 

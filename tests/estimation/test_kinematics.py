@@ -7,7 +7,14 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.estimation import JointSample, KinematicEstimator, KinematicState, Mount, PoseSample, ReferenceSample
+from laticauda.estimation import (
+    JointSample,
+    KinematicEstimator,
+    KinematicState,
+    Mount,
+    PoseSample,
+    ReferenceSample,
+)
 from laticauda.kinematics import Posture, module_poses, turn
 
 ROBOT = lc.load_robot("mamba")
@@ -37,7 +44,9 @@ def test_the_pose_is_that_of_the_marked_module_on_the_bent_robot():
     link = Posture(ROBOT, p, theta).link_centers[3]
     c, s = math.cos(theta[3]), math.sin(theta[3])
     marker = link + np.array([c * 0.02 - s * 0.05, s * 0.02 + c * 0.05])
-    state = after(joints(0.0, *np.diff(theta)), frame(0.0, *marker, yaw=theta[3] + 0.2), estimator=estimator)
+    state = after(
+        joints(0.0, *np.diff(theta)), frame(0.0, *marker, yaw=theta[3] + 0.2), estimator=estimator
+    )
     found = estimator.estimate(state)
     assert found.link_angle == pytest.approx(theta)
     assert found.center_of_mass == pytest.approx(p)
@@ -55,7 +64,9 @@ def test_joint_angles_are_those_of_the_frames_time():
 
 
 @pytest.mark.parametrize(("later", "on"), [(-0.025, -0.05), (0.02, 0.06), (0.1, 0.3), (5.0, 0.3)])
-def test_after_the_last_sample_joints_go_on_at_their_rates_for_the_span_at_most(later: float, on: float):
+def test_after_the_last_sample_joints_go_on_at_their_rates_for_the_span_at_most(
+    later: float, on: float
+):
     rate = np.array([3.0] * 7 + [math.nan])
     last = JointSample(time=1.1, angle=np.full(8, 0.2), rate=rate)
     found = USUAL.estimate(after(joints(1.0, 0.0), last, frame(1.1 + later))).joint_angle
@@ -64,12 +75,18 @@ def test_after_the_last_sample_joints_go_on_at_their_rates_for_the_span_at_most(
 
 def test_velocities_are_differences_over_the_span():
     times = [0.02 * k for k in range(11)]
-    samples = [one for t in times for one in (joints(t, 3.0 * t), frame(t, 0.5 * t, -0.25 * t, yaw=2.0 * t))]
+    samples = [
+        one
+        for t in times
+        for one in (joints(t, 3.0 * t), frame(t, 0.5 * t, -0.25 * t, yaw=2.0 * t))
+    ]
     state = after(*samples)
     assert [one.time for one in state.frames] == pytest.approx(times[5:])
     found = USUAL.estimate(state)
     first, last = state.frames[0], state.frames[-1]
-    assert found.center_of_mass_velocity == pytest.approx((last.center_of_mass - first.center_of_mass) / 0.1)
+    assert found.center_of_mass_velocity == pytest.approx(
+        (last.center_of_mass - first.center_of_mass) / 0.1
+    )
     assert found.heading_rate == pytest.approx((last.heading - first.heading) / 0.1)
     assert found.joint_rate == pytest.approx([3.0] * 8)
     assert [time for time, *_ in state.joints] == pytest.approx(times[1:])  # of twice the span
@@ -121,7 +138,9 @@ def test_old_is_what_comes_before_the_last_sample_of_its_kind():
     assert USUAL.step(state, joints(1.05, 9.0)) is state
     assert USUAL.step(state, frame(1.05, x=9.0)) is state
     assert USUAL.step(state, joints(1.11)).joints[-1][0] == 1.11
-    assert [(one.age, one.heading_rate) for one in state.frames] == [(0.0, 0.0)] * 2  # kept without velocities
+    assert [(one.age, one.heading_rate) for one in state.frames] == [
+        (0.0, 0.0)
+    ] * 2  # kept without velocities
 
 
 def test_a_robot_that_spins_is_followed_from_frame_to_frame():

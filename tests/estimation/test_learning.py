@@ -8,7 +8,15 @@ import pytest
 from estimation.swims import GAIT, jammed, samples, swum
 
 import laticauda as lc
-from laticauda.estimation import JointSample, Learned, Learner, Learning, Mount, PoseSample, ReferenceSample
+from laticauda.estimation import (
+    JointSample,
+    Learned,
+    Learner,
+    Learning,
+    Mount,
+    PoseSample,
+    ReferenceSample,
+)
 from laticauda.estimation.learning import LEAST, MEDIAN
 
 GUESS = lc.load_water("paper-lateral")
@@ -22,7 +30,9 @@ MAMBA = lc.load_robot("mamba")
 
 
 def learner(robot=MAMBA, **settings):
-    return Learner(settings=Learning(**settings), robot=robot, plant=lc.plant(robot, GUESS, joints="servo"))
+    return Learner(
+        settings=Learning(**settings), robot=robot, plant=lc.plant(robot, GUESS, joints="servo")
+    )
 
 
 def learnt(given, taught=None):
@@ -54,7 +64,9 @@ def test_drag_friction_and_current_are_learnt_in_twenty_seconds_from_another_gue
     assert np.diff([one.time for one in found]) == pytest.approx(math.pi / GAIT.frequency)
 
 
-def test_as_long_as_there_are_few_stretches_only_changes_are_told_and_the_guess_is_what_is_known(good):
+def test_as_long_as_there_are_few_stretches_only_changes_are_told_and_the_guess_is_what_is_known(
+    good,
+):
     few = jammed(good[:520], begin=6.0)
     (first,) = learnt(samples(few), learner(coefficient=0.2, current=0.03))
     assert first.changes == ("Joint 4 is stuck: it swings 0 % of what it did.",)
@@ -70,12 +82,18 @@ def test_samples_that_say_nothing_do_not_count(good):
     for sample in samples(good[:50]):
         state = taught.step(state, sample)
     lost = PoseSample(time=2.0, position=np.full(3, np.nan), rotation=np.eye(3))
-    for nothing in (lost, PoseSample(time=2.0, position=np.zeros(3)), JointSample(time=2.0, angle=np.full(8, np.nan))):
+    for nothing in (
+        lost,
+        PoseSample(time=2.0, position=np.zeros(3)),
+        JointSample(time=2.0, angle=np.full(8, np.nan)),
+    ):
         assert taught.step(state, nothing).samples == state.samples
 
 
 def test_what_lies_before_a_gap_in_the_frames_is_forgotten(good):
-    gap = [one for one in samples(good) if not (isinstance(one, PoseSample) and 18.0 < one.time < 18.5)]
+    gap = [
+        one for one in samples(good) if not (isinstance(one, PoseSample) and 18.0 < one.time < 18.5)
+    ]
     found = learnt(gap, learner(unknown=()))
     before = next(one for one in reversed(found) if one.time < 18.0)
     assert before.time > 15.0
@@ -110,13 +128,16 @@ def test_a_joint_that_jams_is_named_within_two_cycles(good):
 
 def test_a_weak_joint_is_named_in_its_third_stretch(good):
     changes = named(learnt(samples(jammed(good, 0.7)), learner(unknown=())))
-    assert [change for _, change in changes if "Joint" in change] == ["Joint 4 is weak: it swings 70 % of what it did."]
+    assert [change for _, change in changes if "Joint" in change] == [
+        "Joint 4 is weak: it swings 70 % of what it did."
+    ]
     assert 15.0 + 3.0 < changes[0][0] < 15.0 + 8.0
 
 
 def test_joints_that_are_not_asked_to_move_are_not_named(good):
     assert not any(
-        "Joint" in change for _, change in named(learnt(samples(jammed(good), asked=0.01), learner(unknown=())))
+        "Joint" in change
+        for _, change in named(learnt(samples(jammed(good), asked=0.01), learner(unknown=())))
     )
 
 
@@ -143,8 +164,13 @@ def test_water_that_begins_to_move_is_named_and_everything_is_open_again():
 
 def test_what_is_known_is_told_with_intervals_of_95_percent():
     value = {"normal_drag": 2.0, "play": 0.004, "current_x": -0.0123}
-    learned = Learned(time=1.0, value=value, deviation={"normal_drag": 0.1, "play": 0.001, "current_x": 0.01})
-    assert learned.line == "normal drag 2.0000 ± 0.1960, play 0.0040 ± 0.0020 rad, current x -0.0123 ± 0.0196 m/s"
+    learned = Learned(
+        time=1.0, value=value, deviation={"normal_drag": 0.1, "play": 0.001, "current_x": 0.01}
+    )
+    assert (
+        learned.line
+        == "normal drag 2.0000 ± 0.1960, play 0.0040 ± 0.0020 rad, current x -0.0123 ± 0.0196 m/s"
+    )
 
 
 def test_a_cycle_is_odd_beyond_the_doubt_in_deviations_of_noise_and_opening():
@@ -174,13 +200,16 @@ def test_before_the_gait_begins_no_more_than_a_moment_is_remembered(good):
 
 
 def test_what_cannot_be_learnt_is_refused():
-    with pytest.raises(ValueError, match=r"`unknown\[0\]` must be one of `normal_drag`, .*, got 'density'"):
+    with pytest.raises(
+        ValueError, match=r"`unknown\[0\]` must be one of `normal_drag`, .*, got 'density'"
+    ):
         Learning(unknown=("density",))
     with pytest.raises(ValueError, match="`window` must be > 5 s, got 2"):
         Learning(window=2.0)
     on_ground = lc.plant(MAMBA, lc.load_ground("coulomb"), joints="servo")
     with pytest.raises(
-        ValueError, match="`plant` must be in water for anything to be learned, got the ground `coulomb`"
+        ValueError,
+        match="`plant` must be in water for anything to be learned, got the ground `coulomb`",
     ):
         Learner(robot=MAMBA, plant=on_ground)
     with pytest.raises(ValueError, match="`plant` must have joints that follow references"):

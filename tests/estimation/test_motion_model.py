@@ -46,7 +46,9 @@ FORESEEN = TwinState(
 
 def model(has_twin: bool = False, swim_speed: float | None = None) -> MotionModel:
     mount = Mount(module=2, offset=(0.03, -0.02), angle=0.1)
-    return MotionModel(robot=lc.load_robot("mamba"), mount=mount, has_twin=has_twin, swim_speed=swim_speed)
+    return MotionModel(
+        robot=lc.load_robot("mamba"), mount=mount, has_twin=has_twin, swim_speed=swim_speed
+    )
 
 
 def somewhere(motion: MotionModel, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -65,13 +67,16 @@ def differences(function, mean: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("motion", "moved"), [(model(), None), (model(swim_speed=0.2), None), (model(has_twin=True), FORESEEN)]
+    ("motion", "moved"),
+    [(model(), None), (model(swim_speed=0.2), None), (model(has_twin=True), FORESEEN)],
 )
 @pytest.mark.parametrize("frequency", [0.0, 2.0])
 def test_the_derivative_of_a_step_is_that_of_its_differences(motion, moved, frequency):
     mean, reference = somewhere(motion, 1)
     transition = motion.step(mean, reference, frequency, 0.01, moved)[1]
-    by_differences = differences(lambda at: motion.step(at, reference, frequency, 0.01, moved)[0], mean)
+    by_differences = differences(
+        lambda at: motion.step(at, reference, frequency, 0.01, moved)[0], mean
+    )
     np.testing.assert_allclose(transition, by_differences, atol=1e-5)
 
 
@@ -123,7 +128,9 @@ def test_a_step_carries_the_smooth_motion_through_the_water_and_the_water_along(
     bend = float(np.mean(reference + mean[JOINTS::2]))
     after, _, _ = motion.step(mean, reference, frequency, dt)
     turning = mean[R] + mean[TURN] * bend
-    way = dt * (through_water(mean, bend, mean[H] + 0.5 * dt * turning) + complex(mean[VX], mean[VY]))
+    way = dt * (
+        through_water(mean, bend, mean[H] + 0.5 * dt * turning) + complex(mean[VX], mean[VY])
+    )
     assert complex(*after[[X, Y]]) - complex(*mean[[X, Y]]) == pytest.approx(way)
     assert after[H] - mean[H] == pytest.approx(dt * turning)
     assert after[[VX, VY, R, TURN, SLIP, U]] == pytest.approx(mean[[VX, VY, R, TURN, SLIP, U]])
@@ -149,7 +156,9 @@ def test_a_step_beside_a_twin_goes_the_twins_way_in_the_robots_own_axes():
 
 
 @pytest.mark.parametrize(("frequency", "target"), [(0.0, 0.0), (0.5, 0.3)])
-def test_a_known_speed_is_come_to_within_seconds_and_forgotten_when_the_gait_stands_still(frequency, target):
+def test_a_known_speed_is_come_to_within_seconds_and_forgotten_when_the_gait_stands_still(
+    frequency, target
+):
     motion, mean, reference = placed(swim_speed=0.3)
     fade = math.exp(-0.5 / 4.0)
     after, _, q = motion.step(mean, reference, frequency, 0.5)
@@ -158,11 +167,20 @@ def test_a_known_speed_is_come_to_within_seconds_and_forgotten_when_the_gait_sta
 
 
 @pytest.mark.parametrize(("frequency", "memory"), [(0.0, 0.3), (0.5, 100.0)])
-def test_a_ripple_turns_by_the_gaits_phase_and_fades_at_once_when_the_gait_stands_still(frequency, memory):
+def test_a_ripple_turns_by_the_gaits_phase_and_fades_at_once_when_the_gait_stands_still(
+    frequency, memory
+):
     motion, mean, reference = placed()
     dt = 0.05
     after, _, q = motion.step(mean, reference, frequency, dt)
-    pointers = [(0, 1), (0, 3), (1, 1), (1, 2), (2, 1), (2, 2)]  # of heading, along, across: their harmonics
+    pointers = [
+        (0, 1),
+        (0, 3),
+        (1, 1),
+        (1, 2),
+        (2, 1),
+        (2, 2),
+    ]  # of heading, along, across: their harmonics
     assert list(RIPPLES) == pointers
     for i, (kind, harmonic) in enumerate(pointers):
         at = RIPPLE + 2 * i
@@ -178,14 +196,45 @@ def by_name(motion: MotionModel, values: np.ndarray) -> dict[str, object]:
     for name, at in (("heading_gain", HEADING_GAIN), ("across_gain", ACROSS_GAIN)):
         (found[name],) = set(values[at].tolist())
     (found["ripple"],) = set(values[RIPPLE:JOINTS].tolist())
-    (found["joint"],), (found["joint_rate"],) = set(values[JOINTS::2].tolist()), set(values[JOINTS + 1 :: 2].tolist())
+    (found["joint"],), (found["joint_rate"],) = (
+        set(values[JOINTS::2].tolist()),
+        set(values[JOINTS + 1 :: 2].tolist()),
+    )
     return found
 
 
-PLACES = {"x": X, "y": Y, "u": U, "s": S, "vx": VX, "vy": VY, "h": H, "r": R, "turn": TURN, "slip": SLIP}
+PLACES = {
+    "x": X,
+    "y": Y,
+    "u": U,
+    "s": S,
+    "vx": VX,
+    "vy": VY,
+    "h": H,
+    "r": R,
+    "turn": TURN,
+    "slip": SLIP,
+}
 FIRST = {
-    **{"x": 0.05, "y": 0.05, "u": 0.1, "s": 0.01, "vx": 0.1, "vy": 0.1, "h": 0.05, "r": 0.1, "turn": 0.5, "slip": 0.2},
-    **{"heading_gain": 1.0, "across_gain": 0.1, "ripple": 0.0, "joint": 2.0 * math.radians(0.3), "joint_rate": 0.5},
+    **{
+        "x": 0.05,
+        "y": 0.05,
+        "u": 0.1,
+        "s": 0.01,
+        "vx": 0.1,
+        "vy": 0.1,
+        "h": 0.05,
+        "r": 0.1,
+        "turn": 0.5,
+        "slip": 0.2,
+    },
+    **{
+        "heading_gain": 1.0,
+        "across_gain": 0.1,
+        "ripple": 0.0,
+        "joint": 2.0 * math.radians(0.3),
+        "joint_rate": 0.5,
+    },
 }
 """Standard deviations at first, in the units of each."""
 BESIDE = {"u": 0.02, "turn": 0.05, "slip": 0.02, "heading_gain": 0.1, "across_gain": 0.01}
@@ -215,10 +264,15 @@ def test_when_models_change_pose_current_and_joints_stay_and_what_explains_the_m
     opened = np.array([U, S, R, TURN, SLIP, *range(10, JOINTS)])
     kept = np.setdiff1d(np.arange(motion.size), opened)
     assert after.mean[kept].tolist() == before.mean[kept].tolist() and not after.mean[opened].any()
-    assert np.array_equal(after.covariance[np.ix_(kept, kept)], before.covariance[np.ix_(kept, kept)])
+    assert np.array_equal(
+        after.covariance[np.ix_(kept, kept)], before.covariance[np.ix_(kept, kept)]
+    )
     fresh = np.diag(motion.initial(np.zeros(2), 0.0, np.zeros(8), np.zeros(8)).covariance)[opened]
     assert np.array_equal(after.covariance[np.ix_(opened, opened)], np.diag(fresh))
-    assert not after.covariance[np.ix_(opened, kept)].any() and not after.covariance[np.ix_(kept, opened)].any()
+    assert (
+        not after.covariance[np.ix_(opened, kept)].any()
+        and not after.covariance[np.ix_(kept, opened)].any()
+    )
 
 
 @pytest.mark.parametrize(("has_twin", "speed"), [(False, None), (True, None)])
@@ -267,7 +321,9 @@ def test_the_pose_is_the_smooth_motion_with_ripples_and_what_bending_adds():
     ripple = mean[RIPPLE:JOINTS:2]  # two of heading, along and across
     along, across = ripple[2] + ripple[3], ripple[4] + ripple[5] + mean[ACROSS_GAIN] @ bending
     found, heading, _ = motion.pose(mean, reference)
-    assert complex(*found) == pytest.approx(complex(*mean[[X, Y]]) + complex(along, across) * np.exp(1j * mean[H]))
+    assert complex(*found) == pytest.approx(
+        complex(*mean[[X, Y]]) + complex(along, across) * np.exp(1j * mean[H])
+    )
     assert heading == pytest.approx(mean[H] + ripple[0] + ripple[1] + mean[HEADING_GAIN] @ bending)
 
 

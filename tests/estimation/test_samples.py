@@ -33,17 +33,38 @@ def without_checks_of_shapes():
 @pytest.mark.parametrize(
     ("make", "says"),
     [
-        (lambda: PoseSample(time=0.0, position=np.zeros(2)), r"`position` must hold 3 numbers, got an array of shape"),
+        (
+            lambda: PoseSample(time=0.0, position=np.zeros(2)),
+            r"`position` must hold 3 numbers, got an array of shape",
+        ),
         (
             lambda: PoseSample(time=0.0, position=np.zeros(3), rotation=np.zeros((3, 2))),
             r"`rotation` must hold 3 x 3 numbers, got an array of shape \(3, 2\)",
         ),
-        (lambda: JointSample(time=math.nan, angle=np.zeros(3)), r"`time` must be a finite number in s, got nan"),
-        (lambda: JointSample(time=0.0, angle=np.zeros((2, 3))), r"`angle` must hold n numbers, got .* \(2, 3\)"),
-        (lambda: JointSample(time=0.0, angle=np.zeros(3), rate=np.zeros(2)), r"`rate` must hold 3 numbers, got"),
-        (lambda: JointSample(time=0.0, angle=np.zeros(3), torque=np.zeros(4)), r"`torque` must hold 3 numbers, got"),
-        (lambda: ReferenceSample(time=0.0, angle=np.zeros(())), r"`angle` must hold n numbers, got"),
-        (lambda: ReferenceSample(time=0.0, angle=np.zeros(3), frequency=-1.0), r"`frequency` must be >= 0 rad/s"),
+        (
+            lambda: JointSample(time=math.nan, angle=np.zeros(3)),
+            r"`time` must be a finite number in s, got nan",
+        ),
+        (
+            lambda: JointSample(time=0.0, angle=np.zeros((2, 3))),
+            r"`angle` must hold n numbers, got .* \(2, 3\)",
+        ),
+        (
+            lambda: JointSample(time=0.0, angle=np.zeros(3), rate=np.zeros(2)),
+            r"`rate` must hold 3 numbers, got",
+        ),
+        (
+            lambda: JointSample(time=0.0, angle=np.zeros(3), torque=np.zeros(4)),
+            r"`torque` must hold 3 numbers, got",
+        ),
+        (
+            lambda: ReferenceSample(time=0.0, angle=np.zeros(())),
+            r"`angle` must hold n numbers, got",
+        ),
+        (
+            lambda: ReferenceSample(time=0.0, angle=np.zeros(3), frequency=-1.0),
+            r"`frequency` must be >= 0 rad/s",
+        ),
     ],
 )
 def test_a_sample_that_makes_no_sense_is_refused(make, says, without_checks_of_shapes):
@@ -84,7 +105,12 @@ def test_an_estimate_that_knows_nothing_of_its_errors_says_none():
         joint_angle=np.zeros(0),
         joint_rate=np.zeros(0),
     )
-    assert (found.center_of_mass_std, found.heading_std, found.current, found.current_std) == (0.0, 0.0, None, 0.0)
+    assert (found.center_of_mass_std, found.heading_std, found.current, found.current_std) == (
+        0.0,
+        0.0,
+        None,
+        0.0,
+    )
 
 
 def test_the_markers_sit_on_the_tail_unless_it_is_said_where():
@@ -94,7 +120,9 @@ def test_the_markers_sit_on_the_tail_unless_it_is_said_where():
     built = lc.load_robot("mamba-modules")
     links = [Mount(module=k).on_link(built)[0] for k in range(len(built.modules))]
     assert links == sorted(links) and set(links) == set(range(built.planar().n_links))
-    shifts = [Mount(module=k).on_link(built)[1][0] for k in range(len(built.modules)) if links[k] == 1]
+    shifts = [
+        Mount(module=k).on_link(built)[1][0] for k in range(len(built.modules)) if links[k] == 1
+    ]
     assert len(shifts) == 2 and shifts[0] < 0.0 < shifts[1]  # two modules, one link
     with pytest.raises(ValueError, match=r"`module` must be < 9, the number of modules, got 9\."):
         Mount(module=9).on_link(ROBOT)
@@ -113,7 +141,13 @@ def test_the_status_is_by_the_time_without_a_frame():
     base = StateEstimator(robot=ROBOT)
     assert (base.bridging_after, base.lost_after) == (0.05, 1.5)
     ages = (0.0, 0.05, 0.0501, 1.5, 1.501)
-    assert [base.status_at(age) for age in ages] == ["tracking", "tracking", "bridging", "bridging", "lost"]
+    assert [base.status_at(age) for age in ages] == [
+        "tracking",
+        "tracking",
+        "bridging",
+        "bridging",
+        "lost",
+    ]
     for name in ("bridging_after", "lost_after"):
         with pytest.raises(ValueError, match=rf"`{name}` must be > 0 s, got 0"):
             replace(base, **{name: 0.0})

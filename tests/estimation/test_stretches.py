@@ -53,7 +53,9 @@ def test_the_choice_of_world_axes_does_not_matter(trial):
     current = np.array([0.01, -0.02])
     along = np.array([c * current[0] - s * current[1], s * current[0] + c * current[1]])
     for one, other in zip(seen.off(TWIN, 0.0, current), turned.off(TWIN, 0.0, along), strict=True):
-        assert other[0] + 1j * other[1] == pytest.approx((one[0] + 1j * one[1]) * np.exp(1j * turn), abs=1e-5)
+        assert other[0] + 1j * other[1] == pytest.approx(
+            (one[0] + 1j * one[1]) * np.exp(1j * turn), abs=1e-5
+        )
         assert other[2] == pytest.approx(one[2], abs=1e-5)
 
 
@@ -72,7 +74,9 @@ def test_play_is_taken_off_where_gears_touch(trial):
 
 def test_a_current_and_a_robot_that_points_elsewhere_enter_as_they_are_compared(trial):
     seen = stretches(trial)
-    (off, way), (drifted, _) = (seen.off(TWIN, 0.0, current) for current in (STILL, np.array([0.01, -0.02])))
+    (off, way), (drifted, _) = (
+        seen.off(TWIN, 0.0, current) for current in (STILL, np.array([0.01, -0.02]))
+    )
     rows = seen.compared([off, drifted], way)
     assert rows.shape == (5, 3 * POINTS, 5)
     crab, x, y = np.moveaxis(rows[..., 2:], -1, 0)

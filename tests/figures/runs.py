@@ -19,7 +19,9 @@ def lateral(offset_deg: float = 0.0, frequency_deg_s: float = 130.0) -> lc.Gait:
 
 
 def eel_like() -> lc.Gait:
-    return lc.eel_like(amplitude=math.radians(50), frequency=math.radians(110), phase_shift=math.radians(40))
+    return lc.eel_like(
+        amplitude=math.radians(50), frequency=math.radians(110), phase_shift=math.radians(40)
+    )
 
 
 RUNS = {
@@ -30,15 +32,21 @@ RUNS = {
     "curve": lambda: lc.swim(lc.load_robot("mamba"), lateral(10.0)),
     "circle": lambda: lc.swim(lc.load_robot("mamba"), lateral(3.0), 120.0),
     "short": lambda: lc.swim(lc.load_robot("mamba"), lateral(), 5.0),
-    "ground": lambda: lc.swim(lc.load_robot("mamba"), lateral(), environment=lc.load_ground("viscous")),
-    "current": lambda: lc.swim(lc.load_robot("mamba"), lateral(), environment=replace(WATER, current=(-0.05, 0.1))),
+    "ground": lambda: lc.swim(
+        lc.load_robot("mamba"), lateral(), environment=lc.load_ground("viscous")
+    ),
+    "current": lambda: lc.swim(
+        lc.load_robot("mamba"), lateral(), environment=replace(WATER, current=(-0.05, 0.1))
+    ),
     "north": lambda: lc.swim(lc.load_robot("mamba"), lateral(), start=lc.Start(heading=1.6)),
     "servo": lambda: lc.swim(lc.load_robot("mamba"), lateral(), joints="servo"),
     "two links": lambda: lc.swim(lc.load_robot("chain", n_links=2), lateral()),
     "one link": lambda: lc.swim(lc.load_robot("chain", n_links=1), lateral()),
     "tiny": lambda: lc.swim(lc.load_robot("mamba"), lateral(), 0.01),
     "still": lambda: lc.swim(lc.load_robot("mamba"), lateral(frequency_deg_s=0.0), 3.0),
-    "failed": lambda: lc.swim(lc.load_robot("mamba"), lateral(frequency_deg_s=700.0), dt=0.5, sample_interval=0.5),
+    "failed": lambda: lc.swim(
+        lc.load_robot("mamba"), lateral(frequency_deg_s=700.0), dt=0.5, sample_interval=0.5
+    ),
     "failed at once": lambda: lc.swim(lc.load_robot("mamba"), lateral(frequency_deg_s=1e9), 3.0),
 }
 

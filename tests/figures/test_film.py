@@ -40,7 +40,9 @@ def test_the_path_is_drawn_where_it_is_asked_for(trial: lc.Trial):
 
 
 @pytest.mark.parametrize("ending", ["gif", "webp"])
-def test_a_film_has_a_picture_for_every_moment_and_the_body_moves_in_it(ending: str, trial: lc.Trial, tmp_path: Path):
+def test_a_film_has_a_picture_for_every_moment_and_the_body_moves_in_it(
+    ending: str, trial: lc.Trial, tmp_path: Path
+):
     film = trial.animate(speed=2.0, frames_per_second=10.0)
     assert isinstance(film, FuncAnimation)
     file = tmp_path / f"film.{ending}"
@@ -69,9 +71,17 @@ def test_a_film_needs_a_pace(trial: lc.Trial):
 
 def test_a_followed_path_is_drawn_with_its_corners_and_its_end(followed: lc.Trial, tmp_path: Path):
     figure = followed.plot()
-    assert [ax.get_ylabel() for ax in figure.axes] == ["y [m]", "cross-track error [m]", "heading [deg]"]
+    assert [ax.get_ylabel() for ax in figure.axes] == [
+        "y [m]",
+        "cross-track error [m]",
+        "heading [deg]",
+    ]
     assert figure.get_suptitle().startswith("mamba-fin, lateral undulation")
-    corners = [line for line in figure.axes[0].get_lines() if line.get_marker() == "o" and len(line.get_xdata()) == 3]
+    corners = [
+        line
+        for line in figure.axes[0].get_lines()
+        if line.get_marker() == "o" and len(line.get_xdata()) == 3
+    ]
     np.testing.assert_array_equal(corners[0].get_xdata(), [0.0, 0.5, 0.8])
     assert "end" in [text.get_text() for text in figure.axes[0].texts]
     save_figure(figure, tmp_path / "follow.svg")

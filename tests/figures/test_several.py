@@ -8,7 +8,10 @@ from laticauda.figures import overlay, save_figure, sweep_sheet
 ABOUT = {"robot": "mamba", "gait": "lateral_undulation", "duration": 12.0}
 AXES = {
     "gait.amplitude": (np.radians([10.0, 30.0, 50.0]), {"long_name": "amplitude", "units": "rad"}),
-    "gait.frequency": (np.radians([50.0, 100.0]), {"long_name": "angular frequency", "units": "rad/s"}),
+    "gait.frequency": (
+        np.radians([50.0, 100.0]),
+        {"long_name": "angular frequency", "units": "rad/s"},
+    ),
     "robot.n_links": (np.array([8.0, 9.0]), {"long_name": "number of links", "units": "1"}),
 }
 
@@ -20,9 +23,16 @@ def swept(*names: str, listed: bool = False) -> xarray.Dataset:
     speed[-1] = np.nan
     dims = ("trial",) if listed else names
     labels = {"forward_velocity": "m/s", "cost_of_transport": "1"}
-    values = {name: (dims, speed.reshape(shape), {"units": unit, "long_name": name}) for name, unit in labels.items()}
+    values = {
+        name: (dims, speed.reshape(shape), {"units": unit, "long_name": name})
+        for name, unit in labels.items()
+    }
     coords = {
-        name: ("trial" if listed else name, np.resize(AXES[name][0], 6) if listed else AXES[name][0], AXES[name][1])
+        name: (
+            "trial" if listed else name,
+            np.resize(AXES[name][0], 6) if listed else AXES[name][0],
+            AXES[name][1],
+        )
         for name in names
     }
     return xarray.Dataset(values, coords=coords, attrs=ABOUT)

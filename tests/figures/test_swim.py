@@ -35,7 +35,9 @@ def sheet(name: str) -> Figure:
 
 def texts(figure: Figure) -> list[Text]:
     """Every text that is seen."""
-    found = [text for text in figure.findobj(Text) if text.get_visible() and text.get_text().strip()]
+    found = [
+        text for text in figure.findobj(Text) if text.get_visible() and text.get_text().strip()
+    ]
     # Tick labels beyond the limits of their axes are not drawn.
     for axis in (axis for ax in figure.axes for axis in (ax.xaxis, ax.yaxis)):
         low, high = sorted(axis.get_view_interval())
@@ -83,14 +85,18 @@ def test_the_speed_is_shown_with_its_mean_and_the_measured(ax: Axes):
     assert lines["measured, 0.151 m/s"].get_ydata()[0] == 0.1514
 
 
-@pytest.mark.parametrize(("name", "labels"), [("curve", {"forward", "mean over a cycle"}), ("tiny", {"forward"})])
+@pytest.mark.parametrize(
+    ("name", "labels"), [("curve", {"forward", "mean over a cycle"}), ("tiny", {"forward"})]
+)
 def test_what_there_is_not_is_not_shown(ax: Axes, name: str, labels: set[str]):
     speed(run(name), ax)
     shown = {line.get_label() for line in ax.get_lines()}
     assert {label for label in shown if not label.startswith("measured")} == labels
 
 
-@pytest.mark.parametrize(("figure", "name"), [(joint_angle, "joint_angle"), (joint_torque, "joint_torque")])
+@pytest.mark.parametrize(
+    ("figure", "name"), [(joint_angle, "joint_angle"), (joint_torque, "joint_torque")]
+)
 def test_every_joint_has_a_line_and_a_place_on_the_labeled_scale(ax: Axes, figure, name: str):
     trial = run("lateral")
     assert figure(trial, ax) is ax
@@ -141,7 +147,9 @@ def test_figures_can_be_made_in_several_threads(tmp_path: Path):
 def test_the_same_run_gives_the_same_file(tmp_path: Path, suffix: str):
     for name in ("a", "b"):
         save_figure(swim_sheet(run("lateral")), (tmp_path / name).with_suffix(suffix))
-    assert (tmp_path / "a").with_suffix(suffix).read_bytes() == (tmp_path / "b").with_suffix(suffix).read_bytes()
+    assert (tmp_path / "a").with_suffix(suffix).read_bytes() == (tmp_path / "b").with_suffix(
+        suffix
+    ).read_bytes()
 
 
 def test_the_marks_of_a_loop_are_median_99_9_percent_and_largest(ax):

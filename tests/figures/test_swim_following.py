@@ -6,13 +6,17 @@ from laticauda.figures import follow_sheet, save_figure
 
 def followed(duration=40.0, y=1.0, heading=0.0):
     controller = lc.PathFollowing(
-        gait=lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(90), phase_shift=np.deg2rad(40)),
+        gait=lc.lateral_undulation(
+            amplitude=np.deg2rad(30), frequency=np.deg2rad(90), phase_shift=np.deg2rad(40)
+        ),
         path=lc.StraightLine(),
         guidance=lc.LineOfSight(look_ahead_distance=0.18),
         heading=lc.HeadingController(gain=0.4, max_offset=np.deg2rad(20)),
     )
     plant = lc.plant(lc.load_robot("mamba-fin"), lc.load_water("paper-lateral"))
-    return lc.run(plant, controller, duration, start=lc.Start(center_of_mass=(0.0, y), heading=heading))
+    return lc.run(
+        plant, controller, duration, start=lc.Start(center_of_mass=(0.0, y), heading=heading)
+    )
 
 
 def test_the_sheet_shows_way_error_and_heading_with_their_units(tmp_path):
@@ -55,5 +59,10 @@ def test_a_time_is_put_on_the_other_side_of_a_body_that_turns_into_the_way():
     assert len(times) == 4
     for text in times:
         box = text.get_window_extent()
-        inside = (box.x0 < way[:, 0]) & (way[:, 0] < box.x1) & (box.y0 < way[:, 1]) & (way[:, 1] < box.y1)
+        inside = (
+            (box.x0 < way[:, 0])
+            & (way[:, 0] < box.x1)
+            & (box.y0 < way[:, 1])
+            & (way[:, 1] < box.y1)
+        )
         assert not np.any(inside), text.get_text()

@@ -2,21 +2,36 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from laticauda.fluid.arrows import AROUND, LONGEST, MOMENTS, Surface, arrows_of, elevation, has_waves, round_down
+from laticauda.fluid.arrows import (
+    AROUND,
+    LONGEST,
+    MOMENTS,
+    Surface,
+    arrows_of,
+    elevation,
+    has_waves,
+    round_down,
+)
 from laticauda.fluid.flow import FunctionFlow
 
 VORTEX = FunctionFlow(function=lambda x, y, z, t: (-0.3 * y + 0.0 * t, 0.3 * x, 0.1 * z))
-WAVE = FunctionFlow(function=lambda x, y, z, t: (0.0 * x,) * 15 + (0.1 * np.cos(3.0 * x - 2.0 * t),))
+WAVE = FunctionFlow(
+    function=lambda x, y, z, t: (0.0 * x,) * 15 + (0.1 * np.cos(3.0 * x - 2.0 * t),)
+)
 LOW, HIGH = np.array((-1.0, -2.0, -0.5)), np.array((3.0, 1.0, -0.5))
 
 
 @given(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), st.floats(0.3, 4.0))
-def test_an_arrow_stands_around_its_place_in_the_world_and_is_the_way_of_the_water_there(x: float, y: float, r: float):
+def test_an_arrow_stands_around_its_place_in_the_world_and_is_the_way_of_the_water_there(
+    x: float, y: float, r: float
+):
     arrows = arrows_of(VORTEX.velocity, LOW, HIGH, MOMENTS, r)
     assert arrows is not None
     tails, tips = np.moveaxis(arrows.around(np.array((x, y, -0.5)), 0.0), 1, 0)
     places = 0.5 * (tails + tips)
-    assert np.allclose(places[:, :2] / arrows.spacing, np.round(places[:, :2] / arrows.spacing), atol=1e-9)
+    assert np.allclose(
+        places[:, :2] / arrows.spacing, np.round(places[:, :2] / arrows.spacing), atol=1e-9
+    )
     assert np.all(np.hypot(*(places[:, :2] - (x, y)).T) <= AROUND * r)
     way, drawn = VORTEX.velocity(places, 0.0) * arrows.time, tips - tails
     length = np.linalg.norm(way, axis=1)
@@ -36,7 +51,9 @@ def test_round_numbers_are_1_2_3_or_5_times_a_power_of_ten_and_not_above(number:
 def test_most_arrows_are_not_longer_than_the_way_to_the_next_and_still_water_has_none():
     arrows = arrows_of(VORTEX.velocity, LOW, HIGH, MOMENTS)
     assert arrows is not None and 10 <= 4.0 / arrows.spacing <= 20
-    places = np.column_stack((arrows.places(LOW[:2], HIGH[:2]), np.full(len(arrows.places(LOW[:2], HIGH[:2])), -0.5)))
+    places = np.column_stack(
+        (arrows.places(LOW[:2], HIGH[:2]), np.full(len(arrows.places(LOW[:2], HIGH[:2])), -0.5))
+    )
     lengths = np.linalg.norm(VORTEX.velocity(places, 0.0), axis=1) * arrows.time
     assert np.mean(lengths <= arrows.spacing) > 0.9
     assert np.max(lengths) > 0.9 * arrows.spacing
@@ -54,7 +71,9 @@ def test_a_surface_covers_its_square_once_with_triangles_seen_from_above_at_its_
     surface = Surface(WAVE, 4.0, 7)
     corners = surface.at(np.array((2.0, 1.0, -3.0)), 0.5)
     assert corners[:, 2] == pytest.approx(0.1 * np.cos(3.0 * corners[:, 0] - 1.0))
-    a, b, c = (np.column_stack((corners[k, :2], np.zeros(len(surface.faces)))) for k in surface.faces.T)
+    a, b, c = (
+        np.column_stack((corners[k, :2], np.zeros(len(surface.faces)))) for k in surface.faces.T
+    )
     areas = 0.5 * np.cross(b - a, c - a)[:, 2]
     assert np.all(areas > 0.0)
     assert np.sum(areas) == pytest.approx(64.0)
@@ -66,4 +85,6 @@ def test_arrows_in_space_stand_in_the_water_and_not_above_it():
     arrows = arrows_of(flow.velocity, level, level, MOMENTS, 2.0, flow)
     assert arrows is not None
     places = np.mean(arrows.around(level, 0.5), axis=1)
-    assert np.all(0.1 * np.cos(3.0 * places[:, 0] - 1.0) >= 0.05) and 0 < len(places) < len(arrows.around(-level, 0.5))
+    assert np.all(0.1 * np.cos(3.0 * places[:, 0] - 1.0) >= 0.05) and 0 < len(places) < len(
+        arrows.around(-level, 0.5)
+    )

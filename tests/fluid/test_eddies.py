@@ -20,7 +20,9 @@ TURBULENCE = Turbulence(intensity=0.05, mean=(0.2, -0.1, 0.0), evolution=1.0, se
 
 @pytest.mark.parametrize("flow", VORTICES.values(), ids=VORTICES)
 @given(x=PLACE, y=PLACE, t=st.floats(0.0, 20.0))
-def test_water_around_vortices_is_not_made_nor_lost_and_its_derivatives_are_those_of_its_velocity(flow, x, y, t):
+def test_water_around_vortices_is_not_made_nor_lost_and_its_derivatives_are_those_of_its_velocity(
+    flow, x, y, t
+):
     check_incompressible(flow, x, y, -0.3, t)
     check_derivatives(flow, x, y, -0.3, t)
 
@@ -33,7 +35,9 @@ def test_far_from_its_core_a_vortex_is_that_of_its_circulation_and_turns_no_smal
 
 
 def test_the_middle_of_a_vortex_turns_as_a_solid_body():
-    assert LambOseen(circulation=0.6, core=0.1).felt(0.0, 0.0, 0.0, 0.0).s_z == pytest.approx(0.3 / (math.pi * 0.01))
+    assert LambOseen(circulation=0.6, core=0.1).felt(0.0, 0.0, 0.0, 0.0).s_z == pytest.approx(
+        0.3 / (math.pi * 0.01)
+    )
 
 
 def test_a_lamb_oseen_vortex_obeys_the_equation_of_its_vorticity():
@@ -60,11 +64,15 @@ def test_a_street_has_the_strouhal_number_the_spacing_and_the_speed_that_it_stat
     def centers(t):  # of the vortices of one row: where the vorticity is largest
         along = np.linspace(x - 2.2 * street.spacing, x + 2.2 * street.spacing, 4001)
         spin = -street.felt(along, rows, 0.0, t).s_z
-        return along[1:-1][(spin[1:-1] > spin[:-2]) & (spin[1:-1] > spin[2:]) & (spin[1:-1] > 0.5 * spin.max())]
+        return along[1:-1][
+            (spin[1:-1] > spin[:-2]) & (spin[1:-1] > spin[2:]) & (spin[1:-1] > 0.5 * spin.max())
+        ]
 
     first, then = centers(10.0), centers(10.8)
     assert np.diff(first) == pytest.approx(street.spacing, rel=0.01)
-    assert (then[then > first[1]][0] - first[1]) / 0.8 == pytest.approx(street.street_speed * 0.25, rel=0.01)
+    assert (then[then > first[1]][0] - first[1]) / 0.8 == pytest.approx(
+        street.street_speed * 0.25, rel=0.01
+    )
 
 
 def test_the_vortices_of_a_street_drive_each_other_at_the_speed_at_which_it_moves():
@@ -78,11 +86,15 @@ def test_the_vortices_of_a_street_drive_each_other_at_the_speed_at_which_it_move
     spin = -street.felt(along, row, 0.0, times[0]).s_z
     center = along[np.argmax(spin)]
     assert own > 0.0
-    assert street.motion(center, row, 0.0, times[0]).u == pytest.approx(street.street_speed * street.speed, rel=0.01)
+    assert street.motion(center, row, 0.0, times[0]).u == pytest.approx(
+        street.street_speed * street.speed, rel=0.01
+    )
 
 
 def test_vortices_that_would_overlap_are_refused():
-    with pytest.raises(ValueError, match=r"`core` must be <= 0.43, half the vortex spacing, got 0.5"):
+    with pytest.raises(
+        ValueError, match=r"`core` must be <= 0.43, half the vortex spacing, got 0.5"
+    ):
         KarmanStreet(strouhal=1.0, core=0.5)
 
 
@@ -108,7 +120,8 @@ def test_the_spectrum_falls_with_the_power_5_3_between_the_largest_and_the_small
 
 
 def test_the_spectrum_along_a_line_falls_so_too():
-    # Of the velocity along the line: E_11 = 1/2 int_k^inf E(q) / q (1 - k^2 / q^2) dq, cut at the smallest eddies.
+    # Of the velocity along the line: E_11 = 1/2 int_k^inf E(q) / q (1 - k^2 / q^2) dq, cut at the
+    # smallest eddies.
     n, length, spectra = 1024, 60.0, []
     x = np.linspace(0.0, length, n, endpoint=False)
     for seed in range(200):
@@ -123,10 +136,14 @@ def test_the_spectrum_along_a_line_falls_so_too():
 def test_each_component_of_the_velocity_has_the_stated_variance_over_seeds():
     flows = [Turbulence(intensity=0.05, seed=seed, modes=48) for seed in range(1500)]
     # Over all places a mode's component has the mean square a^2 / 2.
-    found = np.array([[sum(m.a_x**2 for m in f.parts), sum(m.a_z**2 for m in f.parts)] for f in flows])
+    found = np.array(
+        [[sum(m.a_x**2 for m in f.parts), sum(m.a_z**2 for m in f.parts)] for f in flows]
+    )
     assert 0.5 * found.mean(axis=0) == pytest.approx(0.05**2, rel=0.02)
     at_random = np.array([flow.motion(3.0, -2.0, 1.0, 5.0)[:3] for flow in flows])
-    assert np.mean(at_random**2) == pytest.approx(0.05**2, rel=0.06)  # 4500 numbers: 2 % is one standard deviation
+    assert np.mean(at_random**2) == pytest.approx(
+        0.05**2, rel=0.06
+    )  # 4500 numbers: 2 % is one standard deviation
 
 
 def test_frozen_turbulence_is_carried_along_by_the_mean_velocity():
@@ -135,7 +152,9 @@ def test_frozen_turbulence_is_carried_along_by_the_mean_velocity():
         flow.motion(1.0, 2.0, 0.5, 0.0)[:3], abs=1e-12
     )
     moved = Turbulence(mean=(0.3, 0.1, 0.0), seed=1, evolution=1.0)
-    assert moved.motion(3.1, 2.7, 0.5, 7.0)[:3] != pytest.approx(moved.motion(1.0, 2.0, 0.5, 0.0)[:3], abs=1e-3)
+    assert moved.motion(3.1, 2.7, 0.5, 7.0)[:3] != pytest.approx(
+        moved.motion(1.0, 2.0, 0.5, 0.0)[:3], abs=1e-3
+    )
 
 
 def test_a_seed_gives_the_same_water_again_and_another_seed_other_water():

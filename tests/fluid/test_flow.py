@@ -44,14 +44,19 @@ def test_a_small_body_in_water_that_turns_as_one_meets_its_rotation_and_its_cent
 def test_a_flow_that_is_everywhere_the_same_is_that_current_to_rounding(robot, form):
     water = replace(WATER, added_mass_form=form)
     known = lc.swim(robot, GAIT, duration=3.0, environment=replace(water, current=(0.05, -0.03)))
-    found = lc.swim(robot, GAIT, duration=3.0, environment=replace(water, current=Moving(v_x=0.05, v_y=-0.03)))
+    found = lc.swim(
+        robot, GAIT, duration=3.0, environment=replace(water, current=Moving(v_x=0.05, v_y=-0.03))
+    )
     assert np.abs(found.center_of_mass - known.center_of_mass).max() < 1e-14
     assert found.speed_through_water == pytest.approx(known.speed_through_water, rel=1e-12)
 
 
 def test_runs_side_by_side_in_flows_with_other_numbers_are_those_of_each_alone():
     swirls = [Moving(v_x=0.02 * k, shear=-0.05 * k, swing=0.05 * k) for k in range(3)]
-    scenarios = [lc.scenario(load_robot("mamba"), GAIT, 2.0, environment=replace(WATER, current=one)) for one in swirls]
+    scenarios = [
+        lc.scenario(load_robot("mamba"), GAIT, 2.0, environment=replace(WATER, current=one))
+        for one in swirls
+    ]
     together = lc.swim_many(scenarios).center_of_mass
     for scenario, end in zip(scenarios, together, strict=True):
         assert np.array_equal(lc.swim(scenario).center_of_mass[-1], end)
@@ -121,8 +126,14 @@ def test_what_kernels_compute_of_a_flow_is_what_python_does_in_numbers_and_in_la
 @pytest.mark.parametrize(
     ("flow", "message"),
     [
-        (FunctionFlow(function=lambda x, y, z, t: (x, y)), "must return 3 numbers .* or the 16 of a `Motion`, got"),
-        (FunctionFlow(function=lambda x, y, z, t: 0.3), "must return 3 numbers .* or the 16 of a `Motion`, got 0.3"),
+        (
+            FunctionFlow(function=lambda x, y, z, t: (x, y)),
+            "must return 3 numbers .* or the 16 of a `Motion`, got",
+        ),
+        (
+            FunctionFlow(function=lambda x, y, z, t: 0.3),
+            "must return 3 numbers .* or the 16 of a `Motion`, got 0.3",
+        ),
         (Sum(flows=(FunctionFlow(function=lambda x, y, z, t: open(x)),)), "."),
     ],
 )

@@ -40,7 +40,9 @@ def on(n):
 def test_values_between_the_nodes_are_those_of_scipys_multilinear_interpolation():
     dataset = on(7)
     axes = [dataset[name].values for name in ("time", "z", "y", "x")]
-    known = RegularGridInterpolator(axes, np.stack([dataset[name].values for name in "uvw"], axis=-1))
+    known = RegularGridInterpolator(
+        axes, np.stack([dataset[name].values for name in "uvw"], axis=-1)
+    )
     found = Gridded(source=dataset).velocity(POINTS, TIMES)
     assert found == pytest.approx(known(np.column_stack([TIMES, POINTS[:, ::-1]])), abs=1e-14)
 
@@ -59,20 +61,33 @@ def test_a_flow_written_to_a_grid_converges_with_the_square_of_the_steps_and_its
 def test_a_complex_step_goes_along_with_the_gradient_of_the_cell():
     flow, (x, y, z), t = Gridded(source=on(5)), POINTS[0], TIMES[0]
     motion = flow.motion(x, y, z, t)
-    assert np.imag(flow.motion(x + 1e-30j, y, z, t)[:3]) / 1e-30 == pytest.approx(motion[6:15:3], rel=1e-12)
-    assert np.imag(flow.motion(x, y, z, t + 1e-30j)[:3]) / 1e-30 == pytest.approx(motion[3:6], rel=1e-12)
+    assert np.imag(flow.motion(x + 1e-30j, y, z, t)[:3]) / 1e-30 == pytest.approx(
+        motion[6:15:3], rel=1e-12
+    )
+    assert np.imag(flow.motion(x, y, z, t + 1e-30j)[:3]) / 1e-30 == pytest.approx(
+        motion[3:6], rel=1e-12
+    )
 
 
 def shear(**axes):
     """Water whose velocity is linear in place and time, which a grid holds exactly."""
-    flow = FunctionFlow(function=lambda x, y, z, t: (0.05 + 0.02 * y + 0.001 * t, -0.03 + 0.01 * x + 0.02 * z, 0.0))
+    flow = FunctionFlow(
+        function=lambda x, y, z, t: (0.05 + 0.02 * y + 0.001 * t, -0.03 + 0.01 * x + 0.02 * z, 0.0)
+    )
     return Gridded(source=to_dataset(flow, **axes))
 
 
-AXES = {"time": [0.0, 2.0, 4.0], "z": [-1.0, 0.0], "y": [-3.0, 0.0, 3.0], "x": [-3.0, -1.0, 1.0, 3.0]}
+AXES = {
+    "time": [0.0, 2.0, 4.0],
+    "z": [-1.0, 0.0],
+    "y": [-3.0, 0.0, 3.0],
+    "x": [-3.0, -1.0, 1.0, 3.0],
+}
 
 
-SHEAR = Moving(v_x=0.05, v_y=-0.03, shear=0.02, swing=0.01, gain=0.001, veer=0.02)  # the same by its formula
+SHEAR = Moving(
+    v_x=0.05, v_y=-0.03, shear=0.02, swing=0.01, gain=0.001, veer=0.02
+)  # the same by its formula
 
 
 def swum(flow, duration=4.0, **settings):
@@ -85,7 +100,9 @@ def test_a_robot_swims_in_a_linear_flow_on_a_grid_as_in_its_formula_alone_and_si
     alone, known = swum(flow), swum(SHEAR)
     assert np.abs(alone.center_of_mass - known.center_of_mass).max() < 1e-12
     assert alone.status == "The run reached its end."
-    ends = lc.swim_many([replace(alone.scenario, environment=replace(WATER, current=one)) for one in (flow, other)])
+    ends = lc.swim_many(
+        [replace(alone.scenario, environment=replace(WATER, current=one)) for one in (flow, other)]
+    )
     assert np.array_equal(ends.center_of_mass[0], alone.center_of_mass[-1])
     assert ends.center_of_mass[1] == pytest.approx(ends.center_of_mass[0], abs=1e-12)
 
@@ -93,9 +110,13 @@ def test_a_robot_swims_in_a_linear_flow_on_a_grid_as_in_its_formula_alone_and_si
 def test_the_plane_and_space_agree_in_it():
     """In water that turns about the vertical alone: the plane knows of no other rotation."""
     flow = Gridded(source=on(9).isel(z=4).drop_vars("w"), start=0.5, outside="hold")
-    water = replace(WATER, current=flow, added_mass_form="kirchhoff", tangential_added_mass=0.1, depth=0.2)
+    water = replace(
+        WATER, current=flow, added_mass_form="kirchhoff", tangential_added_mass=0.1, depth=0.2
+    )
     settings = {"dt": 0.01, "start": lc.Start(center_of_mass=(0.1, 0.1)), "environment": water}
-    plane, space = (lc.swim("mamba", GAIT, 1.5, model=model, **settings) for model in ("planar", "spatial"))
+    plane, space = (
+        lc.swim("mamba", GAIT, 1.5, model=model, **settings) for model in ("planar", "spatial")
+    )
     distance = np.linalg.norm(plane.center_of_mass[-1] - plane.center_of_mass[0])
     assert np.abs(plane.center_of_mass - space.center_of_mass[:, :2]).max() < 1e-3 * distance
 
@@ -112,12 +133,17 @@ def test_a_plant_that_goes_to_another_process_reads_the_tables_there():
     known = body.march(state, begun, 1.0, 0.1)[0]
     stored = pickle.dumps(body)
     del body
-    assert np.array_equal(pickle.loads(stored).march(state, begun, 1.0, 0.1)[0].values, known.values)
+    assert np.array_equal(
+        pickle.loads(stored).march(state, begun, 1.0, 0.1)[0].values, known.values
+    )
 
 
 def test_derivatives_go_through_the_tables():
     flow = shear(**{**AXES, "time": [0.0, 4.0]})
-    settings = {"environments": replace(WATER, current=flow), "names": ["gait.amplitude", "gait.frequency"]}
+    settings = {
+        "environments": replace(WATER, current=flow),
+        "names": ["gait.amplitude", "gait.frequency"],
+    }
     found = sensitivities(load_robot("mamba"), GAIT, 4.0, **settings)
     settings["environments"] = replace(WATER, current=SHEAR)
     known = sensitivities(load_robot("mamba"), GAIT, 4.0, **settings)
@@ -167,7 +193,11 @@ def test_beyond_the_grid_the_edge_is_held_or_there_is_nothing_or_the_grid_again(
         motion = Gridded(source=dataset, outside=outside).motion(x, 0.0, 0.0, 0.0)
         assert motion.u == pytest.approx(known)
         assert motion.u_x == pytest.approx(slope)
-        assert np.isnan(motion.u_t).tolist() == ((x < 0.0) | (x > 3.0)).tolist() if outside == "refuse" else True
+        assert (
+            np.isnan(motion.u_t).tolist() == ((x < 0.0) | (x > 3.0)).tolist()
+            if outside == "refuse"
+            else True
+        )
 
 
 def test_a_grid_comes_from_a_file_by_its_path_from_the_file_that_names_it(tmp_path):
@@ -192,9 +222,13 @@ def test_a_grid_comes_from_a_file_by_its_path_from_the_file_that_names_it(tmp_pa
 
 def test_a_trial_over_a_dataset_in_memory_is_stored_without_it(tmp_path):
     trial = swum(shear(**AXES), 1.0)
-    with pytest.warns(UserWarning, match=r"`environment.current.source` is a Dataset in memory, which cannot"):
+    with pytest.warns(
+        UserWarning, match=r"`environment.current.source` is a Dataset in memory, which cannot"
+    ):
         trial.save(tmp_path / "trial.npz")
-    assert np.array_equal(lc.load_trial(tmp_path / "trial.npz").center_of_mass, trial.center_of_mass)
+    assert np.array_equal(
+        lc.load_trial(tmp_path / "trial.npz").center_of_mass, trial.center_of_mass
+    )
 
 
 def test_what_reads_no_tables_refuses_it_by_name(tmp_path):
@@ -214,26 +248,44 @@ def test_names_units_levels_and_dates_of_the_conventions_are_understood():
         {
             "time": np.array(["2020-01-01", "2020-01-01T00:01"], dtype="datetime64[ns]"),
             "depth": [0.0, 1.0, 2.0],
-            "lon_m": ("lon_m", [0.0, 1.0, 2.0, 3.0], {"standard_name": "projection_x_coordinate", "units": "km"}),
+            "lon_m": (
+                "lon_m",
+                [0.0, 1.0, 2.0, 3.0],
+                {"standard_name": "projection_x_coordinate", "units": "km"},
+            ),
         },
     )
     flow = Gridded(source=dataset)
     assert [axis.nodes for axis in flow.grid.axes] == [2, 3, 1, 4]
-    assert flow.velocity(np.array([1500.0, 7.0, -1.25]), 30.0) == pytest.approx([0.01 * (1.5 + 5.0 + 6.0), 0.0, 0.0])
+    assert flow.velocity(np.array([1500.0, 7.0, -1.25]), 30.0) == pytest.approx(
+        [0.01 * (1.5 + 5.0 + 6.0), 0.0, 0.0]
+    )
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
         (lambda d: d.drop_vars("v"), "`source` must have variables `u` and `v`, .* got `u`, `w`"),
-        (lambda d: d.where(d.x > -0.5), "`u` must be a number at all 81 nodes, got 27 gaps.* x = -1"),
-        (lambda d: d.assign_coords(x=("x", [0.0, 1.0, 2.0], {"units": "degrees_east"})), "`x` must be in .*degrees"),
-        (lambda d: d.assign_coords(x=[0.0, 2.0, 1.0]), "`x` must ascend or descend in equal steps, got steps from -1"),
+        (
+            lambda d: d.where(d.x > -0.5),
+            "`u` must be a number at all 81 nodes, got 27 gaps.* x = -1",
+        ),
+        (
+            lambda d: d.assign_coords(x=("x", [0.0, 1.0, 2.0], {"units": "degrees_east"})),
+            "`x` must be in .*degrees",
+        ),
+        (
+            lambda d: d.assign_coords(x=[0.0, 2.0, 1.0]),
+            "`x` must ascend or descend in equal steps, got steps from -1",
+        ),
         (
             lambda d: d.assign_coords(x=[0.0, 1.0, 2.0 + 2**0.5]),
             "`x` must ascend .* from 1 to 2.4.*interp",
         ),
-        (lambda d: d.expand_dims(member=2), "`u` must depend only on time, z .* got the dimension `member`"),
+        (
+            lambda d: d.expand_dims(member=2),
+            "`u` must depend only on time, z .* got the dimension `member`",
+        ),
         (lambda d: 3, "`source` must be"),
     ],
 )

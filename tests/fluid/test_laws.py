@@ -35,9 +35,13 @@ PLATE = {"half_density_area": 5.0, **AEROSONDE, "parasitic_drag": 0.0}
 def polynomial_drag(v_t, v_n, rate, c_t, c_n, lambda_2, lambda_3, *numbers):
     """The law in the plane as a function of numbers alone, which derivatives are taken of."""
     law = SimpleNamespace(
-        **dict(zip(("reference_speed", "linear", "quadratic", "sway_friction"), numbers, strict=True))
+        **dict(
+            zip(("reference_speed", "linear", "quadratic", "sway_friction"), numbers, strict=True)
+        )
     )
-    return PolynomialDrag.__call__(law, v_t, v_n, magnitude(v_n), rate, Element(c_t, c_n, lambda_2, lambda_3))
+    return PolynomialDrag.__call__(
+        law, v_t, v_n, magnitude(v_n), rate, Element(c_t, c_n, lambda_2, lambda_3)
+    )
 
 
 def total_speed_drag(v_t, v_n, above, rate, c_t, c_n, lambda_3, beta, gamma):
@@ -49,7 +53,9 @@ def total_speed_drag(v_t, v_n, above, rate, c_t, c_n, lambda_3, beta, gamma):
 def coulomb_friction(v_t, v_n, rate, c_t, c_n, eps):
     """The same of dry friction."""
     law = SimpleNamespace(regularization_speed=eps)
-    return CoulombFriction.__call__(law, v_t, v_n, magnitude(v_n), rate, Element(c_t, c_n, 0.1, 0.2))
+    return CoulombFriction.__call__(
+        law, v_t, v_n, magnitude(v_n), rate, Element(c_t, c_n, 0.1, 0.2)
+    )
 
 
 def moving(angle: float, speed: float = 1.0) -> tuple[float, float]:
@@ -64,7 +70,7 @@ def lift_and_drag(angle: float, **changes: float) -> tuple[float, float]:
     return -v_n * f_t + v_t * f_n, -(v_t * f_t + v_n * f_n)
 
 
-# --- magnitude --------------------------------------------------------------------------------------------------------
+# --- magnitude ------------------------------------------------------------------------------------
 
 
 @given(st.floats(-1e6, 1e6))
@@ -75,10 +81,19 @@ def test_the_magnitude_is_the_absolute_value_and_its_complex_step_the_sign(x: fl
     assert perturbed.imag == (1e-30 if x >= 0.0 else -1e-30)
 
 
-# --- drag in water ----------------------------------------------------------------------------------------------------
+# --- drag in water --------------------------------------------------------------------------------
 
 
-@given(velocities, velocities, velocities, *[coefficients] * 4, st.floats(0.0, 3.0), switches, switches, sways)
+@given(
+    velocities,
+    velocities,
+    velocities,
+    *[coefficients] * 4,
+    st.floats(0.0, 3.0),
+    switches,
+    switches,
+    sways,
+)
 def test_drag_never_feeds_energy_in_neither_along_nor_across_nor_turning(
     v_t: float,
     v_n: float,
@@ -101,7 +116,10 @@ def test_drag_never_feeds_energy_in_neither_along_nor_across_nor_turning(
 @given(velocities, velocities, velocities)
 def test_drag_is_odd_in_the_velocities(v_t: float, v_n: float, rate: float):
     rest = (0.3, 4.0, 0.1, 0.2, 0.7, 1.0, 1.0, 0.6)
-    forward, backward = polynomial_drag(v_t, v_n, rate, *rest), polynomial_drag(-v_t, -v_n, -rate, *rest)
+    forward, backward = (
+        polynomial_drag(v_t, v_n, rate, *rest),
+        polynomial_drag(-v_t, -v_n, -rate, *rest),
+    )
     np.testing.assert_array_equal(np.array(backward), -np.array(forward))
 
 
@@ -111,10 +129,13 @@ def test_linear_and_quadratic_drag_add_up_and_are_equal_at_the_reference_speed(
 ):
     c = (0.3, 4.0, 0.1, 0.2)
     linear, quadratic, both = (
-        np.array(polynomial_drag(v_t, v_n, rate, *c, u, *parts, 0.0)) for parts in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
+        np.array(polynomial_drag(v_t, v_n, rate, *c, u, *parts, 0.0))
+        for parts in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
     )
     np.testing.assert_allclose(linear + quadratic, both, atol=1e-14)
-    at_reference = [polynomial_drag(u, -u, 0.0, *c, u, *parts, 0.0)[:2] for parts in ((1.0, 0.0), (0.0, 1.0))]
+    at_reference = [
+        polynomial_drag(u, -u, 0.0, *c, u, *parts, 0.0)[:2] for parts in ((1.0, 0.0), (0.0, 1.0))
+    ]
     np.testing.assert_allclose(*at_reference, rtol=1e-14)
 
 
@@ -125,7 +146,11 @@ def test_the_parts_of_the_drag_grow_with_the_first_and_the_second_power(
     rest = (0.3, 4.0, 0.1, 0.2, 0.7)
     for power, parts in ((1, (1.0, 0.0)), (2, (0.0, 1.0))):
         slow = np.array(polynomial_drag(v_t, v_n, rate, *rest, *parts, 0.6 * parts[1]))
-        fast = np.array(polynomial_drag(factor * v_t, factor * v_n, factor * rate, *rest, *parts, 0.6 * parts[1]))
+        fast = np.array(
+            polynomial_drag(
+                factor * v_t, factor * v_n, factor * rate, *rest, *parts, 0.6 * parts[1]
+            )
+        )
         np.testing.assert_allclose(fast, factor**power * slow, rtol=1e-12, atol=1e-14)
 
 
@@ -141,27 +166,36 @@ def test_sway_friction_adds_its_share_of_the_sideways_speed_to_the_drag_along_an
     v_t: float, v_n: float, u: float, lin: float, quad: float, sway: float
 ):
     rest = (2.0, 0.3, 4.0, 0.1, 0.2, u, lin, quad)
-    with_sway, without = polynomial_drag(v_t, v_n, *rest, sway), polynomial_drag(v_t, v_n, *rest, 0.0)
+    with_sway, without = (
+        polynomial_drag(v_t, v_n, *rest, sway),
+        polynomial_drag(v_t, v_n, *rest, 0.0),
+    )
     assert with_sway[0] - without[0] == pytest.approx(-0.3 * v_t * sway * abs(v_n), abs=1e-13)
     assert with_sway[1:] == without[1:]
 
 
 def test_the_reference_speed_acts_on_the_torque_too():
-    assert polynomial_drag(0.0, 0.0, 1.0, 0.0, 0.0, 0.1, 0.0, 0.25, 1.0, 1.0, 0.0)[2] == pytest.approx(-0.025)
+    assert polynomial_drag(0.0, 0.0, 1.0, 0.0, 0.0, 0.1, 0.0, 0.25, 1.0, 1.0, 0.0)[
+        2
+    ] == pytest.approx(-0.025)
 
 
 @given(st.tuples(*[signed] * 3, *[st.floats(0.1, 3.0)] * 8))
-def test_every_derivative_of_the_drag_by_complex_step_is_that_by_differences(arguments: tuple[float, ...]):
+def test_every_derivative_of_the_drag_by_complex_step_is_that_by_differences(
+    arguments: tuple[float, ...],
+):
     check_complex_steps(polynomial_drag, arguments)
 
 
-# --- drag by the total speed ------------------------------------------------------------------------------------------
+# --- drag by the total speed ----------------------------------------------------------------------
 
 moving_element = st.tuples(*[velocities] * 4, *[coefficients] * 3, between, between)
 
 
 @given(moving_element)
-def test_drag_by_the_total_speed_takes_energy_out_along_across_and_turning(numbers: tuple[float, ...]):
+def test_drag_by_the_total_speed_takes_energy_out_along_across_and_turning(
+    numbers: tuple[float, ...],
+):
     v_t, v_n, _, rate, *_ = numbers
     f_t, f_n, tau = total_speed_drag(*numbers)
     assert max(f_t * v_t, f_n * v_n, tau * rate) <= 0.0
@@ -177,7 +211,10 @@ def test_it_is_that_of_the_mirror_image_in_the_mirror(numbers: tuple[float, ...]
 
 @given(moving_element, st.floats(0.1, 4.0))
 def test_it_grows_with_the_second_power_of_all_speeds(numbers: tuple[float, ...], factor: float):
-    slow, fast = total_speed_drag(*numbers), total_speed_drag(*(factor * v for v in numbers[:4]), *numbers[4:])
+    slow, fast = (
+        total_speed_drag(*numbers),
+        total_speed_drag(*(factor * v for v in numbers[:4]), *numbers[4:]),
+    )
     np.testing.assert_allclose(fast, factor**2 * np.array(slow), rtol=1e-12, atol=1e-12)
 
 
@@ -192,14 +229,20 @@ def test_with_both_shares_zero_it_is_the_polynomial_law_without_its_linear_part(
 
 
 @given(velocities, velocities, velocities, st.floats(0.1, 50.0))
-def test_with_both_shares_one_it_acts_against_the_whole_velocity(v_t: float, v_n: float, above: float, c: float):
+def test_with_both_shares_one_it_acts_against_the_whole_velocity(
+    v_t: float, v_n: float, above: float, c: float
+):
     f_t, f_n, _ = total_speed_drag(v_t, v_n, above, 0.0, c, c, 0.0, 1.0, 1.0)
     speed = np.linalg.norm([v_t, v_n, above])
-    np.testing.assert_allclose([f_t, f_n], [-c * speed * v_t, -c * speed * v_n], rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(
+        [f_t, f_n], [-c * speed * v_t, -c * speed * v_n], rtol=1e-12, atol=1e-12
+    )
 
 
 @given(st.floats(0.0, 1.0), st.floats(0.1, 3.0))
-def test_at_small_incidence_the_drag_across_grows_with_the_angle_times_beta(beta: float, speed: float):
+def test_at_small_incidence_the_drag_across_grows_with_the_angle_times_beta(
+    beta: float, speed: float
+):
     angle = 1e-8
     _, f_n, _ = total_speed_drag(speed, speed * angle, 0.0, 0.0, 1.0, 2.0, 0.0, beta, 1.0)
     assert f_n == pytest.approx(-2.0 * beta * speed**2 * angle, abs=1e-14 * speed**2)
@@ -212,7 +255,10 @@ def test_it_has_its_textbook_values_in_the_plane_and_in_space():
         pytest.approx(-0.5 * 4.0),
     )
     f_t, f_n, _ = total_speed_drag(0.1, 0.3, 0.4, 0.0, 2.0, 10.0, 0.0, 1.0, 0.6)
-    assert (f_t, f_n) == (pytest.approx(-0.2 * np.hypot(0.1, 0.3)), pytest.approx(-3.0 * np.sqrt(0.26)))
+    assert (f_t, f_n) == (
+        pytest.approx(-0.2 * np.hypot(0.1, 0.3)),
+        pytest.approx(-3.0 * np.sqrt(0.26)),
+    )
 
 
 def test_a_share_is_no_more_than_the_whole():
@@ -223,11 +269,13 @@ def test_a_share_is_no_more_than_the_whole():
 
 
 @given(st.tuples(*[signed] * 4, *[st.floats(0.1, 3.0)] * 3, shares, shares))
-def test_every_derivative_of_it_by_complex_step_is_that_by_differences(arguments: tuple[float, ...]):
+def test_every_derivative_of_it_by_complex_step_is_that_by_differences(
+    arguments: tuple[float, ...],
+):
     check_complex_steps(total_speed_drag, arguments)
 
 
-# --- dry friction -----------------------------------------------------------------------------------------------------
+# --- dry friction ---------------------------------------------------------------------------------
 
 
 @given(velocities, velocities, velocities, coefficients, coefficients, st.floats(1e-4, 0.1))
@@ -250,11 +298,13 @@ def test_dry_friction_is_independent_of_the_speed_but_for_the_regularization():
 
 
 @given(st.tuples(*[velocities] * 3, *[st.floats(0.1, 3.0)] * 3))
-def test_every_derivative_of_dry_friction_by_complex_step_is_that_by_differences(arguments: tuple[float, ...]):
+def test_every_derivative_of_dry_friction_by_complex_step_is_that_by_differences(
+    arguments: tuple[float, ...],
+):
     check_complex_steps(coulomb_friction, arguments)
 
 
-# --- plates -----------------------------------------------------------------------------------------------------------
+# --- plates ---------------------------------------------------------------------------------------
 
 
 @given(
@@ -267,7 +317,13 @@ def test_every_derivative_of_dry_friction_by_complex_step_is_that_by_differences
     shares,
 )
 def test_a_plate_never_feeds_energy_in_all_around_the_circle(
-    v_t: float, v_n: float, area: float, slope: float, stall: float, sharpness: float, parasitic: float
+    v_t: float,
+    v_n: float,
+    area: float,
+    slope: float,
+    stall: float,
+    sharpness: float,
+    parasitic: float,
 ):
     f_t, f_n = plate(v_t, v_n, area, slope, stall, sharpness, parasitic)
     rounding = 1e-13 * np.hypot(f_t, f_n) * np.hypot(v_t, v_n)
@@ -283,18 +339,28 @@ def test_the_power_of_a_plate_is_that_of_its_drag_alone(angle: float, parasitic:
 @given(velocities, velocities)
 def test_a_plate_is_the_same_from_both_sides_and_from_both_ends(v_t: float, v_n: float):
     f_t, f_n = plate(v_t, v_n, **PLATE)
-    assert plate(v_t, -v_n, **PLATE) == (pytest.approx(f_t, abs=1e-13), pytest.approx(-f_n, abs=1e-13))
-    assert plate(-v_t, v_n, **PLATE) == (pytest.approx(-f_t, abs=1e-13), pytest.approx(f_n, abs=1e-13))
+    assert plate(v_t, -v_n, **PLATE) == (
+        pytest.approx(f_t, abs=1e-13),
+        pytest.approx(-f_n, abs=1e-13),
+    )
+    assert plate(-v_t, v_n, **PLATE) == (
+        pytest.approx(-f_t, abs=1e-13),
+        pytest.approx(f_n, abs=1e-13),
+    )
 
 
 @given(angles, st.floats(0.1, 5.0))
 def test_the_force_on_a_plate_grows_with_the_square_of_the_speed(angle: float, speed: float):
     fast = np.array(plate(*moving(angle, speed), **PLATE))
-    np.testing.assert_allclose(fast, speed**2 * np.array(plate(*moving(angle), **PLATE)), atol=1e-11)
+    np.testing.assert_allclose(
+        fast, speed**2 * np.array(plate(*moving(angle), **PLATE)), atol=1e-11
+    )
 
 
 @given(st.floats(0.5, 7.0))
-def test_at_small_angles_the_lift_has_its_slope_and_pushes_towards_where_the_flow_goes(slope: float):
+def test_at_small_angles_the_lift_has_its_slope_and_pushes_towards_where_the_flow_goes(
+    slope: float,
+):
     lift, _ = lift_and_drag(1e-4, lift_slope=slope)
     assert lift == pytest.approx(1e-4 * slope, rel=1e-6)
     # Positive angle of attack: the plate drifts to the right, and is pushed to the left.
@@ -316,7 +382,10 @@ def test_behind_the_stall_the_force_is_normal_to_the_plate(angle: float):
 def test_the_lift_drops_at_the_stall_halfway_between_both_laws():
     alpha = AEROSONDE["stall_angle"]
     lift, _ = lift_and_drag(alpha)
-    linear, separated = 3.45 * np.sin(alpha) * np.cos(alpha), 2.0 * np.sin(alpha) ** 2 * np.cos(alpha)
+    linear, separated = (
+        3.45 * np.sin(alpha) * np.cos(alpha),
+        2.0 * np.sin(alpha) ** 2 * np.cos(alpha),
+    )
     assert lift == pytest.approx(0.5 * (linear + separated), rel=1e-9)
     assert lift_and_drag(alpha - 0.1)[0] > lift > lift_and_drag(alpha + 0.1)[0]
 
@@ -333,11 +402,15 @@ def test_before_and_behind_the_stall_the_lift_is_that_of_the_textbook():
     def textbook(alpha: float, slope: float, stall: float, sharpness: float) -> float:
         minus, plus = np.exp(-sharpness * (alpha - stall)), np.exp(sharpness * (alpha + stall))
         blend = (1.0 + minus + plus) / ((1.0 + minus) * (1.0 + plus))
-        return (1.0 - blend) * slope * alpha + blend * 2.0 * np.sign(alpha) * np.sin(alpha) ** 2 * np.cos(alpha)
+        return (1.0 - blend) * slope * alpha + blend * 2.0 * np.sign(alpha) * np.sin(
+            alpha
+        ) ** 2 * np.cos(alpha)
 
     alphas = np.array([-1.5, -1.0, -0.8, -0.2, -0.1, 0.05, 0.2, 0.8, 1.2, 1.5])
     ours = [lift_and_drag(alpha)[0] for alpha in alphas]
-    np.testing.assert_allclose(ours, [textbook(alpha, *AEROSONDE.values()) for alpha in alphas], rtol=0.03)
+    np.testing.assert_allclose(
+        ours, [textbook(alpha, *AEROSONDE.values()) for alpha in alphas], rtol=0.03
+    )
 
 
 def test_a_plate_at_rest_bears_nothing_however_sharp_its_stall():
@@ -347,13 +420,25 @@ def test_a_plate_at_rest_bears_nothing_however_sharp_its_stall():
     assert separated == pytest.approx(2.0 * np.sin(0.48) ** 2 * np.cos(0.48))
 
 
-@given(st.tuples(velocities, signed, st.floats(0.1, 5.0), shares, st.floats(0.1, 1.4), st.floats(1.0, 50.0), shares))
-def test_every_derivative_of_a_plate_by_complex_step_is_that_by_differences(arguments: tuple[float, ...]):
+@given(
+    st.tuples(
+        velocities,
+        signed,
+        st.floats(0.1, 5.0),
+        shares,
+        st.floats(0.1, 1.4),
+        st.floats(1.0, 50.0),
+        shares,
+    )
+)
+def test_every_derivative_of_a_plate_by_complex_step_is_that_by_differences(
+    arguments: tuple[float, ...],
+):
     assume(np.hypot(arguments[0], arguments[1]) > 0.5)
     check_complex_steps(plate, arguments)
 
 
-# --- compiled ---------------------------------------------------------------------------------------------------------
+# --- compiled -------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -363,7 +448,9 @@ def test_every_derivative_of_a_plate_by_complex_step_is_that_by_differences(argu
         (plate, (0.5, -0.3, 5.0, 3.0, 0.4, 50.0, 0.1)),
     ],
 )
-def test_the_laws_compile_for_real_and_for_complex_numbers(law: object, arguments: tuple[float, ...]):
+def test_the_laws_compile_for_real_and_for_complex_numbers(
+    law: object, arguments: tuple[float, ...]
+):
     check_compiled(law, arguments)  # pyright: ignore[reportArgumentType]
 
 
@@ -381,6 +468,8 @@ def test_the_formula_of_a_law_with_its_numbers_in_rows_is_the_law(law):
     compiled = for_python(in_numbers(law.formula, Element, MOTION))
     element = Element(0.3, 4.0, 0.1, 0.2)
     for motion in ((0.5, -2.0, 2.0, 3.0), (-0.5, 0.3, 0.8, -1.0), (0.0, 0.0, 0.0, 0.0)):
-        np.testing.assert_allclose(compiled(*motion, *element, *law.numbers), law(*motion, element), rtol=1e-14)
+        np.testing.assert_allclose(
+            compiled(*motion, *element, *law.numbers), law(*motion, element), rtol=1e-14
+        )
         turned = compiled(*(one + 1e-30j for one in (*motion, *element, *law.numbers)))
         np.testing.assert_allclose(np.real(turned), law(*motion, element), rtol=1e-14, atol=1e-50)

@@ -20,7 +20,9 @@ FLOWS = {
 
 @pytest.mark.parametrize("flow", FLOWS.values(), ids=FLOWS)
 @given(x=PLACE, y=PLACE, height=st.floats(0.02, 0.98), t=st.floats(0.0, 20.0))
-def test_layers_are_incompressible_and_their_derivatives_are_those_of_their_velocity(flow, x, y, height, t):
+def test_layers_are_incompressible_and_their_derivatives_are_those_of_their_velocity(
+    flow, x, y, height, t
+):
     z = -1.5 * (1.0 - height)
     check_incompressible(flow, x, y, z, t)
     if abs(t - 3.0) > 1e-3:  # the second derivative of the ramp jumps at its end

@@ -42,10 +42,14 @@ def test_an_eel_like_wave_grows_from_head_to_tail(n: int):
 
 
 @given(chains)
-def test_an_anguilliform_wave_is_the_eel_like_one_whose_tail_most_joint_does_the_whole_amplitude(n: int):
+def test_an_anguilliform_wave_is_the_eel_like_one_whose_tail_most_joint_does_the_whole_amplitude(
+    n: int,
+):
     g = Gait(envelope=Anguilliform(), **WAVE).joint_envelope(n)
     assert (g[0], g[-1]) == (1.0, pytest.approx(1 / (n - 1)))
-    assert g == pytest.approx([one * (n + 1) / (n - 1) for one in eel_like(**WAVE).joint_envelope(n)])
+    assert g == pytest.approx(
+        [one * (n + 1) / (n - 1) for one in eel_like(**WAVE).joint_envelope(n)]
+    )
 
 
 @given(chains)
@@ -96,7 +100,9 @@ def test_a_kind_is_one_class():
 def test_tables_of_older_files_have_the_kind_beside_the_values():
     assert decode(Gait, {**WAVE, "kind": "eel_like"}) == eel_like(**WAVE)
     assert decode(Gait, {**WAVE, "kind": "eel-like", "envelope": None}) == eel_like(**WAVE)
-    assert decode(Gait, {**WAVE, "kind": "custom", "envelope": [0.5, 1]}) == custom_gait(envelope=[0.5, 1.0], **WAVE)
+    assert decode(Gait, {**WAVE, "kind": "custom", "envelope": [0.5, 1]}) == custom_gait(
+        envelope=[0.5, 1.0], **WAVE
+    )
     assert decode(Gait, {**WAVE, "envelope": "eel-like"}) == eel_like(**WAVE)
     assert decode(Gait, WAVE) == lateral_undulation(**WAVE)
 
@@ -105,7 +111,9 @@ def test_numbers_become_floats_and_the_envelope_a_tuple():
     gait = Gait(amplitude=1, frequency=2, phase_shift=0, envelope=Custom(values=[1, 2]))  # pyright: ignore
     assert repr(gait.envelope) == "Custom(values=(1.0, 2.0))"
     assert all(isinstance(x, float) for x in (gait.amplitude, gait.frequency, gait.phase_shift))
-    assert hash(gait) == hash(custom_gait(envelope=(1.0, 2.0), amplitude=1.0, frequency=2.0, phase_shift=0.0))
+    assert hash(gait) == hash(
+        custom_gait(envelope=(1.0, 2.0), amplitude=1.0, frequency=2.0, phase_shift=0.0)
+    )
 
 
 @pytest.mark.parametrize(
@@ -113,7 +121,10 @@ def test_numbers_become_floats_and_the_envelope_a_tuple():
     [
         ({"amplitude": -0.1}, r"`amplitude` must be between 0 and 3.14159 rad, got -0.1\."),
         ({"amplitude": 30}, r"got 30: 30 rad is 1719 deg; did you mean amplitude_deg=30\?$"),
-        ({"phase_shift": -40}, r"got -40: -40 rad is -2292 deg; did you mean phase_shift_deg=-40\?$"),
+        (
+            {"phase_shift": -40},
+            r"got -40: -40 rad is -2292 deg; did you mean phase_shift_deg=-40\?$",
+        ),
         ({"offset": 10.0}, r"got 10.0: 10 rad is 573 deg; did you mean offset_deg=10\?$"),
         ({"amplitude": 400.0}, r"`amplitude` must be between 0 and 3.14159 rad, got 400.0\."),
         ({"amplitude": float("nan")}, r"`amplitude` must be a finite number in rad, got nan\."),
@@ -136,7 +147,10 @@ def test_a_gait_refuses(changes: dict[str, Any], message: str):
     ("kind", "message"),
     [
         ("eellike", r"`kind` must be one of .*, got 'eellike'; did you mean `eel-like`\?"),
-        ("custom", r"`kind` must be an envelope that needs no values, got `custom`; use `Custom\(values=...\)`\."),
+        (
+            "custom",
+            r"`kind` must be an envelope that needs no values, got `custom`; use `Custom\(values=...\)`\.",
+        ),
         (3, r"`kind` must be the name of an envelope, got 3\."),
     ],
 )
@@ -148,11 +162,20 @@ def test_an_envelope_by_name_is_refused(kind: Any, message: str):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"envelope": uniform}, r"`n_links` must be given when `envelope` is a function g\(i, n\), got None\."),
+        (
+            {"envelope": uniform},
+            r"`n_links` must be given when `envelope` is a function g\(i, n\), got None\.",
+        ),
         ({"envelope": uniform, "n_links": 0}, r"`n_links` must be a whole number >= 1, got 0\."),
         ({"envelope": complex, "n_links": 3}, r"`envelope\[0\]` must be a number, got \(1\+3j\)\."),
-        ({"envelope": [1.0, 1.0], "n_links": 9}, r"`envelope` must have one value per joint, 8 for 9 links, got 2\."),
-        ({"envelope": None}, r"`envelope` must be a sequence of numbers or a function g\(i, n\), got None\."),
+        (
+            {"envelope": [1.0, 1.0], "n_links": 9},
+            r"`envelope` must have one value per joint, 8 for 9 links, got 2\.",
+        ),
+        (
+            {"envelope": None},
+            r"`envelope` must be a sequence of numbers or a function g\(i, n\), got None\.",
+        ),
     ],
 )
 def test_a_custom_gait_refuses(changes: dict[str, Any], message: str):
@@ -163,5 +186,7 @@ def test_a_custom_gait_refuses(changes: dict[str, Any], message: str):
 def test_a_custom_envelope_fits_one_number_of_links_only():
     gait = custom_gait(envelope=[1.0, 0.5], **WAVE)
     assert gait.joint_envelope(3) == (1.0, 0.5)
-    with pytest.raises(ValueError, match=r"`envelope` must have one value per joint, 8 for 9 links, got 2\."):
+    with pytest.raises(
+        ValueError, match=r"`envelope` must have one value per joint, 8 for 9 links, got 2\."
+    ):
         gait.joint_envelope(9)

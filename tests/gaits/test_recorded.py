@@ -20,7 +20,8 @@ from laticauda.pictures.render import words
 from laticauda.simulate import sensitivities
 
 ANGLES = lc.JointAngles(
-    time=(0.0, 0.3, 0.55, 1.0, 1.4, 2.0), angle=((0.0, 0.3, 0.1, -0.3, 0.0, 0.2), (0.1, 0.0, -0.4, 0.2, 0.3, 0.0))
+    time=(0.0, 0.3, 0.55, 1.0, 1.4, 2.0),
+    angle=((0.0, 0.3, 0.1, -0.3, 0.0, 0.2), (0.1, 0.0, -0.4, 0.2, 0.3, 0.0)),
 )
 MIRRORED = replace(ANGLES, angle=tuple(tuple(-one for one in joint) for joint in ANGLES.angle))
 CHAIN = lc.load_robot("chain", n_links=3)
@@ -29,7 +30,9 @@ WAVE = lc.eel_like(amplitude=0.5, frequency=3.0, phase_shift=0.9)
 
 
 def swum(gait, robot=CHAIN, duration=2.5, **changes):
-    return lc.swim(robot, gait, duration, environment=WATER, **{"dt": 0.01, "sample_interval": 0.1, **changes})
+    return lc.swim(
+        robot, gait, duration, environment=WATER, **{"dt": 0.01, "sample_interval": 0.1, **changes}
+    )
 
 
 @settings(max_examples=50)
@@ -37,7 +40,9 @@ def swum(gait, robot=CHAIN, duration=2.5, **changes):
     steps=st.lists(st.floats(0.01, 2.0), min_size=1, max_size=8),
     numbers=st.lists(st.floats(-3.0, 3.0), min_size=9, max_size=9),
 )
-def test_the_spline_passes_the_knots_at_rest_at_its_ends_and_with_continuous_accelerations(steps, numbers):
+def test_the_spline_passes_the_knots_at_rest_at_its_ends_and_with_continuous_accelerations(
+    steps, numbers
+):
     time = [0.5, *(0.5 + np.cumsum(steps)).tolist()]
     one = lc.JointAngles(time=tuple(time), angle=(tuple(numbers[: len(time)]),))
     knots = one.knots
@@ -55,7 +60,9 @@ def test_the_rates_are_those_of_the_clamped_spline():
     spline = CubicSpline(ANGLES.time, np.array(ANGLES.angle).T, bc_type="clamped")
     for t in (0.1, 0.77, 1.9):
         found = ANGLES.at(t)
-        np.testing.assert_allclose(found, [spline(t, order) for order in range(3)], rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(
+            found, [spline(t, order) for order in range(3)], rtol=1e-12, atol=1e-12
+        )
 
 
 @pytest.mark.parametrize("t", [-1.0, 0.0, 2.0, 7.0])
@@ -69,7 +76,9 @@ def test_before_and_after_the_record_the_ends_are_held(t):
 def test_both_models_and_the_generator_give_the_same_references(model, joints):
     gait = replace(WAVE, recorded=ANGLES)
     trial = swum(gait, model=model, joints=joints)
-    generator = Generator(n_links=3, ramp=trial.scenario.model.ramp or (1.0 if joints == "prescribed" else 0.0))
+    generator = Generator(
+        n_links=3, ramp=trial.scenario.model.ramp or (1.0 if joints == "prescribed" else 0.0)
+    )
     state = generator.init(gait)
     for sample in range(trial.time.size):
         expected = generator.joints(state, gait)[0]
@@ -80,7 +89,9 @@ def test_both_models_and_the_generator_give_the_same_references(model, joints):
 @pytest.mark.parametrize("model", ["planar", "spatial"])
 def test_a_gait_that_was_recorded_swims_as_it_did(model):
     first = swum(WAVE, duration=4.0, sample_interval=0.02, model=model)
-    again = swum(lc.recorded_gait(lc.JointAngles.of(first)), duration=4.0, sample_interval=0.02, model=model)
+    again = swum(
+        lc.recorded_gait(lc.JointAngles.of(first)), duration=4.0, sample_interval=0.02, model=model
+    )
     np.testing.assert_allclose(again.joint_angle, first.joint_angle, atol=2e-4)  # it ends at rest
     np.testing.assert_allclose(again.center_of_mass[:-10], first.center_of_mass[:-10], atol=2e-5)
 
@@ -100,15 +111,25 @@ def test_a_joint_that_does_a_share_does_it_of_the_recording_too():
 
 def test_a_batch_of_recordings_and_gaits_gives_what_single_runs_give():
     short = lc.JointAngles(time=(0.0, 1.0), angle=((0.0, 0.5), (0.0, -0.5)))
-    gaits = [lc.recorded_gait(ANGLES), WAVE, lc.recorded_gait(MIRRORED), lc.recorded_gait(short), WAVE]
+    gaits = [
+        lc.recorded_gait(ANGLES),
+        WAVE,
+        lc.recorded_gait(MIRRORED),
+        lc.recorded_gait(short),
+        WAVE,
+    ]
     many = lc.swim_many(CHAIN, gaits, 2.5, environments=WATER, dt=0.01)
     for i, gait in enumerate(gaits):
-        np.testing.assert_allclose(many.center_of_mass[i], swum(gait).center_of_mass[-1], rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(
+            many.center_of_mass[i], swum(gait).center_of_mass[-1], rtol=1e-9, atol=1e-12
+        )
 
 
 def test_derivatives_of_recordings_are_slopes():
     gaits, step = [lc.recorded_gait(ANGLES), WAVE], 1e-4
-    found = sensitivities(CHAIN, gaits, 2.5, names=["water.normal_drag"], environments=WATER, dt=0.01)
+    found = sensitivities(
+        CHAIN, gaits, 2.5, names=["water.normal_drag"], environments=WATER, dt=0.01
+    )
     up, down = (
         lc.swim_many(CHAIN, gaits, 2.5, environments=replace(WATER, normal_drag=1.75 + d), dt=0.01)
         for d in (step, -step)
@@ -135,17 +156,32 @@ def csv(path, text="time_s,joint_2_deg,noise,joint_1_deg\n0.0,0,9,5\n# a note\n0
 def test_a_scenario_file_names_a_table_or_holds_it(tmp_path):
     csv(tmp_path / "angles.csv")
     head = 'kind = "scenario"\nrobot = "chain"\nn_links = 3\n'
-    (tmp_path / "by-name.toml").write_text(head + '[gait]\nrecorded = "angles.csv"\noffset_deg = 3\n')
+    (tmp_path / "by-name.toml").write_text(
+        head + '[gait]\nrecorded = "angles.csv"\noffset_deg = 3\n'
+    )
     inline = "[gait]\noffset_deg = 3\n[gait.recorded]\ntime = [0.0, 0.5]\nangle_deg = [[5, 0], [0, 30]]\n"
     (tmp_path / "inline.toml").write_text(head + inline)
     named, held = (lc.load_scenario(tmp_path / name) for name in ("by-name.toml", "inline.toml"))
     assert named == held
-    assert named.gait == lc.recorded_gait(lc.JointAngles.read(tmp_path / "angles.csv"), offset=radians(3))
+    assert named.gait == lc.recorded_gait(
+        lc.JointAngles.read(tmp_path / "angles.csv"), offset=radians(3)
+    )
     assert named.gait.recorded.angle[0] == (radians(5), 0.0)
 
 
 def test_the_command_line_takes_a_table_or_a_trial(tmp_path, capsys):
-    words = ["swim", "--robot", "chain", "--n-links", "3", "--duration", "1", "--dt", "0.02", "--json"]
+    words = [
+        "swim",
+        "--robot",
+        "chain",
+        "--n-links",
+        "3",
+        "--duration",
+        "1",
+        "--dt",
+        "0.02",
+        "--json",
+    ]
     csv(tmp_path / "angles.csv")
     run = tmp_path / "run.nc"
     assert main([*words, "--joint-angles", str(tmp_path / "angles.csv"), "--save", str(run)]) == 0
@@ -184,7 +220,9 @@ def test_another_number_of_joints_is_refused():
 def test_the_frequency_is_that_of_the_strongest_oscillation():
     t = np.linspace(0.0, 8.0, 160)
     waves = [0.5 * np.sin(8.0 * t + k) + 0.1 * np.sin(16.0 * t) + 0.2 for k in range(3)]
-    assert lc.JointAngles(time=tuple(t), angle=tuple(map(tuple, waves))).frequency == pytest.approx(8.0, rel=2e-3)
+    assert lc.JointAngles(time=tuple(t), angle=tuple(map(tuple, waves))).frequency == pytest.approx(
+        8.0, rel=2e-3
+    )
     assert replace(ANGLES, angle=((0.3,) * 6,)).frequency == 0.0
 
 

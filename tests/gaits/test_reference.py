@@ -27,14 +27,18 @@ durations = st.floats(0.2, 5.0)
 def first_joint(*numbers: float) -> tuple[float, float, float]:
     """The reference of a wave's first joint."""
     sine, cosine, envelope, a, a_1, a_2, f, f_1, o, o_1, o_2 = numbers
-    return wave_reference(sine, cosine, envelope, 0.0, WaveMotion(a, a_1, a_2, f, f_1, 0.0, 0.0, o, o_1, o_2))
+    return wave_reference(
+        sine, cosine, envelope, 0.0, WaveMotion(a, a_1, a_2, f, f_1, 0.0, 0.0, o, o_1, o_2)
+    )
 
 
-def advance(y: float, rate: float, target: float, w: float, dt: float) -> tuple[float, float, float]:
+def advance(
+    y: float, rate: float, target: float, w: float, dt: float
+) -> tuple[float, float, float]:
     return filter_step(y, rate, target, w, math.exp(-w * dt), dt)
 
 
-# --- the filter -------------------------------------------------------------------------------------------------------
+# --- the filter -----------------------------------------------------------------------------------
 
 
 @given(values, values, values, bandwidths, steps, st.integers(2, 20))
@@ -59,11 +63,15 @@ def test_a_step_of_the_filter_solves_its_differential_equation(
 
     solver: Any = solve_ivp  # pyright: ignore[reportUnknownVariableType]
     solution = solver(slope, (0.0, dt), [y, rate, 0.0], method="DOP853", rtol=1e-12, atol=1e-13)
-    np.testing.assert_allclose(advance(y, rate, target, w, dt), solution.y[:, -1], rtol=0.0, atol=1e-10)
+    np.testing.assert_allclose(
+        advance(y, rate, target, w, dt), solution.y[:, -1], rtol=0.0, atol=1e-10
+    )
 
 
 @given(values, values, values, bandwidths)
-def test_the_filters_acceleration_is_the_derivative_of_its_rate(y: float, rate: float, target: float, w: float):
+def test_the_filters_acceleration_is_the_derivative_of_its_rate(
+    y: float, rate: float, target: float, w: float
+):
     def rate_at(t: float) -> float:
         return advance(y, rate, target, w, t)[1]
 
@@ -73,7 +81,9 @@ def test_the_filters_acceleration_is_the_derivative_of_its_rate(y: float, rate: 
 
 
 @given(values, values, bandwidths)
-def test_the_filter_comes_to_rest_at_its_target_without_overshoot_from_rest(y: float, target: float, w: float):
+def test_the_filter_comes_to_rest_at_its_target_without_overshoot_from_rest(
+    y: float, target: float, w: float
+):
     end, rate, _ = advance(y, 0.0, target, w, 60.0 / w)
     assert (end, rate) == (pytest.approx(target, abs=1e-12), pytest.approx(0.0, abs=1e-12))
     on_the_way = [advance(y, 0.0, target, w, t / w)[0] for t in np.linspace(0.0, 10.0, 50)]
@@ -89,7 +99,7 @@ def test_a_filter_at_its_target_stays_there_and_integrates_it(target: float, w: 
     assert integral == pytest.approx(target * dt, rel=1e-15)
 
 
-# --- the smooth start -------------------------------------------------------------------------------------------------
+# --- the smooth start -----------------------------------------------------------------------------
 
 
 @given(durations)
@@ -109,9 +119,14 @@ def test_the_smooth_start_joins_its_end_with_two_derivatives(duration: float):
 def test_rate_and_acceleration_of_the_smooth_start_are_its_derivatives(s: float, duration: float):
     t, h = s * duration, 1e-4 * duration * min(s, 1.0 - s)
     _, rate, acceleration = smooth_start(t, duration)
-    (before, rate_before, _), (after, rate_after, _) = smooth_start(t - h, duration), smooth_start(t + h, duration)
+    (before, rate_before, _), (after, rate_after, _) = (
+        smooth_start(t - h, duration),
+        smooth_start(t + h, duration),
+    )
     assert rate == pytest.approx((after - before) / (2.0 * h), rel=1e-5, abs=1e-8 / duration)
-    assert acceleration == pytest.approx((rate_after - rate_before) / (2.0 * h), rel=1e-5, abs=1e-5 / duration**2)
+    assert acceleration == pytest.approx(
+        (rate_after - rate_before) / (2.0 * h), rel=1e-5, abs=1e-5 / duration**2
+    )
 
 
 @given(st.floats(0.0, 1.0), durations)
@@ -127,11 +142,13 @@ def test_without_a_duration_there_is_no_start():
     assert smooth_start(0.5, 1.0)[0] == pytest.approx(0.5)
 
 
-# --- the wave ---------------------------------------------------------------------------------------------------------
+# --- the wave -------------------------------------------------------------------------------------
 
 
 @given(values, values, values, st.floats(0.0, 1.0))
-def test_the_ramped_amplitude_is_a_product_with_its_derivatives(a: float, b: float, c: float, t: float):
+def test_the_ramped_amplitude_is_a_product_with_its_derivatives(
+    a: float, b: float, c: float, t: float
+):
     def product(t: float) -> tuple[float, float, float]:
         return ramped(a + b * t + c * t * t, b + 2.0 * c * t, 2.0 * c, *smooth_start(t + 0.5, 2.0))
 
@@ -143,7 +160,9 @@ def test_the_ramped_amplitude_is_a_product_with_its_derivatives(a: float, b: flo
 
 
 @given(st.tuples(*[values] * 8, st.floats(0.0, 3.0)))
-def test_rate_and_acceleration_of_a_joint_are_the_derivatives_of_its_angle(drawn: tuple[float, ...]):
+def test_rate_and_acceleration_of_a_joint_are_the_derivatives_of_its_angle(
+    drawn: tuple[float, ...],
+):
     """Amplitude, phase and offset as parabolas in time."""
     g, a0, a1, psi1, psi2, b0, b1, b2, t = drawn
 
@@ -171,29 +190,39 @@ def test_rate_and_acceleration_of_a_joint_are_the_derivatives_of_its_angle(drawn
 
 
 def test_a_settled_joint_is_the_papers_gait():
-    angle, rate, acceleration = first_joint(math.sin(0.9), math.cos(0.9), 0.8, 0.5, 0, 0, 2.0, 0, 0.1, 0, 0)
+    angle, rate, acceleration = first_joint(
+        math.sin(0.9), math.cos(0.9), 0.8, 0.5, 0, 0, 2.0, 0, 0.1, 0, 0
+    )
     assert angle == pytest.approx(0.8 * 0.5 * math.sin(0.9) + 0.1)
     assert rate == pytest.approx(0.8 * 0.5 * 2.0 * math.cos(0.9))
     assert acceleration == pytest.approx(-0.8 * 0.5 * 4.0 * math.sin(0.9))
 
 
-# --- derivatives and compilation --------------------------------------------------------------------------------------
+# --- derivatives and compilation ------------------------------------------------------------------
 
 
-@given(st.tuples(values, values, values, st.floats(0.5, 5.0), st.floats(0.1, 1.0), st.floats(0.1, 1.0)))
-def test_every_derivative_of_the_filter_by_complex_step_is_that_by_differences(arguments: tuple[float, ...]):
+@given(
+    st.tuples(values, values, values, st.floats(0.5, 5.0), st.floats(0.1, 1.0), st.floats(0.1, 1.0))
+)
+def test_every_derivative_of_the_filter_by_complex_step_is_that_by_differences(
+    arguments: tuple[float, ...],
+):
     check_complex_steps(filter_step, arguments)
     check_complex_steps(filter_acceleration, arguments[:4])
 
 
 @given(st.floats(0.1, 0.9), st.floats(1.0, 3.0), st.floats(1.1, 2.0))
-def test_every_derivative_of_the_start_by_complex_step_is_that_by_differences(s: float, duration: float, late: float):
+def test_every_derivative_of_the_start_by_complex_step_is_that_by_differences(
+    s: float, duration: float, late: float
+):
     check_complex_steps(smooth_start, (s * duration, duration))
     check_complex_steps(smooth_start, (late * duration, duration))
 
 
 @given(st.tuples(*[values] * 11))
-def test_every_derivative_of_a_joint_by_complex_step_is_that_by_differences(arguments: tuple[float, ...]):
+def test_every_derivative_of_a_joint_by_complex_step_is_that_by_differences(
+    arguments: tuple[float, ...],
+):
     check_complex_steps(first_joint, arguments)
     check_complex_steps(ramped, arguments[:6])
 
@@ -209,5 +238,7 @@ def test_every_derivative_of_a_joint_by_complex_step_is_that_by_differences(argu
         (first_joint, (0.6, 0.8, 0.9, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8)),
     ],
 )
-def test_the_laws_compile_for_real_and_for_complex_numbers(law: object, arguments: tuple[float, ...]):
+def test_the_laws_compile_for_real_and_for_complex_numbers(
+    law: object, arguments: tuple[float, ...]
+):
     check_compiled(law, arguments)  # pyright: ignore[reportArgumentType]

@@ -18,8 +18,9 @@ def squared_distance(case) -> float:
 def test_errors_are_as_great_as_stated_and_what_is_unseen_is_not_stated():
     cases = [coverage.case(number) for number in range(ROBOTS)]
     table = coverage.counts(cases)
-    # 18 degrees of freedom: below 4.9 or above 42.3 once in 500 times. Friction, drag and added mass share the error of
-    # their common scale, so their intervals hold the truth together or not at all, and to count them says less.
+    # 18 degrees of freedom: below 4.9 or above 42.3 once in 500 times. Friction, drag and added
+    # mass share the error of their common scale, so their intervals hold the truth together or not
+    # at all, and to count them says less.
     assert 4.9 < sum(squared_distance(case) for case in cases) < 42.3
     assert all(table[name][1] == ROBOTS for name in coverage.SEEN)
     for name in coverage.HIDDEN:

@@ -8,7 +8,14 @@ from identify.trials import FINNED, ROBOT, WATER, gaits, within
 import laticauda as lc
 from laticauda.identify import Measurement, Unknown, fit
 from laticauda.identify.candidates import coast_down, from_tow, swims
-from laticauda.identify.design import best_of, design, information_of, known_from, prior_information, sigma_of
+from laticauda.identify.design import (
+    best_of,
+    design,
+    information_of,
+    known_from,
+    prior_information,
+    sigma_of,
+)
 from laticauda.identify.identifiability import marginal
 from laticauda.identify.measurements import Tow
 from laticauda.identify.problem import make_problem
@@ -59,12 +66,15 @@ def test_the_first_choice_is_that_of_brute_force_and_no_exchange_helps(seed):
     chosen = best_of(added, known, 3, log_volume)
     reached = log_volume(known + added[chosen].sum(axis=0))
     best = max(
-        log_volume(known + added[list(three)].sum(axis=0)) for three in combinations_with_replacement(range(7), 3)
+        log_volume(known + added[list(three)].sum(axis=0))
+        for three in combinations_with_replacement(range(7), 3)
     )
     assert reached >= best - 0.2
     for place in range(3):
         others = [i for k, i in enumerate(chosen) if k != place]
-        assert all(log_volume(known + added[[*others, i]].sum(axis=0)) <= reached + 1e-9 for i in range(7))
+        assert all(
+            log_volume(known + added[[*others, i]].sum(axis=0)) <= reached + 1e-9 for i in range(7)
+        )
 
 
 def test_a_chosen_design_is_better_than_random_ones_of_as_many_trials(choice):
@@ -73,7 +83,9 @@ def test_a_chosen_design_is_better_than_random_ones_of_as_many_trials(choice):
     found = design(put, candidates, 3)
     mine = log_volume(sum(added[candidates.index(one)] for one, _ in found.steps))
     rng = np.random.default_rng(0)
-    others = [log_volume(added[rng.integers(len(candidates), size=3)].sum(axis=0)) for _ in range(50)]
+    others = [
+        log_volume(added[rng.integers(len(candidates), size=3)].sum(axis=0)) for _ in range(50)
+    ]
     assert mine >= max(others) - 1e-9
     assert mine > np.median(others) + 1.0
 
@@ -84,7 +96,9 @@ def test_swimming_does_not_see_the_common_scale_and_a_tow_does(choice):
     assert found.swimming[0] > 1.0  # friction
     assert found.sigma[-1][0] < 0.05
     assert any(one.group != "swim" for one, _ in found.steps)
-    assert found.reasons[-1].startswith("After the best 4 swimming trials, `water.tangential_friction` is ")
+    assert found.reasons[-1].startswith(
+        "After the best 4 swimming trials, `water.tangential_friction` is "
+    )
 
 
 def test_the_force_of_a_tow_says_the_friction_in_closed_form():
@@ -94,7 +108,9 @@ def test_the_force_of_a_tow_says_the_friction_in_closed_form():
     (information,) = information_of(put, [candidate], put.start)
     assert information[0, 0] == pytest.approx((towing_drag(FINNED, WATER, 0.3) / 0.1) ** 2, rel=0.3)
     without_fin = from_tow(ROBOT, WATER, tow, sigma=0.1, share=0.0)
-    (information,) = information_of(put_of([without_fin], ["water.tangential_friction"]), [without_fin], put.start)
+    (information,) = information_of(
+        put_of([without_fin], ["water.tangential_friction"]), [without_fin], put.start
+    )
     assert information[0, 0] == pytest.approx((towing_drag(ROBOT, WATER, 0.3) / 0.1) ** 2, rel=1e-6)
 
 
@@ -127,7 +143,9 @@ def test_a_design_takes_starts_for_unknown_as_a_fit_does():
     (one,) = swims(ROBOT, gaits(1), WATER, {"path": 0.005}, duration=8.0)
     exact = replace(one, free_start=False)
     put = put_of([exact], WANTED[:1])
-    free, known = (float(information[0, 0]) for information in information_of(put, [one, exact], put.start))
+    free, known = (
+        float(information[0, 0]) for information in information_of(put, [one, exact], put.start)
+    )
     assert 1.5 < (known / free) ** 0.5 < 4.0
 
 
@@ -155,14 +173,20 @@ def test_the_expected_deviation_is_that_of_a_fit_to_such_trials():
         trial = lc.swim(replace(one.scenario, sample_interval=0.5))
         path = trial.center_of_mass + 0.005 * rng.standard_normal(trial.center_of_mass.shape)
         start = Start(center_of_mass=tuple(path[0]))
-        measured.append(replace(within(one, start=start), time=trial.time, series={"center_of_mass": (path, 0.005)}))
+        measured.append(
+            replace(
+                within(one, start=start), time=trial.time, series={"center_of_mass": (path, 0.005)}
+            )
+        )
     found = fit(measured, parameters=WANTED[:2], n_starts=1, threads=1)
     for k, name in enumerate(WANTED[:2]):
         estimate = found[name]
         assert estimate.sigma / estimate.value == pytest.approx(expected[k], rel=0.3)
         assert abs(np.log(estimate.value / put.start[k])) < 4.0 * expected[k]
     known = marginal(known_from(found), [0, 1])
-    np.testing.assert_allclose(sigma_of(known), [found[e].sigma / found[e].value for e in WANTED[:2]], rtol=1e-6)
+    np.testing.assert_allclose(
+        sigma_of(known), [found[e].sigma / found[e].value for e in WANTED[:2]], rtol=1e-6
+    )
 
 
 def test_a_prior_counts_and_what_is_left_out_of_sight_stays_unknown():
@@ -179,7 +203,9 @@ def test_a_prior_counts_and_what_is_left_out_of_sight_stays_unknown():
 def test_the_information_about_some_is_what_the_inverse_has_of_them():
     whole = random_information(np.random.default_rng(1), n=4, rank=6)
     part = marginal(whole, [0, 2])
-    np.testing.assert_allclose(np.linalg.inv(part), np.linalg.inv(whole)[np.ix_([0, 2], [0, 2])], rtol=1e-9)
+    np.testing.assert_allclose(
+        np.linalg.inv(part), np.linalg.inv(whole)[np.ix_([0, 2], [0, 2])], rtol=1e-9
+    )
 
 
 def test_a_single_parameter_can_be_what_counts(choice):
@@ -225,5 +251,7 @@ def test_what_is_tied_keeps_the_product_in_the_fit_and_in_the_file(tmp_path):
     assert found[geared].value == pytest.approx(1.2, rel=1e-4)
     changes = found.parameters("geared", "geared").changes["actuator"]
     assert changes["no_load_speed"] * changes["stall_torque"] == pytest.approx(product)
-    with pytest.raises(ValueError, match=r"`tied` of `robot.joint.actuator.no_load_speed` must name other numbers"):
+    with pytest.raises(
+        ValueError, match=r"`tied` of `robot.joint.actuator.no_load_speed` must name other numbers"
+    ):
         fit(measured, parameters=[replace(unknown, tied={"water.stickiness": 1.0})], threads=1)

@@ -26,7 +26,11 @@ def rival(water, *tows, wanted=(FRICTION, PRIOR)):
     return make_problem(candidates[:1], list(wanted), threads=1), candidates
 
 
-STRAIGHT, OBLIQUE, STEEP = Tow(speed=0.4), Tow(speed=0.4, angle=math.radians(15)), Tow(speed=0.4, angle=1.2)
+STRAIGHT, OBLIQUE, STEEP = (
+    Tow(speed=0.4),
+    Tow(speed=0.4, angle=math.radians(15)),
+    Tow(speed=0.4, angle=1.2),
+)
 
 
 def test_an_oblique_tow_tells_what_a_straight_one_cannot():
@@ -34,7 +38,10 @@ def test_an_oblique_tow_tells_what_a_straight_one_cannot():
     found = discriminate(rivals, 1)
     ((best, apart),) = found.steps
     straight, nothing = found.alone[-1]
-    assert [best.name, straight.name] == ["oblique tow, 15 deg, at 0.4 m/s", "straight tow at 0.4 m/s"]
+    assert [best.name, straight.name] == [
+        "oblique tow, 15 deg, at 0.4 m/s",
+        "straight tow at 0.4 m/s",
+    ]
     assert found.pairs == (("beta 0", "beta 0.5"), ("beta 0", "beta 1"), ("beta 0.5", "beta 1"))
     assert np.all(nothing < 1e-6)
     assert np.all(apart > 1.0)
@@ -42,7 +49,9 @@ def test_an_oblique_tow_tells_what_a_straight_one_cannot():
 
 def test_a_second_tow_at_another_angle_tells_more_than_the_same_one_again_where_the_drag_is_unknown():
     free = (FRICTION, Unknown(name=DRAG))
-    rivals = {f"beta {beta:g}": rival(water, OBLIQUE, STEEP, wanted=free) for beta, water in BETAS.items()}
+    rivals = {
+        f"beta {beta:g}": rival(water, OBLIQUE, STEEP, wanted=free) for beta, water in BETAS.items()
+    }
     found = discriminate(rivals, 2)
     assert {one.tow.angle for one, _ in found.steps} == {OBLIQUE.angle, STEEP.angle}
     assert np.all(found.steps[1][1] >= found.steps[0][1] - 1e-6)
@@ -54,8 +63,12 @@ def test_the_distance_is_how_much_worse_the_rival_fits_in_the_worse_of_two_ways(
     squares = []
     for true, other in ((first, second), (second, first)):
         loads = {what: (pair[0], first.figures[what][1]) for what, pair in true.figures.items()}
-        fitted = fit([replace(other, figures=loads)], parameters=[FRICTION, PRIOR], n_starts=1, threads=1)
-        squares.append(fitted.chi2 + float(np.sum(fitted.problem.prior_residuals(fitted.best) ** 2)))
+        fitted = fit(
+            [replace(other, figures=loads)], parameters=[FRICTION, PRIOR], n_starts=1, threads=1
+        )
+        squares.append(
+            fitted.chi2 + float(np.sum(fitted.problem.prior_residuals(fitted.best) ** 2))
+        )
     ((_, apart),) = discriminate(rivals, 1).steps
     assert apart.tolist() == pytest.approx([min(squares)], rel=1e-3)  # loads are linear in the drag
     assert max(squares) > 2.0 * min(squares)
@@ -63,7 +76,9 @@ def test_the_distance_is_how_much_worse_the_rival_fits_in_the_worse_of_two_ways(
 
 @settings(max_examples=50, deadline=None)
 @given(seed=st.integers(0, 10**6), n=st.integers(4, 9))
-def test_the_schur_complement_is_what_least_squares_leave_and_verdicts_are_wrong_as_often_as_it_says(seed, n):
+def test_the_schur_complement_is_what_least_squares_leave_and_verdicts_are_wrong_as_often_as_it_says(
+    seed, n
+):
     rng = np.random.default_rng(seed)
     off, rows = rng.standard_normal(n), rng.standard_normal((n, 2))
     both = np.column_stack((off, rows))
@@ -79,8 +94,14 @@ def test_the_schur_complement_is_what_least_squares_leave_and_verdicts_are_wrong
 def test_tows_identify_what_they_depend_on():
     truth = replace(BOOK, tangential_friction=0.1, drag=TotalSpeedDrag(beta=0.8))
     tows = [Tow(speed=v, angle=angle) for v in (0.2, 0.4) for angle in (0.0, 0.26, -0.26, 0.8)]
-    still = lc.scenario(ROBOT, lc.lateral_undulation(amplitude=0.0, frequency=1.0, phase_shift=0.5), environment=truth)
-    measured = [from_tow(ROBOT, BOOK, tow, tow.loads(still), name=str(i)) for i, tow in enumerate(tows)]
+    still = lc.scenario(
+        ROBOT,
+        lc.lateral_undulation(amplitude=0.0, frequency=1.0, phase_shift=0.5),
+        environment=truth,
+    )
+    measured = [
+        from_tow(ROBOT, BOOK, tow, tow.loads(still), name=str(i)) for i, tow in enumerate(tows)
+    ]
     beta = Unknown(name="water.drag.beta", start=0.4, lower=0.0, upper=1.0)
     found = fit(measured, parameters=[FRICTION, DRAG, beta], n_starts=1, threads=1)
     assert found["water.drag.beta"].value == pytest.approx(0.8, abs=1e-4)
@@ -90,11 +111,15 @@ def test_tows_identify_what_they_depend_on():
 
 def test_bad_input_is_named():
     one = rival(BOOK, STRAIGHT)
-    with pytest.raises(ValueError, match=r"`rivals` must be at least two models with candidates, got 1"):
+    with pytest.raises(
+        ValueError, match=r"`rivals` must be at least two models with candidates, got 1"
+    ):
         discriminate({"textbook": one}, 1)
     with pytest.raises(ValueError, match=r"`n_trials` must be"):
         discriminate({"a": one, "b": one}, 0)
     with pytest.raises(ValueError, match=r"`environment` must be of class Water"):
         from_tow(ROBOT, lc.load_ground("coulomb"), STRAIGHT)
     with pytest.raises(ValueError, match=r"`figures` of `tow` must be one of `drag`"):
-        replace(from_tow(ROBOT, BOOK, STRAIGHT), name="tow", figures={"forward_velocity": (1.0, 0.1)})
+        replace(
+            from_tow(ROBOT, BOOK, STRAIGHT), name="tow", figures={"forward_velocity": (1.0, 0.1)}
+        )

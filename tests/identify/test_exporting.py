@@ -29,7 +29,9 @@ def test_a_parameter_file_says_what_was_identified(found, tmp_path):
 def test_a_trial_with_the_parameter_file_is_what_the_fit_predicts(found):
     kept, measurement = found.parameters("tank", "in the tank"), found.problem.measurements[0]
     kind = measurement.scenario.gait.kind
-    trial = lc.swim(kept.robot(ROBOT, kind), measurement.scenario.gait, 4.0, environment=kept.water(kind))
+    trial = lc.swim(
+        kept.robot(ROBOT, kind), measurement.scenario.gait, 4.0, environment=kept.water(kind)
+    )
     assert trial.forward_velocity == pytest.approx(found.predictions[0], rel=1e-9)
     assert found.robot(ROBOT, kind) == kept.robot(ROBOT, kind)
     assert found.water(WATER, kind).tangential_friction == found[FRICTION].value

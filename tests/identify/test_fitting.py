@@ -29,12 +29,16 @@ def test_without_noise_the_truth_comes_back_exactly():
     assert "2 of 2 starts agree" in found.status
 
 
-def test_a_search_that_comes_to_where_another_one_ended_ends_there_and_one_that_leads_elsewhere_goes_on(noisy):
+def test_a_search_that_comes_to_where_another_one_ended_ends_there_and_one_that_leads_elsewhere_goes_on(
+    noisy,
+):
     (end,) = noisy.searches
     start, seen = end.end + 0.5, []
     alone = minimize(noisy.problem, start, loss="linear", look=lambda x, _: seen.append(x))
     n_alone = len(seen)
-    found = minimize(noisy.problem, start, loss="linear", look=lambda x, _: seen.append(x), known=[end])
+    found = minimize(
+        noisy.problem, start, loss="linear", look=lambda x, _: seen.append(x), known=[end]
+    )
     assert found.end is end.end and found.jacobian is end.jacobian and found.start is start
     assert len(seen) - n_alone < n_alone
     np.testing.assert_allclose(found.end, alone.end, atol=1e-5)
@@ -51,18 +55,26 @@ def test_an_interval_holds_the_truth_and_its_own_value(noisy):
 
 
 def test_twice_the_noise_makes_intervals_twice_as_wide(noisy):
-    figures = [{"forward_velocity": (v, 2 * s)} for v, s in (m.figures["forward_velocity"] for m in swum())]
+    figures = [
+        {"forward_velocity": (v, 2 * s)} for v, s in (m.figures["forward_velocity"] for m in swum())
+    ]
     wider = fit(
-        [replace(m, figures=f) for m, f in zip(swum(), figures, strict=True)], parameters=[FRICTION], n_starts=1
+        [replace(m, figures=f) for m, f in zip(swum(), figures, strict=True)],
+        parameters=[FRICTION],
+        n_starts=1,
     )
     assert wider[FRICTION].value == pytest.approx(noisy[FRICTION].value, rel=1e-7)
     assert wider[FRICTION].sigma == pytest.approx(2 * noisy[FRICTION].sigma, rel=1e-6)
 
 
 def test_noise_that_is_estimated_does_not_depend_on_what_is_stated(noisy):
-    figures = [{"forward_velocity": (v, 7 * s)} for v, s in (m.figures["forward_velocity"] for m in swum())]
+    figures = [
+        {"forward_velocity": (v, 7 * s)} for v, s in (m.figures["forward_velocity"] for m in swum())
+    ]
     stated = [replace(m, figures=f) for m, f in zip(swum(), figures, strict=True)]
-    one, other = (fit(m, parameters=[FRICTION], n_starts=1, noise="estimated") for m in (swum(), stated))
+    one, other = (
+        fit(m, parameters=[FRICTION], n_starts=1, noise="estimated") for m in (swum(), stated)
+    )
     assert one[FRICTION].sigma == pytest.approx(other[FRICTION].sigma, rel=1e-5)
     assert one.noise_factor == pytest.approx(7 * other.noise_factor, rel=1e-5)
     assert one[FRICTION].sigma == pytest.approx(one.noise_factor * noisy[FRICTION].sigma, rel=1e-5)
@@ -85,7 +97,9 @@ def test_the_same_measurements_twice_make_the_deviation_smaller_by_the_root_of_t
 
 def test_a_prior_alone_comes_back():
     blind = "robot.joint.stiffness"  # prescribed joints hold against the skin, whatever it pulls
-    unknown = Unknown(name=blind, start=1.0, lower=0.0, upper=20.0, scale="linear", prior=(2.0, 0.3))
+    unknown = Unknown(
+        name=blind, start=1.0, lower=0.0, upper=20.0, scale="linear", prior=(2.0, 0.3)
+    )
     found = fit(speeds(3), parameters=[FRICTION, unknown], n_starts=1)
     assert found[blind].value == pytest.approx(2.0, rel=1e-6)
     assert found[blind].sigma == pytest.approx(0.3, rel=1e-6)
@@ -94,10 +108,17 @@ def test_a_prior_alone_comes_back():
 
 def test_a_prior_and_the_data_meet_by_their_weights(noisy):
     value, sigma = noisy[FRICTION].value, noisy[FRICTION].sigma
-    found = fit(swum(), parameters=[Unknown(name=FRICTION, prior=(value + sigma, sigma))], n_starts=1)
+    found = fit(
+        swum(), parameters=[Unknown(name=FRICTION, prior=(value + sigma, sigma))], n_starts=1
+    )
     assert found[FRICTION].value == pytest.approx(value + 0.5 * sigma, abs=0.05 * sigma)
     assert found[FRICTION].sigma == pytest.approx(sigma / np.sqrt(2.0), rel=0.05)
-    both = fit(swum(), parameters=[Unknown(name=FRICTION, prior=(value, sigma))], n_starts=1, noise="estimated")
+    both = fit(
+        swum(),
+        parameters=[Unknown(name=FRICTION, prior=(value, sigma))],
+        n_starts=1,
+        noise="estimated",
+    )
     assert both.noise_factor == pytest.approx(noisy.noise_factor, rel=0.1)
 
 
@@ -107,7 +128,10 @@ def test_the_common_scale_of_friction_drag_and_added_mass_is_reported_as_unseen(
     assert found[DRAG].interval is None and found[DRAG].sigma is None
     assert found.table()[1]["value"] is None
     assert "the common scale of" in found[DRAG].note
-    assert any(sentence.startswith("The data do not see about the common scale of") for sentence in found.warnings)
+    assert any(
+        sentence.startswith("The data do not see about the common scale of")
+        for sentence in found.warnings
+    )
     assert found.status.startswith("0 of 3 parameters identified")
 
 
@@ -122,9 +146,18 @@ def test_a_series_identifies_what_speeds_do_not():
     water = replace(WATER, normal_drag=1.4, current=(0.02, -0.01))
     trials = [lc.swim(ROBOT, gait, 8.0, environment=water) for gait in gaits(2)]
     series = {"center_of_mass": 0.002, "heading": 0.005}
-    measured = [from_trial(trial, name=f"{i}", series=series, every=10) for i, trial in enumerate(trials)]
+    measured = [
+        from_trial(trial, name=f"{i}", series=series, every=10) for i, trial in enumerate(trials)
+    ]
     measured = [within(m, environment=WATER) for m in measured]
-    names = [DRAG, MASS, "water.current_x", "water.current_y", "measured.heading_offset", "0.start.heading"]
+    names = [
+        DRAG,
+        MASS,
+        "water.current_x",
+        "water.current_y",
+        "measured.heading_offset",
+        "0.start.heading",
+    ]
     found = fit(measured, parameters=names, n_starts=1)
     for name, truth in zip(names, (1.4, 1.5, 0.02, -0.01, 0.0, 0.0), strict=True):
         assert found[name].value == pytest.approx(truth, rel=1e-5, abs=1e-7), name
@@ -132,7 +165,13 @@ def test_a_series_identifies_what_speeds_do_not():
 
 
 def test_the_tracked_point_and_where_it_began_are_found():
-    trial = lc.swim(ROBOT, replace(gaits(1)[0], offset=0.05), 8.0, environment=WATER, start=lc.Start(heading=0.3))
+    trial = lc.swim(
+        ROBOT,
+        replace(gaits(1)[0], offset=0.05),
+        8.0,
+        environment=WATER,
+        start=lc.Start(heading=0.3),
+    )
     ahead = 0.2 * np.stack((np.cos(trial.heading), np.sin(trial.heading)), axis=1)
     moved = replace(trial, center_of_mass=trial.center_of_mass + ahead)
     measured = from_trial(moved, name="a", series={"center_of_mass": 0.002}, every=10)
@@ -177,9 +216,15 @@ def test_power_has_an_offset_of_its_meter():
 
 
 def test_each_gait_may_have_its_own_water_and_a_special_name_wins():
-    eel = [lc.eel_like(amplitude=g.amplitude, frequency=g.frequency, phase_shift=g.phase_shift) for g in gaits(3)]
+    eel = [
+        lc.eel_like(amplitude=g.amplitude, frequency=g.frequency, phase_shift=g.phase_shift)
+        for g in gaits(3)
+    ]
     asked = [*gaits(3), *eel]
-    waters = [replace(WATER, tangential_friction=0.2 if g.kind == "lateral_undulation" else 0.1) for g in asked]
+    waters = [
+        replace(WATER, tangential_friction=0.2 if g.kind == "lateral_undulation" else 0.1)
+        for g in asked
+    ]
     robots = [ROBOT, FINNED] * 3
     many = lc.swim_many(robots, asked, 8.0, environments=waters)
     measured = [
@@ -222,7 +267,9 @@ def test_one_module_may_have_its_own_number():
 def test_outliers_count_less_with_a_robust_loss():
     bad = replace(swum()[2], figures={"forward_velocity": (0.4, 0.002)})
     spoiled = [*swum()[:2], bad, *swum()[3:]]
-    plain, robust = (fit(spoiled, parameters=[FRICTION], n_starts=1, loss=loss) for loss in ("linear", "cauchy"))
+    plain, robust = (
+        fit(spoiled, parameters=[FRICTION], n_starts=1, loss=loss) for loss in ("linear", "cauchy")
+    )
     assert abs(robust[FRICTION].value - 0.2) < 0.01 < abs(plain[FRICTION].value - 0.2)
 
 
@@ -232,7 +279,9 @@ def test_residuals_are_listed_by_measurement(noisy):
     assert sum(row["in standard deviations [-]"] ** 2 for row in rows) == pytest.approx(noisy.chi2)
     assert rows[0]["group"] == "lateral undulation, without fin" and rows[0]["unit"] == "m/s"
     assert 0.0 < noisy.percentage_error() < 10.0
-    with pytest.raises(ValueError, match=r"`figure` must be one that was measured \(forward_velocity\), got 'x'"):
+    with pytest.raises(
+        ValueError, match=r"`figure` must be one that was measured \(forward_velocity\), got 'x'"
+    ):
         noisy.percentage_error("x")
 
 
@@ -245,7 +294,9 @@ def test_a_bound_that_holds_the_value_back_is_named():
 def test_gaits_that_are_all_the_same_are_warned_of():
     same = [replace(swum()[0], name=f"{i}") for i in range(3)]
     found = fit(same, parameters=[FRICTION], n_starts=1)
-    assert any(words.startswith("All measurements are of the same gait") for words in found.warnings)
+    assert any(
+        words.startswith("All measurements are of the same gait") for words in found.warnings
+    )
 
 
 def refused(match, measurements=None, parameters=(FRICTION,), **settings):
@@ -259,23 +310,42 @@ def test_bad_input_is_refused_by_name():
         swum()[:2],
         [FRICTION, DRAG, MASS],
     )
-    refused(r"at least 2 numbers for 1 unknowns .* and the noise, got 1", swum()[:1], noise="estimated")
-    refused(r"`measurements` must have different names, got `trial 0` twice", [swum()[0], swum()[0]])
+    refused(
+        r"at least 2 numbers for 1 unknowns .* and the noise, got 1", swum()[:1], noise="estimated"
+    )
+    refused(
+        r"`measurements` must have different names, got `trial 0` twice", [swum()[0], swum()[0]]
+    )
     refused(r"`measurements` must hold at least one Measurement", [])
     refused(
         r"`trial 0` is of robot `mamba-modules`",
         [within(swum()[0], robot=lc.load_robot("mamba-modules"))],
         robot=ROBOT,
     )
-    refused(r"got 'water.friction'; the nearest are .*`water.tangential_friction`", parameters=["water.friction"])
-    refused(r"got 'measured.heading'; the nearest are .*`measured.heading_offset`", parameters=["measured.heading"])
-    refused(r"numbers for `eel_like`|got 'eel_like.water.normal_drag'", parameters=["eel_like.water.normal_drag"])
+    refused(
+        r"got 'water.friction'; the nearest are .*`water.tangential_friction`",
+        parameters=["water.friction"],
+    )
+    refused(
+        r"got 'measured.heading'; the nearest are .*`measured.heading_offset`",
+        parameters=["measured.heading"],
+    )
+    refused(
+        r"numbers for `eel_like`|got 'eel_like.water.normal_drag'",
+        parameters=["eel_like.water.normal_drag"],
+    )
     refused(r"must not be of the gait, which was commanded", parameters=["gait.amplitude"])
     refused(r"got `robot.n_links`, a count", parameters=["robot.n_links"])
-    refused(r"`parameters` must name every number once, got `water.normal_drag` 2 times", parameters=[DRAG, DRAG])
+    refused(
+        r"`parameters` must name every number once, got `water.normal_drag` 2 times",
+        parameters=[DRAG, DRAG],
+    )
     refused(r"`parameters` must be a list of names, got .water.normal_drag", parameters=DRAG)
     refused(r"`parameters` must hold at least one number", parameters=[])
-    refused(r"must leave measurements for `water.normal_drag`", parameters=[DRAG, f"lateral_undulation.{DRAG}"])
+    refused(
+        r"must leave measurements for `water.normal_drag`",
+        parameters=[DRAG, f"lateral_undulation.{DRAG}"],
+    )
     refused(r"`noise` must be one of", noise="loud")
     refused(r"`n_starts` must be a whole number >= 1", n_starts=0)
     refused(r"`joints` must be one of", joints="rubber")
@@ -283,12 +353,17 @@ def test_bad_input_is_refused_by_name():
 
 def test_a_figure_that_a_trial_does_not_have_is_refused():
     short = [replace(m, figures={"steady_velocity": (0.1, 0.01)}) for m in speeds(2, duration=3.0)]
-    refused(r"`figures` of `trial 0` must be ones that its simulation yields, got steady_velocity", short)
+    refused(
+        r"`figures` of `trial 0` must be ones that its simulation yields, got steady_velocity",
+        short,
+    )
 
 
 def test_a_measurement_that_diverges_in_simulation_is_named():
     wild = [within(m, environment=replace(WATER, tangential_friction=1e6)) for m in swum()[:2]]
-    with pytest.raises(SimulationFailed, match=r"`trial 0` cannot be simulated at any start .*diverged at t ="):
+    with pytest.raises(
+        SimulationFailed, match=r"`trial 0` cannot be simulated at any start .*diverged at t ="
+    ):
         fit(wild, parameters=[DRAG], n_starts=1, dt=0.1)
 
 
@@ -297,5 +372,7 @@ def test_table_1_gives_one_friction_for_both_gaits():
     assert found[FRICTION].is_identified
     assert len(found.residuals) == 20
     assert {row["group"] for row in found.residuals} == {
-        f"{gait}, {fin} fin" for gait in ("lateral undulation", "eel-like motion") for fin in ("with", "without")
+        f"{gait}, {fin} fin"
+        for gait in ("lateral undulation", "eel-like motion")
+        for fin in ("with", "without")
     }

@@ -16,7 +16,9 @@ TIME = np.linspace(0.0, 2.0, 5)
 
 
 def one(**fields):
-    return Measurement(**({"name": "a", "scenario": SCENARIO, "figures": {"x": (1.0, 0.1)}} | fields))
+    return Measurement(
+        **({"name": "a", "scenario": SCENARIO, "figures": {"x": (1.0, 0.1)}} | fields)
+    )
 
 
 @given(st.integers(1, 40))
@@ -32,7 +34,9 @@ def test_the_greatest_of_a_few_numbers_is_known():
 
 
 def test_speeds_that_were_selected_lose_their_bias_and_powers_do_not():
-    chosen = one(figures={"forward_velocity": (0.2, 0.01), "mean_power": (90.0, 5.0)}, selected_from=2)
+    chosen = one(
+        figures={"forward_velocity": (0.2, 0.01), "mean_power": (90.0, 5.0)}, selected_from=2
+    )
     assert chosen.without_bias("forward_velocity") == pytest.approx(0.2 - 0.01 / np.sqrt(np.pi))
     assert chosen.without_bias("mean_power") == 90.0
 
@@ -52,7 +56,9 @@ def test_table_1_has_twenty_speeds_of_which_twelve_less_two_are_selected():
 
 
 def test_a_trial_becomes_what_was_asked_for_of_it():
-    trial = lc.swim(ROBOT, GAIT, 4.0, environment=WATER, start=lc.Start(center_of_mass=(1.0, 2.0), heading=0.1))
+    trial = lc.swim(
+        ROBOT, GAIT, 4.0, environment=WATER, start=lc.Start(center_of_mass=(1.0, 2.0), heading=0.1)
+    )
     figures = {"forward_velocity": 0.01, "y": 0.02}
     seen = from_trial(trial, name="a", figures=figures, series={"center_of_mass": 0.01}, every=20)
     start = seen.scenario.start
@@ -73,18 +79,36 @@ def test_a_trial_becomes_what_was_asked_for_of_it():
     [
         ({"name": " "}, "`name` must be a non-empty text"),
         ({"figures": {}}, "`figures` or `series` of `a` must hold something"),
-        ({"figures": {"x": (np.nan, 0.1)}}, r"`figures\['x'\]` of `a` must be a finite number in m, got nan"),
+        (
+            {"figures": {"x": (np.nan, 0.1)}},
+            r"`figures\['x'\]` of `a` must be a finite number in m, got nan",
+        ),
         ({"figures": {"x": (1.0, 0.0)}}, "must be > 0 m"),
         ({"figures": {"x": (1.0, 1e-200)}}, "must be >= 1e-09 m"),
         ({"figures": {"x": (1e200, 0.1)}}, r"must be <= 1e\+07 m"),
         ({"figures": {"speed": (1.0, 0.1)}}, "`figures` of `a` must be one of"),
         ({"selected_from": 0}, "`selected_from` of `a` must be a whole number >= 1"),
         ({"time": TIME}, "`time` of `a` must be given with series, and only with series"),
-        ({"time": TIME, "series": {"heading": (np.zeros(4), 0.1)}}, r"must have shape \(5\), got \(4,\)"),
-        ({"time": TIME, "series": {"center_of_mass": (np.zeros((5, 3)), 0.1)}}, r"must have shape \(5, 2\)"),
-        ({"time": TIME, "series": {"heading": (np.full(5, np.nan), 0.1)}}, "finite numbers only, got nan at sample 0"),
-        ({"time": TIME, "series": {"heading": (np.full(5, 1e200), 0.1)}}, r"numbers up to 1e\+12, got 1e\+200"),
-        ({"time": TIME[::-1], "series": {"heading": (np.zeros(5), 0.1)}}, "`time` of `a` must increase strictly"),
+        (
+            {"time": TIME, "series": {"heading": (np.zeros(4), 0.1)}},
+            r"must have shape \(5\), got \(4,\)",
+        ),
+        (
+            {"time": TIME, "series": {"center_of_mass": (np.zeros((5, 3)), 0.1)}},
+            r"must have shape \(5, 2\)",
+        ),
+        (
+            {"time": TIME, "series": {"heading": (np.full(5, np.nan), 0.1)}},
+            "finite numbers only, got nan at sample 0",
+        ),
+        (
+            {"time": TIME, "series": {"heading": (np.full(5, 1e200), 0.1)}},
+            r"numbers up to 1e\+12, got 1e\+200",
+        ),
+        (
+            {"time": TIME[::-1], "series": {"heading": (np.zeros(5), 0.1)}},
+            "`time` of `a` must increase strictly",
+        ),
         (
             {"time": TIME + 29.0, "series": {"heading": (np.zeros(5), 0.1)}},
             "between 0 and its `duration` of 30 s",

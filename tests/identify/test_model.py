@@ -17,7 +17,10 @@ def by_differences(put, values):
     columns = []
     for k, value in enumerate(values):
         step = 1e-5 * max(abs(value), 0.1)
-        ends = [predict(put, values + sign * step * (np.arange(values.size) == k)).values for sign in (1, -1)]
+        ends = [
+            predict(put, values + sign * step * (np.arange(values.size) == k)).values
+            for sign in (1, -1)
+        ]
         columns.append((ends[0] - ends[1]) / (2 * step))
     return np.stack(columns, axis=1)
 
@@ -26,17 +29,24 @@ def check_jacobian(put, values, scale=1e-6):
     found = predict(put, values)
     expected = by_differences(put, values)
     np.testing.assert_array_equal(found.values, predict(put, values).values)
-    np.testing.assert_allclose(found.jacobian, expected, atol=scale * np.abs(expected).max(axis=0).max())
+    np.testing.assert_allclose(
+        found.jacobian, expected, atol=scale * np.abs(expected).max(axis=0).max()
+    )
 
 
 def test_the_jacobian_of_figures_and_series_is_that_of_differences():
     turning = [replace(gait, offset=0.05) for gait in gaits(2)]
     trials = [
-        lc.swim(robot, gait, 4.0, environment=WATER) for robot, gait in zip((ROBOT, FINNED), turning, strict=True)
+        lc.swim(robot, gait, 4.0, environment=WATER)
+        for robot, gait in zip((ROBOT, FINNED), turning, strict=True)
     ]
     measured = [
         from_trial(
-            t, name=f"{i}", series=SERIES, figures={"x": 0.01, "y": 0.01, "heading": 0.1, "net_power": 1.0}, every=7
+            t,
+            name=f"{i}",
+            series=SERIES,
+            figures={"x": 0.01, "y": 0.01, "heading": 0.1, "net_power": 1.0},
+            every=7,
         )
         for i, t in enumerate(trials)
     ]
@@ -51,7 +61,11 @@ def test_the_jacobian_of_figures_and_series_is_that_of_differences():
         "1.start.x",
     ]
     put = make_problem(measured, names, dt=0.05)
-    assert put.names[len(names) :] == ("0.start.x", "0.start.y", "1.start.y")  # where they began is unknown, too
+    assert put.names[len(names) :] == (
+        "0.start.x",
+        "0.start.y",
+        "1.start.y",
+    )  # where they began is unknown, too
     check_jacobian(put, np.array([0.25, 0.02, 0.1, 0.1, 0.05, -0.03, 0.2, 0.1, 0.02, -0.1, 0.05]))
     assert not put.moves[0, 2] and put.moves[1, 2]
     assert not put.moves[0, 7] and put.moves[1, 7]
@@ -59,7 +73,9 @@ def test_the_jacobian_of_figures_and_series_is_that_of_differences():
 
 def test_the_jacobian_of_joints_is_that_of_differences():
     trial = lc.swim(ROBOT, gaits(1)[0], 1.0, environment=WATER, joints="servo", dt=0.005)
-    measured = [from_trial(trial, name="a", series={"joint_angle": 0.01, "joint_torque": 0.1}, every=3)]
+    measured = [
+        from_trial(trial, name="a", series={"joint_angle": 0.01, "joint_torque": 0.1}, every=3)
+    ]
     put = make_problem(measured, ["robot.joint.actuator.servo_gain"], joints="servo", dt=0.005)
     check_jacobian(put, np.array([5.0]), scale=1e-4)
 
@@ -67,7 +83,9 @@ def test_the_jacobian_of_joints_is_that_of_differences():
 def test_what_is_predicted_of_a_trial_is_that_trial():
     trial = lc.swim(FINNED, gaits(1)[0], 6.0, environment=WATER, joints="pd")
     series = SERIES | {"joint_angle": 0.01, "joint_torque": 0.1}
-    measured = from_trial(trial, name="a", series=series, figures={"forward_velocity": 0.01, "y": 0.01})
+    measured = from_trial(
+        trial, name="a", series=series, figures={"forward_velocity": 0.01, "y": 0.01}
+    )
     put = make_problem([measured], ["water.normal_drag"], joints="pd")
     np.testing.assert_allclose(predict(put, put.start).values, put.observed, atol=1e-9)
 
@@ -94,7 +112,9 @@ def test_a_run_that_diverges_is_named_and_has_no_predictions():
 def test_cubics_between_samples_are_exact():
     time = np.linspace(0.0, 2.0, 11)
     moments = np.array([0.0, 0.07, 0.9, 1.3, 1.99, 2.0])
-    np.testing.assert_allclose(interpolated(time, time**3 - 2j * time, moments), moments**3 - 2j * moments, atol=1e-12)
+    np.testing.assert_allclose(
+        interpolated(time, time**3 - 2j * time, moments), moments**3 - 2j * moments, atol=1e-12
+    )
     np.testing.assert_allclose(interpolated(time[:2], time[:2], np.array([0.1])), [0.1])
 
 
@@ -110,7 +130,10 @@ def test_the_twin_predicts_what_the_planar_model_does():
             free_start=False,
         )
     ]
-    flat, deep = (make_problem(measured, ["water.normal_drag"], model=model) for model in ("planar", "spatial"))
+    flat, deep = (
+        make_problem(measured, ["water.normal_drag"], model=model)
+        for model in ("planar", "spatial")
+    )
     one, other = (predict(put, np.array([1.5])) for put in (flat, deep))
     np.testing.assert_allclose(one.values, other.values, rtol=0.02, atol=2e-3)
     np.testing.assert_allclose(one.jacobian, other.jacobian, rtol=0.1, atol=2e-3)
@@ -118,5 +141,9 @@ def test_the_twin_predicts_what_the_planar_model_does():
 
 def test_no_two_names_may_say_the_same():
     measured = speeds(2)
-    with pytest.raises(ValueError, match=r"`parameters` must list `water.normal_drag` once per measurement at most"):
-        make_problem(measured, ["lateral_undulation.water.normal_drag", "trial 0.water.normal_drag"])
+    with pytest.raises(
+        ValueError, match=r"`parameters` must list `water.normal_drag` once per measurement at most"
+    ):
+        make_problem(
+            measured, ["lateral_undulation.water.normal_drag", "trial 0.water.normal_drag"]
+        )

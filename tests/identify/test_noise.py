@@ -57,23 +57,32 @@ def test_the_widening_is_that_of_the_covariance_of_least_squares():
     between[: 2 * N, : 2 * N] = np.kron(toeplitz(lags["center_of_mass"] ** np.arange(N)), np.eye(2))
     assert set(lags) == {"center_of_mass"}
     covariance = INVERSE @ ROWS.T @ between @ ROWS @ INVERSE
-    np.testing.assert_allclose(wider, np.fmax(np.sqrt(np.diag(covariance) / np.diag(INVERSE)), 1.0), rtol=1e-9)
+    np.testing.assert_allclose(
+        wider, np.fmax(np.sqrt(np.diag(covariance) / np.diag(INVERSE)), 1.0), rtol=1e-9
+    )
     more = widening(PROBLEM, ROWS, off, 3 * N - 3.0)[0]
     left = 3 * N - np.trace(INVERSE @ ROWS.T @ between @ ROWS)
-    np.testing.assert_allclose(more[more > 1.0], (wider * np.sqrt((3 * N - 3) / left))[more > 1.0], rtol=1e-9)
+    np.testing.assert_allclose(
+        more[more > 1.0], (wider * np.sqrt((3 * N - 3) / left))[more > 1.0], rtol=1e-9
+    )
 
 
 def test_white_noise_is_hardly_ever_called_correlated_and_residuals_of_rounding_never():
     rng = np.random.default_rng(4)
     left = np.eye(3 * N) - ROWS @ INVERSE @ ROWS.T
-    assert sum(bool(widening(PROBLEM, ROWS, left @ correlated(0.0, rng), None)[1]) for _ in range(100)) <= 2
+    assert (
+        sum(bool(widening(PROBLEM, ROWS, left @ correlated(0.0, rng), None)[1]) for _ in range(100))
+        <= 2
+    )
     assert not widening(PROBLEM, ROWS, 1e-6 * left @ correlated(0.9, rng), None)[1]
 
 
 def test_correlated_residuals_are_said_and_widen_every_interval():
     white, found = (fit(tracked(lag=lag), parameters=[FRICTION], n_starts=1) for lag in (0.0, 0.95))
     assert not named(white, "correlated") and np.all(white.widening == 1.0)
-    assert "(center_of_mass)" in named(found, "correlated residuals")[0] and not named(found, "chi^2")
+    assert "(center_of_mass)" in named(found, "correlated residuals")[0] and not named(
+        found, "chi^2"
+    )
     assert found[FRICTION].sigma > 1.3 * white[FRICTION].sigma
     low, high = found[FRICTION].interval
     assert low < TRUE < high

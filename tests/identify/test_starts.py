@@ -24,10 +24,17 @@ def tracked(n=2, *, lag=0.0, seed=0, **changes):
         noise = rng.standard_normal((trial.time.size, 3))
         for k in range(1, len(noise)):
             noise[k] = lag * noise[k - 1] + np.sqrt(1.0 - lag**2) * noise[k]
-        path, heading = trial.center_of_mass + SIGMA * noise[:, :2], trial.heading + 2.0 * SIGMA * noise[:, 2]
+        path, heading = (
+            trial.center_of_mass + SIGMA * noise[:, :2],
+            trial.heading + 2.0 * SIGMA * noise[:, 2],
+        )
         seen = replace(trial, center_of_mass=path, heading=heading)
         series = {"center_of_mass": SIGMA, "heading": 2.0 * SIGMA}
-        found.append(within(from_trial(seen, name=f"{i}", series=series, every=4, **changes), environment=WATER))
+        found.append(
+            within(
+                from_trial(seen, name=f"{i}", series=series, every=4, **changes), environment=WATER
+            )
+        )
     return found
 
 
@@ -37,21 +44,42 @@ def named(found, name):
 
 def test_a_noisy_first_sample_pushes_only_a_start_that_is_taken_for_exact():
     truth = {FRICTION: TRUE, "water.current_x": 0.0, "water.current_y": 0.0}
-    free, exact = (fit(tracked(free_start=free), parameters=[*truth], n_starts=1) for free in (True, False))
-    assert [one.name for one in free.estimates[3:6]] == ["0.start.x", "0.start.y", "0.start.heading"]
+    free, exact = (
+        fit(tracked(free_start=free), parameters=[*truth], n_starts=1) for free in (True, False)
+    )
+    assert [one.name for one in free.estimates[3:6]] == [
+        "0.start.x",
+        "0.start.y",
+        "0.start.heading",
+    ]
     assert free.status.startswith("3 of 3 parameters identified")
-    assert all(free[name].interval[0] < value < free[name].interval[1] for name, value in truth.items())
+    assert all(
+        free[name].interval[0] < value < free[name].interval[1] for name, value in truth.items()
+    )
     assert not named(free, "chi^2")
     assert len(exact.estimates) == 3
-    assert named(exact, "correlated residuals")  # and by the intervals that are wider for it, it is still wrong
-    assert max(abs(exact[name].value - value) / exact[name].sigma for name, value in truth.items()) > 2.5
+    assert named(
+        exact, "correlated residuals"
+    )  # and by the intervals that are wider for it, it is still wrong
+    assert (
+        max(abs(exact[name].value - value) / exact[name].sigma for name, value in truth.items())
+        > 2.5
+    )
 
 
 def test_a_start_that_was_seen_before_the_series_has_the_sensors_noise_for_a_prior():
     (one,) = tracked(1)
-    later = replace(one, time=one.time[1:], series={name: (v[1:], s) for name, (v, s) in one.series.items()})
-    priors = {unknown.name: unknown.prior for unknown in make_problem([later], [FRICTION]).unknowns[1:]}
-    assert priors == {"0.start.x": (0.0, SIGMA), "0.start.y": (0.0, SIGMA), "0.start.heading": (0.0, 2.0 * SIGMA)}
+    later = replace(
+        one, time=one.time[1:], series={name: (v[1:], s) for name, (v, s) in one.series.items()}
+    )
+    priors = {
+        unknown.name: unknown.prior for unknown in make_problem([later], [FRICTION]).unknowns[1:]
+    }
+    assert priors == {
+        "0.start.x": (0.0, SIGMA),
+        "0.start.y": (0.0, SIGMA),
+        "0.start.heading": (0.0, 2.0 * SIGMA),
+    }
     own = make_problem([later], [FRICTION, "start.x"]).unknowns
     assert [unknown.name for unknown in own[1:]] == ["start.x", "0.start.y", "0.start.heading"]
     assert len(make_problem(speeds(2), [FRICTION]).unknowns) == 1
@@ -84,7 +112,9 @@ def test_a_coast_down_says_what_the_friction_is():
     trial = lc.swim(SHORT, still, 6.0, environment=water, start=lc.Start(velocity=0.4))
     noise = np.random.default_rng(2).standard_normal(trial.center_of_mass.shape)
     seen = replace(trial, center_of_mass=trial.center_of_mass + 0.003 * noise)
-    one = within(from_trial(seen, name="glide", series={"center_of_mass": 0.003}, every=4), environment=WATER)
+    one = within(
+        from_trial(seen, name="glide", series={"center_of_mass": 0.003}, every=4), environment=WATER
+    )
     one = within(one, start=replace(one.scenario.start, velocity=0.37))
     found = fit([one], parameters=[FRICTION], n_starts=1)
     assert found.warnings == ()

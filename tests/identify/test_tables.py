@@ -45,9 +45,16 @@ def test_table_1_as_a_file_gives_the_same_numbers(written):
     path = written(*table1_rows())
     mine = from_table(path)
     for one, other in zip(mine, from_table1(), strict=True):
-        assert (one.name, one.figures, one.selected_from) == (other.name, other.figures, other.selected_from)
+        assert (one.name, one.figures, one.selected_from) == (
+            other.name,
+            other.figures,
+            other.selected_from,
+        )
         assert one.scenario == other.scenario
-    found, printed = (fit(rows, parameters=[FRICTION], noise="estimated", n_starts=1) for rows in (mine, from_table1()))
+    found, printed = (
+        fit(rows, parameters=[FRICTION], noise="estimated", n_starts=1)
+        for rows in (mine, from_table1())
+    )
     assert f"{found[FRICTION]}" == f"{printed[FRICTION]}"
     powers = [one.figures for one in from_table1("mean_power")]
     assert [one.figures for one in from_table(path, "mean_power")] == powers
@@ -55,13 +62,18 @@ def test_table_1_as_a_file_gives_the_same_numbers(written):
 
 def test_a_row_may_say_its_robot_and_noise_and_settings_may_repeat(written):
     own = {**ROW, "robot": "mamba-modules", "v_sigma_m_s": 0.004, "duration_s": 20}
-    first, second, third = from_table(written(own, own, {**own, "gait": "EEL", "robot": ""}), robot="amphibot")
+    first, second, third = from_table(
+        written(own, own, {**own, "gait": "EEL", "robot": ""}), robot="amphibot"
+    )
     assert first.scenario.robot.name == "mamba-modules"
     assert (first.figures["forward_velocity"], first.scenario.duration) == ((0.15, 0.004), 20.0)
     assert second.name == f"{first.name} (2)"
     assert (third.scenario.gait.kind, third.scenario.robot.name) == ("eel_like", "amphibot")
     finned, bare = from_table(written({**ROW, "config": "fin"}, {**ROW, "config": "nofin"}))
-    assert (finned.scenario.robot.caudal_fin is None, bare.scenario.robot.caudal_fin is None) == (False, True)
+    assert (finned.scenario.robot.caudal_fin is None, bare.scenario.robot.caudal_fin is None) == (
+        False,
+        True,
+    )
 
 
 @pytest.mark.parametrize(
@@ -69,12 +81,24 @@ def test_a_row_may_say_its_robot_and_noise_and_settings_may_repeat(written):
     [
         ({"v_m_s": 15.0}, "`v_m_s` of 15 at `omega_deg_s` of 130"),
         ({"omega_deg_s": 2.3}, "`v_m_s` of 0.15 at `omega_deg_s` of 2.3"),
-        ({"omega_deg_s": 0.36}, "more than anything swims; is one in another unit, such as cm/s, rad/s or Hz?"),
-        ({"alpha_deg": 0.52}, "column `alpha_deg` only reaches 0.52, too little for deg; is it in rad?"),
+        (
+            {"omega_deg_s": 0.36},
+            "more than anything swims; is one in another unit, such as cm/s, rad/s or Hz?",
+        ),
+        (
+            {"alpha_deg": 0.52},
+            "column `alpha_deg` only reaches 0.52, too little for deg; is it in rad?",
+        ),
         ({"delta_deg": 0.7}, "column `delta_deg` only reaches 0.7"),
-        ({"omega_rad_s": 2.3}, "row 1: column `omega_rad_s` is not known; did you mean `omega_deg_s`?"),
+        (
+            {"omega_rad_s": 2.3},
+            "row 1: column `omega_rad_s` is not known; did you mean `omega_deg_s`?",
+        ),
         ({"v_cm_s": 15}, "row 1: column `v_cm_s` is not known; did you mean `v_m_s`?"),
-        ({"config": "fin", "robot": "amphibot"}, "`config` must be nofin for `amphibot`, which has no caudal fin"),
+        (
+            {"config": "fin", "robot": "amphibot"},
+            "`config` must be nofin for `amphibot`, which has no caudal fin",
+        ),
     ],
 )
 def test_wrong_units_and_wrong_robots_are_refused_by_name(written, changes, words):
@@ -89,7 +113,9 @@ def test_a_table_without_a_power_has_none_to_identify_from(written):
 
 
 def test_laws_are_fitted_one_by_one_to_the_same_measurements(written):
-    rows = from_table(written(*({**ROW, "omega_deg_s": omega, "v_m_s": omega / 900} for omega in (90, 110, 130))))
+    rows = from_table(
+        written(*({**ROW, "omega_deg_s": omega, "v_m_s": omega / 900} for omega in (90, 110, 130)))
+    )
     found = compare_laws(rows, ["paper", "mamba-identified"], parameters=[FRICTION], n_starts=1)
     assert list(found) == ["paper", "mamba-identified"]
     for name, one in found.items():

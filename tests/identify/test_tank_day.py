@@ -61,7 +61,13 @@ def fill(folder, water):
     tank = {"environment": water, "sample_interval": 0.05}
     swim = lc.swim(ROBOT, ASKED, 10.0, joints=SpeedServo(speed_limit=LIMIT), **tank)
     log(folder, "swim", swim, rng)
-    glide = lc.swim(ROBOT, replace(ASKED, amplitude=0.0), 8.0, start=lc.Start(velocity=swim.forward_velocity), **tank)
+    glide = lc.swim(
+        ROBOT,
+        replace(ASKED, amplitude=0.0),
+        8.0,
+        start=lc.Start(velocity=swim.forward_velocity),
+        **tank,
+    )
     log(folder, "glide", glide, rng)
     tow(folder, water, rng)
 
@@ -70,7 +76,9 @@ def fill(folder, water):
 def judged(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp("day")
     tank_day.begin(folder, ROBOT)
-    text = (folder / "swim.toml").read_text().replace("phase_shift_deg = 40", "phase_shift_deg = 50")
+    text = (
+        (folder / "swim.toml").read_text().replace("phase_shift_deg = 40", "phase_shift_deg = 50")
+    )
     (folder / "swim.toml").write_text(text)
     fill(folder, request.param)
     day = tank_day.load_day(folder)
@@ -83,7 +91,9 @@ def test_the_law_is_told_and_its_numbers_are_near_the_truth(judged):
     assert law == ("kirchhoff" if truth is SHEDS else "relative")
     assert all(odds > tank_day.DECISIVE for name, odds in found.odds.items() if name != law)
     assert found.verdict[0].startswith(f"The law is `{law}`")
-    assert best["water.tangential_friction"].value == pytest.approx(truth.tangential_friction, rel=0.06)
+    assert best["water.tangential_friction"].value == pytest.approx(
+        truth.tangential_friction, rel=0.06
+    )
     assert best["water.normal_drag"].value == pytest.approx(truth.normal_drag, rel=0.12)
     assert best["water.added_mass"].value == pytest.approx(truth.added_mass, rel=0.12)
     assert best["water.drag.beta"].value == pytest.approx(truth.drag.beta, abs=0.15)
@@ -95,7 +105,9 @@ def test_the_drag_area_is_that_of_the_straight_robot(judged):
     truth, _, day, found = judged
     (row,) = (row for row in found.numbers if row["name"].startswith("drag area at"))
     speed = day.trials["swim"].forward_velocity
-    assert row["value"] == pytest.approx(2.0 * towing_drag(ROBOT, truth, speed) / (1000.0 * speed**2), rel=0.06)
+    assert row["value"] == pytest.approx(
+        2.0 * towing_drag(ROBOT, truth, speed) / (1000.0 * speed**2), rel=0.06
+    )
     assert row["low"] < row["value"] < row["high"]
     assert "joints.speed_limit" in tank_day.words(found)
 
@@ -110,14 +122,22 @@ def test_another_lab_reads_the_result(judged):
     _, folder, day, found = judged
     files = tank_day.write_result(folder, day, found)
     place = folder / "result"
-    assert {"swim.nc", "glide.nc", "robot.toml", "tows.csv", "parameters.toml", "summary.json", "summary.md"} <= {
-        *files
-    }
+    assert {
+        "swim.nc",
+        "glide.nc",
+        "robot.toml",
+        "tows.csv",
+        "parameters.toml",
+        "summary.json",
+        "summary.md",
+    } <= {*files}
     trial = lc.load_trial(place / "swim.nc")
     np.testing.assert_allclose(trial.center_of_mass, day.trials["swim"].center_of_mass)
     parameters = load_parameters(place / "parameters.toml")
     law, best = next(iter(found.fits.items()))
-    assert parameters.water("lateral_undulation").normal_drag == pytest.approx(best["water.normal_drag"].value)
+    assert parameters.water("lateral_undulation").normal_drag == pytest.approx(
+        best["water.normal_drag"].value
+    )
     assert parameters.joints.speed_limit == pytest.approx(found.joints["joints.speed_limit"].value)
     said = json.loads((place / "summary.json").read_text())
     assert next(iter(said["laws"])) == law
@@ -127,7 +147,15 @@ def test_another_lab_reads_the_result(judged):
 
 def test_a_folder_is_begun_once_and_empty_tables_are_refused(tmp_path):
     new = tank_day.begin(tmp_path / "day", ROBOT)
-    assert {"RUNS.md", "robot.toml", "swim.csv", "glide.csv", "turn.csv", "tows.csv", tank_day.DAY} <= {*new}
+    assert {
+        "RUNS.md",
+        "robot.toml",
+        "swim.csv",
+        "glide.csv",
+        "turn.csv",
+        "tows.csv",
+        tank_day.DAY,
+    } <= {*new}
     assert (
         (tmp_path / "day" / "swim.csv")
         .read_text()
@@ -145,5 +173,7 @@ def test_a_folder_is_begun_once_and_empty_tables_are_refused(tmp_path):
     (tmp_path / "day" / "tows.csv").write_text(
         "speed_m_s,angle_deg,drag_n,side_force_n,yaw_moment_n_m\nfast,15,1.0,,\n"
     )
-    with pytest.raises(TrialFileError, match=r"tows.csv: row 2: could not convert string to float: 'fast'"):
+    with pytest.raises(
+        TrialFileError, match=r"tows.csv: row 2: could not convert string to float: 'fast'"
+    ):
         tank_day.load_day(tmp_path / "day")

@@ -38,10 +38,16 @@ def test_the_preset_is_where_its_file_leads():
         (f"{HEAD}[table1]\nsigma = -1.0\n", "key `table1.sigma`: must be"),
         (f"{HEAD}[[trials]]\nfile = 1\n", r"key `trials\[0\].file`: must be a text"),
         (f"{HEAD}[[trials]]\nname = 'x'\n", r"key `trials\[0\].file`: is missing"),
-        (f"{HEAD}[[trials]]\nfile = 'x.nc'\nseries = 3\n", r"key `trials\[0\].series`: must be a table"),
+        (
+            f"{HEAD}[[trials]]\nfile = 'x.nc'\nseries = 3\n",
+            r"key `trials\[0\].series`: must be a table",
+        ),
         (f"{HEAD}[table1]\n[fixed.water]\nlift = 1.0\n", r"key `fixed.water.lift`: is not known"),
         (f"{HEAD}[table1]\n[fixed.fins]\ndrag = 1.0\n", r"key `fixed.fins`: is not known"),
-        ('kind = "identification"\nparameters = []\ntable1 = true\n', "key `parameters`: must name at least one"),
+        (
+            'kind = "identification"\nparameters = []\ntable1 = true\n',
+            "key `parameters`: must name at least one",
+        ),
         (
             'kind = "identification"\nparameters = [{name = "water.normal_drag", prior = 1}]\ntable1 = true\n',
             r"key `parameters\[0\].prior`: must be two numbers, got 1",
@@ -69,11 +75,20 @@ def test_what_is_fixed_reaches_every_measurement_and_the_parameter_file(tmp_path
     )
     task = load_task(path)
     assert {m.scenario.environment.added_mass for m in task.measurements} == {1.3}
-    assert {m.scenario.robot.caudal_fin.normal_drag for m in task.measurements if m.scenario.robot.caudal_fin} == {1.4}
+    assert {
+        m.scenario.robot.caudal_fin.normal_drag
+        for m in task.measurements
+        if m.scenario.robot.caudal_fin
+    } == {1.4}
     assert {m.scenario.robot.n_links for m in task.measurements} == {5}
     measured = tuple(speeds(3, duration=4.0))
     small = Task(
-        name="a", title="b", measurements=measured, unknowns=task.unknowns, base=task.base, options={"n_starts": 1}
+        name="a",
+        title="b",
+        measurements=measured,
+        unknowns=task.unknowns,
+        base=task.base,
+        options={"n_starts": 1},
     )
     kept = small.parameters(small.run(threads=1))
     assert kept.changes == {"caudal_fin": {"normal_drag": 1.4}}
@@ -81,14 +96,20 @@ def test_what_is_fixed_reaches_every_measurement_and_the_parameter_file(tmp_path
 
 def test_a_key_that_names_no_number_is_told_with_the_file(tmp_path):
     path = tmp_path / "task.toml"
-    path.write_text('kind = "identification"\nparameters = ["water.normal_dragg"]\n[table1]\nsigma = 0.05\n')
+    path.write_text(
+        'kind = "identification"\nparameters = ["water.normal_dragg"]\n[table1]\nsigma = 0.05\n'
+    )
     with pytest.raises(
-        RobotFileError, match=r"task\.toml: key `parameters`: must name numbers of .*'water.normal_dragg'"
+        RobotFileError,
+        match=r"task\.toml: key `parameters`: must name numbers of .*'water.normal_dragg'",
     ):
         load_task(path).run(threads=1)
     unknown = '{name = "water.tangential_friction", start = 0.15, lower = -1, upper = 0.5}'
     path.write_text(f'kind = "identification"\nparameters = [{unknown}]\n[table1]\nsigma = 0.05\n')
-    with pytest.raises(RobotFileError, match=r"task\.toml: key `lower` of `water.tangential_friction`: must be in its"):
+    with pytest.raises(
+        RobotFileError,
+        match=r"task\.toml: key `lower` of `water.tangential_friction`: must be in its",
+    ):
         load_task(path).run(threads=1)
     path.write_text(path.read_text().replace("-1", "0.03"))
     with pytest.raises(ValueError, match=r"^`threads` must be"):

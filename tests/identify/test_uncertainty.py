@@ -7,7 +7,9 @@ from laticauda.identify.uncertainty import log_density
 
 MEASURED = speeds(3, noise=0.002, duration=3.0)
 SIGMA = 0.5  # of a meter [W]
-OFFSET = speeds(3, noise=SIGMA, sigma=SIGMA, duration=1.0, figure="mean_power", tangential_friction=0.45)
+OFFSET = speeds(
+    3, noise=SIGMA, sigma=SIGMA, duration=1.0, figure="mean_power", tangential_friction=0.45
+)
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +26,9 @@ def test_where_the_model_is_about_linear_the_profile_is_the_interval(found):
 
 def test_where_the_noise_is_estimated_the_profile_has_the_quantile_of_student_too():
     """Three numbers, one unknown: 4.3 standard deviations, where the normal distribution would have 2.0."""
-    found = fit(OFFSET, parameters=["measured.power_offset"], n_starts=1, noise="estimated", threads=1)
+    found = fit(
+        OFFSET, parameters=["measured.power_offset"], n_starts=1, noise="estimated", threads=1
+    )
     ends, estimate = profile(found, "measured.power_offset"), found["measured.power_offset"]
     assert ends == pytest.approx(estimate.interval, rel=1e-3)
     assert ends[1] - ends[0] == pytest.approx(2 * 4.302653 * estimate.sigma, rel=2e-3)

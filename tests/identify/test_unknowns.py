@@ -38,10 +38,19 @@ def test_a_range_ends_where_the_field_ends():
     "fields, words",
     [
         ({"name": ""}, "`name` must be a text on one line that is not blank"),
-        ({"lower": 2.0, "upper": 1.0}, "`lower` of `water.normal_drag` must be < its `upper` of 1, got 2"),
-        ({"start": 3.0, "upper": 2.0}, "`start` of `water.normal_drag` must be between -inf and 2, got 3"),
+        (
+            {"lower": 2.0, "upper": 1.0},
+            "`lower` of `water.normal_drag` must be < its `upper` of 1, got 2",
+        ),
+        (
+            {"start": 3.0, "upper": 2.0},
+            "`start` of `water.normal_drag` must be between -inf and 2, got 3",
+        ),
         ({"scale": "cubic"}, "`scale` must be one of"),
-        ({"scale": "log", "lower": 0.0}, "`lower` of `water.normal_drag` must be > 0 on a log scale"),
+        (
+            {"scale": "log", "lower": 0.0},
+            "`lower` of `water.normal_drag` must be > 0 on a log scale",
+        ),
         ({"prior": (1.0, 0.0)}, "`sd of the prior` of `water.normal_drag` must be > 0"),
         ({"start": math.nan}, "`start` must be a finite number"),
         ({"size": -1.0}, "`size` must be > 0"),
@@ -56,5 +65,7 @@ def test_ends_that_the_field_does_not_allow_are_refused():
     rule = r"`lower` of `water.normal_drag` must be in its range, got -1: .*>= 0"
     with pytest.raises(ValueError, match=rule):
         resolved(Unknown(name=DRAG, lower=-1.0, scale="linear"))
-    with pytest.raises(ValueError, match=r"`start` of `robot.tether.drag` must be > 0 on a log scale, got 0"):
+    with pytest.raises(
+        ValueError, match=r"`start` of `robot.tether.drag` must be > 0 on a log scale, got 0"
+    ):
         resolved(Unknown(name="robot.tether.drag", scale="log"))

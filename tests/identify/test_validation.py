@@ -46,10 +46,18 @@ def test_what_was_left_out_is_described_worse(found):
 
 def test_a_group_whose_own_parameter_nothing_else_knows_cannot_be_predicted():
     rows = from_table1()[::3]
-    own = fit(rows, parameters=[f"lateral_undulation.{FRICTION}", f"eel_like.{FRICTION}"], n_starts=1)
+    own = fit(
+        rows, parameters=[f"lateral_undulation.{FRICTION}", f"eel_like.{FRICTION}"], n_starts=1
+    )
     assert np.isfinite(leave_out(own, "group").percentage_error())
-    common = [row for row in rows if not (row.scenario.gait.kind == "eel_like" and row.scenario.robot.caudal_fin)]
-    alone = fit(common, parameters=[f"lateral_undulation.{FRICTION}", f"eel_like.{FRICTION}"], n_starts=1)
+    common = [
+        row
+        for row in rows
+        if not (row.scenario.gait.kind == "eel_like" and row.scenario.robot.caudal_fin)
+    ]
+    alone = fit(
+        common, parameters=[f"lateral_undulation.{FRICTION}", f"eel_like.{FRICTION}"], n_starts=1
+    )
     assert np.isnan(leave_out(alone, "group").percentage_error())
 
 
@@ -62,10 +70,15 @@ def test_leaving_out_everything_is_refused(found):
 
 def test_null_models_stand_beside_it():
     rows = from_table1(selected_from=1)
-    beside = {null.name: null for null in compared_with_null_models(fit(rows, parameters=[FRICTION], n_starts=1))}
+    beside = {
+        null.name: null
+        for null in compared_with_null_models(fit(rows, parameters=[FRICTION], n_starts=1))
+    }
     simple = beside["constant + fin + eel"]
     assert simple.n_parameters == 3
-    assert (simple.fitted, simple.left_out, simple.group_left_out) == pytest.approx((6.2, 7.3, 9.1), abs=0.05)
+    assert (simple.fitted, simple.left_out, simple.group_left_out) == pytest.approx(
+        (6.2, 7.3, 9.1), abs=0.05
+    )
     assert np.isnan(beside["constant per group"].group_left_out)
 
 

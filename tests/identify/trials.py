@@ -23,11 +23,22 @@ def within(measurement, **changes):
 def gaits(n, seed=1):
     rng = np.random.default_rng(seed)
     ranges = {"amplitude": (0.3, 0.7), "frequency": (1.2, 2.6), "phase_shift": (0.4, 1.0)}
-    return [lc.lateral_undulation(**{name: rng.uniform(*ends) for name, ends in ranges.items()}) for _ in range(n)]
+    return [
+        lc.lateral_undulation(**{name: rng.uniform(*ends) for name, ends in ranges.items()})
+        for _ in range(n)
+    ]
 
 
 def speeds(
-    n=8, *, sigma=0.002, noise=0.0, seed=1, duration=8.0, figure="forward_velocity", joints="prescribed", **true
+    n=8,
+    *,
+    sigma=0.002,
+    noise=0.0,
+    seed=1,
+    duration=8.0,
+    figure="forward_velocity",
+    joints="prescribed",
+    **true,
 ):
     """Simulated figures in a water that is not the one that a fit begins with."""
     water = replace(WATER, **({"tangential_friction": 0.2} | true))

@@ -34,7 +34,9 @@ def test_a_node_starts_up_calibrates_and_is_ready_and_limp(operator):
     assert not any(node.is_on for node in tank.nodes)
     beats = [m for m in operator.heard() if isinstance(m, Heartbeat)]
     assert all(m.not_calibrated for m in beats)
-    assert len(beats) == pytest.approx(18 * 20, rel=0.2)  # ten a second, and one at every change of state
+    assert len(beats) == pytest.approx(
+        18 * 20, rel=0.2
+    )  # ten a second, and one at every change of state
 
 
 def test_every_node_answers_a_sync_with_its_joint(operator, straight):
@@ -65,7 +67,9 @@ def test_joints_go_where_they_are_told(operator, straight):
     assert [m.angle for m in answers] == pytest.approx(straight.tolist(), abs=0.01)
 
 
-def test_without_references_a_node_holds_and_then_goes_limp_and_must_be_enabled_anew(operator, straight):
+def test_without_references_a_node_holds_and_then_goes_limp_and_must_be_enabled_anew(
+    operator, straight
+):
     operator.ready()
     operator.cycle(straight, 5)
     operator.tank.advance(0.25)
@@ -116,7 +120,12 @@ def test_the_zero_is_what_the_operator_says_it_is():
     assert max(abs(errors)) > 0.02
 
     def mean_angle():
-        found = [m.angle for _ in range(100) for m in operator.tell(Sync(counter=0)) if isinstance(m, JointState)]
+        found = [
+            m.angle
+            for _ in range(100)
+            for m in operator.tell(Sync(counter=0))
+            if isinstance(m, JointState)
+        ]
         return sum(found[0::18]) / 100
 
     assert mean_angle() == pytest.approx(errors[0], abs=0.002)
@@ -127,8 +136,14 @@ def test_the_zero_is_what_the_operator_says_it_is():
 
 def test_an_order_to_one_node_is_answered_by_it_alone(operator):
     operator.ready(enable=False)
-    replies = [m for m in operator.tell(NodeCommand(node=7, order=Order.ENABLE)) if isinstance(m, CommandReply)]
-    assert [(m.node, m.order, m.result.name, m.state.name) for m in replies] == [(7, 1, "DONE", "ACTIVE")]
+    replies = [
+        m
+        for m in operator.tell(NodeCommand(node=7, order=Order.ENABLE))
+        if isinstance(m, CommandReply)
+    ]
+    assert [(m.node, m.order, m.result.name, m.state.name) for m in replies] == [
+        (7, 1, "DONE", "ACTIVE")
+    ]
 
 
 @pytest.mark.parametrize(
@@ -171,7 +186,8 @@ NOISE = NodeSettings().angle_noise
 
 
 def test_a_servo_that_stalls_under_a_load_and_then_goes_on_is_not_stuck():
-    # So it went in the tank: 2 s at full pull without a move, while the robot straightened against the water.
+    # So it went in the tank: 2 s at full pull without a move, while the robot straightened against
+    # the water.
     def angle(now):
         return -0.6 if now % 2.5 < 2.0 else -0.6 + 0.3 * (now % 2.5 - 2.0)
 
@@ -197,7 +213,11 @@ def test_a_leak_cannot_be_cleared_while_it_is_there(operator):
     assert operator.states[1] == "READY"
 
 
-FRAMES = st.lists(st.tuples(st.integers(0, 2**11 - 1) | st.sampled_from([1, 16, 0x100, 0x180]), st.binary(max_size=9)))
+FRAMES = st.lists(
+    st.tuples(
+        st.integers(0, 2**11 - 1) | st.sampled_from([1, 16, 0x100, 0x180]), st.binary(max_size=9)
+    )
+)
 
 
 @cache

@@ -25,7 +25,11 @@ def server():
             number += 1
             body = None
             if number % 2:
-                body = BodyPose(position=np.array([number * 1e-3, 2.0, -0.15]), rotation=np.eye(3), residual=0.001)
+                body = BodyPose(
+                    position=np.array([number * 1e-3, 2.0, -0.15]),
+                    rotation=np.eye(3),
+                    residual=0.001,
+                )
             found.publish(MocapFrame(timestamp=number / 100.0, number=number, bodies=(body,)))
 
     thread = threading.Thread(target=film)
@@ -103,7 +107,11 @@ def test_a_client_may_ask_for_fewer_frames_or_for_one(server):
 
 def test_what_a_real_server_can_do_besides_is_answered_or_refused(server):
     async def questions(client):
-        told = [await client.byte_order(), await client.qtm_version(), await client.take_control("x")]
+        told = [
+            await client.byte_order(),
+            await client.qtm_version(),
+            await client.take_control("x"),
+        ]
         told += [await client.release_control(), await client.new(), await client.start()]
         with pytest.raises(qtm_rt.QRTCommandException, match="Parse error"):
             await client.stream_frames(components=["3d"], on_packet=print)
@@ -129,11 +137,23 @@ def test_versions_that_we_do_not_speak_are_refused(server):
 
 @pytest.mark.parametrize("seed", range(20))
 def test_random_bytes_do_not_bring_the_server_down(server, seed):
-    random = np.random.default_rng(seed)  # not hypothesis: the other threads' checks of shapes disturb its chance
-    words = [b"streamframes", b"getparameters", b"version 1.25", b"allframes 6d", b"frequency:\xff", b"\0", b" "]
+    random = np.random.default_rng(
+        seed
+    )  # not hypothesis: the other threads' checks of shapes disturb its chance
+    words = [
+        b"streamframes",
+        b"getparameters",
+        b"version 1.25",
+        b"allframes 6d",
+        b"frequency:\xff",
+        b"\0",
+        b" ",
+    ]
     with socket.create_connection((server.host, server.port), timeout=2) as wire:
         for _ in range(10):
-            text = b"".join(random.choice(words) if random.random() < 0.7 else random.bytes(5) for _ in range(4))
+            text = b"".join(
+                random.choice(words) if random.random() < 0.7 else random.bytes(5) for _ in range(4)
+            )
             part = (
                 struct.pack("<II", 8 + len(text), random.integers(0, 8)) + text
                 if random.random() < 0.8
@@ -157,5 +177,7 @@ def test_it_still_serves_after_all_that(server):
 
 def test_it_listens_on_loopback_and_says_where_it_cannot(server):
     assert server.host == LOOPBACK
-    with pytest.raises(ServerFailed, match=f"The cameras' server cannot listen at 127.0.0.1:{server.port}: "):
+    with pytest.raises(
+        ServerFailed, match=f"The cameras' server cannot listen at 127.0.0.1:{server.port}: "
+    ):
         QtmServer(100.0, port=server.port).start()

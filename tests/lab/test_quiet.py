@@ -15,7 +15,9 @@ from laticauda.robot import load_ground
 def tank(robot: str | lc.Robot = "mamba-fin", **settings) -> Tank:
     built = lc.load_robot(robot) if isinstance(robot, str) else robot
     water = lc.load_water("paper-lateral")
-    return Tank(VirtualRobot(built, lc.plant(built, water, joints="servo")), LabSettings(**settings))
+    return Tank(
+        VirtualRobot(built, lc.plant(built, water, joints="servo")), LabSettings(**settings)
+    )
 
 
 def frames(of: Tank, duration: float):
@@ -65,7 +67,9 @@ def test_a_fin_comes_off_and_only_one_that_can():
     fin = losing.body.robot.caudal_fin
     assert fin is not None
     bending = replace(losing.body.robot, caudal_fin=replace(fin, n_hinges=1, flexural_rigidity=0.1))
-    with pytest.raises(ValueError, match="`kind` must not be `lost_fin`: only a fin without hinges"):
+    with pytest.raises(
+        ValueError, match="`kind` must not be `lost_fin`: only a fin without hinges"
+    ):
         tank(bending).inject(Fault(kind="lost_fin"))
 
 
@@ -86,7 +90,9 @@ def test_a_marker_body_turns_where_it_is():
     assist(slipped, "marker_slip angle_deg=5")
     (true, *_), (said, *_) = frames(tank(seed=3), 0.1), frames(slipped, 0.1)
     assert said.bodies[0].position == pytest.approx(true.bodies[0].position)
-    assert said.bodies[0].rotation == pytest.approx(true.bodies[0].rotation @ turn("yaw", math.radians(5.0)))
+    assert said.bodies[0].rotation == pytest.approx(
+        true.bodies[0].rotation @ turn("yaw", math.radians(5.0))
+    )
 
 
 def test_another_body_lies_where_the_robot_was():

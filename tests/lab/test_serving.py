@@ -99,7 +99,9 @@ def test_foreign_frames_do_nothing(lab):
     lab.tank.advance(0.3)
     with lab as addresses, open_bus(addresses.bus) as bus:
         bus.send(can.Message(arbitration_id=0x12345, data=b"x", is_extended_id=True))
-        bus.send(can.Message(arbitration_id=0x180, is_extended_id=False, is_remote_frame=True, dlc=2))
+        bus.send(
+            can.Message(arbitration_id=0x180, is_extended_id=False, is_remote_frame=True, dlc=2)
+        )
         bus.send(can.Message(arbitration_id=0x180, data=b"x" * 8, is_extended_id=False))
         bus.send(to_frame(Sync(counter=1)))
         assert len(heard(bus, JointState, 18)) == 18
@@ -134,7 +136,10 @@ def test_the_person_at_the_tank_does_what_a_line_says():
     assert [fault.kind for fault in tank.faults.present] == ["leak"]
     assert assist(tank, "clear") == "no faults"
     assert assist(tank, "carry 1 -0.5 90") == "the robot lies straight at 1 -0.5 m, heading 90 deg"
-    assert assist(tank, "truth") == "time 0.05 s, center of mass 1.0000 -0.5000 -0.1500 m, heading 90.00 deg"
+    assert (
+        assist(tank, "truth")
+        == "time 0.05 s, center of mass 1.0000 -0.5000 -0.1500 m, heading 90.00 deg"
+    )
     assert "Lines: a fault (frame_loss, " in assist(tank, "help")
     with pytest.raises(
         ValueError,

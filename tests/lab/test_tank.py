@@ -16,7 +16,9 @@ from laticauda.robot import load_robot, load_water
 from laticauda.simulate import plant, swim
 
 QUICK = NodeSettings(startup_time=0.1, calibration_time=0.1)
-GAIT = lateral_undulation(amplitude=math.radians(30), frequency=math.radians(120), phase_shift=math.radians(40))
+GAIT = lateral_undulation(
+    amplitude=math.radians(30), frequency=math.radians(120), phase_shift=math.radians(40)
+)
 
 
 def swum(operator, seconds):
@@ -36,7 +38,13 @@ def test_the_robot_swims_over_the_bus_as_it_swims_in_simulation(operator):
     begin = operator.tank.truth.center_of_mass
     swum(operator, 3.0)
     gone = np.linalg.norm(operator.tank.truth.center_of_mass - begin) / 3.0
-    trial = swim(operator.tank.body.robot, GAIT, environment=load_water("paper-lateral"), joints="servo", duration=3.0)
+    trial = swim(
+        operator.tank.body.robot,
+        GAIT,
+        environment=load_water("paper-lateral"),
+        joints="servo",
+        duration=3.0,
+    )
     assert gone == pytest.approx(trial.forward_velocity, rel=0.01)
     # Above idle: what the meter's supply gives, against what the servos take.
     taken = operator.tank.truth.electrical_work / 3.0
@@ -44,7 +52,9 @@ def test_the_robot_swims_over_the_bus_as_it_swims_in_simulation(operator):
 
 
 def test_the_same_calls_and_seed_give_the_same_frames():
-    one, other, third = (Operator(make_tank(replace(LabSettings(seed=seed), nodes=QUICK))) for seed in (1, 1, 2))
+    one, other, third = (
+        Operator(make_tank(replace(LabSettings(seed=seed), nodes=QUICK))) for seed in (1, 1, 2)
+    )
     heard = [swum(operator.ready(), 0.15) for operator in (one, other, third)]
     assert heard[0] == heard[1]
     assert heard[0] != heard[2]
@@ -77,7 +87,9 @@ def test_outside_the_cameras_volume_the_body_is_lost(operator):
 
 
 def test_noise_is_what_the_settings_say():
-    tank = make_tank(LabSettings(mocap=replace(LabSettings().mocap, reflection_share=0.0, lost_share=0.0)))
+    tank = make_tank(
+        LabSettings(mocap=replace(LabSettings().mocap, reflection_share=0.0, lost_share=0.0))
+    )
     tank.advance(4.0)
     frames = tank.captured()
     assert len(frames) == pytest.approx(396, abs=12)  # 1 % never come
@@ -152,7 +164,9 @@ def test_lost_and_corrupted_frames_are_as_many_as_asked_for(operator, straight):
     operator.tank.inject(Fault(kind="frame_loss", share=0.3, time=operator.tank.time))
     operator.cycle(straight)
     answers = sum(isinstance(m, JointState) for m in operator.cycle(straight, 80))
-    assert answers / (80 * 18) == pytest.approx(0.7**2, abs=0.06)  # the sync may be lost, and the answer
+    assert answers / (80 * 18) == pytest.approx(
+        0.7**2, abs=0.06
+    )  # the sync may be lost, and the answer
     operator.tank.faults.clear()
     operator.tank.inject(Fault(kind="frame_corruption", share=1.0, time=operator.tank.time))
     operator.cycle(straight)
@@ -195,8 +209,14 @@ def test_a_sync_is_answered_with_what_is_so_at_that_moment(operator, straight):
     straight[4] = 1.0
     operator.cycle(straight, 10)
     time = operator.tank.time
-    (first,) = [m for m in operator.tell(Sync(counter=1)) if isinstance(m, JointState) and m.node == 5]
-    (later,) = [m for m in operator.tell(Sync(counter=2), time + 0.005) if isinstance(m, JointState) and m.node == 5]
+    (first,) = [
+        m for m in operator.tell(Sync(counter=1)) if isinstance(m, JointState) and m.node == 5
+    ]
+    (later,) = [
+        m
+        for m in operator.tell(Sync(counter=2), time + 0.005)
+        if isinstance(m, JointState) and m.node == 5
+    ]
     assert later.angle - first.angle == pytest.approx(0.005 * first.rate, rel=0.2)
     assert operator.tank.time == pytest.approx(time + 0.005)
 
@@ -219,17 +239,25 @@ def test_the_truth_is_a_trial(operator):
     swum(operator, 1.0)
     trial = operator.tank.body.trial("0")
     assert trial.time[-1] == pytest.approx(operator.tank.time, abs=0.06)
-    np.testing.assert_allclose(trial.center_of_mass[-1], operator.tank.truth.center_of_mass[:2], atol=0.02)
+    np.testing.assert_allclose(
+        trial.center_of_mass[-1], operator.tank.truth.center_of_mass[:2], atol=0.02
+    )
 
 
 def test_only_robots_with_servos_and_no_more_joints_than_nodes_fit():
     robot, water = load_robot("mamba"), load_water("paper-lateral")
-    with pytest.raises(ValueError, match=r"`plant` must have `servo` or `speed-servo` joints, got 'prescribed'\."):
+    with pytest.raises(
+        ValueError, match=r"`plant` must have `servo` or `speed-servo` joints, got 'prescribed'\."
+    ):
         VirtualRobot(robot, plant(robot, water))
     many = load_robot("mamba", 21)
-    with pytest.raises(ValueError, match=r"`robot` must have 1 to 19 joints, a driven fin's included, got 20\."):
+    with pytest.raises(
+        ValueError, match=r"`robot` must have 1 to 19 joints, a driven fin's included, got 20\."
+    ):
         Tank(VirtualRobot(many, plant(many, water, joints="servo")))
-    with pytest.raises(ValueError, match="`plant` must have the 18 joints of the robot, or its 9 yaw joints, got 8"):
+    with pytest.raises(
+        ValueError, match="`plant` must have the 18 joints of the robot, or its 9 yaw joints, got 8"
+    ):
         VirtualRobot(load_robot("mamba-modules"), plant(robot, water, joints="servo"))
 
 
@@ -237,7 +265,10 @@ class Recorded(VirtualRobot):
     """Keeps what it did, or does what another one did."""
 
     def __init__(self, current, done=None):
-        robot, water = load_robot("mamba-modules"), replace(load_water("paper-lateral"), current=current)
+        robot, water = (
+            load_robot("mamba-modules"),
+            replace(load_water("paper-lateral"), current=current),
+        )
         super().__init__(robot, plant(robot, water, joints="servo"))
         self.done, self.again = [], iter(done or ())
 
@@ -259,7 +290,10 @@ def test_what_modules_and_cameras_say_is_what_the_robot_does_and_nothing_of_the_
     heard.append(swum(Operator(tanks[1]).ready(), 0.5))
     assert heard[0] == heard[1]
     one, other = (
-        [(frame.timestamp, *frame.bodies[0].position, *frame.bodies[0].rotation.flat) for frame in tank.captured()]
+        [
+            (frame.timestamp, *frame.bodies[0].position, *frame.bodies[0].rotation.flat)
+            for frame in tank.captured()
+        ]
         for tank in tanks
     )
     assert one == other

@@ -30,9 +30,13 @@ def test_a_map_says_what_swam_and_how(tmp_path):
 
 
 def test_files_are_found_beside_the_map(tmp_path):
-    (tmp_path / "own.toml").write_text('kind = "robot"\nextends = "mamba"\nname = "own"\n', encoding="utf-8")
+    (tmp_path / "own.toml").write_text(
+        'kind = "robot"\nextends = "mamba"\nname = "own"\n', encoding="utf-8"
+    )
     path = tmp_path / "map.toml"
-    path.write_text('kind = "columns"\nrobot = "own.toml"\nground = "viscous"\n' + PLACE, encoding="utf-8")
+    path.write_text(
+        'kind = "columns"\nrobot = "own.toml"\nground = "viscous"\n' + PLACE, encoding="utf-8"
+    )
     found = load_column_map(path)
     assert (found.robot.name, found.environment.name) == ("own", "viscous")
 
@@ -45,7 +49,10 @@ def test_files_are_found_beside_the_map(tmp_path):
             'kind = "columns"\nformat = 9\n',
             "key `format`: must be 1 to 2, which this version of laticauda reads, got 9",
         ),
-        ('kind = "columns"\nrobot = "mamba"\nenvironment = 3\n', "key `environment`: is not known; the keys here are"),
+        (
+            'kind = "columns"\nrobot = "mamba"\nenvironment = 3\n',
+            "key `environment`: is not known; the keys here are",
+        ),
         ('kind = "columns"\n', "key `robot`: is missing; every column map needs it"),
         ('kind = "columns"\nrobot = 3\n', "key `robot`: must be a text, got 3"),
         (
@@ -53,11 +60,26 @@ def test_files_are_found_beside_the_map(tmp_path):
             "key `water`: must not be given with `ground`",
         ),
         ('kind = "columns"\nrobot = "mambo"\n', "did you mean `mamba`?"),
-        ('kind = "columns"\nrobot = "mamba"\nspeed = 1\n', "key `speed`: is not known; the keys here are"),
-        ('kind = "columns"\nrobot = "mamba"\nstart = 3\nstop = 2\n', "key `stop`: must be > `start` = 3 s, got 2"),
-        ('kind = "columns"\nrobot = "mamba"\nsmoothing = 0\n', "key `smoothing`: must be > 0 s, got 0"),
-        ('kind = "columns"\nrobot = "mamba"\ndecimal = ";"\n', "key `decimal`: must be one of `.`, `,`, got ';'"),
-        ('kind = "columns"\nrobot = "mamba"\n[gait]\nkind = "eel"\n', "key `gait.amplitude`: is missing"),
+        (
+            'kind = "columns"\nrobot = "mamba"\nspeed = 1\n',
+            "key `speed`: is not known; the keys here are",
+        ),
+        (
+            'kind = "columns"\nrobot = "mamba"\nstart = 3\nstop = 2\n',
+            "key `stop`: must be > `start` = 3 s, got 2",
+        ),
+        (
+            'kind = "columns"\nrobot = "mamba"\nsmoothing = 0\n',
+            "key `smoothing`: must be > 0 s, got 0",
+        ),
+        (
+            'kind = "columns"\nrobot = "mamba"\ndecimal = ";"\n',
+            "key `decimal`: must be one of `.`, `,`, got ';'",
+        ),
+        (
+            'kind = "columns"\nrobot = "mamba"\n[gait]\nkind = "eel"\n',
+            "key `gait.amplitude`: is missing",
+        ),
         (
             'kind = "columns"\nrobot = "mamba"\n' + PLACE + BODY,
             "key `body`: must not be given beside `center_of_mass`",

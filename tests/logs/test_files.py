@@ -48,9 +48,13 @@ def test_every_preset_comes_back_with_its_trial(make_trial, path, name):
 def test_every_float_and_text_comes_back_to_the_last_bit(
     make_trial, tmp_path_factory, values, amplitude, setting, status
 ):
-    gait = Gait(envelope=EelLike(), amplitude=amplitude, frequency=1.0, phase_shift=-amplitude / 3.0)
+    gait = Gait(
+        envelope=EelLike(), amplitude=amplitude, frequency=1.0, phase_shift=-amplitude / 3.0
+    )
     angle = np.array(values).reshape(26, 9)
-    trial = make_trial(duration=0.5, link_angle=angle, gait=gait, notes={"x": setting}, status=status)
+    trial = make_trial(
+        duration=0.5, link_angle=angle, gait=gait, notes={"x": setting}, status=status
+    )
     path = tmp_path_factory.getbasetemp() / "any.nc"
     trial.save(path)
     assert load_trial(path).equals(trial)
@@ -59,7 +63,9 @@ def test_every_float_and_text_comes_back_to_the_last_bit(
 def test_a_robot_of_one_link_or_of_a_thousand_comes_back(make_trial, path):
     mamba = load_robot("mamba")
     for n_links in (1, 1000):
-        modules = tuple(dataclasses.replace(mamba.modules[0], mass=0.8 + 1e-3 * i) for i in range(n_links))
+        modules = tuple(
+            dataclasses.replace(mamba.modules[0], mass=0.8 + 1e-3 * i) for i in range(n_links)
+        )
         robot = Robot(name="long", modules=modules, joints=mamba.joints[:1] * (n_links - 1))
         trial = make_trial(duration=0.1, robot=robot)
         trial.save(path)
@@ -73,12 +79,19 @@ def test_the_file_opens_in_xarray_with_dimensions_and_units(full_trial, path):
         assert data.link_angle.dims == ("time", "link")
         assert data.link_force_drag.dims == ("time", "link", "axes")
         assert list(data.axis.values) == ["x", "y"]
-        assert all(np.issubdtype(data[name].dtype, np.number) for name in data.dims if name in data and name != "time")
+        assert all(
+            np.issubdtype(data[name].dtype, np.number)
+            for name in data.dims
+            if name in data and name != "time"
+        )
         chosen = data.swap_dims(axes="axis").center_of_mass.sel(axis="y")
         np.testing.assert_array_equal(chosen, full_trial.center_of_mass[:, 1])
         assert data.attrs["Conventions"].startswith("CF-")
         scenario = tomllib.loads(data.attrs["scenario"])
-        assert (scenario["robot"]["name"], scenario["gait"]["envelope"]["kind"]) == ("odd one", "custom")
+        assert (scenario["robot"]["name"], scenario["gait"]["envelope"]["kind"]) == (
+            "odd one",
+            "custom",
+        )
         assert data.joint_torque.attrs["units"] == "N m"
         for name, variable in data.data_vars.items():
             assert variable.attrs["units"], name
@@ -94,7 +107,10 @@ def test_the_dataset_in_memory_is_the_one_in_the_file_but_for_dates_and_the_dime
             since = data.time.attrs["units"]
             data.time.attrs = dict(trial.to_dataset().time.attrs)
             xarray.testing.assert_identical(trial.to_dataset(), data.swap_dims(axes="axis").load())
-        assert datetime.fromisoformat(f"{since.removeprefix('seconds since ')}+00:00").isoformat() == trial.created
+        assert (
+            datetime.fromisoformat(f"{since.removeprefix('seconds since ')}+00:00").isoformat()
+            == trial.created
+        )
     assert full_trial.to_dataset().link_angle.sel(time=0.5, link=3) == full_trial.link_angle[25, 3]
 
 
@@ -109,7 +125,9 @@ def test_xarray_reads_the_clock_on_the_wall(make_trial, path):
         assert data.time.attrs["standard_name"] == "time"
 
 
-@pytest.mark.parametrize(("created", "zero"), [("some day", "1970-01-01 00:00:00"), ("2026-11-27", "2026-11-27 00")])
+@pytest.mark.parametrize(
+    ("created", "zero"), [("some day", "1970-01-01 00:00:00"), ("2026-11-27", "2026-11-27 00")]
+)
 def test_a_trial_that_does_not_say_when_it_was_made_begins_in_1970_and_one_without_a_zone_in_utc(
     make_trial, path, created, zero
 ):
@@ -141,11 +159,21 @@ def test_an_older_file_is_replaced_and_nothing_else_is_left(make_trial, full_tri
 @pytest.mark.parametrize(
     ("where", "failure", "message"),
     [
-        ("os.fsync", OSError(28, "No space left on device"), r"run\.nc: cannot be written: No space left on device;"),
-        ("xarray.Dataset.to_netcdf", RuntimeError("NetCDF: HDF error"), r"HDF error; is the disk full\?"),
+        (
+            "os.fsync",
+            OSError(28, "No space left on device"),
+            r"run\.nc: cannot be written: No space left on device;",
+        ),
+        (
+            "xarray.Dataset.to_netcdf",
+            RuntimeError("NetCDF: HDF error"),
+            r"HDF error; is the disk full\?",
+        ),
     ],
 )
-def test_a_failed_write_leaves_the_old_file_and_no_litter(full_trial, path, monkeypatch, where, failure, message):
+def test_a_failed_write_leaves_the_old_file_and_no_litter(
+    full_trial, path, monkeypatch, where, failure, message
+):
     def fail(*_arguments: object, **_options: object) -> None:
         raise failure
 
@@ -159,26 +187,36 @@ def test_a_failed_write_leaves_the_old_file_and_no_litter(full_trial, path, monk
 
 def test_where_nothing_can_be_written_the_reason_is_given(make_trial, tmp_path):
     trial = make_trial(duration=1.0)
-    with pytest.raises(StorageFailed, match=r"missing.run\.nc: cannot be written: No such file or directory"):
+    with pytest.raises(
+        StorageFailed, match=r"missing.run\.nc: cannot be written: No such file or directory"
+    ):
         trial.save(tmp_path / "missing" / "run.nc")
     with pytest.raises(StorageFailed, match=r": cannot be written: Is a directory"):
         trial.save(tmp_path)
-    with pytest.raises(StorageFailed, match=r"missing.run\.csv: cannot be written: No such file or directory"):
+    with pytest.raises(
+        StorageFailed, match=r"missing.run\.csv: cannot be written: No such file or directory"
+    ):
         trial.save(tmp_path / "missing" / "run.csv")
     assert os.listdir(tmp_path) == []
 
 
 def test_where_nothing_can_be_read_the_reason_is_given(tmp_path):
-    with pytest.raises(TrialFileError, match=r"Cannot read .*none\.nc: no such file or directory\."):
+    with pytest.raises(
+        TrialFileError, match=r"Cannot read .*none\.nc: no such file or directory\."
+    ):
         load_trial(tmp_path / "none.nc")
     with pytest.raises(TrialFileError, match=r"Cannot read .*: is a directory\."):
         load_trial(tmp_path)
 
 
-@pytest.mark.parametrize("content", [b"", b"x", b"time,heading\n0,1\n" * 100, b"\x89HDF\r\n\x1a\n" + bytes(600)])
+@pytest.mark.parametrize(
+    "content", [b"", b"x", b"time,heading\n0,1\n" * 100, b"\x89HDF\r\n\x1a\n" + bytes(600)]
+)
 def test_a_file_that_is_no_netcdf_is_refused(path, content):
     path.write_bytes(content)
-    with pytest.raises(TrialFileError, match=r"Cannot load .*run\.nc: it is not a netCDF file, or it is damaged\."):
+    with pytest.raises(
+        TrialFileError, match=r"Cannot load .*run\.nc: it is not a netCDF file, or it is damaged\."
+    ):
         load_trial(path)
 
 
@@ -192,16 +230,26 @@ def test_a_file_of_a_newer_laticauda_is_refused(make_trial, path):
     make_trial().save(path)
     with netCDF4.Dataset(path, "a") as file:
         file.setncattr("laticauda_trial", 99)
-    with pytest.raises(TrialFileError, match="it has format 99, but this version of laticauda reads format 2"):
+    with pytest.raises(
+        TrialFileError, match="it has format 99, but this version of laticauda reads format 2"
+    ):
         load_trial(path)
 
 
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [
-        ("scenario", 'kind = "scenario"\nname = 3', r"Cannot load .*run\.nc: scenario: key `name`: is not known"),
+        (
+            "scenario",
+            'kind = "scenario"\nname = 3',
+            r"Cannot load .*run\.nc: scenario: key `name`: is not known",
+        ),
         ("scenario", "=", r"Cannot load .*run\.nc: "),
-        ("scenario", 'kind = "walk"', r'scenario: key `kind`: must be one of "scenario", "experiment"'),
+        (
+            "scenario",
+            'kind = "walk"',
+            r'scenario: key `kind`: must be one of "scenario", "experiment"',
+        ),
         ("scenario", 'kind = "experiment"\nnotes = 3', r"scenario: key `robot`: is missing"),
         ("link_force", '["lift"]', "it has no `link_force_lift`"),
         ("state", '{"gone": {"dtype": "<f8"}}', "it has no `bytes`"),
@@ -209,7 +257,9 @@ def test_a_file_of_a_newer_laticauda_is_refused(make_trial, path):
         ("has_electrical_work", 1, "it has no `electrical_work`"),
     ],
 )
-def test_a_file_with_a_wrong_attribute_is_refused_with_the_reason(make_trial, path, name, value, message):
+def test_a_file_with_a_wrong_attribute_is_refused_with_the_reason(
+    make_trial, path, name, value, message
+):
     make_trial(duration=1.0).save(path)
     with netCDF4.Dataset(path, "a") as file:
         file.setncattr(name, value)
@@ -247,7 +297,9 @@ def test_one_wrong_bit_anywhere_is_found(full_trial, path):
         damaged = bytearray(content)
         damaged[place] ^= 1 << int(rng.integers(8))
         path.write_bytes(damaged)
-        with pytest.raises(TrialFileError, match=r"Cannot load .*run\.nc: it is damaged: its checksum is wrong\."):
+        with pytest.raises(
+            TrialFileError, match=r"Cannot load .*run\.nc: it is damaged: its checksum is wrong\."
+        ):
             load_trial(path)
 
 
@@ -256,7 +308,10 @@ def test_a_file_that_was_cut_off_is_refused(full_trial, path):
     content = path.read_bytes()
     for size in (1, 100, 4096, len(content) // 2, len(content) - 200):
         path.write_bytes(content[:size])
-        with pytest.raises(TrialFileError, match=r"Cannot load .*run\.nc: it is not a netCDF file, or it is damaged\."):
+        with pytest.raises(
+            TrialFileError,
+            match=r"Cannot load .*run\.nc: it is not a netCDF file, or it is damaged\.",
+        ):
             load_trial(path)
 
 
@@ -281,9 +336,13 @@ def test_a_csv_has_a_header_with_units_and_every_number(full_trial, tmp_path):
     assert len(set(header)) == len(header)
     assert numbers.shape == (full_trial.time.size, len(header))
     assert header[:3] == ["time [s]", "center_of_mass_x [m]", "center_of_mass_y [m]"]
-    np.testing.assert_array_equal(numbers[:, header.index("joint_torque_2 [N m]")], full_trial.joint_torque[:, 2])
+    np.testing.assert_array_equal(
+        numbers[:, header.index("joint_torque_2 [N m]")], full_trial.joint_torque[:, 2]
+    )
     force = full_trial.link_force["drag"]
-    np.testing.assert_array_equal(numbers[:, header.index("link_force_drag_3_y [N]")], force[:, 3, 1])
+    np.testing.assert_array_equal(
+        numbers[:, header.index("link_force_drag_3_y [N]")], force[:, 3, 1]
+    )
 
 
 def test_saving_and_loading_warn_of_nothing(full_trial, path):

@@ -17,7 +17,13 @@ from laticauda.logs import load_trial
 from laticauda.robot import load_robot
 from laticauda.trial import Format, Trial
 
-LIBRARIES = {".nc": "netCDF4", ".mcap": "mcap", ".parquet": "pyarrow", ".mat": "scipy", ".csv": "csv"}
+LIBRARIES = {
+    ".nc": "netCDF4",
+    ".mcap": "mcap",
+    ".parquet": "pyarrow",
+    ".mat": "scipy",
+    ".csv": "csv",
+}
 WHOLE = [ending for ending in Format.endings() if ending != ".csv"]
 
 
@@ -39,7 +45,9 @@ def test_a_trial_in_space_loads_back_equal(make_trial, ending, tmp_path):
     assert load_trial(tmp_path / f"run{ending}").equals(trial)
 
 
-def test_a_trial_of_one_sample_and_a_time_before_zero_loads_back_equal(make_trial, ending, tmp_path):
+def test_a_trial_of_one_sample_and_a_time_before_zero_loads_back_equal(
+    make_trial, ending, tmp_path
+):
     trial = make_trial(duration=0.0)
     trial = dataclasses.replace(trial, time=trial.time - 3.3, not_measured=("work", "joint_torque"))
     trial.save(tmp_path / f"run{ending}")
@@ -81,7 +89,7 @@ def test_a_table_alone_does_not_say_what_swam(full_trial, tmp_path):
         load_trial(tmp_path / "run.csv")
 
 
-# ---- read by others ------------------------------------------------------------------------------------------------
+# ---- read by others ------------------------------------------------------------------------------
 
 
 def test_the_package_mcap_reads_what_the_trial_holds(full_trial: Trial, tmp_path: Path):
@@ -101,17 +109,27 @@ def test_the_package_mcap_reads_what_the_trial_holds(full_trial: Trial, tmp_path
     assert np.array_equal([one.velocity for one in joints], full_trial.joint_rate)
     assert np.array_equal([one.effort for one in joints], full_trial.joint_torque)
     assert joints[0].name == ["joint_0", "joint_1", "joint_2"]
-    assert np.array_equal([one.position for one in found["/joint_reference"]], full_trial.joint_angle_ref)
+    assert np.array_equal(
+        [one.position for one in found["/joint_reference"]], full_trial.joint_angle_ref
+    )
     assert np.array_equal([one.data for one in found["/trial/heading"]], full_trial.heading)
     poses = [one.pose for one in found["/center_of_mass"]]
-    assert np.array_equal([[one.position.x, one.position.y] for one in poses], full_trial.center_of_mass)
-    assert np.allclose([2.0 * np.arctan2(one.orientation.z, one.orientation.w) for one in poses], full_trial.heading)
+    assert np.array_equal(
+        [[one.position.x, one.position.y] for one in poses], full_trial.center_of_mass
+    )
+    assert np.allclose(
+        [2.0 * np.arctan2(one.orientation.z, one.orientation.w) for one in poses],
+        full_trial.heading,
+    )
     links = [f"module_{i}" for i in range(4)]
     moving = [(one.header.frame_id, one.child_frame_id) for one in found["/tf"][0].transforms]
     assert moving == list(zip(["world", "world", *links], ["robot", *links], strict=False))
     (description,), (static,) = found["/robot_description"], found["/tf_static"]
     still = [one.child_frame_id for one in static.transforms]
-    assert {one.get("name") for one in ET.fromstring(description.data).iter("link")} == {*links, *still}
+    assert {one.get("name") for one in ET.fromstring(description.data).iter("link")} == {
+        *links,
+        *still,
+    }
     made = datetime.fromisoformat(full_trial.created).timestamp()
     assert np.allclose(stamps, full_trial.time + made, atol=1e-6)
 
@@ -125,11 +143,15 @@ def test_the_links_of_a_viewer_are_where_the_links_are(make_trial, tmp_path):
     trial = make_trial(duration=1.0)
     trial.save(tmp_path / "run.mcap")
     last = list(open_recording(tmp_path / "run.mcap").messages("/tf"))[-1].content["transforms"]
-    ends = Posture(trial.robot, trial.center_of_mass, trial.link_angle, trial.fin_angle).link_ends[-1]
+    ends = Posture(trial.robot, trial.center_of_mass, trial.link_angle, trial.fin_angle).link_ends[
+        -1
+    ]
     place, angle = np.zeros(2), 0.0
     for i, one in enumerate(one for one in last if one["child_frame_id"] != "robot"):
         turn, offset = one["transform"]["rotation"], one["transform"]["translation"]
-        place = place + np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]) @ [
+        place = place + np.array(
+            [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+        ) @ [
             offset["x"],
             offset["y"],
         ]
@@ -145,11 +167,15 @@ def test_the_same_trial_makes_the_same_file(full_trial, tmp_path):
     assert (tmp_path / "one.mcap").read_bytes() == (tmp_path / "two.mcap").read_bytes()
 
 
-def test_where_nobody_measured_how_the_robot_was_bent_its_place_alone_is_drawn(make_trial, tmp_path):
+def test_where_nobody_measured_how_the_robot_was_bent_its_place_alone_is_drawn(
+    make_trial, tmp_path
+):
     pytest.importorskip("mcap")
     from laticauda.logs import open_recording
 
-    dataclasses.replace(make_trial(duration=1.0), not_measured=("joint_angle",)).save(tmp_path / "run.mcap")
+    dataclasses.replace(make_trial(duration=1.0), not_measured=("joint_angle",)).save(
+        tmp_path / "run.mcap"
+    )
     first = next(open_recording(tmp_path / "run.mcap").messages("/tf")).content["transforms"]
     assert [one["child_frame_id"] for one in first] == ["robot"]
 
@@ -177,7 +203,9 @@ def test_a_mat_file_that_crashes_its_library_is_refused(tmp_path, place):
 def test_a_mat_file_that_keeps_its_library_for_ever_is_refused(full_trial, tmp_path, monkeypatch):
     full_trial.save(tmp_path / "run.mat")
     monkeypatch.setattr("laticauda.logs.tabular._PATIENCE", 0.001)
-    with pytest.raises(TrialFileError, match=r"run\.mat: it is damaged: reading it takes longer than 0\.001 s"):
+    with pytest.raises(
+        TrialFileError, match=r"run\.mat: it is damaged: reading it takes longer than 0\.001 s"
+    ):
         load_trial(tmp_path / "run.mat")
 
 
@@ -193,7 +221,11 @@ def test_octave_reads_a_mat_file(full_trial, tmp_path):
     """
     (tmp_path / "read.m").write_text(script)
     done = subprocess.run(
-        ["octave-cli", "--no-init-file", "read.m"], cwd=tmp_path, capture_output=True, text=True, timeout=60
+        ["octave-cli", "--no-init-file", "read.m"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=60,
     )
     assert done.returncode == 0, done.stderr
     speed, angle, unit, is_custom, rows = done.stdout.splitlines()

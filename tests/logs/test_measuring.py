@@ -51,7 +51,10 @@ def swum(make_trial: Callable[..., Trial]) -> Trial:
 
 def marker(trial: Trial, link: int = 0, offset: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
     """Where a marker on a link is [m]."""
-    posture, angle = Posture(ROBOT, trial.center_of_mass, trial.link_angle), trial.link_angle[:, link]
+    posture, angle = (
+        Posture(ROBOT, trial.center_of_mass, trial.link_angle),
+        trial.link_angle[:, link],
+    )
     middle = posture.link_centers[:, link]
     along, left = offset
     x = middle[:, 0] + along * np.cos(angle) - left * np.sin(angle)
@@ -89,15 +92,19 @@ def assert_same(found: Trial, swum: Trial, places: float = 1e-9, rates: float = 
         assert getattr(found, name) == pytest.approx(getattr(swum, name), abs=places), name
     assert found.forward_velocity == pytest.approx(swum.forward_velocity, abs=places)
     assert found.heading_rate == pytest.approx(swum.heading_rate, abs=20 * rates)
-    assert found.center_of_mass_velocity == pytest.approx(swum.center_of_mass_velocity, abs=20 * rates)
+    assert found.center_of_mass_velocity == pytest.approx(
+        swum.center_of_mass_velocity, abs=20 * rates
+    )
     assert found.turning_rate == pytest.approx(swum.turning_rate, abs=rates)
 
 
-# ---- where the robot was -------------------------------------------------------------------------------------------
+# ---- where the robot was -------------------------------------------------------------------------
 
 
 def test_a_marker_on_the_tail_and_the_joint_angles_give_the_whole_trial(swum, tmp_path):
-    found = load_trial(write(tmp_path / "log.csv", tail_log(swum)), mapped(tmp_path, MAP + BODY + JOINTS))
+    found = load_trial(
+        write(tmp_path / "log.csv", tail_log(swum)), mapped(tmp_path, MAP + BODY + JOINTS)
+    )
     assert_same(found, swum)
     assert found.gait == swum.gait or found.gait.frequency == pytest.approx(swum.gait.frequency)
     assert found.status == "Measured, without gaps."
@@ -106,9 +113,13 @@ def test_a_marker_on_the_tail_and_the_joint_angles_give_the_whole_trial(swum, tm
 
 
 def test_what_was_not_measured_has_no_figures_and_says_so(swum, tmp_path):
-    found = load_trial(write(tmp_path / "log.csv", tail_log(swum)), mapped(tmp_path, MAP + BODY + JOINTS))
+    found = load_trial(
+        write(tmp_path / "log.csv", tail_log(swum)), mapped(tmp_path, MAP + BODY + JOINTS)
+    )
     assert found.not_measured == ("joint_angle_ref", "joint_torque", "work")
-    with pytest.raises(ValueError, match="must have a measured `work` for a mechanical power, and it has none"):
+    with pytest.raises(
+        ValueError, match="must have a measured `work` for a mechanical power, and it has none"
+    ):
         _ = found.mechanical_power
     summary = found.summary()
     assert summary["mechanical_power"] is None
@@ -135,7 +146,9 @@ def test_the_marker_may_be_on_any_link_and_beside_its_middle(swum, tmp_path, lin
     offset = [0.03, -0.02]
     angle_offset_deg = 25.0
     """
-    assert_same(load_trial(write(tmp_path / "log.csv", log), mapped(tmp_path, MAP + text + JOINTS)), swum)
+    assert_same(
+        load_trial(write(tmp_path / "log.csv", log), mapped(tmp_path, MAP + text + JOINTS)), swum
+    )
 
 
 @pytest.mark.parametrize("forward", ["x", "-x", "y", "-y", "z", "-z"])
@@ -143,16 +156,24 @@ def test_the_marker_may_be_on_any_link_and_beside_its_middle(swum, tmp_path, lin
 def test_axes_of_the_tank_and_of_the_rigid_body_may_be_any(swum, tmp_path, forward, kind):
     """The file's y is up, its z points to our right; the body's forward axis is any of its own."""
     Rotation = pytest.importorskip("scipy.spatial.transform").Rotation
-    ours_in_file = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # rows: our x, y, z
+    ours_in_file = np.array(
+        [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]
+    )  # rows: our x, y, z
     place = marker(swum)
     in_file = np.hstack((place, np.zeros((len(place), 1)))) @ ours_in_file
     sign, axis = (-1.0 if forward[0] == "-" else 1.0), "xyz".index(forward[-1])
-    ahead = np.stack((np.cos(swum.link_angle[:, 0]), np.sin(swum.link_angle[:, 0]), np.zeros(len(place))), axis=1)
+    ahead = np.stack(
+        (np.cos(swum.link_angle[:, 0]), np.sin(swum.link_angle[:, 0]), np.zeros(len(place))), axis=1
+    )
     matrix = np.empty((len(place), 3, 3))
     matrix[:, :, axis] = sign * ahead @ ours_in_file
     matrix[:, :, (axis + 1) % 3] = ours_in_file[2]  # up
     matrix[:, :, (axis + 2) % 3] = np.cross(matrix[:, :, axis], matrix[:, :, (axis + 1) % 3])
-    log = {"t": swum.time, **{name: in_file[:, i] for i, name in enumerate(("X", "Y", "Z"))}, **joints_deg(swum)}
+    log = {
+        "t": swum.time,
+        **{name: in_file[:, i] for i, name in enumerate(("X", "Y", "Z"))},
+        **joints_deg(swum),
+    }
     if kind == "rotation":
         log |= {f"R{i}": matrix[:, i % 3, i // 3] for i in range(9)}
         turn = [f"R{i}" for i in range(9)]
@@ -171,7 +192,9 @@ def test_axes_of_the_tank_and_of_the_rigid_body_may_be_any(swum, tmp_path, forwa
     {kind} = {json.dumps(turn)}
     forward = "{forward}"
     """
-    assert_same(load_trial(write(tmp_path / "log.csv", log), mapped(tmp_path, MAP + text + JOINTS)), swum)
+    assert_same(
+        load_trial(write(tmp_path / "log.csv", log), mapped(tmp_path, MAP + text + JOINTS)), swum
+    )
 
 
 def test_the_origin_and_the_rotation_of_the_frame_move_the_path(swum, tmp_path):
@@ -213,16 +236,25 @@ def test_a_place_alone_gives_speed_and_course_and_refuses_the_rest(swum, tmp_pat
 
 
 def test_a_heading_beside_the_place_gives_the_turning_rate(swum, tmp_path):
-    log = {"t": swum.time, "x": swum.center_of_mass[:, 0], "y": swum.center_of_mass[:, 1], "h": swum.heading}
-    text = '[time]\ncolumn = "t"\n[center_of_mass]\nposition = ["x", "y"]\n[heading]\ncolumn = "h"\n'
+    log = {
+        "t": swum.time,
+        "x": swum.center_of_mass[:, 0],
+        "y": swum.center_of_mass[:, 1],
+        "h": swum.heading,
+    }
+    text = (
+        '[time]\ncolumn = "t"\n[center_of_mass]\nposition = ["x", "y"]\n[heading]\ncolumn = "h"\n'
+    )
     found = load_trial(write(tmp_path / "log.csv", log), mapped(tmp_path, MAP + text))
     assert found.turning_rate == pytest.approx(swum.turning_rate, abs=1e-5)
     assert "link_angle" in found.not_measured
-    with_joints = load_trial(write(tmp_path / "log.csv", log | joints_deg(swum)), mapped(tmp_path, MAP + text + JOINTS))
+    with_joints = load_trial(
+        write(tmp_path / "log.csv", log | joints_deg(swum)), mapped(tmp_path, MAP + text + JOINTS)
+    )
     assert with_joints.link_angle == pytest.approx(swum.link_angle, abs=1e-9)
 
 
-# ---- joints and power ----------------------------------------------------------------------------------------------
+# ---- joints and power ----------------------------------------------------------------------------
 
 
 def test_joints_may_be_numbered_from_the_head_and_positive_to_the_right(swum, tmp_path):
@@ -244,7 +276,9 @@ def test_torques_give_work_and_a_reference_is_kept(swum, tmp_path):
         '[joint_torque]\ncolumns = "u{}"\nunit = "N mm"\n'
         '[joint_rate]\ncolumns = "w{}"\n[joint_angle_ref]\ncolumns = "r{}"\n'
     )
-    found = load_trial(write(tmp_path / "log.csv", log), mapped(tmp_path, MAP + BODY + JOINTS + text))
+    found = load_trial(
+        write(tmp_path / "log.csv", log), mapped(tmp_path, MAP + BODY + JOINTS + text)
+    )
     power = np.sum(np.abs(swum.joint_torque * swum.joint_rate), axis=1)
     assert found.not_measured == ()
     assert found.mechanical_power == pytest.approx(np.mean(power), rel=1e-3)
@@ -264,14 +298,19 @@ def test_current_and_voltage_give_the_power_above_idle(swum, tmp_path):
 
 def test_signals_and_a_part_of_the_log(swum, tmp_path):
     log = tail_log(swum) | {"p": np.arange(swum.time.size)}
-    text = MAP.replace("\n[gait]", "start = 5.0\nstop = 25.0\n[gait]") + BODY + JOINTS + '[signals]\ncount = "p"\n'
+    text = (
+        MAP.replace("\n[gait]", "start = 5.0\nstop = 25.0\n[gait]")
+        + BODY
+        + JOINTS
+        + '[signals]\ncount = "p"\n'
+    )
     found = load_trial(write(tmp_path / "log.csv", log), mapped(tmp_path, text))
     assert (found.time[0], found.time[-1]) == pytest.approx((0.0, 20.0))
     assert found.signals["count"][0] == 500
     assert found.center_of_mass[0] == pytest.approx(swum.center_of_mass[500])
 
 
-# ---- other kinds of files ------------------------------------------------------------------------------------------
+# ---- other kinds of files ------------------------------------------------------------------------
 
 
 def test_semicolons_decimal_commas_comments_and_a_byte_order_mark_are_read(swum, tmp_path):
@@ -287,7 +326,9 @@ def test_a_parquet_file_and_a_mat_file_of_others(swum, tmp_path):
     pyarrow, parquet = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
     savemat = pytest.importorskip("scipy.io").savemat
     log = tail_log(swum)
-    parquet.write_table(pyarrow.table(log | {"words": ["a"] * swum.time.size}), tmp_path / "log.parquet")
+    parquet.write_table(
+        pyarrow.table(log | {"words": ["a"] * swum.time.size}), tmp_path / "log.parquet"
+    )
     assert_same(load_trial(tmp_path / "log.parquet", mapped(tmp_path, MAP + BODY + JOINTS)), swum)
     phi = np.stack([log.pop(f"phi_{i}") for i in range(8)], axis=1)
     savemat(tmp_path / "log.mat", log | {"phi": phi})
@@ -299,14 +340,29 @@ def test_a_csv_file_that_laticauda_wrote_is_taken_number_by_number(full_trial, t
 
     full_trial.save(tmp_path / "run.csv")
     (tmp_path / "odd.toml").write_text(to_toml(full_trial.robot), encoding="utf-8")
-    found = load_trial(tmp_path / "run.csv", mapped(tmp_path, 'kind = "columns"\nrobot = "odd.toml"\n'))
-    for name in ("time", "center_of_mass", "joint_torque", "work", "electrical_work", "heading_rate"):
+    found = load_trial(
+        tmp_path / "run.csv", mapped(tmp_path, 'kind = "columns"\nrobot = "odd.toml"\n')
+    )
+    for name in (
+        "time",
+        "center_of_mass",
+        "joint_torque",
+        "work",
+        "electrical_work",
+        "heading_rate",
+    ):
         assert np.array_equal(getattr(found, name), getattr(full_trial, name)), name
     assert set(found.signals) == set(full_trial.signals)
     assert found.not_measured == ()
 
 
-def c3d(path: Path, points: dict[str, np.ndarray], unit: str, rate: float, analog: np.ndarray | None = None) -> None:
+def c3d(
+    path: Path,
+    points: dict[str, np.ndarray],
+    unit: str,
+    rate: float,
+    analog: np.ndarray | None = None,
+) -> None:
     """Markers by name [unit], and one analog channel I."""
     ezc3d = pytest.importorskip("ezc3d")
     file = ezc3d.c3d()
@@ -351,7 +407,10 @@ def test_a_marker_that_was_lost_for_a_moment_is_filled_and_said(swum, tmp_path):
     points["m4"][700:705] = np.nan
     c3d(path, points, "mm", 100.0)
     found = load_trial(path, mapped(tmp_path, MAP + ENDS))
-    assert found.status == "Measured; 5 of 3001 samples had gaps in m4 X, m4 Y, m4 Z, filled by straight lines."
+    assert (
+        found.status
+        == "Measured; 5 of 3001 samples had gaps in m4 X, m4 Y, m4 Z, filled by straight lines."
+    )
     assert found.settings["filled_samples"] == 5
     assert_same(found, swum, places=2e-3, rates=0.02)
     points["m4"][700:800] = np.nan
@@ -420,34 +479,66 @@ def test_a_rigid_body_of_qtm_is_found_by_its_name(still_tail, tmp_path):
 
 def test_trajectories_of_qtm_with_and_without_the_row_of_names(swum, tmp_path):
     points = {name: 1e3 * one for name, one in ends_in_space(swum).items()}
-    head = [f"NO_OF_FRAMES\t{swum.time.size}", "NO_OF_MARKERS\t10", "FREQUENCY\t100", "DATA_INCLUDED\t3D"]
-    head += ["MARKER_NAMES\t" + "\t".join(points), "TRAJECTORY_TYPES\t" + "\t".join(["Measured"] * 10)]
+    head = [
+        f"NO_OF_FRAMES\t{swum.time.size}",
+        "NO_OF_MARKERS\t10",
+        "FREQUENCY\t100",
+        "DATA_INCLUDED\t3D",
+    ]
+    head += [
+        "MARKER_NAMES\t" + "\t".join(points),
+        "TRAJECTORY_TYPES\t" + "\t".join(["Measured"] * 10),
+    ]
     names = "\t".join(f"{name} {axis}" for name in points for axis in "XYZ")
-    rows = ["\t".join(f"{cell:.4f}" for one in points.values() for cell in one[k]) for k in range(swum.time.size)]
+    rows = [
+        "\t".join(f"{cell:.4f}" for one in points.values() for cell in one[k])
+        for k in range(swum.time.size)
+    ]
     numbered = [f"{k + 1}\t{0.01 * k:.5f}\t{row}" for k, row in enumerate(rows)]
-    for lines in ([*head, *rows], [*head, names, *rows], [*head, f"Frame\tTime\t{names}\t", *numbered]):
+    for lines in (
+        [*head, *rows],
+        [*head, names, *rows],
+        [*head, f"Frame\tTime\t{names}\t", *numbered],
+    ):
         path = tmp_path / "run.tsv"
         path.write_text("\n".join(lines) + "\n")
         assert_same(load_trial(path, mapped(tmp_path, MAP + ENDS)), swum, places=1e-5, rates=5e-3)
     path.write_text("\n".join([*head, *rows[:-10]]) + "\n")
-    with pytest.raises(TrialFileError, match=r"NO_OF_FRAMES says 3001, but there are 2991 rows: is it cut off\?"):
+    with pytest.raises(
+        TrialFileError, match=r"NO_OF_FRAMES says 3001, but there are 2991 rows: is it cut off\?"
+    ):
         load_trial(path, mapped(tmp_path, MAP + ENDS))
     path.write_text("\n".join([*head, *rows])[:-40] + "\n")
     with pytest.raises(TrialFileError, match=r"row 3007 must have 30 cells"):
         load_trial(path, mapped(tmp_path, MAP + ENDS))
 
 
-# ---- what is refused -----------------------------------------------------------------------------------------------
+# ---- what is refused -----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda log: log | {"t": log["t"][::-1]}, r"`t` must increase strictly, got 30.0 s and then 29.99"),
-        (lambda log: log | {"t": 1e3 * log["t"]}, r"`t` must have steps of at most 1 s, got 10 s; is its unit ms\?"),
-        (lambda log: log | {"x": 1e3 * log["x"]}, r"must swim at most 5 lengths per second, .*; is `length_unit` mm\?"),
-        (lambda log: log | {"phi_3": 60.0 * log["phi_3"]}, r"`joint_angle` must be between -pi and pi rad, got"),
-        (lambda log: {k: v for k, v in log.items() if k != "yaw"}, r"The file has no column `yaw`.*; it has t, x, y"),
+        (
+            lambda log: log | {"t": log["t"][::-1]},
+            r"`t` must increase strictly, got 30.0 s and then 29.99",
+        ),
+        (
+            lambda log: log | {"t": 1e3 * log["t"]},
+            r"`t` must have steps of at most 1 s, got 10 s; is its unit ms\?",
+        ),
+        (
+            lambda log: log | {"x": 1e3 * log["x"]},
+            r"must swim at most 5 lengths per second, .*; is `length_unit` mm\?",
+        ),
+        (
+            lambda log: log | {"phi_3": 60.0 * log["phi_3"]},
+            r"`joint_angle` must be between -pi and pi rad, got",
+        ),
+        (
+            lambda log: {k: v for k, v in log.items() if k != "yaw"},
+            r"The file has no column `yaw`.*; it has t, x, y",
+        ),
         (lambda log: {k: v[:1] for k, v in log.items()}, r"`t` must have at least 2 samples"),
         (
             lambda log: {k: np.delete(v, range(500, 700)) for k, v in log.items()},
@@ -470,23 +561,32 @@ def test_a_log_that_cannot_be_right_is_refused(swum, tmp_path, change, message):
         ("t,x,t\n1,2,3\n", r"row 1 must name every column once, got `t` twice"),
         ("t,x\n1,2\n2\n", r"row 3 must have 2 cells, as row 1 has, got 1"),
         ("t,x,y,yaw\n0,0,0,0\n1,oops,0,0\n", r"Column `x` must hold numbers, got 'oops' in row 3"),
-        ("NO_OF_FRAMES\t1\nDATA_INCLUDED\tanalog\n", r"DATA_INCLUDED must be 3D or 6D, got 'analog'"),
+        (
+            "NO_OF_FRAMES\t1\nDATA_INCLUDED\tanalog\n",
+            r"DATA_INCLUDED must be 3D or 6D, got 'analog'",
+        ),
     ],
 )
 def test_a_table_that_makes_no_sense_is_refused(tmp_path, text, message):
     (tmp_path / "log.csv").write_text(text)
     with pytest.raises(TrialFileError, match=r"Cannot load .*log.csv by .*map.toml: " + message):
-        load_trial(tmp_path / "log.csv", mapped(tmp_path, MAP.replace("longest", "") + BODY + JOINTS))
+        load_trial(
+            tmp_path / "log.csv", mapped(tmp_path, MAP.replace("longest", "") + BODY + JOINTS)
+        )
 
 
 def test_a_file_that_is_not_there_is_said(tmp_path):
     for ending in ("csv", "c3d", "parquet", "mat"):
-        with pytest.raises(TrialFileError, match=rf"Cannot read .*none.{ending} by .*map.toml: no such file"):
+        with pytest.raises(
+            TrialFileError, match=rf"Cannot read .*none.{ending} by .*map.toml: no such file"
+        ):
             load_trial(tmp_path / f"none.{ending}", mapped(tmp_path, MAP + BODY + JOINTS))
 
 
 def test_a_measured_trial_is_stored_and_loaded_equal(swum, tmp_path):
-    found = load_trial(write(tmp_path / "log.csv", tail_log(swum)), mapped(tmp_path, MAP + BODY + JOINTS))
+    found = load_trial(
+        write(tmp_path / "log.csv", tail_log(swum)), mapped(tmp_path, MAP + BODY + JOINTS)
+    )
     found.save(tmp_path / "run.nc")
     assert load_trial(tmp_path / "run.nc").equals(found)
 
@@ -494,8 +594,18 @@ def test_a_measured_trial_is_stored_and_loaded_equal(swum, tmp_path):
 def test_a_robot_with_pitch_joints_is_followed_as_its_planar_chain(make_trial, tmp_path):
     robot: Robot = load_robot("mamba-modules")
     trial = make_trial(robot=robot, duration=5.0)
-    log = {"t": trial.time, "x": trial.center_of_mass[:, 0], "y": trial.center_of_mass[:, 1], "h": trial.heading}
+    log = {
+        "t": trial.time,
+        "x": trial.center_of_mass[:, 0],
+        "y": trial.center_of_mass[:, 1],
+        "h": trial.heading,
+    }
     log |= {f"phi_{i}": np.degrees(one) for i, one in enumerate(trial.joint_angle.T)}
-    text = '[time]\ncolumn = "t"\n[center_of_mass]\nposition = ["x", "y"]\n[heading]\ncolumn = "h"\n' + JOINTS
-    found = load_trial(write(tmp_path / "log.csv", log), mapped(tmp_path, MAP.replace("-fin", "-modules") + text))
+    text = (
+        '[time]\ncolumn = "t"\n[center_of_mass]\nposition = ["x", "y"]\n[heading]\ncolumn = "h"\n'
+        + JOINTS
+    )
+    found = load_trial(
+        write(tmp_path / "log.csv", log), mapped(tmp_path, MAP.replace("-fin", "-modules") + text)
+    )
     assert found.link_angle == pytest.approx(trial.link_angle, abs=1e-9)

@@ -14,7 +14,9 @@ def record_everything(path: Path, n: int = 30) -> None:
         recorder.metadata("robot", {"name": "mamba"})
         for i in range(n):
             time = 0.01 * i
-            recorder.joint_state("/joint_states", time, ["a", "b"], [i, 2.0], [3.0, 4.0], np.array([5.0, 6.0]))
+            recorder.joint_state(
+                "/joint_states", time, ["a", "b"], [i, 2.0], [3.0, 4.0], np.array([5.0, 6.0])
+            )
             recorder.pose("/body", time, (1.0, 2.0, 3.0), (0.5, 0.5, 0.5, 0.5))
             recorder.transforms(time, {"tail": ("world", (1.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))})
             recorder.scalar("/power/electrical", time, 92.0 + i, unit="W")
@@ -32,10 +34,14 @@ def test_the_package_mcap_and_another_decoder_read_what_was_recorded(tmp_path):
         found = reader.make_reader(file, decoder_factories=[decoders.DecoderFactory()])
         assert found.get_header().profile == "ros2"
         messages = list(found.iter_decoded_messages())
-        assert [(one.name, one.metadata) for one in found.iter_metadata()] == [("robot", {"name": "mamba"})]
+        assert [(one.name, one.metadata) for one in found.iter_metadata()] == [
+            ("robot", {"name": "mamba"})
+        ]
     by_topic = {channel.topic: message for _, channel, _, message in messages}
     assert len(messages) == 6 * 30 + 2
-    assert {channel.message_encoding for _, channel, _, _ in messages} == {"cdr"}  # ros2 bag takes no mixture
+    assert {channel.message_encoding for _, channel, _, _ in messages} == {
+        "cdr"
+    }  # ros2 bag takes no mixture
     assert by_topic["/joint_states"].position == [29.0, 2.0]
     assert by_topic["/joint_states"].effort == [5.0, 6.0]
     assert by_topic["/joint_states"].header.stamp.nanosec == 290_000_000
@@ -43,7 +49,11 @@ def test_the_package_mcap_and_another_decoder_read_what_was_recorded(tmp_path):
     assert by_topic["/tf"].transforms[0].child_frame_id == "tail"
     assert by_topic["/power/electrical"].data == 121.0
     assert [dim.size for dim in by_topic["/matrix"].layout.dim] == [2, 3]
-    assert (by_topic["/can"].id, by_topic["/can"].dlc, by_topic["/can"].data[:3]) == (0x201, 3, b"\x01\x02\x03")
+    assert (by_topic["/can"].id, by_topic["/can"].dlc, by_topic["/can"].data[:3]) == (
+        0x201,
+        3,
+        b"\x01\x02\x03",
+    )
     assert (by_topic["/events"].name, by_topic["/events"].level) == ("stopped", 30)
     assert by_topic["/events"].msg == '{"by": "operator"}'
 
@@ -57,7 +67,10 @@ def test_our_reader_reads_the_same(tmp_path):
     assert recording.metadata == {"robot": {"name": "mamba"}}
     assert recording.topics["/power/electrical"].unit == "W"
     assert recording.topics["/can"].n_messages == 30
-    powers = [(one.time, one.content["data"]) for one in open_recording(path).messages("/power/electrical")]
+    powers = [
+        (one.time, one.content["data"])
+        for one in open_recording(path).messages("/power/electrical")
+    ]
     assert powers == [(round(0.01 * i, 9), 92.0 + i) for i in range(30)]
 
 
@@ -75,7 +88,9 @@ def test_what_does_not_fit_is_refused_and_the_file_stays_whole(tmp_path):
     path = tmp_path / "run.mcap"
     with Recorder(path) as recorder:
         recorder.scalar("/x", 0.0, 1.0)
-        with pytest.raises(ValueError, match="`topic` /x must keep its type std_msgs/Float64, got can_msgs/Frame"):
+        with pytest.raises(
+            ValueError, match="`topic` /x must keep its type std_msgs/Float64, got can_msgs/Frame"
+        ):
             recorder.can_frame("/x", 0.0, 1, b"")
         with pytest.raises(ValueError, match="`data` must have at most 8 bytes, got 9"):
             recorder.can_frame("/can", 0.0, 1, bytes(9))
@@ -124,7 +139,9 @@ def test_the_clock_on_the_wall_is_in_the_stamps_and_our_reader_counts_from_its_t
     with Recorder(tmp_path / "run.mcap", epoch=epoch) as recorder:
         recorder.scalar("/x", -0.5, 1.0)
         recorder.event(0.25, "begun")
-        with pytest.raises(ValueError, match=r"`time` must be >= -1\.79e\+09 s, got -2000000000\.0"):
+        with pytest.raises(
+            ValueError, match=r"`time` must be >= -1\.79e\+09 s, got -2000000000\.0"
+        ):
             recorder.scalar("/x", -2e9, 1.0)
     with (tmp_path / "run.mcap").open("rb") as file:
         stamps = [message.log_time for _, _, message in make_reader(file).iter_messages()]

@@ -86,7 +86,9 @@ def test_a_message_that_is_not_of_its_type_is_said(tmp_path):
         channel = other.register_channel("/x", "cdr", schema)
         other.add_message(channel, 0, b"\x00\x01\x00\x00abc", 0)
         other.finish()
-    with pytest.raises(TrialFileError, match=r"other.mcap: topic /x: A message of std_msgs/Float64 is damaged"):
+    with pytest.raises(
+        TrialFileError, match=r"other.mcap: topic /x: A message of std_msgs/Float64 is damaged"
+    ):
         list(open_recording(path).messages())
 
 

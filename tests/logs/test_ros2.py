@@ -14,7 +14,9 @@ INTEGERS = {
     "int32": st.integers(-(2**31), 2**31 - 1),
     "uint32": st.integers(0, 2**32 - 1),
     "float64": st.floats(allow_nan=False),
-    "string": st.text(st.characters(blacklist_categories=["Cs"], blacklist_characters="\0"), max_size=9),
+    "string": st.text(
+        st.characters(blacklist_categories=["Cs"], blacklist_characters="\0"), max_size=9
+    ),
 }
 
 
@@ -53,7 +55,9 @@ def plain(value: object) -> object:
 def reader(name: str, text: str | None = None):
     """The library's reader of a type."""
     definition = schema_text(name) if text is None else text
-    return decoder(records.Schema(id=1, name=schema_name(name), encoding="ros2msg", data=definition.encode()))
+    return decoder(
+        records.Schema(id=1, name=schema_name(name), encoding="ros2msg", data=definition.encode())
+    )
 
 
 @pytest.mark.parametrize("name", [name for name in DEFINITIONS if not name.startswith("builtin")])
@@ -91,7 +95,11 @@ def test_a_field_that_is_missing_or_does_not_fit_is_named():
         encode("std_msgs/Float64", {})
     with pytest.raises(ValueError, match="`builtin_interfaces/Time` must have a valid `sec`"):
         encode("builtin_interfaces/Time", {"sec": 2**31, "nanosec": 0})
-    frame = {"header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""}, "id": 1, "is_rtr": False}
+    frame = {
+        "header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""},
+        "id": 1,
+        "is_rtr": False,
+    }
     frame |= {"is_extended": False, "is_error": False, "dlc": 3, "data": b"abc"}
     with pytest.raises(ValueError, match="valid `data`: 8 values are needed, got 3"):
         encode("can_msgs/Frame", frame)

@@ -30,7 +30,9 @@ def test_one_sample_has_none():
 def test_columns_do_not_mix():
     time = 0.01 * np.arange(50)
     both = np.stack((time, time**2), axis=1)
-    assert rate(time, both, 0.1) == pytest.approx(np.stack((np.ones(50), 2.0 * time), axis=1), abs=1e-9)
+    assert rate(time, both, 0.1) == pytest.approx(
+        np.stack((np.ones(50), 2.0 * time), axis=1), abs=1e-9
+    )
 
 
 def test_noise_shrinks_with_a_longer_window():
@@ -58,8 +60,14 @@ def test_a_short_gap_is_a_straight_line():
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ([0, np.nan, np.nan, 3], r"`x` must have no gap longer than `longest_gap` = 0.2 s, got one of 0.3 s from 0 s"),
-        ([np.nan, 1, 2, 3], r"`x` must hold numbers at both ends, but it begins at 0.1 s; cut it off with `start`"),
+        (
+            [0, np.nan, np.nan, 3],
+            r"`x` must have no gap longer than `longest_gap` = 0.2 s, got one of 0.3 s from 0 s",
+        ),
+        (
+            [np.nan, 1, 2, 3],
+            r"`x` must hold numbers at both ends, but it begins at 0.1 s; cut it off with `start`",
+        ),
         ([0, 1, np.nan, np.nan], r"`x` must hold numbers at both ends, but it ends at 0.1 s"),
         ([np.nan] * 4, r"`x` must hold numbers, but it holds none from 0 s to 0.3 s"),
     ],

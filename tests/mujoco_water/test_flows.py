@@ -96,10 +96,19 @@ def test_a_water_keeps_the_last_flows_and_refuses_a_copy_whose_flow_is_gone():
 @pytest.mark.parametrize(
     ("current", "message"),
     [
-        ((0.1, 0.2), r"`current` must be a flow, a function of x, y, z and t, or 3 numbers, got \(0.1, 0.2\)"),
+        (
+            (0.1, 0.2),
+            r"`current` must be a flow, a function of x, y, z and t, or 3 numbers, got \(0.1, 0.2\)",
+        ),
         ((0.1, 0.2, float("nan")), r"`current\[2\]` must be a finite number in m/s, got nan"),
-        (lambda x, y, z, t: (x, y), r"must return 3 numbers \(u, v, w\) or the 16 of a `Motion`, got \(0.1, 0.2\)"),
-        (lambda x, y, z, t: (x, y, open), "must have a formula that Numba can compile|unsupported operand"),
+        (
+            lambda x, y, z, t: (x, y),
+            r"must return 3 numbers \(u, v, w\) or the 16 of a `Motion`, got \(0.1, 0.2\)",
+        ),
+        (
+            lambda x, y, z, t: (x, y, open),
+            "must have a formula that Numba can compile|unsupported operand",
+        ),
     ],
 )
 def test_what_is_no_current_is_refused(current, message: str):
@@ -118,11 +127,15 @@ def test_a_body_is_wet_as_far_as_the_surface_where_it_is():
     length, covered = np.pi, []
     for x in (0.0, 0.25 * length, 0.5 * length):
         model = ball("0 0 -9.81", f"{x} 0 0")
-        handle = water.attach(model, [DRAG], surface=0.0, current=Swell(amplitude=0.05), usual_speed=0.01)
+        handle = water.attach(
+            model, [DRAG], surface=0.0, current=Swell(amplitude=0.05), usual_speed=0.01
+        )
         lift = handle.forces(mujoco.MjData(model))["buoyancy"][0, 2]
         covered.append(lift / (1000.0 * 9.81 * DRAG.volume))
     s = 0.5
-    assert covered == pytest.approx([0.25 * (1 + s) ** 2 * (2 - s), 0.5, 0.25 * (1 - s) ** 2 * (2 + s)], abs=1e-12)
+    assert covered == pytest.approx(
+        [0.25 * (1 + s) ** 2 * (2 - s), 0.5, 0.25 * (1 - s) ** 2 * (2 + s)], abs=1e-12
+    )
 
 
 @pytest.mark.parametrize("rising", [0.22, -0.22, 0.0])

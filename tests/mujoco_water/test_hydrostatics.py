@@ -35,7 +35,9 @@ def direction(seed: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("up", [(0, 0, 1.0), (0, 0, -1.0), (0, 1.0, 0), (1.0, 0, 0), *(direction(s) for s in range(4))])
+@pytest.mark.parametrize(
+    "up", [(0, 0, 1.0), (0, 0, -1.0), (0, 1.0, 0), (1.0, 0, 0), *(direction(s) for s in range(4))]
+)
 @pytest.mark.parametrize("relative_depth", [-0.6, -0.2, 0.0, 0.3, 0.8])
 def test_share_and_centroid_are_those_of_the_body(shape: str, up, relative_depth: float):
     up = np.asarray(up, dtype=float)
@@ -48,14 +50,18 @@ def test_share_and_centroid_are_those_of_the_body(shape: str, up, relative_depth
 
 @pytest.mark.parametrize("shape", SHAPES)
 @given(st.integers(0, 1000), st.floats(-1.0, 1.0), st.booleans())
-def test_the_rate_of_the_share_is_its_change_with_time(shape: str, seed: int, relative_depth: float, still: bool):
+def test_the_rate_of_the_share_is_its_change_with_time(
+    shape: str, seed: int, relative_depth: float, still: bool
+):
     rng, dt = np.random.default_rng(seed), 1e-5
     up = direction(seed)
     turning, sinking = (0.0 if still else 1.0) * rng.normal(size=3), rng.normal()
     depth = relative_depth * float(np.sum(np.abs(up) * HALF))
     now = wetted(SHAPES[shape], HALF, up, depth)[0]
     before, after = (
-        wetted(SHAPES[shape], HALF, Rotation.from_rotvec(-turning * t).apply(up), depth + sinking * t)[0]
+        wetted(
+            SHAPES[shape], HALF, Rotation.from_rotvec(-turning * t).apply(up), depth + sinking * t
+        )[0]
         for t in (-dt, dt)
     )
     rate = wetting(now, SHAPES[shape], HALF, tuple(up), depth, tuple(turning), sinking, 1e-7)
@@ -77,13 +83,17 @@ def test_the_lift_s_moment_is_the_slope_of_its_energy(shape: str, seed: int, rel
 
     share, *center = wetted(SHAPES[shape], HALF, up, depth)
     torque = share * np.cross(center, up)
-    assert -(energy(dt) - energy(-dt)) / (2.0 * dt) == pytest.approx(torque @ turning, abs=1e-4 * HALF[0])
+    assert -(energy(dt) - energy(-dt)) / (2.0 * dt) == pytest.approx(
+        torque @ turning, abs=1e-4 * HALF[0]
+    )
 
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_a_covered_body_is_whole_and_a_dry_one_is_nothing(shape: str):
     for seed in range(20):
-        assert wetted(SHAPES[shape], HALF, direction(seed), 1.0) == pytest.approx((1.0, 0.0, 0.0, 0.0), abs=1e-15)
+        assert wetted(SHAPES[shape], HALF, direction(seed), 1.0) == pytest.approx(
+            (1.0, 0.0, 0.0, 0.0), abs=1e-15
+        )
         assert wetted(SHAPES[shape], HALF, direction(seed), -1.0) == (0.0, 0.0, 0.0, 0.0)
 
 

@@ -34,12 +34,17 @@ class Airy(Flow):
         along, upward = scale * np.cosh(k * (z + self.depth)), scale * np.sinh(k * (z + self.depth))
         c, s = np.cos(k * x - omega * t), np.sin(k * x - omega * t)
         o = 0.0 * c
-        rates, slopes = (omega * along * s, o, -omega * upward * c), (-k * along * s, o, k * upward * c, o, o, o)
+        rates, slopes = (
+            (omega * along * s, o, -omega * upward * c),
+            (-k * along * s, o, k * upward * c, o, o, o),
+        )
         return (along * c, o, upward * s, *rates, *slopes, k * upward * c, o, k * along * s, a * c)
 
 
 def airy(amplitude: float, k: float, depth: float) -> Airy:
-    return Airy(amplitude=amplitude, k=k, depth=depth, omega=math.sqrt(GRAVITY * k * math.tanh(k * depth)))
+    return Airy(
+        amplitude=amplitude, k=k, depth=depth, omega=math.sqrt(GRAVITY * k * math.tanh(k * depth))
+    )
 
 
 def model_of(body: str, gravity: float = GRAVITY, dt: float = 0.005):
@@ -52,7 +57,9 @@ def model_of(body: str, gravity: float = GRAVITY, dt: float = 0.005):
 def test_a_cylinder_that_is_held_in_waves_bears_the_force_of_morison_s_equation():
     """Upright, of ten pieces: rho pi a^2 (1 + C_A) Du/Dt + rho C_D a |u| u per length, each at its height."""
     rho, radius, c_a, c_d, n, piece = 1000.0, 0.05, 0.9, 1.1, 10, 0.1
-    held = '<body name="b"><joint type="slide" axis="1 0 0" armature="1e15"/><geom size=".1"/></body>'
+    held = (
+        '<body name="b"><joint type="slide" axis="1 0 0" armature="1e15"/><geom size=".1"/></body>'
+    )
     model, wave = model_of(held), airy(0.06, 1.7, 1.5)
     heights = [-0.15 - piece * i for i in range(n)]
     across, ends = math.pi * radius**2 * piece, 0.5**0.5
@@ -77,7 +84,10 @@ def test_a_cylinder_that_is_held_in_waves_bears_the_force_of_morison_s_equation(
         loads = handle.forces(data)
         found[i] = (loads["drag"] + loads["added_mass"])[:, 0].sum()
         for z in heights:
-            scale, theta = wave.amplitude * wave.omega / math.sinh(1.7 * 1.5), -wave.omega * data.time
+            scale, theta = (
+                wave.amplitude * wave.omega / math.sinh(1.7 * 1.5),
+                -wave.omega * data.time,
+            )
             cosh, sinh = scale * math.cosh(1.7 * (z + 1.5)), scale * math.sinh(1.7 * (z + 1.5))
             u, w = cosh * math.cos(theta), sinh * math.sin(theta)
             rate = (
@@ -85,7 +95,9 @@ def test_a_cylinder_that_is_held_in_waves_bears_the_force_of_morison_s_equation(
                 - 1.7 * u * cosh * math.sin(theta)
                 + 1.7 * w * sinh * math.cos(theta)
             )
-            expected[i] += rho * across * (1.0 + c_a) * rate + rho * c_d * radius * piece * abs(u) * u
+            expected[i] += (
+                rho * across * (1.0 + c_a) * rate + rho * c_d * radius * piece * abs(u) * u
+            )
     assert np.ptp(expected) > 10.0
     np.testing.assert_allclose(found, expected, atol=1e-9 * np.abs(expected).max())
 
@@ -106,7 +118,12 @@ def test_a_neutral_sphere_goes_round_with_the_water_of_long_waves():
         mujoco.mj_step(model, data)
         path[i] = data.qpos[:3]
     solved = solve_ivp(
-        lambda t, at: wave.velocity(at, t), (0.0, times[-1]), (0.0, 0.0, -0.7), t_eval=times, rtol=1e-9, atol=1e-12
+        lambda t, at: wave.velocity(at, t),
+        (0.0, times[-1]),
+        (0.0, 0.0, -0.7),
+        t_eval=times,
+        rtol=1e-9,
+        atol=1e-12,
     )
     radius, middle = 0.5 * np.ptp(path[:, 2]), 0.5 * (path[:, 2].max() + path[:, 2].min())
     assert np.abs(path - solved.y.T).max() < 1e-6 * radius
@@ -114,11 +131,14 @@ def test_a_neutral_sphere_goes_round_with_the_water_of_long_waves():
 
 
 @pytest.mark.filterwarnings("ignore:body .* has buoyancy but no free joint")
-@pytest.mark.parametrize(("share", "heave", "ratio"), [(0.4, 1e-3, 1.012), (1.0, 1e-3, 3.480), (2.0, 1e-4, 0.0688)])
+@pytest.mark.parametrize(
+    ("share", "heave", "ratio"), [(0.4, 1e-3, 1.012), (1.0, 1e-3, 3.480), (2.0, 1e-4, 0.0688)]
+)
 def test_a_floating_box_heaves_as_its_equation_says(share: float, heave: float, ratio: float):
     """(m + s m_A) z'' + s b (z' - w) + rho g A (z - eta) = (m + s m_A) w', linear, s wet; waves radiate nothing.
 
-    At a share of the frequency of resonance; w is the water's at the middle of the box, which is below the surface.
+    At a share of the frequency of resonance; w is the water's at the middle of the box, which is
+    below the surface.
     """
     side, half, density, drag, added = 0.1, 0.4, 875.0, 3.0, 0.5
     wet = density / 1000.0
@@ -147,7 +167,9 @@ def test_a_floating_box_heaves_as_its_equation_says(share: float, heave: float, 
     water.attach(model, [element], surface=0.0, current=wave)
     data = mujoco.MjData(model)
     steps = round(4.0 * 2.0 * math.pi / omega / 0.005)
-    there = amplitude * height * np.exp(1j * omega * 0.005 * np.arange(steps + 1))  # eta = a e^(i omega t) at x = 0
+    there = (
+        amplitude * height * np.exp(1j * omega * 0.005 * np.arange(steps + 1))
+    )  # eta = a e^(i omega t) at x = 0
     data.qpos[0], data.qvel[0] = there[0].real, (1j * omega * there[0]).real
     found = [data.qpos[0]]
     for _ in range(steps):
@@ -173,8 +195,14 @@ class Turning(Flow):
 
 
 @settings(max_examples=20, deadline=None)
-@given(st.tuples(*[st.floats(-2.0, 2.0)] * 3), st.integers(0, 1000), st.sampled_from(["relative", "kirchhoff"]))
-def test_a_body_at_rest_in_turning_water_feels_the_torque_of_one_that_turns_in_still_water(spin, seed: int, form: str):
+@given(
+    st.tuples(*[st.floats(-2.0, 2.0)] * 3),
+    st.integers(0, 1000),
+    st.sampled_from(["relative", "kirchhoff"]),
+)
+def test_a_body_at_rest_in_turning_water_feels_the_torque_of_one_that_turns_in_still_water(
+    spin, seed: int, form: str
+):
     """All that acts about the center; of `relative`, which keeps no momentum, the drag."""
     torques: list[np.ndarray] = []
     elements = oracle.elements(1)

@@ -22,9 +22,13 @@ def chain(option: str = 'integrator="RK4"') -> tuple[mujoco.MjModel, water.Water
     """A snake in water, half of it above the surface, with a force and a torque sensor at every joint, askew."""
     text = oracle.snake(N, option=option).replace("0 0 0", "0 0 -9.81", 1)
     for i in range(N):
-        text = text.replace(f'<geom name="g{i}"', f'<site name="s{i}" euler="10 20 {i}"/><geom name="g{i}"')
+        text = text.replace(
+            f'<geom name="g{i}"', f'<site name="s{i}" euler="10 20 {i}"/><geom name="g{i}"'
+        )
     sensors = "".join(f'<force site="s{i}"/><torque site="s{i}"/>' for i in range(N))
-    model = water.compiled(mujoco.MjSpec.from_string(text.replace("</mujoco>", f"<sensor>{sensors}</sensor></mujoco>")))
+    model = water.compiled(
+        mujoco.MjSpec.from_string(text.replace("</mujoco>", f"<sensor>{sensors}</sensor></mujoco>"))
+    )
     elements = [replace(e, volume=1e-3) for e in oracle.elements(N)]
     return model, water.attach(model, elements, surface=0.0, current=(0.3, 0.1, 0.0))
 
@@ -47,7 +51,9 @@ def test_a_free_hinge_bears_no_torque_about_its_axis_and_nothing_holds_a_free_ro
         scale = np.max(np.abs(found))
         assert scale > 1.0
         np.testing.assert_allclose(found[0], 0.0, atol=1e-10 * scale)
-        np.testing.assert_allclose(np.sum(found[1:, 1] * data.xaxis[1:], axis=1), 0.0, atol=1e-10 * scale)
+        np.testing.assert_allclose(
+            np.sum(found[1:, 1] * data.xaxis[1:], axis=1), 0.0, atol=1e-10 * scale
+        )
 
 
 def test_what_is_sensed_weight_and_water_are_the_rate_of_momentum():

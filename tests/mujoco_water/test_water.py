@@ -23,7 +23,9 @@ from laticauda.mujoco_water import Element, GeomCoefficients, callback, hydrosta
 from laticauda.mujoco_water.checks import metacentric_height
 from laticauda.mujoco_water.elements import lamb
 
-RK4_ORDER = 4 if mujoco.mj_version() >= 4_000_000 else 2  # before, free and ball joints turned to second order
+RK4_ORDER = (
+    4 if mujoco.mj_version() >= 4_000_000 else 2
+)  # before, free and ball joints turned to second order
 STILL = "ignore:body .* turns over"
 
 
@@ -33,14 +35,21 @@ def pair(option: str = "", joint: str = "", n: int = 5):
     return (water.compiled(mujoco.MjSpec.from_string(text)) for _ in range(2))
 
 
-def body(shape: str, size: str, *, option: str = 'gravity="0 0 0"', density: float = 1000.0, extra: str = "") -> str:
+def body(
+    shape: str,
+    size: str,
+    *,
+    option: str = 'gravity="0 0 0"',
+    density: float = 1000.0,
+    extra: str = "",
+) -> str:
     return (
         f'<mujoco><option timestep="0.002" {option}/><worldbody>{extra}<body name="b"><freejoint/>'
         f'<geom name="g" type="{shape}" size="{size}" density="{density}"/></body></worldbody></mujoco>'
     )
 
 
-# ---- added mass -----------------------------------------------------------------------------------------------------
+# ---- added mass ----------------------------------------------------------------------------------
 
 
 def test_an_ellipsoid_accelerates_with_its_added_mass():
@@ -50,16 +59,24 @@ def test_an_ellipsoid_accelerates_with_its_added_mass():
     water.attach(model, [element])
     data.xfrc_applied[1] = force = np.array([1.0, 2.0, 3.0, 0.1, 0.2, 0.3])
     mujoco.mj_forward(model, data)
-    np.testing.assert_allclose(data.qacc[:3], force[:3] / (model.body_mass[1] + element.added_mass), rtol=1e-12)
-    np.testing.assert_allclose(data.qacc[3:], force[3:] / (model.body_inertia[1] + element.added_inertia), rtol=1e-12)
-    assert 0.5 < data.qacc[1] * model.body_mass[1] / force[1] < 0.55  # "about half", neutrally buoyant and broadside
+    np.testing.assert_allclose(
+        data.qacc[:3], force[:3] / (model.body_mass[1] + element.added_mass), rtol=1e-12
+    )
+    np.testing.assert_allclose(
+        data.qacc[3:], force[3:] / (model.body_inertia[1] + element.added_inertia), rtol=1e-12
+    )
+    assert (
+        0.5 < data.qacc[1] * model.body_mass[1] / force[1] < 0.55
+    )  # "about half", neutrally buoyant and broadside
 
 
 def test_lamb_s_factors_are_those_of_the_tables():
     share, inertia = lamb((1.0, 1.0, 1.0))
     np.testing.assert_allclose(share, 0.5, rtol=1e-9)
     np.testing.assert_array_equal(inertia, 0.0)
-    share, inertia = lamb((5.0, 1.0, 1.0))  # Lamb's table: 0.059, 0.895, k' = 0.701 (of the inertia (25 + 1) / 5)
+    share, inertia = lamb(
+        (5.0, 1.0, 1.0)
+    )  # Lamb's table: 0.059, 0.895, k' = 0.701 (of the inertia (25 + 1) / 5)
     np.testing.assert_allclose(share, [0.059, 0.895, 0.895], atol=1e-3)
     np.testing.assert_allclose(inertia / 5.2, [0.0, 0.70, 0.70], atol=2e-3)
 
@@ -75,7 +92,9 @@ def test_a_chain_accelerates_as_the_oracle_outside_of_the_callback_says(form: st
         oracle.random_state(dry, e, seed)
         mujoco.mj_forward(wet, d)
         expected = oracle.acceleration(dry, e, elements, form, current)
-        np.testing.assert_allclose(d.qacc, expected, rtol=1e-9, atol=1e-9 * np.max(np.abs(expected)))
+        np.testing.assert_allclose(
+            d.qacc, expected, rtol=1e-9, atol=1e-9 * np.max(np.abs(expected))
+        )
 
 
 def test_way_b_as_an_applied_force_gives_the_same():
@@ -105,9 +124,13 @@ def test_every_integrator_steps_with_m_plus_a(integrator: str):
         before = d.qvel.copy()
         mujoco.mj_step(wet, d)
         expected = oracle.acceleration(dry, e, elements)
-        errors.append(np.max(np.abs((d.qvel - before) / step - expected)) / np.max(np.abs(expected)))
+        errors.append(
+            np.max(np.abs((d.qvel - before) / step - expected)) / np.max(np.abs(expected))
+        )
     assert errors[0] < 0.01
-    assert errors[1] == pytest.approx(0.5 * errors[0], rel=0.1)  # of first order in the step: exact at its start
+    assert errors[1] == pytest.approx(
+        0.5 * errors[0], rel=0.1
+    )  # of first order in the step: exact at its start
 
 
 @pytest.mark.parametrize("integrator", ["Euler", "implicitfast"])
@@ -179,12 +202,19 @@ def test_a_spheroid_off_its_course_turns_broadside_as_fast_as_theory_says():
     seconds = 2.0
     for _ in range(round(seconds / model.opt.timestep)):
         mujoco.mj_step(model, data)
-    assert data.qvel[5] == pytest.approx(1e-6 * rate * across / along * np.exp(rate * seconds), rel=0.01)
+    assert data.qvel[5] == pytest.approx(
+        1e-6 * rate * across / along * np.exp(rate * seconds), rel=0.01
+    )
 
 
 @pytest.mark.parametrize(
     ("shape", "size"),
-    [("ellipsoid", ".3 .1 .05"), ("ellipsoid", ".1 .1 .4"), ("box", ".3 .2 .01"), ("cylinder", ".05 .3")],
+    [
+        ("ellipsoid", ".3 .1 .05"),
+        ("ellipsoid", ".1 .1 .4"),
+        ("box", ".3 .2 .01"),
+        ("cylinder", ".05 .3"),
+    ],
 )
 def test_a_body_tumbles_by_default_as_kirchhoff_s_equations_say(shape: str, size: str):
     """Momenta P and L in body axes, solved apart: P' = P x w, L' = L x w + P x u; in a current too."""
@@ -196,14 +226,18 @@ def test_a_body_tumbles_by_default_as_kirchhoff_s_equations_say(shape: str, size
     element = water.geom_element(model, "g", GeomCoefficients(drag=(0, 0, 0)))
     water.attach(model, [element], current=current)
     data = mujoco.MjData(model)
-    data.qvel[:] = np.array((0.5, 0.3, -0.2, 0.8, -1.2, 0.6)) + np.concatenate([current, np.zeros(3)])
+    data.qvel[:] = np.array((0.5, 0.3, -0.2, 0.8, -1.2, 0.6)) + np.concatenate(
+        [current, np.zeros(3)]
+    )
     mujoco.mj_forward(model, data)
     axes = np.zeros(9)
     mujoco.mju_quat2Mat(axes, np.array(element.orientation))
     A = axes.reshape(3, 3)  # a cylinder's element lies across its geom
     mass = np.diag(np.full(3, model.body_mass[1])) + A @ np.diag(element.added_mass) @ A.T
     own = data.ximat[1].reshape(3, 3)  # at the start, body and world axes are one
-    inertia = own @ np.diag(model.body_inertia[1]) @ own.T + A @ np.diag(element.added_inertia) @ A.T
+    inertia = (
+        own @ np.diag(model.body_inertia[1]) @ own.T + A @ np.diag(element.added_inertia) @ A.T
+    )
 
     def rates(_, state):
         q, P, L = state[3:7], state[7:10], state[10:]
@@ -211,7 +245,9 @@ def test_a_body_tumbles_by_default_as_kirchhoff_s_equations_say(shape: str, size
         turned, moved = np.zeros(4), np.zeros(3)
         mujoco.mju_mulQuat(turned, q, np.array((0.0, *w)))
         mujoco.mju_rotVecQuat(moved, u, q)
-        return np.concatenate([moved + current, 0.5 * turned, np.cross(P, w), np.cross(L, w) + np.cross(P, u)])
+        return np.concatenate(
+            [moved + current, 0.5 * turned, np.cross(P, w), np.cross(L, w) + np.cross(P, u)]
+        )
 
     start = np.concatenate([data.qpos, mass @ (data.qvel[:3] - current), inertia @ data.qvel[3:]])
     found = solve_ivp(rates, (0, 3), start, "DOP853", rtol=1e-12, atol=1e-13).y[:7, -1]
@@ -221,7 +257,9 @@ def test_a_body_tumbles_by_default_as_kirchhoff_s_equations_say(shape: str, size
 
 def test_kirchhoff_keeps_momentum():
     model = water.compiled(
-        mujoco.MjSpec.from_string(body("ellipsoid", ".5 .1 .2", option='gravity="0 0 0" integrator="RK4"'))
+        mujoco.MjSpec.from_string(
+            body("ellipsoid", ".5 .1 .2", option='gravity="0 0 0" integrator="RK4"')
+        )
     )
     data = mujoco.MjData(model)
     element = water.geom_element(model, "g", GeomCoefficients(drag=(0, 0, 0)))
@@ -237,10 +275,12 @@ def test_kirchhoff_keeps_momentum():
     before = momentum()
     for _ in range(500):
         mujoco.mj_step(model, data)
-    np.testing.assert_allclose(momentum(), before, atol=(1e-7 if RK4_ORDER == 4 else 1e-4) * np.linalg.norm(before))
+    np.testing.assert_allclose(
+        momentum(), before, atol=(1e-7 if RK4_ORDER == 4 else 1e-4) * np.linalg.norm(before)
+    )
 
 
-# ---- contacts -------------------------------------------------------------------------------------------------------
+# ---- contacts ------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("solver", ["Newton", "CG"])
@@ -293,7 +333,10 @@ def test_a_joint_at_its_limit_carries_the_weight_in_water(integrator: str):
 
 def test_a_closed_loop_moves_with_m_plus_a():
     text = oracle.snake(4, option='solver="Newton" tolerance="1e-14"')
-    text = text.replace("</mujoco>", '<equality><connect body1="b0" body2="b3" anchor="-.1 .1 0"/></equality></mujoco>')
+    text = text.replace(
+        "</mujoco>",
+        '<equality><connect body1="b0" body2="b3" anchor="-.1 .1 0"/></equality></mujoco>',
+    )
     wet, dry = (water.compiled(mujoco.MjSpec.from_string(text)) for _ in range(2))
     elements = oracle.elements(4)
     water.attach(wet, elements, usual_speed=0.01)
@@ -305,10 +348,12 @@ def test_a_closed_loop_moves_with_m_plus_a():
     mujoco.mj_fullM(dry, e, M)
     A, fluid = oracle.inertia_and_force(dry, e, elements)
     assert np.max(np.abs(d.qfrc_constraint)) > 1.0
-    np.testing.assert_allclose((M + A) @ d.qacc, e.qfrc_smooth + fluid + d.qfrc_constraint, atol=1e-6)
+    np.testing.assert_allclose(
+        (M + A) @ d.qacc, e.qfrc_smooth + fluid + d.qfrc_constraint, atol=1e-6
+    )
 
 
-# ---- buoyancy and drag ----------------------------------------------------------------------------------------------
+# ---- buoyancy and drag ---------------------------------------------------------------------------
 
 
 @pytest.mark.filterwarnings(STILL)
@@ -329,7 +374,11 @@ def test_a_floating_body_settles_where_archimedes_says(shape: str, size: str, de
     model = water.compiled(mujoco.MjSpec.from_string(text))
     data = mujoco.MjData(model)
     element = water.geom_element(
-        model, "g", GeomCoefficients(drag=(2, 2, 2), rotational_drag=1.0, law=PolynomialDrag(reference_speed=0.5))
+        model,
+        "g",
+        GeomCoefficients(
+            drag=(2, 2, 2), rotational_drag=1.0, law=PolynomialDrag(reference_speed=0.5)
+        ),
     )
     water.attach(model, [element], surface=0.0)
     for _ in range(6000):
@@ -353,7 +402,11 @@ def test_a_raft_floats_flat_again_after_a_heel(axis: int):
     model = water.compiled(mujoco.MjSpec.from_string(text))
     data = mujoco.MjData(model)
     element = water.geom_element(
-        model, "g", GeomCoefficients(drag=(1, 1, 1), rotational_drag=1.0, law=PolynomialDrag(reference_speed=0.5))
+        model,
+        "g",
+        GeomCoefficients(
+            drag=(1, 1, 1), rotational_drag=1.0, law=PolynomialDrag(reference_speed=0.5)
+        ),
     )
     water.attach(model, [element], surface=0.0)
     data.qpos[3], data.qpos[4 + axis] = np.cos(0.15), np.sin(0.15)
@@ -373,7 +426,9 @@ def test_a_sinking_body_reaches_its_terminal_speed():
     for _ in range(3000):
         mujoco.mj_step(model, data)
     weight = (model.body_mass[1] - 1000.0 * element.volume) * 9.81
-    assert -data.qvel[2] == pytest.approx(np.sqrt(2 * weight / (1000.0 * 0.5 * np.pi * 0.1**2)), rel=1e-3)
+    assert -data.qvel[2] == pytest.approx(
+        np.sqrt(2 * weight / (1000.0 * 0.5 * np.pi * 0.1**2)), rel=1e-3
+    )
 
 
 @pytest.mark.filterwarnings("ignore:`timestep`", STILL)
@@ -384,7 +439,10 @@ def test_implicit_drag_is_stable_at_any_step_and_right_at_small_ones():
         model.opt.timestep = step
         data = mujoco.MjData(model)
         element = Element(
-            body="b", drag=(300.0,) * 3, volume=4 / 3 * np.pi * 1e-3, law=PolynomialDrag(reference_speed=1.0)
+            body="b",
+            drag=(300.0,) * 3,
+            volume=4 / 3 * np.pi * 1e-3,
+            law=PolynomialDrag(reference_speed=1.0),
         )
         water.attach(model, [element], implicit_drag=implicit)
         for _ in range(round(1.0 / step)):
@@ -403,7 +461,9 @@ def test_a_body_drifts_with_a_current_that_depends_on_place_and_time():
     model = water.compiled(mujoco.MjSpec.from_string(body("sphere", ".1")))
     data = mujoco.MjData(model)
     data.qpos[:3] = 0.5, 0.2, 0.1
-    element = Element(body="b", drag=(500.0,) * 3, law=PolynomialDrag(reference_speed=1.0), volume=0.0)
+    element = Element(
+        body="b", drag=(500.0,) * 3, law=PolynomialDrag(reference_speed=1.0), volume=0.0
+    )
     water.attach(model, [element], current=swirl, implicit_drag=True)
     for _ in range(500):
         mujoco.mj_step(model, data)
@@ -450,13 +510,14 @@ def test_drag_only_takes_energy():
         velocity = [
             data.cvel[i + 1, 3:] + np.cross(data.cvel[i + 1, :3], at - data.subtree_com[1])
             for i, at in enumerate(
-                data.xpos[i + 1] + data.xmat[i + 1].reshape(3, 3) @ e.position for i, e in enumerate(handle.elements)
+                data.xpos[i + 1] + data.xmat[i + 1].reshape(3, 3) @ e.position
+                for i, e in enumerate(handle.elements)
             )
         ]
         assert np.all(np.sum(force * np.array(velocity), axis=1) <= 0.0)
 
 
-# ---- water that accelerates ----------------------------------------------------------------------------------------
+# ---- water that accelerates ----------------------------------------------------------------------
 
 
 def waves(x, y, z, t):
@@ -472,7 +533,10 @@ def waves_complete(x, y, z, t):
     c, s = 0.5 * decay * math.cos(phase), 0.5 * decay * math.sin(phase)
     along_x = (-0.72 * s, -0.96 * s - z, 1.2 * c - y)
     along_y = (-0.96 * s + 0.3, -1.28 * s, 1.6 * c)
-    velocity, rate = (0.6 * c - y * z, 0.8 * c + 0.3 * x, s), (0.6 * 4.4 * s, 0.8 * 4.4 * s, -4.4 * c)
+    velocity, rate = (
+        (0.6 * c - y * z, 0.8 * c + 0.3 * x, s),
+        (0.6 * 4.4 * s, 0.8 * 4.4 * s, -4.4 * c),
+    )
     return velocity + rate + along_x + along_y + (1.2 * c, 1.6 * c, 2.0 * s, 0.0)
 
 
@@ -485,7 +549,9 @@ def waves_by_hand(x, y, z, t):
 
 
 @pytest.mark.parametrize(("field", "error"), [(waves_complete, 1e-9), (waves, 1e-7)])
-def test_a_chain_in_waves_accelerates_as_the_oracle_says_with_derivatives_given_or_found(field, error: float):
+def test_a_chain_in_waves_accelerates_as_the_oracle_says_with_derivatives_given_or_found(
+    field, error: float
+):
     wet, dry = pair()
     elements = [replace(e, volume=1e-3) for e in oracle.elements()]
     water.attach(wet, elements, current=field, usual_speed=0.01)
@@ -507,7 +573,9 @@ def test_a_sphere_in_water_that_goes_to_and_fro_moves_as_theory_says(density: fl
     element = water.geom_element(model, "g", GeomCoefficients(drag=(0, 0, 0)))
     water.attach(model, [element], current=to_and_fro)
     data = mujoco.MjData(model)
-    share = (1000.0 * element.volume + element.added_mass[0]) / (model.body_mass[1] + element.added_mass[0])
+    share = (1000.0 * element.volume + element.added_mass[0]) / (
+        model.body_mass[1] + element.added_mass[0]
+    )
     for _ in range(10):
         mujoco.mj_step(model, data, nstep=100)
         assert data.qvel[0] == pytest.approx(share * 0.2 * np.sin(3.0 * data.time), abs=1e-6)
@@ -529,7 +597,12 @@ def test_water_that_accelerates_as_one_is_still_water_under_another_gravity():
         model = water.compiled(mujoco.MjSpec.from_string(text))
         model.opt.gravity = gravity
         drags = GeomCoefficients(drag=(0.2, 1.0, 1.0), rotational_drag=1.0)
-        water.attach(model, [water.geom_element(model, g, drags) for g in range(3)], current=current, usual_speed=0.01)
+        water.attach(
+            model,
+            [water.geom_element(model, g, drags) for g in range(3)],
+            current=current,
+            usual_speed=0.01,
+        )
         data = mujoco.MjData(model)
         oracle.random_state(model, data)
         mujoco.mj_step(model, data, nstep=500)
@@ -553,10 +626,12 @@ def test_a_neutral_body_goes_round_with_turning_water(size: str):
     mujoco.mj_step(model, data, nstep=1000)
     angle = 0.7 * data.time
     np.testing.assert_allclose(data.qpos[:3], [np.cos(angle), np.sin(angle), 0.0], atol=1e-9)
-    np.testing.assert_allclose(data.qpos[3:], [np.cos(angle / 2), 0.0, 0.0, np.sin(angle / 2)], atol=1e-9)
+    np.testing.assert_allclose(
+        data.qpos[3:], [np.cos(angle / 2), 0.0, 0.0, np.sin(angle / 2)], atol=1e-9
+    )
 
 
-# ---- through the surface -------------------------------------------------------------------------------------------
+# ---- through the surface -------------------------------------------------------------------------
 
 
 def energy(model, data, elements) -> float:
@@ -568,7 +643,9 @@ def energy(model, data, elements) -> float:
         b = model.body(e.body).id
         R, at = data.xmat[b].reshape(3, 3), data.xpos[b] + data.xmat[b].reshape(3, 3) @ e.position
         up = (R @ e.rotation)[2]
-        share, *center = hydrostatics.wetted(getattr(hydrostatics, e.shape.upper()), e.half_size, up, -at[2])
+        share, *center = hydrostatics.wetted(
+            getattr(hydrostatics, e.shape.upper()), e.half_size, up, -at[2]
+        )
         total -= 1000.0 * 9.81 * e.volume * share * (at[2] + up @ center)
     return total + 0.5 * data.qvel @ M @ data.qvel + 9.81 * model.body_mass @ data.xipos[:, 2]
 
@@ -577,7 +654,9 @@ def dropped(text: str, seconds: float, start) -> tuple[np.ndarray, np.ndarray, t
     """Heights of the root, and energies over what there was above the surface to begin with; every 10 ms."""
     model = water.compiled(mujoco.MjSpec.from_string(text))
     data = mujoco.MjData(model)
-    elements = tuple(water.geom_element(model, g, GeomCoefficients(drag=(0, 0, 0))) for g in range(model.ngeom))
+    elements = tuple(
+        water.geom_element(model, g, GeomCoefficients(drag=(0, 0, 0))) for g in range(model.ngeom)
+    )
     water.attach(model, elements, surface=0.0)
     start(data)
     height, energies = [], []
@@ -604,9 +683,13 @@ def test_a_light_ball_that_is_dropped_plunges_and_comes_back_as_its_equation_say
         return v, force / (mass + share * added)
 
     t = np.arange(len(height)) * 0.01
-    expected = solve_ivp(fall, (0, 3), (0.3, 0), "DOP853", t_eval=t, rtol=1e-10, atol=1e-12, max_step=0.01).y[0]
+    expected = solve_ivp(
+        fall, (0, 3), (0.3, 0), "DOP853", t_eval=t, rtol=1e-10, atol=1e-12, max_step=0.01
+    ).y[0]
     assert height.min() > -0.3
-    assert height.min() == pytest.approx(expected.min(), rel=0.02 if integrator == "implicitfast" else 1e-4)
+    assert height.min() == pytest.approx(
+        expected.min(), rel=0.02 if integrator == "implicitfast" else 1e-4
+    )
     assert np.max(energies) < energies[0] + 1e-3
     if integrator == "RK4":
         np.testing.assert_allclose(height, expected, atol=1e-4)
@@ -618,7 +701,11 @@ def test_nothing_that_tumbles_through_the_surface_gains_energy(shape: str):
     size = {"box": ".2 .1 .05", "cylinder": ".1 .2", "ellipsoid": ".3 .1 .05", "chain": ""}[shape]
     text = body(shape, size, option='integrator="RK4"', density=500.0)
     if shape == "chain":
-        text = oracle.snake(3, option='integrator="RK4"').replace("0 0 0", "0 0 -9.81", 1).replace("1000", "500")
+        text = (
+            oracle.snake(3, option='integrator="RK4"')
+            .replace("0 0 0", "0 0 -9.81", 1)
+            .replace("1000", "500")
+        )
 
     def start(data):
         data.qpos[2:7] = 0.4, *np.array((0.8, 0.5, 0.3, 0.1)) / np.sqrt(0.99)
@@ -633,7 +720,9 @@ def test_nothing_that_tumbles_through_the_surface_gains_energy(shape: str):
 @pytest.mark.filterwarnings(STILL)
 @pytest.mark.parametrize("tilt", [0.0, 0.02, 0.3])
 @pytest.mark.parametrize("integrator", ["Euler", "implicitfast", "RK4"])
-def test_a_light_plate_that_is_covered_within_one_step_gains_no_energy(integrator: str, tilt: float):
+def test_a_light_plate_that_is_covered_within_one_step_gains_no_energy(
+    integrator: str, tilt: float
+):
     """It comes to move some twenty times its mass of water, and falls deeper in a step than it is thick."""
     option = f'integrator="{integrator}" timestep="0.005"'
     text = body("box", ".3 .2 .005", option=option, density=500.0).replace('timestep="0.002" ', "")
@@ -646,7 +735,7 @@ def test_a_light_plate_that_is_covered_within_one_step_gains_no_energy(integrato
     assert np.max(energies) < energies[0] + 1e-3
 
 
-# ---- several models, threads ----------------------------------------------------------------------------------------
+# ---- several models, threads ---------------------------------------------------------------------
 
 
 def test_models_of_one_process_are_kept_apart():
@@ -709,13 +798,17 @@ def test_batches_and_threaded_rollouts_equal_a_loop_bit_for_bit():
     for _ in range(50):
         batch.step()
     np.testing.assert_array_equal(qpos, loop)
-    states, _ = mujoco.rollout.rollout(wet, [mujoco.MjData(wet) for _ in range(2)], starts, nstep=50)
+    states, _ = mujoco.rollout.rollout(
+        wet, [mujoco.MjData(wet) for _ in range(2)], starts, nstep=50
+    )
     np.testing.assert_array_equal(states[:, -1, 1 : 1 + wet.nq], loop)
 
 
 def test_a_model_with_gravity_disabled_has_no_buoyancy():
     option = 'gravity="0 0 -9.81"/><option><flag gravity="disable"/></option><option'
-    model = water.compiled(mujoco.MjSpec.from_string(body("ellipsoid", ".3 .1 .1", option=option, density=900.0)))
+    model = water.compiled(
+        mujoco.MjSpec.from_string(body("ellipsoid", ".3 .1 .1", option=option, density=900.0))
+    )
     water.attach(model)
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
@@ -747,7 +840,9 @@ def test_a_copy_has_a_current_of_its_own():
 
 def test_a_current_that_is_set_after_a_function_acts():
     (wet, _) = pair(n=2)
-    handle = water.attach(wet, oracle.elements(2), current=lambda x, y, z, t: (0.0, 0.5, z), usual_speed=0.01)
+    handle = water.attach(
+        wet, oracle.elements(2), current=lambda x, y, z, t: (0.0, 0.5, z), usual_speed=0.01
+    )
     by_function = speeds_after_a_step(wet)
     handle.set_current((0.3, 0.0, 0.0))
     (other, _) = pair(n=2)
@@ -769,7 +864,9 @@ def test_more_models_than_the_registry_began_with_keep_their_water():
 
 def test_a_pickled_model_brings_its_water_along_and_its_current():
     (wet, _) = pair(n=3)
-    water.attach(wet, oracle.elements(3), density=1025.0, surface=0.1, usual_speed=0.01).set_current((0.1, 0.2, 0.3))
+    water.attach(
+        wet, oracle.elements(3), density=1025.0, surface=0.1, usual_speed=0.01
+    ).set_current((0.1, 0.2, 0.3))
     before, stored = speeds_after_a_step(wet), pickle.dumps(wet)
     mark = callback._mark(wet)
     del wet
@@ -793,7 +890,7 @@ def test_a_model_from_an_mjb_file_says_that_it_has_lost_its_water(tmp_path):
     mujoco.mj_forward(loaded, mujoco.MjData(loaded))
 
 
-# ---- all geoms of a model -------------------------------------------------------------------------------------------
+# ---- all geoms of a model ------------------------------------------------------------------------
 
 STRANGER = """<mujoco><option timestep="0.001" density="1.2"/><worldbody>
 <geom type="plane" size="5 5 .1"/><geom name="rock" size=".5" pos="2 0 0"/>
@@ -822,9 +919,16 @@ def test_one_line_puts_a_stranger_s_model_in_water_and_says_what_it_left_out():
     said = [str(one.message) for one in caught]
     assert len(said) == 3
     assert "replaces MuJoCo's own medium of 1.2 kg/m^3 and 0 Pa s" in said[0]
-    assert "geom `battery` overlaps `hull` by 100 %: it is left out" in said[1] or "geom `battery`" in said[2]
+    assert (
+        "geom `battery` overlaps `hull` by 100 %: it is left out" in said[1]
+        or "geom `battery`" in said[2]
+    )
     assert any("geom `nose` overlaps `hull` by" in one and "twice" in one for one in said)
-    assert [(e.body, e.shape) for e in handle.elements] == [("1", "ellipsoid"), ("1", "ellipsoid"), ("2", "cylinder")]
+    assert [(e.body, e.shape) for e in handle.elements] == [
+        ("1", "ellipsoid"),
+        ("1", "ellipsoid"),
+        ("2", "cylinder"),
+    ]
     assert model.opt.density == 0.0
     data = mujoco.MjData(model)
     data.qvel[:] = 0.5
@@ -834,22 +938,34 @@ def test_one_line_puts_a_stranger_s_model_in_water_and_says_what_it_left_out():
 
 
 def test_a_model_of_nothing_that_moves_is_refused():
-    with pytest.raises(ValueError, match="`model` must have a geom with a volume on a body that can move"):
-        water.attach(mujoco.MjModel.from_xml_string('<mujoco><worldbody><geom size="1"/></worldbody></mujoco>'))
+    with pytest.raises(
+        ValueError, match="`model` must have a geom with a volume on a body that can move"
+    ):
+        water.attach(
+            mujoco.MjModel.from_xml_string(
+                '<mujoco><worldbody><geom size="1"/></worldbody></mujoco>'
+            )
+        )
 
 
 @given(st.tuples(*[st.floats(0.05, 0.5)] * 3), st.tuples(*[st.floats(-1.0, 1.0)] * 3))
 @settings(max_examples=20, deadline=None)
 def test_a_mesh_has_the_element_of_its_volume_and_its_moments(half, shift):
-    corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half + shift
+    corners = (
+        np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half + shift
+    )
     vertices = " ".join(f"{x:.17g}" for x in corners.ravel())
     model = mujoco.MjModel.from_xml_string(
         f'<mujoco><asset><mesh name="m" vertex="{vertices}"/></asset><worldbody><body><freejoint/>'
         '<geom name="g" type="mesh" mesh="m"/></body></worldbody></mujoco>'
     )
     element = water.geom_element(model, "g")
-    assert element.volume == pytest.approx(8.0 * np.prod(half), rel=1e-5)  # vertices are kept in single precision
-    np.testing.assert_allclose(element.half_size, np.sqrt(5.0 / 3.0) * np.sort(half)[::-1], rtol=1e-4)
+    assert element.volume == pytest.approx(
+        8.0 * np.prod(half), rel=1e-5
+    )  # vertices are kept in single precision
+    np.testing.assert_allclose(
+        element.half_size, np.sqrt(5.0 / 3.0) * np.sort(half)[::-1], rtol=1e-4
+    )
     np.testing.assert_allclose(element.position, shift, atol=1e-5)
     moments = element.rotation @ np.diag(np.square(element.half_size)) @ element.rotation.T / 5.0
     np.testing.assert_allclose(moments, np.diag(np.square(half)) / 3.0, atol=1e-5)
@@ -867,8 +983,12 @@ def test_a_mesh_that_encloses_nothing_is_refused_by_name():
 
 @given(st.floats(0.05, 0.6), st.floats(0.05, 0.6), st.floats(0.02, 0.3), st.floats(0.05, 0.95))
 @settings(max_examples=30, deadline=None)
-def test_a_float_s_metacentric_height_is_that_of_the_textbook_and_warns_where_it_is_negative(a, b, c, share):
-    model = mujoco.MjModel.from_xml_string(body("box", f"{a} {b} {c}", option="", density=1000.0 * share))
+def test_a_float_s_metacentric_height_is_that_of_the_textbook_and_warns_where_it_is_negative(
+    a, b, c, share
+):
+    model = mujoco.MjModel.from_xml_string(
+        body("box", f"{a} {b} {c}", option="", density=1000.0 * share)
+    )
     element = Element(body="b", volume=8.0 * a * b * c, shape="box", half_size=(a, b, c))
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -882,7 +1002,7 @@ def test_a_float_s_metacentric_height_is_that_of_the_textbook_and_warns_where_it
         assert bool(caught) == (expected < 0.0)
 
 
-# ---- versions of MuJoCo ---------------------------------------------------------------------------------------------
+# ---- versions of MuJoCo --------------------------------------------------------------------------
 
 
 def joined_heap(jacobian: str) -> str:
@@ -925,18 +1045,23 @@ def test_the_library_that_runs_is_opened_though_another_lies_beside_it(tmp_path,
     assert native.library().mj_version() == mujoco.mj_version()
     native.library.cache_clear()
     monkeypatch.setattr(mujoco, "__version__", "0.0.1")
-    with pytest.raises(OSError, match=r"no library of MuJoCo 0\.0\.1 is running from .* install `mujoco` again"):
+    with pytest.raises(
+        OSError, match=r"no library of MuJoCo 0\.0\.1 is running from .* install `mujoco` again"
+    ):
         native.library()
 
 
-# ---- bad input ------------------------------------------------------------------------------------------------------
+# ---- bad input -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     ("option", "says"),
     [
         ('solver="PGS"', "must have the solver Newton or CG"),
-        ('integrator="discrete"', "must have one of the integrators Euler, RK4, implicit, implicitfast"),
+        (
+            'integrator="discrete"',
+            "must have one of the integrators Euler, RK4, implicit, implicitfast",
+        ),
     ],
 )
 def test_what_added_mass_does_not_hold_for_is_refused(option: str, says: str):
@@ -971,7 +1096,9 @@ def test_bad_elements_and_geoms_are_refused_by_name():
         Element(body="b", drag=(1, -1, 1))
     with pytest.raises(ValueError, match="`added_mass` must be three numbers in kg"):
         Element(body="b", added_mass=(1, 1))
-    model = mujoco.MjModel.from_xml_string(body("sphere", ".1", extra='<geom name="floor" type="plane" size="1 1 1"/>'))
+    model = mujoco.MjModel.from_xml_string(
+        body("sphere", ".1", extra='<geom name="floor" type="plane" size="1 1 1"/>')
+    )
     with pytest.raises(ValueError, match="got `floor`, a plane"):
         water.geom_element(model, "floor", GeomCoefficients())
     with pytest.raises(ValueError, match="got 'nose'"):
@@ -990,7 +1117,10 @@ def test_a_geom_without_volume_is_refused_by_name():
 def test_a_step_too_large_for_the_drag_is_warned_of_and_does_diverge():
     model = water.compiled(mujoco.MjSpec.from_string(body("sphere", ".1")))
     element = Element(body="b", drag=(2000.0,) * 3, law=PolynomialDrag(reference_speed=1.0))
-    with pytest.warns(UserWarning, match=r"`timestep` 0.002 s is too large for the drag: at 1 m/s, steps are stable"):
+    with pytest.warns(
+        UserWarning,
+        match=r"`timestep` 0.002 s is too large for the drag: at 1 m/s, steps are stable",
+    ):
         handle = water.attach(model, [element])
     limit = water.stable_step(model, handle.elements, 0.0)
     for factor, grows in ((0.9, False), (1.1, True)):
@@ -1005,14 +1135,18 @@ def test_a_step_too_large_for_the_drag_is_warned_of_and_does_diverge():
 def test_buoyancy_without_a_free_joint_is_warned_of():
     text = oracle.snake(2, root='<joint type="slide" axis="0 0 1"/>')
     model = mujoco.MjModel.from_xml_string(text)
-    water.attach(model, [Element(body="b0", volume=1e-3)])  # without weight there is no buoyancy to warn of
+    water.attach(
+        model, [Element(body="b0", volume=1e-3)]
+    )  # without weight there is no buoyancy to warn of
     model.opt.gravity[2] = -9.81
     with pytest.warns(UserWarning, match="`b0` has buoyancy but no free joint"):
         water.attach(model, [Element(body="b0", volume=1e-3)])
 
 
 def test_a_robot_that_will_turn_over_is_warned_of():
-    model = water.compiled(mujoco.MjSpec.from_string(body("sphere", ".1", option='gravity="0 0 -9.81"')))
+    model = water.compiled(
+        mujoco.MjSpec.from_string(body("sphere", ".1", option='gravity="0 0 -9.81"'))
+    )
     with pytest.warns(UserWarning, match="center of buoyancy. is 0.01 m below its center of mass"):
         water.attach(model, [Element(body="b", volume=1e-3, position=(0, 0, -0.01))])
     with warnings.catch_warnings():

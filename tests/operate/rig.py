@@ -1,7 +1,8 @@
 """The simplest robot that an operation can be run on without any connection: modules that do as they are told.
 
-Its joints follow with a lag, it moves along its heading while they move, and everything that can be lost or wrong is a
-switch. The virtual tank does it properly; this one is for laws that need thousands of ticks.
+Its joints follow with a lag, it moves along its heading while they move, and everything that can be
+lost or wrong is a switch. The virtual tank does it properly; this one is for laws that need
+thousands of ticks.
 """
 
 from dataclasses import dataclass, field, replace
@@ -64,7 +65,8 @@ class Rig:
     @property
     def is_limp(self) -> bool:
         return not any(
-            state in (NodeState.ACTIVE, NodeState.HOLD) and k not in self.dead for k, state in enumerate(self.states)
+            state in (NodeState.ACTIVE, NodeState.HOLD) and k not in self.dead
+            for k, state in enumerate(self.states)
         )
 
     def advance(self, dt: float, messages: tuple[Any, ...]) -> Inputs:
@@ -78,15 +80,23 @@ class Rig:
                 self.states[k] = NodeState.HOLD
             if self.states[k] == NodeState.HOLD and gone > 1.2:
                 self.states[k] = NodeState.LIMP
-        moves = np.array([s == NodeState.ACTIVE and k not in self.stuck for k, s in enumerate(self.states)])
-        self.angle = np.where(moves, self.angle + (self.asked - self.angle) * (1 - np.exp(-40.0 * dt)), self.angle)
+        moves = np.array(
+            [s == NodeState.ACTIVE and k not in self.stuck for k, s in enumerate(self.states)]
+        )
+        self.angle = np.where(
+            moves, self.angle + (self.asked - self.angle) * (1 - np.exp(-40.0 * dt)), self.angle
+        )
         if np.any(np.abs(self.asked) > 0.05) and not self.is_limp:
-            self.position = self.position + self.speed * dt * np.array([np.cos(self.heading), np.sin(self.heading)])
+            self.position = self.position + self.speed * dt * np.array(
+                [np.cos(self.heading), np.sin(self.heading)]
+            )
         self.time += dt
         if self.time - self.last_beat >= 0.1 - 1e-9 and self.hears:
             self.last_beat = self.time
             answers += [self._beat(k + 1) for k in range(len(self.states)) if k not in self.dead]
-        readings = (PowerReading(time=self.time, current=1.18 + (0.0 if self.is_limp else 1.0)),) * self.measures
+        readings = (
+            PowerReading(time=self.time, current=1.18 + (0.0 if self.is_limp else 1.0)),
+        ) * self.measures
         return Inputs(
             messages=tuple((self.time, answer) for answer in answers),
             frames=((self.time, self._frame()),) if self.sees else (),
@@ -102,16 +112,28 @@ class Rig:
             self.waiting[start : start + 4] = message.angles[: max(min(4, n - start), 0)]
             self.asked_at = self.time
         if isinstance(message, NodeCommand):
-            turn = {Order.ENABLE: NodeState.ACTIVE, Order.DISABLE: NodeState.READY, Order.CLEAR: NodeState.READY}
+            turn = {
+                Order.ENABLE: NodeState.ACTIVE,
+                Order.DISABLE: NodeState.READY,
+                Order.CLEAR: NodeState.READY,
+            }
             for k, state in enumerate(self.states):
-                if message.order in turn and (state != NodeState.FAULT or message.order == Order.CLEAR):
+                if message.order in turn and (
+                    state != NodeState.FAULT or message.order == Order.CLEAR
+                ):
                     self.states[k] = turn[message.order]
                     self.asked_at = self.time
         if isinstance(message, Sync):
             self.asked = self.waiting.copy()
             currents = [self.current] * n
             return [
-                JointState(node=k + 1, angle=float(self.angle[k]), rate=0.0, current=currents[k], torque=0.1)
+                JointState(
+                    node=k + 1,
+                    angle=float(self.angle[k]),
+                    rate=0.0,
+                    current=currents[k],
+                    torque=0.1,
+                )
                 for k in range(n)
                 if k not in self.dead
             ]
@@ -124,13 +146,17 @@ class Rig:
     def _frame(self) -> PoseSample:
         chain = self.robot.planar()
         theta = link_angles(
-            self.angle[: self.robot.n_joints][[j.axis == "yaw" for j in self.robot.joints]], angle=self.heading
+            self.angle[: self.robot.n_joints][[j.axis == "yaw" for j in self.robot.joints]],
+            angle=self.heading,
         )
         tail = Posture(chain, self.position, theta).link_centers[0]
         c, s = np.cos(theta[0]), np.sin(theta[0])
         rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         return PoseSample(
-            time=self.time - CAMERAS_AHEAD, position=np.array([*tail, -0.15]), rotation=rotation, residual=0.0005
+            time=self.time - CAMERAS_AHEAD,
+            position=np.array([*tail, -0.15]),
+            rotation=rotation,
+            residual=0.0005,
         )
 
 
@@ -154,13 +180,19 @@ class Run:
             self.state, self.outputs = self.operator.tick(before, self.rig.time, inputs)
             assert follows(before, self.state), "no row of the table of transitions"
             self.events += self.outputs.events
-            self.samples += [entry for entry in self.outputs.entries if isinstance(entry, Measurement)]
+            self.samples += [
+                entry for entry in self.outputs.entries if isinstance(entry, Measurement)
+            ]
 
     def until(self, phase: str, patience: float = 60.0) -> None:
         end = self.rig.time + patience
         while self.state.phase != phase:
-            assert phase == "done" or not self.state.is_done, self.state.failure or [e.message for e in self.events]
-            assert self.rig.time < end, f"stays in {self.state.phase}: {[e.message for e in self.events]}"
+            assert phase == "done" or not self.state.is_done, self.state.failure or [
+                e.message for e in self.events
+            ]
+            assert self.rig.time < end, (
+                f"stays in {self.state.phase}: {[e.message for e in self.events]}"
+            )
             self.tick()
 
     @property
@@ -172,7 +204,11 @@ def follows(before: OperatorState, after: OperatorState) -> bool:
     """Whether rows of the table lead from one to the other; at one tick, phase and supervisor may both move on."""
     reached = {(before.phase, before.supervisor.state)}
     for _ in range(2):
-        reached |= {(row.next_phase, row.next_state) for row in TRANSITIONS if (row.phase, row.state) in reached}
+        reached |= {
+            (row.next_phase, row.next_state)
+            for row in TRANSITIONS
+            if (row.phase, row.state) in reached
+        }
     return (after.phase, after.supervisor.state) in reached
 
 

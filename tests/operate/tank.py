@@ -22,7 +22,9 @@ def campaign() -> Any:
 
 
 @cache
-def swimming(robot: str = "mamba", duration: float = 10.0, current: tuple[float, float] = (0.0, 0.0)) -> lc.Trial:
+def swimming(
+    robot: str = "mamba", duration: float = 10.0, current: tuple[float, float] = (0.0, 0.0)
+) -> lc.Trial:
     """A straight swim with servo joints, sampled at 100 Hz."""
     from dataclasses import replace
 
@@ -35,7 +37,14 @@ def swimming(robot: str = "mamba", duration: float = 10.0, current: tuple[float,
 def perfect() -> Any:
     """Sensors without any fault."""
     return campaign().Sensors(
-        position=0.0, yaw=0.0, joint=0.0, backlash=0.0, torque=0.0, lost=0.0, outliers=0.0, between=math.inf
+        position=0.0,
+        yaw=0.0,
+        joint=0.0,
+        backlash=0.0,
+        torque=0.0,
+        lost=0.0,
+        outliers=0.0,
+        between=math.inf,
     )
 
 
@@ -54,7 +63,9 @@ def follower() -> lc.PathFollowing:
     )
 
 
-def record(path: Path, *, duration: float = 3.0, estimator: Any = None, torque: bool = True) -> lc.Trial:
+def record(
+    path: Path, *, duration: float = 3.0, estimator: Any = None, torque: bool = True
+) -> lc.Trial:
     """Record an operation: a swim, its samples, the estimates, and what a controller decides on them.
 
     The meter says DRAWN all the time; the run is from 1 s on, up to 0.5 s before the end.
@@ -95,5 +106,12 @@ def record(path: Path, *, duration: float = 3.0, estimator: Any = None, torque: 
                     signals = controller.signals(thought)
                     recorder.record(Decision(time=now, command=command, signals=signals))
             if abs(now - stop) < 1e-6:
-                recorder.record(Event(time=now, kind="stop", message="The end of the tank.", data={"succeeded": True}))
+                recorder.record(
+                    Event(
+                        time=now,
+                        kind="stop",
+                        message="The end of the tank.",
+                        data={"succeeded": True},
+                    )
+                )
     return trial

@@ -13,8 +13,12 @@ def accepted():
     return campaign_scripts.campaign("accepted")
 
 
-@pytest.mark.parametrize(("fault", "by"), [("jammed joint", "joint_error"), ("wrong body", "marker_jump")])
-def test_a_run_with_something_wrong_is_rejected_and_its_verdict_says_by_what(accepted, fault: str, by: str):
+@pytest.mark.parametrize(
+    ("fault", "by"), [("jammed joint", "joint_error"), ("wrong body", "marker_jump")]
+)
+def test_a_run_with_something_wrong_is_rejected_and_its_verdict_says_by_what(
+    accepted, fault: str, by: str
+):
     row = accepted.run_one(fault, 0)
     assert (row.outcome, row.by) == ("rejected", by)
     assert 0.0 <= row.after <= 15.0

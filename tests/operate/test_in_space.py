@@ -26,14 +26,18 @@ GAIT = lc.lateral_undulation(
     amplitude=radians(30),
     frequency=radians(130),
     phase_shift=radians(40),
-    pitch=lc.Wave(amplitude=radians(10), frequency=radians(130), phase_shift=radians(40), offset=radians(2)),
+    pitch=lc.Wave(
+        amplitude=radians(10), frequency=radians(130), phase_shift=radians(40), offset=radians(2)
+    ),
 )
 
 
 @pytest.fixture(scope="module")
 def swum() -> lc.Trial:
     start = Start(heading=1.0, pitch=0.3, roll=0.2, depth=0.7)
-    return lc.swim(ROBOT, GAIT, 3.0, environment=WATER, model="spatial", ballast_depth=0.0, start=start)
+    return lc.swim(
+        ROBOT, GAIT, 3.0, environment=WATER, model="spatial", ballast_depth=0.0, start=start
+    )
 
 
 @settings(max_examples=20, deadline=None)
@@ -42,9 +46,14 @@ def swum() -> lc.Trial:
     st.tuples(st.floats(-0.05, 0.05), st.floats(-0.05, 0.05), st.floats(-0.05, 0.1)),
     st.floats(-3.0, 3.0),
 )
-def test_one_pose_of_the_markers_and_the_joints_say_where_the_robot_is_in_space(swum, module, offset, angle):
-    # What MuJoCo says of the center of mass, the heading and the pitch is what they are measured to be.
-    estimator = KinematicEstimator(robot=ROBOT, mount=Mount(module=module, offset=offset, angle=angle), in_space=True)
+def test_one_pose_of_the_markers_and_the_joints_say_where_the_robot_is_in_space(
+    swum, module, offset, angle
+):
+    # What MuJoCo says of the center of mass, the heading and the pitch is what they are measured to
+    # be.
+    estimator = KinematicEstimator(
+        robot=ROBOT, mount=Mount(module=module, offset=offset, angle=angle), in_space=True
+    )
     state = estimator.init()
     for k in range(0, swum.time.size, 4):
         tail = from_quaternion(*(swum.signals[name][k] for name in ORIENTATION))
@@ -53,7 +62,9 @@ def test_one_pose_of_the_markers_and_the_joints_say_where_the_robot_is_in_space(
         position = poses.position[module] + rotation @ np.array(offset)
         time = float(swum.time[k])
         state = estimator.step(state, JointSample(time=time, angle=swum.joint_angle[k]))
-        state = estimator.step(state, PoseSample(time=time, position=position, rotation=rotation @ turn("yaw", angle)))
+        state = estimator.step(
+            state, PoseSample(time=time, position=position, rotation=rotation @ turn("yaw", angle))
+        )
         found = estimator.estimate(state, time)
         np.testing.assert_allclose(found.center_of_mass, swum.center_of_mass[k], atol=1e-9)
         np.testing.assert_allclose(found.link_angle, swum.link_angle[k], atol=1e-9)
@@ -84,14 +95,22 @@ def test_a_depth_is_steered_through_wires_and_cameras_and_stands_in_the_recordin
 
     path = tmp_path / "dive.mcap"
     with OperationRecorder(path, header_of(operator)) as recorder:
-        state, _ = run_loop(operator, TankDevices(tank, has_meter=False), sink=Sink(recorder), show=show, longest=600.0)
+        state, _ = run_loop(
+            operator,
+            TankDevices(tank, has_meter=False),
+            sink=Sink(recorder),
+            show=show,
+            longest=600.0,
+        )
     truth, measured = np.array(depths).T
     assert (state.failure, state.stopped_by) == ("", "")
     assert truth[-1] - truth[0] > 0.03
     assert abs(measured - truth).max() < 0.04  # noise of the cameras, and the ballast
     trial = trial_of(read_operation(path))
     assert trial.center_of_mass.shape[1] == 3 and trial.joint_angle.shape[1] == ROBOT.n_joints
-    assert np.ptp(trial.joint_angle_ref[:, [joint.axis == "pitch" for joint in ROBOT.joints]]) > radians(3)
+    assert np.ptp(
+        trial.joint_angle_ref[:, [joint.axis == "pitch" for joint in ROBOT.joints]]
+    ) > radians(3)
     assert trial.signals["pitch"].max() > radians(3)
     assert trial.signals["height_error"][-1] < trial.signals["height_error"][0]
     np.testing.assert_allclose(-trial.center_of_mass[-1, 2], measured[-1], atol=0.02)

@@ -28,11 +28,15 @@ def test_the_same_seed_gives_the_same_bits():
     assert one.digest != other.digest
 
 
-def test_a_schedule_at_fault_is_cut_down_to_what_it_takes_and_says_how_to_repeat_it(monkeypatch: pytest.MonkeyPatch):
+def test_a_schedule_at_fault_is_cut_down_to_what_it_takes_and_says_how_to_repeat_it(
+    monkeypatch: pytest.MonkeyPatch,
+):
     key = schedules.Mishap(kind="operator_key", time=4.4, duration=0.05)
     monkeypatch.setattr(schedules, "REACTION", -9.0)  # no stop is soon enough
     found = schedules.run(3, (schedules.Mishap(kind="meter_silent", time=4.0, duration=0.05), key))
     assert [one.split(":")[0] for one in found.wrong] == ["unsafe"]
     least = schedules.shrunk(found)
     assert least.mishaps == (key,)
-    assert least.line.startswith('python campaigns/lab_schedules.py --seed 3 --mishaps \'[{"kind": "operator_key"')
+    assert least.line.startswith(
+        'python campaigns/lab_schedules.py --seed 3 --mishaps \'[{"kind": "operator_key"'
+    )

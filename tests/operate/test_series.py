@@ -17,7 +17,9 @@ from laticauda.trial import Trial
 
 @pytest.fixture(scope="module")
 def swum() -> Trial:
-    gait = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40))
+    gait = lc.lateral_undulation(
+        amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40)
+    )
     return lc.swim(lc.load_robot("mamba"), gait, duration=2.0)
 
 
@@ -58,7 +60,9 @@ def test_the_papers_table_2_is_a_series_of_its_twelve_starts():
         operation.body()
 
 
-def test_a_series_has_mean_and_scatter_and_the_reason_of_every_rejected_run(tmp_path: Path, swum: Trial):
+def test_a_series_has_mean_and_scatter_and_the_reason_of_every_rejected_run(
+    tmp_path: Path, swum: Trial
+):
     runs: list[str] = []
 
     def run(operation: Operation, folder: Path) -> Result:
@@ -74,8 +78,13 @@ def test_a_series_has_mean_and_scatter_and_the_reason_of_every_rejected_run(tmp_
     assert (mean, deviation) == (pytest.approx(52.0), pytest.approx(math.sqrt(2)))
     total = done.settings[0].figure("total_power")
     assert total is not None and total[0] == pytest.approx(52.0 + 35 * 1.18)
-    assert "rejected: lateral-undulation-case-1-2: The run was ended: a module reports water" in done.table()
-    assert done.summary()["settings"][0]["rejected"] == ["The run was ended: a module reports water inside."]
+    assert (
+        "rejected: lateral-undulation-case-1-2: The run was ended: a module reports water"
+        in done.table()
+    )
+    assert done.summary()["settings"][0]["rejected"] == [
+        "The run was ended: a module reports water inside."
+    ]
 
 
 def test_its_repeats_are_what_the_report_reads(tmp_path: Path, swum: Trial):
@@ -87,7 +96,9 @@ def test_its_repeats_are_what_the_report_reads(tmp_path: Path, swum: Trial):
 
 
 def test_a_setting_that_is_rejected_too_often_is_given_up(tmp_path: Path):
-    done = run_series(small(), tmp_path / "a", lambda o, _: result(o.name, None, "The robot lies elsewhere."))
+    done = run_series(
+        small(), tmp_path / "a", lambda o, _: result(o.name, None, "The robot lies elsewhere.")
+    )
     assert not done.is_complete
     assert [len(setting.results) for setting in done.settings] == [3, 3]
 
@@ -97,7 +108,9 @@ def test_a_key_ends_the_series_even_when_it_is_pressed_after_a_run_that_counts(
     accepted: bool, tmp_path: Path, swum: Trial
 ):
     stopped = partial(replace, stopped=True)
-    done = run_series(small(), tmp_path, lambda o, _: stopped(result(o.name, swum if accepted else None)))
+    done = run_series(
+        small(), tmp_path, lambda o, _: stopped(result(o.name, swum if accepted else None))
+    )
     assert [len(setting.results) for setting in done.settings] == [1]
 
 

@@ -29,16 +29,32 @@ from laticauda.operate.recording.log import OperationRecorder, Sink, read_operat
 from laticauda.operate.recording.to_trial import trial_of
 from laticauda.operate.series import run_series
 from laticauda.operate.session import header_of, operate, result_of, table
-from laticauda.operate.settings import Acceptance, Calibration, CaptureVolume, Connection, Limits, Operation, SeriesFile
+from laticauda.operate.settings import (
+    Acceptance,
+    Calibration,
+    CaptureVolume,
+    Connection,
+    Limits,
+    Operation,
+    SeriesFile,
+)
 from laticauda.operate.terminal import Keys, print_events
 from laticauda.protocol import NodeState, bus_address
 from laticauda.robot import Current
 
-GAIT = lc.lateral_undulation(amplitude=math.radians(20), frequency=math.radians(90), phase_shift=math.radians(40))
+GAIT = lc.lateral_undulation(
+    amplitude=math.radians(20), frequency=math.radians(90), phase_shift=math.radians(40)
+)
 SLOW = Calibration(joint_zeros=True, idle_time=1.0, still_time=0.5)
 ON = (NodeState.ACTIVE, NodeState.HOLD)
 # A computer that is busy with other tests is late; that is not what is tested here.
-PATIENT = Limits(straighten_time=1.0, max_lateness=2.0, joint_timeout=3.0, heartbeat_timeout=3.0, mocap_timeout=5.0)
+PATIENT = Limits(
+    straighten_time=1.0,
+    max_lateness=2.0,
+    joint_timeout=3.0,
+    heartbeat_timeout=3.0,
+    mocap_timeout=5.0,
+)
 WAITING = {"hold_after": 3.0, "limp_after": 4.0}  # modules that bear it, too [s]
 
 
@@ -83,7 +99,7 @@ def at(addresses, channel: str) -> Connection:
     )
 
 
-# ---- on wires --------------------------------------------------------------------------------------------------------
+# ---- on wires ------------------------------------------------------------------------------------
 
 
 def test_an_operation_over_wires_ends_as_a_trial_with_both_powers(tmp_path: Path):
@@ -91,16 +107,22 @@ def test_an_operation_over_wires_ends_as_a_trial_with_both_powers(tmp_path: Path
     lab = Lab(tank(**WAITING), bus=bus_address("virtual:session-a"), port=0)
     with lab as addresses:
         patient = Acceptance(pose_age=3.0)  # on a busy computer, cameras answer late
-        what = operation(connection=at(addresses, "session-a"), rate=20.0, calibration=SLOW, acceptance=patient)
+        what = operation(
+            connection=at(addresses, "session-a"), rate=20.0, calibration=SLOW, acceptance=patient
+        )
         result = operate(what, tmp_path, clock=Clock())
         assert lab.call(is_limp)
     assert result.accepted, result.reason
     assert result.trial is not None
     assert lc.load_trial(tmp_path / "session.nc").equals(result.trial)
     summary = json.loads(json.dumps(result.summary()))
-    tick = 1.0 / 20.0  # by which the first and the last estimate may each be inside the run, and ticks are not exact
+    tick = (
+        1.0 / 20.0
+    )  # by which the first and the last estimate may each be inside the run, and ticks are not exact
     assert 2.0 - 3.0 * tick <= summary["duration"] < 2.0 + tick + PATIENT.max_lateness
-    assert summary["total_power"] - summary["electrical_power"] == pytest.approx(35 * summary["idle_current"])
+    assert summary["total_power"] - summary["electrical_power"] == pytest.approx(
+        35 * summary["idle_current"]
+    )
     assert summary["idle_current"] == pytest.approx(1.18, abs=0.05)
     assert summary["timing"]["ticks"] > 50
     assert read_operation(tmp_path / "session.mcap").timing.summary() == result.timing.summary()
@@ -118,7 +140,9 @@ def test_ctrl_c_straightens_and_stops_the_robot(tmp_path: Path):
             os.kill(os.getpid(), signal.SIGINT)
 
     with lab as addresses, keys:
-        what = operation(connection=at(addresses, "session-b"), rate=20.0, calibration=SLOW, duration=30.0)
+        what = operation(
+            connection=at(addresses, "session-b"), rate=20.0, calibration=SLOW, duration=30.0
+        )
         what = replace(what, limits=replace(PATIENT, straighten_time=4.0))
         result = operate(what, tmp_path, clock=Clock(), keys=keys, show=show)
         assert lab.call(is_limp)
@@ -142,7 +166,9 @@ def test_a_killed_operator_leaves_a_robot_that_stops_by_itself(tmp_path: Path):
     group = f"239.74.163.{10 + os.getpid() % 200}"
     bus = f"udp_multicast:{group}:43231"
     words = ["lab", "--json", "--robot", "mamba", "--bus", bus, "--port", "0"]
-    lab = subprocess.Popen([*PROGRAM, *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    lab = subprocess.Popen(
+        [*PROGRAM, *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
     file = tmp_path / "trial.toml"
     file.write_text(
         'kind = "trial"\nname = "killed"\nduration = 60\nsupply_voltage = 35\nrate = 20\ncountdown = 0\n'
@@ -167,7 +193,9 @@ def test_a_killed_operator_leaves_a_robot_that_stops_by_itself(tmp_path: Path):
         assert len(states) == 8
         operator.send_signal(signal.SIGKILL)
         operator.wait(10)
-        states = watched(bus, until=lambda states: not any(state in ON for state in states.values()))
+        states = watched(
+            bus, until=lambda states: not any(state in ON for state in states.values())
+        )
         assert set(states.values()) == {NodeState.LIMP}
     finally:
         for process in (operator, lab):
@@ -196,10 +224,12 @@ def watched(bus: str, until) -> dict[int, NodeState]:
     return states
 
 
-# ---- without wires ---------------------------------------------------------------------------------------------------
+# ---- without wires -------------------------------------------------------------------------------
 
 
-def test_the_recording_of_a_stepped_operation_gives_the_same_estimates_and_commands_again(tmp_path: Path):
+def test_the_recording_of_a_stepped_operation_gives_the_same_estimates_and_commands_again(
+    tmp_path: Path,
+):
     from laticauda.estimation import Estimate
     from laticauda.operate import rerun_controller, rerun_estimator
 
@@ -213,14 +243,23 @@ def test_the_recording_of_a_stepped_operation_gives_the_same_estimates_and_comma
     again = rerun_estimator(log)
     recorded = log.of(Estimate)
     assert len(again) == len(recorded) > 50
-    assert all((a.center_of_mass == b.center_of_mass).all() for a, b in zip(again, recorded, strict=True))
+    assert all(
+        (a.center_of_mass == b.center_of_mass).all() for a, b in zip(again, recorded, strict=True)
+    )
     assert rerun_controller(log).n_different == 0
 
 
 @pytest.mark.parametrize("rate", [20.0, 30.0])
-def test_a_good_run_is_accepted_where_joints_end_their_steps_before_their_rates_are_asked_for(tmp_path: Path, rate):
+def test_a_good_run_is_accepted_where_joints_end_their_steps_before_their_rates_are_asked_for(
+    tmp_path: Path, rate
+):
     """With few ticks per second a joint with little load has come to rest when it answers: its rate says too little."""
-    what = operation(rate=rate, duration=4.0, following=None, calibration=Calibration(idle_time=0.5, still_time=2.0))
+    what = operation(
+        rate=rate,
+        duration=4.0,
+        following=None,
+        calibration=Calibration(idle_time=0.5, still_time=2.0),
+    )
     fine = tank()
     fine = Tank(fine.body, replace(fine.settings, step=0.002))
     result = operate(what, tmp_path, tank=fine)
@@ -230,13 +269,22 @@ def test_a_good_run_is_accepted_where_joints_end_their_steps_before_their_rates_
 
 
 @pytest.mark.parametrize("angle_jump", [math.radians(3.0), 1e-6], ids=["accepted", "rejected"])
-def test_the_trial_is_that_of_the_complete_recording_and_its_check_is_announced(tmp_path: Path, angle_jump: float):
+def test_the_trial_is_that_of_the_complete_recording_and_its_check_is_announced(
+    tmp_path: Path, angle_jump: float
+):
     told = []
     what = operation(acceptance=Acceptance(angle_jump=angle_jump), duration=3.0, following=None)
-    result = operate(what, tmp_path, tank=tank(), show=lambda state, outputs: told.extend(outputs.events))
-    assert result.trial is not None and result.accepted == result.trial.succeeded == (angle_jump > 1e-3)
+    result = operate(
+        what, tmp_path, tank=tank(), show=lambda state, outputs: told.extend(outputs.events)
+    )
+    assert result.trial is not None and result.accepted == result.trial.succeeded == (
+        angle_jump > 1e-3
+    )
     assert result.trial.equals(trial_of(read_operation(result.recording)))
-    assert [(event.kind, event.message) for event in told][-1] == ("checking", "the run, from its recording")
+    assert [(event.kind, event.message) for event in told][-1] == (
+        "checking",
+        "the run, from its recording",
+    )
 
 
 LEARNING = {
@@ -250,14 +298,18 @@ LEARNING = {
 }
 
 
-def test_what_is_learnt_meanwhile_is_shown_recorded_and_learnt_again_from_the_recording(tmp_path: Path, capsys):
+def test_what_is_learnt_meanwhile_is_shown_recorded_and_learnt_again_from_the_recording(
+    tmp_path: Path, capsys
+):
     what = operation(**LEARNING)
     model = lc.plant(what.body(), what.pool(), joints="servo")
     result = operate(what, tmp_path, tank=tank(current=(0.007, 0.0)), twin=model, show=print_events)
     assert result.accepted, result.reason
     log = read_operation(tmp_path / "session.mcap")
     found = log.of(Learned)
-    assert [two.time - one.time for one, two in itertools.pairwise(found)] == pytest.approx([1.0] * (len(found) - 1))
+    assert [two.time - one.time for one, two in itertools.pairwise(found)] == pytest.approx(
+        [1.0] * (len(found) - 1)
+    )
     last = found[-1]
     assert list(last.value) == ["normal_drag", "play", "crab", "current_x", "current_y"]
     assert last.value["current_x"] == pytest.approx(0.007, abs=0.006)
@@ -299,7 +351,9 @@ def test_one_error_of_the_tick_stops_the_robot_and_not_the_program():
 
 def test_an_error_at_every_tick_gives_up_with_an_emergency_stop():
     swum = tank()
-    with pytest.raises(RuntimeError, match="aborted with an emergency stop: ZeroDivisionError: a slip"):
+    with pytest.raises(
+        RuntimeError, match="aborted with an emergency stop: ZeroDivisionError: a slip"
+    ):
         stepped(Failing(operation=operation(duration=20.0), fails=(6.0, math.inf)), swum)
     assert {node.state for node in swum.nodes} == {NodeState.FAULT}
 
@@ -320,7 +374,9 @@ def test_ticks_that_a_computer_missed_are_not_made_up_for():
     assert periods.min() == pytest.approx(0.02)
 
 
-def test_of_a_long_operation_the_last_ticks_are_kept_in_their_order(monkeypatch: pytest.MonkeyPatch):
+def test_of_a_long_operation_the_last_ticks_are_kept_in_their_order(
+    monkeypatch: pytest.MonkeyPatch,
+):
     class Real(TankTime):
         is_real = True
 
@@ -366,7 +422,9 @@ def test_a_servo_that_stalls_while_the_robot_straightens_out_of_a_hard_turn_is_n
     )
     turning = operation(robot="mamba-fin", gait=gait, following=None, duration=5.0, limits=Limits())
     robot = turning.body()
-    swum = Tank(VirtualRobot(robot, lc.plant(robot, turning.pool(), joints="servo")), LabSettings(seed=1))
+    swum = Tank(
+        VirtualRobot(robot, lc.plant(robot, turning.pool(), joints="servo")), LabSettings(seed=1)
+    )
     stalled, longest = np.zeros(8), 0.0
 
     def show(state, outputs):
@@ -392,7 +450,10 @@ def test_a_fault_after_the_run_takes_nothing_from_it_and_is_said():
     result = result_of(operator, stepped(operator, swum, show=show), None, None)
     assert result.accepted
     assert result.reason == "The run reached its end."
-    assert result.aftermath == "After the run, a module is too hot. Check the robot, then start with `--clear`."
+    assert (
+        result.aftermath
+        == "After the run, a module is too hot. Check the robot, then start with `--clear`."
+    )
     assert result.aftermath in table(result.summary())
 
 
@@ -404,15 +465,25 @@ class Jumping(Tank):
     """How long before the jump nothing is sent [s]."""
 
     def captured(self):
-        found = [frame for frame in super().captured() if not self.at - self.dark < frame.timestamp < self.at]
-        late = [replace(frame, timestamp=frame.timestamp - self.by) for frame in found if frame.timestamp >= self.at]
+        found = [
+            frame
+            for frame in super().captured()
+            if not self.at - self.dark < frame.timestamp < self.at
+        ]
+        late = [
+            replace(frame, timestamp=frame.timestamp - self.by)
+            for frame in found
+            if frame.timestamp >= self.at
+        ]
         return [frame for frame in found if frame.timestamp < self.at] + late
 
 
 def jumping(at: float, by: float, dark: float) -> Jumping:
     robot = lc.load_robot("mamba")
     world = VirtualRobot(robot, lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"))
-    swum = Jumping(world, LabSettings(seed=1, nodes=NodeSettings(startup_time=0.2, calibration_time=0.2)))
+    swum = Jumping(
+        world, LabSettings(seed=1, nodes=NodeSettings(startup_time=0.2, calibration_time=0.2))
+    )
     swum.at, swum.by, swum.dark = at, by, dark
     return swum
 
@@ -451,7 +522,9 @@ def test_a_twin_of_the_robot_says_where_it_is_in_the_tank(tmp_path: Path):
     assert result.recording is not None
     assert read_operation(result.recording).header.twin is not None
     truth = swum.truth.center_of_mass[:2]
-    assert np.linalg.norm(result.trial.center_of_mass[-1] - truth) < 0.3  # it coasted while it stopped
+    assert (
+        np.linalg.norm(result.trial.center_of_mass[-1] - truth) < 0.3
+    )  # it coasted while it stopped
 
 
 def test_a_driven_fin_swims_in_the_tank_and_follows_its_wave(tmp_path: Path):
@@ -464,7 +537,11 @@ def test_a_driven_fin_swims_in_the_tank_and_follows_its_wave(tmp_path: Path):
     assert [node.number for node in tank_.nodes] == list(range(1, 10))
     wave = lc.Wave(amplitude=0.4, frequency=GAIT.frequency, phase=0.7)
     what = operation(
-        robot=str(tmp_path / "driven.toml"), gait=replace(GAIT, fin=wave), following=None, duration=8.0, ramp=1.0
+        robot=str(tmp_path / "driven.toml"),
+        gait=replace(GAIT, fin=wave),
+        following=None,
+        duration=8.0,
+        ramp=1.0,
     )
     twin = lc.plant(robot, lc.load_water("paper-lateral"), joints="servo")
     result = operate(what, tmp_path, tank=tank_, twin=twin)
@@ -486,10 +563,15 @@ SEA = Sea(significant_height=0.05, peak_period=1.2, components=4, seed=1)
 
 def test_in_water_that_moves_a_run_begins_only_if_that_is_allowed_and_is_known_as_well():
     usual = Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5, patience=3.0)
-    refused = stepped(Operator(operation=operation(calibration=usual)), carried := tank(current=(0.05, 0.03)))
+    refused = stepped(
+        Operator(operation=operation(calibration=usual)), carried := tank(current=(0.05, 0.03))
+    )
     assert "was not still" in refused.failure
     assert is_limp(carried)
-    for current, sure in (((0.05, 0.03), 5.0), (SEA, 10.0)):  # the filter takes the water's speed for steady
+    for current, sure in (
+        ((0.05, 0.03), 5.0),
+        (SEA, 10.0),
+    ):  # the filter takes the water's speed for steady
         check_known(tank(current=current), replace(usual, still_speed=0.1), sure)
 
 
@@ -504,11 +586,13 @@ def check_known(swum, calibration, sure):
     assert math.hypot(*away) < sure * state.estimate.center_of_mass_std < 0.05
 
 
-# ---- a series goes on -----------------------------------------------------------------------------------------------
+# ---- a series goes on ----------------------------------------------------------------------------
 
 
 def series(repeats: int = 2, retries: int = 1) -> SeriesFile:
-    return SeriesFile(name="goes-on", repeats=repeats, retries=retries, trials=(operation(name="a"),))
+    return SeriesFile(
+        name="goes-on", repeats=repeats, retries=retries, trials=(operation(name="a"),)
+    )
 
 
 def in_the_tank(*faults: Fault):
@@ -533,7 +617,9 @@ def test_a_run_whose_program_was_killed_before_its_trial_was_written_counts(tmp_
     (tmp_path / "a-1.nc").unlink()  # as if it had been killed between the two files
     again = run_series(series(repeats=2), tmp_path, in_the_tank())
     assert [one.accepted for one in again.settings[0].results] == [True, True]
-    np.testing.assert_array_equal(lc.load_trial(tmp_path / "a-1.nc").center_of_mass, kept.center_of_mass)
+    np.testing.assert_array_equal(
+        lc.load_trial(tmp_path / "a-1.nc").center_of_mass, kept.center_of_mass
+    )
 
 
 def test_a_run_that_was_killed_in_its_midst_is_rejected_and_done_again(tmp_path: Path):
@@ -548,6 +634,12 @@ def test_a_run_that_was_killed_in_its_midst_is_rejected_and_done_again(tmp_path:
 
 
 def test_a_single_run_that_is_repeated_finds_a_name_of_its_own(tmp_path: Path):
-    names = [operate(operation(name="b"), tmp_path, tank=tank(), frames=False).name for _ in range(3)]
+    names = [
+        operate(operation(name="b"), tmp_path, tank=tank(), frames=False).name for _ in range(3)
+    ]
     assert names == ["b", "b-2", "b-3"]
-    assert sorted(path.name for path in tmp_path.glob("*.mcap")) == ["b-2.mcap", "b-3.mcap", "b.mcap"]
+    assert sorted(path.name for path in tmp_path.glob("*.mcap")) == [
+        "b-2.mcap",
+        "b-3.mcap",
+        "b.mcap",
+    ]

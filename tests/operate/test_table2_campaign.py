@@ -25,7 +25,14 @@ def campaign():
 def done(campaign, tmp_path_factory) -> Series:
     """Two runs of the first setting, without steering."""
     series = load_operation(TABLE2)
-    what = replace(series.trials[0], following=None, duration=DURATION, rate=50.0, countdown=0.1, calibration=QUICK)
+    what = replace(
+        series.trials[0],
+        following=None,
+        duration=DURATION,
+        rate=50.0,
+        countdown=0.1,
+        calibration=QUICK,
+    )
     folder = tmp_path_factory.mktemp("series")
     return run_series(replace(series, trials=(what,), repeats=2), folder, campaign.operated)
 
@@ -55,7 +62,8 @@ def test_the_report_takes_the_repeats_of_a_series(done: Series):
 def test_identification_takes_the_trials_of_a_series_that_does_not_steer(done: Series):
     trials = [lc.load_trial(path) for path in sorted(done.folder.glob("*.nc"))]
     measured = [
-        from_trial(trial, name=f"run {i}", series={"center_of_mass": 0.003}, every=10) for i, trial in enumerate(trials)
+        from_trial(trial, name=f"run {i}", series={"center_of_mass": 0.003}, every=10)
+        for i, trial in enumerate(trials)
     ]
     operation = done.file.trials[0]
     found = fit(

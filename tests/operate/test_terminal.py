@@ -14,7 +14,15 @@ from laticauda.control import Following
 from laticauda.operate import Event
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.settings import Calibration, Connection, Operation
-from laticauda.operate.terminal import EMERGENCY, STOP, Dashboard, Keys, Terminal, picture, print_events
+from laticauda.operate.terminal import (
+    EMERGENCY,
+    STOP,
+    Dashboard,
+    Keys,
+    Terminal,
+    picture,
+    print_events,
+)
 
 termios = pytest.importorskip("termios", reason="terminals are of Unix")
 
@@ -85,7 +93,9 @@ def test_without_a_terminal_there_are_no_keys_and_no_error(tmp_path, monkeypatch
 
 WHAT = Operation(
     name="shown",
-    gait=lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40)),
+    gait=lc.lateral_undulation(
+        amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40)
+    ),
     following=Following(),
     duration=5.0,
     rate=25.0,
@@ -111,7 +121,18 @@ def test_the_dashboard_shows_modules_pose_state_and_events():
     run.until("running")
     run.tick(25)
     shown = text_of(run)
-    for word in ("RUNNING", "active", "25 °C", "35.0 V", "0.30 A", "m/s", "tracking", "at rest", "1.180 A", "of 5 s"):
+    for word in (
+        "RUNNING",
+        "active",
+        "25 °C",
+        "35.0 V",
+        "0.30 A",
+        "m/s",
+        "tracking",
+        "at rest",
+        "1.180 A",
+        "of 5 s",
+    ):
         assert word in shown, word
     assert max(len(line) for line in shown.splitlines()) <= 110
     run.rig.leak = {3}

@@ -8,7 +8,13 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import laticauda as lc
-from laticauda.estimation import Estimate, JointSample, KinematicEstimator, PoseSample, ReferenceSample
+from laticauda.estimation import (
+    Estimate,
+    JointSample,
+    KinematicEstimator,
+    PoseSample,
+    ReferenceSample,
+)
 from laticauda.kinematics import Posture, turn
 from laticauda.operate import Event, Header, OperationLog, spoken, verdict_of
 from laticauda.operate.settings import Acceptance
@@ -17,7 +23,9 @@ from laticauda.planar.model import PlanarPlant
 from laticauda.scenarios import Experiment
 
 ROBOT, WATER = lc.load_robot("mamba"), lc.load_water("paper-lateral")
-GAIT = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(120), phase_shift=math.radians(40))
+GAIT = lc.lateral_undulation(
+    amplitude=math.radians(30), frequency=math.radians(120), phase_shift=math.radians(40)
+)
 PLANT = lc.plant(ROBOT, WATER, joints="servo")
 CYCLES = 8
 STEP = 0.02  # s
@@ -32,7 +40,9 @@ def truth() -> lc.Trial:
 @cache
 def swum() -> lc.Trial:
     """A run of whole cycles, as it is sampled."""
-    return lc.run(PLANT, lc.OpenLoop(command=lc.Command(gait=GAIT)), CYCLES * 3.0 + STEP, sample_interval=STEP)
+    return lc.run(
+        PLANT, lc.OpenLoop(command=lc.Command(gait=GAIT)), CYCLES * 3.0 + STEP, sample_interval=STEP
+    )
 
 
 def log_of(
@@ -58,7 +68,9 @@ def log_of(
     path = path + np.stack((np.zeros(n), moved), axis=1)
     links = truth.link_angle + bent[:, np.newaxis]
     markers = Posture(ROBOT, path, links).link_centers[:, 0]
-    entries: list[object] = [Event(time=1.0, kind="calibrating", message="", data={"without_zero": unset})]
+    entries: list[object] = [
+        Event(time=1.0, kind="calibrating", message="", data={"without_zero": unset})
+    ]
 
     def estimate(time, k, aside=0.0):
         return Estimate(
@@ -79,17 +91,26 @@ def log_of(
     entries.append(Event(time=BEFORE, kind="start", message="", data={"clock": 0.5}))
     for k in range(n):
         time = BEFORE + float(truth.time[k])
-        entries.append(ReferenceSample(time=time, angle=truth.joint_angle_ref[k], frequency=GAIT.frequency))
+        entries.append(
+            ReferenceSample(time=time, angle=truth.joint_angle_ref[k], frequency=GAIT.frequency)
+        )
         entries.append(JointSample(time=time, angle=angle[k], rate=truth.joint_rate[k]))
         place = np.array([*markers[k], 0.0])
-        entries.append(PoseSample(time=time, position=place, rotation=turn("yaw", links[k, 0] + yaw[k])))
+        entries.append(
+            PoseSample(time=time, position=place, rotation=turn("yaw", links[k, 0] + yaw[k]))
+        )
         entries.append(estimate(time, k))
     last = BEFORE + float(truth.time[-1])
-    entries.append(Event(time=last, kind="stop", message="", data={"succeeded": True, "clock": 0.5 + clock}))
-    header = Header(
-        run=Experiment(robot=ROBOT, environment=WATER, gait=GAIT), estimator=KinematicEstimator(robot=ROBOT)
+    entries.append(
+        Event(time=last, kind="stop", message="", data={"succeeded": True, "clock": 0.5 + clock})
     )
-    return OperationLog(path=Path("run.mcap"), header=header, version="", notes={}, entries=tuple(entries), lost="")
+    header = Header(
+        run=Experiment(robot=ROBOT, environment=WATER, gait=GAIT),
+        estimator=KinematicEstimator(robot=ROBOT),
+    )
+    return OperationLog(
+        path=Path("run.mcap"), header=header, version="", notes={}, entries=tuple(entries), lost=""
+    )
 
 
 def judged(log, plant=PLANT, **limits):
@@ -114,7 +135,9 @@ def test_a_joint_that_stands_still_is_named_after_one_cycle_and_the_run_is_rejec
     assert (found.name, found.word) == ("joint_error", "WRONG")
     assert found.says.endswith("module 4")
     assert CYCLES * 1.5 < found.since <= CYCLES * 1.5 + 6.0
-    assert verdict.reason.startswith("The run failed a check: joint error not explained by its servo: ")
+    assert verdict.reason.startswith(
+        "The run failed a check: joint error not explained by its servo: "
+    )
 
 
 def test_a_servo_that_follows_better_than_the_model_is_right(truth):
@@ -174,7 +197,11 @@ def test_of_answers_that_are_further_apart_than_60_ms_a_jump_is_not_told(truth, 
     angle = truth.joint_angle.copy()
     angle[600:, 5] += math.radians(6.0)
     log = log_of(truth, angle=angle)
-    entries = (one for one in log.entries if not isinstance(one, JointSample) or round(one.time / STEP) % every == 0)
+    entries = (
+        one
+        for one in log.entries
+        if not isinstance(one, JointSample) or round(one.time / STEP) % every == 0
+    )
     assert judged(replace(log, entries=tuple(entries)))["angle_jump"].word == word
 
 
@@ -186,14 +213,20 @@ def test_what_share_of_its_steps_a_rate_explains_does_not_matter(share):
 
     log = log_of(swum())
     usual = judged(log, plant=None)["angle_jump"].value
-    found = judged(replace(log, entries=tuple(map(shared, log.entries))), plant=None)["angle_jump"].value
+    found = judged(replace(log, entries=tuple(map(shared, log.entries))), plant=None)[
+        "angle_jump"
+    ].value
     assert found == pytest.approx(usual, rel=1e-6, abs=1e-9)
 
 
 def test_samples_that_all_have_the_same_time_tell_no_jump(truth):
     log = log_of(truth)
-    entries = (replace(one, time=BEFORE) if isinstance(one, JointSample) else one for one in log.entries)
-    assert judged(replace(log, entries=tuple(entries)), plant=None)["angle_jump"].word == "not checked"
+    entries = (
+        replace(one, time=BEFORE) if isinstance(one, JointSample) else one for one in log.entries
+    )
+    assert (
+        judged(replace(log, entries=tuple(entries)), plant=None)["angle_jump"].word == "not checked"
+    )
 
 
 def test_a_marker_body_that_turns_on_its_module_is_seen_at_once(truth):
@@ -207,7 +240,9 @@ def test_water_that_begins_to_move_is_seen_as_sideslip(truth):
     moved = np.maximum(truth.time - 9.0, 0.0) * 0.03
     found = judged(log_of(truth, moved=moved))
     assert found["sideslip_change"].word == "WRONG"
-    assert found["sideslip_change"].since == pytest.approx(12.0)  # when the first cycle in it is complete
+    assert found["sideslip_change"].since == pytest.approx(
+        12.0
+    )  # when the first cycle in it is complete
     assert found["joint_error"].word == found["swing_error"].word == "ok"
 
 
@@ -224,7 +259,8 @@ def test_a_robot_that_slips_aside_while_it_starts_has_not_changed(truth):
 def test_a_run_whose_end_was_not_seen_is_rejected(truth):
     log, end = log_of(truth), BEFORE + float(truth.time[-1])
     late = tuple(
-        replace(one, age=max(one.time - (end - 0.5), 0.0)) if isinstance(one, Estimate) else one for one in log.entries
+        replace(one, age=max(one.time - (end - 0.5), 0.0)) if isinstance(one, Estimate) else one
+        for one in log.entries
     )
     found = judged(replace(log, entries=late))["pose_age"]
     assert (found.word, found.value) == ("WRONG", pytest.approx(0.5 - 3 * STEP))
@@ -272,9 +308,13 @@ def test_water_that_moved_before_the_run_and_modules_without_a_zero_are_told(tru
 def test_a_run_that_ended_within_its_first_cycle_is_not_checked_against_the_model(truth):
     log = log_of(truth)
     short = tuple(one for one in log.entries if one.time < BEFORE + 1.0)
-    found = judged(replace(log, entries=(*short, Event(time=BEFORE + 1.0, kind="stop", message=""))))
+    found = judged(
+        replace(log, entries=(*short, Event(time=BEFORE + 1.0, kind="stop", message="")))
+    )
     needs_no_cycle = {"angle_jump", "pose_age", "water_speed", "without_zero"}
-    assert {one.word for name, one in found.items() if name not in needs_no_cycle} == {"not checked"}
+    assert {one.word for name, one in found.items() if name not in needs_no_cycle} == {
+        "not checked"
+    }
 
 
 def test_a_sensor_that_jumps_within_the_first_cycle_rejects_the_run(truth):
@@ -282,7 +322,9 @@ def test_a_sensor_that_jumps_within_the_first_cycle_rejects_the_run(truth):
     angle[20:, 2] += math.radians(40.0)
     short = until_cycle(log_of(truth, angle=angle), 0.5, clock=0.5)
     found = verdict_of(short, Acceptance(), PLANT)
-    assert "joint-angle jump not explained by its rate" in found.reason and found.reason.endswith("module 3.")
+    assert "joint-angle jump not explained by its rate" in found.reason and found.reason.endswith(
+        "module 3."
+    )
     assert not verdict_of(until_cycle(log_of(truth), 0.5, clock=0.5), Acceptance(), PLANT).reason
 
 
@@ -304,7 +346,9 @@ def test_a_run_that_came_to_an_edge_counts_only_if_a_cycle_was_whole(truth, n, i
     assert found.summary()["accepted"] == is_right
 
 
-def test_a_recording_without_a_verdict_gets_one_by_the_usual_limits_and_one_that_has_it_keeps_it(truth):
+def test_a_recording_without_a_verdict_gets_one_by_the_usual_limits_and_one_that_has_it_keeps_it(
+    truth,
+):
     log = log_of(truth)
     assert spoken(log, lc.plant)["accepted"]
     said = {"accepted": False, "checks": [], "lines": ["WRONG"]}
@@ -316,7 +360,10 @@ def test_a_recording_without_a_verdict_gets_one_by_the_usual_limits_and_one_that
 def test_the_first_check_that_is_wrong_is_the_reason():
     limits, times = Acceptance(), [2.0, 3.0]
     worst = {"angle_jump": 0.0, "swing_error": 9.0, "joint_error": 9.0}
-    checks = (_check(limits, name, 1.0, times, np.array([0.0, value]), "") for name, value in worst.items())
+    checks = (
+        _check(limits, name, 1.0, times, np.array([0.0, value]), "")
+        for name, value in worst.items()
+    )
     assert Verdict(()).reason == ""
     found = Verdict(tuple(checks), is_cut=True)
     assert found.reason == f"The run failed a check: {found.checks[1].says}."
@@ -334,14 +381,23 @@ def words(found) -> dict[str, str]:
     return {name: one.word for name, one in found.items()}
 
 
-NEEDS_A_MODEL = {"swing_error", "marker_jump", "speed_change", "sideslip_change", "model_speed", "turn_change"}
+NEEDS_A_MODEL = {
+    "swing_error",
+    "marker_jump",
+    "speed_change",
+    "sideslip_change",
+    "model_speed",
+    "turn_change",
+}
 
 
 @pytest.mark.parametrize(
     "plant",
     [
         Diverging(robot=PLANT.robot, environment=PLANT.environment, settings=PLANT.settings),
-        lc.plant(lc.load_robot("mamba-modules").planar(), WATER, joints="servo"),  # another number of joints
+        lc.plant(
+            lc.load_robot("mamba-modules").planar(), WATER, joints="servo"
+        ),  # another number of joints
     ],
 )
 def test_without_a_model_that_fits_what_needs_one_is_not_checked(truth, plant):
@@ -364,23 +420,40 @@ def test_what_was_not_recorded_is_not_checked(truth):
     }
     unseen = words(judged(without(log, PoseSample)))
     assert {name for name, word in unseen.items() if word == "not checked"} == NEEDS_A_MODEL
-    no_rates = [replace(one, rate=None) if isinstance(one, JointSample) else one for one in log.entries]
+    no_rates = [
+        replace(one, rate=None) if isinstance(one, JointSample) else one for one in log.entries
+    ]
     begun = tuple(one for one in no_rates if one.time >= BEFORE)
     found = words(judged(replace(log, entries=begun)))
-    assert [name for name, word in found.items() if word != "ok"] == ["angle_jump", "water_speed", "without_zero"]
+    assert [name for name, word in found.items() if word != "ok"] == [
+        "angle_jump",
+        "water_speed",
+        "without_zero",
+    ]
 
 
 def test_a_run_of_few_cycles_is_checked_but_for_its_turning(truth):
     log = log_of(truth)
     short = tuple(one for one in log.entries if one.time < BEFORE + 4 * 3.0 + 0.1)
-    found = words(judged(replace(log, entries=(*short, Event(time=BEFORE + 12.1, kind="stop", message="")))))
-    assert [name for name, word in found.items() if word == "not checked"] == ["turn_change", "clock_drift"]
+    found = words(
+        judged(replace(log, entries=(*short, Event(time=BEFORE + 12.1, kind="stop", message=""))))
+    )
+    assert [name for name, word in found.items() if word == "not checked"] == [
+        "turn_change",
+        "clock_drift",
+    ]
 
 
 def test_a_check_says_how_much_of_its_limit_was_used_in_its_unit_since_when_and_where():
-    times, limits = [3.0, 4.0, 5.0], Acceptance(water_speed=0.01, joint_error=math.radians(3.0), without_zero=0.5)
+    times, limits = (
+        [3.0, 4.0, 5.0],
+        Acceptance(water_speed=0.01, joint_error=math.radians(3.0), without_zero=0.5),
+    )
     found = _check(limits, "joint_error", 1.0, times, np.radians([1.0, 6.0, 4.5]), "module 2")
-    assert found.says == "joint error not explained by its servo: 6 of 3 deg (200 %), since 3.0 s; module 2"
+    assert (
+        found.says
+        == "joint error not explained by its servo: 6 of 3 deg (200 %), since 3.0 s; module 2"
+    )
     assert (found.word, found.value, found.limit) == ("WRONG", math.radians(6.0), math.radians(3.0))
     assert (found.share, found.since) == (pytest.approx(2.0), 3.0)
     found = _check(limits, "water_speed", 1.0, times, np.array([0.01, math.nan, 0.004]), "")
@@ -388,7 +461,10 @@ def test_a_check_says_how_much_of_its_limit_was_used_in_its_unit_since_when_and_
     assert (found.word, found.since, found.share) == ("ok", None, 1.0)
     found = _check(limits, "without_zero", 1.0, times, np.array([0.0, 0.0, 2.0]), "")
     assert (found.word, found.since) == ("noted", 4.0)
-    assert found.says == "modules without a zero (`joint_zeros` sets them): 2 of 0.5 (400 %), since 4.0 s"
+    assert (
+        found.says
+        == "modules without a zero (`joint_zeros` sets them): 2 of 0.5 (400 %), since 4.0 s"
+    )
     found = _check(limits, "without_zero", 1.0, times, np.full(3, math.nan), "")
     assert found == (
         "without_zero",
@@ -412,7 +488,9 @@ def test_a_cycle_without_its_mean_and_slope_is_what_is_left_of_it():
 def test_the_way_to_the_next_cycle_is_told_along_and_to_the_left_of_the_heading_of_both():
     heading = np.array([[0.0, 0.0], [2.0, 2.2], [-1.0, -1.0]])
     place = np.cumsum([5.0 + 6.0j, (0.3 + 0.1j) * np.exp(1.05j), (0.2 - 0.4j) * np.exp(0.55j)])
-    center = np.stack([place.real, place.imag], axis=1)[:, np.newaxis] + np.array([[[-0.3, 0.2], [0.3, -0.2]]])
+    center = np.stack([place.real, place.imag], axis=1)[:, np.newaxis] + np.array(
+        [[[-0.3, 0.2], [0.3, -0.2]]]
+    )
     ahead, aside = _step(center, heading)
     assert ahead == pytest.approx([0.3, 0.2]) and aside == pytest.approx([0.1, -0.4])
 
@@ -437,7 +515,15 @@ def moved_log(truth, *, turned: float = 0.0, faster=1.0, bent=0.0) -> OperationL
     return log_of(truth, bent=turned + bent, path=path @ np.array([[c, s], [-s, c]]))
 
 
-NUMBERS = ("joint_error", "swing_error", "marker_jump", "speed_change", "sideslip_change", "turn_change", "model_speed")
+NUMBERS = (
+    "joint_error",
+    "swing_error",
+    "marker_jump",
+    "speed_change",
+    "sideslip_change",
+    "turn_change",
+    "model_speed",
+)
 
 
 def test_the_choice_of_world_axes_does_not_matter(truth):
@@ -463,10 +549,17 @@ def test_a_robot_that_always_was_slower_is_noted(truth):
 
 
 def test_a_robot_that_swims_backward_is_judged_like_one_that_swims_forward():
-    gait = lc.lateral_undulation(amplitude=math.radians(30), frequency=GAIT.frequency, phase_shift=math.radians(-40))
-    back = lc.run(PLANT, lc.OpenLoop(command=lc.Command(gait=gait)), 3.0 * CYCLES + STEP, sample_interval=STEP)
+    gait = lc.lateral_undulation(
+        amplitude=math.radians(30), frequency=GAIT.frequency, phase_shift=math.radians(-40)
+    )
+    back = lc.run(
+        PLANT, lc.OpenLoop(command=lc.Command(gait=gait)), 3.0 * CYCLES + STEP, sample_interval=STEP
+    )
     assert back.center_of_mass[-1, 0] < -0.5
-    right, changed = (judged(log_of(back, moved=moved)) for moved in (0.0, np.maximum(back.time - 9.0, 0.0) * 0.03))
+    right, changed = (
+        judged(log_of(back, moved=moved))
+        for moved in (0.0, np.maximum(back.time - 9.0, 0.0) * 0.03)
+    )
     assert max(right[name].share for name in NUMBERS) < 0.3
     assert changed["sideslip_change"].word == "WRONG"
     faster = judged(moved_log(back, faster=np.where(back.time < 12.0, 1.0, 1.5)))["speed_change"]
@@ -486,7 +579,9 @@ def test_a_robot_that_steers_a_little_better_than_the_model_is_right_and_one_tha
     start = lc.Start(center_of_mass=(0.0, 1.0))
     steered = lc.run(PLANT, follower, 3.0 * CYCLES + STEP, start=start, sample_interval=STEP)
     turned = steered.heading - steered.heading[0]
-    little, much = (judged(moved_log(steered, bent=share * turned))["turn_change"] for share in (0.08, 0.3))
+    little, much = (
+        judged(moved_log(steered, bent=share * turned))["turn_change"] for share in (0.08, 0.3)
+    )
     assert (little.word, much.word) == ("ok", "WRONG")
     assert little.share < 0.3
 
@@ -503,9 +598,13 @@ def test_a_joint_that_does_the_opposite_of_its_servo_is_not_between_reference_an
     opposite = 2.0 * truth.joint_angle_ref - truth.joint_angle
     lag = (truth.joint_angle_ref - truth.joint_angle)[: 150 * CYCLES].reshape(CYCLES, 150, -1)
     beside = np.sqrt(np.mean(lag**2, axis=1)).max()  # of the worst cycle and joint
-    assert judged(log_of(truth, angle=opposite))["joint_error"].value == pytest.approx(beside, rel=0.05)
+    assert judged(log_of(truth, angle=opposite))["joint_error"].value == pytest.approx(
+        beside, rel=0.05
+    )
     double = 2.0 * truth.joint_angle - truth.joint_angle_ref
-    assert judged(log_of(truth, angle=double))["joint_error"].value == pytest.approx(beside, rel=0.05)
+    assert judged(log_of(truth, angle=double))["joint_error"].value == pytest.approx(
+        beside, rel=0.05
+    )
 
 
 def test_what_has_gaps_is_judged_by_what_there_is(truth):
@@ -518,7 +617,9 @@ def test_what_has_gaps_is_judged_by_what_there_is(truth):
     ]
     found = words(judged(replace(log, entries=tuple(some))))
     assert found["angle_jump"] == found["marker_jump"] == "not checked"
-    holes = [one for one in log.entries if not (isinstance(one, JointSample) and 8.0 < one.time < 8.5)]
+    holes = [
+        one for one in log.entries if not (isinstance(one, JointSample) and 8.0 < one.time < 8.5)
+    ]
     assert words(judged(replace(log, entries=tuple(holes))))["angle_jump"] == "ok"
 
 
@@ -539,7 +640,10 @@ def test_a_marker_body_may_turn_to_either_side_and_the_first_reference_may_have_
 
 def test_without_a_model_half_of_the_swing_about_an_offset_may_be_missing(truth):
     log = log_of(truth, angle=0.3 + 0.6 * truth.joint_angle_ref)
-    entries = [replace(one, angle=one.angle + 0.3) if isinstance(one, ReferenceSample) else one for one in log.entries]
+    entries = [
+        replace(one, angle=one.angle + 0.3) if isinstance(one, ReferenceSample) else one
+        for one in log.entries
+    ]
     assert judged(replace(log, entries=tuple(entries)), plant=None)["joint_error"].share < 0.2
 
 
@@ -547,7 +651,9 @@ def until_cycle(log: OperationLog, n: float, clock: float = 0.52) -> OperationLo
     """The same as if it had been stopped with the sample that ends a cycle."""
     end = BEFORE + 3.0 * n
     entries = tuple(one for one in log.entries if one.time <= end + 1e-9)
-    return replace(log, entries=(*entries, Event(time=end, kind="stop", message="", data={"clock": clock})))
+    return replace(
+        log, entries=(*entries, Event(time=end, kind="stop", message="", data={"clock": clock}))
+    )
 
 
 def test_a_cycle_counts_with_its_last_sample_and_turning_from_six_of_them_on(truth):
@@ -562,7 +668,9 @@ def test_of_a_clock_a_second_counts_at_least(truth):
     assert drift.value == pytest.approx(0.01)
 
 
-def test_how_long_a_cycle_is_the_references_say_from_whenever_they_have_a_frequency(truth, monkeypatch):
+def test_how_long_a_cycle_is_the_references_say_from_whenever_they_have_a_frequency(
+    truth, monkeypatch
+):
     monkeypatch.setattr("laticauda.operate.verdict.CYCLE", 20.0)
     log, first = log_of(truth), True
     entries = []
@@ -576,7 +684,10 @@ def test_how_long_a_cycle_is_the_references_say_from_whenever_they_have_a_freque
 def test_references_without_a_frequency_have_cycles_of_the_usual_length(truth, monkeypatch):
     monkeypatch.setattr("laticauda.operate.verdict.CYCLE", 12.0)
     log = log_of(truth)
-    still = [replace(one, frequency=0.0) if isinstance(one, ReferenceSample) else one for one in log.entries]
+    still = [
+        replace(one, frequency=0.0) if isinstance(one, ReferenceSample) else one
+        for one in log.entries
+    ]
     found = words(judged(replace(log, entries=tuple(still))))
     assert (found["speed_change"], found["turn_change"]) == ("ok", "not checked")
 
@@ -585,7 +696,9 @@ def test_the_only_cycle_of_a_short_run_is_compared_with_the_model_too(truth):
     angle = truth.joint_angle.copy()
     angle[:, 3] = 0.0
     found = verdict_of(until_cycle(log_of(truth, angle=angle), 1.2), Acceptance(), PLANT)
-    assert found.reason.startswith("The run failed a check: joint error not explained by its servo: ")
+    assert found.reason.startswith(
+        "The run failed a check: joint error not explained by its servo: "
+    )
 
 
 def test_the_age_of_poses_is_that_of_the_whole_run(truth):
@@ -602,7 +715,9 @@ def test_two_references_are_enough_for_a_model(truth, n, word):
         kept += isinstance(one, ReferenceSample)
         if not isinstance(one, ReferenceSample) or kept <= n:
             entries.append(one)
-    assert words(judged(replace(log, entries=tuple(entries)), swing_error=1e9))["swing_error"] == word
+    assert (
+        words(judged(replace(log, entries=tuple(entries)), swing_error=1e9))["swing_error"] == word
+    )
 
 
 def test_frames_that_come_out_of_order_are_judged_in_theirs(truth):
@@ -610,10 +725,15 @@ def test_frames_that_come_out_of_order_are_judged_in_theirs(truth):
     first = [one.time for one in log.entries if isinstance(one, PoseSample)]
     swapped = {one: first[i ^ 1] for i, one in enumerate(first) if i < len(first) - 1}
     late = sorted(
-        log.entries, key=lambda one: swapped.get(one.time, one.time) if isinstance(one, PoseSample) else one.time
+        log.entries,
+        key=lambda one: (
+            swapped.get(one.time, one.time) if isinstance(one, PoseSample) else one.time
+        ),
     )
     usual, found = judged(log), judged(replace(log, entries=tuple(late)))
-    assert [found[name].value for name in NUMBERS] == pytest.approx([usual[name].value for name in NUMBERS], abs=1e-9)
+    assert [found[name].value for name in NUMBERS] == pytest.approx(
+        [usual[name].value for name in NUMBERS], abs=1e-9
+    )
 
 
 @pytest.mark.parametrize("n", [5, 14])
@@ -635,7 +755,9 @@ def rough_log(truth) -> OperationLog:
     angle[:, 4] *= 1.0 - 0.05 * t / t[-1]
     yaw, c, s = random.normal(0.0, 0.01, n), math.cos(2.0), math.sin(2.0)
     bent = 2.0 + 0.02 * np.sin(0.3 * t) + np.where(t < 13.0, 0.0, 0.03)
-    path = (1.0 + 0.1 * (t > 14.0))[:, np.newaxis] * truth.center_of_mass @ np.array([[c, s], [-s, c]])
+    path = (
+        (1.0 + 0.1 * (t > 14.0))[:, np.newaxis] * truth.center_of_mass @ np.array([[c, s], [-s, c]])
+    )
     changed = {"angle": angle, "yaw": yaw, "bent": bent, "moved": 0.002 * t**1.5, "path": path}
     log = log_of(truth, **changed, clock=0.013, unset=2, still=0.004)
     entries = []
@@ -671,7 +793,10 @@ ROUGH = {
 def test_the_verdict_on_a_rough_run_stays_as_it_is(truth):
     verdict = verdict_of(rough_log(truth), Acceptance(), PLANT)
     assert {one.name: one.value for one in verdict.checks} == pytest.approx(ROUGH, rel=1e-6)
-    assert [one.name for one in verdict.checks if one.word != "ok"] == ["speed_change", "without_zero"]
+    assert [one.name for one in verdict.checks if one.word != "ok"] == [
+        "speed_change",
+        "without_zero",
+    ]
     assert verdict.checks[4].since == pytest.approx(18.0)
     assert [one.says[-8:] for one in verdict.checks[:2]] == ["module 5", "module 8"]
     bare = verdict_of(rough_log(truth), Acceptance(), None)

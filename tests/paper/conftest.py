@@ -31,7 +31,9 @@ def study() -> EfficiencyStudy:
 @pytest.fixture(scope="session")
 def following() -> PathFollowingStudy:
     """All 12 trials of Table 2 for 18 s, which takes some of them to the path, with prescribed joints only."""
-    return run_path_following(replace(path_following_settings(), duration=18.0, joint_laws=("prescribed",), own=()))
+    return run_path_following(
+        replace(path_following_settings(), duration=18.0, joint_laws=("prescribed",), own=())
+    )
 
 
 @pytest.fixture(scope="session")
@@ -55,7 +57,12 @@ def short_reproduction(monkeypatch: pytest.MonkeyPatch) -> None:
     def small(parameters: Any = None) -> reproduce.Experiments:
         whole = whole_plan(parameters)
         sweeps = tuple(replace(sweep, step=10 * sweep.step) for sweep in whole.efficiency.sweeps)
-        following = replace(whole.path_following, duration=16.0, joint_laws=("prescribed",), offset_bandwidths=(10.0,))
+        following = replace(
+            whole.path_following,
+            duration=16.0,
+            joint_laws=("prescribed",),
+            offset_bandwidths=(10.0,),
+        )
         following = replace(following, own=following.own[:1])
         models = tuple(one for one in whole.efficiency.models if one.name != "mamba-textbook")
         efficiency = replace(whole.efficiency, sweeps=sweeps, models=models)
@@ -63,7 +70,10 @@ def short_reproduction(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr("os.cpu_count", lambda: 1)
     monkeypatch.setattr(reproduce, "paper_experiments", small)
-    chapters = {name: (title, _without_figures(chapter)) for name, (title, chapter) in reproduce.CHAPTERS.items()}
+    chapters = {
+        name: (title, _without_figures(chapter))
+        for name, (title, chapter) in reproduce.CHAPTERS.items()
+    }
     monkeypatch.setattr(reproduce, "CHAPTERS", chapters)
 
 

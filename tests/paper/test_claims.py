@@ -41,7 +41,7 @@ def with_speeds(study, speed):
     return replace(study, cases=tuple(replace(case, measured=row) for case, row in rows))
 
 
-# ---- laws ----------------------------------------------------------------------------------------------------------
+# ---- laws ----------------------------------------------------------------------------------------
 
 
 def test_all_parts_must_be_met():
@@ -72,7 +72,9 @@ def test_without_studies_what_needs_one_is_not_tested_and_says_which():
     assert judged["phase-optimum"].found == "Not run: the efficiency study, the side trials."
     assert judged["path-converges"].found == "Not run: the path-following study."
     assert judged["links-power"].found == "Not run: the side trials."
-    assert {claim.verdict for claim in judged.values() if claim.found.startswith("Not run")} == {"not tested here"}
+    assert {claim.verdict for claim in judged.values() if claim.found.startswith("Not run")} == {
+        "not tested here"
+    }
     assert judged["fin-length"].verdict == "holds"
 
 
@@ -93,7 +95,7 @@ def test_claims_about_simulations_say_which_joints(study, following, side, found
     assert "servo joints" in by_key(other)["accurate"].found
 
 
-# ---- the studies decide --------------------------------------------------------------------------------------------
+# ---- the studies decide --------------------------------------------------------------------------
 
 
 def test_a_robot_that_swims_as_simulated_agrees_and_one_twice_as_fast_does_not(study):
@@ -118,8 +120,13 @@ def test_a_robot_that_swims_as_the_vortex_coefficients_say_is_closer_to_them(stu
 
     own = replace(study.settings.models[0], name="mine")
     settings = replace(study.settings, models=(own, *study.settings.models))
-    curves = [replace(sweep, **{name: doubled_first(getattr(sweep, name)) for name in CURVES}) for sweep in swum.sweeps]
-    three = replace(swum, settings=settings, cases=tuple(map(with_own, swum.cases)), sweeps=tuple(curves))
+    curves = [
+        replace(sweep, **{name: doubled_first(getattr(sweep, name)) for name in CURVES})
+        for sweep in swum.sweeps
+    ]
+    three = replace(
+        swum, settings=settings, cases=tuple(map(with_own, swum.cases)), sweeps=tuple(curves)
+    )
     assert by_key(claims(three))["vortex-closer"] == by_key(claims(swum))["vortex-closer"]
     assert ", mine: mean absolute error" in by_key(claims(three))["accurate"].found
     only = replace(study, settings=replace(settings, models=(own, study.settings.models[1])))
@@ -134,7 +141,12 @@ def test_a_fin_that_doubled_every_speed_would_nearly_double_it(study):
 
 def test_runs_that_end_off_the_path_have_not_converged(following):
     def lost(case):
-        figures = {**case.run.figures, "convergence_time": None, "convergence_distance": None, "last_third_error": 0.5}
+        figures = {
+            **case.run.figures,
+            "convergence_time": None,
+            "convergence_distance": None,
+            "last_third_error": 0.5,
+        }
         return replace(case, run=replace(case.run, figures=figures, last_third_rms=0.5))
 
     judged = by_key(claims(replace(following, cases=tuple(map(lost, following.cases)))))
@@ -146,8 +158,17 @@ def test_runs_that_end_off_the_path_have_not_converged(following):
 
 def test_a_claim_about_path_following_says_in_how_many_ways_it_holds(following):
     def first_way_lost(case):
-        lost = replace(case.band[0], last_third_rms=0.5, figures={**case.band[0].figures, "last_third_error": 0.5})
-        came = {**case.run.figures, "convergence_time": 5.0, "convergence_distance": 0.5, "last_third_error": 0.0}
+        lost = replace(
+            case.band[0],
+            last_third_rms=0.5,
+            figures={**case.band[0].figures, "last_third_error": 0.5},
+        )
+        came = {
+            **case.run.figures,
+            "convergence_time": 5.0,
+            "convergence_distance": 0.5,
+            "last_third_error": 0.0,
+        }
         kept = replace(case.run, figures=came, last_third_rms=0.01)
         return replace(case, run=kept, band=(lost, *(kept,) * (len(case.band) - 1)))
 
@@ -160,7 +181,10 @@ def test_a_claim_about_path_following_says_in_how_many_ways_it_holds(following):
         )
     assert "ways to run" not in judged["path-heading"].found
     alone = [replace(case, band=case.band[:1]) for case in following.cases]
-    assert "ways to run" not in by_key(claims(replace(following, cases=tuple(alone))))["path-converges"].found
+    assert (
+        "ways to run"
+        not in by_key(claims(replace(following, cases=tuple(alone))))["path-converges"].found
+    )
 
 
 def test_a_maximum_at_the_end_of_its_range_is_not_one_of_the_papers_that_was_met(study):
@@ -191,7 +215,10 @@ def test_the_fin_brings_the_robot_to_the_path_sooner_if_it_does(following):
     assert with_times(2.0, 1.0).verdict == "holds"
     assert with_times(1.0, 2.0).verdict == "does not hold"
     assert with_times(None, 1.0).verdict == "holds"
-    assert "lateral undulation (not reached in all cases) without and 1.00 s with fin" in with_times(None, 1.0).found
+    assert (
+        "lateral undulation (not reached in all cases) without and 1.00 s with fin"
+        in with_times(None, 1.0).found
+    )
 
 
 def test_what_more_links_bring_is_judged_at_the_same_gait_parameters(side):
@@ -205,7 +232,9 @@ def test_what_more_links_bring_is_judged_at_the_same_gait_parameters(side):
         return replace(doubling, longer=long)
 
     def with_links(speed, power):
-        changed = [grown(one, speed, power) if one.kept == "phase shift" else one for one in side.doublings]
+        changed = [
+            grown(one, speed, power) if one.kept == "phase shift" else one for one in side.doublings
+        ]
         return by_key(claims(replace(side, doublings=tuple(changed))))
 
     assert with_links(1.1, 10.0)["links-speed"].verdict == "holds"
@@ -214,12 +243,18 @@ def test_what_more_links_bring_is_judged_at_the_same_gait_parameters(side):
     assert with_links(1.3, 3.0)["links-power"].verdict == "does not hold"
 
 
-# ---- the paper's numbers -------------------------------------------------------------------------------------------
+# ---- the paper's numbers -------------------------------------------------------------------------
 
 
 def test_the_printed_gains_follow_from_table_1(found, study):
-    assert "Recomputed from Table 1: +47.03 to +82.95 % over 4 settings." in found["fin-speed-lateral"].found
-    assert "Recomputed from Table 1: +33.64 to +88.68 % over 5 settings." in found["fin-speed-eel"].found
+    assert (
+        "Recomputed from Table 1: +47.03 to +82.95 % over 4 settings."
+        in found["fin-speed-lateral"].found
+    )
+    assert (
+        "Recomputed from Table 1: +33.64 to +88.68 % over 5 settings."
+        in found["fin-speed-eel"].found
+    )
     known = [gain for gain in fin_gains(study.cases) if gain.measured.velocity is not None]
     simulated = [gain.simulated(lambda case: case.forward_velocity[0]) for gain in known]
     assert f"{spread(simulated)}, median" in found["fin-nearly-double"].found
@@ -227,7 +262,10 @@ def test_the_printed_gains_follow_from_table_1(found, study):
 
 def test_one_row_of_table_1_and_four_of_table_2_exceed_88_percent(found):
     text = found["fin-more-than-88"].found
-    assert "Table 1, 1 of 9 (eel-like motion, with fin, case 2, +88.68 %); Table 2, 4 of 6 (+78 to +122 %)" in text
+    assert (
+        "Table 1, 1 of 9 (eel-like motion, with fin, case 2, +88.68 %); Table 2, 4 of 6 (+78 to +122 %)"
+        in text
+    )
     assert found["fin-more-than-88"].verdict == "holds in part"
 
 
@@ -279,15 +317,29 @@ def test_a_part_of_a_rule_is_met_by_the_numbers_that_it_names(rule, met, not_met
 
 
 def test_each_of_several_numbers_can_be_a_part_of_its_own():
-    assert judge._met({"each": "study.values", "below": 2.0}, {"study": {"values": [1.0, 3.0]}}) == [True, False]
+    assert judge._met(
+        {"each": "study.values", "below": 2.0}, {"study": {"values": [1.0, 3.0]}}
+    ) == [True, False]
 
 
 def test_energy_per_meter_is_power_over_speed(study):
-    assert quantities._per(10.0, 100.0) == pytest.approx(-45.0)  # 1.1 of the power at twice the speed
+    assert quantities._per(10.0, 100.0) == pytest.approx(
+        -45.0
+    )  # 1.1 of the power at twice the speed
     found = quantities.efficiency(study)
     gain = fin_gains(study.cases)[0]
-    per_meter = [case.mechanical_power[0] / case.forward_velocity[0] for case in (gain.without, gain.with_fin)]
-    assert found["simulated_energy"][0] == pytest.approx(100.0 * (per_meter[1] / per_meter[0] - 1.0))
-    bare, fin = (next(t for t in path_following_trials() if t.has_fin == has_fin) for has_fin in (False, True))
-    change = (fin.mean_power / fin.forward_velocity) / (bare.mean_power / bare.forward_velocity) - 1.0
+    per_meter = [
+        case.mechanical_power[0] / case.forward_velocity[0]
+        for case in (gain.without, gain.with_fin)
+    ]
+    assert found["simulated_energy"][0] == pytest.approx(
+        100.0 * (per_meter[1] / per_meter[0] - 1.0)
+    )
+    bare, fin = (
+        next(t for t in path_following_trials() if t.has_fin == has_fin)
+        for has_fin in (False, True)
+    )
+    change = (fin.mean_power / fin.forward_velocity) / (
+        bare.mean_power / bare.forward_velocity
+    ) - 1.0
     assert quantities.tables()["energy"][0] == pytest.approx(100.0 * change)

@@ -19,10 +19,14 @@ def test_the_command_writes_a_folder_and_prints_the_errors_and_the_verdicts(run,
     assert (folder / "reproduction" / "report.html").stat().st_size > 20_000
 
     # The folder can be used again.
-    done = run("reproduce --only efficiency --json --output reproduction --joints prescribed --workers 1")
+    done = run(
+        "reproduce --only efficiency --json --output reproduction --joints prescribed --workers 1"
+    )
     assert done.status == 0
     found = json.loads(done.out)
-    assert found["efficiency"]["errors"]["analytical-set"]["mape_percent"] == pytest.approx(15.7, abs=0.1)
+    assert found["efficiency"]["errors"]["analytical-set"]["mape_percent"] == pytest.approx(
+        15.7, abs=0.1
+    )
     assert found["efficiency"]["settings"]["joints"] == "prescribed"
     assert "path_following" not in found
     assert sum(found["claims"].values()) > 20
@@ -39,7 +43,9 @@ def test_coefficients_and_repeated_measurements_come_from_files(run, folder: Pat
     (folder / "repeats.csv").write_text(
         "gait,config,alpha_deg,omega_deg_s,delta_deg,v_m_s\nLU,nofin,30,130,40,0.15\nLU,nofin,30,130,40,0.16\n"
     )
-    done = run("reproduce --only efficiency --parameters mine.toml --repeats repeats.csv --workers 1 --json")
+    done = run(
+        "reproduce --only efficiency --parameters mine.toml --repeats repeats.csv --workers 1 --json"
+    )
     assert done.status == 0
     errors = json.loads(done.out)["efficiency"]["errors"]
     assert "mine" in errors
@@ -48,7 +54,9 @@ def test_coefficients_and_repeated_measurements_come_from_files(run, folder: Pat
     assert "repeats.csv" in json.loads(done.out)["files"]
 
 
-def test_bad_files_are_refused_before_anything_runs(run, folder: Path, monkeypatch: pytest.MonkeyPatch):
+def test_bad_files_are_refused_before_anything_runs(
+    run, folder: Path, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.setattr(MODULE, "_run", lambda *args: pytest.fail("it ran"))
     done = run("reproduce --parameters nothing.toml")
     assert (done.status, done.out) == (2, "")
@@ -59,7 +67,9 @@ def test_bad_files_are_refused_before_anything_runs(run, folder: Path, monkeypat
     assert "repeats.csv" in done.err
 
 
-def test_a_folder_that_cannot_be_written_is_bad_input(run, folder: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_folder_that_cannot_be_written_is_bad_input(
+    run, folder: Path, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.setattr(MODULE, "_run", lambda *args: pytest.fail("it ran"))
     (folder / "file").write_text("")
     done = run("reproduce --output file")
@@ -71,13 +81,22 @@ def test_a_study_that_does_not_exist_is_bad_input(run):
     assert run("reproduce --only everything").status == 2
     assert run("reproduce --joints magic").status == 2
     done = run("reproduce --workers 0")
-    assert (done.status, done.err) == (2, "laticauda: --workers must be a whole number >= 1, got 0.\n")
+    assert (done.status, done.err) == (
+        2,
+        "laticauda: --workers must be a whole number >= 1, got 0.\n",
+    )
 
 
-def test_a_trial_that_blows_up_ends_with_status_1(run, folder: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_trial_that_blows_up_ends_with_status_1(
+    run, folder: Path, monkeypatch: pytest.MonkeyPatch
+):
     def fail(*args):
         raise SimulationFailed("mamba: the run blew up at 3 s.")
 
     monkeypatch.setattr(MODULE, "_run", fail)
     done = run("reproduce")
-    assert (done.status, done.out, done.err) == (1, "", "laticauda: mamba: the run blew up at 3 s.\n")
+    assert (done.status, done.out, done.err) == (
+        1,
+        "",
+        "laticauda: mamba: the run blew up at 3 s.\n",
+    )

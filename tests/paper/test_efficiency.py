@@ -43,8 +43,12 @@ def test_rows_that_were_not_measured_are_kept_as_predictions(study):
 
 
 def test_progress_counts_up_to_all_runs():
-    settings = replace(efficiency_settings(), sweeps=efficiency_settings().sweeps[:1], duration=15.0)
-    settings = replace(settings, sweeps=(replace(settings.sweeps[0], step=1.0),), models=settings.models[:1])
+    settings = replace(
+        efficiency_settings(), sweeps=efficiency_settings().sweeps[:1], duration=15.0
+    )
+    settings = replace(
+        settings, sweeps=(replace(settings.sweeps[0], step=1.0),), models=settings.models[:1]
+    )
     told: list[tuple[int, int]] = []
     run_efficiency(settings, progress=lambda done, total: told.append((done, total)))
     assert [done for done, _ in told] == list(range(1, settings.n_runs + 1))
@@ -74,7 +78,8 @@ def test_a_model_that_does_not_exist_is_refused():
 def test_a_set_of_coefficients_may_bring_its_own_waters(study):
     settings = efficiency_settings()
     own = replace(
-        settings.models[0], waters={kind: settings.models[0].water(kind) for kind in settings.models[0].waters}
+        settings.models[0],
+        waters={kind: settings.models[0].water(kind) for kind in settings.models[0].waters},
     )
     short = replace(settings, sweeps=(replace(settings.sweeps[0], step=1.0),), models=(own,))
     assert [case.forward_velocity for case in run_efficiency(short).cases] == [
@@ -96,7 +101,11 @@ def load(tmp_path: Path):
 
 
 def test_trials_of_a_setting_come_together_with_mean_and_deviation(load):
-    rows = ("LU,nofin,30,130,40,0.15,100", "EEL,fin,30,130,40,0.17,", "LU,nofin,30.0,130,40,0.14,104")
+    rows = (
+        "LU,nofin,30,130,40,0.15,100",
+        "EEL,fin,30,130,40,0.17,",
+        "LU,nofin,30.0,130,40,0.14,104",
+    )
     lateral, eel = load(HEAD + "\n".join(rows))
     assert (lateral.gait.kind, lateral.has_fin) == ("lateral_undulation", False)
     assert (lateral.gait.amplitude, lateral.gait.phase_shift) == (radians(30), radians(40))
@@ -114,7 +123,9 @@ def test_one_trial_has_no_deviation_and_a_missing_power_is_none(load):
 
 
 def test_the_power_may_be_left_out_and_columns_come_in_any_order(load):
-    (one,) = load("\ufeffv_m_s,gait,config,delta_deg,omega_deg_s,alpha_deg\n0.1, LU ,nofin,40,130,30\n\n")
+    (one,) = load(
+        "\ufeffv_m_s,gait,config,delta_deg,omega_deg_s,alpha_deg\n0.1, LU ,nofin,40,130,30\n\n"
+    )
     assert one.forward_velocity == (0.1,)
     assert one.gait.frequency == radians(130)
     assert one.power is None
@@ -123,13 +134,25 @@ def test_the_power_may_be_left_out_and_columns_come_in_any_order(load):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (HEAD + "LU,nofin,30,130,40,0.15,\nLU,nofin,30,130,x,0.1,\n", "row 3: `delta_deg` must be a number, got 'x'."),
+        (
+            HEAD + "LU,nofin,30,130,40,0.15,\nLU,nofin,30,130,x,0.1,\n",
+            "row 3: `delta_deg` must be a number, got 'x'.",
+        ),
         (HEAD + "\nLU,nofin,30,130,40,0,\n", "row 3: `v_m_s` must be > 0 m/s, got 0.0."),
         (HEAD + "LU,nofin,-1,130,40,0.1,\n", "row 2: `alpha_deg` must be >= 0 deg, got -1.0."),
-        (HEAD + "LU,nofin,30,nan,40,0.1,\n", "row 2: `omega_deg_s` must be a finite number in deg/s, got nan."),
+        (
+            HEAD + "LU,nofin,30,nan,40,0.1,\n",
+            "row 2: `omega_deg_s` must be a finite number in deg/s, got nan.",
+        ),
         (HEAD + "LU,nofin,30,130,40,0.1,-5\n", "row 2: `P_avg_W` must be > 0 W, got -5.0."),
-        (HEAD + "LU,none,30,130,40,0.1,\n", "row 2: `config` must be one of `nofin`, `fin`, got 'none'"),
-        (HEAD + "lateral,fin,30,130,40,0.1,\n", "row 2: `gait` must be one of `LU`, `EEL`, got 'lateral'"),
+        (
+            HEAD + "LU,none,30,130,40,0.1,\n",
+            "row 2: `config` must be one of `nofin`, `fin`, got 'none'",
+        ),
+        (
+            HEAD + "lateral,fin,30,130,40,0.1,\n",
+            "row 2: `gait` must be one of `LU`, `EEL`, got 'lateral'",
+        ),
         (HEAD + "LU,nofin,30,130,40\n", "row 2: it must have one cell per column."),
         (HEAD + "LU,nofin,30,130,40,0.1,1,2\n", "row 2: it must have one cell per column."),
         (HEAD, "the table has no rows."),

@@ -37,6 +37,8 @@ def test_the_docs_count_the_gaits_of_table_1_that_are_beyond_the_published_servo
         rows[row.has_fin] += 1
         beyond[row.has_fin] += bool(found.problems)
         most = max(most, trial.peak_joint_torque)
-    (line,) = [line for line in PAGE.splitlines() if line.startswith(f"| `{name}` | ") and "N m |" in line]
+    (line,) = [
+        line for line in PAGE.splitlines() if line.startswith(f"| `{name}` | ") and "N m |" in line
+    ]
     counts = [f"{beyond[has_fin]} of {rows[has_fin]}" for has_fin in (False, True)]
     assert line.endswith(f"| {counts[0]} | {counts[1]} | {most:.1f} N m |")

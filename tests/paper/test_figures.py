@@ -9,7 +9,12 @@ import pytest
 from matplotlib.text import Text
 
 from laticauda.figures import new_figure
-from laticauda.paper import Repeat, efficiency_settings, path_following_settings, path_following_trials
+from laticauda.paper import (
+    Repeat,
+    efficiency_settings,
+    path_following_settings,
+    path_following_trials,
+)
 from laticauda.paper.figures import (
     POWERS,
     VELOCITY,
@@ -25,8 +30,13 @@ from laticauda.paper.settings import Group
 
 
 def panel(velocity=(0.1, np.nan), power=(90.0, 95.0)) -> Panel:
-    sweep = replace(efficiency_settings().sweeps[0], low=radians(10), high=radians(50), step=radians(20))
-    rows = [replace(row, starred=star) for row, star in zip(table1()[:2], ("amplitude", None), strict=True)]
+    sweep = replace(
+        efficiency_settings().sweeps[0], low=radians(10), high=radians(50), step=radians(20)
+    )
+    rows = [
+        replace(row, starred=star)
+        for row, star in zip(table1()[:2], ("amplitude", None), strict=True)
+    ]
     return Panel(
         sweep=sweep,
         labels=("one", "other"),
@@ -97,7 +107,12 @@ def scattered() -> Panel:
     one = panel()
     gaits = [row.gait for row in one.measured]
     repeats = (
-        Repeat(gait=gaits[0], has_fin=False, forward_velocity=(0.1, 0.12, 0.14), mean_power=(80.0, None, None)),
+        Repeat(
+            gait=gaits[0],
+            has_fin=False,
+            forward_velocity=(0.1, 0.12, 0.14),
+            mean_power=(80.0, None, None),
+        ),
         Repeat(gait=gaits[1], has_fin=False, forward_velocity=(0.3,), mean_power=(None,)),
     )
     return replace(one, repeats=repeats)
@@ -190,7 +205,10 @@ def test_what_the_marks_mean_is_in_the_legend_and_shapes_differ_too():
         "servo joints, 10 rad/s, raw heading",
         "range of these",
     ]
-    looks = [(line.get_marker(), line.get_markersize(), line.get_markerfacecolor()) for line in legend.get_lines()]
+    looks = [
+        (line.get_marker(), line.get_markersize(), line.get_markerfacecolor())
+        for line in legend.get_lines()
+    ]
     assert len(set(looks)) == len(looks)
     assert figure.axes[0].get_xlabel() == "forward velocity [m/s]"
 
@@ -198,6 +216,8 @@ def test_what_the_marks_mean_is_in_the_legend_and_shapes_differ_too():
 def test_no_text_of_the_sheet_lies_on_another():
     figure = following_speeds_sheet(ROWS, "Speeds", chosen="chosen runs", null=("no physics", NULL))
     figure.canvas.draw()
-    texts = [text for text in figure.findobj(Text) if text.get_text().strip() and text.get_visible()]
+    texts = [
+        text for text in figure.findobj(Text) if text.get_text().strip() and text.get_visible()
+    ]
     for one, other in combinations((text.get_window_extent() for text in texts), 2):
         assert not one.overlaps(other) or min(one.x1, other.x1) - max(one.x0, other.x0) <= 1.0

@@ -9,7 +9,9 @@ SETTINGS = path_following_settings()
 
 
 def test_the_groups_hold_every_row_of_table_2_in_its_order():
-    assert [row for group in SETTINGS.groups for row in group.followed] == list(path_following_trials())
+    assert [row for group in SETTINGS.groups for row in group.followed] == list(
+        path_following_trials()
+    )
     assert SETTINGS.n_cases == 12
 
 

@@ -23,7 +23,10 @@ CANDIDATES = {one.name: one for one in paper.CANDIDATES}
 def model_of(name: str) -> Any:
     """The preset as the campaign has its models."""
     found = lc.load_parameters(name)
-    robots = {fin: found.robot(lc.load_robot("mamba-fin" if fin else "mamba"), "eel_like") for fin in (False, True)}
+    robots = {
+        fin: found.robot(lc.load_robot("mamba-fin" if fin else "mamba"), "eel_like")
+        for fin in (False, True)
+    }
     return paper.Model(robots=robots, water=found.every_gait, joints=found.joints)
 
 
@@ -34,7 +37,9 @@ def numbers_of(name: str) -> tuple[float, float]:
 
 @pytest.mark.parametrize(("name", "error"), [("mamba-identified", 5.0), ("mamba-textbook", 7.3)])
 def test_a_preset_has_the_error_on_table_1_that_the_docs_state(name: str, error: float):
-    assert mape(paper.MEASURED, paper.forward_velocities([model_of(name)])[0]) == pytest.approx(error, abs=0.06)
+    assert mape(paper.MEASURED, paper.forward_velocities([model_of(name)])[0]) == pytest.approx(
+        error, abs=0.06
+    )
 
 
 @pytest.mark.parametrize("name", PRESETS)
@@ -57,7 +62,9 @@ def test_every_candidate_has_two_numbers_and_none_of_them_moves_what_is_fixed():
     one = CANDIDATES[IDENTIFIED]
     slow, fast = one.model((0.1, 0.5)), one.model((0.2, 1.0))
     assert slow.robots == fast.robots
-    assert slow.joints.position_gain / slow.joints.speed_limit == pytest.approx(fast.joints.position_gain)
+    assert slow.joints.position_gain / slow.joints.speed_limit == pytest.approx(
+        fast.joints.position_gain
+    )
 
 
 def test_the_rule_takes_the_other_robot_among_equals_and_leaves_out_what_is_at_an_end():
@@ -85,7 +92,10 @@ def test_the_rule_takes_the_other_robot_among_equals_and_leaves_out_what_is_at_a
 
 def test_the_interval_of_table_1_that_was_written_beforehand_holds_what_was_measured():
     with (FOLDER / "identify_paper_interval.csv").open() as file:
-        rows = [{name: float(one) for name, one in row.items() if name != "gait"} for row in csv.DictReader(file)]
+        rows = [
+            {name: float(one) for name, one in row.items() if name != "gait"}
+            for row in csv.DictReader(file)
+        ]
     assert len(rows) == len(paper.ROWS)
     for row, measured in zip(rows, paper.ROWS, strict=True):
         assert row["alpha_deg"] == pytest.approx(np.degrees(measured.gait.amplitude))

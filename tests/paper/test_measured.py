@@ -61,8 +61,14 @@ def test_a_gait_rounded_to_seven_digits_is_still_the_papers():
 def test_only_mamba_in_water_has_a_counterpart(make_trial):
     gait = gait_deg(30, 130, 40)
     assert measured_counterpart(make_trial(gait=gait)).forward_velocity == 0.1514
-    assert measured_counterpart(make_trial(gait=gait, robot=load_robot("mamba-fin"))).forward_velocity == 0.2226
-    assert measured_counterpart(make_trial(gait=gait, robot=load_robot("mamba-modules"))).mean_power == 106.63
+    assert (
+        measured_counterpart(make_trial(gait=gait, robot=load_robot("mamba-fin"))).forward_velocity
+        == 0.2226
+    )
+    assert (
+        measured_counterpart(make_trial(gait=gait, robot=load_robot("mamba-modules"))).mean_power
+        == 106.63
+    )
     assert measured_counterpart(make_trial(gait=gait, robot=load_robot("mamba-thruster"))) is None
     assert measured_counterpart(make_trial(gait=gait, robot=load_robot("chain"))) is None
     assert measured_counterpart(make_trial(gait=gait, environment=load_ground("viscous"))) is None
@@ -72,14 +78,20 @@ def test_only_mamba_in_water_has_a_counterpart(make_trial):
 def test_a_robot_is_mamba_by_what_it_is_and_not_by_its_name(make_trial, tmp_path):
     gait = gait_deg(30, 130, 40)
     short = load_robot("mamba", n_links=5)
-    assert short.name == "mamba" and measured_counterpart(make_trial(gait=gait, robot=short)) is None
+    assert (
+        short.name == "mamba" and measured_counterpart(make_trial(gait=gait, robot=short)) is None
+    )
 
     def described(text):
         path = tmp_path / "mine.toml"
-        path.write_text(f'kind = "robot"\nextends = "mamba"\nname = "mamba-mine"\n{text}', encoding="utf-8")
+        path.write_text(
+            f'kind = "robot"\nextends = "mamba"\nname = "mamba-mine"\n{text}', encoding="utf-8"
+        )
         return load_robot(path)
 
-    assert measured_counterpart(make_trial(gait=gait, robot=described(""))).forward_velocity == 0.1514
+    assert (
+        measured_counterpart(make_trial(gait=gait, robot=described(""))).forward_velocity == 0.1514
+    )
     tuned = load_parameters("mamba-identified").robot(load_robot("mamba-fin"), gait.kind)
     assert measured_counterpart(make_trial(gait=gait, robot=tuned)).forward_velocity == 0.2226
     longer = "[[modules]]\ncount = 9\nlength = 0.2\nmass = 0.8\nsection = { half_height = 0.055, half_width = 0.05 }\n"
@@ -95,7 +107,11 @@ def test_table_2_has_twelve_cases_of_path_following():
     assert len(trials) == 12
     case = next(t for t in trials if t.has_fin and t.gait.kind == "eel_like" and t.case == 3)
     assert case.initial_heading == pytest.approx(math.radians(49.51))
-    assert (case.initial_cross_track_error, case.forward_velocity, case.mean_power) == (1.4722, 0.1510, 96.99)
+    assert (case.initial_cross_track_error, case.forward_velocity, case.mean_power) == (
+        1.4722,
+        0.1510,
+        96.99,
+    )
     assert case.gait.amplitude == pytest.approx(math.radians(40.0))
 
 

@@ -10,7 +10,12 @@ from laticauda.paper import path_following_settings, run_path_following
 from laticauda.trial import following as figures
 
 SETTINGS = replace(path_following_settings(), own=())
-ONE = replace(SETTINGS, duration=15.0, joint_laws=("prescribed",), groups=(replace(SETTINGS.groups[1], figures=(15,)),))
+ONE = replace(
+    SETTINGS,
+    duration=15.0,
+    joint_laws=("prescribed",),
+    groups=(replace(SETTINGS.groups[1], figures=(15,)),),
+)
 
 
 def test_every_case_starts_where_table_2_says_straight_and_at_rest(following):
@@ -51,21 +56,33 @@ def test_the_chosen_run_is_one_of_the_band_and_the_others_differ_in_one_thing(fo
         assert case.band[1] is case.run
         assert {run.heading_estimate for run in case.band} == {"raw"}
         mean = case.cycle_mean
-        assert (mean.joints, mean.offset_bandwidth, mean.heading_estimate) == ("prescribed", 10.0, "cycle_mean")
+        assert (mean.joints, mean.offset_bandwidth, mean.heading_estimate) == (
+            "prescribed",
+            10.0,
+            "cycle_mean",
+        )
         assert len({run.forward_velocity for run in (*case.band, mean)}) == 3
-    assert following.cases[0].cycle_mean.name == "prescribed joints, 10 rad/s, delay 0 s, cycle-mean heading"
+    assert (
+        following.cases[0].cycle_mean.name
+        == "prescribed joints, 10 rad/s, delay 0 s, cycle-mean heading"
+    )
 
 
 def test_the_unsteered_speed_is_that_of_swim(following):
     case = following.cases[6]
-    assert case.free_velocity == lc.swim(lc.load_robot("mamba"), case.measured.gait, 18.0).steady_velocity
+    assert (
+        case.free_velocity
+        == lc.swim(lc.load_robot("mamba"), case.measured.gait, 18.0).steady_velocity
+    )
     assert [each.free_velocity for each in following.cases[6:9]] == [case.free_velocity] * 3
 
 
 def test_the_last_third_is_judged_by_its_largest_mean_error_too(following):
     for case in following.cases:
         trial, run = case.trial, case.run
-        middle, error = figures.mean_error(trial.time, trial.signals["cross_track_error"], trial.period)
+        middle, error = figures.mean_error(
+            trial.time, trial.signals["cross_track_error"], trial.period
+        )
         last = error[middle >= 12.0]
         assert run.last_third_rms == pytest.approx(np.sqrt(np.mean(last**2)))
         assert run.last_third_largest == pytest.approx(np.max(np.abs(last)))
@@ -106,7 +123,11 @@ def test_joints_and_bandwidth_outside_the_band_are_run_besides():
     ]
     assert case.run is case.band[0]
     assert [run.dt for run in case.band] == [0.004, 0.05, 0.05]
-    assert (study.how["joints"], study.how["offset_bandwidth"], study.how["dt"]) == ("pd", 6.0, 0.004)
+    assert (study.how["joints"], study.how["offset_bandwidth"], study.how["dt"]) == (
+        "pd",
+        6.0,
+        0.004,
+    )
     assert (case.cycle_mean.joints, study.held_out.run.joints) == ("pd", "pd")
 
 
@@ -115,7 +136,9 @@ def test_the_held_out_trial_is_said_to_leave_the_published_ranges_by_what_was_lo
     trial = held.trial
     assert trial.heading[0] == pytest.approx(np.deg2rad(-88.3))
     assert trial.center_of_mass[0] == pytest.approx([0.0, 1.97])
-    assert trial.gait == lc.eel_like(amplitude=np.deg2rad(40), frequency=np.deg2rad(120), phase_shift=np.deg2rad(40))
+    assert trial.gait == lc.eel_like(
+        amplitude=np.deg2rad(40), frequency=np.deg2rad(120), phase_shift=np.deg2rad(40)
+    )
     assert held.offset == (trial.signals["offset"].min(), trial.signals["offset"].max())
     assert held.velocity[0] < held.mean_velocity[0] <= held.mean_velocity[1] < held.velocity[1]
 
@@ -144,7 +167,9 @@ def test_a_bad_choice_is_refused(choices, message):
 
 
 @pytest.mark.parametrize("group", SETTINGS.groups, ids=lambda group: group.name)
-def test_the_papers_gains_keep_every_group_within_5_cm_with_prescribed_joints_and_a_fast_filter(group):
+def test_the_papers_gains_keep_every_group_within_5_cm_with_prescribed_joints_and_a_fast_filter(
+    group,
+):
     settings = replace(
         SETTINGS,
         groups=(replace(group, figures=group.figures[:1]),),
@@ -154,4 +179,6 @@ def test_the_papers_gains_keep_every_group_within_5_cm_with_prescribed_joints_an
     (case,) = run_path_following(settings).cases
     assert case.run.converged
     assert case.run.last_third_largest < 0.05
-    assert case.cycle_mean.last_third_largest > 0.05  # the mean heading is late, and the look-ahead distance short
+    assert (
+        case.cycle_mean.last_third_largest > 0.05
+    )  # the mean heading is late, and the look-ahead distance short

@@ -17,7 +17,9 @@ def test_the_tables_hold_every_claim_and_every_misprint(study):
     assert [row["verdict"] for row in rows] == [claim.verdict for claim in found]
     assert rows[0]["the paper says"] == found[0].paper
     assert rows[0]["here"] == found[0].found
-    assert [row["printed"] for row in cells(chapter, "misprints")] == [one.printed for one in misprints()]
+    assert [row["printed"] for row in cells(chapter, "misprints")] == [
+        one.printed for one in misprints()
+    ]
 
 
 def test_the_chapter_counts_the_verdicts(study):
@@ -47,14 +49,22 @@ def test_the_first_screen_says_the_errors_beside_those_of_a_model_without_physic
     text = said(chapter, {name: (caption, b"")})
     for table, done in (("Table 1", study), ("Table 2", following)):
         first = scores(done)[0]
-        null = min((one for one in scores(done) if one.n_fitted is not None), key=lambda one: one.overall)
+        null = min(
+            (one for one in scores(done) if one.n_fitted is not None), key=lambda one: one.overall
+        )
         assert f"{table}: {first.name} misses the measured speeds by {first.overall:.1f} %" in text
-        assert f"({null.name}, {null.n_fitted} numbers fitted to Table 1) by {null.overall:.1f} %" in text
+        assert (
+            f"({null.name}, {null.n_fitted} numbers fitted to Table 1) by {null.overall:.1f} %"
+            in text
+        )
     assert f"{len(judged)} claims of the paper" in text
 
 
 def test_the_first_screen_says_whether_the_simulation_beats_the_model_without_physics(study):
-    cases = [replace(case, forward_velocity=(case.measured.forward_velocity or 1.0,) * 2) for case in study.cases]
+    cases = [
+        replace(case, forward_velocity=(case.measured.forward_velocity or 1.0,) * 2)
+        for case in study.cases
+    ]
     perfect = replace(study, cases=tuple(cases))
     for one, sentence in ((perfect, "tells more than that does"), (study, "do not bear")):
         assert sentence in said(summary_chapter({"efficiency": one}, ()))
@@ -74,14 +84,18 @@ def test_each_of_our_own_models_has_a_column_of_verdicts_and_the_last_is_the_pap
     rows = cells(claims_chapter(found, own), "claims")
     assert [*rows[0]][-2:] == ["with mamba-identified", "verdict"]
     assert [row["verdict"] for row in rows] == [claim.verdict for claim in found]
-    assert [row["with mamba-identified"] for row in rows] == [claim.verdict for claim in own["mamba-identified"]]
+    assert [row["with mamba-identified"] for row in rows] == [
+        claim.verdict for claim in own["mamba-identified"]
+    ]
     alone = replace(beside[0].settings, models=beside[0].settings.models[1:])
     sweeps = [{name: getattr(one, name)[1:] for name in CURVES} for one in beside[0].sweeps]
     cases = [{name: getattr(one, name)[1:] for name in CURVES[:2]} for one in beside[0].cases]
     first = replace(
         beside[0],
         settings=alone,
-        sweeps=tuple(replace(one, **part) for one, part in zip(beside[0].sweeps, sweeps, strict=True)),
+        sweeps=tuple(
+            replace(one, **part) for one, part in zip(beside[0].sweeps, sweeps, strict=True)
+        ),
         cases=tuple(replace(one, **part) for one, part in zip(beside[0].cases, cases, strict=True)),
     )
     judged = claims(replace(beside[0], judged=1))

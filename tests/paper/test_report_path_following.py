@@ -17,7 +17,12 @@ def kept(following, largest: float, *, but: int | None = None):
     """The same study, with the mean error of the last third as said; 30 cm in one figure."""
     cases = [
         replace(
-            case, run=replace(case.run, last_third_largest=0.3 if case.figure == but else largest, last_third_rms=0.1)
+            case,
+            run=replace(
+                case.run,
+                last_third_largest=0.3 if case.figure == but else largest,
+                last_third_rms=0.1,
+            ),
         )
         for case in following.cases
     ]
@@ -26,14 +31,22 @@ def kept(following, largest: float, *, but: int | None = None):
 
 def test_the_chapter_writes_tables_data_and_figures(following, tmp_path):
     one = following.settings.groups[0]
-    small = replace(following, settings=replace(following.settings, groups=(one,)), cases=following.cases[:3])
+    small = replace(
+        following, settings=replace(following.settings, groups=(one,)), cases=following.cases[:3]
+    )
     chapter = path_following_chapter(small)
     drawn: list[int] = []
     files, html = write_chapter(chapter, tmp_path, drawn.append)
     assert sorted(files) == sorted(file.name for file in tmp_path.iterdir())
     names = ["table2-speeds", "figure-12", "figure-13", "figure-14", "held-out"]
     assert {f"{name}{end}" for name in names for end in (".png", ".pdf")} < set(files)
-    assert {"figure-12.nc", "held-out.nc", "table2.csv", "following-trials.csv", "following-runs.csv"} < set(files)
+    assert {
+        "figure-12.nc",
+        "held-out.nc",
+        "table2.csv",
+        "following-trials.csv",
+        "following-runs.csv",
+    } < set(files)
     for name, run in (("figure-13", small.cases[1].trial), ("held-out", small.held_out.trial)):
         assert lc.load_trial(tmp_path / f"{name}.nc").equals(run)
     assert drawn == [1, 2, 3, 4, 5]
@@ -69,9 +82,14 @@ def test_misprints_and_costs_of_the_paper_are_pointed_out(following):
 
 
 def test_trials_that_do_not_keep_to_the_path_are_named(following):
-    assert "within 5 cm over the last third in all 12 trials (at most 4 cm)." in words_of(kept(following, 0.04))
+    assert "within 5 cm over the last third in all 12 trials (at most 4 cm)." in words_of(
+        kept(following, 0.04)
+    )
     one = words_of(kept(following, 0.04, but=17))
-    assert "in 11 of the 12 trials (not in Fig. 17): it is up to 30 cm, with an rms of up to 10 cm." in one
+    assert (
+        "in 11 of the 12 trials (not in Fig. 17): it is up to 30 cm, with an rms of up to 10 cm."
+        in one
+    )
     all_of_them = words_of(kept(following, 0.2, but=17))
     assert "in none of the 12 trials: it is up to 30 cm, with an rms of up to 10 cm." in all_of_them
 
@@ -97,7 +115,9 @@ def test_measured_speeds_are_counted_in_the_band_of_the_simulated_ones(following
 
 def test_a_fin_that_takes_less_energy_per_meter_saves_it(following):
     cheap = [
-        replace(case, measured=replace(case.measured, mean_power=1.0)) if case.group.has_fin else case
+        replace(case, measured=replace(case.measured, mean_power=1.0))
+        if case.group.has_fin
+        else case
         for case in following.cases
     ]
     words = words_of(replace(following, cases=tuple(cheap)))
@@ -106,7 +126,8 @@ def test_a_fin_that_takes_less_energy_per_meter_saves_it(following):
 
 def test_trials_that_never_converge_are_counted(following):
     lost = tuple(
-        replace(case, run=replace(case.run, figures=dict.fromkeys(case.run.figures))) for case in following.cases
+        replace(case, run=replace(case.run, figures=dict.fromkeys(case.run.figures)))
+        for case in following.cases
     )
     assert "none of the 12 trials converges" in words_of(replace(following, cases=lost))
 
@@ -120,7 +141,10 @@ def test_the_held_out_trial_is_judged_by_the_published_ranges(following):
     assert f"which is {high - 15.0:.1f} deg above the published range" in words
     within = replace(held, velocity=(0.03, 0.1), mean_velocity=(0.05, 0.17), offset=(-0.1, 0.1))
     words = words_of(replace(following, held_out=within))
-    assert "the velocity along the heading is 0.030 to 0.100 m/s, which is within the published range" in words
+    assert (
+        "the velocity along the heading is 0.030 to 0.100 m/s, which is within the published range"
+        in words
+    )
     assert "0.0500 to 0.1700 m/s, which is 0.01 m/s above the published range" in words
     lost = replace(held, run=replace(held.run, figures=dict.fromkeys(held.run.figures)))
     assert "It does not converge." in words_of(replace(following, held_out=lost))
@@ -128,7 +152,9 @@ def test_the_held_out_trial_is_judged_by_the_published_ranges(following):
 
 def test_the_tables_hold_the_numbers_of_the_study(following):
     chapter = path_following_chapter(following)
-    rows = zip(cells(chapter, "table2"), cells(chapter, "following-trials"), following.cases, strict=True)
+    rows = zip(
+        cells(chapter, "table2"), cells(chapter, "following-trials"), following.cases, strict=True
+    )
     for row, trial, case in rows:
         assert float(row["measured: v [m/s]"]) == case.measured.forward_velocity
         assert float(row["simulated: v [m/s]"]) == pytest.approx(case.run.forward_velocity)
@@ -146,10 +172,14 @@ def test_the_tables_hold_the_numbers_of_the_study(following):
 
 
 def test_the_change_by_the_loop_is_that_of_the_steady_speeds(following):
-    for row, case in zip(cells(path_following_chapter(following), "following-loop"), following.cases, strict=True):
+    for row, case in zip(
+        cells(path_following_chapter(following), "following-loop"), following.cases, strict=True
+    ):
         free, steady = float(row["unsteered: steady v [m/s]"]), float(row["raw: steady v [m/s]"])
         assert free == pytest.approx(case.free_velocity)
-        assert float(row["raw: change from unsteered [%]"]) == pytest.approx(100.0 * (steady / free - 1.0))
+        assert float(row["raw: change from unsteered [%]"]) == pytest.approx(
+            100.0 * (steady / free - 1.0)
+        )
 
 
 def test_energy_per_meter_is_given_for_every_trial_and_group(following):

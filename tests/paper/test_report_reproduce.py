@@ -27,7 +27,10 @@ def small() -> Experiments:
         efficiency=replace(whole.efficiency, sweeps=sweeps, models=whole.efficiency.models[:1]),
         side=replace(SideSettings(), phase_shifts=sweeps[2], duration=10.0),
         path_following=replace(
-            whole.path_following, duration=16.0, joint_laws=("prescribed",), offset_bandwidths=(10.0,)
+            whole.path_following,
+            duration=16.0,
+            joint_laws=("prescribed",),
+            offset_bandwidths=(10.0,),
         ),
     )
 
@@ -47,31 +50,53 @@ def told_to(told: list):
 
 
 @pytest.mark.slow
-def test_one_folder_holds_report_figures_tables_and_data(small, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_one_folder_holds_report_figures_tables_and_data(
+    small, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.setattr(
-        module, "CHAPTERS", {name: (title, with_one_figure(chapter)) for name, (title, chapter) in CHAPTERS.items()}
+        module,
+        "CHAPTERS",
+        {name: (title, with_one_figure(chapter)) for name, (title, chapter) in CHAPTERS.items()},
     )
     told: list = []
     done = reproduce(tmp_path / "a" / "b", small, progress=told_to(told))
     assert sorted(done.files) == sorted(file.name for file in done.folder.iterdir())
     assert {"figure-04.png", "figure-04.pdf", "table2-speeds.png"} < set(done.files)
-    assert {"report.html", "sweeps.csv", "figure-23.nc", "table1.csv", "table2.csv", "claims.csv"} < set(done.files)
-    assert {what for what, _, _ in told} >= {"efficiency", "path following", "path following: figures", "side"}
+    assert {
+        "report.html",
+        "sweeps.csv",
+        "figure-23.nc",
+        "table1.csv",
+        "table2.csv",
+        "claims.csv",
+    } < set(done.files)
+    assert {what for what, _, _ in told} >= {
+        "efficiency",
+        "path following",
+        "path following: figures",
+        "side",
+    }
     assert all(0 < count <= total for _, count, total in told)
 
     report = (done.folder / "report.html").read_text(encoding="utf-8")
-    assert report.count("data:image/png;base64,") == sum(name.endswith(".png") for name in done.files)
+    assert report.count("data:image/png;base64,") == sum(
+        name.endswith(".png") for name in done.files
+    )
     # Nothing is loaded from anywhere, and nothing runs.
     assert not re.search(r"https?:|<script|<link|url\(|@import", report)
     assert all(source.startswith("data:") for source in re.findall(r'src="([^"]{0,20})', report))
     anchors = re.findall(r'<figure id="fig-([\w-]+)"', report)
-    assert sorted(f"{name}.png" for name in anchors) == sorted(name for name in done.files if name.endswith(".png"))
+    assert sorted(f"{name}.png" for name in anchors) == sorted(
+        name for name in done.files if name.endswith(".png")
+    )
     parts = re.findall(r'<section id="([\w-]+)"', report)
     assert parts == ["claims", "efficiency", "path-following"]
 
 
 @pytest.mark.slow
-def test_two_workers_write_what_one_writes_and_a_used_folder_keeps_what_else_is_in_it(small, tmp_path: Path):
+def test_two_workers_write_what_one_writes_and_a_used_folder_keeps_what_else_is_in_it(
+    small, tmp_path: Path
+):
     (tmp_path / "mine.txt").write_text("kept")
     (tmp_path / "report.html").write_text("old")
     alone = reproduce(tmp_path / "alone", small, only="efficiency")
@@ -79,7 +104,9 @@ def test_two_workers_write_what_one_writes_and_a_used_folder_keeps_what_else_is_
     both = reproduce(tmp_path, small, only="efficiency", workers=2, progress=told_to(told))
     assert both.files == alone.files
     for name in ("table1.csv", "claims.csv", "sweeps.csv", "report.html"):
-        assert (tmp_path / name).read_text(encoding="utf-8") == (alone.folder / name).read_text(encoding="utf-8")
+        assert (tmp_path / name).read_text(encoding="utf-8") == (alone.folder / name).read_text(
+            encoding="utf-8"
+        )
     assert (tmp_path / "mine.txt").read_text() == "kept"
     assert {what for what, _, _ in told} >= {"efficiency", "side"}
 
@@ -91,10 +118,14 @@ def test_every_study_has_a_runner_and_a_half_of_the_paper():
 
 
 def test_one_half_leaves_the_other_out(small, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(module, "RUNS", {name: lambda *args, name=name, **how: name for name in RUNS})
+    monkeypatch.setattr(
+        module, "RUNS", {name: lambda *args, name=name, **how: name for name in RUNS}
+    )
     monkeypatch.setattr(module, "CHAPTERS", {})
     for name in ("claims_chapter", "summary_chapter"):
-        monkeypatch.setattr(module, name, lambda *found: module.paper_chapter(name="words", values={}))
+        monkeypatch.setattr(
+            module, name, lambda *found: module.paper_chapter(name="words", values={})
+        )
     done = reproduce(tmp_path, small, only="path-following")
     assert set(done.results) == {"path_following"}
 
@@ -105,14 +136,20 @@ def test_what_fails_in_a_worker_fails_here(small, tmp_path: Path):
         reproduce(tmp_path, replace(small, efficiency=hopeless), only="efficiency", workers=2)
 
 
-def test_a_folder_that_cannot_be_written_is_refused_before_anything_runs(tmp_path: Path, monkeypatch):
+def test_a_folder_that_cannot_be_written_is_refused_before_anything_runs(
+    tmp_path: Path, monkeypatch
+):
     monkeypatch.setattr(module, "_run", lambda *args: pytest.fail("it ran"))
     (tmp_path / "file").write_text("")
     with pytest.raises(ValueError, match="`folder` must be a folder, got the file"):
         reproduce(tmp_path / "file")
-    with pytest.raises(ValueError, match=r"`folder` must be a folder that can be written, got .*: not a directory"):
+    with pytest.raises(
+        ValueError, match=r"`folder` must be a folder that can be written, got .*: not a directory"
+    ):
         reproduce(tmp_path / "file" / "folder")
-    with pytest.raises(ValueError, match="`only` must be one of `efficiency`, `path-following`, got 'eficiency'"):
+    with pytest.raises(
+        ValueError, match="`only` must be one of `efficiency`, `path-following`, got 'eficiency'"
+    ):
         reproduce(tmp_path, only="eficiency")
     with pytest.raises(ValueError, match="`workers` must be a whole number >= 1, got 0"):
         reproduce(tmp_path, workers=0)
@@ -121,7 +158,9 @@ def test_a_folder_that_cannot_be_written_is_refused_before_anything_runs(tmp_pat
 def test_other_coefficients_reach_every_study():
     water = load_water("published-2015")
     changes = {"actuator": {"tracking": 0.5}}
-    mine = paper_experiments(Parameters(name="mine", title="my numbers", every_gait=water, changes=changes))
+    mine = paper_experiments(
+        Parameters(name="mine", title="my numbers", every_gait=water, changes=changes)
+    )
     mamba, eel = load_robot("mamba"), eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)
     names = [model.name for model in paper_experiments().efficiency.models]
     assert [model.name for model in mine.efficiency.models] == ["mine", *names]
@@ -131,8 +170,13 @@ def test_other_coefficients_reach_every_study():
         assert there.robot.joints[0].actuator.tracking == 0.5
         assert there.environment == replace(water, name="mine")
     same = paper_experiments(load_parameters("mamba-identified")).efficiency.models
-    assert [model.name for model in same] == ["mamba-identified", *(one for one in names if one != "mamba-identified")]
-    assert mine.efficiency.models[1].scenario(mamba, eel).robot is mamba  # the paper's stays beside it as it is
+    assert [model.name for model in same] == [
+        "mamba-identified",
+        *(one for one in names if one != "mamba-identified"),
+    ]
+    assert (
+        mine.efficiency.models[1].scenario(mamba, eel).robot is mamba
+    )  # the paper's stays beside it as it is
 
 
 KILLED = """
@@ -146,5 +190,7 @@ module._run(None, ["efficiency", "side"], 2, None)
 
 @pytest.mark.skipif(os.name != "posix", reason="no such process")
 def test_a_reproduction_that_is_ended_at_once_says_nothing_of_what_its_workers_shared():
-    done = subprocess.run([sys.executable, "-c", KILLED], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", KILLED], capture_output=True, text=True, check=False
+    )
     assert (done.returncode, done.stderr) == (-signal.SIGKILL, "")

@@ -17,7 +17,9 @@ EEL = path_following_settings().groups[2].followed[0].gait
 
 def swimmers(coefficients: Coefficients | None = None) -> list[lc.Scenario]:
     chosen = paper_coefficients() if coefficients is None else coefficients
-    return [chosen.scenario(robot, gait) for gait in (LATERAL, EEL) for robot in ("mamba", "mamba-fin")]
+    return [
+        chosen.scenario(robot, gait) for gait in (LATERAL, EEL) for robot in ("mamba", "mamba-fin")
+    ]
 
 
 def test_coefficients_are_a_water_by_gait():
@@ -39,7 +41,9 @@ def test_a_swimmer_is_a_scenario_that_swim_knows():
 
 
 def test_a_run_that_blows_up_is_named():
-    swimmer = replace(swimmers()[0], motion=replace(swimmers()[0].gait, frequency=1e9), duration=3.0)
+    swimmer = replace(
+        swimmers()[0], motion=replace(swimmers()[0].gait, frequency=1e9), duration=3.0
+    )
     with pytest.raises(SimulationFailed, match=r"^this one: "):
         Runs(model=Planar(), progress=silent).swim("this one", swimmer)
 

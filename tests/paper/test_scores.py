@@ -32,7 +32,9 @@ def test_errors_of_what_cannot_be_compared_are_refused():
 
 def test_a_study_that_meets_every_measurement_has_no_error(study):
     perfect = [
-        replace(case, forward_velocity=(case.measured.forward_velocity or 1.0, case.forward_velocity[1]))
+        replace(
+            case, forward_velocity=(case.measured.forward_velocity or 1.0, case.forward_velocity[1])
+        )
         for case in study.cases
     ]
     first = scores(replace(study, cases=tuple(perfect)))[0]
@@ -63,13 +65,21 @@ def test_a_number_per_group_cannot_predict_a_group_that_was_left_out(study):
 
 def test_null_models_meet_speeds_that_are_made_like_them(study):
     def made(speed):
-        rows = [(case, replace(case.measured, forward_velocity=speed(case))) for case in study.cases]
+        rows = [
+            (case, replace(case.measured, forward_velocity=speed(case))) for case in study.cases
+        ]
         return replace(study, cases=tuple(replace(case, measured=row) for case, row in rows))
 
-    errors = {score.name: score for score in scores(made(lambda case: 0.1 * (1.5 if case.group.has_fin else 1.0)))}
+    errors = {
+        score.name: score
+        for score in scores(made(lambda case: 0.1 * (1.5 if case.group.has_fin else 1.0)))
+    }
     assert errors["constant + fin + eel"].overall == pytest.approx(0.0, abs=1e-9)
     assert errors["constant per group"].leave_one_out == pytest.approx(0.0, abs=1e-9)
-    errors = {score.name: score for score in scores(made(lambda case: 0.07 * case.measured.gait.frequency))}
+    errors = {
+        score.name: score
+        for score in scores(made(lambda case: 0.07 * case.measured.gait.frequency))
+    }
     assert errors["constant stride per group"].leave_one_out == pytest.approx(0.0, abs=1e-9)
 
 
@@ -77,7 +87,9 @@ def test_the_papers_coefficients_are_15_to_16_percent_off(study):
     assert 15.0 < scores(study)[0].overall < 16.0
 
 
-def test_models_of_our_own_stand_beside_the_papers_with_the_numbers_that_they_were_fitted_with(beside):
+def test_models_of_our_own_stand_beside_the_papers_with_the_numbers_that_they_were_fitted_with(
+    beside,
+):
     efficiency, following = (scores(one) for one in beside)
     assert [score.n_fitted for score in efficiency[:2]] == [None, 2]
     assert [score.is_null for score in efficiency] == [False, False, *4 * [True]]

@@ -11,19 +11,29 @@ SETTINGS = efficiency_settings()
 
 
 def test_the_groups_hold_every_measured_trial_of_table_1_once():
-    found = [measured_trial(row.gait, group.has_fin) for group in SETTINGS.groups for row in group.cases]
+    found = [
+        measured_trial(row.gait, group.has_fin) for group in SETTINGS.groups for row in group.cases
+    ]
     assert len(found) == 22
     assert [trial for trial in found if trial is not None] == list(efficiency_trials())
 
 
 @pytest.mark.parametrize("group", SETTINGS.groups, ids=lambda group: group.name)
-def test_every_group_stars_one_case_per_parameter_and_it_is_the_fastest_measured_on_that_sweep(group):
+def test_every_group_stars_one_case_per_parameter_and_it_is_the_fastest_measured_on_that_sweep(
+    group,
+):
     stars = {row.starred: row for row in group.cases if row.starred}
     assert set(stars) == set(PARAMETERS)
-    assert sum(row.starred is not None for row in group.cases) == sum(row.is_maximum for row in group.cases) == 3
+    assert (
+        sum(row.starred is not None for row in group.cases)
+        == sum(row.is_maximum for row in group.cases)
+        == 3
+    )
     for sweep in SETTINGS.sweeps:
         on_sweep = [row for row in group.cases if sweep.contains(row.gait)]
-        speeds = {row.case: row.forward_velocity for row in on_sweep if row.forward_velocity is not None}
+        speeds = {
+            row.case: row.forward_velocity for row in on_sweep if row.forward_velocity is not None
+        }
         assert max(speeds, key=lambda case: speeds[case]) == stars[sweep.parameter].case
 
 

@@ -14,7 +14,10 @@ from laticauda.trial import Trial
 def side():
     settings = SideSettings()
     return run_side_trials(
-        replace(settings, phase_shifts=replace(settings.phase_shifts, step=5 * settings.phase_shifts.step))
+        replace(
+            settings,
+            phase_shifts=replace(settings.phase_shifts, step=5 * settings.phase_shifts.step),
+        )
     )
 
 
@@ -34,7 +37,11 @@ def test_sensitivities_are_taken_at_the_fastest_gait_of_table_1(side):
     ]
     gait = side.settings.gaits[0]
     deep, shallow = (
-        lc.swim(lc.load_robot("mamba"), gait, environment=replace(lc.load_water("paper-lateral"), depth=depth))
+        lc.swim(
+            lc.load_robot("mamba"),
+            gait,
+            environment=replace(lc.load_water("paper-lateral"), depth=depth),
+        )
         for depth in (None, 0.06)
     )
     expected = 100.0 * (shallow.forward_velocity / deep.forward_velocity - 1.0)
@@ -46,7 +53,7 @@ def test_the_added_inertia_is_of_no_effect(side):
     assert any(change != 0.0 for change in side.by_added_inertia.values())
 
 
-# ---- twice the links -----------------------------------------------------------------------------------------------
+# ---- twice the links -----------------------------------------------------------------------------
 
 
 def test_every_run_is_what_swim_gives_for_that_many_links(side):
@@ -72,12 +79,14 @@ def test_what_is_kept_is_the_phase_shift_or_the_number_of_waves(side):
 def test_changes_are_those_of_speed_and_power(side):
     one = side.doublings[0]
     speed, power = one.shorter.forward_velocity, one.shorter.mechanical_power
-    twice = replace(one, longer=Mock(spec=Trial, forward_velocity=2 * speed, mechanical_power=5 * power))
+    twice = replace(
+        one, longer=Mock(spec=Trial, forward_velocity=2 * speed, mechanical_power=5 * power)
+    )
     assert twice.velocity_change == pytest.approx(100.0)
     assert twice.power_factor == pytest.approx(5.0)
 
 
-# ---- all of it -----------------------------------------------------------------------------------------------------
+# ---- all of it -----------------------------------------------------------------------------------
 
 
 def test_joints_water_and_progress_reach_the_runs():
@@ -85,20 +94,30 @@ def test_joints_water_and_progress_reach_the_runs():
     waters = Coefficients(
         name="mine",
         title="mine",
-        waters={"eel_like": replace(lc.load_water("paper-eel"), density=900), "lateral_undulation": "paper-lateral"},
+        waters={
+            "eel_like": replace(lc.load_water("paper-eel"), density=900),
+            "lateral_undulation": "paper-lateral",
+        },
     )
     usual = SideSettings()
     phase_shifts = replace(usual.phase_shifts, high=usual.phase_shifts.low)
     eel = usual.doubled[1:]
     settings = SideSettings(
-        phase_shifts=phase_shifts, gaits=eel, n_links=(3, 4), doubled=eel, duration=20.0, coefficients=waters
+        phase_shifts=phase_shifts,
+        gaits=eel,
+        n_links=(3, 4),
+        doubled=eel,
+        duration=20.0,
+        coefficients=waters,
     )
     study = run_side_trials(settings, joints="pd", progress=lambda *what: told.append(what))
     assert study.how["joints"] == "pd"
     assert told == [(i + 1, 8) for i in range(8)]
     shorter = study.doublings[0].shorter
     water = waters.water("eel_like")
-    trial = lc.swim(lc.load_robot("mamba", n_links=3), shorter.gait, 20.0, environment=water, joints="pd")
+    trial = lc.swim(
+        lc.load_robot("mamba", n_links=3), shorter.gait, 20.0, environment=water, joints="pd"
+    )
     assert shorter.forward_velocity == trial.forward_velocity
 
 

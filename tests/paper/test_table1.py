@@ -16,12 +16,17 @@ def test_there_are_12_maxima_and_each_is_that_of_its_sweep(study):
             curve = sweep.forward_velocity[i, place]
             assert entry.simulated_velocity[i] == np.max(curve)
             assert curve[sweep.values == entry.simulated_at[i]] == [np.max(curve)]
-            assert entry.at_the_end[i] == (entry.simulated_at[i] in (sweep.values[0], sweep.values[-1]))
+            assert entry.at_the_end[i] == (
+                entry.simulated_at[i] in (sweep.values[0], sweep.values[-1])
+            )
 
 
 def test_the_measured_maxima_are_those_that_the_paper_stars(study):
     stars = {
-        (entry.group.name, entry.parameter): (round(np.degrees(entry.measured_at)), entry.measured_velocity)
+        (entry.group.name, entry.parameter): (
+            round(np.degrees(entry.measured_at)),
+            entry.measured_velocity,
+        )
         for entry in maxima(study)
     }
     assert stars["lateral undulation, without fin", "amplitude"] == (36, 0.1361)
@@ -47,7 +52,9 @@ def test_the_fin_gains_follow_from_the_speeds_of_the_table(study):
 
 def test_what_the_paper_prints_follows_from_its_table_but_for_one_misprint(study):
     changes = [gain.measured for gain in fin_gains(study.cases)]
-    ((row, misprints),) = [(change.with_fin, change.misprints) for change in changes if change.misprints]
+    ((row, misprints),) = [
+        (change.with_fin, change.misprints) for change in changes if change.misprints
+    ]
     assert (row.group, row.case) == ("lateral undulation, with fin", 3)
     assert misprints == {"power": (10.11, pytest.approx(4.79, abs=0.005))}
     assert sum(change.velocity is not None for change in changes) == 9
@@ -61,5 +68,8 @@ def test_a_gain_without_a_measurement_is_missing_but_simulated(study):
 
 
 def test_a_sweep_whose_maximum_was_not_measured_has_no_entry(study):
-    lost = tuple(replace(case, measured=replace(case.measured, forward_velocity=None)) for case in study.cases)
+    lost = tuple(
+        replace(case, measured=replace(case.measured, forward_velocity=None))
+        for case in study.cases
+    )
     assert maxima(replace(study, cases=lost)) == ()

@@ -30,7 +30,9 @@ def test_every_way_is_there_once_and_the_chosen_one_comes_first(following):
         "prescribed joints, 4 rad/s, delay 0 s, raw heading",
         "prescribed joints, 10 rad/s, delay 0 s, cycle-mean heading",
     ]
-    assert simulated(following)[0].speeds == tuple(case.run.forward_velocity for case in following.cases)
+    assert simulated(following)[0].speeds == tuple(
+        case.run.forward_velocity for case in following.cases
+    )
     assert all(score.n_fitted is None for score in simulated(following))
 
 
@@ -45,7 +47,10 @@ def test_a_stride_from_table_1_predicts_table_2_to_11_percent_with_4_numbers(fol
 def test_nothing_of_table_2_goes_into_the_null_models(following):
     faster = replace(
         following,
-        cases=tuple(replace(case, measured=replace(case.measured, forward_velocity=2.0)) for case in following.cases),
+        cases=tuple(
+            replace(case, measured=replace(case.measured, forward_velocity=2.0))
+            for case in following.cases
+        ),
     )
     for usual, other in zip(null_predictions(following), null_predictions(faster), strict=True):
         assert usual.speeds == other.speeds
@@ -60,7 +65,11 @@ def test_the_fin_changes_follow_from_the_speeds_and_powers(following):
         assert (before.group.gait, before.measured.case) == (after.group.gait, after.measured.case)
         assert (before.group.has_fin, after.group.has_fin) == (False, True)
         for found, old, new in (
-            (gain.measured.velocity, before.measured.forward_velocity, after.measured.forward_velocity),
+            (
+                gain.measured.velocity,
+                before.measured.forward_velocity,
+                after.measured.forward_velocity,
+            ),
             (gain.measured.power, before.measured.mean_power, after.measured.mean_power),
             (
                 gain.simulated(lambda case: case.run.forward_velocity),

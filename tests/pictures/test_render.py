@@ -30,7 +30,10 @@ SMALL = Film(size=(192, 108))
 
 def swum(name="mamba-fin", *, duration=6.0, sample_interval=0.05, **changes):
     gait = lc.lateral_undulation(
-        amplitude=math.radians(30), frequency=math.radians(130), phase_shift=math.radians(40), **changes
+        amplitude=math.radians(30),
+        frequency=math.radians(130),
+        phase_shift=math.radians(40),
+        **changes,
     )
     return lc.swim(lc.load_robot(name), gait, duration=duration, sample_interval=sample_interval)
 
@@ -49,7 +52,7 @@ def go_to(shown, trial, time):
     shown.take(posture_at(trial, time, shown.height))
 
 
-# ---- postures -----------------------------------------------------------------------------------------------------
+# ---- postures ------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["mamba", "mamba-fin", "mamba-modules-fin"])
@@ -60,7 +63,9 @@ def test_the_replay_is_where_the_trial_was(name):
         go_to(replay, trial, float(trial.time[sample]))
         center = replay.data.subtree_com[1]
         np.testing.assert_allclose(center, [*trial.center_of_mass[sample], -1.0], atol=1e-9)
-        ends = kinematics.Posture(planar, trial.center_of_mass[sample], trial.link_angle[sample]).link_ends
+        ends = kinematics.Posture(
+            planar, trial.center_of_mass[sample], trial.link_angle[sample]
+        ).link_ends
         yaw = [0, *(i + 1 for i, joint in enumerate(trial.robot.joints) if joint.axis == "yaw")]
         found = np.array([replay.data.body(f"module_{i}").xpos for i in yaw])
         np.testing.assert_allclose(found[:, :2], ends[:-1], atol=1e-8)
@@ -71,7 +76,10 @@ def test_robots_in_one_scene_are_each_where_their_trials_were():
     start = {"center_of_mass": (0.3, 0.6), "heading": 0.4}
     first, second = swum("mamba-modules", duration=1.0), swum("mamba-fin", duration=1.0)
     studio = studio_of(first, others=[second.robot])
-    postures = [posture_at(first, 1.0, -1.0), posture_at(lc.swim(second.scenario, start=lc.Start(**start)), 1.0, -1.0)]
+    postures = [
+        posture_at(first, 1.0, -1.0),
+        posture_at(lc.swim(second.scenario, start=lc.Start(**start)), 1.0, -1.0),
+    ]
     studio.take(*postures)
     for body, posture in zip(("module_0", "robot_1_module_0"), postures, strict=True):
         center = studio.data.subtree_com[studio.model.body(body).id]
@@ -102,7 +110,9 @@ def test_a_trial_in_space_is_shown_with_its_height_and_its_tilt(trial):
     spatial = replace(
         trial,
         center_of_mass=np.hstack((trial.center_of_mass, pad)),
-        center_of_mass_velocity=np.hstack((trial.center_of_mass_velocity, np.full((n, 1), -1.0 / trial.duration))),
+        center_of_mass_velocity=np.hstack(
+            (trial.center_of_mass_velocity, np.full((n, 1), -1.0 / trial.duration))
+        ),
         signals={f"orientation_{part}": np.full(n, value) for part, value in turned.items()},
     )
     assert spatial.joint_angle.shape[1] == robot.n_joints
@@ -115,7 +125,10 @@ def test_a_trial_in_space_is_shown_with_its_height_and_its_tilt(trial):
 
 
 def test_the_water_has_its_depth_and_the_ground_its_height(trial):
-    assert studio_of(with_other(trial, environment=replace(trial.environment, depth=0.3))).height == -0.3
+    assert (
+        studio_of(with_other(trial, environment=replace(trial.environment, depth=0.3))).height
+        == -0.3
+    )
     deep = with_other(trial, environment=replace(trial.environment, depth=7.0))
     assert studio_of(deep).floor < -7.0
     on_land = studio_of(with_other(trial, environment=lc.load_ground("coulomb")))
@@ -125,7 +138,9 @@ def test_the_water_has_its_depth_and_the_ground_its_height(trial):
 
 
 def test_on_the_ramp_there_is_one_floor_one_sun_and_one_surface(trial):
-    model = studio_of(with_other(trial, model=lc.Spatial(scene=Shore(ground=lc.load_ground("coulomb"))))).model
+    model = studio_of(
+        with_other(trial, model=lc.Spatial(scene=Shore(ground=lc.load_ground("coulomb"))))
+    ).model
     names = [model.geom(i).name for i in range(model.ngeom)]
     assert names.count("floor") == names.count("ramp") == 1
     assert model.nlight == 1
@@ -134,7 +149,12 @@ def test_on_the_ramp_there_is_one_floor_one_sun_and_one_surface(trial):
 
 def test_waves_are_the_surface_of_a_picture_and_arrows_the_way_of_the_water(trial):
     def waves(x, y, z, t):
-        return 0.2 * np.cos(3.0 * x - 2.0 * t), 0.1 + 0.0 * x, *(0.0 * x,) * 13, 0.1 * np.cos(3.0 * x - 2.0 * t)
+        return (
+            0.2 * np.cos(3.0 * x - 2.0 * t),
+            0.1 + 0.0 * x,
+            *(0.0 * x,) * 13,
+            0.1 * np.cos(3.0 * x - 2.0 * t),
+        )
 
     moving = replace(trial.environment, current=FunctionFlow(function=waves), depth=0.5)
     studio = studio_of(with_other(trial, environment=moving))
@@ -150,20 +170,27 @@ def test_waves_are_the_surface_of_a_picture_and_arrows_the_way_of_the_water(tria
     scene = mujoco.MjvScene(studio.model, maxgeom=500)
     studio.water.draw(scene, center, 3.0)
     arrows = scene.geoms[: scene.ngeom]
-    tails, along = np.array([arrow.pos for arrow in arrows]), np.array([arrow.mat[:, 2] for arrow in arrows])
+    tails, along = (
+        np.array([arrow.pos for arrow in arrows]),
+        np.array([arrow.mat[:, 2] for arrow in arrows]),
+    )
     long = np.array([arrow.size[2] for arrow in arrows])[:, None]
     velocity = moving.velocity((tails + 0.5 * long * along)[:, :2], 3.0)
     assert len(arrows) > 20 and np.allclose(tails[:, 2], -0.5)
     ratio = np.linalg.norm(long * along, axis=1) / np.linalg.norm(velocity, axis=1)
     np.testing.assert_allclose(ratio, np.median(ratio), rtol=1e-4)
-    np.testing.assert_allclose((long * along)[:, :2], velocity * np.median(ratio), rtol=1e-3, atol=1e-4)
+    np.testing.assert_allclose(
+        (long * along)[:, :2], velocity * np.median(ratio), rtol=1e-3, atol=1e-4
+    )
     level = studio_of(trial)
     assert level.model.nmesh == studio.model.nmesh - 1 and not level.water.words
-    at_surface = replace(moving, depth=None)  # a robot of which no depth is said feels the water there
+    at_surface = replace(
+        moving, depth=None
+    )  # a robot of which no depth is said feels the water there
     assert studio_of(with_other(trial, environment=at_surface)).height == 0.0
 
 
-# ---- the camera ---------------------------------------------------------------------------------------------------
+# ---- the camera ----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("camera", ["follow", "side", "top", "fixed"])
@@ -199,7 +226,7 @@ def test_calm_keeps_straight_lines_and_takes_the_ripple_away():
     assert float(calm(time[:1], ripple[:1], 0.0, 1.0)) == 0.0
 
 
-# ---- the place ----------------------------------------------------------------------------------------------------
+# ---- the place -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("place", ["floor", "shore"])
@@ -216,20 +243,29 @@ def test_a_shadow_lies_on_the_ground_where_the_sun_puts_it(trial, place):
     assert scene.ngeom == found.size > trial.robot.n_links
     ramp = studio.model.geom("ramp" if place == "shore" else "floor").id
     up = studio.data.geom_xmat[ramp].reshape(3, 3)[:, 2]
-    height = studio.data.geom_xpos[ramp] @ up + (studio.model.geom_size[ramp, 2] if place == "shore" else 0.0)
+    height = studio.data.geom_xpos[ramp] @ up + (
+        studio.model.geom_size[ramp, 2] if place == "shore" else 0.0
+    )
     for shape, caster in zip(scene.geoms[: scene.ngeom], found, strict=True):
         turned, middle = studio.data.geom_xmat[caster].reshape(3, 3), studio.data.geom_xpos[caster]
         for corner in np.vstack((np.zeros(3), 0.05 * np.eye(3))):
             real, flat = middle + turned @ corner, shape.pos + shape.mat @ corner
-            there = real + SUN * ((height - real @ up) / (up @ SUN))  # along the light, to the ground
+            there = real + SUN * (
+                (height - real @ up) / (up @ SUN)
+            )  # along the light, to the ground
             np.testing.assert_allclose(flat, there, atol=8e-3)
 
 
-def test_the_surface_is_shown_to_those_who_swim_near_it_and_the_air_over_it_is_bright(trial, tmp_path, screen):
+def test_the_surface_is_shown_to_those_who_swim_near_it_and_the_air_over_it_is_bright(
+    trial, tmp_path, screen
+):
     pictures = []
     for depth in (0.056, 0.6):
         shown = with_other(trial, environment=replace(trial.environment, depth=depth))
-        names = [geom.name for geom in map(studio_of(shown).model.geom, range(studio_of(shown).model.ngeom))]
+        names = [
+            geom.name
+            for geom in map(studio_of(shown).model.geom, range(studio_of(shown).model.ngeom))
+        ]
         assert ("surface" in names) is (depth < 0.1)
         render.still(shown, tmp_path / "a.png", Film(size=(320, 180), camera="side"), time=3.0)
         pictures.append(np.asarray(Image.open(tmp_path / "a.png")).astype(int))
@@ -248,21 +284,27 @@ def test_the_trail_is_seen_from_the_start(trial):
     assert all(piece.rgba[3] == 1.0 and piece.pos[2] > -0.95 for piece in pieces)
 
 
-# ---- lines --------------------------------------------------------------------------------------------------------
+# ---- lines ---------------------------------------------------------------------------------------
 
 
 def test_the_path_that_was_followed_is_seen_as_dashes():
-    gait = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(130), phase_shift=math.radians(40))
+    gait = lc.lateral_undulation(
+        amplitude=math.radians(30), frequency=math.radians(130), phase_shift=math.radians(40)
+    )
     controller = lc.PathFollowing(
         gait=gait,
         path=lc.Polyline(waypoints=((0.0, 0.5), (50.0, 0.5))),
         guidance=lc.LineOfSight(look_ahead_distance=0.5),
         heading=lc.HeadingController(gain=0.4, max_offset=0.3),
     )
-    followed = lc.run(lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral")), controller, 15.0)
+    followed = lc.run(
+        lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral")), controller, 15.0
+    )
     dashes, dash = replay.path_dashes(followed, -1.0), replay.DASH * followed.robot.length
     ends = np.array(dashes).reshape(-1, 3)
-    assert len(dashes) == pytest.approx(np.ptp(followed.signals["along_track_distance"]) / (2.0 * dash), abs=1.0)
+    assert len(dashes) == pytest.approx(
+        np.ptp(followed.signals["along_track_distance"]) / (2.0 * dash), abs=1.0
+    )
     np.testing.assert_allclose(ends[:, 1], 0.5, atol=1e-3)
     np.testing.assert_allclose(np.diff(ends[:, 0])[:-1], dash, atol=1e-3)
     assert np.all(ends[:, 2] < -1.0 - 0.055)
@@ -278,7 +320,7 @@ def test_the_trail_keeps_its_corners_where_they_were(trial):
     np.testing.assert_allclose(late[-1], [*replay.centers(trial, [5.98])[0], -1.0])
 
 
-# ---- pictures -----------------------------------------------------------------------------------------------------
+# ---- pictures ------------------------------------------------------------------------------------
 
 
 def test_words_stand_on_the_picture_and_elsewhere_it_stays_what_it_was():
@@ -312,7 +354,11 @@ def test_the_same_moment_is_the_same_picture_and_another_is_not(trial, tmp_path,
 
 
 def test_a_trial_of_one_sample_can_be_shown(trial, tmp_path, screen):
-    series = {name: value[:1] for name, value in vars(trial).items() if getattr(value, "shape", (0,))[0] > 1}
+    series = {
+        name: value[:1]
+        for name, value in vars(trial).items()
+        if getattr(value, "shape", (0,))[0] > 1
+    }
     one = replace(trial, **series, state={})
     assert one.time.size == one.link_angle.shape[0] == 1
     render.still(one, tmp_path / "one.png", SMALL)
@@ -330,7 +376,7 @@ def test_the_words_say_who_swims_and_how(trial):
     assert render.words(without_gait(trial)) == ["mamba-fin"]
 
 
-# ---- films --------------------------------------------------------------------------------------------------------
+# ---- films ---------------------------------------------------------------------------------------
 
 
 def test_a_film_has_the_trials_length_and_a_format_that_every_player_plays(trial, tmp_path, screen):
@@ -377,12 +423,15 @@ def test_bad_sizes_and_speeds_are_refused(trial, tmp_path):
         render.still(trial, tmp_path / "a.png", time=7)
 
 
-# ---- what is missing ----------------------------------------------------------------------------------------------
+# ---- what is missing -----------------------------------------------------------------------------
 
 
 def test_without_ffmpeg_the_message_says_what_to_install(trial, tmp_path, monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda name: None)
-    with pytest.raises(MissingProgram, match=r"Writing a video needs the program ffmpeg; .*`apt-get install ffmpeg`"):
+    with pytest.raises(
+        MissingProgram,
+        match=r"Writing a video needs the program ffmpeg; .*`apt-get install ffmpeg`",
+    ):
         render.video(trial, tmp_path / "a.mp4")
 
 
@@ -394,19 +443,24 @@ def test_without_egl_the_message_says_what_to_install(trial, tmp_path, monkeypat
         raise error
 
     monkeypatch.setattr(stage, "import_module", fail)
-    with pytest.raises(MissingProgram, match=r"Rendering without a screen needs EGL .*apt-get install libegl1 "):
+    with pytest.raises(
+        MissingProgram, match=r"Rendering without a screen needs EGL .*apt-get install libegl1 "
+    ):
         render.still(trial, tmp_path / "a.png")
 
 
 def test_without_pyopengl_the_extra_is_named(trial, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "OpenGL", None)
-    with pytest.raises(MissingExtra, match=r'Rendering needs PyOpenGL; run `pip install "laticauda\[spatial\]"`'):
+    with pytest.raises(
+        MissingExtra, match=r'Rendering needs PyOpenGL; run `pip install "laticauda\[spatial\]"`'
+    ):
         render.still(trial, tmp_path / "a.png")
 
 
 def test_rendering_is_loaded_only_when_it_is_used():
     code = (
-        "import sys, laticauda.cli.trial, laticauda.cli.runs; sys.exit('mujoco' in sys.modules or 'PIL' in sys.modules)"
+        "import sys, laticauda.cli.trial, laticauda.cli.runs; "
+        "sys.exit('mujoco' in sys.modules or 'PIL' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
@@ -426,12 +480,16 @@ def test_a_spatial_run_says_how_it_was_turned_and_is_shown_so():
 @pytest.mark.parametrize("model", ["planar", "spatial"])
 def test_a_state_of_a_plant_is_a_picture_without_a_trial(screen, model):
     """As environments show themselves; it is the posture that the log of the same run has there."""
-    scenario = lc.scenario("mamba-modules-fin", lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7), model=model)
+    scenario = lc.scenario(
+        "mamba-modules-fin", lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7), model=model
+    )
     plant = lc.plant(scenario)
     command = lc.Command(gait=scenario.gait)
     state, log, _ = plant.march(plant.init(scenario.start, command), command, 1.0, 0.1)
     posture = posture_of(plant, state)
-    np.testing.assert_allclose(posture.center_of_mass[: log.center_of_mass.shape[1]], log.center_of_mass[-1], atol=1e-9)
+    np.testing.assert_allclose(
+        posture.center_of_mass[: log.center_of_mass.shape[1]], log.center_of_mass[-1], atol=1e-9
+    )
     with closing(Studio.of(plant, size=(128, 72))) as studio:
         studio.take(posture)
         tail = studio.data.body("module_0").xmat.reshape(3, 3)

@@ -9,7 +9,12 @@ import laticauda as lc
 from laticauda.fluid.laws import PolynomialDrag, ViscousFriction
 from laticauda.robot import Ground, load_robot, load_water
 
-VISCOUS = replace(load_water("paper-lateral"), drag=PolynomialDrag(quadratic=False), added_mass=0.0, added_inertia=0.0)
+VISCOUS = replace(
+    load_water("paper-lateral"),
+    drag=PolynomialDrag(quadratic=False),
+    added_mass=0.0,
+    added_inertia=0.0,
+)
 
 
 def k_delta(n, delta, envelope=None):
@@ -24,7 +29,9 @@ def k_delta(n, delta, envelope=None):
 
 def steady_speed(amplitude, frequency, phase_shift, n=9, environment=VISCOUS):
     gait = lc.lateral_undulation(amplitude=amplitude, frequency=frequency, phase_shift=phase_shift)
-    return lc.swim(load_robot("mamba", n_links=n), gait, duration=40.0, environment=environment).steady_velocity
+    return lc.swim(
+        load_robot("mamba", n_links=n), gait, duration=40.0, environment=environment
+    ).steady_velocity
 
 
 @pytest.mark.parametrize(("n", "lateral", "eel"), [(9, 27, 30), (10, 24, 27)])
@@ -54,7 +61,9 @@ def test_the_simulated_speed_peaks_at_the_phase_shift_of_k_delta_where_drag_domi
 
     def speed(degree):
         gait = lc.lateral_undulation(amplitude=0.05, frequency=1.0, phase_shift=np.deg2rad(degree))
-        return lc.swim(robot, gait, duration=40.0, environment=ground, sample_interval=0.1).steady_velocity
+        return lc.swim(
+            robot, gait, duration=40.0, environment=ground, sample_interval=0.1
+        ).steady_velocity
 
     degrees = np.arange(lateral - 6, lateral + 7, 1)
     peak = degrees[np.argmax([speed(d) for d in degrees])]

@@ -46,12 +46,18 @@ class Problem(NamedTuple):
 
     def constrained(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         return eq.constrained_accelerations(
-            *self.state, self.joint_acceleration, self.force, self.torque, self.prescribed, self.joint_torque
+            *self.state,
+            self.joint_acceleration,
+            self.force,
+            self.torque,
+            self.prescribed,
+            self.joint_torque,
         )
 
 
 def numbers(shape: Any, low: float, high: float) -> st.SearchStrategy[np.ndarray]:
-    # A trailing edge sheds only where it moves forward: a speed that is next to nothing has no sign in a moving frame.
+    # A trailing edge sheds only where it moves forward: a speed that is next to nothing has no sign
+    # in a moving frame.
     digits = st.floats(low, high, allow_subnormal=False).map(lambda number: round(number, 9))
     return arrays(np.float64, shape, elements=digits)
 
@@ -101,7 +107,8 @@ def assert_close(actual: np.ndarray, expected: np.ndarray, tolerance: float = 1e
     np.testing.assert_allclose(actual, expected, rtol=0, atol=tolerance * scale)
 
 
-# --- The other solver: each link has its own x, y and theta; joints are constraints with Lagrange multipliers ---
+# --- The other solver: each link has its own x, y and theta; joints are constraints with Lagrange
+# multipliers
 
 
 def axes(angle: Any) -> np.ndarray:
@@ -114,10 +121,13 @@ def turning(function: Any, angle: float) -> np.ndarray:
     return np.imag(function(angle + 1e-30j)) / 1e-30
 
 
-def walk(chain: Chain, across: np.ndarray, along: np.ndarray, mean: np.ndarray, theta: np.ndarray) -> np.ndarray:
+def walk(
+    chain: Chain, across: np.ndarray, along: np.ndarray, mean: np.ndarray, theta: np.ndarray
+) -> np.ndarray:
     """Vectors of the centers that differ from link to link by what a half link adds, and average to `mean`."""
     half = (
-        np.array([axes(a) @ [t, n] for a, t, n in zip(theta, along, across, strict=True)]) * chain.half_length[:, None]
+        np.array([axes(a) @ [t, n] for a, t, n in zip(theta, along, across, strict=True)])
+        * chain.half_length[:, None]
     )
     values = np.zeros((len(theta), 2))
     for i in range(len(theta) - 1):
@@ -142,7 +152,11 @@ def loads(p: Problem, i: int, v: np.ndarray) -> tuple[np.ndarray, float]:
         growth = np.sqrt([[1.0, drag.gamma**2], [drag.beta**2, 1.0]] @ along_axes**2)
     else:
         linear, quadratic = drag.linear * drag.reference_speed, drag.quadratic
-        growth = linear + quadratic * np.abs(along_axes) + drag.sway_friction * np.array([abs(along_axes[1]), 0.0])
+        growth = (
+            linear
+            + quadratic * np.abs(along_axes)
+            + drag.sway_friction * np.array([abs(along_axes[1]), 0.0])
+        )
     force = -R @ (np.array([chain.c_t[i], chain.c_n[i]]) * along_axes * growth)
     torque = -(chain.lambda_2[i] * linear + chain.lambda_3[i] * quadratic * abs(rate)) * rate
     if options.form == "kirchhoff":  # Lagrange's equations for T = 1/2 u^T R mu R^T u
@@ -150,7 +164,9 @@ def loads(p: Problem, i: int, v: np.ndarray) -> tuple[np.ndarray, float]:
         force = force - rate * dA @ u
         torque = torque + u @ dA @ u / 2
     else:  # along each axis k: -mu_k k d(k . u)/dt, with only the current left of u in `classic`
-        force = force - R @ mu @ dR.T @ (u if options.form == "relative" else -options.current) * rate
+        force = (
+            force - R @ mu @ dR.T @ (u if options.form == "relative" else -options.current) * rate
+        )
     if i == 0 and options.wake_mass > 0:
         arm = -chain.half_length[0] * R[:, 0]
         speed, sideways = R.T @ (u + rate * np.array([-arm[1], arm[0]]))
@@ -259,7 +275,11 @@ def test_the_inertia_of_the_link_angles_is_symmetric_and_positive_definite(p: Pr
 def test_positions_and_velocities_keep_the_joints_closed(p: Problem):
     assert_close(eq.link_velocities(*p.state[:4]), velocities(p), 1e-12)
     positions = eq.link_positions(p.theta, p.velocity, p.chain)
-    assert_close(positions, walk(p.chain, np.zeros_like(p.rate), np.ones_like(p.rate), p.velocity, p.theta), 1e-12)
+    assert_close(
+        positions,
+        walk(p.chain, np.zeros_like(p.rate), np.ones_like(p.rate), p.velocity, p.theta),
+        1e-12,
+    )
 
 
 def split(values: np.ndarray, parts: int) -> np.ndarray:
@@ -272,19 +292,34 @@ def split(values: np.ndarray, parts: int) -> np.ndarray:
 def test_a_link_equals_strips_with_locked_joints(p: Problem, parts: int):
     """The caudal fin as locked strips: with linear drag alone and strip theory nothing depends on their number."""
     c, n = p.chain, len(p.theta)
-    share = {"inertia": c.mass, "lambda_1": c.mu_n, "lambda_2": c.c_n}  # of each l^2/3 is the link's own
+    share = {
+        "inertia": c.mass,
+        "lambda_1": c.mu_n,
+        "lambda_2": c.c_n,
+    }  # of each l^2/3 is the link's own
     length = split(c.half_length, parts)
-    whole = replace(c, **{k: np.append(v[:1] * c.half_length[0] ** 2 / 3, getattr(c, k)[1:]) for k, v in share.items()})
+    whole = replace(
+        c,
+        **{
+            k: np.append(v[:1] * c.half_length[0] ** 2 / 3, getattr(c, k)[1:])
+            for k, v in share.items()
+        },
+    )
     strips = Chain(**{f.name: split(getattr(whole, f.name), parts) for f in fields(Chain)})
     strips = replace(
-        strips, **{k: np.append((split(v, parts) * length**2 / 3)[:parts], getattr(c, k)[1:]) for k, v in share.items()}
+        strips,
+        **{
+            k: np.append((split(v, parts) * length**2 / 3)[:parts], getattr(c, k)[1:])
+            for k, v in share.items()
+        },
     )
     locked = np.zeros(parts - 1)
     options = replace(p.options, drag=replace(p.options.drag, quadratic=False, sway_friction=0.0))
 
     one = p._replace(chain=whole, options=options, force=np.zeros((n, 2)))
     assume(sheds_or_not_clearly(one))
-    # The offset between the centers of the fin and of its first strip does not matter: no force acts on either.
+    # The offset between the centers of the fin and of its first strip does not matter: no force
+    # acts on either.
     many = one._replace(
         chain=strips, theta=np.append(np.repeat(p.theta[0], parts - 1), p.theta), torque=split(p.torque, parts),
         rate=np.append(np.repeat(p.rate[0], parts - 1), p.rate), force=np.zeros((n + parts - 1, 2)),
@@ -310,7 +345,9 @@ def stored_and_spent(p: Problem) -> tuple[float, float]:
     for i, angle in enumerate(p.theta):
         R, dR = axes(angle), turning(axes, angle)
         along_axes, rate_along_axes = R.T @ u[i], R.T @ a[i] + p.rate[i] * dR.T @ u[i]
-        power += c.mass[i] * u[i] @ a[i] + along_axes @ (np.array([c.mu_t[i], c.mu_n[i]]) * rate_along_axes)
+        power += c.mass[i] * u[i] @ a[i] + along_axes @ (
+            np.array([c.mu_t[i], c.mu_n[i]]) * rate_along_axes
+        )
         power += (c.inertia[i] + c.lambda_1[i]) * p.rate[i] * theta[i]
     return power, float(p.joint_torque @ np.diff(p.rate) + np.sum(p.force * u) + p.torque @ p.rate)
 
@@ -352,7 +389,8 @@ def test_drag_never_feeds_energy_to_the_robot(p: Problem):
     assert eq.dissipated_power(*p.state) >= 0
 
 
-# The module without the run-time shape checks: they would take twice as long as the thousands of calls of a run.
+# The module without the run-time shape checks: they would take twice as long as the thousands of
+# calls of a run.
 unchecked = SimpleNamespace(**runpy.run_path(eq.__file__))
 
 
@@ -362,17 +400,23 @@ def drift(p: Problem, duration: float = 10.0) -> tuple[float, float]:
 
     def rates(_t: float, y: np.ndarray) -> np.ndarray:
         theta, rate, velocity = y[:n], y[n : 2 * n], y[2 * n + 2 :]
-        moving = unchecked.accelerations(theta, rate, velocity, p.chain, p.options, none, p.force, p.torque)
+        moving = unchecked.accelerations(
+            theta, rate, velocity, p.chain, p.options, none, p.force, p.torque
+        )
         return np.concatenate([rate, moving[0], velocity - p.options.current, moving[1]])
 
     def kept(y: np.ndarray) -> np.ndarray:
         theta, rate, position, velocity = y[:n], y[n : 2 * n], y[2 * n : 2 * n + 2], y[2 * n + 2 :]
         linear, angular = eq.momentum(theta, rate, position, velocity, p.chain, p.options)
-        return np.array([eq.kinetic_energy(theta, rate, velocity, p.chain, p.options), *linear, angular])
+        return np.array(
+            [eq.kinetic_energy(theta, rate, velocity, p.chain, p.options), *linear, angular]
+        )
 
     start = np.concatenate([p.theta, p.rate, [0.3, -0.2], p.velocity])
     times = np.linspace(0.0, duration, 30)
-    run = solve_ivp(rates, (0.0, duration), start, method="DOP853", rtol=1e-11, atol=1e-11, t_eval=times)
+    run = solve_ivp(
+        rates, (0.0, duration), start, method="DOP853", rtol=1e-11, atol=1e-11, t_eval=times
+    )
     assert run.success
     change = np.abs(np.array([kept(y) for y in run.y.T]) - kept(start)).max(axis=0)
     return change[0], change[1:].max()
@@ -381,7 +425,9 @@ def drift(p: Problem, duration: float = 10.0) -> tuple[float, float]:
 @given(n=st.integers(1, 3), seed=st.integers(0, 10**6))
 @settings(max_examples=3)
 def test_without_drag_kirchhoff_keeps_energy_and_momentum(n: int, seed: int):
-    energy, momentum = drift(example(n, seed, form="kirchhoff", current=np.array([0.3, -0.2]), **NO_DRAG))
+    energy, momentum = drift(
+        example(n, seed, form="kirchhoff", current=np.array([0.3, -0.2]), **NO_DRAG)
+    )
     assert energy < 1e-8
     assert momentum < 1e-8
 
@@ -413,7 +459,10 @@ def test_accelerations_do_not_depend_on_the_frame(p: Problem, shift: np.ndarray)
 
 def test_in_the_classic_form_they_do():
     p = example(4, 0, form="classic")
-    (theta, _), (other, _) = p.accelerations(), carried_along(p, np.array([1.0, 0.0])).accelerations()
+    (theta, _), (other, _) = (
+        p.accelerations(),
+        carried_along(p, np.array([1.0, 0.0])).accelerations(),
+    )
     assert np.max(np.abs(theta - other)) > 0.1
 
 
@@ -422,9 +471,13 @@ def test_in_the_classic_form_they_do():
 def test_a_turned_world_turns_the_motion(p: Problem, angle: float):
     R = axes(angle)
     ahead = axes(p.theta[0])[:, 0] @ (velocities(p)[0] - p.options.current)
-    assume(p.options.wake_mass == 0.0 or abs(ahead) > 1e-9)  # the wake begins where the trailing edge moves ahead
+    assume(
+        p.options.wake_mass == 0.0 or abs(ahead) > 1e-9
+    )  # the wake begins where the trailing edge moves ahead
     options = replace(p.options, current=R @ p.options.current)
-    turned = p._replace(theta=p.theta + angle, velocity=R @ p.velocity, force=p.force @ R.T, options=options)
+    turned = p._replace(
+        theta=p.theta + angle, velocity=R @ p.velocity, force=p.force @ R.T, options=options
+    )
     (theta, center), (turned_theta, turned_center) = p.accelerations(), turned.accelerations()
     assert_close(turned_theta, theta)
     assert_close(turned_center, R @ center)
@@ -456,7 +509,9 @@ def test_the_wake_pushes_forward_and_against_the_sideways_motion():
     without = eq.fluid_forces(*straight(2.0, 3.0, 0.0).state)
     assert f_x[0] - without[0][0] == pytest.approx(5 * 3**2 / 2)
     assert f_y[0] - without[1][0] == pytest.approx(-5 * 2 * 3)
-    assert tau[0] - without[2][0] == pytest.approx(straight(2.0, 3.0, 5.0).chain.half_length[0] * 5 * 2 * 3)
+    assert tau[0] - without[2][0] == pytest.approx(
+        straight(2.0, 3.0, 5.0).chain.half_length[0] * 5 * 2 * 3
+    )
     assert f_x[1] == without[0][1] and f_y[1] == without[1][1] and tau[1] == without[2][1]
     assert eq.wake_power(*straight(2.0, 3.0, 5.0).state) == pytest.approx(5 * 3**2 * 2 / 2)
 
@@ -464,7 +519,9 @@ def test_the_wake_pushes_forward_and_against_the_sideways_motion():
 @pytest.mark.parametrize("speed", [0.0, -2.0])
 def test_there_is_no_wake_while_the_tail_does_not_move_forward(speed: float):
     with_wake, without = straight(speed, 3.0, 5.0), straight(speed, 3.0, 0.0)
-    for ours, other in zip(eq.fluid_forces(*with_wake.state), eq.fluid_forces(*without.state), strict=True):
+    for ours, other in zip(
+        eq.fluid_forces(*with_wake.state), eq.fluid_forces(*without.state), strict=True
+    ):
         np.testing.assert_array_equal(ours, other)
     assert eq.wake_power(*with_wake.state) == 0
 
@@ -490,8 +547,14 @@ def test_a_chain_refuses_what_no_chain_can_be(changes: dict[str, np.ndarray], me
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"form": "kirchoff"}, "`form` must be one of .*, got 'kirchoff'; did you mean `kirchhoff`?"),
-        ({"wake_mass": 1.0}, r"`wake_mass` must be 0 kg/m unless `form` is `kirchhoff`, got 1\.0\."),
+        (
+            {"form": "kirchoff"},
+            "`form` must be one of .*, got 'kirchoff'; did you mean `kirchhoff`?",
+        ),
+        (
+            {"wake_mass": 1.0},
+            r"`wake_mass` must be 0 kg/m unless `form` is `kirchhoff`, got 1\.0\.",
+        ),
         ({"current": np.array([0.0, np.inf])}, "`current` must be 2 finite numbers in m/s"),
     ],
 )

@@ -18,7 +18,9 @@ from laticauda.planar.model import PlanarPlant
 from laticauda.robot import CaudalFin, Joint, Module, Robot, Section, load_robot, load_water
 from laticauda.simulate.derivatives import sensitivities
 
-GAIT = lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40))
+GAIT = lc.lateral_undulation(
+    amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40)
+)
 WAVE = lc.Wave(amplitude=0.4, frequency=2.5, phase=1.0, offset=0.1)
 WATER = load_water("paper-lateral")
 RIGID = load_robot("mamba-fin")
@@ -32,7 +34,9 @@ def fitted(robot=RIGID, **changes):
 
 ELASTIC = fitted(n_hinges=3, flexural_rigidity=1.0)
 DRIVEN = fitted(joint=Joint())
-BOTH = fitted(joint=Joint(stiffness=0.5, damping=0.1), n_hinges=2, flexural_rigidity=0.5, bending_damping=0.02)
+BOTH = fitted(
+    joint=Joint(stiffness=0.5, damping=0.1), n_hinges=2, flexural_rigidity=0.5, bending_damping=0.02
+)
 ROBOTS = {
     "elastic": (ELASTIC, GAIT),
     "driven": (DRIVEN, replace(GAIT, fin=WAVE)),
@@ -40,22 +44,30 @@ ROBOTS = {
 }
 
 
-# ---- bending frequencies -------------------------------------------------------------------------------------------
+# ---- bending frequencies -------------------------------------------------------------------------
 
 
 def bending_rates(fin, water):
     """Angular frequencies of a fin on a body too heavy to move, from the accelerations that the kernel computes."""
-    robot = Robot(name="wall", modules=(Module(length=0.2, mass=1e6, inertia=1e6, section=SECTION),), caudal_fin=fin)
+    robot = Robot(
+        name="wall",
+        modules=(Module(length=0.2, mass=1e6, inertia=1e6, section=SECTION),),
+        caudal_fin=fin,
+    )
     a = layout(robot, water)
     hinges = np.flatnonzero(a.law == rows.PASSIVE)
     give = np.empty((hinges.size, hinges.size))
     for k, pushed in enumerate(hinges):
         S = a.template.copy()
-        body = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(-1, rows.BODY_ROWS)
+        body = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(
+            -1, rows.BODY_ROWS
+        )
         stiffness = body[hinges, rows.STIFFNESS].copy()
         body[pushed, rows.TOTAL_TORQUE] = 1.0
         is_free = a.law == rows.PASSIVE
-        kernels().evaluate(S, a.n_bodies, a.first_strip, a.first_plate, is_free, a.tail_link, a.has_extras)
+        kernels().evaluate(
+            S, a.n_bodies, a.first_strip, a.first_plate, is_free, a.tail_link, a.has_extras
+        )
         give[:, k] = body[hinges, rows.ACCELERATION]
     root = np.diag(np.sqrt(stiffness))
     return np.sqrt(np.linalg.eigvalsh(root @ (0.5 * (give + give.T)) @ root))
@@ -89,7 +101,9 @@ def test_in_vacuum_the_first_frequency_is_the_cantilevers(n):
 
 @pytest.mark.parametrize("n", range(1, 7))
 def test_in_water_the_first_frequency_is_that_of_the_plate_with_its_added_mass(n):
-    fin = CaudalFin(opening="closed", n_strips=200, n_hinges=n, flexural_rigidity=2.0, added_mass=1.0)
+    fin = CaudalFin(
+        opening="closed", n_strips=200, n_hinges=n, flexural_rigidity=2.0, added_mass=1.0
+    )
     mass = fin.mass / fin.length + WATER.density * np.pi * (fin.height / 2.0) ** 2
     expected = 1.8751040687**2 / fin.length**2 * np.sqrt(2.0 / mass)
     assert bending_rates(fin, WATER)[0] == pytest.approx(expected, rel=BOUNDS[n - 1] + 5e-5)
@@ -98,10 +112,17 @@ def test_in_water_the_first_frequency_is_that_of_the_plate_with_its_added_mass(n
 @pytest.mark.parametrize(("opening", "bounds"), [("open", (6e-3, 1e-2)), ("closed", (3e-4, 8e-3))])
 def test_two_frequencies_are_those_of_a_beam_of_finite_elements(opening, bounds):
     fin = CaudalFin(
-        opening=opening, opening_length=0.125, n_strips=300, n_hinges=2, flexural_rigidity=2.0, added_mass=1.0
+        opening=opening,
+        opening_length=0.125,
+        n_strips=300,
+        n_hinges=2,
+        flexural_rigidity=2.0,
+        added_mass=1.0,
     )
     water = WATER.density * np.pi * (fin.height / 2.0) ** 2
-    beam = beam_rates(0.5, 2.0, lambda x: fin.mass / fin.length + water * (opening == "closed" or x > 0.125))
+    beam = beam_rates(
+        0.5, 2.0, lambda x: fin.mass / fin.length + water * (opening == "closed" or x > 0.125)
+    )
     found = bending_rates(fin, WATER)
     assert found[0] == pytest.approx(beam[0], rel=bounds[0])
     assert found[1] == pytest.approx(beam[1], rel=bounds[1])
@@ -115,14 +136,22 @@ def test_the_stated_frequencies_are_those_of_the_kernel(opening, rotational):
         fin = CaudalFin(opening=opening, n_hinges=n, flexural_rigidity=0.7)
         stated = bending_frequencies(replace(RIGID, caudal_fin=fin), water)
         np.testing.assert_allclose(2.0 * np.pi * stated, bending_rates(fin, water), rtol=1e-4)
-    with pytest.raises(ValueError, match=r"`robot` must have a fin that bends \(`caudal_fin.n_hinges` > 0\)"):
+    with pytest.raises(
+        ValueError, match=r"`robot` must have a fin that bends \(`caudal_fin.n_hinges` > 0\)"
+    ):
         bending_frequencies(RIGID, water)
 
 
 def test_a_plucked_fin_swings_at_that_frequency():
-    fin = CaudalFin(opening="closed", n_strips=50, n_hinges=2, flexural_rigidity=2.0, added_mass=1.0)
+    fin = CaudalFin(
+        opening="closed", n_strips=50, n_hinges=2, flexural_rigidity=2.0, added_mass=1.0
+    )
     still = replace(WATER, drag=PolynomialDrag(linear=False, quadratic=False))
-    heavy = Robot(name="wall", modules=(Module(length=0.2, mass=1e9, inertia=1e9, section=SECTION),), caudal_fin=fin)
+    heavy = Robot(
+        name="wall",
+        modules=(Module(length=0.2, mass=1e9, inertia=1e9, section=SECTION),),
+        caudal_fin=fin,
+    )
     plant = PlanarPlant(robot=heavy, environment=still, settings=lc.Planar(dt=2e-4))
     command = lc.Command(gait=GAIT)
     state = plant.init(lc.Start(), command)
@@ -135,7 +164,7 @@ def test_a_plucked_fin_swings_at_that_frequency():
     )
 
 
-# ---- energy --------------------------------------------------------------------------------------------------------
+# ---- energy --------------------------------------------------------------------------------------
 
 
 def energy(trial, water):
@@ -146,7 +175,10 @@ def energy(trial, water):
     piece = np.searchsorted([p.end for p in fin.pieces], middle)[::-1]
     found = np.empty(trial.time.size)
     for i in range(found.size):
-        tail = trial.heading_rate[i] - trial.joint_rate[i] @ np.arange(robot.n_joints, 0, -1) / robot.n_links
+        tail = (
+            trial.heading_rate[i]
+            - trial.joint_rate[i] @ np.arange(robot.n_joints, 0, -1) / robot.n_links
+        )
         rate = tail + np.append(0.0, np.cumsum(trial.joint_rate[i]))
         driven = [] if fin.joint is not None else [0.0]
         bend, swing = (np.cumsum([*driven, *of[i]]) for of in (trial.fin_angle, trial.fin_rate))
@@ -158,7 +190,10 @@ def energy(trial, water):
             options,
         )
     stiffness = [] if fin.joint is None else [fin.joint.stiffness]
-    return found + 0.5 * trial.fin_angle**2 @ [*stiffness, *(hinge.stiffness for hinge in fin.hinges)]
+    return found + 0.5 * trial.fin_angle**2 @ [
+        *stiffness,
+        *(hinge.stiffness for hinge in fin.hinges),
+    ]
 
 
 @pytest.mark.parametrize("form", ["relative", "kirchhoff"])
@@ -168,18 +203,29 @@ def test_without_drag_the_work_of_the_joints_is_in_motion_and_springs(form, join
     robot = fitted(opening="closed", n_hinges=2, flexural_rigidity=1.0, joint=Joint())
     gait = replace(GAIT, fin=WAVE)
     trial = lc.swim(
-        robot, gait, duration=3.0, environment=water, joints=joints, dt=5e-4 if joints == "prescribed" else 1e-4
+        robot,
+        gait,
+        duration=3.0,
+        environment=water,
+        joints=joints,
+        dt=5e-4 if joints == "prescribed" else 1e-4,
     )
     assert np.abs(trial.fin_angle).max() > 0.2
     lost = trial.work[:, 1] - energy(trial, water)
-    first = 1 if joints == "pd" else 0  # pd starts with a jerk that the trapezoids of the work do not resolve
-    np.testing.assert_allclose(lost[first:], lost[first], rtol=0, atol=1e-4 * np.max(trial.work[:, 1]))
+    first = (
+        1 if joints == "pd" else 0
+    )  # pd starts with a jerk that the trapezoids of the work do not resolve
+    np.testing.assert_allclose(
+        lost[first:], lost[first], rtol=0, atol=1e-4 * np.max(trial.work[:, 1])
+    )
 
 
 @settings(max_examples=5, deadline=None)
 @given(st.integers(1, 4), st.floats(0.01, 100.0), st.floats(0.0, 0.3), st.integers(0, 2**32 - 1))
 def test_a_fin_let_go_loses_energy_to_drag_and_damping_only(n, rigidity, damping, seed):
-    robot = fitted(opening="closed", n_hinges=n, flexural_rigidity=rigidity, bending_damping=damping)
+    robot = fitted(
+        opening="closed", n_hinges=n, flexural_rigidity=rigidity, bending_damping=damping
+    )
     still = lc.lateral_undulation(amplitude=0.0, frequency=1.0, phase_shift=0.0)
     first = lc.swim(robot, still, duration=1e-3, environment=WATER, sample_interval=1e-3)
     joints = (first.state["planar"].size - rows.LOG_STATE) // 2
@@ -192,7 +238,7 @@ def test_a_fin_let_go_loses_energy_to_drag_and_damping_only(n, rigidity, damping
     assert left[-1] < 0.5 * left[0]
 
 
-# ---- limits, stability and symmetry --------------------------------------------------------------------------------
+# ---- limits, stability and symmetry --------------------------------------------------------------
 
 
 @pytest.mark.parametrize("n", [1, 3, 6])
@@ -220,7 +266,11 @@ def test_at_the_default_step_every_stiffness_is_stable(n, exponent, joints, open
 
 def test_a_limp_fin_pushes_no_more_than_none():
     limp = lc.swim(fitted(n_hinges=4, flexural_rigidity=1e-6), GAIT).forward_velocity
-    assert limp < lc.swim(load_robot("mamba"), GAIT).forward_velocity < lc.swim(RIGID, GAIT).forward_velocity
+    assert (
+        limp
+        < lc.swim(load_robot("mamba"), GAIT).forward_velocity
+        < lc.swim(RIGID, GAIT).forward_velocity
+    )
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -240,7 +290,7 @@ def test_the_mirrored_gait_swims_the_mirrored_path(name):
     np.testing.assert_allclose(left.fin_angle, -right.fin_angle, atol=1e-10)
 
 
-# ---- stepping ------------------------------------------------------------------------------------------------------
+# ---- stepping ------------------------------------------------------------------------------------
 
 
 def test_an_elastic_fin_behind_prescribed_joints_converges_with_order_two():
@@ -268,7 +318,9 @@ def test_a_run_cut_in_the_middle_and_resumed_is_the_same_run(name, joints):
     robot, gait = ROBOTS[name]
     whole = lc.swim(robot, gait, duration=4.0, joints=joints)
     first = lc.swim(robot, gait, duration=2.0, joints=joints)
-    both = lc.joined(first, lc.resume(lc.plant(robot, first.environment, joints=joints), first, 2.0))
+    both = lc.joined(
+        first, lc.resume(lc.plant(robot, first.environment, joints=joints), first, 2.0)
+    )
     for figure in ("center_of_mass", "joint_torque", "work", "fin_angle"):
         np.testing.assert_array_equal(getattr(both, figure), getattr(whole, figure))
 
@@ -279,7 +331,9 @@ def test_a_batch_gives_what_single_trials_give(name):
     gaits = [replace(gait, amplitude=amplitude) for amplitude in (0.3, 0.5, 0.6)]
     many = lc.swim_many(robot, gaits, 15.0)
     alone = [lc.swim(robot, gait, 15.0) for gait in gaits]
-    np.testing.assert_allclose(many.forward_velocity, [t.forward_velocity for t in alone], rtol=1e-10)
+    np.testing.assert_allclose(
+        many.forward_velocity, [t.forward_velocity for t in alone], rtol=1e-10
+    )
     np.testing.assert_allclose(many.mean_power, [t.mean_power for t in alone], rtol=1e-10)
 
 
@@ -290,13 +344,17 @@ def test_sensitivities_to_the_stiffness_are_those_of_differences():
     for i, (name, value) in enumerate(zip(names, (1.0, 0.05), strict=True)):
         step = 1e-5 * value
         plus, minus = (
-            lc.swim(fitted(robot, **{name.rsplit(".", 1)[-1]: value + sign * step}), GAIT, 20.0).forward_velocity
+            lc.swim(
+                fitted(robot, **{name.rsplit(".", 1)[-1]: value + sign * step}), GAIT, 20.0
+            ).forward_velocity
             for sign in (1.0, -1.0)
         )
-        assert found.of("forward_velocity", name)[0] == pytest.approx((plus - minus) / (2.0 * step), rel=1e-5), i
+        assert found.of("forward_velocity", name)[0] == pytest.approx(
+            (plus - minus) / (2.0 * step), rel=1e-5
+        ), i
 
 
-# ---- the driven fin ------------------------------------------------------------------------------------------------
+# ---- the driven fin ------------------------------------------------------------------------------
 
 
 def test_a_driven_fin_follows_its_own_wave_and_its_power_counts():
@@ -332,24 +390,32 @@ def test_a_weak_servo_does_not_reach_what_is_asked_of_the_fin():
         joint = Joint()
         robot = fitted(joint=replace(joint, actuator=replace(joint.actuator, stall_torque=torque)))
         trial = lc.swim(robot, asked, 10.0, joints="servo")
-        braking = 1.0 + np.abs(trial.signals["fin_rate_0"]) / joint.actuator.no_load_speed  # adds to what stalls it
+        braking = (
+            1.0 + np.abs(trial.signals["fin_rate_0"]) / joint.actuator.no_load_speed
+        )  # adds to what stalls it
         assert np.all(np.abs(trial.signals["fin_torque"]) <= torque * braking * (1.0 + 1e-9))
-        missed.append(np.abs(trial.fin_angle[:, 0] - trial.signals["fin_angle_ref"])[trial.time > 5.0].max())
+        missed.append(
+            np.abs(trial.fin_angle[:, 0] - trial.signals["fin_angle_ref"])[trial.time > 5.0].max()
+        )
     assert missed[0] > 3.0 * missed[1]
 
 
 @pytest.mark.parametrize("robot", [RIGID, ELASTIC, load_robot("mamba")])
 def test_a_wave_for_a_fin_that_nothing_drives_is_refused(robot):
-    with pytest.raises(ValueError, match=r"`gait.fin` must be None unless the fin is driven \(`caudal_fin.joint`\)"):
+    with pytest.raises(
+        ValueError, match=r"`gait.fin` must be None unless the fin is driven \(`caudal_fin.joint`\)"
+    ):
         lc.swim(robot, replace(GAIT, fin=WAVE), 1.0)
 
 
 def test_a_phase_shift_of_the_fins_wave_is_refused():
-    with pytest.raises(ValueError, match=r"`fin.phase_shift` must be 0: a fin has one joint, got 0\.5 rad\."):
+    with pytest.raises(
+        ValueError, match=r"`fin.phase_shift` must be 0: a fin has one joint, got 0\.5 rad\."
+    ):
         replace(GAIT, fin=replace(WAVE, phase_shift=0.5))
 
 
-# ---- around a run --------------------------------------------------------------------------------------------------
+# ---- around a run --------------------------------------------------------------------------------
 
 
 def test_fin_joints_are_signals_and_no_columns_of_the_body(tmp_path):
@@ -366,7 +432,11 @@ def test_the_center_of_mass_is_that_of_the_bent_robot():
     trial = lc.swim(BOTH, replace(GAIT, fin=WAVE), 5.0, sample_interval=0.005)
     from laticauda import kinematics
 
-    posture = kinematics.Posture(trial.robot, trial.center_of_mass, trial.link_angle, trial.fin_angle)
+    posture = kinematics.Posture(
+        trial.robot, trial.center_of_mass, trial.link_angle, trial.fin_angle
+    )
     marker = posture.link_centers[:, 4]
-    back = kinematics.center_of_mass(trial.robot, marker, trial.link_angle, link=4, fin_angle=trial.fin_angle)
+    back = kinematics.center_of_mass(
+        trial.robot, marker, trial.link_angle, link=4, fin_angle=trial.fin_angle
+    )
     np.testing.assert_allclose(back, trial.center_of_mass, atol=1e-12)

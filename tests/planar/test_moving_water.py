@@ -17,7 +17,10 @@ from laticauda.robot import Section, load_robot
 RADIUS, N = 0.05, 6
 ROBOT = load_robot("chain", n_links=N)
 ROBOT = replace(
-    ROBOT, modules=tuple(replace(m, section=Section(half_height=RADIUS, half_width=RADIUS)) for m in ROBOT.modules)
+    ROBOT,
+    modules=tuple(
+        replace(m, section=Section(half_height=RADIUS, half_width=RADIUS)) for m in ROBOT.modules
+    ),
 )
 WATER = lc.Water(
     tangential_friction=0.2,
@@ -43,7 +46,9 @@ def held(water, heading, times):
         S = a.template.copy()
         S[rows.TIME], S[rows.HEADING] = t, heading
         locked = np.zeros(a.n_bodies, dtype=bool)
-        plant._kernels.evaluate(S, a.n_bodies, a.first_strip, a.first_plate, locked, a.tail_link, a.has_extras)
+        plant._kernels.evaluate(
+            S, a.n_bodies, a.first_strip, a.first_plate, locked, a.tail_link, a.has_extras
+        )
         force.append(-S[rows.HEADER_ROWS :][[rows.P1, rows.P2]])
     return np.array(force)
 
@@ -60,7 +65,9 @@ def morison(water, heading, times):
         u, w, gradient, rate = below(water.current, x, y, z, np.asarray(times))
         acceleration = rate + np.einsum("ijt,jt->it", gradient, np.array([*u, w]))
         (u_t, u_n), (a_t, a_n) = ((axis @ one, normal @ one) for one in (u, acceleration))
-        along = (1.0 + water.tangential_added_mass) * area * a_t + FRICTION * RADIUS * np.abs(u_t) * u_t
+        along = (1.0 + water.tangential_added_mass) * area * a_t + FRICTION * RADIUS * np.abs(
+            u_t
+        ) * u_t
         across = (1.0 + added) * area * a_n + water.normal_drag * RADIUS * np.abs(u_n) * u_n
         total += water.density * length * (np.outer(along, axis) + np.outer(across, normal))
     return total
@@ -71,13 +78,29 @@ FRICTION = 0.5 * math.pi * WATER.tangential_friction
 
 def below(flow, x, y, z, t):
     """Velocity, gradient and rate of the water below waves, from textbook potentials summed one by one."""
-    u, w, gradient, rate = np.zeros((2, t.size)), np.zeros(t.size), np.zeros((2, 3, t.size)), np.zeros((2, t.size))
+    u, w, gradient, rate = (
+        np.zeros((2, t.size)),
+        np.zeros(t.size),
+        np.zeros((2, 3, t.size)),
+        np.zeros((2, t.size)),
+    )
     for wave in flow.parts:
         k, depth = math.hypot(wave.k_x, wave.k_y), getattr(flow, "depth", math.inf)
         ahead = np.array([wave.k_x, wave.k_y]) / k
-        high = math.exp(k * z) if depth == math.inf else math.cosh(k * (z + depth)) / math.sinh(k * depth)
-        low = math.exp(k * z) if depth == math.inf else math.sinh(k * (z + depth)) / math.sinh(k * depth)
-        theta, speed = wave.k_x * x + wave.k_y * y - wave.omega * t + wave.phase, wave.amplitude * wave.omega
+        high = (
+            math.exp(k * z)
+            if depth == math.inf
+            else math.cosh(k * (z + depth)) / math.sinh(k * depth)
+        )
+        low = (
+            math.exp(k * z)
+            if depth == math.inf
+            else math.sinh(k * (z + depth)) / math.sinh(k * depth)
+        )
+        theta, speed = (
+            wave.k_x * x + wave.k_y * y - wave.omega * t + wave.phase,
+            wave.amplitude * wave.omega,
+        )
         u += speed * high * np.outer(ahead, np.cos(theta))
         w += speed * low * np.sin(theta)
         rate += speed * high * wave.omega * np.outer(ahead, np.sin(theta))
@@ -98,7 +121,9 @@ def test_a_cylinder_held_in_waves_bears_the_force_of_morisons_formula(flow, dept
 
 def test_a_run_that_goes_on_in_the_middle_of_a_sea_is_the_run_that_was_never_cut():
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.2, phase_shift=0.7)
-    whole, half = (lc.swim("mamba-fin", gait, duration, current=Sea(seed=2)) for duration in (6.0, 3.0))
+    whole, half = (
+        lc.swim("mamba-fin", gait, duration, current=Sea(seed=2)) for duration in (6.0, 3.0)
+    )
     rest = lc.resume(lc.plant(half.scenario), half, 3.0)
     assert np.array_equal(rest.center_of_mass[-1], whole.center_of_mass[-1])
     assert np.array_equal(rest.joint_torque[-1], whole.joint_torque[-1])

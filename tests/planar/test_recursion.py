@@ -31,7 +31,9 @@ def close(actual, expected, tolerance=1e-9):
 
 def extended(state, n_fin):
     """The state with the fin's links, which follow the tail link."""
-    return np.append([state.theta[0]] * n_fin, state.theta), np.append([state.rate[0]] * n_fin, state.rate)
+    return np.append([state.theta[0]] * n_fin, state.theta), np.append(
+        [state.rate[0]] * n_fin, state.rate
+    )
 
 
 def setting(seed, form, *, fin=True, thrusters=2, n_least=2, **changes):
@@ -57,7 +59,9 @@ def test_prescribed_joints_accelerate_as_the_matrices_say(seed, form, fin_as_lin
         np.append(np.zeros(n_fin), joint),
         *effectors(robot, state.theta, n_fin),
     )
-    links, center, _, torque = recursion(robot, water, state, joint_acceleration=joint, fin_as_links=fin_as_links)
+    links, center, _, torque = recursion(
+        robot, water, state, joint_acceleration=joint, fin_as_links=fin_as_links
+    )
     close(links, expected[0][n_fin:])
     close(center, expected[1])
     close(torque, expected[2][n_fin:])
@@ -81,16 +85,22 @@ def test_free_joints_accelerate_as_the_matrices_say(seed, form, fin_as_links):
         prescribed=fixed,
         joint_torque=np.append(np.zeros(n_fin), torque),
     )
-    links, center, _, _ = recursion(robot, water, state, joint_torque=torque, fin_as_links=fin_as_links)
+    links, center, _, _ = recursion(
+        robot, water, state, joint_torque=torque, fin_as_links=fin_as_links
+    )
     close(links, expected[0][n_fin:])
     close(center, expected[1])
 
 
-@pytest.mark.parametrize("law", [None, TotalSpeedDrag(beta=0.4, gamma=0.9)], ids=["polynomial", "total speed"])
+@pytest.mark.parametrize(
+    "law", [None, TotalSpeedDrag(beta=0.4, gamma=0.9)], ids=["polynomial", "total speed"]
+)
 @laws
 @given(seed=seeds)
 def test_the_elongated_trailing_edge_is_that_of_the_equations(seed, law):
-    rng, robot, water, state, (chain, options, n_fin) = setting(seed, "kirchhoff", trailing_edge="elongated", law=law)
+    rng, robot, water, state, (chain, options, n_fin) = setting(
+        seed, "kirchhoff", trailing_edge="elongated", law=law
+    )
     theta, rate = extended(state, n_fin)
     joint = rng.uniform(-5, 5, robot.n_links - 1)
     expected = equations.constrained_accelerations(
@@ -166,7 +176,9 @@ def test_sine_and_cosine_are_good_to_the_last_digits():
     worst = 0.0
     for angle in np.concatenate((np.linspace(-100, 100, 20001), np.linspace(-9e4, 9e4, 2001))):
         S, body = fill(a, State(np.array([angle, angle]), np.zeros(2), np.zeros(2)))
-        kernels().evaluate(S, 2, a.first_strip, a.first_plate, np.zeros(2, dtype=bool), a.tail_link, a.has_extras)
+        kernels().evaluate(
+            S, 2, a.first_strip, a.first_plate, np.zeros(2, dtype=bool), a.tail_link, a.has_extras
+        )
         at = S[rows.HEADING]
         worst = max(worst, abs(body[0, rows.SIN] - np.sin(at)), abs(body[0, rows.COS] - np.cos(at)))
     assert worst < 3e-16

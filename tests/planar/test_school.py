@@ -36,7 +36,9 @@ def placed(school: School, y=0.0, heading=0.0, current=(0.0, 0.0)) -> School:
 @pytest.mark.parametrize("n", [1, 3, 11])
 def test_every_robot_does_what_the_plant_does_alone_to_the_last_bit(joints: str, n: int):
     body = plant(joints, current=(0.02, -0.03))
-    school = placed(School(plant(joints), COMMAND, n, INTERVAL), y=0.3, heading=-0.4, current=(0.02, -0.03))
+    school = placed(
+        School(plant(joints), COMMAND, n, INTERVAL), y=0.3, heading=-0.4, current=(0.02, -0.03)
+    )
     state = body.init(Start(center_of_mass=(0.0, 0.3), heading=-0.4), COMMAND)
     for offset in np.random.default_rng(0).uniform(-0.3, 0.3, 10):
         school.tell({"offset": np.full(n, offset)})
@@ -55,7 +57,9 @@ def test_a_robot_is_placed_in_a_flow_of_the_parts_of_the_plants_only():
     place = {"center_of_mass": np.zeros((1, 2)), "heading": np.zeros(1)}
     school.place(np.array([1]), current=[replace(gusts, seed=4)], **place)
     for other in (replace(gusts, modes=7), lc.load_current("vortex"), (0.1, 0.0)):
-        with pytest.raises(ValueError, match="`current` must have the same parts as the plant's current"):
+        with pytest.raises(
+            ValueError, match="`current` must have the same parts as the plant's current"
+        ):
             school.place(np.array([1]), current=[other], **place)
 
 
@@ -70,7 +74,9 @@ def test_neighbors_and_threads_change_nothing(n: int, threads: int, seed: int):
         for each in offset:
             school.tell({"offset": each[:count]})
             school.march()
-        ends.append(np.stack((school.motion.x, school.motion.y, school.motion.heading, school.motion.work)))
+        ends.append(
+            np.stack((school.motion.x, school.motion.y, school.motion.heading, school.motion.work))
+        )
         school.close()
     np.testing.assert_array_equal(ends[0][:, :n], ends[1])
 
@@ -93,14 +99,19 @@ def test_a_robot_that_begins_anew_leaves_no_trace_and_disturbs_nobody():
     school.march()
     calm.march()
     school.place(
-        np.array([4]), center_of_mass=np.array([[1.0, 2.0]]), heading=np.array([0.5]), current=np.array([[0.1, 0.0]])
+        np.array([4]),
+        center_of_mass=np.array([[1.0, 2.0]]),
+        heading=np.array([0.5]),
+        current=np.array([[0.1, 0.0]]),
     )
     assert school.motion.time[4] == 0.0
     assert (school.motion.x[4], school.motion.y[4], school.motion.heading[4]) == (1.0, 2.0, 0.5)
     assert school.motion.work[4] == 0.0
     others = np.arange(10) != 4
     for name in ("x", "y", "heading", "work", "time"):
-        np.testing.assert_array_equal(getattr(school.motion, name)[others], getattr(calm.motion, name)[others])
+        np.testing.assert_array_equal(
+            getattr(school.motion, name)[others], getattr(calm.motion, name)[others]
+        )
 
 
 def test_a_robot_that_diverges_is_said_to_and_harms_no_other():

@@ -93,7 +93,9 @@ def test_another_drag_law_takes_the_drives_as_they_are():
     assert usual.recursion.accelerations is not other.recursion.accelerations
 
 
-def test_a_law_of_ones_own_compiles_once_is_found_again_wherever_it_stands_and_compiles_anew_when_edited(tmp_path):
+def test_a_law_of_ones_own_compiles_once_is_found_again_wherever_it_stands_and_compiles_anew_when_edited(
+    tmp_path,
+):
     def run(module="mylaw"):
         done = subprocess.run(
             [sys.executable, "-c", SCRIPT.format(folder=str(tmp_path), module=module)],

@@ -17,7 +17,9 @@ from laticauda.planar.model import specialize
 from laticauda.robot import Joint, load_robot, load_water
 
 seeds = st.integers(0, 2**32 - 1)
-GAIT = lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40))
+GAIT = lc.lateral_undulation(
+    amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40)
+)
 
 
 def errors(steps, robot=None, **choices):
@@ -46,7 +48,9 @@ def test_driven_joints_converge_with_order_two(joints):
     assert order(steps, errors(steps, joints=joints)) == pytest.approx(2.0, abs=0.3)
 
 
-@pytest.mark.parametrize(("joints", "target"), [("prescribed", 1e-6), ("pd", 1e-4), ("servo", 1e-4)])
+@pytest.mark.parametrize(
+    ("joints", "target"), [("prescribed", 1e-6), ("pd", 1e-4), ("servo", 1e-4)]
+)
 def test_the_default_step_is_converged(joints, target):
     robot = load_robot("mamba")
     usual = lc.swim(robot, GAIT, joints=joints)
@@ -56,7 +60,8 @@ def test_the_default_step_is_converged(joints, target):
 
 
 def test_a_stiff_pd_step_stays_stable_far_beyond_the_explicit_limit():
-    # The fastest rate of these gains is 8 400/s, so an explicit step would have to be below 0.33 ms.
+    # The fastest rate of these gains is 8 400/s, so an explicit step would have to be below 0.33
+    # ms.
     trial = lc.swim(load_robot("mamba"), GAIT, joints="pd", dt=0.02)
     assert trial.forward_velocity == pytest.approx(0.1113, rel=5e-3)
 
@@ -87,7 +92,8 @@ def test_without_drag_and_actuation_energy_is_kept_and_by_kirchhoff_momentum(see
     assert after == pytest.approx(before, rel=1e-8)
     if form == "kirchhoff":
         before, after = (
-            equations.momentum(*whole(y)[:2], y[n : n + 2], y[2 * n + 2 :], chain, options) for y in (y0, end)
+            equations.momentum(*whole(y)[:2], y[n : n + 2], y[2 * n + 2 :], chain, options)
+            for y in (y0, end)
         )
         np.testing.assert_allclose(after[0], before[0], rtol=0, atol=1e-8 * np.abs(before[0]).max())
 
@@ -96,13 +102,18 @@ def test_without_drag_and_actuation_energy_is_kept_and_by_kirchhoff_momentum(see
 @pytest.mark.parametrize("fin", ["mamba", "mamba-fin"])
 def test_without_drag_the_work_of_the_joints_is_the_kinetic_energy(form, fin):
     water = replace(
-        load_water("paper-lateral"), added_mass_form=form, drag=PolynomialDrag(linear=False, quadratic=False)
+        load_water("paper-lateral"),
+        added_mass_form=form,
+        drag=PolynomialDrag(linear=False, quadratic=False),
     )
     robot = load_robot(fin)
     trial = lc.swim(robot, GAIT, duration=3.0, environment=water, dt=0.0005)
     chain, options, n_fin = oracle(robot, water)
     theta = trial.link_angle[-1]
-    tail = trial.heading_rate[-1] - trial.joint_rate[-1] @ np.arange(robot.n_joints, 0, -1) / robot.n_links
+    tail = (
+        trial.heading_rate[-1]
+        - trial.joint_rate[-1] @ np.arange(robot.n_joints, 0, -1) / robot.n_links
+    )
     rate = tail + np.append(0.0, np.cumsum(trial.joint_rate[-1]))
     fin_links = [0] * n_fin
     energy = equations.kinetic_energy(
@@ -138,8 +149,12 @@ def test_a_run_cut_in_the_middle_and_resumed_is_the_same_run(joints):
 def test_a_mirrored_gait_swims_the_mirrored_path(amplitude, frequency, phase_shift, offset):
     robot = load_robot("mamba-fin")
     shape = dict(amplitude=amplitude, frequency=frequency, phase_shift=phase_shift, n_links=9)
-    right = lc.swim(robot, lc.custom_gait(envelope=lambda i, n: 1.0, offset=offset, **shape), duration=5.0)
-    left = lc.swim(robot, lc.custom_gait(envelope=lambda i, n: -1.0, offset=-offset, **shape), duration=5.0)
+    right = lc.swim(
+        robot, lc.custom_gait(envelope=lambda i, n: 1.0, offset=offset, **shape), duration=5.0
+    )
+    left = lc.swim(
+        robot, lc.custom_gait(envelope=lambda i, n: -1.0, offset=-offset, **shape), duration=5.0
+    )
     np.testing.assert_allclose(left.center_of_mass, right.center_of_mass * [1.0, -1.0], atol=1e-10)
     np.testing.assert_allclose(left.joint_torque, -right.joint_torque, atol=1e-8)
 
@@ -151,17 +166,25 @@ def test_a_rotated_start_rotates_the_path(angle):
     straight = lc.swim(robot, GAIT, duration=5.0)
     turned = lc.swim(robot, GAIT, duration=5.0, start=lc.Start(heading=angle))
     c, s = np.cos(angle), np.sin(angle)
-    np.testing.assert_allclose(turned.center_of_mass, straight.center_of_mass @ [[c, s], [-s, c]], atol=1e-10)
+    np.testing.assert_allclose(
+        turned.center_of_mass, straight.center_of_mass @ [[c, s], [-s, c]], atol=1e-10
+    )
 
 
 @pytest.mark.parametrize("joints", ["prescribed", "pd"])
 def test_link_forces_move_the_center_of_mass(joints):
     robot = load_robot("mamba-fin")
-    trial = lc.swim(robot, GAIT, duration=2.0, joints=joints, sample_interval=0.002, dt=0.0005, link_forces=True)
+    trial = lc.swim(
+        robot, GAIT, duration=2.0, joints=joints, sample_interval=0.002, dt=0.0005, link_forces=True
+    )
     total = sum(force.sum(axis=1) for force in trial.link_force.values())
     acceleration = np.gradient(trial.center_of_mass_velocity, trial.time, axis=0)
-    late = trial.time > 1.1  # past the first fast transient of pd, and past the kink in the jerk where the ramp ends
-    np.testing.assert_allclose(total[late][:-1], robot.mass * acceleration[late][:-1], atol=1e-3 * np.abs(total).max())
+    late = (
+        trial.time > 1.1
+    )  # past the first fast transient of pd, and past the kink in the jerk where the ramp ends
+    np.testing.assert_allclose(
+        total[late][:-1], robot.mass * acceleration[late][:-1], atol=1e-3 * np.abs(total).max()
+    )
 
 
 def test_skin_stiffness_loads_the_actuators():
@@ -170,7 +193,9 @@ def test_skin_stiffness_loads_the_actuators():
     stiff = replace(stiff, joints=(joint,) * stiff.n_joints)
     free, loaded = (lc.swim(robot, GAIT, duration=3.0) for robot in (soft, stiff))
     np.testing.assert_allclose(
-        loaded.joint_torque - free.joint_torque, 2.0 * free.joint_angle + 0.1 * free.joint_rate, atol=1e-9
+        loaded.joint_torque - free.joint_torque,
+        2.0 * free.joint_angle + 0.1 * free.joint_rate,
+        atol=1e-9,
     )
     np.testing.assert_array_equal(loaded.center_of_mass, free.center_of_mass)
 
@@ -202,11 +227,16 @@ def test_eight_lanes_give_what_eight_single_runs_give():
         S[[rows.FREQUENCY, rows.FREQUENCY_NOW]] = 2.0
         S[[rows.PHASE_SHIFT, rows.PHASE_SHIFT_NOW]] = 0.7
         S[rows.BANDWIDTH], S[rows.RAMP] = 10.0, 1.0
-        S[rows.HEADER_ROWS + rows.ENVELOPE : rows.HEADER_ROWS + 9 * rows.BODY_ROWS : rows.BODY_ROWS] = 1.0
+        S[
+            rows.HEADER_ROWS + rows.ENVELOPE : rows.HEADER_ROWS
+            + 9 * rows.BODY_ROWS : rows.BODY_ROWS
+        ] = 1.0
         trials.append(S)
 
     def march(lanes, width):
-        S = np.ascontiguousarray(np.array(lanes).T)  # as batches hand it on, so that their kernel is found again
+        S = np.ascontiguousarray(
+            np.array(lanes).T
+        )  # as batches hand it on, so that their kernel is found again
         S = S.ravel() if width == 1 else S
         log = np.empty((5, rows.LOG_STATE + 32, width))
         specialize(width).run(S, *chain, False, 40, 0.025, 10, log)

@@ -56,7 +56,9 @@ def test_a_straight_tow_is_pulled_by_the_towing_drag_and_by_nothing_else(robot):
 
 def test_a_fin_that_could_bend_is_held_as_a_rigid_one():
     soft = replace(FINNED.caudal_fin, n_hinges=2, flexural_rigidity=2.0)
-    rigid, bending = (towed(replace(FINNED, caudal_fin=fin), BOOK, 0.4, 0.2) for fin in (FINNED.caudal_fin, soft))
+    rigid, bending = (
+        towed(replace(FINNED, caudal_fin=fin), BOOK, 0.4, 0.2) for fin in (FINNED.caudal_fin, soft)
+    )
     np.testing.assert_allclose(bending, rigid, rtol=1e-9)
 
 
@@ -64,7 +66,17 @@ def test_a_fin_that_could_bend_is_held_as_a_rigid_one():
 @given(speed=SPEEDS, angle=ANGLES, water=st.sampled_from([one for one, _, _ in WATERS.values()]))
 def test_loads_are_those_of_the_equations_that_are_written_out(speed, angle, water):
     c = link_coefficients(MAMBA, water)
-    names = ("half_length", "mass", "c_t", "c_n", "mu_t", "mu_n", "lambda_1", "lambda_2", "lambda_3")
+    names = (
+        "half_length",
+        "mass",
+        "c_t",
+        "c_n",
+        "mu_t",
+        "mu_n",
+        "lambda_1",
+        "lambda_2",
+        "lambda_3",
+    )
     chain = Chain(**{name: getattr(c, name) for name in names}, inertia=np.ones(9))
     shed = wake_mass(MAMBA, water) if water.trailing_edge != "none" else 0.0
     options = Options(form=water.added_mass_form, drag=water.drag, wake_mass=shed)
@@ -80,6 +92,8 @@ def test_loads_are_those_of_the_equations_that_are_written_out(speed, angle, wat
 def test_a_tow_takes_work_has_a_mirror_image_and_does_not_see_the_current(speed, angle, current):
     loads = towed(FINNED, BOOK, speed, angle)
     assert loads[0] * math.cos(angle) - loads[1] * math.sin(angle) < 0.0
-    np.testing.assert_allclose(towed(FINNED, BOOK, speed, -angle), loads * [1, -1, -1], rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(
+        towed(FINNED, BOOK, speed, -angle), loads * [1, -1, -1], rtol=1e-9, atol=1e-12
+    )
     moving = towed(FINNED, replace(BOOK, current=current), speed, angle)
     np.testing.assert_allclose(moving, loads, rtol=1e-7, atol=1e-9)

@@ -49,8 +49,14 @@ def test_an_address_is_read_and_shown(text, shown):
     ("text", "message"),
     [
         ("usb", "`interface` must be one of `virtual`, `udp_multicast`, `socketcan`, got 'usb'"),
-        ("udp_multicast:127.0.0.1", "`channel` must be an IPv4 multicast group such as 239.74.163.2, got '127.0.0.1'."),
-        ("udp_multicast:tank", "`channel` must be an IPv4 multicast group such as 239.74.163.2, got 'tank'."),
+        (
+            "udp_multicast:127.0.0.1",
+            "`channel` must be an IPv4 multicast group such as 239.74.163.2, got '127.0.0.1'.",
+        ),
+        (
+            "udp_multicast:tank",
+            "`channel` must be an IPv4 multicast group such as 239.74.163.2, got 'tank'.",
+        ),
         ("udp_multicast:ff02::1", "`port` must be a whole number, got ':1'."),
         ("udp_multicast:239.1.2.3:x", "`port` must be a whole number, got 'x'."),
         ("udp_multicast:239.1.2.3:0", "`port` must be a whole number >= 1, got 0."),
@@ -78,12 +84,16 @@ def plain_bus(address):
     """As somebody else's program opens it."""
     import can
 
-    return can.Bus(interface="udp_multicast", channel=address.channel, port=address.port, hop_limit=0)
+    return can.Bus(
+        interface="udp_multicast", channel=address.channel, port=address.port, hop_limit=0
+    )
 
 
 def by_loopback(bus):
     """A bus that sends by loopback, as all do where the system's routes say so of the group."""
-    bus._multicast._socket.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1"))
+    bus._multicast._socket.setsockopt(
+        socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1")
+    )
     return bus
 
 
@@ -149,7 +159,9 @@ def test_where_loopback_cannot_be_joined_there_is_no_bus(monkeypatch):
 
     monkeypatch.setattr("laticauda.protocol.can._local_socket", refused)
     monkeypatch.setattr(plain.GeneralPurposeUdpMulticastBus, "send", refused)
-    with pytest.raises(BusFailed, match=r"The CAN bus udp_multicast:239.74.163.2:43113 cannot be opened: "):
+    with pytest.raises(
+        BusFailed, match=r"The CAN bus udp_multicast:239.74.163.2:43113 cannot be opened: "
+    ):
         open_bus(bus_address("udp_multicast"))
 
 
@@ -190,7 +202,9 @@ def stuffed(bits):
 @given(n=st.integers(0, 8), data=st.data())
 def test_no_frame_is_longer_than_the_bound(n, data):
     bits = data.draw(st.lists(st.integers(0, 1), min_size=34 + 8 * n, max_size=34 + 8 * n))
-    assert stuffed(bits) + 13 <= frame_bits(n)  # CRC delimiter, acknowledgment, end of frame, pause: 13 bits
+    assert stuffed(bits) + 13 <= frame_bits(
+        n
+    )  # CRC delimiter, acknowledgment, end of frame, pause: 13 bits
 
 
 def test_the_bound_is_reached():
@@ -209,7 +223,10 @@ def test_eighteen_modules_at_100_hz_fit_and_a_driven_fin_beside_them(n_nodes, sh
     rates = dict.fromkeys(("References", "Sync", "JointState"), 100.0)
     rates |= {"Loads": 20.0, "Acceleration": 20.0, "Heartbeat": 10.0}
     kinds = {one.kind.__name__: one for one in LAYOUTS}
-    shares = {name: frames[kinds[name].number] * frame_bits(kinds[name].length) * rates[name] / 1e6 for name in rates}
+    shares = {
+        name: frames[kinds[name].number] * frame_bits(kinds[name].length) * rates[name] / 1e6
+        for name in rates
+    }
     assert sum(shares.values()) == pytest.approx(share, abs=0.001)
     by_priority = sorted(rates, key=lambda name: kinds[name].identifier)
     assert by_priority[:3] == ["References", "Sync", "JointState"]

@@ -44,9 +44,13 @@ MESSAGES = st.one_of(
     st.builds(EmergencyStop, reason=st.integers(0, 255)),
     st.builds(NodeCommand, node=st.integers(0, 19), order=st.sampled_from(Order), angle=ANGLES),
     st.builds(Sync, counter=st.integers(0, 65535)),
-    st.builds(References, group=st.integers(0, 4), angles=st.tuples(ANGLES, ANGLES, ANGLES, ANGLES)),
+    st.builds(
+        References, group=st.integers(0, 4), angles=st.tuples(ANGLES, ANGLES, ANGLES, ANGLES)
+    ),
     st.builds(JointState, node=NODES, angle=ANGLES, rate=MILLIS, current=MILLIS, torque=MILLIS),
-    st.builds(Loads, node=NODES, force=st.none() | st.tuples(CENTIS, CENTIS, CENTIS), torque=MILLIS),
+    st.builds(
+        Loads, node=NODES, force=st.none() | st.tuples(CENTIS, CENTIS, CENTIS), torque=MILLIS
+    ),
     st.builds(Acceleration, node=NODES, along=MILLIS, left=MILLIS, up=MILLIS),
     st.builds(
         Heartbeat,
@@ -102,8 +106,15 @@ def test_cantools_reads_and_writes_the_same_frames_by_the_file_alone(message):
         if title(name) in values:
             assert values[title(name)] == pytest.approx(float(value), abs=1e-9)
         elif name == "angles":
-            assert [values[f"Angle{k}"] for k in range(1, 5)] == pytest.approx(list(value), abs=1e-9)
-    assert theirs.encode(theirs.decode(data, scaling=False, decode_choices=False), scaling=False, strict=False) == data
+            assert [values[f"Angle{k}"] for k in range(1, 5)] == pytest.approx(
+                list(value), abs=1e-9
+            )
+    assert (
+        theirs.encode(
+            theirs.decode(data, scaling=False, decode_choices=False), scaling=False, strict=False
+        )
+        == data
+    )
 
 
 @given(message=MESSAGES, n=st.integers(0, 7))
@@ -155,7 +166,9 @@ def test_references_of_18_joints_are_five_frames_and_so_are_those_with_a_fin():
     assert frames[4].angles == (pytest.approx(1.6), pytest.approx(1.7), 0.0, 0.0)
     with_fin = references([*[0.1 * k for k in range(18)], -0.5])
     assert with_fin == (*frames[:4], References(group=4, angles=(*frames[4].angles[:2], -0.5, 0.0)))
-    with pytest.raises(ValueError, match=r"`angles` must be 1 to 19 numbers, one per joint, got 20\."):
+    with pytest.raises(
+        ValueError, match=r"`angles` must be 1 to 19 numbers, one per joint, got 20\."
+    ):
         references([0.0] * 20)
 
 
@@ -163,7 +176,16 @@ def test_a_stop_goes_before_all_else_and_references_before_their_sync():
     def first(name):
         return min(m.frame_id for m in DATABASE.messages if m.name.rstrip("0123456789") == name)
 
-    order = ["EmergencyStop", "NodeCommand", "References", "Sync", "JointState", "Loads", "Acceleration", "Heartbeat"]
+    order = [
+        "EmergencyStop",
+        "NodeCommand",
+        "References",
+        "Sync",
+        "JointState",
+        "Loads",
+        "Acceleration",
+        "Heartbeat",
+    ]
     assert [first(name) for name in order] == sorted(m for m in map(first, order))
 
 
@@ -176,7 +198,12 @@ def test_error_frames_and_frames_of_other_kinds_are_none():
 
     data = encode(Sync(counter=1))[1]
     assert from_frame(can.Message(arbitration_id=0x180, data=data, is_extended_id=True)) is None
-    assert from_frame(can.Message(arbitration_id=0x180, is_extended_id=False, is_remote_frame=True, dlc=2)) is None
+    assert (
+        from_frame(
+            can.Message(arbitration_id=0x180, is_extended_id=False, is_remote_frame=True, dlc=2)
+        )
+        is None
+    )
     assert from_frame(can.Message(is_error_frame=True)) is None
 
 

@@ -6,7 +6,12 @@ from laticauda.protocol.meter import LineReader, decode_displayed, displayed_tex
 
 AMPERES = st.integers(-(10**6), 10**6).map(lambda raw: raw * 1e-5)
 READINGS = st.builds(MeterReading, live=AMPERES) | st.builds(
-    MeterReading, live=AMPERES, average=AMPERES, minimum=AMPERES, maximum=AMPERES, duration=st.integers(0, 10**6)
+    MeterReading,
+    live=AMPERES,
+    average=AMPERES,
+    minimum=AMPERES,
+    maximum=AMPERES,
+    duration=st.integers(0, 10**6),
 )
 
 
@@ -15,7 +20,9 @@ def test_what_the_meter_displays_comes_back(reading, now):
     back = decode_displayed(displayed_text(reading, now))
     for name in ("live", "average", "minimum", "maximum", "duration"):
         found, expected = getattr(back, name), getattr(reading, name)
-        assert found == expected or found == pytest.approx(expected, rel=1e-6, abs=1e-3 * (name == "duration"))
+        assert found == expected or found == pytest.approx(
+            expected, rel=1e-6, abs=1e-3 * (name == "duration")
+        )
 
 
 @given(current=AMPERES)
@@ -24,11 +31,16 @@ def test_the_current_comes_back(current):
     assert (float(number), rest) == (pytest.approx(current, rel=1e-6), ["ADC", "NORMAL", "NONE"])
 
 
-@given(lines=st.lists(st.text(alphabet=st.characters(min_codepoint=32, max_codepoint=126))), cut=st.integers(1, 5))
+@given(
+    lines=st.lists(st.text(alphabet=st.characters(min_codepoint=32, max_codepoint=126))),
+    cut=st.integers(1, 5),
+)
 def test_lines_come_back_however_the_stream_is_cut(lines, cut):
     stream = b"".join(map(meter.encode_question, lines))
     reader = LineReader()
-    assert [line for i in range(0, len(stream), cut) for line in reader.feed(stream[i : i + cut])] == lines
+    assert [
+        line for i in range(0, len(stream), cut) for line in reader.feed(stream[i : i + cut])
+    ] == lines
 
 
 @given(data=st.binary(max_size=3000))
@@ -54,7 +66,9 @@ def test_what_is_no_direct_current_is_refused():
     with pytest.raises(ProtocolError, match="overloaded"):
         decode_displayed(displayed_text(MeterReading(live=9.99999999e37)))
     with pytest.raises(ProtocolError, match="must show a direct current"):
-        decode_displayed("V_DC,NONE,AUTO,VDC,5,0,OFF,0.000,0,1,LIVE,1.0E0,VDC,0,4,5,NORMAL,NONE,0.0")
+        decode_displayed(
+            "V_DC,NONE,AUTO,VDC,5,0,OFF,0.000,0,1,LIVE,1.0E0,VDC,0,4,5,NORMAL,NONE,0.0"
+        )
 
 
 def answer(**words: str) -> str:
@@ -73,8 +87,14 @@ def answer(**words: str) -> str:
         (answer(at_11="much"), "the meter's answer to QDDA is invalid: 'A_DC,"),
         (answer(at_11="-1E38"), "the meter is overloaded: it reads '-1E38'"),
         (answer(at_11="nan"), "the meter is overloaded: it reads 'nan'"),
-        (answer(at_10="PEAK"), "the meter must show a direct current, its answer to QDDA is 'A_DC,"),
-        (answer(at_16="INVALID"), "the meter must show a direct current, its answer to QDDA is 'A_DC,"),
+        (
+            answer(at_10="PEAK"),
+            "the meter must show a direct current, its answer to QDDA is 'A_DC,",
+        ),
+        (
+            answer(at_16="INVALID"),
+            "the meter must show a direct current, its answer to QDDA is 'A_DC,",
+        ),
     ],
 )
 def test_an_answer_is_a_reading_or_it_is_said_what_is_wrong_with_it(text, says):

@@ -42,13 +42,16 @@ POSES = st.tuples(
     st.tuples(st.floats(-3, 3), st.floats(-1.5, 1.5), st.floats(-3, 3)),
     st.floats(0, 0.1),
 )
-FRAMES = st.tuples(st.integers(0, 10**12), st.integers(0, 2**32 - 1), st.lists(POSES | st.none(), max_size=3))
+FRAMES = st.tuples(
+    st.integers(0, 10**12), st.integers(0, 2**32 - 1), st.lists(POSES | st.none(), max_size=3)
+)
 
 
 def made(numbers) -> MocapFrame:
     time, number, poses = numbers
     bodies = [
-        pose and BodyPose(position=np.array(pose[0]), rotation=turned(*pose[1]), residual=pose[2]) for pose in poses
+        pose and BodyPose(position=np.array(pose[0]), rotation=turned(*pose[1]), residual=pose[2])
+        for pose in poses
     ]
     return MocapFrame(timestamp=time / 1e6, number=number, bodies=tuple(bodies))
 
@@ -81,7 +84,9 @@ def test_the_vendors_package_reads_the_same_numbers(frame):
 def test_the_vendors_package_reads_the_same_markers_and_segments(frame):
     frame = made(frame)
     points = ((0.05, 0.0, 0.0), (0.0, 0.04, -0.01))
-    packet = QRTPacket(payload(encode_frame(frame, (Component.MARKERS, Component.SKELETONS), points)))
+    packet = QRTPacket(
+        payload(encode_frame(frame, (Component.MARKERS, Component.SKELETONS), points))
+    )
     _, markers = packet.get_3d_markers_residual()
     _, skeletons = packet.get_skeletons()
     assert (len(markers), len(skeletons)) == (2 * len(frame.bodies), len(frame.bodies))
@@ -92,13 +97,18 @@ def test_the_vendors_package_reads_the_same_markers_and_segments(frame):
             assert np.isnan([*position, *turned, *first[0][:3]]).all()
             continue
         np.testing.assert_allclose(1e-3 * np.array(position), body.position, rtol=1e-6, atol=1e-9)
-        np.testing.assert_allclose(from_quaternion(turned.w, turned.x, turned.y, turned.z), body.rotation, atol=1e-6)
+        np.testing.assert_allclose(
+            from_quaternion(turned.w, turned.x, turned.y, turned.z), body.rotation, atol=1e-6
+        )
         for marker, point in zip(first, points, strict=True):
             at = body.position + body.rotation @ point
             np.testing.assert_allclose(1e-3 * np.array(marker[:3]), at, rtol=1e-6, atol=1e-7)
 
 
-@given(texts=st.lists(st.text(alphabet=st.characters(exclude_characters="\0", codec="utf-8"))), cut=st.integers(1, 7))
+@given(
+    texts=st.lists(st.text(alphabet=st.characters(exclude_characters="\0", codec="utf-8"))),
+    cut=st.integers(1, 7),
+)
 def test_texts_come_back_however_the_stream_is_cut(texts, cut):
     stream = b"".join(map(encode_text, texts))
     reader = PacketReader()
@@ -123,7 +133,9 @@ def test_impossible_sizes_are_said():
 
 
 def test_an_event_is_one_byte():
-    assert list(PacketReader().feed(encode_event(Event.SHUTTING_DOWN))) == [(PacketType.EVENT, b"\x0b")]
+    assert list(PacketReader().feed(encode_event(Event.SHUTTING_DOWN))) == [
+        (PacketType.EVENT, b"\x0b")
+    ]
 
 
 def test_what_a_client_asks_for_is_answered_and_nothing_else():
@@ -131,11 +143,21 @@ def test_what_a_client_asks_for_is_answered_and_nothing_else():
     root = ElementTree.fromstring(parameters(100.0, bodies, {"general", "6d"}))
     assert root.tag == "QTM_Parameters_Ver_1.25"
     assert root.findtext("General/Frequency") == "100"
-    assert [body.findtext("Name") for body in root.findall("The_6D/Body")] == ["fish & fin", "other"]
+    assert [body.findtext("Name") for body in root.findall("The_6D/Body")] == [
+        "fish & fin",
+        "other",
+    ]
     (point,) = root.findall("The_6D/Body/Points/Point")
     assert [point.get(axis) for axis in "XYZ"] == ["10.000", "-20.000", "0.000"]  # mm
-    for word, tag in {"general": "General", "6d": "The_6D", "3d": "The_3D", "skeleton": "Skeletons"}.items():
-        assert [one.tag for one in ElementTree.fromstring(parameters(50.0, bodies, {word, "image"}))] == [tag]
+    for word, tag in {
+        "general": "General",
+        "6d": "The_6D",
+        "3d": "The_3D",
+        "skeleton": "Skeletons",
+    }.items():
+        assert [
+            one.tag for one in ElementTree.fromstring(parameters(50.0, bodies, {word, "image"}))
+        ] == [tag]
     root = ElementTree.fromstring(parameters(50.0, bodies, {"3d", "skeleton"}))
     assert [label.text for label in root.findall("The_3D/Label/Name")] == ["fish & fin-0"]
     assert [one.get("Name") for one in root.iter("Skeleton")] == ["fish & fin", "other"]

@@ -77,7 +77,8 @@ def test_a_worker_without_work_says_so_and_one_that_never_began_is_closed():
 
 def test_a_library_that_is_not_installed_is_named_with_its_extra():
     with pytest.raises(
-        MissingExtra, match=r"Operating a robot needs nosuch; run `pip install \"laticauda\[hardware\]\"`"
+        MissingExtra,
+        match=r"Operating a robot needs nosuch; run `pip install \"laticauda\[hardware\]\"`",
     ):
         hardware("nosuch", "nosuch_module")
     assert hardware("msgpack", "msgpack").packb(1) == b"\x01"
@@ -135,7 +136,9 @@ def test_a_system_that_gives_no_priority_is_said_and_no_error(monkeypatch):
     monkeypatch.setattr(os, "sched_setscheduler", refused, raising=False)
     with urgent() as granted:
         pass
-    assert granted.startswith("The loop has normal priority, as the system allows no other, and memory")
+    assert granted.startswith(
+        "The loop has normal priority, as the system allows no other, and memory"
+    )
 
 
 def test_within_a_loop_no_garbage_is_collected_and_afterwards_all_is_as_before():

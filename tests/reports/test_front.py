@@ -46,7 +46,9 @@ def test_the_figure_says_the_numbers_of_the_drawn_gaits(found: Front):
 def test_the_papers_gaits_are_simulated_like_the_points_of_the_front(found: Front):
     points = measured_points(found)
     group = next(
-        one for one in efficiency_settings().groups if (one.gait, one.robot) == ("lateral_undulation", "mamba")
+        one
+        for one in efficiency_settings().groups
+        if (one.gait, one.robot) == ("lateral_undulation", "mamba")
     )
     assert len(points) == len(group.cases)
     trial = lc.swim(SOUGHT.scenario.robot, group.cases[2].gait, 2.0)
@@ -61,7 +63,11 @@ def test_another_robot_has_none_of_them(found: Front):
 
 def test_the_figure_says_in_which_water_each_gait_swims(found: Front):
     eel = lc.eel_like(amplitude=0.5, frequency=2.3, phase_shift=0.7)
-    other = optimize(replace(SOUGHT, scenario=lc.scenario("mamba", eel, 2.0)), budget=24, population=12)
+    other = optimize(
+        replace(SOUGHT, scenario=lc.scenario("mamba", eel, 2.0)), budget=24, population=12
+    )
     assert front_figure([found]).get_suptitle().endswith("48 trials of 2 s, water paper-lateral")
     both = front_figure([found, other]).get_suptitle()
-    assert both.endswith("72 trials of 2 s, each gait with its own water: paper-lateral and paper-eel")
+    assert both.endswith(
+        "72 trials of 2 s, each gait with its own water: paper-lateral and paper-eel"
+    )

@@ -14,20 +14,28 @@ X = np.linspace(0.1, 90.0, 40)
 
 def made(gait: lc.Gait, y: np.ndarray) -> Front:
     """A front of these speeds over the powers `X`, with frequencies that rise along it."""
-    sought = Optimization(scenario=lc.scenario("mamba-fin", gait, 15.0), bounds={"gait.frequency": (1.0, 3.0)})
+    sought = Optimization(
+        scenario=lc.scenario("mamba-fin", gait, 15.0), bounds={"gait.frequency": (1.0, 3.0)}
+    )
     figures = {**dict.fromkeys(FIGURES, X), "forward_velocity": y, "mechanical_power": X}
     values = np.linspace(1.0, 3.0, 40)[:, np.newaxis]
-    return Front(optimization=sought, values=values, figures=figures, n_trials=40, n_infeasible=0, seed=1)
+    return Front(
+        optimization=sought, values=values, figures=figures, n_trials=40, n_infeasible=0, seed=1
+    )
 
 
 def test_the_fronts_are_drawn_with_their_marks_and_the_other_points():
     fronts = [made(GAIT, np.sqrt(X)), made(EEL, 2.0 * np.sqrt(X))]
     ax = front(fronts, style.new_figure(3, 3).add_subplot())
     curves = [drawn for drawn in ax.lines if len(drawn.get_xdata()) == 40]
-    assert [tuple(curve.get_ydata()) for curve in curves] == [tuple(one.figures["forward_velocity"]) for one in fronts]
+    assert [tuple(curve.get_ydata()) for curve in curves] == [
+        tuple(one.figures["forward_velocity"]) for one in fronts
+    ]
     points = [(one, i) for one in fronts for i in marked(one)]
     assert [text.get_text() for text in ax.texts] == list("ABCDEFGHIJ")
-    assert [text.xy for text in ax.texts] == [(X[i], one.figures["forward_velocity"][i]) for one, i in points]
+    assert [text.xy for text in ax.texts] == [
+        (X[i], one.figures["forward_velocity"][i]) for one, i in points
+    ]
     assert all(marked(one)[0] > 0 and marked(one)[-1] == 39 for one in fronts)
     # Letters stand off the fronts: those of the lower one below it.
     assert [text.get_position()[1] > 0 for text in ax.texts] == [False] * 5 + [True] * 5

@@ -19,13 +19,19 @@ def test_what_is_equal_lies_on_the_line_and_both_axes_have_one_scale(ax):
 
 
 def test_what_is_not_identified_has_no_bar_but_words(ax):
-    draw.intervals({"a": (np.array([0.9, 1.1]), None), "b": (None, np.array([0.5, np.nan]))}, ax, confidence=0.95)
+    draw.intervals(
+        {"a": (np.array([0.9, 1.1]), None), "b": (None, np.array([0.5, np.nan]))},
+        ax,
+        confidence=0.95,
+    )
     assert [text.get_text() for text in ax.texts] == ["not identified"]
     assert ax.get_xlim()[0] < 0.5
 
 
 def test_correlations_leave_out_the_diagonal_and_dash_what_is_unknown(ax):
-    draw.correlations(["a", "b", "c"], np.array([[1.0, -0.5, np.nan], [-0.5, 1.0, np.nan], [np.nan] * 3]), ax)
+    draw.correlations(
+        ["a", "b", "c"], np.array([[1.0, -0.5, np.nan], [-0.5, 1.0, np.nan], [np.nan] * 3]), ax
+    )
     shown = [text.get_text() for text in ax.texts]
     assert shown.count("\N{MINUS SIGN}0.50") == 2
     assert shown.count("\N{EN DASH}") == 4

@@ -3,7 +3,16 @@ from html.parser import HTMLParser
 import pytest
 from jinja2 import ChoiceLoader, DictLoader, UndefinedError
 
-from laticauda.reports.chapter import Chapter, form_of, in_digits, share, shown, span, templates, write_chapter
+from laticauda.reports.chapter import (
+    Chapter,
+    form_of,
+    in_digits,
+    share,
+    shown,
+    span,
+    templates,
+    write_chapter,
+)
 
 NASTY = '<script>alert("1 & 2")</script>'
 VOID = {"meta", "img", "br", "wbr"}
@@ -58,8 +67,8 @@ def page(text: str, n: int = 1) -> str:
 def test_texts_are_escaped_everywhere():
     reader = read(page(NASTY))
     assert "script" not in reader.tags
-    # The page's title (twice), its introduction, the chapter's title, and within it a heading, the table's caption,
-    # head and cell, and the picture's caption; its description is an attribute.
+    # The page's title (twice), its introduction, the chapter's title, and within it a heading, the
+    # table's caption, head and cell, and the picture's caption; its description is an attribute.
     assert reader.text.count(NASTY) == 9
 
 
@@ -87,7 +96,10 @@ def test_pages_need_nothing_from_elsewhere():
 
 
 def test_csv_files_have_all_digits_and_pages_are_rounded_and_both_say_what_is_missing(tmp_path):
-    rows = [{"a, b": "x", "v [m/s]": 0.123456, "end": True}, {"a, b": '"', "v [m/s]": None, "end": False}]
+    rows = [
+        {"a, b": "x", "v [m/s]": 0.123456, "end": True},
+        {"a, b": '"', "v [m/s]": None, "end": False},
+    ]
     parts = templates().loader
     text = """{% from "parts.html" import table %}{% call table(tables["t"], {"v [m/s]": ".2f"}) %}{% endcall %}"""
     mine = DictLoader({"t.html": text})
@@ -102,18 +114,34 @@ def test_csv_files_have_all_digits_and_pages_are_rounded_and_both_say_what_is_mi
 
 def test_negative_numbers_have_a_minus_sign_and_what_is_rounded_to_zero_has_none():
     assert in_digits(-1.5, ".1f") == "\N{MINUS SIGN}1.5"
-    assert [in_digits(-0.0004, ".2f"), in_digits(0.0, "+.1f"), in_digits(0.06, "+.1f")] == ["0.00", "0.0", "+0.1"]
-    assert [shown(True), shown(None), shown(float("nan")), shown("x", ".1f")] == ["yes", "NA", "NA", "x"]
+    assert [in_digits(-0.0004, ".2f"), in_digits(0.0, "+.1f"), in_digits(0.06, "+.1f")] == [
+        "0.00",
+        "0.0",
+        "+0.1",
+    ]
+    assert [shown(True), shown(None), shown(float("nan")), shown("x", ".1f")] == [
+        "yes",
+        "NA",
+        "NA",
+        "x",
+    ]
 
 
 def test_words_for_shares_and_spans():
     assert [share(3, 3), share(0, 3), share(1, 3)] == ["all 3", "none of the 3", "1 of the 3"]
-    assert [span([2.0, -1.0], ".1f"), span([1.0, 1.01], ".1f")] == ["\N{MINUS SIGN}1.0 to 2.0", "1.0"]
+    assert [span([2.0, -1.0], ".1f"), span([1.0, 1.01], ".1f")] == [
+        "\N{MINUS SIGN}1.0 to 2.0",
+        "1.0",
+    ]
 
 
 def test_the_longest_end_of_a_name_decides_how_its_numbers_are_shown():
     forms = {"[%]": ".1f", "measured: v [%]": "+.2f"}
-    assert [form_of(name, forms) for name in ("measured: v [%]", "b: v [%]", "c")] == ["+.2f", ".1f", ""]
+    assert [form_of(name, forms) for name in ("measured: v [%]", "b: v [%]", "c")] == [
+        "+.2f",
+        ".1f",
+        "",
+    ]
 
 
 def test_a_value_that_a_template_lacks_is_an_error():

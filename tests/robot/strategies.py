@@ -26,7 +26,9 @@ def numbers(low: float, high: float) -> st.SearchStrategy[float]:
 
 coefficients = st.none() | numbers(0.0, 3.0)
 sections = st.builds(Section, half_height=numbers(0.01, 0.2), half_width=numbers(0.01, 0.2))
-names = st.text(st.characters(codec="utf-8", categories=("L", "N", "P", "S")), min_size=1, max_size=12)
+names = st.text(
+    st.characters(codec="utf-8", categories=("L", "N", "P", "S")), min_size=1, max_size=12
+)
 prose = st.text(st.characters(codec="utf-8", exclude_characters="\r"), max_size=30)
 
 
@@ -79,7 +81,8 @@ def robots(draw: st.DrawFn, max_links: int = 8) -> Robot:
     n = draw(st.integers(1, max_links))
     section = draw(sections)
     overrides = {
-        name: draw(coefficients) for name in ("tangential_friction", "normal_drag", "added_mass", "added_inertia")
+        name: draw(coefficients)
+        for name in ("tangential_friction", "normal_drag", "added_mass", "added_inertia")
     }
     pieces = [
         Module(
@@ -101,7 +104,12 @@ def robots(draw: st.DrawFn, max_links: int = 8) -> Robot:
         joints=draw(st.lists(joints, min_size=n - 1, max_size=n - 1)),
         caudal_fin=draw(st.none() | fins),
         thrusters=draw(
-            st.lists(st.builds(Thruster, link=links, thrust=numbers(-50.0, 50.0), angle=numbers(-7.0, 7.0)), max_size=2)
+            st.lists(
+                st.builds(
+                    Thruster, link=links, thrust=numbers(-50.0, 50.0), angle=numbers(-7.0, 7.0)
+                ),
+                max_size=2,
+            )
         ),
         pectoral_fins=draw(
             st.lists(
@@ -116,7 +124,11 @@ def robots(draw: st.DrawFn, max_links: int = 8) -> Robot:
                 max_size=2,
             )
         ),
-        tether=draw(st.builds(Tether, drag=numbers(0.0, 2.0), force=st.tuples(numbers(-1, 1), numbers(-1, 1)))),
+        tether=draw(
+            st.builds(
+                Tether, drag=numbers(0.0, 2.0), force=st.tuples(numbers(-1, 1), numbers(-1, 1))
+            )
+        ),
         electronics_power=draw(numbers(0.0, 100.0)),
     )
 
@@ -139,7 +151,9 @@ def waters(draw: st.DrawFn) -> Water:
         friction_taper=draw(numbers(-1.0, 1.0)),
         added_mass_form=form,
         rotational=draw(st.sampled_from(["paper", "strip"])),
-        trailing_edge=draw(st.sampled_from(["none", "elongated"])) if form == "kirchhoff" else "none",
+        trailing_edge=draw(st.sampled_from(["none", "elongated"]))
+        if form == "kirchhoff"
+        else "none",
         current=draw(st.tuples(numbers(-1.0, 1.0), numbers(-1.0, 1.0))),
         depth=draw(st.none() | numbers(0.01, 10.0)),
     )
@@ -148,7 +162,10 @@ def waters(draw: st.DrawFn) -> Water:
 grounds = st.builds(
     Ground,
     name=names,
-    friction=st.one_of(st.just(ViscousFriction()), st.builds(CoulombFriction, regularization_speed=numbers(1e-4, 1.0))),
+    friction=st.one_of(
+        st.just(ViscousFriction()),
+        st.builds(CoulombFriction, regularization_speed=numbers(1e-4, 1.0)),
+    ),
     tangential=numbers(0.0, 10.0),
     normal=numbers(0.0, 10.0),
 )

@@ -17,7 +17,9 @@ def test_the_servo_defaults_are_the_published_figures_rounded():
 
 def test_the_gear_of_the_default_servo_neither_makes_energy_nor_wastes_most_of_it():
     servo = Actuator()
-    assert 0.4 < servo.stall_torque * servo.no_load_speed / (servo.voltage * servo.stall_current) < 1.0
+    assert (
+        0.4 < servo.stall_torque * servo.no_load_speed / (servo.voltage * servo.stall_current) < 1.0
+    )
 
 
 def test_the_pd_gains_are_those_of_the_published_simulations():
@@ -99,7 +101,10 @@ def test_a_module_cannot_be_changed():
         ({"normal_drag": -0.1}, r"`normal_drag` must be >= 0, got -0\.1\."),
         ({"added_mass": math.inf}, r"`added_mass` must be a finite number, got inf\."),
         ({"inertia": 0.0}, r"`inertia` must be > 0 kg m\^2, got 0\.0\."),
-        ({"center": 0.1}, r"`center` must lie inside the module, between -0\.09 and 0\.09 m, got 0\.1\."),
+        (
+            {"center": 0.1},
+            r"`center` must lie inside the module, between -0\.09 and 0\.09 m, got 0\.1\.",
+        ),
     ],
 )
 def test_a_module_refuses(changes, message):

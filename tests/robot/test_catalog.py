@@ -29,7 +29,15 @@ def test_the_presets_are_there():
     )
     assert water_names() == ("paper-eel", "paper-lateral", "paper-vortex", "published-2015")
     assert ground_names() == ("coulomb", "viscous")
-    assert current_names() == ("shear", "street", "swell", "tide", "turbulence", "vortex", "wind-sea")
+    assert current_names() == (
+        "shear",
+        "street",
+        "swell",
+        "tide",
+        "turbulence",
+        "vortex",
+        "wind-sea",
+    )
 
 
 @pytest.mark.parametrize("name", robot_names())
@@ -41,7 +49,9 @@ def test_every_robot_bears_its_files_name_and_says_what_it_is(name):
 
 @pytest.mark.parametrize("name", current_names())
 def test_every_current_is_one_in_which_a_robot_can_swim(name):
-    x, y, t = np.meshgrid(np.linspace(-2.0, 2.0, 9), np.linspace(-1.0, 1.0, 5), np.linspace(0.0, 20.0, 11))
+    x, y, t = np.meshgrid(
+        np.linspace(-2.0, 2.0, 9), np.linspace(-1.0, 1.0, 5), np.linspace(0.0, 20.0, 11)
+    )
     velocity = load_current(name).velocity(np.stack((x, y, 0.0 * x), axis=-1), t)
     assert 0.02 < np.sqrt(np.mean(np.sum(velocity**2, axis=-1))) < 0.3
     assert np.ptp(velocity, axis=(0, 1, 2)).max() > 0.01
@@ -100,7 +110,16 @@ def test_the_thrust_is_the_drag_of_the_straight_robot_at_0_11_metres_per_second(
     robot, water, speed = load_robot("mamba-thruster"), load_water("paper-lateral"), 0.11
     section = robot.modules[0].section
     perimeter = math.pi * (section.half_height + section.half_width)
-    drag = 0.5 * water.density * water.tangential_friction * 0.5 * perimeter * robot.length * speed * (1.0 + speed)
+    drag = (
+        0.5
+        * water.density
+        * water.tangential_friction
+        * 0.5
+        * perimeter
+        * robot.length
+        * speed
+        * (1.0 + speed)
+    )
     assert drag == pytest.approx(robot.thrusters[0].thrust, rel=0.03)
 
 
@@ -137,5 +156,7 @@ def test_what_is_not_there_is_refused_with_what_is(load, name, message):
 
 
 def test_only_a_name_or_a_path_can_be_loaded():
-    with pytest.raises(ValueError, match=r"`name_or_path` must be a preset's name or a path, got 3\."):
+    with pytest.raises(
+        ValueError, match=r"`name_or_path` must be a preset's name or a path, got 3\."
+    ):
         load_robot(3)

@@ -38,7 +38,9 @@ def test_a_preset_is_described(name, fact):
 
 def test_a_fin_without_an_opening_is_not_called_open():
     robot = load_robot("mamba-fin")
-    whole = dataclasses.replace(robot, caudal_fin=dataclasses.replace(robot.caudal_fin, opening_length=0.0))
+    whole = dataclasses.replace(
+        robot, caudal_fin=dataclasses.replace(robot.caudal_fin, opening_length=0.0)
+    )
     assert "opening open" in describe(robot)
     assert "opening" not in describe(whole)
 
@@ -47,7 +49,10 @@ def test_what_differs_from_the_plain_robot_is_told():
     plain = load_robot("mamba", n_links=3)
     special = dataclasses.replace(
         plain,
-        modules=(*plain.modules[:2], dataclasses.replace(plain.modules[2], center=0.01, inertia=0.1, normal_drag=2.0)),
+        modules=(
+            *plain.modules[:2],
+            dataclasses.replace(plain.modules[2], center=0.01, inertia=0.1, normal_drag=2.0),
+        ),
         joints=(Joint(stiffness=1.0, damping=2.0), Joint()),
         pectoral_fins=(PectoralFin(link=2, area=0.01, lift_slope=3.0, stall_angle=0.4),),
         tether=Tether(drag=0.5),

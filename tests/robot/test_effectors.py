@@ -10,15 +10,23 @@ from laticauda.robot.effectors import hinge_rule
 RHO = 1000.0
 
 
-@pytest.mark.parametrize(("opening", "mass", "inertia"), [("open", 2.42, 0.610), ("closed", 3.18, 0.654)])
-def test_mambas_fin_has_the_known_added_mass_and_inertia_about_the_tail_joint(opening, mass, inertia):
+@pytest.mark.parametrize(
+    ("opening", "mass", "inertia"), [("open", 2.42, 0.610), ("closed", 3.18, 0.654)]
+)
+def test_mambas_fin_has_the_known_added_mass_and_inertia_about_the_tail_joint(
+    opening, mass, inertia
+):
     fin = CaudalFin(opening=opening)
     per_length = RHO * math.pi * (0.5 * fin.height) ** 2  # C_A = 1
     assert per_length == pytest.approx(6.36, abs=0.005)
-    length = load_robot("mamba-fin").modules[0].length  # the tail joint is that far ahead of the root
+    length = (
+        load_robot("mamba-fin").modules[0].length
+    )  # the tail joint is that far ahead of the root
     near = fin.opening_length if fin.opening == "open" else 0.0
     assert per_length * (fin.length - near) == pytest.approx(mass, abs=0.005)
-    assert per_length * ((length + fin.length) ** 3 - (length + near) ** 3) / 3.0 == pytest.approx(inertia, abs=6e-4)
+    assert per_length * ((length + fin.length) ** 3 - (length + near) ** 3) / 3.0 == pytest.approx(
+        inertia, abs=6e-4
+    )
 
 
 def test_the_preset_carries_the_default_fin_with_the_plates_added_mass():
@@ -116,7 +124,9 @@ def test_the_energy_of_a_moment_that_vanishes_at_a_free_end_is_exact(n, degree):
 
 
 @given(counts, st.floats(1e-3, 1e3), st.floats(0.0, 1.0), st.floats(0.2, 2.0))
-def test_stiffness_and_damping_are_those_of_the_length_that_a_hinge_stands_for(n, rigidity, damping, length):
+def test_stiffness_and_damping_are_those_of_the_length_that_a_hinge_stands_for(
+    n, rigidity, damping, length
+):
     fin = CaudalFin(length=length, n_hinges=n, flexural_rigidity=rigidity, bending_damping=damping)
     for hinge in fin.hinges:
         assert hinge.stiffness * hinge.length == pytest.approx(rigidity)
@@ -135,13 +145,19 @@ def test_the_pieces_are_the_plate(n):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"n_hinges": 1}, r"`flexural_rigidity` must be given in N m\^2 for a fin with `n_hinges` > 0, got None\."),
+        (
+            {"n_hinges": 1},
+            r"`flexural_rigidity` must be given in N m\^2 for a fin with `n_hinges` > 0, got None\.",
+        ),
         ({"n_hinges": 7, "flexural_rigidity": 1.0}, r"`n_hinges` must be between 0 and 6, got 7\."),
         ({"n_hinges": -1}, r"`n_hinges` must be a whole number >= 0, got -1"),
         ({"flexural_rigidity": 0.0}, r"`flexural_rigidity` must be > 0 N m\^2, got 0"),
         ({"bending_damping": -1.0}, r"`bending_damping` must be >= 0 N m\^2 s, got -1"),
         ({"joint": "yaw"}, r"`joint` must be of class Joint, got str"),
-        ({"joint": Joint(axis="pitch")}, r"`joint.axis` must be `yaw`: the fin is upright, got `pitch`\."),
+        (
+            {"joint": Joint(axis="pitch")},
+            r"`joint.axis` must be `yaw`: the fin is upright, got `pitch`\.",
+        ),
     ],
 )
 def test_a_fin_that_cannot_be_is_refused(changes, message):

@@ -24,11 +24,20 @@ def water(**changes):
         ({"added_mass": "1.5"}, r"`added_mass` must be a number, got '1\.5'"),
         ({"drag": 1}, r"`drag` must be of class DragLaw, got int"),
         ({"friction_taper": 1.1}, r"`friction_taper` must be between -1 and 1, got 1\.1"),
-        ({"added_mass_form": "kirchoff"}, r"`added_mass_form` must be one of .*did you mean `kirchhoff`\?"),
+        (
+            {"added_mass_form": "kirchoff"},
+            r"`added_mass_form` must be one of .*did you mean `kirchhoff`\?",
+        ),
         ({"rotational": "none"}, r"`rotational` must be one of `paper`, `strip`, got 'none'"),
         ({"trailing_edge": "sharp"}, r"`trailing_edge` must be one of `none`, `elongated`"),
-        ({"trailing_edge": "elongated"}, r"`trailing_edge` must be `none` unless `added_mass_form` is `kirchhoff`"),
-        ({"current": (0.1,)}, r"`current` must be two or three numbers in m/s or a Flow, got 1 of them"),
+        (
+            {"trailing_edge": "elongated"},
+            r"`trailing_edge` must be `none` unless `added_mass_form` is `kirchhoff`",
+        ),
+        (
+            {"current": (0.1,)},
+            r"`current` must be two or three numbers in m/s or a Flow, got 1 of them",
+        ),
         ({"current": (0.1, math.inf)}, r"`current\[1\]` must be a finite number in m/s"),
         ({"depth": 0.0}, r"`depth` must be > 0 m"),
     ],
@@ -39,7 +48,9 @@ def test_water_refuses(changes, message):
 
 
 def test_the_trailing_edge_goes_with_kirchhoff():
-    assert water(added_mass_form="kirchhoff", trailing_edge="elongated").trailing_edge == "elongated"
+    assert (
+        water(added_mass_form="kirchhoff", trailing_edge="elongated").trailing_edge == "elongated"
+    )
 
 
 @pytest.mark.parametrize(
@@ -62,15 +73,20 @@ def test_a_robot_must_be_below_the_surface():
     check_fits(mamba, water())
     check_fits(mamba, load_ground("viscous"))
     with pytest.raises(
-        ValueError, match=r"`depth` must be > 0\.055 m, the half height of `modules\[.\]` of robot `mamba`"
+        ValueError,
+        match=r"`depth` must be > 0\.055 m, the half height of `modules\[.\]` of robot `mamba`",
     ):
         check_fits(mamba, water(depth=0.055))
 
 
 def test_so_must_its_fin():
     finned = load_robot("mamba-fin")
-    tall = dataclasses.replace(finned, caudal_fin=dataclasses.replace(finned.caudal_fin, height=0.2))
-    with pytest.raises(ValueError, match=r"`depth` must be > 0\.1 m, the half height of `caudal_fin`"):
+    tall = dataclasses.replace(
+        finned, caudal_fin=dataclasses.replace(finned.caudal_fin, height=0.2)
+    )
+    with pytest.raises(
+        ValueError, match=r"`depth` must be > 0\.1 m, the half height of `caudal_fin`"
+    ):
         check_fits(tall, water(depth=0.09))
 
 

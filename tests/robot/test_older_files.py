@@ -28,14 +28,22 @@ FILES = [path for path in sorted(FOLDER.glob("*.toml")) if path.stem != "paramet
 
 def test_the_numbers_of_a_waters_drag_are_those_of_its_law():
     water = from_toml(FOLDER / "water.toml", Water)
-    assert water.drag == PolynomialDrag(reference_speed=0.7, linear=False, quadratic=True, sway_friction=0.4)
+    assert water.drag == PolynomialDrag(
+        reference_speed=0.7, linear=False, quadratic=True, sway_friction=0.4
+    )
     assert (water.current, water.depth, water.added_mass_form) == ((0.1, -0.05), 0.3, "kirchhoff")
 
 
 def test_a_friction_is_a_law():
-    dry, viscous = load_ground(FOLDER / "ground-coulomb.toml"), load_ground(FOLDER / "ground-viscous.toml")
+    dry, viscous = (
+        load_ground(FOLDER / "ground-coulomb.toml"),
+        load_ground(FOLDER / "ground-viscous.toml"),
+    )
     assert dry == Ground(
-        name="coulomb", friction=CoulombFriction(regularization_speed=1e-3), tangential=0.1, normal=0.5
+        name="coulomb",
+        friction=CoulombFriction(regularization_speed=1e-3),
+        tangential=0.1,
+        normal=0.5,
     )
     assert viscous == Ground(name="viscous", friction=ViscousFriction(), tangential=0.5, normal=3.0)
 
@@ -46,7 +54,8 @@ def test_a_robot_is_the_same():
         mamba,
         name="older",
         joints=tuple(
-            replace(joint, axis="pitch" if i % 2 else "yaw", limit=1.2345) for i, joint in enumerate(mamba.joints)
+            replace(joint, axis="pitch" if i % 2 else "yaw", limit=1.2345)
+            for i, joint in enumerate(mamba.joints)
         ),
         thrusters=(Thruster(link=1, thrust=2.0, angle=math.radians(30.0)),),
         pectoral_fins=(PectoralFin(link=3, area=0.01, lift_slope=3.0, stall_angle=0.3),),
@@ -74,5 +83,7 @@ def test_written_again_they_mean_the_same():
 
 def test_a_file_of_the_future_is_refused_by_its_format():
     text = to_toml(from_toml(FOLDER / "water.toml")).replace("format = 2", "format = 9")
-    with pytest.raises(RobotFileError, match="key `format`: must be 1 to 2, which this version of laticauda reads"):
+    with pytest.raises(
+        RobotFileError, match="key `format`: must be 1 to 2, which this version of laticauda reads"
+    ):
         from_toml(text)

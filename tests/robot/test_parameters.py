@@ -24,10 +24,18 @@ tables = st.fixed_dictionaries(
     {},
     optional={
         "joint": st.fixed_dictionaries({}, optional={"limit": numbers, "stiffness": numbers}),
-        "actuator": st.fixed_dictionaries({}, optional={"tracking": st.floats(0.1, 1.5), "servo_gain": numbers}),
-        "caudal_fin": st.fixed_dictionaries({}, optional={"normal_drag": numbers, "opening": st.just("closed")}),
-        "tether": st.fixed_dictionaries({}, optional={"drag": numbers, "force": st.tuples(numbers, numbers)}),
-        "robot": st.fixed_dictionaries({}, optional={"active_power": numbers, "electronics_power": numbers}),
+        "actuator": st.fixed_dictionaries(
+            {}, optional={"tracking": st.floats(0.1, 1.5), "servo_gain": numbers}
+        ),
+        "caudal_fin": st.fixed_dictionaries(
+            {}, optional={"normal_drag": numbers, "opening": st.just("closed")}
+        ),
+        "tether": st.fixed_dictionaries(
+            {}, optional={"drag": numbers, "force": st.tuples(numbers, numbers)}
+        ),
+        "robot": st.fixed_dictionaries(
+            {}, optional={"active_power": numbers, "electronics_power": numbers}
+        ),
     },
 )
 
@@ -35,7 +43,10 @@ tables = st.fixed_dictionaries(
 @st.composite
 def parameter_sets(draw: st.DrawFn) -> Parameters:
     usual = draw(waters())
-    own = {gait: replace(draw(waters()), depth=usual.depth) for gait in draw(st.sets(st.sampled_from(GAITS)))}
+    own = {
+        gait: replace(draw(waters()), depth=usual.depth)
+        for gait in draw(st.sets(st.sampled_from(GAITS)))
+    }
     return Parameters(
         name=draw(names),
         title=draw(names),
@@ -68,7 +79,9 @@ def coefficients(water) -> dict:
 
 def test_the_example_holds_the_papers_coefficients():
     found = load_parameters(ROOT / "examples" / "parameters.toml")
-    assert coefficients(found.water("lateral_undulation")) == coefficients(load_water("paper-lateral"))
+    assert coefficients(found.water("lateral_undulation")) == coefficients(
+        load_water("paper-lateral")
+    )
     assert coefficients(found.water("eel_like")) == coefficients(load_water("paper-eel"))
 
 
@@ -87,7 +100,9 @@ def test_what_a_gait_does_not_replace_stays_as_for_every_gait(load):
     assert own.depth == 0.2
 
 
-def test_numbers_of_a_gait_s_law_are_put_over_the_usual_one_and_another_law_takes_its_whole_place(load):
+def test_numbers_of_a_gait_s_law_are_put_over_the_usual_one_and_another_law_takes_its_whole_place(
+    load,
+):
     usual = "[water.drag]\nreference_speed = 0.5\nlinear = false\n"
     same = '[eel_like.water.drag]\nkind = "polynomial-drag"\nsway_friction = 0.5\n'
     other = '[lateral_undulation.water.drag]\nkind = "total-speed-drag"\nbeta = 0.25\n'
@@ -101,15 +116,33 @@ def test_numbers_of_a_gait_s_law_are_put_over_the_usual_one_and_another_law_take
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (HEAD.replace('"parameters"', '"water"') + WATER, "key `kind`: must be \"parameters\" here, got 'water'"),
-        (HEAD.removeprefix('kind = "parameters"\n') + WATER, 'key `kind`: is missing; it must be "parameters" here'),
+        (
+            HEAD.replace('"parameters"', '"water"') + WATER,
+            "key `kind`: must be \"parameters\" here, got 'water'",
+        ),
+        (
+            HEAD.removeprefix('kind = "parameters"\n') + WATER,
+            'key `kind`: is missing; it must be "parameters" here',
+        ),
         (HEAD, "key `water`: is missing; every parameter file needs it"),
         (HEAD.replace('name = "mine"\n', "") + WATER, "key `name`: is missing"),
-        (HEAD.replace('"my fit"', '" "') + WATER, "key `title`: must be a text on one line that is not blank"),
-        (HEAD + WATER + "[eel-like.water]\n", "key `eel-like`: is not known; did you mean `eel_like`?"),
+        (
+            HEAD.replace('"my fit"', '" "') + WATER,
+            "key `title`: must be a text on one line that is not blank",
+        ),
+        (
+            HEAD + WATER + "[eel-like.water]\n",
+            "key `eel-like`: is not known; did you mean `eel_like`?",
+        ),
         (HEAD + WATER + "[robto]\n", "key `robto`: is not known; did you mean `robot`?"),
-        (HEAD + WATER + "[robot]\nmass = 3\n", "key `robot.mass`: is not known; the keys here are active_power, elec"),
-        (HEAD + WATER + "[robot]\nactive_power = -3\n", "key `robot.active_power`: must be >= 0 W, got -3"),
+        (
+            HEAD + WATER + "[robot]\nmass = 3\n",
+            "key `robot.mass`: is not known; the keys here are active_power, elec",
+        ),
+        (
+            HEAD + WATER + "[robot]\nactive_power = -3\n",
+            "key `robot.active_power`: must be >= 0 W, got -3",
+        ),
         (
             HEAD + WATER + "[robot]\nactive_pwr = 3\n",
             "key `robot.active_pwr`: is not known; did you mean `active_power`?",
@@ -118,22 +151,61 @@ def test_numbers_of_a_gait_s_law_are_put_over_the_usual_one_and_another_law_take
             HEAD + 'joints = "loose"\n' + WATER,
             "key `joints`: must be one of `prescribed`, `pd`, `servo`, `speed-servo`, got 'loose'",
         ),
-        (HEAD + WATER + "[actuator]\ntracking = 2\n", "key `actuator.tracking`: must be between 0 and 1.5, got 2"),
-        (HEAD + WATER + "[actuator]\ntraking = 1\n", "key `actuator.traking`: is not known; did you mean `tracking`?"),
-        (HEAD + WATER + '[joint]\naxis = "pitch"\n', "key `joint.axis`: must not be given: a parameter file cannot"),
-        (HEAD + WATER + "[joint.actuator]\n", "key `joint.actuator`: must not be given: use the separate table"),
-        (HEAD + WATER + "[joint]\nlimit_deg = 200\n", "key `joint.limit_deg`: must be between 0 and 180 deg, got 200"),
-        (HEAD + WATER + "[caudal_fin]\nheight = 0\n", "key `caudal_fin.height`: must be > 0 m, got 0"),
+        (
+            HEAD + WATER + "[actuator]\ntracking = 2\n",
+            "key `actuator.tracking`: must be between 0 and 1.5, got 2",
+        ),
+        (
+            HEAD + WATER + "[actuator]\ntraking = 1\n",
+            "key `actuator.traking`: is not known; did you mean `tracking`?",
+        ),
+        (
+            HEAD + WATER + '[joint]\naxis = "pitch"\n',
+            "key `joint.axis`: must not be given: a parameter file cannot",
+        ),
+        (
+            HEAD + WATER + "[joint.actuator]\n",
+            "key `joint.actuator`: must not be given: use the separate table",
+        ),
+        (
+            HEAD + WATER + "[joint]\nlimit_deg = 200\n",
+            "key `joint.limit_deg`: must be between 0 and 180 deg, got 200",
+        ),
+        (
+            HEAD + WATER + "[caudal_fin]\nheight = 0\n",
+            "key `caudal_fin.height`: must be > 0 m, got 0",
+        ),
         (HEAD + WATER + "[tether]\nforce = 3\n", "key `tether.force`: must be two numbers"),
-        (HEAD + WATER + "[eel_like.actuator]\nvoltage = 0\n", "key `eel_like.actuator.voltage`: must be > 0 V, got 0"),
+        (
+            HEAD + WATER + "[eel_like.actuator]\nvoltage = 0\n",
+            "key `eel_like.actuator.voltage`: must be > 0 V, got 0",
+        ),
         (HEAD + "actuator = 3\n" + WATER, "key `actuator`: must be a table, got 3"),
-        (HEAD + WATER + "[eel_like.watre]\n", "key `eel_like.watre`: is not known; did you mean `water`?"),
-        (HEAD + WATER + "normal_darg = 1\n", "key `water.normal_darg`: is not known; did you mean `normal_drag`?"),
+        (
+            HEAD + WATER + "[eel_like.watre]\n",
+            "key `eel_like.watre`: is not known; did you mean `water`?",
+        ),
+        (
+            HEAD + WATER + "normal_darg = 1\n",
+            "key `water.normal_darg`: is not known; did you mean `normal_drag`?",
+        ),
         (HEAD + WATER.replace("1.75", "-1"), "key `water.normal_drag`: must be >= 0, got -1"),
-        (HEAD + WATER.replace("1.75", '"big"'), "key `water.normal_drag`: must be a number, got 'big'"),
-        (HEAD + WATER.replace("added_mass = 1.5\n", ""), "key `water.added_mass`: is missing; every Water needs it"),
-        (HEAD + WATER + 'name = "other"\n', "key `water.name`: must not be given: the water takes the name"),
-        (HEAD + WATER + "[eel_like.water]\ndepth = 0\n", "key `eel_like.water.depth`: must be > 0 m, got 0"),
+        (
+            HEAD + WATER.replace("1.75", '"big"'),
+            "key `water.normal_drag`: must be a number, got 'big'",
+        ),
+        (
+            HEAD + WATER.replace("added_mass = 1.5\n", ""),
+            "key `water.added_mass`: is missing; every Water needs it",
+        ),
+        (
+            HEAD + WATER + 'name = "other"\n',
+            "key `water.name`: must not be given: the water takes the name",
+        ),
+        (
+            HEAD + WATER + "[eel_like.water]\ndepth = 0\n",
+            "key `eel_like.water.depth`: must be > 0 m, got 0",
+        ),
         (HEAD + "water = 3\n", "key `water`: must be a table, got 3"),
         (HEAD + WATER + "[", "is not valid TOML"),
     ],
@@ -148,7 +220,9 @@ def test_what_is_wrong_is_refused_with_the_file_and_the_key(load, text, message)
 def test_a_file_that_is_not_there_is_said_to_be_missing(tmp_path: Path):
     with pytest.raises(RobotNotFound, match=r"none\.toml: no such file"):
         load_parameters(tmp_path / "none.toml")
-    with pytest.raises(RobotNotFound, match=r"there is no parameter preset named `papre`; did you mean `paper`\?"):
+    with pytest.raises(
+        RobotNotFound, match=r"there is no parameter preset named `papre`; did you mean `paper`\?"
+    ):
         load_parameters("papre")
     with pytest.raises(ValueError, match="`name_or_path` must be a preset's name or a path, got 3"):
         load_parameters(3)  # type: ignore[arg-type]
@@ -189,7 +263,11 @@ def test_a_robot_gets_the_numbers_of_every_gait_and_then_those_of_its_own(load):
     assert {joint.actuator.tracking for joint in lateral.joints} == {0.9}
     assert {joint.actuator.tracking for joint in eel.joints} == {0.8}
     assert lateral.joints[3].limit == pytest.approx(1.0471975512)
-    assert (lateral.caudal_fin.normal_drag, lateral.tether.drag, lateral.active_power) == (1.4, 0.5, 60.0)
+    assert (lateral.caudal_fin.normal_drag, lateral.tether.drag, lateral.active_power) == (
+        1.4,
+        0.5,
+        60.0,
+    )
     assert replace(eel, joints=lateral.joints) == lateral
     assert (lateral.modules, lateral.electronics_power) == (robot.modules, robot.electronics_power)
     bare = found.robot(load_robot("mamba"), "eel_like")
@@ -213,22 +291,35 @@ def test_a_number_that_does_not_go_with_the_robot_is_refused_when_it_meets_it(lo
     ("changes", "message"),
     [
         ({"joints": "loose"}, "`joints` must be one of `prescribed`, `pd`, `servo`"),
-        ({"own": {"custom": load_water("paper-eel")}}, "`own` must be one of `lateral_undulation`, `eel_like`"),
+        (
+            {"own": {"custom": load_water("paper-eel")}},
+            "`own` must be one of `lateral_undulation`, `eel_like`",
+        ),
         ({"changes": {"motor": {}}}, "`changes` must be one of `joint`, `actuator`"),
-        ({"changes": {"actuator": {"tracking": -1.0}}}, r"`changes.actuator.tracking` must be > 0, got -1\.0"),
-        ({"changes": {"caudal_fin": {"added_mass": None}}}, "`changes.caudal_fin.added_mass` must be left out to keep"),
+        (
+            {"changes": {"actuator": {"tracking": -1.0}}},
+            r"`changes.actuator.tracking` must be > 0, got -1\.0",
+        ),
+        (
+            {"changes": {"caudal_fin": {"added_mass": None}}},
+            "`changes.caudal_fin.added_mass` must be left out to keep",
+        ),
     ],
 )
 def test_parameters_made_in_python_are_checked_as_strictly(changes, message):
     with pytest.raises(ValueError, match=message):
-        Parameters(**{"name": "mine", "title": "my fit", "every_gait": load_water("paper-eel"), **changes})
+        Parameters(
+            **{"name": "mine", "title": "my fit", "every_gait": load_water("paper-eel"), **changes}
+        )
 
 
 def test_what_cannot_be_written_is_said(tmp_path: Path):
     water = load_water("paper-eel")
     with pytest.raises(StorageFailed, match="cannot be written"):
         load_parameters("paper").save(tmp_path)
-    deep = Parameters(name="a", title="b", every_gait=replace(water, depth=0.3), own={"eel_like": water})
+    deep = Parameters(
+        name="a", title="b", every_gait=replace(water, depth=0.3), own={"eel_like": water}
+    )
     with pytest.raises(ValueError, match="`depth` must be a number, as it is for every gait"):
         deep.to_toml()
     assert isinstance(deep.every_gait, Water)

@@ -12,7 +12,9 @@ LINK = Module(length=0.18, mass=0.8, section=SECTION)
 
 
 def robot(**changes):
-    return Robot(**{"name": "test", "modules": (LINK, LINK, LINK), "joints": (Joint(), Joint()), **changes})
+    return Robot(
+        **{"name": "test", "modules": (LINK, LINK, LINK), "joints": (Joint(), Joint()), **changes}
+    )
 
 
 def alternating(n_modules, **changes):
@@ -42,8 +44,14 @@ def positions(found: Robot):
         ({"description": None}, r"`description` must be a text, got None"),
         ({"modules": ()}, r"`modules` must hold at least one Module, got none"),
         ({"modules": LINK}, r"`modules` must be a tuple of Module, got Module"),
-        ({"modules": (LINK, SECTION, LINK)}, r"`modules\[1\]` must be of class Module, got Section"),
-        ({"joints": (Joint(),)}, r"`joints` must hold one Joint fewer than there are modules, 2 for 3 modules, got 1"),
+        (
+            {"modules": (LINK, SECTION, LINK)},
+            r"`modules\[1\]` must be of class Module, got Section",
+        ),
+        (
+            {"joints": (Joint(),)},
+            r"`joints` must hold one Joint fewer than there are modules, 2 for 3 modules, got 1",
+        ),
         ({"joints": (Joint(), "yaw")}, r"`joints\[1\]` must be of class Joint, got str"),
         ({"caudal_fin": True}, r"`caudal_fin` must be of class CaudalFin, got bool"),
         (
@@ -90,7 +98,8 @@ def test_a_heavy_head_moves_the_center_of_mass_of_its_link_forward():
     light = Module(length=0.1, mass=1.0, section=SECTION)
     heavy = Module(length=0.2, mass=3.0, section=SECTION)
     link = robot(modules=(light, heavy), joints=(Joint(axis="pitch"),)).planar().modules[0]
-    # From the tail end: light at 0.05, heavy at 0.2, together at 0.1625; the middle of the link is at 0.15.
+    # From the tail end: light at 0.05, heavy at 0.2, together at 0.1625; the middle of the link is
+    # at 0.15.
     assert link.center == pytest.approx(0.0125)
     own = light.moment_of_inertia + heavy.moment_of_inertia
     assert link.moment_of_inertia == pytest.approx(own + 1.0 * 0.1125**2 + 3.0 * 0.0375**2)
@@ -98,19 +107,26 @@ def test_a_heavy_head_moves_the_center_of_mass_of_its_link_forward():
 
 def test_effectors_stay_where_they_are_on_the_body():
     body = alternating(
-        5, thrusters=(Thruster(link=0, thrust=1.0, x=0.01), Thruster(link=3, thrust=2.0, x=0.01, y=0.02))
+        5,
+        thrusters=(
+            Thruster(link=0, thrust=1.0, x=0.01),
+            Thruster(link=3, thrust=2.0, x=0.01, y=0.02),
+        ),
     )
     flat = body.planar()
     assert [(one.link, one.y) for one in flat.thrusters] == [(0, 0.0), (2, 0.02)]
     for before, after in zip(body.thrusters, flat.thrusters, strict=True):
-        assert positions(flat)[after.link] + after.x == pytest.approx(positions(body)[before.link] + before.x)
+        assert positions(flat)[after.link] + after.x == pytest.approx(
+            positions(body)[before.link] + before.x
+        )
 
 
 def test_modules_of_different_section_do_not_merge():
     other = Module(length=0.18, mass=0.8, section=Section(half_height=0.1, half_width=0.1))
     mixed = robot(modules=(LINK, other, LINK), joints=(Joint(), Joint(axis="pitch")))
     with pytest.raises(
-        ValueError, match=r"`modules\[2\]\.section` must equal that of `modules\[1\]`, because a pitch joint"
+        ValueError,
+        match=r"`modules\[2\]\.section` must equal that of `modules\[1\]`, because a pitch joint",
     ):
         mixed.planar()
     assert robot(modules=(LINK, other, LINK)).planar().n_links == 3
@@ -119,7 +135,9 @@ def test_modules_of_different_section_do_not_merge():
 def test_modules_with_different_coefficients_do_not_merge():
     other = dataclasses.replace(LINK, normal_drag=1.0)
     mixed = robot(modules=(LINK, other), joints=(Joint(axis="pitch"),))
-    with pytest.raises(ValueError, match=r"`modules\[1\]\.normal_drag` must equal that of `modules\[0\]`.*got 1\.0"):
+    with pytest.raises(
+        ValueError, match=r"`modules\[1\]\.normal_drag` must equal that of `modules\[0\]`.*got 1\.0"
+    ):
         mixed.planar()
 
 
@@ -135,7 +153,9 @@ def test_the_reduction_keeps_length_mass_volume_power_and_the_first_two_moments(
 
 
 def first_moment(body):
-    return math.fsum(one.mass * (x + one.center) for one, x in zip(body.modules, positions(body), strict=True))
+    return math.fsum(
+        one.mass * (x + one.center) for one, x in zip(body.modules, positions(body), strict=True)
+    )
 
 
 def second_moment(body):

@@ -21,7 +21,14 @@ SIZES = st.floats(0.01, 0.3)
 def chain(a=0.0275, b=0.0185, length=0.0965, n=7, shape="ellipse", **changes):
     section = Section(half_height=a, half_width=b, shape=shape)
     module = Module(length=length, mass=1000.0 * section.area * length, section=section)
-    return Robot(**{"name": "chain-of-ours", "modules": (module,) * n, "joints": MAMBA.joints[:1] * (n - 1), **changes})
+    return Robot(
+        **{
+            "name": "chain-of-ours",
+            "modules": (module,) * n,
+            "joints": MAMBA.joints[:1] * (n - 1),
+            **changes,
+        }
+    )
 
 
 def friction(robot, **how):
@@ -57,19 +64,31 @@ def test_towed_straight_a_robot_has_the_drag_of_its_areas(name):
     sections = [module.section for module in robot.modules]
     skin = sum(module.section.perimeter * module.length for module in robot.modules)
     if robot.caudal_fin:
-        skin += 2.0 * robot.caudal_fin.height * (robot.caudal_fin.length - robot.caudal_fin.opening_length)
-    area = skin * skin_friction(speed, robot.length) + (0.4 + 0.01 * robot.n_joints) * sections[0].area
+        skin += (
+            2.0
+            * robot.caudal_fin.height
+            * (robot.caudal_fin.length - robot.caudal_fin.opening_length)
+        )
+    area = (
+        skin * skin_friction(speed, robot.length) + (0.4 + 0.01 * robot.n_joints) * sections[0].area
+    )
     water = textbook_water(robot, speed=speed).water
     assert towing_drag(robot, water, speed) == pytest.approx(500.0 * area * speed**2, rel=1e-12)
 
 
 def test_drag_grows_with_gaps_wrinkles_and_bluntness():
     robot = chain()
-    smooth, jointed, skinned = (friction(robot, surface=one) for one in ("smooth", "jointed", "skinned"))
+    smooth, jointed, skinned = (
+        friction(robot, surface=one) for one in ("smooth", "jointed", "skinned")
+    )
     assert smooth < jointed < skinned
-    faired, rounded, blunt = (friction(replace(robot, nose=one, tail=one)) for one in ("faired", "round", "blunt"))
+    faired, rounded, blunt = (
+        friction(replace(robot, nose=one, tail=one)) for one in ("faired", "round", "blunt")
+    )
     assert faired < rounded < blunt
-    end = math.pi * 0.0275 * 0.0185 / (math.pi * 0.023 * robot.length)  # of its section, over what C_f refers to
+    end = (
+        math.pi * 0.0275 * 0.0185 / (math.pi * 0.023 * robot.length)
+    )  # of its section, over what C_f refers to
     bullet = friction(replace(robot, nose="faired", tail="blunt"))
     assert (bullet - faired) / end + 0.05 == pytest.approx(0.295, rel=0.1)  # of a bullet
     _, high = textbook_water(robot, surface="skinned").intervals["water.tangential_friction"]
@@ -78,17 +97,22 @@ def test_drag_grows_with_gaps_wrinkles_and_bluntness():
 
 def test_the_skin_friction_is_that_of_the_line():
     assert skin_friction(1.0, 1e7 * VISCOSITY) == pytest.approx(0.003)  # Re 1e7: .075 / 25
-    assert friction(chain(), speed=0.3) > friction(chain(), speed=0.6) > friction(chain(), speed=1.2)
+    assert (
+        friction(chain(), speed=0.3) > friction(chain(), speed=0.6) > friction(chain(), speed=1.2)
+    )
 
 
 def rectangle(corner):
     """Width over height of a rectangle and its C_A, by its map from the outside of the unit circle.
 
-    dz/dzeta = sqrt(1 - 2 cos(2 corner) / zeta^2 + 1 / zeta^4), and mu = 2 pi (1 - cos(2 corner)) - area.
+    dz/dzeta = sqrt(1 - 2 cos(2 corner) / zeta^2 + 1 / zeta^4), and mu = 2 pi (1 - cos(2 corner)) -
+    area.
     """
     c = math.cos(2.0 * corner)
     high, _ = quad(lambda t: math.sqrt(max(2.0 * (math.cos(2.0 * t) - c), 0.0)), 0.0, corner)
-    wide, _ = quad(lambda t: math.sqrt(max(2.0 * (c - math.cos(2.0 * t)), 0.0)), corner, math.pi / 2.0)
+    wide, _ = quad(
+        lambda t: math.sqrt(max(2.0 * (c - math.cos(2.0 * t)), 0.0)), corner, math.pi / 2.0
+    )
     return wide / high, (2.0 * math.pi * (1.0 - c) - 4.0 * wide * high) / (math.pi * high**2)
 
 
@@ -96,7 +120,9 @@ def rectangle(corner):
 def test_the_added_mass_of_a_box_is_that_of_potential_flow(ratio):
     corner = brentq(lambda x: rectangle(x)[0] - ratio, 1e-3, math.pi / 2.0 - 1e-3)
     found = textbook_water(chain(0.05, 0.05 * ratio, shape="box")).water.added_mass
-    assert found == pytest.approx(rectangle(corner)[1], rel=0.012)  # linear between the table's places
+    assert found == pytest.approx(
+        rectangle(corner)[1], rel=0.012
+    )  # linear between the table's places
 
 
 def test_sections_have_the_drag_of_circle_plate_and_square():
@@ -105,7 +131,9 @@ def test_sections_have_the_drag_of_circle_plate_and_square():
     assert drag[0.05, "ellipse"] == 1.20
     assert drag[0.05, "box"] == 2.0
     assert drag[1e-6, "ellipse"] == pytest.approx(1.98, abs=1e-3)
-    assert textbook_water(chain(0.03, 0.06)).water.added_mass == 1.0  # an ellipse's, whatever its axes
+    assert (
+        textbook_water(chain(0.03, 0.06)).water.added_mass == 1.0
+    )  # an ellipse's, whatever its axes
 
 
 def test_a_box_displaces_what_a_box_does():
@@ -121,7 +149,9 @@ def test_a_speed_that_is_none_is_refused(speed):
 
 
 def test_a_surface_that_nobody_knows_is_refused():
-    with pytest.raises(ValueError, match="`surface` must be one of `smooth`, `jointed`, `skinned`, got 'wet'"):
+    with pytest.raises(
+        ValueError, match="`surface` must be one of `smooth`, `jointed`, `skinned`, got 'wet'"
+    ):
         textbook_water(MAMBA, surface="wet")
 
 

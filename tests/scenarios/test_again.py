@@ -32,7 +32,9 @@ MOTIONS = {
     "gait": lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7),
     "offset": lc.OpenLoop(command=lc.Command(gait=GAIT, offset=0.1)),
     "following": FOLLOWING,
-    "cycle-mean": replace(FOLLOWING, path=Spline(waypoints=((0, 0), (1, 1))), heading_estimate="cycle-mean"),
+    "cycle-mean": replace(
+        FOLLOWING, path=Spline(waypoints=((0, 0), (1, 1))), heading_estimate="cycle-mean"
+    ),
     "steps": OffsetSteps(gait=GAIT, offsets=(0.1, -0.1), interval=0.7),
     "predictive": ModelPredictive(
         gait=GAIT,
@@ -73,7 +75,9 @@ def same(again, trial):
 def swum(motion):
     changes = {"model": "spatial", **IN_SPACE[motion]} if motion in IN_SPACE else {"joints": "pd"}
     robot, start = changes.pop("robot", "mamba"), lc.Start(heading=0.3, velocity=0.1)
-    return lc.swim(robot, MOTIONS[motion], 1.0 if motion in IN_SPACE else 2.0, start=start, **changes)
+    return lc.swim(
+        robot, MOTIONS[motion], 1.0 if motion in IN_SPACE else 2.0, start=start, **changes
+    )
 
 
 @pytest.mark.parametrize("motion", MOTIONS)
@@ -101,7 +105,9 @@ def test_a_run_that_was_cut_and_one_that_went_on_are_run_again_too():
 
 def test_what_was_measured_says_what_it_lacks():
     known = Experiment(robot=lc.load_robot("mamba"), environment=lc.load_water("paper-eel"))
-    with pytest.raises(ValueError, match="this one lacks what decided its commands, where it began and a model"):
+    with pytest.raises(
+        ValueError, match="this one lacks what decided its commands, where it began and a model"
+    ):
         lc.swim(known)
     assert run_from_toml(run_to_toml(known)) == known
 
@@ -113,7 +119,9 @@ def test_a_law_that_nobody_here_defines_is_kept_and_only_running_it_is_refused(t
     stored = lc.load_trial(tmp_path / "run.nc")
     assert stored.scenario.model == model and stored.settings["joints"] == "muscle"
     assert stored.forward_velocity == trial.forward_velocity
-    with pytest.raises(ValueError, match="its `muscle` is not defined; import the module that defines it"):
+    with pytest.raises(
+        ValueError, match="its `muscle` is not defined; import the module that defines it"
+    ):
         lc.swim(stored.scenario)
 
 

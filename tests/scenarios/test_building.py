@@ -32,7 +32,9 @@ def test_the_water_is_the_paper_s_for_the_gait():
     assert lc.scenario("mamba", GAIT).environment == lc.load_water("paper-eel")
     still = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
     assert lc.scenario("mamba", still).environment == lc.load_water("paper-lateral")
-    assert lc.scenario("mamba", GAIT, environment="viscous").environment == lc.load_ground("viscous")
+    assert lc.scenario("mamba", GAIT, environment="viscous").environment == lc.load_ground(
+        "viscous"
+    )
 
 
 def test_a_scenario_swims_as_its_robot_and_gait_do():
@@ -49,7 +51,10 @@ def test_a_scenario_swims_as_its_robot_and_gait_do():
     [
         ({"root": "free"}, "`root` must be left out unless `model` is `spatial`, got 'free'."),
         ({"model": "flat"}, "`model` must be one of `planar`, `spatial`, got 'flat'"),
-        ({"joints": "servos"}, "`joints` must be one of `prescribed`, `pd`, `servo`, `speed-servo`, got 'servos'"),
+        (
+            {"joints": "servos"},
+            "`joints` must be one of `prescribed`, `pd`, `servo`, `speed-servo`, got 'servos'",
+        ),
         ({"dt": 0.0}, "`dt` must be between 1e-07 and 1000 s, got 0.0."),
         ({"duration": -1.0}, "`duration` must be > 0 s, got -1.0."),
         ({"motion": 3}, "`gait` must be of class Gait or Controller, got int."),
@@ -88,7 +93,9 @@ def test_without_names_it_is_mamba_in_the_papers_water_for_the_gait():
 
 
 def test_names_become_values():
-    chosen = Choice(robot="chain", n_links=5, ground="viscous", model="spatial", joints="servo").resolved(LATERAL)
+    chosen = Choice(
+        robot="chain", n_links=5, ground="viscous", model="spatial", joints="servo"
+    ).resolved(LATERAL)
     assert chosen.robot.n_links == 5
     assert chosen.environment == lc.load_ground("viscous")
     assert chosen.model.joints == Servo()
@@ -106,9 +113,18 @@ def test_parameters_say_robot_water_and_joint_law_unless_a_law_is_asked_for():
 @pytest.mark.parametrize(
     ("names", "message"),
     [
-        ({"parameters": "paper", "water": "paper-eel"}, "`parameters` must not be given with `water`: both define"),
-        ({"ground": "viscous", "water": "paper-eel"}, "`water` must not be given with `ground`: it applies to water"),
-        ({"ground": "viscous", "parameters": "paper"}, "`parameters` must not be given with `ground`"),
+        (
+            {"parameters": "paper", "water": "paper-eel"},
+            "`parameters` must not be given with `water`: both define",
+        ),
+        (
+            {"ground": "viscous", "water": "paper-eel"},
+            "`water` must not be given with `ground`: it applies to water",
+        ),
+        (
+            {"ground": "viscous", "parameters": "paper"},
+            "`parameters` must not be given with `ground`",
+        ),
         ({"joints": "servos"}, "`joints` must be one of .*, got 'servos'; did you mean `servo`"),
         ({"n_links": 0}, "`n_links` must be a whole number >= 1, got 0"),
         ({"model": "mujoco"}, "`model` must be one of `planar`, `spatial`, got 'mujoco'"),
@@ -122,7 +138,10 @@ def test_names_that_do_not_go_together_are_refused(names, message):
 def test_a_changed_water_says_in_what_it_differs():
     before = lc.load_water("paper-eel")
     changed = replace(before, normal_drag=0.0, current=(0.1, 0.0), depth=0.5)
-    assert named_after(changed, before).name == "paper-eel with normal_drag 0, current (0.1, 0), depth 0.5"
+    assert (
+        named_after(changed, before).name
+        == "paper-eel with normal_drag 0, current (0.1, 0), depth 0.5"
+    )
     assert named_after(before, before) is before
 
 
@@ -134,9 +153,13 @@ def test_a_robot_that_is_not_mamba_takes_the_textbooks_water():
     robot = lc.load_robot("chain")
     water = textbook_of(robot)
     assert lc.scenario("chain", LATERAL).environment is water
-    assert lc.scenario("mamba", LATERAL, environment="textbook").environment == textbook_of(lc.load_robot("mamba"))
+    assert lc.scenario("mamba", LATERAL, environment="textbook").environment == textbook_of(
+        lc.load_robot("mamba")
+    )
     assert lc.scenario(named("mamba-fin", "mine"), GAIT).environment.name == "textbook"
-    assert Choice(robot="chain", n_links=5).resolved(EEL).environment == textbook_of(robot.with_links(5))
+    assert Choice(robot="chain", n_links=5).resolved(EEL).environment == textbook_of(
+        robot.with_links(5)
+    )
     chosen = Choice(robot="mamba", water="textbook").resolved(EEL)
     assert (chosen.environment.name, chosen.origin[:11]) == ("textbook", "from tables")
     many = lc.swim_many([lc.load_robot("mamba"), robot], LATERAL, 4.0)

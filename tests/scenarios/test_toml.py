@@ -29,8 +29,12 @@ def test_names_become_values(said):
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
     assert said("duration = 4.0") == lc.scenario("mamba", gait, 4.0)
     short = said('robot = "chain"\nn_links = 5\nground = "viscous"\nmodel = "spatial"')
-    assert short == lc.scenario(lc.load_robot("chain", 5), gait, environment="viscous", model="spatial")
-    assert said("", f'{GAIT}[model]\njoints = "servo"\ndt = 0.001').model == lc.Planar(joints=Servo(), dt=0.001)
+    assert short == lc.scenario(
+        lc.load_robot("chain", 5), gait, environment="viscous", model="spatial"
+    )
+    assert said("", f'{GAIT}[model]\njoints = "servo"\ndt = 0.001').model == lc.Planar(
+        joints=Servo(), dt=0.001
+    )
 
 
 def test_a_water_may_change_a_few_numbers_of_another(said):
@@ -56,7 +60,9 @@ def test_a_controller_and_every_number_come_back(tmp_path):
         heading=lc.HeadingController(gain=0.4, max_offset=0.3),
     )
     for motion in (gait, controller):
-        chosen = lc.scenario("mamba-fin", motion, model="spatial", root="free", start=lc.Start(velocity=0.1))
+        chosen = lc.scenario(
+            "mamba-fin", motion, model="spatial", root="free", start=lc.Start(velocity=0.1)
+        )
         lc.save_scenario(chosen, tmp_path / "saved.toml")
         assert lc.load_scenario(tmp_path / "saved.toml") == chosen
 
@@ -68,8 +74,16 @@ def test_a_controller_and_every_number_come_back(tmp_path):
         ("n_links = 0", GAIT, "key `n_links`: must be a whole number >= 1, got 0"),
         ("", f"{GAIT}speed = 3", "key `gait.speed`: is not known"),
         ("", "", "key `gait`: must be given, or `controller`, but not both"),
-        ('water = "paper-eel"\nground = "viscous"', GAIT, "key `water`: must not be given with `ground`"),
-        ('model = "flat"', GAIT, "key `model.kind`: must be one of `planar`, `spatial`, got 'flat'"),
+        (
+            'water = "paper-eel"\nground = "viscous"',
+            GAIT,
+            "key `water`: must not be given with `ground`",
+        ),
+        (
+            'model = "flat"',
+            GAIT,
+            "key `model.kind`: must be one of `planar`, `spatial`, got 'flat'",
+        ),
         ("lenght = 3", GAIT, "key `lenght`: is not known"),
         ("", f"{GAIT}[model]\nroot = 'free'", "key `model.root`: is not known"),
     ],

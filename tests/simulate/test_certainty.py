@@ -33,12 +33,17 @@ def test_each_number_adds_to_it_in_quadrature(trial):
 
 def test_without_an_interval_there_is_none(trial):
     number = trial.environment.normal_drag
-    assert spread(trial, {"water.normal_drag": (number, number)})["forward_velocity"] == (trial.forward_velocity,) * 2
+    assert (
+        spread(trial, {"water.normal_drag": (number, number)})["forward_velocity"]
+        == (trial.forward_velocity,) * 2
+    )
 
 
 def test_a_number_that_somebody_has_changed_is_known(trial):
     measured = replace(trial.environment, tangential_friction=0.05)
-    assert "water.tangential_friction" not in intervals_of(replace(trial.scenario, environment=measured))
+    assert "water.tangential_friction" not in intervals_of(
+        replace(trial.scenario, environment=measured)
+    )
     assert intervals_of(trial.scenario) == textbook_water(trial.robot).intervals
 
 

@@ -11,7 +11,12 @@ from laticauda.simulate.numbers import UNITS, changed
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.31, phase_shift=0.7, offset=0.03)
 FINNED = replace(load_robot("mamba-fin"), tether=Tether(drag=0.8))
-WATER = replace(load_water("paper-lateral"), tangential_added_mass=0.1, current=(0.03, -0.02), friction_taper=0.3)
+WATER = replace(
+    load_water("paper-lateral"),
+    tangential_added_mass=0.1,
+    current=(0.03, -0.02),
+    friction_taper=0.3,
+)
 NAMES = (
     "gait.amplitude",
     "gait.frequency",
@@ -35,13 +40,18 @@ NAMES = (
 def by_differences(robot, gait, water, names, **settings):
     """The same Jacobian by central differences of three steps, extrapolated after Richardson.
 
-    Small steps: |u phi'| and |v| v have kinks, and a difference is of no use once one of them passes a time step.
+    Small steps: |u phi'| and |v| v have kinks, and a difference is of no use once one of them
+    passes a time step.
     """
     steps = 2.0 ** -np.arange(19, 22)
     scenario, points = lc.scenario(robot, gait, environment=water, **settings), []
     for name in names:
-        value = sensitivities(robot, gait, 0.1, environments=water, names=[name], **settings).point[0, 0]
-        points += [(changed(scenario, {name: value * (1 + s * h)}), value) for h in steps for s in (1, -1)]
+        value = sensitivities(robot, gait, 0.1, environments=water, names=[name], **settings).point[
+            0, 0
+        ]
+        points += [
+            (changed(scenario, {name: value * (1 + s * h)}), value) for h in steps for s in (1, -1)
+        ]
     scenarios, values = zip(*points, strict=True)
     many = lc.swim_many(scenarios)
     end = dict(zip("xy", many.center_of_mass.T, strict=True))
@@ -55,12 +65,19 @@ def by_differences(robot, gait, water, names, **settings):
 def test_figures_follow_the_numbers_of_a_flow():
     flow = replace(lc.load_current("turbulence"), modes=6)
     water = replace(load_water("paper-lateral"), current=flow)
-    names = ("water.current.intensity", "water.current.mean_x", "water.current.largest", "water.current.evolution")
+    names = (
+        "water.current.intensity",
+        "water.current.mean_x",
+        "water.current.largest",
+        "water.current.evolution",
+    )
     found = sensitivities(load_robot("mamba"), GAIT, 30.0, environments=water, names=names)
     expected = by_differences(load_robot("mamba"), GAIT, water, names)
     check(found, expected, 1e-7)
     with pytest.raises(ValueError, match=r"got `water\.current\.seed`, a count"):
-        sensitivities(load_robot("mamba"), GAIT, 3.0, environments=water, names=["water.current.seed"])
+        sensitivities(
+            load_robot("mamba"), GAIT, 3.0, environments=water, names=["water.current.seed"]
+        )
 
 
 def check(found, expected, bound):
@@ -86,7 +103,8 @@ def test_derivatives_are_those_of_extrapolated_differences_over_a_whole_trial():
     ids=["sway friction", "total speed"],
 )
 def test_friction_that_grows_with_the_sideways_speed_has_its_derivatives(drag, own):
-    # Not to the frequency: it moves the kinks of |v_n| past the time steps, where a difference is of no use.
+    # Not to the frequency: it moves the kinks of |v_n| past the time steps, where a difference is
+    # of no use.
     water = replace(WATER, drag=drag)
     names = [*(f"water.drag.{name}" for name in own), "gait.amplitude", "water.added_mass"]
     found = sensitivities(FINNED, GAIT, environments=water, names=names, dt=0.05)
@@ -95,16 +113,27 @@ def test_friction_that_grows_with_the_sideways_speed_has_its_derivatives(drag, o
 
 def test_the_dimensionless_form_says_by_how_many_percent():
     found = sensitivities(FINNED, GAIT, names=["gait.amplitude", "water.current_x"])
-    share = found.of("net_power", "gait.amplitude") * GAIT.amplitude / found.values[:, found.figures.index("net_power")]
-    assert found.elasticity[:, found.figures.index("net_power"), 0] == pytest.approx(share, rel=1e-15)
+    share = (
+        found.of("net_power", "gait.amplitude")
+        * GAIT.amplitude
+        / found.values[:, found.figures.index("net_power")]
+    )
+    assert found.elasticity[:, found.figures.index("net_power"), 0] == pytest.approx(
+        share, rel=1e-15
+    )
     assert found.elasticity[0, 0, 1] == 0.0
 
 
 @pytest.mark.parametrize("joints", ["pd", "servo"])
 def test_driven_joints_have_derivatives_to_their_actuators_too(joints):
     robot = load_robot("mamba")
-    name = {"pd": "robot.joint.actuator.proportional_gain", "servo": "robot.joint.actuator.stall_torque"}[joints]
-    found = sensitivities(robot, GAIT, 1.0, environments=WATER, names=[name], joints=joints, dt=0.002)
+    name = {
+        "pd": "robot.joint.actuator.proportional_gain",
+        "servo": "robot.joint.actuator.stall_torque",
+    }[joints]
+    found = sensitivities(
+        robot, GAIT, 1.0, environments=WATER, names=[name], joints=joints, dt=0.002
+    )
     value, step = found.point[0, 0], 1e-5
     scenario = lc.scenario(robot, GAIT, 1.0, environment=WATER, joints=joints, dt=0.002)
     many = lc.swim_many([changed(scenario, {name: value * (1 + s)}) for s in (step, -step)])
@@ -120,13 +149,18 @@ def test_a_batch_has_the_derivatives_of_its_trials():
     names = ["gait.frequency", "water.normal_drag", "robot.module.mass"]
     whole = sensitivities(robots, gaits, 15.0, environments=WATER, names=names, threads=2)
     for i in range(3):
-        alone = sensitivities(robots[i], gaits[i], 15.0, environments=WATER, names=names[::-1], threads=1)
+        alone = sensitivities(
+            robots[i], gaits[i], 15.0, environments=WATER, names=names[::-1], threads=1
+        )
         np.testing.assert_array_equal(whole.values[i], alone.values[0])
-        np.testing.assert_allclose(whole.jacobian[i], alone.jacobian[0, :, ::-1], rtol=1e-12, atol=1e-15)
+        np.testing.assert_allclose(
+            whole.jacobian[i], alone.jacobian[0, :, ::-1], rtol=1e-12, atol=1e-15
+        )
 
 
 def test_numbers_at_the_end_of_their_range_are_differentiated_on_one_side():
-    # Neither a tether nor tangential added mass: both are at 0, and a tether is a load that the kernels leave out then.
+    # Neither a tether nor tangential added mass: both are at 0, and a tether is a load that the
+    # kernels leave out then.
     robot, water = load_robot("mamba"), load_water("paper-lateral")
     names = ["robot.tether.drag", "water.tangential_added_mass"]
     found = sensitivities(robot, GAIT, environments=water, names=names, dt=0.05)
@@ -140,14 +174,20 @@ def test_numbers_at_the_end_of_their_range_are_differentiated_on_one_side():
 
 
 def test_a_modules_own_coefficient_begins_at_the_waters():
-    found = sensitivities(load_robot("mamba"), GAIT, 5.0, names=["robot.module.normal_drag", "water.normal_drag"])
+    found = sensitivities(
+        load_robot("mamba"), GAIT, 5.0, names=["robot.module.normal_drag", "water.normal_drag"]
+    )
     np.testing.assert_array_equal(found.point[:, 0], found.point[:, 1])
-    np.testing.assert_allclose(found.jacobian[..., 0], found.jacobian[..., 1], rtol=1e-10, atol=1e-15)
+    np.testing.assert_allclose(
+        found.jacobian[..., 0], found.jacobian[..., 1], rtol=1e-10, atol=1e-15
+    )
 
 
 def test_a_trial_that_diverges_has_no_derivatives():
     wild = replace(WATER, normal_drag=1e4)
-    found = sensitivities(FINNED, GAIT, 14.0, environments=[WATER, wild], names=["gait.amplitude"], dt=0.05)
+    found = sensitivities(
+        FINNED, GAIT, 14.0, environments=[WATER, wild], names=["gait.amplitude"], dt=0.05
+    )
     assert found.succeeded.tolist() == [True, False]
     assert np.isfinite(found.jacobian[0]).all()
     assert np.isnan(found.jacobian[1]).all()
@@ -158,10 +198,22 @@ def test_a_trial_that_diverges_has_no_derivatives():
     ("names", "message"),
     [
         ([], "`names` must hold at least one name of a parameter, got []."),
-        ("gait.amplitude", "`names` must hold at least one name of a parameter, got 'gait.amplitude'."),
-        (["gait.amplitud"], "`names` must name numbers of gait, water or robot, such as `gait.amplitude`, got 'gait"),
-        (["robot.n_links"], "`names` must be of numbers that can vary slightly, got `robot.n_links`, a count."),
-        (["water.depth"], "`names` must be of numbers that the trial has, got `water.depth`, which is None."),
+        (
+            "gait.amplitude",
+            "`names` must hold at least one name of a parameter, got 'gait.amplitude'.",
+        ),
+        (
+            ["gait.amplitud"],
+            "`names` must name numbers of gait, water or robot, such as `gait.amplitude`, got 'gait",
+        ),
+        (
+            ["robot.n_links"],
+            "`names` must be of numbers that can vary slightly, got `robot.n_links`, a count.",
+        ),
+        (
+            ["water.depth"],
+            "`names` must be of numbers that the trial has, got `water.depth`, which is None.",
+        ),
     ],
 )
 def test_names_of_no_use_are_refused(names, message):

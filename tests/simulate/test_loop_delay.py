@@ -12,7 +12,9 @@ import laticauda as lc
 from laticauda.control import Following
 from laticauda.planar.school import School
 
-GAIT = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40))
+GAIT = lc.lateral_undulation(
+    amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40)
+)
 PAPER = Following().controller(GAIT)
 START = lc.Start(center_of_mass=(0.0, 0.6), heading=0.1)
 ROBOTS = ("mamba-fin", "mamba-modules")
@@ -60,7 +62,9 @@ class Ramp(lc.Controller):
 
 
 def run(delay, controller=PAPER, duration=6.0, robot="mamba-fin", **choices):
-    plant = lc.plant(lc.load_robot(robot), lc.load_water("paper-lateral"), loop_delay=delay, **choices)
+    plant = lc.plant(
+        lc.load_robot(robot), lc.load_water("paper-lateral"), loop_delay=delay, **choices
+    )
     return lc.run(plant, controller, duration, start=START)
 
 
@@ -73,7 +77,9 @@ def same(one, other):
 
 @pytest.mark.parametrize("robot", ROBOTS)
 @pytest.mark.parametrize("instants", [0, 1, 9])
-def test_a_delay_of_whole_control_intervals_is_a_controller_that_hands_its_commands_on_later(robot, instants):
+def test_a_delay_of_whole_control_intervals_is_a_controller_that_hands_its_commands_on_later(
+    robot, instants
+):
     same(run(instants * PAPER.interval, robot=robot), run(0.0, Late(PAPER, instants), robot=robot))
 
 
@@ -98,8 +104,12 @@ def test_any_delay_begins_to_act_when_it_is_over(delay):
 
 @pytest.mark.parametrize("delay", [0.07, 0.2, 0.33])
 def test_finer_samples_see_the_same_run(delay):
-    plant = lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"), loop_delay=delay, dt=0.01)
-    coarse, fine = (lc.run(plant, PAPER, 4.0, start=START, sample_interval=one) for one in (0.05, 0.01))
+    plant = lc.plant(
+        lc.load_robot("mamba"), lc.load_water("paper-lateral"), loop_delay=delay, dt=0.01
+    )
+    coarse, fine = (
+        lc.run(plant, PAPER, 4.0, start=START, sample_interval=one) for one in (0.05, 0.01)
+    )
     np.testing.assert_allclose(fine.center_of_mass[::5], coarse.center_of_mass, atol=1e-6)
     assert fine.signals["offset"].size == fine.time.size == 401
 
@@ -123,14 +133,19 @@ def test_a_robot_of_a_school_does_what_it_does_alone(delay, n):
     alone = lc.run(plant, Ramp(), 2.0, start=START, sample_interval=0.2).center_of_mass[-1]
     begin()
     for found in swim():
-        np.testing.assert_allclose(found, alone, rtol=0.0, atol=0.0 if delay in (0.0, 0.2) else 1e-7)
+        np.testing.assert_allclose(
+            found, alone, rtol=0.0, atol=0.0 if delay in (0.0, 0.2) else 1e-7
+        )
     # Steps are cut where a command arrives; a run alone has none to cut before the first one does.
     begin()  # what is on its way belongs to the episode before
     np.testing.assert_allclose(swim()[0], alone, rtol=0.0, atol=1e-7)
 
 
 def test_what_looks_at_nothing_is_not_late_and_a_batch_is_that_of_single_runs():
-    late, soon = (lc.scenario("mamba", replace(GAIT, offset=0.1), 3.0, loop_delay=delay) for delay in (0.4, 0.0))
+    late, soon = (
+        lc.scenario("mamba", replace(GAIT, offset=0.1), 3.0, loop_delay=delay)
+        for delay in (0.4, 0.0)
+    )
     same(lc.swim(late), lc.swim(soon))
     together, alone = lc.swim_many([late]).forward_velocity[0], lc.swim(soon).forward_velocity
     assert together == pytest.approx(alone, rel=1e-12)  # lanes round otherwise
@@ -138,9 +153,15 @@ def test_what_looks_at_nothing_is_not_late_and_a_batch_is_that_of_single_runs():
 
 def test_a_run_whose_commands_are_on_their_way_does_not_go_on():
     plant = lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"), loop_delay=0.3)
-    followed, swum = lc.run(plant, PAPER, 1.0), lc.run(plant, lc.OpenLoop(command=lc.Command(gait=GAIT)), 1.0)
+    followed, swum = (
+        lc.run(plant, PAPER, 1.0),
+        lc.run(plant, lc.OpenLoop(command=lc.Command(gait=GAIT)), 1.0),
+    )
     for trial, controller in ((followed, None), (followed, PAPER), (swum, PAPER)):
-        with pytest.raises(ValueError, match=r"`loop_delay` must be 0 to continue from the end of a trial.* got 0\.3"):
+        with pytest.raises(
+            ValueError,
+            match=r"`loop_delay` must be 0 to continue from the end of a trial.* got 0\.3",
+        ):
             lc.resume(plant, trial, 1.0, controller=controller)
     assert lc.resume(plant, swum, 1.0).succeeded
 

@@ -31,9 +31,16 @@ MAMBA = load_robot("mamba")
 def random_trials(seed, n):
     """Robots of three shapes, gaits of both kinds, waters with currents, starts."""
     rng = np.random.default_rng(seed)
-    shapes = [MAMBA, load_robot("mamba-fin"), replace(MAMBA, modules=MAMBA.modules[:5], joints=MAMBA.joints[:4])]
+    shapes = [
+        MAMBA,
+        load_robot("mamba-fin"),
+        replace(MAMBA, modules=MAMBA.modules[:5], joints=MAMBA.joints[:4]),
+    ]
     kinds = [lc.lateral_undulation, lc.eel_like]
-    robots = [replace(shapes[rng.integers(3)], tether=Tether(drag=float(rng.choice([0.0, 1.0])))) for _ in range(n)]
+    robots = [
+        replace(shapes[rng.integers(3)], tether=Tether(drag=float(rng.choice([0.0, 1.0]))))
+        for _ in range(n)
+    ]
     gaits = [
         kinds[rng.integers(2)](
             amplitude=rng.uniform(0.1, 0.7),
@@ -52,7 +59,10 @@ def random_trials(seed, n):
         )
         for _ in range(n)
     ]
-    starts = [lc.Start(heading=rng.uniform(-3, 3), center_of_mass=tuple(rng.uniform(-5.0, 5.0, 2))) for _ in range(n)]
+    starts = [
+        lc.Start(heading=rng.uniform(-3, 3), center_of_mass=tuple(rng.uniform(-5.0, 5.0, 2)))
+        for _ in range(n)
+    ]
     return robots, gaits, waters, starts
 
 
@@ -62,17 +72,23 @@ def check(swims, i, trial):
     assert swims.status[i] == trial.status
     for name in FIGURES:
         assert getattr(swims, name)[i] == pytest.approx(getattr(trial, name), rel=1e-10), name
-    np.testing.assert_allclose(swims.center_of_mass[i], trial.center_of_mass[-1], rtol=0, atol=1e-10)
+    np.testing.assert_allclose(
+        swims.center_of_mass[i], trial.center_of_mass[-1], rtol=0, atol=1e-10
+    )
     assert swims.heading[i] == pytest.approx(trial.heading[-1], abs=1e-10)
 
 
-@pytest.mark.parametrize(("joints", "n", "duration"), [("prescribed", 19, 16.0), ("pd", 3, 16.0), ("servo", 3, 16.0)])
+@pytest.mark.parametrize(
+    ("joints", "n", "duration"), [("prescribed", 19, 16.0), ("pd", 3, 16.0), ("servo", 3, 16.0)]
+)
 def test_a_batch_gives_what_single_trials_give(joints, n, duration):
     robots, gaits, waters, starts = random_trials(1, n)
     swims = lc.swim_many(robots, gaits, duration, environments=waters, starts=starts, joints=joints)
     assert len(swims) == n
     for i in range(n):
-        trial = lc.swim(robots[i], gaits[i], duration, environment=waters[i], start=starts[i], joints=joints)
+        trial = lc.swim(
+            robots[i], gaits[i], duration, environment=waters[i], start=starts[i], joints=joints
+        )
         check(swims, i, trial)
 
 
@@ -95,7 +111,10 @@ def test_neighbors_order_and_threads_do_not_matter(threads):
 
 
 def test_a_trial_that_diverges_does_not_disturb_the_others():
-    gaits = [lc.lateral_undulation(amplitude=a, frequency=2.0, phase_shift=0.7) for a in np.linspace(0.2, 0.6, 8)]
+    gaits = [
+        lc.lateral_undulation(amplitude=a, frequency=2.0, phase_shift=0.7)
+        for a in np.linspace(0.2, 0.6, 8)
+    ]
     water = load_water("paper-lateral")
     wild = [replace(water, normal_drag=1e4) if i in (2, 7) else water for i in range(8)]
     calm = lc.swim_many(MAMBA, gaits, 12.0, environments=water, dt=0.05)
@@ -103,7 +122,9 @@ def test_a_trial_that_diverges_does_not_disturb_the_others():
     assert swims.succeeded.tolist() == [True, True, False, True, True, True, True, False]
     for name in FIGURES:
         assert np.isnan(getattr(swims, name)[[2, 7]]).all()
-        np.testing.assert_array_equal(getattr(swims, name)[swims.succeeded], getattr(calm, name)[swims.succeeded])
+        np.testing.assert_array_equal(
+            getattr(swims, name)[swims.succeeded], getattr(calm, name)[swims.succeeded]
+        )
     for i in (2, 7):
         single = lc.swim(MAMBA, gaits[i], 12.0, environment=wild[i], dt=0.05)
         assert swims.status[i] == single.status
@@ -148,29 +169,45 @@ def test_progress_ends_at_one():
     assert told[-1] == 1.0
 
 
-# ---- in space, on threads --------------------------------------------------------------------------------------------
+# ---- in space, on threads ------------------------------------------------------------------------
 
 
 def in_space(n: int) -> list[lc.Scenario]:
     """Two robots in two waters, by prescribed and by pd joints, and as many more that share all but their gait."""
     pytest.importorskip("mujoco")
-    robots, waters = [MAMBA, load_robot("mamba-fin")], [load_water("paper-lateral"), load_water("paper-eel")]
+    robots, waters = (
+        [MAMBA, load_robot("mamba-fin")],
+        [load_water("paper-lateral"), load_water("paper-eel")],
+    )
     gaits, law = [replace(GAIT, amplitude=0.3 + 0.02 * i) for i in range(n)], ["prescribed", "pd"]
     return [
-        lc.scenario(robots[i // 2 % 2], g, 1.0, environment=waters[i // 4 % 2], model="spatial", joints=law[i % 2])
+        lc.scenario(
+            robots[i // 2 % 2],
+            g,
+            1.0,
+            environment=waters[i // 4 % 2],
+            model="spatial",
+            joints=law[i % 2],
+        )
         for i, g in enumerate(gaits)
     ] + [lc.scenario(MAMBA, g, 1.0, environment=waters[0], model="spatial") for g in gaits]
 
 
 @pytest.mark.parametrize("threads", [1, 3])
 def test_spatial_trials_on_threads_have_the_bits_of_single_ones(threads):
-    scenarios = [*in_space(8), lc.scenario(MAMBA, GAIT, 2.5, environment=load_water("paper-lateral"), model="spatial")]
+    scenarios = [
+        *in_space(8),
+        lc.scenario(MAMBA, GAIT, 2.5, environment=load_water("paper-lateral"), model="spatial"),
+    ]
     order = np.random.default_rng(threads).permutation(len(scenarios))
     swims = lc.swim_many([scenarios[i] for i in order], threads=threads)
     assert swims.center_of_mass.shape == (len(scenarios), 3)
     for k, i in enumerate(order):
         trial = lc.swim(scenarios[i])
-        assert [*swims.center_of_mass[k], swims.heading[k]] == [*trial.center_of_mass[-1], trial.heading[-1]]
+        assert [*swims.center_of_mass[k], swims.heading[k]] == [
+            *trial.center_of_mass[-1],
+            trial.heading[-1],
+        ]
         assert (swims.succeeded[k], swims.status[k]) == (True, trial.status)
         for name in set(FIGURES) - {"steady_velocity"}:
             assert getattr(swims, name)[k] == getattr(trial, name), name
@@ -183,7 +220,9 @@ def test_a_spatial_trial_that_cannot_be_is_named_by_its_place():
     scenarios[3] = replace(scenarios[3], motion=pitching)
     with pytest.raises(ValueError, match=r"`scenarios\[3\]\.gait\.pitch` must be None"):
         lc.swim_many(scenarios)
-    with pytest.raises(ValueError, match=r"`scenarios\[2\]\.model` must be of class Spatial, got Planar"):
+    with pytest.raises(
+        ValueError, match=r"`scenarios\[2\]\.model` must be of class Spatial, got Planar"
+    ):
         lc.swim_many([*scenarios[:2], replace(scenarios[2], model=lc.Planar())])
     with pytest.raises(ValueError, match="`device` must be one of `cpu`, got 'cuda'"):
         lc.swim_many(scenarios, device="cuda")
@@ -205,7 +244,9 @@ def test_a_march_in_space_does_not_freeze_what_else_the_process_does():
     body = plant(lc.scenario(MAMBA, GAIT, model="spatial"))
     command = Command(gait=GAIT)
     body.march(body.init(lc.Start(), command), command, 1.0, 1.0)
-    march = threading.Thread(target=body.march, args=(body.init(lc.Start(), command), command, 200.0, 1.0))
+    march = threading.Thread(
+        target=body.march, args=(body.init(lc.Start(), command), command, 200.0, 1.0)
+    )
     march.start()
     begin = last = time.perf_counter()
     longest = 0.0
@@ -221,7 +262,9 @@ def test_two_threads_may_ask_one_plant_for_its_forces():
     commands = [Command(gait=replace(GAIT, amplitude=a)) for a in (0.3, 0.6)]
 
     def forces(command):
-        return body.march(body.init(lc.Start(), command), command, 1.0, 0.02, link_forces=True)[1].link_force["drag"]
+        return body.march(body.init(lc.Start(), command), command, 1.0, 0.02, link_forces=True)[
+            1
+        ].link_force["drag"]
 
     alone = [forces(command) for command in commands]
     with ThreadPoolExecutor(2) as pool:
@@ -264,10 +307,14 @@ def test_a_device_that_no_package_brings_is_refused():
 def test_what_many_trials_came_to_is_a_dataset_with_the_labels_of_a_sweep():
     gaits = [replace(GAIT, amplitude=amplitude) for amplitude in (0.3, 0.5, 0.7)]
     swims = lc.swim_many(MAMBA, gaits, 3.0)
-    found = swims.to_dataset().assign_coords(amplitude=("trial", [gait.amplitude for gait in gaits]))
+    found = swims.to_dataset().assign_coords(
+        amplitude=("trial", [gait.amplitude for gait in gaits])
+    )
     assert dict(found.sizes) == {"trial": 3, "axis": 2}
     for name in FIGURES:
-        assert found[name].values.tolist() == pytest.approx(getattr(swims, name).tolist(), nan_ok=True)
+        assert found[name].values.tolist() == pytest.approx(
+            getattr(swims, name).tolist(), nan_ok=True
+        )
     assert found.center_of_mass.sel(axis="y").values.tolist() == swims.center_of_mass[:, 1].tolist()
     assert found.status.values.tolist() == list(swims.status)
     labels = labels_of(lc.scenario(MAMBA, GAIT))

@@ -16,7 +16,9 @@ KNOWN = parameters(SCENARIO)
 
 
 def test_every_number_of_the_water_can_be_swept():
-    numbers = {field.name for field in fields(Water) if field.type in ("float", float, "float | None")}
+    numbers = {
+        field.name for field in fields(Water) if field.type in ("float", float, "float | None")
+    }
     numbers |= {"depth", "drag.reference_speed", "drag.sway_friction"}
     assert {f"water.{name}" for name in numbers} | {"water.current_x", "water.current_y"} == {
         name for name in KNOWN if name.startswith("water.")
@@ -60,7 +62,9 @@ def test_every_parameter_can_be_set_and_comes_out_where_it_belongs():
         wanted = (1.0 if before is None else before) + (1 if parameter.is_whole else 1e-3)
         after = changed(SCENARIO, {name: wanted})
         assert _value(after, name) == wanted
-        assert _value(changed(after, {name: before}), name) == before if before is not None else True
+        assert (
+            _value(changed(after, {name: before}), name) == before if before is not None else True
+        )
 
 
 def _value(scenario, name):
@@ -93,16 +97,27 @@ def test_the_numbers_of_a_flow_can_be_swept_and_those_of_each_in_a_sum():
     flow = replace(lc.load_current("turbulence"), seed=3)
     one = replace(SCENARIO, environment=replace(WATER, current=flow))
     known = {name for name in parameters(one) if name.startswith("water.current")}
-    assert known >= {"water.current.intensity", "water.current.seed", "water.current.mean_x", "water.current.mean_z"}
+    assert known >= {
+        "water.current.intensity",
+        "water.current.seed",
+        "water.current.mean_x",
+        "water.current.mean_z",
+    }
     assert parameters(one)["water.current.seed"].is_whole
     assert "water.current_x" not in known
-    values = {"water.current.intensity": 0.1, "water.current.seed": 5.0, "water.current.mean_y": 0.2}
+    values = {
+        "water.current.intensity": 0.1,
+        "water.current.seed": 5.0,
+        "water.current.mean_y": 0.2,
+    }
     found = changed(one, values).environment.current
     assert found == replace(flow, intensity=0.1, seed=5, mean=(0.1, 0.2, 0.0))
     assert type(found.seed) is int
     assert value_of("water.current.seed", one) == 3.0
     several = replace(one, environment=replace(WATER, current=flow + lc.load_current("vortex")))
-    assert {"water.current.flow[0].intensity", "water.current.flow[1].core"} < parameters(several).keys()
+    assert {"water.current.flow[0].intensity", "water.current.flow[1].core"} < parameters(
+        several
+    ).keys()
     other = changed(several, {"water.current.flow[1].core": 0.7}).environment.current
     assert other.flows == (flow, replace(lc.load_current("vortex"), core=0.7))
 
@@ -114,7 +129,9 @@ def test_the_number_of_links_and_what_they_are_like_can_be_set_together():
 
 
 def test_a_parameter_that_does_not_exist_is_refused_with_the_nearest():
-    with pytest.raises(ValueError, match=r"got 'gait.amplitud'; the nearest are `gait.amplitude`\."):
+    with pytest.raises(
+        ValueError, match=r"got 'gait.amplitud'; the nearest are `gait.amplitude`\."
+    ):
         look_up("gait.amplitud", KNOWN)
     expected = r"the nearest are `water.normal_drag`, `robot.module.normal_drag`, `robot.caudal_fin.normal_drag`\."
     with pytest.raises(ValueError, match=expected):
@@ -127,7 +144,9 @@ def test_a_parameter_that_does_not_exist_is_refused_with_the_nearest():
 
 def test_a_fin_can_be_swept_only_by_a_robot_that_has_one():
     bare = parameters(replace(SCENARIO, robot=lc.load_robot("mamba")))
-    assert {name for name in KNOWN if name not in bare} == {name for name in KNOWN if "caudal_fin" in name}
+    assert {name for name in KNOWN if name not in bare} == {
+        name for name in KNOWN if "caudal_fin" in name
+    }
 
 
 def test_on_the_ground_its_friction_can_be_swept():
@@ -140,9 +159,13 @@ def test_on_the_ground_its_friction_can_be_swept():
 def test_one_of_several_modules_goes_by_its_number_from_the_tail():
     scenario, name = replace(SCENARIO, robot=lc.load_robot("mamba")), "robot.module[3].normal_drag"
     assert name in parameters(scenario, each=True) and name not in parameters(scenario)
-    after = changed(scenario, {name: 2.5, "robot.module.mass": 0.7, "robot.joint[0].stiffness": 0.1})
+    after = changed(
+        scenario, {name: 2.5, "robot.module.mass": 0.7, "robot.joint[0].stiffness": 0.1}
+    )
     other = after.robot
-    assert [module.normal_drag for module in other.modules] == [2.5 if i == 3 else None for i in range(9)]
+    assert [module.normal_drag for module in other.modules] == [
+        2.5 if i == 3 else None for i in range(9)
+    ]
     assert {module.mass for module in other.modules} == {0.7}
     assert [joint.stiffness for joint in other.joints] == [0.1] + [0.0] * 7
     assert value_of(name, after) == 2.5

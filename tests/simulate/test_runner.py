@@ -8,7 +8,9 @@ from laticauda.robot import load_robot, load_water
 from laticauda.scenarios import Experiment
 from laticauda.simulate import runner
 
-GAIT = lc.lateral_undulation(amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40))
+GAIT = lc.lateral_undulation(
+    amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40)
+)
 
 
 @dataclass(frozen=True)
@@ -28,7 +30,9 @@ class TurnAfter(lc.Controller):
 
 
 def run(controller, **choices):
-    return lc.run(lc.plant(load_robot("mamba"), load_water("paper-lateral")), controller, 10.0, **choices)
+    return lc.run(
+        lc.plant(load_robot("mamba"), load_water("paper-lateral")), controller, 10.0, **choices
+    )
 
 
 def test_a_controller_is_asked_at_every_control_instant():
@@ -121,7 +125,9 @@ def test_a_trial_without_a_gait_needs_a_controller_to_go_on():
     trial = lc.swim(load_robot("mamba"), GAIT, duration=1.0)
     unknown = Experiment(robot=trial.robot, environment=trial.environment)
     trial = replace(trial, scenario=unknown)
-    with pytest.raises(ValueError, match="`controller` must be given to continue a trial that has no gait"):
+    with pytest.raises(
+        ValueError, match="`controller` must be given to continue a trial that has no gait"
+    ):
         lc.resume(lc.plant(load_robot("mamba"), trial.environment), trial, 1.0)
     with pytest.raises(ValueError, match="`trial` must be of class Trial, got str"):
         lc.resume(lc.plant(load_robot("mamba"), trial.environment), "run.nc", 1.0)
@@ -142,7 +148,10 @@ def test_until_is_not_asked_before_the_robot_has_swum():
 
 def test_a_plant_is_made_of_names_as_a_swim_is():
     named = lc.plant("mamba", "paper-lateral")
-    assert (named.robot, named.environment) == (lc.load_robot("mamba"), lc.load_water("paper-lateral"))
+    assert (named.robot, named.environment) == (
+        lc.load_robot("mamba"),
+        lc.load_water("paper-lateral"),
+    )
     assert isinstance(lc.plant("mamba", environment="coulomb").environment, lc.Ground)
     assert lc.plant("mamba").environment == lc.load_water("paper-lateral")
     amphibot = lc.load_robot("amphibot")

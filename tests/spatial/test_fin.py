@@ -36,7 +36,10 @@ CASES = {
 
 @settings(max_examples=15, deadline=None)
 @given(
-    st.integers(0, 2**32 - 1), st.integers(1, 6), st.booleans(), st.sampled_from(["relative", "kirchhoff", "classic"])
+    st.integers(0, 2**32 - 1),
+    st.integers(1, 6),
+    st.booleans(),
+    st.sampled_from(["relative", "kirchhoff", "classic"]),
 )
 def test_accelerations_are_the_planar_ones_in_any_state(seed, n_hinges, driven, form):
     rng = np.random.default_rng(seed)
@@ -51,22 +54,29 @@ def test_accelerations_are_the_planar_ones_in_any_state(seed, n_hinges, driven, 
     water = random_water(rng, form)
     a = layout(robot, water)
     S = a.template.copy()
-    body = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(-1, rows.BODY_ROWS)
+    body = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(
+        -1, rows.BODY_ROWS
+    )
     is_free = a.law != rows.LOCKED
     angle, rate = rng.uniform(-1.5, 1.5, is_free.sum()), rng.uniform(-3.0, 3.0, is_free.sum())
     body[is_free, rows.ANGLE], body[is_free, rows.RATE] = angle, rate
     body[:, rows.TOTAL_TORQUE] = (
         -body[:, rows.STIFFNESS] * body[:, rows.ANGLE] - body[:, rows.DAMPING] * body[:, rows.RATE]
     )
-    kernels().evaluate(S, a.n_bodies, a.first_strip, a.first_plate, is_free, a.tail_link, a.has_extras)
+    kernels().evaluate(
+        S, a.n_bodies, a.first_strip, a.first_plate, is_free, a.tail_link, a.has_extras
+    )
     expected = body[is_free, rows.ACCELERATION]
 
     model = lc.plant(robot, water, model="spatial", root="planar", gravity=False, dt=0.001).model
     data = mujoco.MjData(model)
     own = is_free.sum() - 3
     # There the joints of the body come first, and those of the fin follow from its root on.
-    data.qpos[3:], data.qvel[3:] = (np.append(values[own:], values[:own][::-1]) for values in (angle, rate))
-    # The same place and motion of the whole: the planar state is at rest and straight ahead as a mean.
+    data.qpos[3:], data.qvel[3:] = (
+        np.append(values[own:], values[:own][::-1]) for values in (angle, rate)
+    )
+    # The same place and motion of the whole: the planar state is at rest and straight ahead as a
+    # mean.
     tail_shares = np.arange(3, 0, -1) / 4.0
     data.qpos[2] = -tail_shares @ angle[own:]
     data.qvel[2] = -tail_shares @ rate[own:]
@@ -82,7 +92,9 @@ def test_accelerations_are_the_planar_ones_in_any_state(seed, n_hinges, driven, 
 @pytest.mark.parametrize("name", CASES)
 def test_the_difference_is_small_and_falls_with_the_step(name, joints):
     explicit = name == "driven" and joints == "prescribed"
-    steps = (0.05, 0.025) if explicit else (0.005, 0.0025) if joints == "prescribed" else (0.004, 0.002)
+    steps = (
+        (0.05, 0.025) if explicit else (0.005, 0.0025) if joints == "prescribed" else (0.004, 0.002)
+    )
     coarse, fine = parity(CASES[name], joints, steps, duration=4.0)
     assert fine.path < (1e-4 if joints == "prescribed" else 3e-3)
     assert fine.path < coarse.path / (10.0 if explicit else 2.5)
@@ -102,16 +114,23 @@ def test_ten_seconds_of_swimming_agree_at_the_default_steps(name):
     assert set(planar.signals) <= set(spatial.signals)
     for signal in planar.signals:
         scale = np.abs(planar.signals[signal]).max()
-        np.testing.assert_allclose(spatial.signals[signal], planar.signals[signal], atol=2e-2 * scale)
+        np.testing.assert_allclose(
+            spatial.signals[signal], planar.signals[signal], atol=2e-2 * scale
+        )
 
 
 def test_forces_on_links_agree_with_a_bent_fin():
     both = CASES["elastic"]
     settings = {"environment": both.environment, "dt": 5e-4, "link_forces": True}
-    planar, spatial = (lc.swim(both.robot, both.gait, 1.0, model=model, **settings) for model in ("planar", "spatial"))
+    planar, spatial = (
+        lc.swim(both.robot, both.gait, 1.0, model=model, **settings)
+        for model in ("planar", "spatial")
+    )
     for name in ("drag", "added_mass"):
         expected = planar.link_force[name]
-        np.testing.assert_allclose(spatial.link_force[name][..., :2], expected, atol=2e-3 * np.abs(expected).max())
+        np.testing.assert_allclose(
+            spatial.link_force[name][..., :2], expected, atol=2e-3 * np.abs(expected).max()
+        )
 
 
 def test_a_run_goes_on_where_it_ended():
@@ -129,13 +148,17 @@ def test_a_free_root_with_weight_carries_an_elastic_fin():
     bent, rigid = (lc.swim(robot, both.gait, 4.0, **settings) for robot in (both.robot, FIN.robot))
     assert bent.succeeded
     assert np.abs(bent.fin_angle).max() > 0.05
-    np.testing.assert_allclose(bent.center_of_mass[:, 2], rigid.center_of_mass[:, 2], atol=0.01)  # both float up
+    np.testing.assert_allclose(
+        bent.center_of_mass[:, 2], rigid.center_of_mass[:, 2], atol=0.01
+    )  # both float up
 
 
 @pytest.mark.parametrize("robot", [FIN.robot, CASES["elastic"].robot])
 def test_a_robot_with_a_fin_lies_on_dry_ground(robot):
     still = replace(FIN.gait, amplitude=0.0)
-    trial = lc.swim(robot, still, 1.0, environment=lc.load_ground("coulomb"), model="spatial", root="free")
+    trial = lc.swim(
+        robot, still, 1.0, environment=lc.load_ground("coulomb"), model="spatial", root="free"
+    )
     assert trial.succeeded
     assert np.ptp(trial.center_of_mass[:, 2]) < 0.01
 
@@ -149,7 +172,11 @@ def test_an_actuator_turns_a_driven_fin_the_way_the_body_bends():
     data.joint("fin_joint").qpos[:] = 0.3
     mujoco.mj_forward(model, data)
     edge = data.body("caudal_fin_2").xmat.reshape(3, 3)[:, 0]
-    assert math.atan2(edge[1], edge[0]) == pytest.approx(-0.3)  # what is behind the hinge turns right
+    assert math.atan2(edge[1], edge[0]) == pytest.approx(
+        -0.3
+    )  # what is behind the hinge turns right
     assert data.sensor("fin_angle").data[0] == pytest.approx(0.3)
     assert model.actuator("fin_servo").forcerange[1] == robot.caudal_fin.joint.actuator.stall_torque
-    assert model.joint("fin_hinge_1").stiffness[0] == pytest.approx(robot.caudal_fin.hinges[0].stiffness)
+    assert model.joint("fin_hinge_1").stiffness[0] == pytest.approx(
+        robot.caudal_fin.hinges[0].stiffness
+    )

@@ -44,7 +44,7 @@ def random_pose(model, data, joint_angle, seed=0):
     return float(data.joint("root_yaw").qpos[0])
 
 
-# ---- what it weighs --------------------------------------------------------------------------------------------------
+# ---- what it weighs ------------------------------------------------------------------------------
 
 
 @given(robots())
@@ -64,7 +64,9 @@ def test_head_and_tail_are_as_far_apart_as_the_robot_is_long(preset):
     robot = lc.load_robot(preset)
     model, data = compiled(robot)
     mujoco.mj_forward(model, data)
-    neck = np.linalg.norm(data.body(f"module_{robot.n_links - 1}").xpos - data.body("module_0").xpos)
+    neck = np.linalg.norm(
+        data.body(f"module_{robot.n_links - 1}").xpos - data.body("module_0").xpos
+    )
     assert neck + robot.modules[-1].length == pytest.approx(robot.length)
     assert model.njnt == robot.n_joints + 1
 
@@ -79,20 +81,31 @@ def test_kinetic_energy_is_that_of_the_planar_chain(robot, draw):
     phi = np.array([draw.draw(st.floats(-most, most)) for most in limit])
     theta = kinematics.link_angles(phi, angle=random_pose(model, data, phi), link=0)
     joint_rate = np.array([float(data.joint(f"joint_{i}").qvel[0]) for i in range(robot.n_joints)])
-    theta_rate = kinematics.link_angles(joint_rate, angle=float(data.joint("root_yaw").qvel[0]), link=0)
+    theta_rate = kinematics.link_angles(
+        joint_rate, angle=float(data.joint("root_yaw").qvel[0]), link=0
+    )
 
     normal = np.stack((-np.sin(theta), np.cos(theta)), axis=1)
-    steps = np.array([module.length for module in robot.modules])[:, None] * normal * theta_rate[:, None]
+    steps = (
+        np.array([module.length for module in robot.modules])[:, None]
+        * normal
+        * theta_rate[:, None]
+    )
     tail = np.array([data.joint("root_x").qvel[0], data.joint("root_y").qvel[0]])
     ends = tail + np.vstack((np.zeros(2), np.cumsum(steps, axis=0)))
     energy = 0.0
     for i, module in enumerate(robot.modules):
         velocity = ends[i] + (module.half_length + module.center) * normal[i] * theta_rate[i]
-        energy += 0.5 * module.mass * velocity @ velocity + 0.5 * module.moment_of_inertia * theta_rate[i] ** 2
+        energy += (
+            0.5 * module.mass * velocity @ velocity
+            + 0.5 * module.moment_of_inertia * theta_rate[i] ** 2
+        )
     if robot.caudal_fin is not None:
         angle, rate, root = theta[0], theta_rate[0], tail
         for k, piece in enumerate(robot.caudal_fin.pieces):
-            name = f"fin_hinge_{k}" if piece.hinge else "fin_joint" if robot.caudal_fin.joint else None
+            name = (
+                f"fin_hinge_{k}" if piece.hinge else "fin_joint" if robot.caudal_fin.joint else None
+            )
             if name is not None:
                 angle -= float(data.joint(name).qpos[0])
                 rate -= float(data.joint(name).qvel[0])
@@ -110,17 +123,22 @@ def test_kinetic_energy_is_that_of_the_planar_chain(robot, draw):
 def test_moments_of_inertia_are_those_of_a_possible_body(vertical, across, above):
     about_x, about_y, about_z = moments(vertical, across, above)
     assert about_z == vertical
-    assert min(about_x + about_y - about_z, about_y + about_z - about_x, about_z + about_x - about_y) >= -1e-12
+    assert (
+        min(about_x + about_y - about_z, about_y + about_z - about_x, about_z + about_x - about_y)
+        >= -1e-12
+    )
 
 
 def test_a_long_cylinder_has_the_moments_of_a_cylinder():
     mass, length, a, b = 0.77, 0.9, 0.055, 0.05
     solid = mass * (length**2 / 12.0 + b**2 / 4.0)
     found = moments(solid, mass * b**2 / 4.0, mass * a**2 / 4.0)
-    assert found == pytest.approx((mass * (a**2 + b**2) / 4.0, mass * (length**2 / 12.0 + a**2 / 4.0), solid))
+    assert found == pytest.approx(
+        (mass * (a**2 + b**2) / 4.0, mass * (length**2 / 12.0 + a**2 / 4.0), solid)
+    )
 
 
-# ---- where everything is ---------------------------------------------------------------------------------------------
+# ---- where everything is -------------------------------------------------------------------------
 
 
 @given(robots(), st.data())
@@ -134,15 +152,23 @@ def test_modules_are_where_kinematics_says(robot, draw):
     bend = np.zeros(0)
     if robot.caudal_fin is not None:
         first = 0 if robot.caudal_fin.joint else 1
-        names = [f"fin_hinge_{k}" if k else "fin_joint" for k in range(first, robot.caudal_fin.n_hinges + 1)]
+        names = [
+            f"fin_hinge_{k}" if k else "fin_joint"
+            for k in range(first, robot.caudal_fin.n_hinges + 1)
+        ]
         for k, name in enumerate(names):
             data.joint(name).qpos[:] = 0.3 * math.cos(k)
         mujoco.mj_forward(model, data)
         center = data.subtree_com[1][:2]
         bend = np.array([0.3 * math.cos(k) for k in range(len(names))])
-        hinges = [f"caudal_fin_{k}" if k else "caudal_fin" for k in range(robot.caudal_fin.n_hinges, -1, -1)]
+        hinges = [
+            f"caudal_fin_{k}" if k else "caudal_fin"
+            for k in range(robot.caudal_fin.n_hinges, -1, -1)
+        ]
         line = kinematics.Posture(robot, center, theta, fin_angle=bend).fin_line
-        np.testing.assert_allclose(line[1:], [data.body(name).xpos[:2] for name in hinges], atol=1e-9)
+        np.testing.assert_allclose(
+            line[1:], [data.body(name).xpos[:2] for name in hinges], atol=1e-9
+        )
     found = np.array([data.body(f"module_{i}").xpos[:2] for i in range(robot.n_links)])
     posture = kinematics.Posture(robot, center, theta, bend)
     np.testing.assert_allclose(found, posture.link_ends[:-1], atol=1e-9)
@@ -187,22 +213,30 @@ def test_effectors_are_sites_with_their_own_axes():
     robot = replace(
         lc.load_robot("mamba"),
         thrusters=(Thruster(link=0, thrust=1.0, angle=0.5, x=-0.05, y=0.02),),
-        pectoral_fins=(PectoralFin(link=8, area=0.01, lift_slope=3.0, stall_angle=0.4, angle=-0.2),),
+        pectoral_fins=(
+            PectoralFin(link=8, area=0.01, lift_slope=3.0, stall_angle=0.4, angle=-0.2),
+        ),
     )
     model, data = compiled(robot)
     mujoco.mj_forward(model, data)
     thruster, fin = data.site("thruster_0"), data.site("pectoral_fin_0")
     np.testing.assert_allclose(thruster.xpos, [0.04, 0.02, -0.5])
-    np.testing.assert_allclose(thruster.xmat.reshape(3, 3)[:, 0], [math.cos(0.5), math.sin(0.5), 0.0])
-    np.testing.assert_allclose(fin.xmat.reshape(3, 3)[:, 0], [math.cos(0.2), -math.sin(0.2), 0.0], atol=1e-12)
+    np.testing.assert_allclose(
+        thruster.xmat.reshape(3, 3)[:, 0], [math.cos(0.5), math.sin(0.5), 0.0]
+    )
+    np.testing.assert_allclose(
+        fin.xmat.reshape(3, 3)[:, 0], [math.cos(0.2), -math.sin(0.2), 0.0], atol=1e-12
+    )
 
 
-# ---- joints, servos and sensors --------------------------------------------------------------------------------------
+# ---- joints, servos and sensors ------------------------------------------------------------------
 
 
 def test_joints_have_the_robots_limits_and_its_skin():
     robot = lc.load_robot("mamba")
-    robot = replace(robot, joints=[Joint(limit=0.1 * (i + 1), stiffness=i, damping=0.5) for i in range(8)])
+    robot = replace(
+        robot, joints=[Joint(limit=0.1 * (i + 1), stiffness=i, damping=0.5) for i in range(8)]
+    )
     model, _ = compiled(robot)
     for i in range(8):
         joint = model.joint(f"joint_{i}")
@@ -233,8 +267,15 @@ def test_sensors_read_what_they_are_called():
     assert data.sensor("joint_angle_5").data == pytest.approx(0.3)
     assert data.sensor("joint_rate_5").data == pytest.approx(-2.0)
     names = {model.sensor(i).name for i in range(model.nsensor)}
-    for kind, first, last in (("joint_angle", 0, 17), ("acceleration", 0, 18), ("force", 1, 18), ("torque", 1, 18)):
-        assert {f"{kind}_{i}" for i in range(first, last + 1)} == {n for n in names if n.startswith(f"{kind}_")}
+    for kind, first, last in (
+        ("joint_angle", 0, 17),
+        ("acceleration", 0, 18),
+        ("force", 1, 18),
+        ("torque", 1, 18),
+    ):
+        assert {f"{kind}_{i}" for i in range(first, last + 1)} == {
+            n for n in names if n.startswith(f"{kind}_")
+        }
 
 
 def test_the_force_sensor_carries_what_hangs_on_it():
@@ -245,7 +286,7 @@ def test_the_force_sensor_carries_what_hangs_on_it():
     assert compiled(robot, sensors=False)[0].nsensor == 0
 
 
-# ---- the place -------------------------------------------------------------------------------------------------------
+# ---- the place -----------------------------------------------------------------------------------
 
 
 def test_the_robot_starts_in_the_waters_depth_or_on_the_ground():
@@ -281,11 +322,15 @@ def test_a_robot_on_the_shore_lies_on_it_and_the_ramp_leads_from_it_to_the_floor
     seen = np.zeros(1, dtype=np.int32)
     surface = {}
     for x in (0.0, 2.4, 2.6, 6.0, 9.9, 12.0):
-        distance = mujoco.mj_ray(model, data, np.array([x, 1.0, 2.0]), np.array([0.0, 0.0, -1.0]), None, 1, -1, seen)
+        distance = mujoco.mj_ray(
+            model, data, np.array([x, 1.0, 2.0]), np.array([0.0, 0.0, -1.0]), None, 1, -1, seen
+        )
         names = model.geom(int(seen[0])).name
         if names == "water":
             start = np.array([x, 1.0, -1e-6])
-            distance = 2.0 + mujoco.mj_ray(model, data, start, np.array([0.0, 0.0, -1.0]), None, 1, -1, seen)
+            distance = 2.0 + mujoco.mj_ray(
+                model, data, start, np.array([0.0, 0.0, -1.0]), None, 1, -1, seen
+            )
         surface[x] = 2.0 - distance
     assert surface[0.0] == surface[2.4] == pytest.approx(0.10)
     slope = math.tan(math.radians(12.0))
@@ -296,7 +341,10 @@ def test_a_robot_on_the_shore_lies_on_it_and_the_ramp_leads_from_it_to_the_floor
 
 def test_places_that_exclude_each_other_are_refused():
     for scene in ("shore", "tank"):
-        with pytest.raises(ValueError, match=f"`scene` must not be `{scene}` without water, got the ground `coulomb`"):
+        with pytest.raises(
+            ValueError,
+            match=f"`scene` must not be `{scene}` without water, got the ground `coulomb`",
+        ):
             mjcf.spec(lc.load_robot("mamba"), lc.load_ground("coulomb"), scene=scene)
 
 
@@ -308,7 +356,7 @@ def test_modules_do_not_touch_each_other():
     assert data.ncon == 0
 
 
-# ---- files, doors, bad input -----------------------------------------------------------------------------------------
+# ---- files, doors, bad input ---------------------------------------------------------------------
 
 
 def test_a_mesh_per_module_is_seen_and_touched(tmp_path):
@@ -332,9 +380,13 @@ def test_bad_arguments_are_refused_by_name():
         mjcf.spec(robot, WATER, actuators="pd")
     with pytest.raises(ValueError, match=r"`scene` must be one of `pegs`, .*, got 'hill'"):
         mjcf.spec(robot, WATER, scene="hill")
-    with pytest.raises(ValueError, match=r"`meshes` must be one file per module \(9\) or none, got 1"):
+    with pytest.raises(
+        ValueError, match=r"`meshes` must be one file per module \(9\) or none, got 1"
+    ):
         mjcf.spec(robot, WATER, meshes=["a.stl"])
-    with pytest.raises(ValueError, match=r"`meshes` must be existing .stl or .obj files, got a.stl"):
+    with pytest.raises(
+        ValueError, match=r"`meshes` must be existing .stl or .obj files, got a.stl"
+    ):
         mjcf.spec(robot, WATER, meshes=["a.stl"] * 9)
     with pytest.raises(ValueError, match="`robot` must be of class Robot, got str"):
         mjcf.spec("mamba", WATER)
@@ -344,7 +396,9 @@ def test_bad_arguments_are_refused_by_name():
 
 def test_without_mujoco_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    with pytest.raises(MissingExtra, match=r'The 3D model needs MuJoCo; run `pip install "laticauda\[spatial\]"`'):
+    with pytest.raises(
+        MissingExtra, match=r'The 3D model needs MuJoCo; run `pip install "laticauda\[spatial\]"`'
+    ):
         mjcf.spec(lc.load_robot("mamba"), WATER)
 
 
@@ -355,7 +409,8 @@ def test_the_module_can_be_imported_without_loading_mujoco():
 
 def test_one_module_alone_is_a_model_too():
     robot = lc.Robot(
-        name="one", modules=[Module(length=0.1, mass=1.0, section=Section(half_height=0.05, half_width=0.05))]
+        name="one",
+        modules=[Module(length=0.1, mass=1.0, section=Section(half_height=0.05, half_width=0.05))],
     )
     model, _ = compiled(robot, actuators="servo")
     assert (model.nq, model.nu) == (7, 0)

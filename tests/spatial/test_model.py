@@ -47,7 +47,9 @@ def test_the_water_is_there_again_when_somebody_took_the_callback():
 def test_it_starts_straight_at_the_start_that_is_asked_for():
     for root in ("planar", "free"):
         body = plant(ROBOT, WATER, model="spatial", root=root)
-        seen = body.observe(body.init(Start(center_of_mass=(1.0, -2.0), heading=2.5), Command(gait=GAIT)))
+        seen = body.observe(
+            body.init(Start(center_of_mass=(1.0, -2.0), heading=2.5), Command(gait=GAIT))
+        )
         np.testing.assert_allclose(seen.center_of_mass[:2], (1.0, -2.0), atol=1e-12)
         np.testing.assert_allclose(seen.link_angle, 2.5)
         assert seen.heading == pytest.approx(2.5)
@@ -77,7 +79,10 @@ def test_prescribed_joints_are_on_the_reference_and_pitch_joints_straight():
 
 
 def test_without_gravity_a_free_root_stays_in_the_plane_and_equals_the_planar_root():
-    free, held = (lc.swim(ROBOT, GAIT, 4.0, model="spatial", root=root, gravity=False) for root in ("free", "planar"))
+    free, held = (
+        lc.swim(ROBOT, GAIT, 4.0, model="spatial", root=root, gravity=False)
+        for root in ("free", "planar")
+    )
     np.testing.assert_allclose(free.center_of_mass[:, 2], free.center_of_mass[0, 2], atol=1e-9)
     np.testing.assert_allclose(free.center_of_mass[:, :2], held.center_of_mass[:, :2], atol=1e-6)
     np.testing.assert_allclose(free.heading, held.heading, atol=1e-6)
@@ -85,7 +90,10 @@ def test_without_gravity_a_free_root_stays_in_the_plane_and_equals_the_planar_ro
 
 def test_the_heading_is_unwrapped_through_full_turns():
     gait = replace(GAIT, offset=0.3)
-    free, held = (lc.swim(ROBOT, gait, 25.0, model="spatial", root=root, gravity=False) for root in ("free", "planar"))
+    free, held = (
+        lc.swim(ROBOT, gait, 25.0, model="spatial", root=root, gravity=False)
+        for root in ("free", "planar")
+    )
     assert held.heading[-1] > 2.0 * np.pi
     np.testing.assert_allclose(free.heading, held.heading, atol=1e-4)
 
@@ -122,10 +130,14 @@ def test_the_physical_robot_swims_upright_from_any_roll():
 def test_a_heavy_robot_sinks_to_the_floor_of_the_tank_and_rests_there():
     robot = replace(ROBOT, modules=tuple(replace(m, mass=1.8) for m in ROBOT.modules))
     body = SpatialPlant(
-        robot=robot, environment=WATER, settings=lc.Spatial(root="free", scene="tank", dt=0.002, joints=Servo())
+        robot=robot,
+        environment=WATER,
+        settings=lc.Spatial(root="free", scene="tank", dt=0.002, joints=Servo()),
     )
     command = Command(gait=replace(GAIT, amplitude=0.0))
-    _, log, failure = body.march(body.init(Start(center_of_mass=(2.0, 0.0)), command), command, 12.0, 0.1)
+    _, log, failure = body.march(
+        body.init(Start(center_of_mass=(2.0, 0.0)), command), command, 12.0, 0.1
+    )
     assert failure is None
     height = robot.modules[0].section.half_height - body.settings.ballast_depth
     assert log.center_of_mass[-1, 2] == pytest.approx(-1.5 + height, abs=2e-3)
@@ -141,7 +153,9 @@ def test_joint_limits_do_not_hold_prescribed_joints_up():
 
 def test_where_the_mass_is_above_the_middle_it_is_warned_of():
     robot = lc.load_robot("mamba-modules-fin")
-    body = SpatialPlant(robot=robot, environment=WATER, settings=lc.Spatial(ballast_depth=-0.002, dt=0.01))
+    body = SpatialPlant(
+        robot=robot, environment=WATER, settings=lc.Spatial(ballast_depth=-0.002, dt=0.01)
+    )
     with pytest.warns(UserWarning, match="`module_0` turns over"):
         body.model  # noqa: B018
 
@@ -164,19 +178,27 @@ def test_elements_have_the_planar_model_s_numbers_in_the_plane_and_the_turned_el
         assert e.drag[:2] == (c.c_t[i], c.c_n[i])
         assert e.added_mass[:2] == (c.mu_t[i], c.mu_n[i])
         assert e.drag[2] == pytest.approx(c.c_n[i] * section.half_width / section.half_height)
-        assert e.added_mass[2] == pytest.approx(c.mu_n[i] * (section.half_width / section.half_height) ** 2)
+        assert e.added_mass[2] == pytest.approx(
+            c.mu_n[i] * (section.half_width / section.half_height) ** 2
+        )
     assert sum(e.volume for e in elements) == pytest.approx(robot.volume)
-    assert sum(e.added_mass[1] for e in elements[robot.n_links :]) == pytest.approx(np.sum(c.fin.mu_n))
+    assert sum(e.added_mass[1] for e in elements[robot.n_links :]) == pytest.approx(
+        np.sum(c.fin.mu_n)
+    )
 
 
 def test_bad_settings_are_refused_by_name():
     with pytest.raises(ValueError, match="`root` must be one of `free`, `planar`, got 'held'"):
         plant(ROBOT, WATER, model="spatial", root="held")
-    with pytest.raises(ValueError, match="`root` must be left out unless `model` is `spatial`, got 'free'"):
+    with pytest.raises(
+        ValueError, match="`root` must be left out unless `model` is `spatial`, got 'free'"
+    ):
         plant(ROBOT, WATER, root="free")
     with pytest.raises(ValueError, match="`dt` must be between"):
         SpatialPlant(robot=ROBOT, environment=WATER, settings=lc.Spatial(dt=0.0))
-    with pytest.raises(ValueError, match="`state` must be that of a spatial run of 9 links with a planar root"):
+    with pytest.raises(
+        ValueError, match="`state` must be that of a spatial run of 9 links with a planar root"
+    ):
         plant(ROBOT, WATER, model="spatial").unpack({})
 
 

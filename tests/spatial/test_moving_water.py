@@ -32,13 +32,17 @@ def test_the_plane_and_space_agree_in_waves_and_in_shear(robot: str, flow: Flow)
     assert np.abs(planar.center_of_mass[-1] - still.center_of_mass[-1]).max() > 0.05 * distance
     for name in ("drag", "added_mass"):
         forces = planar.link_force[name]
-        np.testing.assert_allclose(spatial.link_force[name][..., :2], forces, atol=1e-4 * np.abs(forces).max())
+        np.testing.assert_allclose(
+            spatial.link_force[name][..., :2], forces, atol=1e-4 * np.abs(forces).max()
+        )
 
 
 @pytest.mark.parametrize("form", ["relative", "kirchhoff", "classic"])
 @pytest.mark.parametrize("model", ["planar", "spatial"])
 @pytest.mark.parametrize("compiled", [False, True])
-def test_a_robot_in_a_current_is_one_in_still_water_seen_from_a_moving_frame(model: str, form: str, compiled: bool):
+def test_a_robot_in_a_current_is_one_in_still_water_seen_from_a_moving_frame(
+    model: str, form: str, compiled: bool
+):
     """But for `classic`, whose velocity terms see the water's velocity and not the relative one."""
     velocity, robot = np.array((0.08, -0.05)), lc.load_robot("mamba-fin")
     still = replace(STILL, added_mass_form=form)
@@ -65,7 +69,9 @@ def test_a_robot_at_rest_in_turning_water_is_turned_as_one_that_turns_in_still_w
     rate, dt, gains = 0.4, 1e-5, []
     straight = lc.Command(gait=replace(GAIT, amplitude=0.0))
     for turning, current in ((-rate, (0.0, 0.0)), (0.0, Moving(shear=-rate, swing=rate))):
-        plant = lc.plant(lc.load_robot("mamba-fin"), replace(STILL, current=current), model="planar", dt=dt)
+        plant = lc.plant(
+            lc.load_robot("mamba-fin"), replace(STILL, current=current), model="planar", dt=dt
+        )
         state = plant.init(lc.Start(), straight)
         state.values[rows.HEADING_RATE - rows.TIME] += turning
         end, _, _ = plant.march(state, straight, dt, dt)
@@ -78,7 +84,10 @@ def test_in_waves_robots_of_one_scene_far_apart_swim_as_alone_and_a_run_goes_on_
     water = replace(STILL, current=WAVES)
     robot, settings = lc.load_robot("mamba"), {"model": "spatial", "root": "free", "scene": "open"}
     starts = [lc.Start(center_of_mass=(0.0, 5.0 * k), depth=0.07) for k in range(2)]
-    scenarios = [lc.scenario(robot, GAIT, 1.0, environment=water, start=start, **settings) for start in starts]
+    scenarios = [
+        lc.scenario(robot, GAIT, 1.0, environment=water, start=start, **settings)
+        for start in starts
+    ]
     together, alone = lc.swim_together(scenarios), [lc.swim(one) for one in scenarios]
     for a, b in zip(together, alone, strict=True):
         assert np.array_equal(a.center_of_mass, b.center_of_mass)

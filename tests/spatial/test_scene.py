@@ -15,12 +15,19 @@ from laticauda.spatial.scene import HeightField, Mjcf, Pegs, Slope, Tank
 
 ROBOT = lc.load_robot("mamba")
 WATER = lc.load_water("paper-lateral")
-GAIT = lc.lateral_undulation(amplitude=radians(30.0), frequency=radians(90.0), phase_shift=radians(40.0))
+GAIT = lc.lateral_undulation(
+    amplitude=radians(30.0), frequency=radians(90.0), phase_shift=radians(40.0)
+)
 STILL = replace(GAIT, amplitude=0.0)
 
 
 def swim(scene, duration=4.0, gait=GAIT, **settings):
-    return lc.swim(ROBOT, gait, duration, **{"environment": WATER, "model": "spatial", "scene": scene, **settings})
+    return lc.swim(
+        ROBOT,
+        gait,
+        duration,
+        **{"environment": WATER, "model": "spatial", "scene": scene, **settings},
+    )
 
 
 def wall(spec):
@@ -31,7 +38,13 @@ def wall(spec):
 @pytest.mark.parametrize("joints", ["prescribed", "servo"])
 def test_a_wall_takes_the_momentum_of_a_robot_that_swims_against_it(joints):
     body = plant(ROBOT, WATER, model="spatial", scene=wall, joints=joints)
-    trial = run(body, OpenLoop(command=Command(gait=STILL)), 2.0, start=Start(velocity=0.5), sample_interval=0.002)
+    trial = run(
+        body,
+        OpenLoop(command=Command(gait=STILL)),
+        2.0,
+        start=Start(velocity=0.5),
+        sample_interval=0.002,
+    )
     force = trial.link_force["contact"]
     assert np.all(force[:, :-1] == 0.0)  # the head alone is there
     assert np.min(force[:, -1, 0]) < -1.0
@@ -68,7 +81,8 @@ def test_contact_forces_are_saved_and_loaded(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "scene", [Pegs(spacing=0.5), Slope(angle=0.1), Tank(), HeightField(heights=((0.0, 1.0), (0.5, 0.0)))]
+    "scene",
+    [Pegs(spacing=0.5), Slope(angle=0.1), Tank(), HeightField(heights=((0.0, 1.0), (0.5, 0.0)))],
 )
 def test_a_scene_is_a_value_that_files_keep(scene, tmp_path):
     scenario = lc.scenario(ROBOT, GAIT, 1.0, model="spatial", scene=scene)
@@ -85,32 +99,43 @@ def test_what_cannot_be_is_refused_by_name(tmp_path):
         spec.worldbody.add_body(name="module_3")
 
     def flat(spec):
-        spec.add_mesh(name="sheet", uservert=[0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0], userface=[0, 1, 2, 1, 3, 2])
+        spec.add_mesh(
+            name="sheet", uservert=[0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0], userface=[0, 1, 2, 1, 3, 2]
+        )
         spec.worldbody.add_geom(name="sheet", type=7, meshname="sheet")
 
     with pytest.raises(
-        ValueError, match=r"`start` must not put the robot into `rock` of the scene, but module_\d is \d+ mm deep"
+        ValueError,
+        match=r"`start` must not put the robot into `rock` of the scene, but module_\d is \d+ mm deep",
     ):
         swim(inside)
-    with pytest.raises(ValueError, match="with the robot; MuJoCo says: repeated name 'module_3' in body"):
+    with pytest.raises(
+        ValueError, match="with the robot; MuJoCo says: repeated name 'module_3' in body"
+    ):
         swim(clash)
     with pytest.raises(
         ValueError,
         match="with the robot; MuJoCo says: mesh 'sheet' has coplanar",
     ):
         swim(flat)
-    with pytest.raises(ValueError, match="`scene` must not be `tank` without water, got the ground `coulomb`"):
+    with pytest.raises(
+        ValueError, match="`scene` must not be `tank` without water, got the ground `coulomb`"
+    ):
         swim("tank", environment=lc.load_ground("coulomb"), root="free")
     with pytest.raises(ValueError, match="`scene` must be one of `pegs`"):
         swim("peggs")
-    with pytest.raises(ValueError, match="`scene` must compile in MuJoCo together with the robot; MuJoCo says: "):
+    with pytest.raises(
+        ValueError, match="`scene` must compile in MuJoCo together with the robot; MuJoCo says: "
+    ):
         swim(str(tmp_path / "none.xml"))
-    (tmp_path / "twice.xml").write_text("<mujoco><worldbody><body name='module_1'/></worldbody></mujoco>")
+    (tmp_path / "twice.xml").write_text(
+        "<mujoco><worldbody><body name='module_1'/></worldbody></mujoco>"
+    )
     with pytest.raises(ValueError, match=r"`scene` must .*module_1"):
         swim(Mjcf(file=str(tmp_path / "twice.xml")))
 
 
-# ---- locomotion by obstacles, terrain --------------------------------------------------------------------------------
+# ---- locomotion by obstacles, terrain ------------------------------------------------------------
 
 SNAKE = lc.load_robot("mamba-modules")
 SLOW = replace(GAIT, frequency=radians(60.0))
@@ -121,7 +146,12 @@ def same_in_all_directions():
     section = SNAKE.modules[0].section
     a, b = section.half_height, section.half_width
     share = 4.0 * a / (np.pi * (a + b))  # c_t = c_n
-    plain = {"added_mass": 0.0, "added_inertia": 0.0, "normal_drag": 1.0, "tangential_friction": share}
+    plain = {
+        "added_mass": 0.0,
+        "added_inertia": 0.0,
+        "normal_drag": 1.0,
+        "tangential_friction": share,
+    }
     return replace(WATER, density=SNAKE.mass / SNAKE.volume, **plain)
 
 
@@ -129,7 +159,9 @@ def same_in_all_directions():
 def test_without_anisotropic_friction_it_moves_by_its_pegs_alone(environment):
     ways = []
     for scene in (None, "pegs"):
-        trial = lc.swim(SNAKE, SLOW, 8.0, environment=environment, model="spatial", scene=scene, throw=True)
+        trial = lc.swim(
+            SNAKE, SLOW, 8.0, environment=environment, model="spatial", scene=scene, throw=True
+        )
         ways.append(trial.center_of_mass[-1, 0] - trial.center_of_mass[0, 0])
     push = trial.link_force["contact"][:, :, 0].sum(axis=1)
     assert ways[0] < 0.1
@@ -147,7 +179,14 @@ def test_terrain_of_the_elements_is_the_ground_that_mujoco_has():
         mujoco.mj_forward(model, data)
         for x, y in np.random.default_rng(3).uniform((-2.0, -2.0), (5.0, 2.0), (40, 2)):
             hit = mujoco.mj_ray(
-                model, data, np.array([x, y, 3.0]), np.array([0.0, 0.0, -1.0]), None, 1, -1, np.zeros(1, "i4")
+                model,
+                data,
+                np.array([x, y, 3.0]),
+                np.array([0.0, 0.0, -1.0]),
+                None,
+                1,
+                -1,
+                np.zeros(1, "i4"),
             )
             assert 3.0 - hit == pytest.approx(scene.terrain.at(x, y)[0], abs=2e-3)
 
@@ -156,13 +195,19 @@ def test_the_tangents_of_a_terrain_are_its_derivatives():
     terrain, step = HeightField(amplitude=0.1).terrain, 1e-6
     for x, y in np.random.default_rng(4).uniform(-1.0, 1.0, (20, 2)):
         _, fall_x, fall_y = terrain.at(x, y)
-        assert fall_x == pytest.approx((terrain.at(x - step, y)[0] - terrain.at(x + step, y)[0]) / (2 * step), abs=1e-3)
-        assert fall_y == pytest.approx((terrain.at(x, y - step)[0] - terrain.at(x, y + step)[0]) / (2 * step), abs=1e-3)
+        assert fall_x == pytest.approx(
+            (terrain.at(x - step, y)[0] - terrain.at(x + step, y)[0]) / (2 * step), abs=1e-3
+        )
+        assert fall_y == pytest.approx(
+            (terrain.at(x, y - step)[0] - terrain.at(x, y + step)[0]) / (2 * step), abs=1e-3
+        )
 
 
 def test_a_snake_crawls_over_uneven_ground_and_follows_it():
     skin = replace(BARE, normal=0.5)
-    trial = lc.swim(SNAKE, SLOW, 5.0, environment=skin, model="spatial", scene=HeightField(), throw=True)
+    trial = lc.swim(
+        SNAKE, SLOW, 5.0, environment=skin, model="spatial", scene=HeightField(), throw=True
+    )
     assert trial.center_of_mass[-1, 0] - trial.center_of_mass[0, 0] > 0.2
     assert 0.03 < np.mean(trial.center_of_mass[:, 2]) < 0.09
     assert np.ptp(trial.center_of_mass[:, 2]) > 0.01
@@ -175,18 +220,26 @@ def test_a_ray_measures_the_way_to_a_wall():
     np.testing.assert_allclose(ranges, (ahead, ahead / np.cos(np.pi / 3.0), np.inf), rtol=1e-6)
 
 
-# ---- several robots --------------------------------------------------------------------------------------------------
+# ---- several robots ------------------------------------------------------------------------------
 
 
 def one(y, robot="mamba", **changes):
-    given = {"model": "spatial", "scene": "open", "start": Start(center_of_mass=(0.0, y)), **changes}
+    given = {
+        "model": "spatial",
+        "scene": "open",
+        "start": Start(center_of_mass=(0.0, y)),
+        **changes,
+    }
     gait = replace(GAIT, frequency=GAIT.frequency * (0.78 if y else 1.0))
     return lc.scenario(robot, gait, given.pop("duration", 2.0), **given)
 
 
 @pytest.mark.parametrize("joints", ["prescribed", "servo"])
 def test_robots_that_are_far_apart_swim_as_alone(joints):
-    scenarios = [one(0.0, joints=joints, root="free"), one(10.0, "mamba-modules-fin", joints=joints)]
+    scenarios = [
+        one(0.0, joints=joints, root="free"),
+        one(10.0, "mamba-modules-fin", joints=joints),
+    ]
     for together, scenario in zip(lc.swim_together(scenarios), scenarios, strict=True):
         alone = lc.swim(scenario)
         for name in ("center_of_mass", "link_angle", "joint_torque", "work"):
@@ -195,7 +248,9 @@ def test_robots_that_are_far_apart_swim_as_alone(joints):
 
 
 def test_robots_side_by_side_push_each_other_with_equal_forces():
-    trials = lc.swim_together([one(0.0, joints="servo", duration=4.0), one(0.25, joints="servo", duration=4.0)])
+    trials = lc.swim_together(
+        [one(0.0, joints="servo", duration=4.0), one(0.25, joints="servo", duration=4.0)]
+    )
     first, second = (trial.link_force["contact"].sum(axis=1) for trial in trials)
     assert np.max(np.abs(first)) > 1.0
     np.testing.assert_allclose(first, -second, atol=1e-9)
@@ -209,7 +264,12 @@ def test_every_robot_of_a_scene_has_its_own_controller():
         heading=lc.HeadingController(gain=0.4, max_offset=0.2),
     )
     steered = lc.scenario(
-        "mamba", following, 2.0, model="spatial", scene="open", start=Start(center_of_mass=(0.0, 4.0))
+        "mamba",
+        following,
+        2.0,
+        model="spatial",
+        scene="open",
+        start=Start(center_of_mass=(0.0, 4.0)),
     )
     free, led = lc.swim_together([one(0.0), steered])
     assert "cross_track_error" in led.signals and "cross_track_error" not in free.signals
@@ -221,7 +281,9 @@ def test_a_delay_is_of_the_robot_whose_commands_are_late():
     far = {"model": "spatial", "scene": "open", "start": Start(center_of_mass=(0.0, 4.0))}
     late, other = lc.scenario("mamba", led, 1.0, loop_delay=0.12, **far), one(0.0, duration=1.0)
     for together, scenario in zip(lc.swim_together([other, late]), (other, late), strict=True):
-        np.testing.assert_allclose(together.center_of_mass, lc.swim(scenario).center_of_mass, atol=1e-9)
+        np.testing.assert_allclose(
+            together.center_of_mass, lc.swim(scenario).center_of_mass, atol=1e-9
+        )
         np.testing.assert_allclose(together.link_angle, lc.swim(scenario).link_angle, atol=1e-9)
     at_once = lc.swim_together([other, replace(late, model=replace(late.model, loop_delay=0.0))])[1]
     assert np.max(np.abs(at_once.link_angle - together.link_angle)) > 0.01
@@ -231,17 +293,23 @@ def test_robots_of_a_scene_go_on_from_where_they_touched():
     scenarios = [one(y, joints="servo") for y in (0.0, 0.25)]
     whole = lc.swim_together([replace(scenario, duration=4.0) for scenario in scenarios])
     ends = [Resumed(state=trial.state) for trial in lc.swim_together(scenarios)]
-    rest = lc.swim_together([replace(one, start=end) for one, end in zip(scenarios, ends, strict=True)])
+    rest = lc.swim_together(
+        [replace(one, start=end) for one, end in zip(scenarios, ends, strict=True)]
+    )
     for trial, half in zip(whole, rest, strict=True):
         np.testing.assert_array_equal(half.center_of_mass, trial.center_of_mass[-len(half.time) :])
 
 
 def test_robots_that_cannot_be_in_one_scene_are_refused_by_name():
-    with pytest.raises(ValueError, match="`start` must not put the robot into `robot_1_module_0_hull`"):
+    with pytest.raises(
+        ValueError, match="`start` must not put the robot into `robot_1_module_0_hull`"
+    ):
         lc.swim_together([one(0.0), one(0.02)])
     with pytest.raises(ValueError, match="`root` must be the same for all robots in one scene"):
         lc.swim_together([one(0.0), one(3.0, "mamba-modules")])
     with pytest.raises(ValueError, match="`scene` must be the same for all robots in one scene"):
         lc.swim_together([one(0.0), one(3.0, scene="pegs")])
-    with pytest.raises(ValueError, match=r"`scenarios\[0\].model` must have a `scene`, such as `open`"):
+    with pytest.raises(
+        ValueError, match=r"`scenarios\[0\].model` must have a `scene`, such as `open`"
+    ):
         lc.swim_together([one(0.0, scene=None), one(3.0)])

@@ -27,7 +27,9 @@ STILL = replace(YAW, amplitude=0.0)
 
 
 def swim(gait, duration=8.0, robot=ROBOT, environment=WATER, **settings):
-    return lc.swim(robot, gait, duration, environment=environment, model="spatial", throw=True, **settings)
+    return lc.swim(
+        robot, gait, duration, environment=environment, model="spatial", throw=True, **settings
+    )
 
 
 def displacement(trial):
@@ -36,11 +38,14 @@ def displacement(trial):
 
 def crawl(gait, duration, ground=SMOOTH, **settings):
     return run(
-        plant(ROBOT, ground, model="spatial", **settings), OpenLoop(command=Command(gait=gait)), duration, throw=True
+        plant(ROBOT, ground, model="spatial", **settings),
+        OpenLoop(command=Command(gait=gait)),
+        duration,
+        throw=True,
     )
 
 
-# ---- swimming ------------------------------------------------------------------------------------------------------
+# ---- swimming ------------------------------------------------------------------------------------
 
 
 def test_with_circular_sections_a_pitch_wave_moves_the_robot_as_a_yaw_wave_does():
@@ -50,17 +55,24 @@ def test_with_circular_sections_a_pitch_wave_moves_the_robot_as_a_yaw_wave_does(
     turned = tuple(replace(j, axis="pitch" if j.axis == "yaw" else "yaw") for j in ROBOT.joints)
     yaw = swim(YAW, robot=replace(ROBOT, modules=modules), gravity=False)
     pitch = swim(
-        replace(STILL, pitch=WAVE), robot=replace(ROBOT, modules=modules, joints=turned), gravity=False, dt=0.002
+        replace(STILL, pitch=WAVE),
+        robot=replace(ROBOT, modules=modules, joints=turned),
+        gravity=False,
+        dt=0.002,
     )
     (x, y, _), (u, v, w) = displacement(yaw), displacement(pitch)
     assert x > 1.0
-    np.testing.assert_allclose((u, v, w), (x, 0.0, -y), atol=1e-6)  # positive is down for pitch, left for yaw
+    np.testing.assert_allclose(
+        (u, v, w), (x, 0.0, -y), atol=1e-6
+    )  # positive is down for pitch, left for yaw
     np.testing.assert_allclose(pitch.signals["pitch"], yaw.heading, atol=1e-5)
     np.testing.assert_allclose(pitch.work[-1], yaw.work[-1], rtol=1e-4)
 
 
 def test_a_robot_without_weight_swims_up_as_its_mirror_image_swims_down():
-    gait = replace(YAW, pitch=replace(WAVE, amplitude=radians(10.0), phase=0.4, offset=radians(4.0)))
+    gait = replace(
+        YAW, pitch=replace(WAVE, amplitude=radians(10.0), phase=0.4, offset=radians(4.0))
+    )
     mirrored = replace(gait, pitch=replace(gait.pitch, phase=0.4 + pi, offset=-gait.pitch.offset))
     down, up = swim(gait, gravity=False), swim(mirrored, gravity=False)
     assert displacement(down)[2] < -0.05
@@ -75,7 +87,11 @@ def test_yaw_and_pitch_a_quarter_apart_make_a_helix_that_swims():
 
 def test_a_pitch_offset_steers_in_depth():
     down, straight, up = (
-        swim(replace(YAW, pitch=replace(WAVE, amplitude=0.0, offset=radians(offset))), 12.0, environment=NEUTRAL)
+        swim(
+            replace(YAW, pitch=replace(WAVE, amplitude=0.0, offset=radians(offset))),
+            12.0,
+            environment=NEUTRAL,
+        )
         for offset in (2.0, 0.0, -2.0)
     )
     assert displacement(down)[2] < -0.2
@@ -106,20 +122,25 @@ def test_a_trial_with_a_pitch_wave_is_saved_and_loaded_equal(tmp_path):
 def test_pitch_is_refused_where_there_are_no_pitch_joints():
     gait = replace(YAW, pitch=WAVE)
     with pytest.raises(
-        ValueError, match=r"`gait.pitch` must be None unless `model` is `spatial`: the planar model has no"
+        ValueError,
+        match=r"`gait.pitch` must be None unless `model` is `spatial`: the planar model has no",
     ):
         lc.swim(ROBOT, gait, 1.0)
-    with pytest.raises(ValueError, match=r"`gait.pitch` must be None for a robot without pitch joints"):
+    with pytest.raises(
+        ValueError, match=r"`gait.pitch` must be None for a robot without pitch joints"
+    ):
         swim(gait, robot=lc.load_robot("mamba"))
     with pytest.raises(ValueError, match=r"`gait.pitch` must be None with a planar root"):
         swim(gait, root="planar")
     with pytest.raises(ValueError, match="`pitch` must be of class Wave, got float"):
         replace(YAW, pitch=0.1)
-    with pytest.raises(ValueError, match=r"`amplitude` must be between 0 and 3\.14159 rad, got -0\.1"):
+    with pytest.raises(
+        ValueError, match=r"`amplitude` must be between 0 and 3\.14159 rad, got -0\.1"
+    ):
         replace(WAVE, amplitude=-0.1)
 
 
-# ---- paths in space ------------------------------------------------------------------------------------------------
+# ---- paths in space ------------------------------------------------------------------------------
 
 
 def follow(profile, duration, **changes):
@@ -154,7 +175,9 @@ def test_it_converges_to_a_line_in_space(profile):
     y, z = trial.center_of_mass[late, 1:].T
     assert np.max(np.abs(y)) < 0.05
     ends = profile.points(trial.signals["along_track_distance"][late])
-    assert np.max(np.abs(z - ends[:, 1])) < 0.15  # points at that length along the profile, not at that x
+    assert (
+        np.max(np.abs(z - ends[:, 1])) < 0.15
+    )  # points at that length along the profile, not at that x
 
 
 def test_the_path_is_drawn_at_its_own_height():
@@ -166,16 +189,23 @@ def test_the_path_is_drawn_at_its_own_height():
 
 def test_path_following_in_space_refuses_what_cannot_climb():
     line = lc.StraightLine(point=(0.0, -1.0))
-    with pytest.raises(ValueError, match="`robot` must have pitch joints for a path in space, got `mamba`"):
+    with pytest.raises(
+        ValueError, match="`robot` must have pitch joints for a path in space, got `mamba`"
+    ):
         follow(line, 1.0, robot=lc.load_robot("mamba"))
-    with pytest.raises(ValueError, match="`robot` must have pitch joints for a path in space, got `mamba-modules`"):
+    with pytest.raises(
+        ValueError, match="`robot` must have pitch joints for a path in space, got `mamba-modules`"
+    ):
         follow(line, 1.0, model="planar")
-    stiff = replace(ROBOT, joints=tuple(replace(j, limit=1.6 if j.axis == "yaw" else 0.05) for j in ROBOT.joints))
+    stiff = replace(
+        ROBOT,
+        joints=tuple(replace(j, limit=1.6 if j.axis == "yaw" else 0.05) for j in ROBOT.joints),
+    )
     with pytest.raises(ValueError, match=r"`climb.max_offset` must be <= 0.05 rad"):
         follow(line, 1.0, robot=stiff)
 
 
-# ---- ground --------------------------------------------------------------------------------------------------------
+# ---- ground --------------------------------------------------------------------------------------
 
 
 def test_it_rests_on_the_ground_where_its_weight_is_carried():
@@ -184,7 +214,12 @@ def test_it_rests_on_the_ground_where_its_weight_is_carried():
     assert depth == pytest.approx(SINK, rel=1e-3)
     np.testing.assert_allclose(displacement(trial)[:2], 0.0, atol=1e-9)
     held = (
-        run(plant(ROBOT, SMOOTH, model="spatial"), OpenLoop(command=Command(gait=STILL)), 0.3, link_forces=True)
+        run(
+            plant(ROBOT, SMOOTH, model="spatial"),
+            OpenLoop(command=Command(gait=STILL)),
+            0.3,
+            link_forces=True,
+        )
         .link_force["drag"][-1]
         .sum(axis=0)
     )
@@ -218,7 +253,9 @@ def test_sidewinding_goes_sideways_and_its_mirror_image_to_the_other_side():
     isotropic = replace(SMOOTH, tangential=0.4, normal=0.4)
     lift = replace(WAVE, amplitude=radians(5.0))
     right, left = (
-        crawl(replace(YAW, amplitude=radians(25.0), pitch=replace(lift, phase=phase)), 6.0, isotropic)
+        crawl(
+            replace(YAW, amplitude=radians(25.0), pitch=replace(lift, phase=phase)), 6.0, isotropic
+        )
         for phase in (0.5 * pi, -0.5 * pi)
     )
     assert displacement(right)[1] < -0.5
@@ -228,7 +265,13 @@ def test_sidewinding_goes_sideways_and_its_mirror_image_to_the_other_side():
 
 def test_it_crawls_from_the_shore_into_the_water_and_swims_on():
     body = plant(ROBOT, WATER, model="spatial", scene=Shore(ground=SMOOTH))
-    trial = run(body, OpenLoop(command=Command(gait=YAW)), 25.0, start=Start(center_of_mass=(1.6, 0.0)), throw=True)
+    trial = run(
+        body,
+        OpenLoop(command=Command(gait=YAW)),
+        25.0,
+        start=Start(center_of_mass=(1.6, 0.0)),
+        throw=True,
+    )
     z = trial.center_of_mass[:, 2]
     assert z[0] > 0.14  # dry
     assert z[-1] < -0.1  # below the surface, and above the ramp
@@ -245,15 +288,21 @@ def test_a_run_from_the_shore_goes_on_where_it_ended():
     again = plant(first.scenario)
     assert again.settings == body.settings
     whole = run(body, OpenLoop(command=Command(gait=YAW)), 2.0)
-    np.testing.assert_allclose(resume(again, first, 1.0).center_of_mass[-1], whole.center_of_mass[-1], atol=1e-6)
+    np.testing.assert_allclose(
+        resume(again, first, 1.0).center_of_mass[-1], whole.center_of_mass[-1], atol=1e-6
+    )
 
 
 def test_a_shore_is_refused_where_it_cannot_be():
     with pytest.raises(ValueError, match="`scene` must be left out unless `model` is `spatial`"):
         plant(ROBOT, WATER, scene="shore")
-    with pytest.raises(ValueError, match="`scene` must not be `shore` without water, got the ground `coulomb`"):
+    with pytest.raises(
+        ValueError, match="`scene` must not be `shore` without water, got the ground `coulomb`"
+    ):
         plant(ROBOT, SMOOTH, model="spatial", scene="shore")
-    with pytest.raises(ValueError, match="`root` must be `free`, with `gravity`, for a robot that lies on a scene"):
+    with pytest.raises(
+        ValueError, match="`root` must be `free`, with `gravity`, for a robot that lies on a scene"
+    ):
         plant(ROBOT, WATER, model="spatial", scene="shore", root="planar")
     with pytest.raises(ValueError, match="`root` must be `planar` on the ground without `gravity`"):
         plant(ROBOT, SMOOTH, model="spatial", gravity=False)

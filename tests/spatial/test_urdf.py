@@ -31,7 +31,9 @@ def masses_and_axes(model):
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     axes = {
-        model.joint(i).name: data.joint(i).xaxis.copy() for i in range(model.njnt) if "joint" in model.joint(i).name
+        model.joint(i).name: data.joint(i).xaxis.copy()
+        for i in range(model.njnt)
+        if "joint" in model.joint(i).name
     }
     return float(model.body_subtreemass[0]), axes
 
@@ -59,8 +61,18 @@ def test_an_mjcf_file_is_the_model_that_it_was_made_of(tmp_path):
     write_mjcf(tmp_path / "robot.xml", robot, WATER, actuators="servo")
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
     original = mjcf.spec(robot, WATER, actuators="servo").compile()
-    for name in ("body_mass", "body_inertia", "body_ipos", "jnt_range", "dof_damping", "actuator_gainprm", "geom_rgba"):
-        np.testing.assert_allclose(getattr(model, name), getattr(original, name), rtol=1e-5, atol=1e-9, err_msg=name)
+    for name in (
+        "body_mass",
+        "body_inertia",
+        "body_ipos",
+        "jnt_range",
+        "dof_damping",
+        "actuator_gainprm",
+        "geom_rgba",
+    ):
+        np.testing.assert_allclose(
+            getattr(model, name), getattr(original, name), rtol=1e-5, atol=1e-9, err_msg=name
+        )
     assert model.nsensor == original.nsensor and model.nsite == original.nsite
 
 
@@ -70,14 +82,18 @@ def test_a_urdf_file_opens_in_a_reader_of_urdf(preset):
     robot = lc.load_robot(preset)
     found = reader.URDF.from_xml_string(urdf(robot))
     assert found.get_root() == "module_0"
-    assert sum(link.inertial.mass for link in found.links if link.inertial) == pytest.approx(robot.mass)
+    assert sum(link.inertial.mass for link in found.links if link.inertial) == pytest.approx(
+        robot.mass
+    )
     driven = [joint for joint in found.joints if joint.type == "revolute"]
     assert [joint.name for joint in driven] == [f"joint_{i}" for i in range(robot.n_joints)]
     for joint, original in zip(driven, robot.joints, strict=True):
         assert tuple(joint.axis) == {"yaw": (0, 0, 1), "pitch": (0, 1, 0)}[original.axis]
         assert joint.limit.upper == pytest.approx(original.limit)
         assert joint.limit.effort == original.actuator.stall_torque
-    assert found.get_chain("module_0", f"module_{robot.n_links - 1}", links=False) == [joint.name for joint in driven]
+    assert found.get_chain("module_0", f"module_{robot.n_links - 1}", links=False) == [
+        joint.name for joint in driven
+    ]
 
 
 @pytest.mark.parametrize("preset", PRESETS)
@@ -85,11 +101,18 @@ def test_ros2_control_is_told_of_every_driven_joint_what_it_takes_and_says(prese
     robot = lc.load_robot(preset)
     root = ET.fromstring(urdf(robot))
     (control,) = root.iter("ros2_control")
-    assert (control.get("type"), control.findtext("hardware/plugin")) == ("system", "mock_components/GenericSystem")
+    assert (control.get("type"), control.findtext("hardware/plugin")) == (
+        "system",
+        "mock_components/GenericSystem",
+    )
     joints = control.findall("joint")
     assert len(joints) == len(robot.driven_joints)
     for joint, driven in zip(joints, robot.driven_joints, strict=True):
-        assert [one.get("name") for one in joint.findall("state_interface")] == ["position", "velocity", "effort"]
+        assert [one.get("name") for one in joint.findall("state_interface")] == [
+            "position",
+            "velocity",
+            "effort",
+        ]
         (told,) = joint.findall("command_interface")
         assert told.get("name") == "position"
         limits = {one.get("name"): float(one.text) for one in told}
@@ -101,7 +124,10 @@ def test_ros2_control_is_told_of_every_driven_joint_what_it_takes_and_says(prese
 @settings(max_examples=25)
 def test_in_any_posture_a_urdf_robot_is_where_the_mjcf_robot_is(robot):
     """Bodies, their centers of mass and their inertia (whose axes MuJoCo sorts when it reads URDF)."""
-    models = mujoco.MjModel.from_xml_string(urdf(robot)), mjcf.spec(robot, WATER, visuals=False).compile()
+    models = (
+        mujoco.MjModel.from_xml_string(urdf(robot)),
+        mjcf.spec(robot, WATER, visuals=False).compile(),
+    )
     found = []
     for model in models:
         data = mujoco.MjData(model)
@@ -110,7 +136,9 @@ def test_in_any_posture_a_urdf_robot_is_where_the_mjcf_robot_is(robot):
         pieces = robot.caudal_fin.pieces if robot.caudal_fin else ()
         fin = ["caudal_fin", *(f"caudal_fin_{k}" for k in range(1, len(pieces)))] if pieces else []
         joints = [f"fin_hinge_{k}" for k in range(1, len(pieces))]
-        for k, name in enumerate([*joints, "fin_joint"] if pieces and robot.caudal_fin.joint else joints):
+        for k, name in enumerate(
+            [*joints, "fin_joint"] if pieces and robot.caudal_fin.joint else joints
+        ):
             data.joint(name).qpos[:] = 0.3 * math.cos(k)
         mujoco.mj_kinematics(model, data)
         names = [f"module_{i}" for i in range(robot.n_links)] + fin
@@ -129,7 +157,9 @@ def test_any_robot_can_be_written_and_read_back(robot):
     assert mujoco.MjModel.from_xml_string(text).body_subtreemass[0] == pytest.approx(robot.mass)
     model = mjcf.spec(robot, WATER)
     model.compile()
-    assert mujoco.MjModel.from_xml_string(model.to_xml()).body_subtreemass[0] == pytest.approx(robot.mass, rel=1e-5)
+    assert mujoco.MjModel.from_xml_string(model.to_xml()).body_subtreemass[0] == pytest.approx(
+        robot.mass, rel=1e-5
+    )
 
 
 @pytest.mark.parametrize("kind", ["mjcf", "urdf"])
@@ -149,12 +179,17 @@ def test_meshes_are_copied_beside_the_file_and_the_folder_can_be_moved(kind, tmp
     for file in source.iterdir():
         file.unlink()
     moved = first.rename(tmp_path / "second")
-    assert sorted(file.name for file in (moved / "robot_meshes").iterdir()) == ["0_link.obj", "1_head.obj"]
+    assert sorted(file.name for file in (moved / "robot_meshes").iterdir()) == [
+        "0_link.obj",
+        "1_head.obj",
+    ]
     model = mujoco.MjModel.from_xml_path(str(moved / "robot.xml"))
     assert model.nmesh == 2
     assert str(tmp_path) not in (moved / "robot.xml").read_text()
 
 
 def test_meshes_must_be_one_per_module():
-    with pytest.raises(ValueError, match=r"`meshes` must be one file per module \(9\) or none, got 2\."):
+    with pytest.raises(
+        ValueError, match=r"`meshes` must be one file per module \(9\) or none, got 2\."
+    ):
         urdf(lc.load_robot("mamba"), ["a.stl", "b.stl"])

@@ -106,7 +106,9 @@ def test_a_result_that_is_lost_with_its_worker_is_waited_for(tmp_path: Path):
     assert found.identical(run_sweep(small(), tmp_path / "whole", region_size=4))
 
 
-def test_it_is_not_waited_for_when_no_worker_is_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_it_is_not_waited_for_when_no_worker_is_left(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.setattr(cluster, "PATIENCE", 0.01)
     client = Losing(losses=10**9, threads=0)
     with pytest.raises(ClusterFailed, match="the cluster had no worker"):
@@ -115,11 +117,15 @@ def test_it_is_not_waited_for_when_no_worker_is_left(tmp_path: Path, monkeypatch
 
 
 def test_workers_of_another_version_are_refused():
-    with pytest.raises(ClusterFailed, match=r"the workers must have laticauda 0\.0\.0, as this process does, got "):
+    with pytest.raises(
+        ClusterFailed, match=r"the workers must have laticauda 0\.0\.0, as this process does, got "
+    ):
         cluster._swim("0.0.0", small().scenario, (), None)
 
 
 @pytest.mark.parametrize("address", ["nowhere", "tcp://127.0.0.1:1"])
 def test_an_address_without_a_scheduler_is_said_so(address: str):
-    with pytest.raises(ClusterFailed, match=f"no Dask scheduler answers at {address}; is it running"):
+    with pytest.raises(
+        ClusterFailed, match=f"no Dask scheduler answers at {address}; is it running"
+    ):
         cluster.connect(address)

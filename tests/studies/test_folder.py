@@ -15,10 +15,14 @@ def test_a_sweep_that_an_older_release_began_can_be_read_and_is_not_gone_on_with
     del definition["format"]  # as they were when no definition held a scenario
     file.write_text(json.dumps(definition))
     assert open_sweep(tmp_path).n_finished == 12
-    with pytest.raises(ValueError, match=r"another release of laticauda: use another folder, .* still be read"):
+    with pytest.raises(
+        ValueError, match=r"another release of laticauda: use another folder, .* still be read"
+    ):
         run_sweep(small(), tmp_path)
 
 
 def test_a_job_that_no_file_can_hold_is_refused():
-    with pytest.raises(ValueError, match=r"`scenario` must be one that a file can hold: .* function"):
+    with pytest.raises(
+        ValueError, match=r"`scenario` must be one that a file can hold: .* function"
+    ):
         as_stored({"law": lambda: None})

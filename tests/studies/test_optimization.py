@@ -13,13 +13,21 @@ from laticauda.studies.sweep import QUANTITIES
 
 SOUGHT = Optimization(
     scenario=lc.scenario("mamba-fin", lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)),
-    bounds={"gait.amplitude": (0.2, 0.9), "robot.caudal_fin.length": (0.2, 0.5), "robot.n_links": (8, 10)},
+    bounds={
+        "gait.amplitude": (0.2, 0.9),
+        "robot.caudal_fin.length": (0.2, 0.5),
+        "robot.n_links": (8, 10),
+    },
 )
 
 
-def test_a_gait_beyond_the_limits_of_the_joints_is_not_feasible_and_does_not_swim(monkeypatch: pytest.MonkeyPatch):
+def test_a_gait_beyond_the_limits_of_the_joints_is_not_feasible_and_does_not_swim(
+    monkeypatch: pytest.MonkeyPatch,
+):
     robot = lc.load_robot("mamba")
-    tight = replace(robot, joints=tuple(replace(joint, limit=radians(30)) for joint in robot.joints))
+    tight = replace(
+        robot, joints=tuple(replace(joint, limit=radians(30)) for joint in robot.joints)
+    )
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7, offset=radians(5))
     sought = Optimization(
         scenario=lc.scenario(tight, gait, 1.0),
@@ -28,9 +36,13 @@ def test_a_gait_beyond_the_limits_of_the_joints_is_not_feasible_and_does_not_swi
     )
     swum = []
     monkeypatch.setattr(
-        module.sweep, "swim_points", lambda scenario, names, table, threads: swum.append(table) or _figures(len(table))
+        module.sweep,
+        "swim_points",
+        lambda scenario, names, table, threads: swum.append(table) or _figures(len(table)),
     )
-    found = module.evaluate(sought, np.array([[radians(24), 2.0], [radians(26), 2.0], [radians(24), 3.0]]))
+    found = module.evaluate(
+        sought, np.array([[radians(24), 2.0], [radians(26), 2.0], [radians(24), 3.0]])
+    )
     assert found["violation"] == pytest.approx([0.0, 31 / 30 - 1, radians(24) * 3.0 - 1.0])
     assert len(swum) == 1 and swum[0].tolist() == [[radians(24), 2.0]]
     assert np.isnan(found["forward_velocity"]).tolist() == [False, True, True]
@@ -38,7 +50,9 @@ def test_a_gait_beyond_the_limits_of_the_joints_is_not_feasible_and_does_not_swi
 
 def test_a_run_that_is_too_slow_is_not_feasible(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(
-        module.sweep, "swim_points", lambda *_: {**_figures(3), "forward_velocity": np.array([0.05, 0.2, np.nan])}
+        module.sweep,
+        "swim_points",
+        lambda *_: {**_figures(3), "forward_velocity": np.array([0.05, 0.2, np.nan])},
     )
     sought = replace(SOUGHT, least_velocity=0.2)
     found = module.evaluate(sought, np.array([[0.3, 0.3, 9.0], [0.4, 0.3, 9.0], [0.5, 0.3, 9.0]]))
@@ -77,7 +91,9 @@ def a_front(n: int) -> Front:
     figures = {name: np.full(n, 0.5) for name in QUANTITIES if name != "succeeded"}
     figures |= {"forward_velocity": power**0.5, "mechanical_power": 10.0 * power}
     values = np.stack((np.linspace(0.2, 0.9, n), np.linspace(0.2, 0.5, n), np.full(n, 9.0)), axis=1)
-    return Front(optimization=SOUGHT, values=values, figures=figures, n_trials=100, n_infeasible=3, seed=1)
+    return Front(
+        optimization=SOUGHT, values=values, figures=figures, n_trials=100, n_infeasible=3, seed=1
+    )
 
 
 @pytest.mark.parametrize("levels", [4, 1000])
@@ -100,7 +116,8 @@ def test_chosen_points_lie_evenly_along_the_front_with_its_ends():
     chosen = front.spread(6)
     assert (chosen[0], chosen[-1], len(chosen)) == (0, 399, 6)
     steps = np.hypot(
-        np.diff(front.figures["forward_velocity"][chosen]), np.diff(front.figures["mechanical_power"][chosen]) / 10
+        np.diff(front.figures["forward_velocity"][chosen]),
+        np.diff(front.figures["mechanical_power"][chosen]) / 10,
     )
     assert steps == pytest.approx(np.full(5, steps.mean()), rel=0.05)
     assert a_front(3).spread(6) == [0, 1, 2]
@@ -135,7 +152,9 @@ def test_files_have_names_units_and_every_point(tmp_path: Path):
 def test_what_lies_at_an_end_of_its_range_is_named():
     values = np.array([[0.2, 0.3, 8.0], [0.9 - 1e-4, 0.4, 8.0], [0.5, 0.41, 9.0]])
     figures = {name: np.arange(3.0) for name in QUANTITIES}
-    front = Front(optimization=SOUGHT, values=values, figures=figures, n_trials=3, n_infeasible=0, seed=0)
+    front = Front(
+        optimization=SOUGHT, values=values, figures=figures, n_trials=3, n_infeasible=0, seed=0
+    )
     assert front.at_bounds() == [
         {"name": "gait.amplitude", "end": "least", "value": 0.2, "n_points": 1},
         {"name": "gait.amplitude", "end": "greatest", "value": 0.9, "n_points": 1},

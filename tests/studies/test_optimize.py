@@ -51,7 +51,8 @@ def test_the_search_is_worth_more_than_as_many_random_points():
     front = small(budget=240, population=24)
     low, high = SOUGHT.box()
     by_chance = losses(
-        SOUGHT.objectives, evaluate(SOUGHT, np.random.default_rng(0).uniform(low, high, (240, low.size)))
+        SOUGHT.objectives,
+        evaluate(SOUGHT, np.random.default_rng(0).uniform(low, high, (240, low.size))),
     )
     found = losses(SOUGHT.objectives, front.figures)
     reference = (0.0, float(found[:, 1].max()))
@@ -81,7 +82,13 @@ def test_it_keeps_within_what_the_actuators_have_unless_told_otherwise():
 
 @pytest.mark.parametrize("n_objectives", [1, 2])
 def test_a_search_finds_what_is_known_and_keeps_off_what_is_not_feasible(n_objectives: int):
-    search = Search(np.array([-2.0, -2.0]), np.array([2.0, 3.0]), n_objectives=n_objectives, population=20, seed=1)
+    search = Search(
+        np.array([-2.0, -2.0]),
+        np.array([2.0, 3.0]),
+        n_objectives=n_objectives,
+        population=20,
+        seed=1,
+    )
     points = np.empty((0, 2))
     for _ in range(40):
         asked = search.ask()
@@ -100,8 +107,12 @@ def test_the_same_seed_gives_the_same_bits_and_another_one_does_not():
     assert not same(small(seed=3), first)
 
 
-@pytest.mark.parametrize("objectives", [("forward_velocity", "mechanical_power"), ("cost_of_transport",)])
-def test_one_that_stops_anywhere_goes_on_to_the_same_bits(tmp_path: Path, objectives: tuple[str, ...]):
+@pytest.mark.parametrize(
+    "objectives", [("forward_velocity", "mechanical_power"), ("cost_of_transport",)]
+)
+def test_one_that_stops_anywhere_goes_on_to_the_same_bits(
+    tmp_path: Path, objectives: tuple[str, ...]
+):
     sought = replace(SOUGHT, objectives=objectives)
     whole = small(sought)
 
@@ -112,11 +123,15 @@ def test_one_that_stops_anywhere_goes_on_to_the_same_bits(tmp_path: Path, object
     with pytest.raises(KeyboardInterrupt):
         small(sought, tmp_path / "a", progress=stop)
     seen: list[int] = []
-    assert same(small(sought, tmp_path / "a", progress=lambda done, total: seen.append(done)), whole)
+    assert same(
+        small(sought, tmp_path / "a", progress=lambda done, total: seen.append(done)), whole
+    )
     assert seen == [24, 36, 48, 60]
     # Once more there is nothing to do.
     seen.clear()
-    assert same(small(sought, tmp_path / "a", progress=lambda done, total: seen.append(done)), whole)
+    assert same(
+        small(sought, tmp_path / "a", progress=lambda done, total: seen.append(done)), whole
+    )
     assert seen == [60]
 
 
@@ -160,14 +175,19 @@ def test_a_folder_of_another_optimization_is_refused_with_the_difference(tmp_pat
         (SOUGHT, {"seed": 7}, "seed is 2 there and 7 here"),
         (longer, {"population": 20}, "duration is 2.0 there and 3.0 here; population is 12"),
     ):
-        with pytest.raises(ValueError, match="`folder` must be empty, or hold this opt.*" + re.escape(message)):
+        with pytest.raises(
+            ValueError, match="`folder` must be empty, or hold this opt.*" + re.escape(message)
+        ):
             small(sought, tmp_path / "a", **how)
     assert (tmp_path / "a" / "checkpoint.npz").read_bytes() == before
 
 
 def test_a_folder_with_files_of_somebody_else_is_refused(tmp_path: Path):
     (tmp_path / "thesis.tex").write_text("")
-    with pytest.raises(ValueError, match=r"`folder` must be empty, or hold this optimization, got .* with thesis\.tex"):
+    with pytest.raises(
+        ValueError,
+        match=r"`folder` must be empty, or hold this optimization, got .* with thesis\.tex",
+    ):
         small(folder=tmp_path)
     with pytest.raises(ValueError, match="`folder` must be a folder, got the file"):
         small(folder=tmp_path / "thesis.tex")
@@ -212,7 +232,9 @@ def test_bad_input_is_refused(how: dict[str, int], message: str):
 
 
 @pytest.mark.parametrize("call", ["np.savez", "os.fsync", "os.replace"])
-def test_a_full_disk_costs_nothing_that_was_stored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: str):
+def test_a_full_disk_costs_nothing_that_was_stored(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: str
+):
     small(folder=tmp_path / "a", budget=24)
 
     def full(*_, **__) -> None:
@@ -224,7 +246,9 @@ def test_a_full_disk_costs_nothing_that_was_stored(tmp_path: Path, monkeypatch: 
         with pytest.raises(StorageFailed, match=message):
             small(folder=tmp_path / "a")
     seen: list[int] = []
-    assert same(small(folder=tmp_path / "a", progress=lambda done, total: seen.append(done)), small())
+    assert same(
+        small(folder=tmp_path / "a", progress=lambda done, total: seen.append(done)), small()
+    )
     assert seen[0] == 24
 
 
@@ -232,5 +256,7 @@ def test_no_second_process_works_in_the_same_folder(tmp_path: Path):
     def again(done: int, total: int) -> None:
         small(folder=tmp_path / "a")
 
-    with pytest.raises(ValueError, match="`folder` must be one that no other process is writing to"):
+    with pytest.raises(
+        ValueError, match="`folder` must be one that no other process is writing to"
+    ):
         small(folder=tmp_path / "a", progress=again)

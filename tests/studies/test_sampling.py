@@ -85,20 +85,47 @@ def test_whole_numbers_have_equal_shares_of_the_samples():
     ("make", "message"),
     [
         (lambda: Grid(values={}), "`values` must hold at least one parameter, got none"),
-        (lambda: Grid(values={"gait.offset": []}), "`gait.offset` must hold at least one value, got none"),
-        (lambda: Grid(values={"gait.offset": 0.1}), "`gait.offset` must be a list of numbers, got 0.1"),
-        (lambda: Grid(values={"gait.offset": "12"}), "`gait.offset` must be a list of numbers, got '12'"),
-        (lambda: Grid(values={"gait.offset": [0.1, "x"]}), r"`gait.offset\[1\]` must be a number, got 'x'"),
-        (lambda: Grid(values={"gait.offset": [0.1, np.nan]}), r"`gait.offset\[1\]` must be a finite number, got nan"),
-        (lambda: Grid(values={"gait.offset": [0.1, 0.1]}), "`gait.offset` must have different values in a grid"),
+        (
+            lambda: Grid(values={"gait.offset": []}),
+            "`gait.offset` must hold at least one value, got none",
+        ),
+        (
+            lambda: Grid(values={"gait.offset": 0.1}),
+            "`gait.offset` must be a list of numbers, got 0.1",
+        ),
+        (
+            lambda: Grid(values={"gait.offset": "12"}),
+            "`gait.offset` must be a list of numbers, got '12'",
+        ),
+        (
+            lambda: Grid(values={"gait.offset": [0.1, "x"]}),
+            r"`gait.offset\[1\]` must be a number, got 'x'",
+        ),
+        (
+            lambda: Grid(values={"gait.offset": [0.1, np.nan]}),
+            r"`gait.offset\[1\]` must be a finite number, got nan",
+        ),
+        (
+            lambda: Grid(values={"gait.offset": [0.1, 0.1]}),
+            "`gait.offset` must have different values in a grid",
+        ),
         (
             lambda: Rows(values={"a": [1, 2], "b": [1]}),
             "equally many values of every parameter, got 2 of a, 1 of b",
         ),
-        (lambda: Samples(ranges={}, n_points=3), "`ranges` must hold at least one parameter, got none"),
-        (lambda: Samples(ranges={"a": (2, 1)}, n_points=3), "`ranges` must have low < high, got 2 and 1 for `a`"),
+        (
+            lambda: Samples(ranges={}, n_points=3),
+            "`ranges` must hold at least one parameter, got none",
+        ),
+        (
+            lambda: Samples(ranges={"a": (2, 1)}, n_points=3),
+            "`ranges` must have low < high, got 2 and 1 for `a`",
+        ),
         (lambda: Samples(ranges=BOX, n_points=0), "`n_points` must be a whole number >= 1, got 0"),
-        (lambda: Samples(ranges=BOX, n_points=1, seed=-1), "`seed` must be a whole number >= 0, got -1"),
+        (
+            lambda: Samples(ranges=BOX, n_points=1, seed=-1),
+            "`seed` must be a whole number >= 0, got -1",
+        ),
     ],
 )
 def test_points_that_make_no_sense_are_refused(make, message: str):

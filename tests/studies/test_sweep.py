@@ -15,7 +15,10 @@ from laticauda.studies import Grid
         ({"robot.n_links": [5, 5.5, 7]}, "`robot.n_links` must be a whole number, got 5.5"),
         ({"robot.n_links": [0]}, "got robot.n_links = 0: n_links must be a whole number >= 1"),
         ({"water.depth": [0.01, 1.0]}, "got water.depth = 0.01: depth must be > 0.055 m"),
-        ({"water.normal_drag": [1.0, 1e8]}, "got water.normal_drag = 1e.08: environment must let a link glide"),
+        (
+            {"water.normal_drag": [1.0, 1e8]},
+            "got water.normal_drag = 1e.08: environment must let a link glide",
+        ),
         ({"robot.caudal_fin.length": [0.5]}, "got 'robot.caudal_fin.length'"),
     ],
 )
@@ -30,8 +33,11 @@ def test_a_setup_out_of_its_range_is_refused():
     with pytest.raises(ValueError, match="`region_size` must be a whole number >= 1, got 0"):
         small().regions(0)
     with pytest.raises(
-        ValueError, match="`joints` must be one of `prescribed`, `pd`, `servo`, `speed-servo`, got 'pdd'"
+        ValueError,
+        match="`joints` must be one of `prescribed`, `pd`, `servo`, `speed-servo`, got 'pdd'",
     ):
         small(joints="pdd")
-    with pytest.raises(ValueError, match="`points` must be of class Grid or Rows or Samples, got dict"):
+    with pytest.raises(
+        ValueError, match="`points` must be of class Grid or Rows or Samples, got dict"
+    ):
         small(points={"gait.amplitude": [0.1]})

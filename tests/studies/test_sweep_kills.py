@@ -16,7 +16,9 @@ def expected(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     return kills.contents(folder)
 
 
-def test_a_sweep_that_is_killed_comes_out_the_same_bit_for_bit(tmp_path: Path, expected: dict[str, bytes]):
+def test_a_sweep_that_is_killed_comes_out_the_same_bit_for_bit(
+    tmp_path: Path, expected: dict[str, bytes]
+):
     assert kills.kill_at_moments(tmp_path / "a", SIZE, kills=1, seed=1) == 1
     assert kills.contents(tmp_path / "a") == expected
 
@@ -26,6 +28,8 @@ def test_so_does_one_that_is_killed_between_two_files(tmp_path: Path, expected: 
     assert kills.contents(tmp_path / "a") == expected
 
 
-def test_a_sweep_whose_worker_is_killed_comes_out_the_same(tmp_path: Path, expected: dict[str, bytes]):
+def test_a_sweep_whose_worker_is_killed_comes_out_the_same(
+    tmp_path: Path, expected: dict[str, bytes]
+):
     assert kills.kill_workers(tmp_path / "a", SIZE, kills=1, seed=1) == 1
     assert kills.contents(tmp_path / "a") == expected

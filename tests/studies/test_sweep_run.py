@@ -16,7 +16,10 @@ from laticauda.studies import Grid, Rows, Samples, best, count_failed, open_swee
 
 
 def bits(folder: Path) -> dict[str, bytes]:
-    return {str(name): array.to_numpy().tobytes() for name, array in open_sweep(folder).variables.items()}
+    return {
+        str(name): array.to_numpy().tobytes()
+        for name, array in open_sweep(folder).variables.items()
+    }
 
 
 def test_every_point_is_the_trial_of_its_parameters(tmp_path: Path):
@@ -26,7 +29,9 @@ def test_every_point_is_the_trial_of_its_parameters(tmp_path: Path):
     for i, amplitude in enumerate(AMPLITUDE):
         for j, drag in enumerate(DRAG):
             water = replace(lc.load_water("paper-lateral"), normal_drag=drag)
-            trial = lc.swim(sweep.scenario.robot, replace(GAIT, amplitude=amplitude), 1.0, environment=water)
+            trial = lc.swim(
+                sweep.scenario.robot, replace(GAIT, amplitude=amplitude), 1.0, environment=water
+            )
             point = found.isel({"gait.amplitude": i, "water.normal_drag": j})
             for name in ("forward_velocity", "mechanical_power", "net_power", "cost_of_transport"):
                 assert float(point[name]) == pytest.approx(getattr(trial, name), rel=1e-9)
@@ -36,7 +41,9 @@ def test_every_point_is_the_trial_of_its_parameters(tmp_path: Path):
 def test_every_number_has_a_unit_and_a_title(tmp_path: Path):
     found = run_sweep(small(), tmp_path / "a")
     assert all("long_name" in variable.attrs for variable in found.variables.values())
-    assert {name for name, variable in found.variables.items() if "units" not in variable.attrs} == {"succeeded"}
+    assert {
+        name for name, variable in found.variables.items() if "units" not in variable.attrs
+    } == {"succeeded"}
     assert found["gait.amplitude"].attrs == {"long_name": "amplitude", "units": "rad"}
     assert found["water.normal_drag"].attrs == {"long_name": "normal drag", "units": "1"}
     assert (found.n_trials, found.n_finished) == (12, 12)
@@ -88,7 +95,12 @@ def test_a_sweep_goes_on_where_it_was_stopped(tmp_path: Path):
     run_sweep(small(), tmp_path / "whole", region_size=2)
     stopped(small(), tmp_path / "parts", 5, region_size=2)
     begun = open_sweep(tmp_path / "parts")
-    assert begun.n_finished == int(begun.succeeded.sum()) == int(begun.forward_velocity.notnull().sum()) == 6
+    assert (
+        begun.n_finished
+        == int(begun.succeeded.sum())
+        == int(begun.forward_velocity.notnull().sum())
+        == 6
+    )
     told: list[tuple[int, int]] = []
     run_sweep(small(), tmp_path / "parts", progress=lambda *reached: told.append(reached))
     assert told == [(6, 12), (8, 12), (10, 12), (12, 12)]
@@ -101,7 +113,9 @@ def test_a_finished_sweep_is_not_run_again(tmp_path: Path, monkeypatch: pytest.M
     assert run_sweep(small(), tmp_path / "a").n_finished == 12
 
 
-def test_a_region_counts_only_when_all_of_it_is_stored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_region_counts_only_when_all_of_it_is_stored(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     run_sweep(small(), tmp_path / "whole", region_size=2)
     # The mark is all that is missing, then that and an array.
     stopped(small(), tmp_path / "parts", 5, region_size=2)
@@ -139,7 +153,7 @@ def test_a_run_that_blows_up_is_counted_and_has_no_numbers(tmp_path: Path):
     assert len(best(tmp_path / "a")) == 1
 
 
-# ---- what is refused ------------------------------------------------------------------------------------------------
+# ---- what is refused -----------------------------------------------------------------------------
 
 
 def test_the_folder_of_another_sweep_is_refused_with_the_difference(tmp_path: Path):
@@ -148,15 +162,24 @@ def test_the_folder_of_another_sweep_is_refused_with_the_difference(tmp_path: Pa
     for other, difference in (
         (small(duration=2.0), "duration is 1.0 there and 2.0 here"),
         (small(motion=replace(GAIT, offset=0.1)), "motion.offset is nothing there and 0.1 here"),
-        (small(robot=lc.load_robot("mamba-fin")), "robot.name is mamba there and mamba-fin here; robot.caudal_fin is"),
         (
-            small(points=Grid(values={"gait.amplitude": [0.3, 0.5, 0.8], "water.normal_drag": DRAG})),
+            small(robot=lc.load_robot("mamba-fin")),
+            "robot.name is mamba there and mamba-fin here; robot.caudal_fin is",
+        ),
+        (
+            small(
+                points=Grid(values={"gait.amplitude": [0.3, 0.5, 0.8], "water.normal_drag": DRAG})
+            ),
             r"points.values.gait.amplitude\[2\] is 0.7 there and 0.8 here",
         ),
-        (small(points=Rows(values={"gait.amplitude": [0.3]})), "points.kind is grid there and rows here"),
+        (
+            small(points=Rows(values={"gait.amplitude": [0.3]})),
+            "points.kind is grid there and rows here",
+        ),
     ):
         with pytest.raises(
-            ValueError, match=rf"`folder` must be empty, or hold this sweep, got .* another.*{difference}"
+            ValueError,
+            match=rf"`folder` must be empty, or hold this sweep, got .* another.*{difference}",
         ):
             run_sweep(other, tmp_path / "a")
     assert bits(tmp_path / "a") == before
@@ -166,7 +189,8 @@ def test_a_folder_with_something_else_is_left_alone(tmp_path: Path):
     (tmp_path / "results.zarr").mkdir()
     (tmp_path / "thesis.tex").write_text("years of work")
     with pytest.raises(
-        ValueError, match=r"`folder` must be empty, or hold this sweep, got .* with results.zarr, thesis.tex"
+        ValueError,
+        match=r"`folder` must be empty, or hold this sweep, got .* with results.zarr, thesis.tex",
     ):
         run_sweep(small(), tmp_path)
     assert (tmp_path / "thesis.tex").read_text() == "years of work"
@@ -183,24 +207,32 @@ def test_a_folder_with_something_else_is_left_alone(tmp_path: Path):
         (Rows(values={"gait.amplitude": [0.3, 0.5]}), "zarr.json", "coordinates"),
     ],
 )
-def test_results_that_do_not_say_any_more_what_was_varied_are_refused(tmp_path: Path, points, file: str, word: str):
+def test_results_that_do_not_say_any_more_what_was_varied_are_refused(
+    tmp_path: Path, points, file: str, word: str
+):
     run_sweep(small(points=points), tmp_path)
     damaged = tmp_path / "results.zarr" / file
     damaged.write_text(damaged.read_text().replace(f'"{word}"', f'"{word[:-1]}?"'))
     for read in (open_sweep, best):
-        with pytest.raises(ValueError, match=r"readable `results\.zarr`, got .*`gait\.amplitude` is missing"):
+        with pytest.raises(
+            ValueError, match=r"readable `results\.zarr`, got .*`gait\.amplitude` is missing"
+        ):
             read(tmp_path)
 
 
 def test_results_are_refused_where_the_caller_wants_none(tmp_path: Path):
     run_sweep(small(), tmp_path / "a", resume=False)
-    with pytest.raises(ValueError, match="`folder` must have no results yet unless `resume` is set"):
+    with pytest.raises(
+        ValueError, match="`folder` must have no results yet unless `resume` is set"
+    ):
         run_sweep(small(), tmp_path / "a", resume=False)
 
 
 def test_two_processes_do_not_work_in_one_folder(tmp_path: Path):
     def again(done: int, total: int) -> None:
-        with pytest.raises(ValueError, match="`folder` must be one that no other process is writing to"):
+        with pytest.raises(
+            ValueError, match="`folder` must be one that no other process is writing to"
+        ):
             run_sweep(small(), tmp_path / "a")
         raise Stop
 
@@ -213,7 +245,7 @@ def test_a_number_of_threads_that_cannot_be_is_refused():
         run_sweep(small(), "nowhere", threads=0)
 
 
-# ---- a full disk ----------------------------------------------------------------------------------------------------
+# ---- a full disk ---------------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -248,7 +280,9 @@ def test_a_disk_that_is_full_from_the_start_is_said_so(little_disk: Path):
     with (little_disk / "ballast").open("wb") as file, pytest.raises(OSError):
         while True:
             os.write(file.fileno(), b"0" * 4096)
-    with pytest.raises(StorageFailed, match=r"the disk is full.*0 trials are stored; free some space"):
+    with pytest.raises(
+        StorageFailed, match=r"the disk is full.*0 trials are stored; free some space"
+    ):
         run_sweep(small(), little_disk / "a")
     (little_disk / "ballast").unlink()
     assert run_sweep(small(), little_disk / "a").n_finished == 12
@@ -276,7 +310,7 @@ def test_a_disk_may_be_full_at_any_file(tmp_path: Path, monkeypatch: pytest.Monk
     assert bits(tmp_path / "a") == bits(tmp_path / "whole")
 
 
-# ---- the best -------------------------------------------------------------------------------------------------------
+# ---- the best ------------------------------------------------------------------------------------
 
 
 def test_the_best_are_the_fastest_or_the_cheapest(tmp_path: Path):

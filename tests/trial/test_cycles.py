@@ -2,7 +2,13 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from laticauda.trial.cycles import course_cycle_mean, cycle_mean, direction, interpolated, steady_part
+from laticauda.trial.cycles import (
+    course_cycle_mean,
+    cycle_mean,
+    direction,
+    interpolated,
+    steady_part,
+)
 
 PERIODS = st.floats(0.5, 4.0)
 
@@ -18,24 +24,33 @@ def test_a_straight_line_is_its_own_cycle_mean(period, slope, level):
 def test_a_ripple_of_the_gait_has_no_cycle_mean(period, harmonic, phase):
     time = np.linspace(0.0, 10.0, 1001)
     omega = harmonic * 2.0 * np.pi / period
-    mean = cycle_mean(time, np.sin(omega * time + phase), omega * np.cos(omega * time + phase), period)
+    mean = cycle_mean(
+        time, np.sin(omega * time + phase), omega * np.cos(omega * time + phase), period
+    )
     assert np.max(np.abs(mean.value)) < 1e-4 * (0.5 * omega) ** 4 * 0.01**2 + 1e-6
 
 
 def test_the_error_of_a_cycle_mean_falls_with_the_fourth_power_of_the_sampling_step():
-    steps = np.geomspace(0.1, 0.005, 25)  # many, because the place of the ends between samples varies with the step
+    steps = np.geomspace(
+        0.1, 0.005, 25
+    )  # many, because the place of the ends between samples varies with the step
     errors = []
     for step in steps:
         time = np.arange(0.0, 10.0, step)
         mean = cycle_mean(time, np.exp(0.3 * time), 0.3 * np.exp(0.3 * time), 1.234)
-        exact = (np.exp(0.3 * (mean.time + 0.617)) - np.exp(0.3 * (mean.time - 0.617))) / (0.3 * 1.234)
+        exact = (np.exp(0.3 * (mean.time + 0.617)) - np.exp(0.3 * (mean.time - 0.617))) / (
+            0.3 * 1.234
+        )
         errors.append(np.max(np.abs(mean.value - exact)))
     assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(4.0, abs=0.3)
 
 
 def test_a_vector_is_averaged_column_by_column():
     time = np.linspace(0.0, 10.0, 501)
-    signal, rate = np.stack((time, time**2), axis=1), np.stack((np.ones_like(time), 2.0 * time), axis=1)
+    signal, rate = (
+        np.stack((time, time**2), axis=1),
+        np.stack((np.ones_like(time), 2.0 * time), axis=1),
+    )
     mean = cycle_mean(time, signal, rate, 2.0)
     assert mean.value.shape == (mean.time.size, 2)
     np.testing.assert_allclose(mean.value[:, 1], mean.time**2 + 1.0 / 3.0, rtol=1e-12)
@@ -44,7 +59,9 @@ def test_a_vector_is_averaged_column_by_column():
 def test_a_log_of_exactly_one_cycle_has_one_mean():
     for period in np.linspace(1.0, 3.0, 41):
         time = np.linspace(0.0, period, 34)
-        assert cycle_mean(time, time, np.ones_like(time), period).value == pytest.approx([0.5 * period])
+        assert cycle_mean(time, time, np.ones_like(time), period).value == pytest.approx(
+            [0.5 * period]
+        )
 
 
 def test_interpolation_meets_the_samples_and_is_exact_for_cubics():
@@ -92,7 +109,9 @@ def test_the_advised_length_is_enough():
 
 def test_a_log_that_is_too_coarse_or_too_short_to_see_a_cycle_is_refused():
     coarse = np.linspace(0.0, 30.0, 31)
-    with pytest.raises(ValueError, match=r"at least 10 samples per gait cycle of 2.5 s, got one every 1 s"):
+    with pytest.raises(
+        ValueError, match=r"at least 10 samples per gait cycle of 2.5 s, got one every 1 s"
+    ):
         cycle_mean(coarse, coarse, np.ones_like(coarse), 2.5)
     with pytest.raises(ValueError, match="at least 10 samples per gait cycle"):
         steady_part(coarse, 2.5)

@@ -17,7 +17,9 @@ GAIT = lc.lateral_undulation(amplitude_deg=30, frequency_deg_s=130, phase_shift_
 
 
 def with_actuators(robot: Robot, **changes: float | bool) -> Robot:
-    joints = tuple(replace(joint, actuator=replace(joint.actuator, **changes)) for joint in robot.joints)
+    joints = tuple(
+        replace(joint, actuator=replace(joint.actuator, **changes)) for joint in robot.joints
+    )
     return replace(robot, joints=joints)
 
 
@@ -46,7 +48,9 @@ def test_an_actuator_that_has_just_what_is_needed_can_and_a_little_less_cannot(t
     late = trial.time >= (trial.period or 0.0)
     speed = trial.robot.joints[0].actuator.no_load_speed
     # On the torque-speed line |u| = u_stall (1 - rate/speed), along u.
-    needed = np.abs(trial.joint_torque) / (1.0 - np.sign(trial.joint_torque) * trial.joint_rate / speed)
+    needed = np.abs(trial.joint_torque) / (
+        1.0 - np.sign(trial.joint_torque) * trial.joint_rate / speed
+    )
     for share, problems in ((1.001, 0), (0.999, 1)):
         robot = with_actuators(trial.robot, stall_torque=share * needed[late].max())
         found = feasibility.feasibility(robot, trial, trial.period)
@@ -55,13 +59,21 @@ def test_an_actuator_that_has_just_what_is_needed_can_and_a_little_less_cannot(t
 
 
 def test_the_sentence_names_the_joint_what_it_needs_and_what_it_has(trial: lc.Trial):
-    weak = feasibility.feasibility(with_actuators(trial.robot, stall_torque=0.5), trial, trial.period)
+    weak = feasibility.feasibility(
+        with_actuators(trial.robot, stall_torque=0.5), trial, trial.period
+    )
     (sentence,) = weak.problems
-    assert sentence.startswith("joint ") and " N m at " in sentence and "; its servo has 0." in sentence
+    assert (
+        sentence.startswith("joint ")
+        and " N m at " in sentence
+        and "; its servo has 0." in sentence
+    )
     slow = feasibility.feasibility(
         with_actuators(trial.robot, stall_torque=500, no_load_speed=0.5), trial, trial.period
     )
-    assert slow.figures["utilization"] > 1.0 and slow.problems[0].endswith(("its servo does 28.6", "its servo has 0"))
+    assert slow.figures["utilization"] > 1.0 and slow.problems[0].endswith(
+        ("its servo does 28.6", "its servo has 0")
+    )
 
 
 @settings(max_examples=8, deadline=None)
@@ -69,7 +81,9 @@ def test_the_sentence_names_the_joint_what_it_needs_and_what_it_has(trial: lc.Tr
 def test_servos_never_give_more_than_they_have(amplitude: float, frequency: float):
     gait = lc.eel_like(amplitude=amplitude, frequency=frequency, phase_shift_deg=40)
     trial = lc.swim("mamba-fin", gait, 3.0, joints="servo")
-    duty = feasibility.duty([trial.chain], trial.joint_rate[..., np.newaxis], trial.joint_torque[..., np.newaxis])
+    duty = feasibility.duty(
+        [trial.chain], trial.joint_rate[..., np.newaxis], trial.joint_torque[..., np.newaxis]
+    )
     assert np.abs(duty).max() <= 1.0 + feasibility.ROUNDING
 
 
@@ -79,7 +93,9 @@ def test_a_sweeps_row_says_what_the_trial_says(name: str):
     table = np.radians([[20.0, 130.0], [60.0, 200.0], [170.0, 60.0]])
     found = swim_points(scenario, ("gait.amplitude", "gait.frequency"), table)
     for row, (amplitude, frequency) in enumerate(table):
-        alone = lc.swim(replace(scenario, motion=replace(GAIT, amplitude=amplitude, frequency=frequency)))
+        alone = lc.swim(
+            replace(scenario, motion=replace(GAIT, amplitude=amplitude, frequency=frequency))
+        )
         for figure in feasibility.NEEDS:
             # A row looks for links that cross in some postures only.
             rel = 0.02 if feasibility.overlap(alone.chain, alone.joint_angle)[0] > 1.0 else 1e-6
@@ -100,7 +116,9 @@ def test_a_driven_fin_counts_in_rows_and_trials_alike():
 
 def test_the_twin_and_the_planar_model_say_the_same():
     gait = replace(GAIT, amplitude=radians(60))
-    planar, spatial = (lc.swim("mamba-modules", gait, 6.0, model=model) for model in ("planar", "spatial"))
+    planar, spatial = (
+        lc.swim("mamba-modules", gait, 6.0, model=model) for model in ("planar", "spatial")
+    )
     assert spatial.peak_joint_angle == pytest.approx(planar.peak_joint_angle, rel=1e-3)
     assert spatial.utilization == pytest.approx(planar.utilization, rel=0.05)
 
@@ -111,7 +129,9 @@ def rectangles(robot: Robot, angle: np.ndarray) -> list[np.ndarray]:
     for module, bend in zip(robot.modules, (0.0, *angle), strict=True):
         turned += bend
         along = np.array([np.cos(turned), np.sin(turned)])
-        x, y = np.meshgrid(np.linspace(0, module.length, 40), np.linspace(-1, 1, 21) * module.section.half_width)
+        x, y = np.meshgrid(
+            np.linspace(0, module.length, 40), np.linspace(-1, 1, 21) * module.section.half_width
+        )
         found.append(joint + x[..., None] * along + y[..., None] * np.array([-along[1], along[0]]))
         joint = joint + module.length * along
     return [one.reshape(-1, 2) for one in found]
@@ -127,12 +147,16 @@ def nearest(some: np.ndarray, others: np.ndarray) -> float:
 def test_links_overlap_where_points_of_theirs_do(angle: list[float], width: float):
     robot = lc.load_robot("mamba")
     section = replace(robot.modules[0].section, half_width=width)
-    robot = replace(robot, modules=tuple(replace(module, section=section) for module in robot.modules))
+    robot = replace(
+        robot, modules=tuple(replace(module, section=section) for module in robot.modules)
+    )
     share, i, j = feasibility.overlap(robot, np.array([angle]))
     points = rectangles(robot, np.array(angle))
     far = [(a, b) for a in range(9) for b in range(a + 2, 9)]
     apart = min(nearest(points[a], points[b]) for a, b in far)
-    if apart < 1e-3 and share <= 1.0:  # two of a grid's points that are that near lie in both, or at their edges
+    if (
+        apart < 1e-3 and share <= 1.0
+    ):  # two of a grid's points that are that near lie in both, or at their edges
         assert share > 0.9
     if share > 1.1 and j > i + 1:
         assert apart < 0.012
@@ -160,7 +184,8 @@ def test_neighbors_overlap_where_their_bend_leaves_them_no_room():
 
 def test_a_trial_without_torques_says_what_it_knows(trial: lc.Trial):
     series = {
-        name: getattr(trial, name) for name in ("time", "center_of_mass", "center_of_mass_velocity", "joint_angle")
+        name: getattr(trial, name)
+        for name in ("time", "center_of_mass", "center_of_mass_velocity", "joint_angle")
     }
     measured = lc.Trial.measured(series, scenario=trial.scenario, version="1")
     assert measured.peak_joint_angle == trial.peak_joint_angle
@@ -180,6 +205,14 @@ def test_a_motor_whose_numbers_are_not_stated_judges_nothing_and_stated_ones_do(
     found = feasibility.feasibility(unknown, trial, trial.period)
     assert found.problems == ()
     assert found.words.endswith("no actuator is stated")
-    assert found.figures["utilization"] == pytest.approx(trial.peak_joint_angle / trial.robot.joints[0].limit)
-    assert feasibility.feasibility(adjusted(unknown, {"actuator": {"voltage": 7.0}}), trial, trial.period).problems
-    assert not any(joint.actuator.stated for name in ("amphibot", "chain") for joint in lc.load_robot(name).joints)
+    assert found.figures["utilization"] == pytest.approx(
+        trial.peak_joint_angle / trial.robot.joints[0].limit
+    )
+    assert feasibility.feasibility(
+        adjusted(unknown, {"actuator": {"voltage": 7.0}}), trial, trial.period
+    ).problems
+    assert not any(
+        joint.actuator.stated
+        for name in ("amphibot", "chain")
+        for joint in lc.load_robot(name).joints
+    )

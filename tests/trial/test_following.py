@@ -26,7 +26,9 @@ def test_convergence_is_when_the_mean_stays_within_the_tolerance():
 
 def test_a_run_that_starts_on_the_path_has_converged_at_once():
     reached = following.convergence(TIME, RIPPLE, ALONG, PERIOD)
-    assert reached.time == pytest.approx(PERIOD / 2)  # the first moment with a whole cycle around it
+    assert reached.time == pytest.approx(
+        PERIOD / 2
+    )  # the first moment with a whole cycle around it
 
 
 def test_a_visit_shorter_than_a_cycle_is_no_convergence():
@@ -50,12 +52,16 @@ def test_without_a_change_of_side_there_is_no_overshoot():
 def test_error_and_ripple_add_up():
     error = 0.02 + RIPPLE
     assert following.steady_error(TIME, error, PERIOD, 30.0) == pytest.approx(0.02, rel=1e-6)
-    assert following.ripple(TIME, error, PERIOD, 30.0) == pytest.approx(0.03 / np.sqrt(2.0), rel=1e-3)
+    assert following.ripple(TIME, error, PERIOD, 30.0) == pytest.approx(
+        0.03 / np.sqrt(2.0), rel=1e-3
+    )
     assert following.last_third_error(TIME, -error, PERIOD) == pytest.approx(-0.02, rel=1e-6)
 
 
 def test_the_last_third_is_of_the_run_and_not_of_the_clock():
-    assert following.last_third_error(TIME + 1000.0, approach(1.0, end=0.3), PERIOD) == pytest.approx(0.3, abs=1e-4)
+    assert following.last_third_error(
+        TIME + 1000.0, approach(1.0, end=0.3), PERIOD
+    ) == pytest.approx(0.3, abs=1e-4)
 
 
 def test_the_share_of_saturation_is_one_of_time():
@@ -64,20 +70,28 @@ def test_the_share_of_saturation_is_one_of_time():
 
 
 def test_what_has_no_meaning_is_refused():
-    with pytest.raises(ValueError, match="`start` must be <= 88 s, the middle of the last gait cycle, got 89 s"):
+    with pytest.raises(
+        ValueError, match="`start` must be <= 88 s, the middle of the last gait cycle, got 89 s"
+    ):
         following.ripple(TIME, RIPPLE, PERIOD, 89.0)
     with pytest.raises(ValueError, match="`time` must span at least one gait cycle"):
         following.overshoot(TIME[:20], RIPPLE[:20], PERIOD)
-    with pytest.raises(ValueError, match="`time` must have at least 3 samples for a mean over a cycle, got 2"):
+    with pytest.raises(
+        ValueError, match="`time` must have at least 3 samples for a mean over a cycle, got 2"
+    ):
         following.overshoot(TIME[:2], RIPPLE[:2], PERIOD)
     with pytest.raises(ValueError, match="`tolerance` must be > 0 m, got 0"):
         following.convergence(TIME, RIPPLE, ALONG, PERIOD, 0.0)
-    with pytest.raises(ValueError, match="`time` must have at least 2 samples for a share of time, got 1"):
+    with pytest.raises(
+        ValueError, match="`time` must have at least 2 samples for a share of time, got 1"
+    ):
         following.saturated_share(TIME[:1], RIPPLE[:1])
 
 
 def test_a_run_that_followed_no_path_has_no_such_figures(make_trial):
-    with pytest.raises(ValueError, match="`trial` must be a run that followed a path: it has no signal"):
+    with pytest.raises(
+        ValueError, match="`trial` must be a run that followed a path: it has no signal"
+    ):
         following.summary(make_trial())
 
 

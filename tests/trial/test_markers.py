@@ -19,7 +19,9 @@ SEEN = Track(time=TRIAL.time, place=marker_places(TRIAL, ALONG))
 
 def test_markers_on_the_ends_and_joints_are_where_these_are():
     places = marker_places(TRIAL, [0.0, 0.14, 0.28, 0.42])
-    np.testing.assert_allclose(places, Posture(CHAIN, TRIAL.center_of_mass, TRIAL.link_angle).link_ends, atol=1e-14)
+    np.testing.assert_allclose(
+        places, Posture(CHAIN, TRIAL.center_of_mass, TRIAL.link_angle).link_ends, atol=1e-14
+    )
 
 
 @settings(max_examples=25, deadline=None)
@@ -49,7 +51,9 @@ def test_what_does_not_fit_is_refused():
 
 def test_a_track_is_read_from_a_table(tmp_path):
     path = tmp_path / "track.csv"
-    path.write_text("# a note\ntime_s,a_x_m,a_y_m,b_x_m,b_y_m\n0,1,2,3,4\n1,,,5,6\n", encoding="utf-8")
+    path.write_text(
+        "# a note\ntime_s,a_x_m,a_y_m,b_x_m,b_y_m\n0,1,2,3,4\n1,,,5,6\n", encoding="utf-8"
+    )
     found = Track.read(path)
     np.testing.assert_array_equal(found.place, [[[1, 2], [3, 4]], [[np.nan, np.nan], [5, 6]]])
     path.write_text("time_s,a_x_m\n0,1\n", encoding="utf-8")

@@ -38,7 +38,9 @@ def test_a_null_model_predicts_unseen_rows_that_are_made_like_it(name):
 
 @pytest.mark.parametrize("name", PREDICTORS)
 def test_a_stride_makes_speed_grow_with_the_frequency_and_a_constant_does_not(name):
-    fast = [replace(row, gait=replace(row.gait, frequency=2.0 * row.gait.frequency)) for row in OTHERS]
+    fast = [
+        replace(row, gait=replace(row.gait, frequency=2.0 * row.gait.frequency)) for row in OTHERS
+    ]
     usual, faster = (predict(name, ROWS, SPEEDS, rows)[0] for rows in (OTHERS, fast))
     assert faster == pytest.approx((2.0 if "stride" in name else 1.0) * usual)
 
@@ -46,18 +48,25 @@ def test_a_stride_makes_speed_grow_with_the_frequency_and_a_constant_does_not(na
 def test_a_constant_stride_is_the_geometric_mean_of_a_groups_strides():
     predicted, _ = predict("constant stride per group", ROWS, SPEEDS, OTHERS)
     for row, value in zip(OTHERS, predicted, strict=True):
-        strides = [v / r.gait.frequency for v, r in zip(SPEEDS, ROWS, strict=True) if r.group == row.group]
+        strides = [
+            v / r.gait.frequency for v, r in zip(SPEEDS, ROWS, strict=True) if r.group == row.group
+        ]
         assert value == pytest.approx(np.exp(np.mean(np.log(strides))) * row.gait.frequency)
 
 
 def test_the_mean_stride_is_the_arithmetic_mean_of_a_groups_strides():
     predicted, _ = predict(MEAN_STRIDE, ROWS, SPEEDS, OTHERS)
     for row, value in zip(OTHERS, predicted, strict=True):
-        strides = [v / r.gait.frequency for v, r in zip(SPEEDS, ROWS, strict=True) if r.group == row.group]
+        strides = [
+            v / r.gait.frequency for v, r in zip(SPEEDS, ROWS, strict=True) if r.group == row.group
+        ]
         assert value == pytest.approx(np.mean(strides) * row.gait.frequency)
 
 
 def test_a_group_that_was_not_measured_cannot_be_predicted():
     bare = [i for i, row in enumerate(ROWS) if not row.has_fin]
-    with pytest.raises(ValueError, match="`rows` must hold every group of `others`, got none of eel-like motion, with"):
+    with pytest.raises(
+        ValueError,
+        match="`rows` must hold every group of `others`, got none of eel-like motion, with",
+    ):
         predict("constant per group", [ROWS[i] for i in bare], SPEEDS[bare], OTHERS)

@@ -52,7 +52,9 @@ def test_mechanical_and_electrical_power_are_never_set_against_each_other(make_t
 
 
 def test_one_trial_is_not_enough_to_compare(make_trial):
-    with pytest.raises(ValueError, match=r"`trials` must hold at least 2 trials to compare, got 1\."):
+    with pytest.raises(
+        ValueError, match=r"`trials` must hold at least 2 trials to compare, got 1\."
+    ):
         compare([make_trial()])
     with pytest.raises(ValueError, match=r"`trials\[1\]` must be of class Trial, got str\."):
         compare([make_trial(), "run.nc"])
@@ -118,9 +120,13 @@ def test_what_does_not_follow_is_not_joined(whole):
     first, second = cut(whole, 0, 101), cut(whole, 100, 201)
     with pytest.raises(ValueError, match="`second` must be of class Trial, got str"):
         joined(first, "run.nc")
-    with pytest.raises(ValueError, match=r"must begin where `first` ends, but `center_of_mass` jumps by 0\.\d+"):
+    with pytest.raises(
+        ValueError, match=r"must begin where `first` ends, but `center_of_mass` jumps by 0\.\d+"
+    ):
         joined(first, cut(whole, 110, 201))
-    with pytest.raises(ValueError, match="`first` must have reached its end, got a failed run: It blew up"):
+    with pytest.raises(
+        ValueError, match="`first` must have reached its end, got a failed run: It blew up"
+    ):
         joined(dataclasses.replace(first, succeeded=False, status="It blew up."), second)
     with pytest.raises(ValueError, match="must have the same `gait` as `first`"):
         joined(first, with_other(second, gait=None))
@@ -129,12 +135,15 @@ def test_what_does_not_follow_is_not_joined(whole):
     with pytest.raises(ValueError, match="`second` must log the same as `first`"):
         joined(first, dataclasses.replace(second, electrical_work=None))
     with pytest.raises(
-        ValueError, match="`second` must log the same as `first`, including electrical work, link forces and signals"
+        ValueError,
+        match="`second` must log the same as `first`, including electrical work, link forces and signals",
     ):
         joined(first, dataclasses.replace(second, signals={}))
 
 
 def test_at_the_joint_a_signal_is_what_the_second_run_decided(whole):
     first = cut(whole, 0, 101)
-    held = dataclasses.replace(first, signals={"offset": np.append(first.signals["offset"][:-1], 9.0)})
+    held = dataclasses.replace(
+        first, signals={"offset": np.append(first.signals["offset"][:-1], 9.0)}
+    )
     assert joined(held, cut(whole, 100, 201)).equals(whole)

@@ -31,7 +31,9 @@ def test_a_short_run_leaves_out_what_it_cannot_know_and_says_why(make_trial):
 
 
 def test_a_run_that_failed_at_once_has_a_summary_too(make_trial):
-    summary = make_trial(duration=0.0, succeeded=False, status="It blew up at 0 s. Try smaller gains.").summary()
+    summary = make_trial(
+        duration=0.0, succeeded=False, status="It blew up at 0 s. Try smaller gains."
+    ).summary()
     assert summary["succeeded"] is False
     assert summary["forward_velocity"] is None
     assert summary["not_available"]["forward_velocity"] == (

@@ -58,22 +58,46 @@ def test_lists_and_integers_become_arrays_of_floats(make_trial):
         ("heading", np.zeros((3, 1)), "`heading` must have shape (3), got (3, 1)."),
         ("link_angle", np.zeros((3, 8)), "`link_angle` must have shape (3, 9), got (3, 8)."),
         ("joint_angle", np.zeros((2, 8)), "`joint_angle` must have shape (3, 8), got (2, 8)."),
-        ("joint_torque", np.full((3, 8), np.nan), "`joint_torque` must hold finite numbers only, got"),
+        (
+            "joint_torque",
+            np.full((3, 8), np.nan),
+            "`joint_torque` must hold finite numbers only, got",
+        ),
         ("joint_rate", np.zeros((3, 8), dtype=complex), "`joint_rate` must be an array of numbers"),
         ("work", np.zeros((3, 2)), "`work` must have shape (3, 3)"),
         ("electrical_work", np.zeros(2), "`electrical_work` must have shape (3)"),
-        ("link_force", {"drag": np.zeros((3, 9, 3))}, "`link_force['drag']` must have shape (3, 9, 2)"),
+        (
+            "link_force",
+            {"drag": np.zeros((3, 9, 3))},
+            "`link_force['drag']` must have shape (3, 9, 2)",
+        ),
         ("link_force", {"a/b": np.zeros((3, 9, 2))}, "`link_force` must have names of letters"),
-        ("notes", {"gains": object()}, "`notes['gains']` must be a text, number or truth value, got"),
+        (
+            "notes",
+            {"gains": object()},
+            "`notes['gains']` must be a text, number or truth value, got",
+        ),
         ("notes", {"gain": float("nan")}, "`notes['gain']` must not be nan."),
         ("notes", [1], "`notes` must be of class Mapping, got list."),
         ("gait", "eel", "`gait` must be of class Gait, got str."),
-        ("environment", load_robot("mamba"), "`environment` must be of class Water or Ground, got Robot."),
+        (
+            "environment",
+            load_robot("mamba"),
+            "`environment` must be of class Water or Ground, got Robot.",
+        ),
         ("scenario", None, "`scenario` must be of class Scenario or Experiment, got NoneType."),
         ("succeeded", 1, "`succeeded` must be true or false, got 1."),
         ("status", None, "`status` must be a text, got None."),
-        ("state", {"all": np.array(["text"])}, "`state['all']` must be an array of numbers or truth values"),
-        ("state", {"a b": np.zeros(1)}, "`state` must have names of letters, digits and underscores"),
+        (
+            "state",
+            {"all": np.array(["text"])},
+            "`state['all']` must be an array of numbers or truth values",
+        ),
+        (
+            "state",
+            {"a b": np.zeros(1)},
+            "`state` must have names of letters, digits and underscores",
+        ),
     ],
 )
 def test_what_does_not_fit_is_refused_by_name(make_trial, name, value, message):
@@ -101,10 +125,14 @@ def test_equal_means_every_bit(make_trial, full_trial):
     trial = make_trial(created="now")
     assert trial.equals(make_trial(created="now"))
     assert not trial.equals(make_trial(created="later"))
-    assert not trial.equals(make_trial(created="now", joint_torque=trial.joint_torque * (1 + 1e-15)))
+    assert not trial.equals(
+        make_trial(created="now", joint_torque=trial.joint_torque * (1 + 1e-15))
+    )
     assert not trial.equals(make_trial(created="now", heading=-0.0 * trial.heading))
     assert not trial.equals(make_trial(created="now", notes={"n": 1}))
-    assert not make_trial(created="now", notes={"n": True}).equals(make_trial(created="now", notes={"n": 1}))
+    assert not make_trial(created="now", notes={"n": True}).equals(
+        make_trial(created="now", notes={"n": 1})
+    )
     assert not trial.equals("a trial")
     assert full_trial.equals(full_trial)
 
@@ -120,7 +148,10 @@ def test_mean_power_says_which_power_it_is(make_trial):
     with pytest.raises(ValueError, match="The power of the motors is unknown: give --joints servo"):
         _ = mechanical.total_power
     electrical = make_trial(electrical_work=100.0 * mechanical.time)
-    assert (electrical.mean_power_kind, electrical.mean_power) == ("electrical", pytest.approx(100.0))
+    assert (electrical.mean_power_kind, electrical.mean_power) == (
+        "electrical",
+        pytest.approx(100.0),
+    )
     assert electrical.mechanical_power == pytest.approx(3.0)
     assert electrical.total_power == pytest.approx(141.3)
 
@@ -135,7 +166,9 @@ def test_power_is_the_difference_of_the_counted_work_even_if_the_count_began_bef
 def test_on_ground_the_robots_own_weight_counts_and_nothing_is_towed(make_trial):
     ground = load_ground("viscous")
     trial = make_trial(environment=ground)
-    assert trial.cost_of_transport == pytest.approx(3.0 / (trial.robot.mass * ground.gravity * 0.15))
+    assert trial.cost_of_transport == pytest.approx(
+        3.0 / (trial.robot.mass * ground.gravity * 0.15)
+    )
     with pytest.raises(ValueError, match="must be water for a towing drag"):
         _ = trial.quasi_propulsive_efficiency
     with pytest.raises(ValueError, match="must be water for a share of the linear drag"):
@@ -177,9 +210,13 @@ def test_a_trial_introduces_itself_on_one_line(make_trial):
 
 def test_signals_have_one_number_per_sample(make_trial):
     assert make_trial(duration=1.0).signals == {}
-    with pytest.raises(ValueError, match=r"`signals\['offset'\]` must have shape \(51\), got \(50,\)"):
+    with pytest.raises(
+        ValueError, match=r"`signals\['offset'\]` must have shape \(51\), got \(50,\)"
+    ):
         make_trial(duration=1.0, signals={"offset": np.zeros(50)})
-    with pytest.raises(ValueError, match="`signals` must have names of letters, digits and underscores as keys"):
+    with pytest.raises(
+        ValueError, match="`signals` must have names of letters, digits and underscores as keys"
+    ):
         make_trial(duration=1.0, signals={"an offset": np.zeros(51)})
     with pytest.raises(ValueError, match="must hold finite numbers only, got nan at sample 3"):
         make_trial(duration=1.0, signals={"offset": np.where(np.arange(51) == 3, np.nan, 0.0)})
@@ -188,15 +225,23 @@ def test_signals_have_one_number_per_sample(make_trial):
 def test_a_trial_says_what_nobody_measured_and_refuses_figures_of_it(make_trial):
     trial = make_trial(not_measured=["work", "heading"])
     assert trial.not_measured == ("heading", "work")  # in the order of the fields
-    for figure, name in {"mechanical_power": "work", "turning_rate": "heading", "sideslip": "heading"}.items():
-        with pytest.raises(ValueError, match=f"The trial must have a measured `{name}` for .*, and it has none"):
+    for figure, name in {
+        "mechanical_power": "work",
+        "turning_rate": "heading",
+        "sideslip": "heading",
+    }.items():
+        with pytest.raises(
+            ValueError, match=f"The trial must have a measured `{name}` for .*, and it has none"
+        ):
             getattr(trial, figure)
     assert trial.forward_velocity == make_trial().forward_velocity
     assert not trial.equals(make_trial())
 
 
 def test_where_the_robot_was_is_what_every_trial_has(make_trial):
-    with pytest.raises(ValueError, match=r"`not_measured` must be one of `heading`, .*, got 'center_of_mass'"):
+    with pytest.raises(
+        ValueError, match=r"`not_measured` must be one of `heading`, .*, got 'center_of_mass'"
+    ):
         make_trial(not_measured=("center_of_mass",))
     with pytest.raises(ValueError, match=r"`not_measured` must be one of `heading`, .*, got 3"):
         make_trial(not_measured=3)

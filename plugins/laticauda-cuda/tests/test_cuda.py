@@ -12,7 +12,9 @@ import pytest
 import laticauda as lc
 from laticauda.robot import load_robot
 
-GAITS = [lc.eel_like(amplitude=a, frequency=2.0, phase_shift=0.7, offset=0.1) for a in (0.3, 0.5, 0.6)]
+GAITS = [
+    lc.eel_like(amplitude=a, frequency=2.0, phase_shift=0.7, offset=0.1) for a in (0.3, 0.5, 0.6)
+]
 SLICE = textwrap.dedent(
     """
     from dataclasses import replace
@@ -47,9 +49,13 @@ SLICE = textwrap.dedent(
 
 def test_the_simulated_gpu_gives_what_the_processor_gives():
     pytest.importorskip("numba_cuda", reason="numba-cuda is not installed")
-    path = os.pathsep.join([str(Path(__file__).parents[1] / "src"), os.environ.get("PYTHONPATH", "")])
+    path = os.pathsep.join(
+        [str(Path(__file__).parents[1] / "src"), os.environ.get("PYTHONPATH", "")]
+    )
     environment = {**os.environ, "NUMBA_ENABLE_CUDASIM": "1", "PYTHONPATH": path}
-    done = subprocess.run([sys.executable, "-c", SLICE], env=environment, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", SLICE], env=environment, capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stderr
 
 
@@ -64,8 +70,18 @@ def gpu_or_skip():
 @pytest.mark.parametrize("joints", ["prescribed", "pd", "servo"])
 def test_a_gpu_gives_what_the_processor_gives(joints):
     gpu_or_skip()
-    here, there = (lc.swim_many(load_robot("mamba-fin"), GAITS, 15.0, joints=joints, device=d) for d in ("cpu", "cuda"))
-    for name in ("forward_velocity", "steady_velocity", "net_power", "mean_power", "heading", "center_of_mass"):
+    here, there = (
+        lc.swim_many(load_robot("mamba-fin"), GAITS, 15.0, joints=joints, device=d)
+        for d in ("cpu", "cuda")
+    )
+    for name in (
+        "forward_velocity",
+        "steady_velocity",
+        "net_power",
+        "mean_power",
+        "heading",
+        "center_of_mass",
+    ):
         np.testing.assert_allclose(getattr(there, name), getattr(here, name), rtol=1e-9)
 
 

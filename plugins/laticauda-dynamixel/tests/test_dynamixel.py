@@ -53,7 +53,9 @@ def beats(driver, wanted, **how) -> dict[int, Heartbeat]:
 
     def are_as_wanted() -> bool:
         found, _ = contract.listen(driver, driver._clock, 0.1, **how)
-        last.update({one.value.node: one.value for one in found if isinstance(one.value, Heartbeat)})
+        last.update(
+            {one.value.node: one.value for one in found if isinstance(one.value, Heartbeat)}
+        )
         return len(last) == N and wanted(last)
 
     until(are_as_wanted)
@@ -90,7 +92,9 @@ def test_servos_stop_by_themselves_where_the_program_dies(servos):
         beats(driver, lambda last: last[1].state.is_on, messages=(ON, *references([0.2] * N)))
         driver._ended.set()  # its thread is no more
         driver._thread.join()
-        until(lambda: {table[Register.BUS_WATCHDOG] for table in servos.tables.values()} == {TRIPPED})
+        until(
+            lambda: {table[Register.BUS_WATCHDOG] for table in servos.tables.values()} == {TRIPPED}
+        )
         driver._port.close()
 
 
@@ -98,7 +102,11 @@ def test_an_error_of_the_hardware_is_a_fault_until_it_is_cleared_by_a_reboot(ser
     with made(servos) as driver:
         servos.tables[3][Register.HARDWARE_ERROR] = OVERHEATING
         on = (ON, *references([0.0] * N))
-        found = beats(driver, lambda last: last[3].state == NodeState.FAULT and last[2].state.is_on, messages=on)
+        found = beats(
+            driver,
+            lambda last: last[3].state == NodeState.FAULT and last[2].state.is_on,
+            messages=on,
+        )
         assert found[3].over_temperature
         driver.send((NodeCommand(order=Order.CLEAR),))
         beats(driver, lambda last: last[3].state == NodeState.READY)
@@ -120,15 +128,23 @@ def test_what_is_not_as_it_must_be_is_refused_with_what_to_check(servos):
     with pytest.raises(DeviceFailed, match=r"be numbered 1, 2, ... from the tail on, got \[1, 3"):
         made(servos)
     servos.tables.clear()
-    with pytest.raises(DeviceFailed, match=r"No servo answers at .*check power and cable, and that the baud rate"):
+    with pytest.raises(
+        DeviceFailed, match=r"No servo answers at .*check power and cable, and that the baud rate"
+    ):
         made(servos)
-    with pytest.raises(ValueError, match="`bus_address` must be PORT or PORT:BAUD_RATE, got '/dev/x:fast'"):
+    with pytest.raises(
+        ValueError, match="`bus_address` must be PORT or PORT:BAUD_RATE, got '/dev/x:fast'"
+    ):
         driver_named("bus", "dynamixel", "/dev/x:fast")
 
 
 def test_the_vendors_own_client_reads_and_writes_the_emulator(servos, monkeypatch):
-    sdk = pytest.importorskip("dynamixel_sdk", reason="the vendor's client is not installed: pip install dynamixel-sdk")
-    monkeypatch.setattr(sdk.port_handler, "LATENCY_TIMER", 1000)  # it waits 34 ms for an answer: not on a busy computer
+    sdk = pytest.importorskip(
+        "dynamixel_sdk", reason="the vendor's client is not installed: pip install dynamixel-sdk"
+    )
+    monkeypatch.setattr(
+        sdk.port_handler, "LATENCY_TIMER", 1000
+    )  # it waits 34 ms for an answer: not on a busy computer
     port, handler = sdk.PortHandler(servos.path), sdk.PacketHandler(2.0)
     assert port.openPort()
     try:
@@ -149,7 +165,9 @@ def test_the_vendors_own_client_reads_and_writes_the_emulator(servos, monkeypatc
 
         def has_moved() -> bool:
             assert sync.txRxPacket() == sdk.COMM_SUCCESS
-            return sync.getData(1, Register.PRESENT_POSITION, 4) == pytest.approx(MIDDLE + 100, abs=25)
+            return sync.getData(1, Register.PRESENT_POSITION, 4) == pytest.approx(
+                MIDDLE + 100, abs=25
+            )
 
         until(has_moved)
         assert sync.getData(2, Register.PRESENT_POSITION, 4) < MIDDLE + 50, "its torque is off"
@@ -160,7 +178,11 @@ def test_the_vendors_own_client_reads_and_writes_the_emulator(servos, monkeypatc
 
 
 def test_a_whole_trial_runs_over_it(tmp_path: Path, monkeypatch):
-    for name, never in {"WATCHDOG": 0, "HOLD_AFTER": 100.0, "LIMP_AFTER": 100.0}.items():  # on a computer that is busy
+    for name, never in {
+        "WATCHDOG": 0,
+        "HOLD_AFTER": 100.0,
+        "LIMP_AFTER": 100.0,
+    }.items():  # on a computer that is busy
         monkeypatch.setattr(f"laticauda_dynamixel.driver.{name}", never)
     monkeypatch.setattr("laticauda.operate.safety.limits.SPIN_UP", 15.0)
     tank = tank_of_servos()

@@ -5,10 +5,22 @@ from laticauda_dynamixel.packets import Instruction, Packet, Reader, crc16, enco
 # The examples of the vendor's e-Manual: what is sent, and what a servo answers.
 EXAMPLES = [
     (Packet(1, Instruction.PING, b""), "FF FF FD 00 01 03 00 01 19 4E"),
-    (Packet(1, Instruction.STATUS, bytes([0, 0x06, 0x04, 0x26])), "FF FF FD 00 01 07 00 55 00 06 04 26 65 5D"),
-    (Packet(1, Instruction.READ, bytes([0x84, 0, 4, 0])), "FF FF FD 00 01 07 00 02 84 00 04 00 1D 15"),
-    (Packet(1, Instruction.STATUS, bytes([0, 0xA6, 0, 0, 0])), "FF FF FD 00 01 08 00 55 00 A6 00 00 00 8C C0"),
-    (Packet(1, Instruction.WRITE, bytes([0x74, 0, 0, 2, 0, 0])), "FF FF FD 00 01 09 00 03 74 00 00 02 00 00 CA 89"),
+    (
+        Packet(1, Instruction.STATUS, bytes([0, 0x06, 0x04, 0x26])),
+        "FF FF FD 00 01 07 00 55 00 06 04 26 65 5D",
+    ),
+    (
+        Packet(1, Instruction.READ, bytes([0x84, 0, 4, 0])),
+        "FF FF FD 00 01 07 00 02 84 00 04 00 1D 15",
+    ),
+    (
+        Packet(1, Instruction.STATUS, bytes([0, 0xA6, 0, 0, 0])),
+        "FF FF FD 00 01 08 00 55 00 A6 00 00 00 8C C0",
+    ),
+    (
+        Packet(1, Instruction.WRITE, bytes([0x74, 0, 0, 2, 0, 0])),
+        "FF FF FD 00 01 09 00 03 74 00 00 02 00 00 CA 89",
+    ),
     (Packet(1, Instruction.REBOOT, b""), "FF FF FD 00 01 03 00 08 2F 4E"),
 ]
 
@@ -27,7 +39,12 @@ def test_data_that_look_like_a_header_are_stuffed():
 
 def test_packets_are_found_between_noise_and_in_pieces():
     packet = Packet(7, Instruction.STATUS, bytes(range(40)))
-    stream = b"\xff\xff\x00junk\xff\xff\xfd\x00\x01\xff\xff" + encoded(packet) + b"\xff\xff" + encoded(packet)
+    stream = (
+        b"\xff\xff\x00junk\xff\xff\xfd\x00\x01\xff\xff"
+        + encoded(packet)
+        + b"\xff\xff"
+        + encoded(packet)
+    )
     reader, found = Reader(), []
     for byte in stream:
         found += reader.feed(bytes([byte]))

@@ -14,13 +14,17 @@ from laticauda_gym.packages import NotInstalled
 def test_who_lacks_it_is_told_what_to_install(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.delitem(sys.modules, "laticauda_gym.baselines", raising=False)
     monkeypatch.setitem(sys.modules, "stable_baselines3", None)
-    with pytest.raises(NotInstalled, match="needs stable-baselines3; run `pip install stable-baselines3`"):
+    with pytest.raises(
+        NotInstalled, match="needs stable-baselines3; run `pip install stable-baselines3`"
+    ):
         importlib.import_module("laticauda_gym.baselines")
 
 
 def lanes(n: int = 3, **settings):
     baselines = importlib.import_module("laticauda_gym.baselines")
-    return baselines.StableBaselines(SwimmingVectorEnv(n, autoreset_mode="SameStep", duration=1.0, **settings))
+    return baselines.StableBaselines(
+        SwimmingVectorEnv(n, autoreset_mode="SameStep", duration=1.0, **settings)
+    )
 
 
 @pytest.fixture(autouse=True)
@@ -41,7 +45,9 @@ def test_the_end_of_an_episode_is_in_its_infos():
         np.testing.assert_array_equal(reward, expected[1])
         assert done.tolist() == [step == 4] * 3
         if step == 4:
-            np.testing.assert_array_equal(infos[1]["terminal_observation"], expected[-1]["final_obs"][1])
+            np.testing.assert_array_equal(
+                infos[1]["terminal_observation"], expected[-1]["final_obs"][1]
+            )
             assert infos[1]["TimeLimit.truncated"] is True
         else:
             assert infos == [{}, {}, {}]
@@ -53,7 +59,9 @@ def test_ppo_learns_in_it_and_the_same_seed_learns_the_same():
 
     learned = []
     for _ in range(2):
-        model = PPO("MlpPolicy", lanes(8), n_steps=16, batch_size=32, n_epochs=1, seed=3, device="cpu").learn(256)
+        model = PPO(
+            "MlpPolicy", lanes(8), n_steps=16, batch_size=32, n_epochs=1, seed=3, device="cpu"
+        ).learn(256)
         learned.append(model.predict(np.ones((1, 9)), deterministic=True)[0])
     np.testing.assert_array_equal(*learned)
 
@@ -72,7 +80,9 @@ def test_another_way_from_episode_to_episode_is_refused():
     from laticauda_gym import StableBaselines
 
     where = r"as in `SwimmingVectorEnv\(64, autoreset_mode=\"SameStep\"\)`"
-    with pytest.raises(ValueError, match=rf"`envs\.autoreset_mode` must be `SameStep`, {where}, got 'NextStep'"):
+    with pytest.raises(
+        ValueError, match=rf"`envs\.autoreset_mode` must be `SameStep`, {where}, got 'NextStep'"
+    ):
         StableBaselines(SwimmingVectorEnv(2))
     with pytest.raises(ValueError, match="`envs` must be of class SwimmingVectorEnv, got int"):
         StableBaselines(3)

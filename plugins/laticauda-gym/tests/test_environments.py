@@ -17,7 +17,15 @@ import laticauda as lc
 from laticauda.fluid.gridded import Gridded, to_dataset
 from laticauda.quantities import value
 from laticauda.simulate.numbers import changed
-from laticauda_gym import IDS, Efficiency, PathFollowing, Sight, SwimmingEnv, SwimmingVectorEnv, swimmer
+from laticauda_gym import (
+    IDS,
+    Efficiency,
+    PathFollowing,
+    Sight,
+    SwimmingEnv,
+    SwimmingVectorEnv,
+    swimmer,
+)
 from laticauda_gym.swimming import Range
 
 SHORT = {"duration": 1.0}  # five steps
@@ -49,18 +57,24 @@ def test_the_environments_take_the_spatial_model_and_lanes_do_what_single_ones_d
         warnings.simplefilter("error")
         check_env(gymnasium.make(IDS[0], **settings).unwrapped)
     many = rolled(gymnasium.make_vec(IDS[0], num_envs=3, threads=2, **settings), count=8)
-    singles = rolled(gymnasium.make_vec(IDS[0], num_envs=3, vectorization_mode="sync", **settings), count=8)
+    singles = rolled(
+        gymnasium.make_vec(IDS[0], num_envs=3, vectorization_mode="sync", **settings), count=8
+    )
     planar = rolled(gymnasium.make_vec(IDS[0], num_envs=3, duration=0.6, interval=0.1), count=8)
     for one, other, flat in zip(many, singles, planar, strict=True):
         for x, y in zip(one[:-1], other[:-1], strict=True):
             np.testing.assert_array_equal(x, y)
-        np.testing.assert_allclose(one[-1]["x"], flat[-1]["x"], atol=1e-4)  # the same episode by another model
+        np.testing.assert_allclose(
+            one[-1]["x"], flat[-1]["x"], atol=1e-4
+        )  # the same episode by another model
 
 
 def test_in_space_an_episode_in_a_flow_is_that_in_the_plane():
     pytest.importorskip("mujoco")
     settings = {"duration": 0.6, "interval": 0.1, "current": lc.load_current("street")}
-    space, plane = (SwimmingEnv(robot="mamba", model=model, **settings) for model in ("spatial", "planar"))
+    space, plane = (
+        SwimmingEnv(robot="mamba", model=model, **settings) for model in ("spatial", "planar")
+    )
     still = SwimmingEnv(robot="mamba", duration=0.6, interval=0.1)
     ends = [rolled(one, count=6)[-1][-1] for one in (space, plane, still)]
     moved = abs(ends[1]["x"] - ends[2]["x"]) + abs(ends[1]["y"] - ends[2]["y"])
@@ -76,7 +90,10 @@ def test_pictures_show_the_robot_as_it_is_and_a_lane_what_a_single_one_shows(mod
         warnings.simplefilter("error")
         check_env(gymnasium.make(IDS[1], **settings).unwrapped)
     assert gymnasium.make(IDS[1], **settings).metadata["render_fps"] == 5.0
-    envs, env = gymnasium.make_vec(IDS[1], num_envs=2, **settings), gymnasium.make(IDS[1], **settings)
+    envs, env = (
+        gymnasium.make_vec(IDS[1], num_envs=2, **settings),
+        gymnasium.make(IDS[1], **settings),
+    )
     envs.reset(seed=3), env.reset(seed=3)
     before = env.render()
     actions = np.array([[1.0, 1.0, 0.0], [1.0, -1.0, 0.0]])
@@ -111,7 +128,12 @@ def test_a_task_of_ones_own_sees_what_the_planar_model_knows_nothing_of():
         @property
         def sights(self):
             return (
-                Sight(name="height", of=lambda step: np.array([o.center_of_mass[2] for o in step.after.observations])),
+                Sight(
+                    name="height",
+                    of=lambda step: np.array(
+                        [o.center_of_mass[2] for o in step.after.observations]
+                    ),
+                ),
             )
 
     task = Dive(scenario=swimmer(robot="mamba", model="spatial", root="free", duration=0.4))
@@ -144,7 +166,9 @@ gymnasium.make("laticauda_gym:laticauda/StationKeeping-v0")
 """
     path = {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     words = [sys.executable, "-c", code]
-    done = subprocess.run(words, env={**os.environ, **path}, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        words, env={**os.environ, **path}, capture_output=True, text=True, check=True
+    )
     assert done.stdout == "[]\n"
 
 
@@ -182,16 +206,23 @@ def test_a_lane_does_what_a_single_environment_with_its_seed_does_to_the_last_bi
 def test_both_go_from_one_episode_to_the_next_in_the_same_step_if_they_are_to():
     settings = {"num_envs": 4, **SHORT}
     many = SwimmingVectorEnv(autoreset_mode="SameStep", **settings)
-    wrapped = {"vectorization_mode": "sync", "vector_kwargs": {"autoreset_mode": AutoresetMode.SAME_STEP}}
+    wrapped = {
+        "vectorization_mode": "sync",
+        "vector_kwargs": {"autoreset_mode": AutoresetMode.SAME_STEP},
+    }
     singles = gymnasium.make_vec(IDS[0], **wrapped, **settings)
     for one, other in zip(rolled(many), rolled(singles), strict=True):
         for x, y in zip(one[:-1], other[:-1], strict=True):
             np.testing.assert_array_equal(x, y)
         assert ("final_obs" in one[-1]) == ("final_obs" in other[-1])
         if "final_obs" in one[-1]:
-            np.testing.assert_array_equal(np.stack(one[-1]["final_obs"]), np.stack(other[-1]["final_obs"]))
+            np.testing.assert_array_equal(
+                np.stack(one[-1]["final_obs"]), np.stack(other[-1]["final_obs"])
+            )
             for key in INFOS:
-                np.testing.assert_array_equal(one[-1]["final_info"][key], other[-1]["final_info"][key])
+                np.testing.assert_array_equal(
+                    one[-1]["final_info"][key], other[-1]["final_info"][key]
+                )
 
 
 def test_threads_change_no_bit():
@@ -215,7 +246,9 @@ def test_without_autoreset_a_mask_says_who_begins_anew():
     said = rolled(envs, count=5)
     assert said[-1][3].all()
     action = actions_of(envs, 1)[0]
-    with pytest.raises(ValueError, match=r"`reset` must be called with a `reset_mask` for the lanes .* \[0, 1, 2\]"):
+    with pytest.raises(
+        ValueError, match=r"`reset` must be called with a `reset_mask` for the lanes .* \[0, 1, 2\]"
+    ):
         envs.step(action)
     options = {"reset_mask": np.array([True, False, True])}
     observation, _ = envs.reset(options=options)
@@ -255,7 +288,12 @@ def test_actions_beyond_their_bounds_ask_for_the_bounds():
 
 def test_options_say_what_is_not_drawn():
     envs = SwimmingVectorEnv(3)
-    given = {"y": 0.25, "heading": np.array([0.1, 0.2, 0.3]), "current_speed": 0.05, "current_direction": 0.0}
+    given = {
+        "y": 0.25,
+        "heading": np.array([0.1, 0.2, 0.3]),
+        "current_speed": 0.05,
+        "current_direction": 0.0,
+    }
     _, info = envs.reset(seed=1, options=given)
     assert info["y"].tolist() == [0.25] * 3
     assert info["heading"].tolist() == [0.1, 0.2, 0.3]
@@ -266,7 +304,10 @@ def test_options_say_what_is_not_drawn():
 
 
 BAD = [
-    ({"task": "PathFolowing"}, r"`task` must be one of `PathFollowing`.*did you mean `PathFollowing`\?"),
+    (
+        {"task": "PathFolowing"},
+        r"`task` must be one of `PathFollowing`.*did you mean `PathFollowing`\?",
+    ),
     ({"max_ofset": 0.1}, r"`max_ofset` is not known; did you mean `max_offset`\?"),
     ({"max_offset": 1.5}, "`max_offset` must be <= 1.047 rad"),
     ({"interval": 0.0}, "`interval` must be > 0 s, got 0.0"),
@@ -277,11 +318,23 @@ BAD = [
     ({"robot": "mamba-fn"}, "did you mean `mamba-fin`"),
     ({"render_mode": "human"}, "`render_mode` must be one of `rgb_array`, got 'human'"),
     ({"task": Efficiency(), "speeds": (0.1, 0.2)}, "`task` must be a name if its fields are given"),
-    ({"task": "Efficiency", "speeds": (0.2, 0.1)}, "`speeds` must be two numbers in m/s, the lower one first"),
+    (
+        {"task": "Efficiency", "speeds": (0.2, 0.1)},
+        "`speeds` must be two numbers in m/s, the lower one first",
+    ),
     ({"task": "Efficiency", "speeds": "ab"}, "`speeds` must be two numbers in m/s, got 'ab'"),
-    ({"task": "Efficiency", "frequencies": (-1.0, 1.0)}, r"`frequencies\[0\]` must be >= 0 rad/s, got -1.0"),
-    ({"task": "Efficiency", "amplitudes": (0.0, 2.0)}, r"`amplitudes\[1\]` must be <= 1.571 rad, or joint 0 goes"),
-    ({"task": "StationKeeping", "distance_tolerance": 0.0}, "`distance_tolerance` must be > 0 m, got 0.0"),
+    (
+        {"task": "Efficiency", "frequencies": (-1.0, 1.0)},
+        r"`frequencies\[0\]` must be >= 0 rad/s, got -1.0",
+    ),
+    (
+        {"task": "Efficiency", "amplitudes": (0.0, 2.0)},
+        r"`amplitudes\[1\]` must be <= 1.571 rad, or joint 0 goes",
+    ),
+    (
+        {"task": "StationKeeping", "distance_tolerance": 0.0},
+        "`distance_tolerance` must be > 0 m, got 0.0",
+    ),
 ]
 
 
@@ -330,13 +383,19 @@ def test_resets_that_do_not_fit_are_refused(arguments: dict, message: str):
 def test_actions_that_do_not_fit_are_refused():
     envs = SwimmingVectorEnv(2)
     envs.reset()
-    with pytest.raises(ValueError, match=r"`action` must be finite numbers of shape \(2, 1\), got shape \(2,\)"):
+    with pytest.raises(
+        ValueError, match=r"`action` must be finite numbers of shape \(2, 1\), got shape \(2,\)"
+    ):
         envs.step(np.zeros(2))
-    with pytest.raises(ValueError, match=r"`action` must be finite numbers of shape \(2, 1\), got one that is not"):
+    with pytest.raises(
+        ValueError, match=r"`action` must be finite numbers of shape \(2, 1\), got one that is not"
+    ):
         envs.step(np.array([[0.0], [np.nan]]))
     single = SwimmingEnv()
     single.reset()
-    with pytest.raises(ValueError, match=r"`action` must be finite numbers of shape \(1,\), got shape \(\)"):
+    with pytest.raises(
+        ValueError, match=r"`action` must be finite numbers of shape \(1,\), got shape \(\)"
+    ):
         single.step("left")
 
 
@@ -355,7 +414,9 @@ def test_each_seed_is_another_flow_in_lanes_as_in_single_environments_and_all_sw
     assert len(set(drawn["water.current.seed"])) == 3
     assert all((drawn["water.current.intensity"] > 0.02) & (drawn["water.current.intensity"] < 0.1))
     for lane in range(3):
-        numbers = {name: values[lane] for name, values in drawn.items() if name.startswith("water.")}
+        numbers = {
+            name: values[lane] for name, values in drawn.items() if name.startswith("water.")
+        }
         start = lc.Start(center_of_mass=(0.0, drawn["y"][lane]), heading=drawn["heading"][lane])
         trial = lc.swim(replace(changed(task.scenario, numbers), start=start))
         here = envs.episodes.motion.x[lane], envs.episodes.motion.y[lane]
@@ -372,30 +433,47 @@ def test_in_a_flow_on_a_grid_whose_start_is_drawn_lanes_swim_as_swim_does():
     drawn = envs.episodes.drawn
     assert np.ptp(drawn["water.current.start"]) > 0.1
     for lane in range(2):
-        own = changed(envs.task.scenario, {"water.current.start": drawn["water.current.start"][lane]})
+        own = changed(
+            envs.task.scenario, {"water.current.start": drawn["water.current.start"][lane]}
+        )
         start = lc.Start(center_of_mass=(0.0, drawn["y"][lane]), heading=drawn["heading"][lane])
         here = envs.episodes.motion.x[lane], envs.episodes.motion.y[lane]
-        assert here == pytest.approx(lc.swim(replace(own, start=start)).center_of_mass[-1], abs=1e-12)
+        assert here == pytest.approx(
+            lc.swim(replace(own, start=start)).center_of_mass[-1], abs=1e-12
+        )
 
 
 def test_a_flow_is_drawn_by_its_seed_and_not_seen_and_can_be_said():
     still, moving = SwimmingEnv(robot="mamba", **SHORT), SwimmingEnv(**GUSTS)
     assert moving.observation_space == still.observation_space
-    assert [draw.name for draw in still.task.draws] == ["y", "heading", "current_speed", "current_direction"]
+    assert [draw.name for draw in still.task.draws] == [
+        "y",
+        "heading",
+        "current_speed",
+        "current_direction",
+    ]
     assert [draw.name for draw in moving.task.draws] == ["y", "heading", "water.current.seed"]
     moving.reset(seed=1, options={"water.current.seed": 3})
     assert moving.unwrapped.episodes.drawn["water.current.seed"] == [3.0]
     share = np.linspace(0.0, 1.0, 3000, endpoint=False)
-    counts = np.unique(Range(name="seed", low=2.0, high=4.0, is_whole=True).at(share), return_counts=True)
+    counts = np.unique(
+        Range(name="seed", low=2.0, high=4.0, is_whole=True).at(share), return_counts=True
+    )
     np.testing.assert_array_equal(counts, ([2.0, 3.0, 4.0], [1000] * 3))
 
 
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"currents": {"intensty": (0.0, 1.0)}}, "got 'water.current.intensty'; the nearest are `water.current.inten"),
+        (
+            {"currents": {"intensty": (0.0, 1.0)}},
+            "got 'water.current.intensty'; the nearest are `water.current.inten",
+        ),
         ({"currents": {"intensity": (-1.0, 1.0)}}, "`intensity` must be >= 0 m/s, got -1"),
-        ({"currents": {"seed": (0, 1)}, "current": (0.1, 0.0)}, "`currents` must name numbers of gait, water or robot"),
+        (
+            {"currents": {"seed": (0, 1)}, "current": (0.1, 0.0)},
+            "`currents` must name numbers of gait, water or robot",
+        ),
     ],
 )
 def test_numbers_that_the_flow_has_not_are_refused(settings, message):

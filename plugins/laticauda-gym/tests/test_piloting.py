@@ -32,8 +32,12 @@ def test_line_of_sight_in_a_lane_is_the_trial_of_the_runner():
         work.append(motion.work)
     for lane in range(3):
         at = lc.Start(center_of_mass=(0.0, start["y"][lane]), heading=start["heading"][lane])
-        trial = lc.run(TASK.plant, sight(), TASK.scenario.duration, start=at, sample_interval=TASK.interval)
-        np.testing.assert_allclose(np.array(place)[:, :, lane], trial.center_of_mass[1:], atol=1e-12)
+        trial = lc.run(
+            TASK.plant, sight(), TASK.scenario.duration, start=at, sample_interval=TASK.interval
+        )
+        np.testing.assert_allclose(
+            np.array(place)[:, :, lane], trial.center_of_mass[1:], atol=1e-12
+        )
         np.testing.assert_allclose(np.array(work)[:, lane], trial.work[1:, 0], rtol=1e-12)
 
 
@@ -45,7 +49,13 @@ def test_steering_adds_to_the_offset_of_the_gait():
     for _ in range(task.n_steps):
         envs.step(pilots.actions())
     at = lc.Start(center_of_mass=(0.0, 0.5))
-    trial = lc.run(task.plant, sight(gait=task.gait), task.scenario.duration, start=at, sample_interval=task.interval)
+    trial = lc.run(
+        task.plant,
+        sight(gait=task.gait),
+        task.scenario.duration,
+        start=at,
+        sample_interval=task.interval,
+    )
     assert envs.episodes.motion.heading[0] == pytest.approx(trial.heading[-1], abs=1e-12)
 
 
@@ -59,7 +69,9 @@ def test_a_new_episode_gets_a_new_pilot():
         interval=TASK.interval,
     )
     pilots = Pilots(law, envs.episodes)
-    envs.reset(seed=3, options={"y": 0.05, "heading": 0.0})  # the offset is not at its limit, and the integral grows
+    envs.reset(
+        seed=3, options={"y": 0.05, "heading": 0.0}
+    )  # the offset is not at its limit, and the integral grows
     begin = envs.episodes.school.observe(0)
     for _ in range(6):
         envs.step(pilots.actions())
@@ -71,5 +83,7 @@ def test_a_new_episode_gets_a_new_pilot():
 
 def test_a_controller_of_another_pace_is_refused():
     envs = SwimmingVectorEnv(2, task=TASK)
-    with pytest.raises(ValueError, match=r"`controller.interval` must be the task's, 0.2 s, got 0.05"):
+    with pytest.raises(
+        ValueError, match=r"`controller.interval` must be the task's, 0.2 s, got 0.05"
+    ):
         Pilots(sight(0.05), envs.episodes)

@@ -16,7 +16,9 @@ NAMES = [type(task).__name__ for task in TASKS]
 
 def begun(task, n=4, seed=0, **given) -> Episodes:
     episodes = Episodes(task, n)
-    episodes.begin(np.full(n, True), [np.random.default_rng(seed + lane) for lane in range(n)], given)
+    episodes.begin(
+        np.full(n, True), [np.random.default_rng(seed + lane) for lane in range(n)], given
+    )
     return episodes
 
 
@@ -67,15 +69,23 @@ def test_the_path_is_seen_as_line_of_sight_sees_it():
         other = episodes.school.observe(lane)
         frame = line.locate(line.init(), other.center_of_mass)[1]
         assert seen["cross_track_error"][lane] == pytest.approx(frame.cross_track_error, abs=1e-15)
-        assert math.atan2(seen["sin_heading"][lane], seen["cos_heading"][lane]) == pytest.approx(other.heading)
+        assert math.atan2(seen["sin_heading"][lane], seen["cos_heading"][lane]) == pytest.approx(
+            other.heading
+        )
         speed = math.hypot(*other.center_of_mass_velocity)
-        assert math.hypot(seen["velocity_along"][lane], seen["velocity_across"][lane]) == pytest.approx(speed)
+        assert math.hypot(
+            seen["velocity_along"][lane], seen["velocity_across"][lane]
+        ) == pytest.approx(speed)
 
 
-@pytest.mark.parametrize("task", [PathFollowing(), StationKeeping()], ids=["PathFollowing", "StationKeeping"])
+@pytest.mark.parametrize(
+    "task", [PathFollowing(), StationKeeping()], ids=["PathFollowing", "StationKeeping"]
+)
 def test_the_current_is_not_seen_at_first(task):
     """It shows in how the robot drifts, as it does for line of sight."""
-    given = {"y": 0.3, "heading": 0.2, "current_direction": 1.0} | ({"x": 0.1} if "Station" in str(task) else {})
+    given = {"y": 0.3, "heading": 0.2, "current_direction": 1.0} | (
+        {"x": 0.1} if "Station" in str(task) else {}
+    )
     still, moving = (begun(task, current_speed=speed, **given) for speed in (0.0, 0.05))
     np.testing.assert_array_equal(still.seen, moving.seen)
     assert not np.array_equal(after(still, 10).observation, after(moving, 10).observation)
@@ -114,9 +124,14 @@ def test_the_best_of_the_gaits_for_a_speed_is_the_one_with_the_least_power():
     task = Efficiency()
     wide, narrow = (begun(task, speed_ref=0.09) for _ in range(2))
 
-    def worth(episodes: Episodes, amplitude_deg: float, frequency_deg_s: float) -> tuple[float, float]:
+    def worth(
+        episodes: Episodes, amplitude_deg: float, frequency_deg_s: float
+    ) -> tuple[float, float]:
         wanted = (math.radians(amplitude_deg), math.radians(frequency_deg_s), math.radians(40.0))
-        action = [2.0 * (x - a.low) / (a.high - a.low) - 1.0 for x, a in zip(wanted, task.actions, strict=True)]
+        action = [
+            2.0 * (x - a.low) / (a.high - a.low) - 1.0
+            for x, a in zip(wanted, task.actions, strict=True)
+        ]
         done = [episodes.step(np.tile(action, (4, 1))) for _ in range(200)]
         late = done[100:]
         speed = np.mean([named(episodes, each.observation)["speed"] for each in late])
@@ -142,7 +157,9 @@ def test_who_stays_at_the_origin_pays_for_power_alone():
 
 
 @given(st.floats(-100.0, 100.0), st.floats(0.01, 10.0))
-def test_the_distance_counts_by_its_square_when_small_and_by_its_digits_when_large(x: float, tolerance: float):
+def test_the_distance_counts_by_its_square_when_small_and_by_its_digits_when_large(
+    x: float, tolerance: float
+):
     once, tenfold = log_square(np.array([x, 10.0 * x]), tolerance)
     ratio = abs(x) / tolerance
     assert 0.0 <= once <= ratio**2 * (1.0 + 1e-12)
@@ -153,7 +170,9 @@ def test_the_distance_counts_by_its_square_when_small_and_by_its_digits_when_lar
 
 
 def test_a_step_knows_its_mean_power_and_its_velocity_in_body_axes():
-    episodes = begun(PathFollowing(), n=1, y=0.0, heading=math.pi / 2, current_speed=0.05, current_direction=0.0)
+    episodes = begun(
+        PathFollowing(), n=1, y=0.0, heading=math.pi / 2, current_speed=0.05, current_direction=0.0
+    )
     before = episodes.motion
     after(episodes, 1)
     step = Step(drawn={}, before=before, after=episodes.motion, interval=0.2)
@@ -169,7 +188,9 @@ def test_a_step_knows_its_mean_power_and_its_velocity_in_body_axes():
 def test_no_sight_looks_at_the_water_that_an_episode_drew(task):
     episodes = begun(task)
     seen, motion = episodes.seen, episodes.motion
-    known = {name: values for name, values in episodes.drawn.items() if name == "speed_ref"}  # the order, no water
+    known = {
+        name: values for name, values in episodes.drawn.items() if name == "speed_ref"
+    }  # the order, no water
     step = Step(drawn=known, before=motion, after=motion, interval=task.interval)
     told = np.stack([sight.of(step) / sight.unit for sight in task.sights], axis=1)
     np.testing.assert_array_equal(np.clip(told, -BOUND, BOUND), seen)

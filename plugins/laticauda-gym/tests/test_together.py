@@ -38,7 +38,10 @@ def both(env, first, second):
 def test_who_lacks_it_is_told_what_to_install(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.delitem(sys.modules, "laticauda_gym.together", raising=False)
     monkeypatch.setitem(sys.modules, "pettingzoo", None)
-    with pytest.raises(NotInstalled, match="Learning with PettingZoo needs pettingzoo; run `pip install pettingzoo`"):
+    with pytest.raises(
+        NotInstalled,
+        match="Learning with PettingZoo needs pettingzoo; run `pip install pettingzoo`",
+    ):
         importlib.import_module("laticauda_gym.together")
 
 
@@ -47,7 +50,9 @@ def test_pettingzoo_has_no_complaint():
 
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        warnings.filterwarnings("ignore", "`options` has 'options', which no episode draws")  # its own
+        warnings.filterwarnings(
+            "ignore", "`options` has 'options', which no episode draws"
+        )  # its own
         parallel_api_test(school(3), num_cycles=10)
         parallel_seed_test(school, num_cycles=6)
 
@@ -61,9 +66,15 @@ def test_each_sees_the_nearest_other_one_and_who_is_ahead():
     def of(agent: str, *which: str) -> list[float]:
         return [seen[agent][names.index(name)] for name in which]
 
-    assert of("robot_0", "lead", "nearest_along", "nearest_across") == pytest.approx([0.2, -0.3, 0.8])
-    assert of("robot_1", "lead", "nearest_along", "nearest_across") == pytest.approx([-0.1, 0.0, 0.8])
-    assert of("robot_2", "lead", "nearest_along", "nearest_across") == pytest.approx([-0.1, 0.0, -0.8])
+    assert of("robot_0", "lead", "nearest_along", "nearest_across") == pytest.approx(
+        [0.2, -0.3, 0.8]
+    )
+    assert of("robot_1", "lead", "nearest_along", "nearest_across") == pytest.approx(
+        [-0.1, 0.0, 0.8]
+    )
+    assert of("robot_2", "lead", "nearest_along", "nearest_across") == pytest.approx(
+        [-0.1, 0.0, -0.8]
+    )
     assert of("robot_2", "cross_track_error", "touches") == pytest.approx([0.0, 0.0])
 
 
@@ -71,7 +82,15 @@ def test_robots_that_keep_apart_swim_as_each_would_alone():
     env = school(2, **STRAIGHT, spacing=2.0)
     env.reset(options={"current_speed": 0.05, "current_direction": 0.5})
     alone = SwimmingVectorEnv(2, task=env.task)
-    alone.reset(options={"x": 0.0, "y": 0.0, "heading": 0.0, "current_speed": 0.05, "current_direction": 0.5})
+    alone.reset(
+        options={
+            "x": 0.0,
+            "y": 0.0,
+            "heading": 0.0,
+            "current_speed": 0.05,
+            "current_direction": 0.5,
+        }
+    )
     for _ in range(4):
         both(env, [0.5, 1.0], [-0.5, 0.2])
         alone.step(np.array([[0.5, 1.0], [-0.5, 0.2]]))
@@ -85,7 +104,9 @@ def test_robots_that_meet_feel_it_and_pay_for_it():
     env.reset(options={"current_speed": 0.0})
     rewards = [both(env, [0.6, 1.0], [-0.6, 1.0])[1] for _ in range(8)]
     touched = [one.contact_force for one in env.episodes.motion.observations]
-    np.testing.assert_allclose(touched[0].sum(axis=0)[:2], -touched[1].sum(axis=0)[:2], atol=1e-9)  # as Newton has it
+    np.testing.assert_allclose(
+        touched[0].sum(axis=0)[:2], -touched[1].sum(axis=0)[:2], atol=1e-9
+    )  # as Newton has it
     assert np.linalg.norm(touched[0]) > 1.0
     assert rewards[-1]["robot_0"] < rewards[0]["robot_0"] - 0.2 * env.task.touch_cost * 0.5
 
@@ -106,7 +127,9 @@ def test_one_that_diverges_ends_it_for_all(monkeypatch: pytest.MonkeyPatch):
     env = school()
     env.reset(seed=2)
     # Nothing that can be asked for does it; this is what a march says then.
-    monkeypatch.setattr(env.episodes.school._together, "march", lambda each, *_: (list(each), [], "It diverged."))
+    monkeypatch.setattr(
+        env.episodes.school._together, "march", lambda each, *_: (list(each), [], "It diverged.")
+    )
     seen, rewards, terminated, _, _ = both(env, [0.0, 0.0], [0.0, 0.0])
     assert terminated == {"robot_0": True, "robot_1": True}
     assert rewards == {"robot_0": -1000.0, "robot_1": -1000.0}
@@ -126,7 +149,9 @@ def test_the_current_is_that_of_all_and_places_are_each_ones_own():
 def test_what_does_not_fit_is_refused():
     with pytest.raises(ValueError, match="`n_robots` must be a whole number >= 2, got 1"):
         school(1)
-    with pytest.raises(ValueError, match=r"`scenario\.model` must be a `Spatial` with a `scene`, e.g. `open`"):
+    with pytest.raises(
+        ValueError, match=r"`scenario\.model` must be a `Spatial` with a `scene`, e.g. `open`"
+    ):
         school(model="spatial")
     with pytest.raises(ValueError, match="`spacng` is not known; did you mean `spacing`"):
         school(spacng=1.0)
@@ -138,20 +163,29 @@ def test_what_does_not_fit_is_refused():
     with pytest.raises(ResetNeeded, match="`reset` must be called before the first `step`"):
         both(env, [0.0, 0.0], [0.0, 0.0])
     env.reset()
-    with pytest.raises(ValueError, match=r"`actions` must have an action for each agent, got none for \['robot_1'\]"):
+    with pytest.raises(
+        ValueError,
+        match=r"`actions` must have an action for each agent, got none for \['robot_1'\]",
+    ):
         env.step({"robot_0": np.zeros(2)})
-    with pytest.raises(ValueError, match=r"`action` must be finite numbers of shape \(2,\), got shape \(1,\)"):
+    with pytest.raises(
+        ValueError, match=r"`action` must be finite numbers of shape \(2,\), got shape \(1,\)"
+    ):
         both(env, [0.0], [0.0, 0.0])
     with pytest.warns(UserWarning, match="`options` has 'z', which no episode draws"):
         env.reset(options={"z": 1.0})
 
 
 def test_the_reward_is_progress_less_what_it_costs():
-    task = Abreast(scenario=swimmer("mamba", model=lc.Spatial(scene="open"), duration=1.0), power_unit=50.0)
+    task = Abreast(
+        scenario=swimmer("mamba", model=lc.Spatial(scene="open"), duration=1.0), power_unit=50.0
+    )
     motion = SwimmingVectorEnv(2, task=task)
     motion.reset(options={"x": 0.0, "y": 0.0, "heading": 0.0, "current_speed": 0.0})
     before = motion.episodes.motion
-    after = replace(before, x=np.array([0.1, 0.3]), y=np.array([-0.4, 0.5]), work=np.array([10.0, 0.0]))
+    after = replace(
+        before, x=np.array([0.1, 0.3]), y=np.array([-0.4, 0.5]), work=np.array([10.0, 0.0])
+    )
     got = task.reward(Step(drawn={}, before=before, after=after, interval=0.2))
     lead = math.log1p((0.1 / 0.2) ** 2)
     assert got[0] == pytest.approx(1.0 - 0.2 * (lead + 50.0 / 50.0))

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 pytest.importorskip("cyclonedds", reason="the DDS library is not installed: pip install cyclonedds")
-pytest.importorskip("rosbags", reason="the other implementation is not installed: pip install rosbags")
+pytest.importorskip(
+    "rosbags", reason="the other implementation is not installed: pip install rosbags"
+)
 
 from rosbags import typesys
 
@@ -14,20 +16,24 @@ DISTRIBUTIONS = ("ROS2_HUMBLE", "ROS2_JAZZY", "ROS2_KILTED")
 HEADER = messages.stamped(1_700_000_000.25, "tank")
 OURS = {
     "geometry_msgs/msg/PoseStamped": messages.PoseStamped(
-        header=HEADER, pose=messages.Pose(messages.Point(1.0, -2.0, 0.5), messages.Quaternion(0.1, 0.2, 0.3, 0.9))
+        header=HEADER,
+        pose=messages.Pose(messages.Point(1.0, -2.0, 0.5), messages.Quaternion(0.1, 0.2, 0.3, 0.9)),
     ),
     "sensor_msgs/msg/JointState": messages.JointState(
         header=HEADER, name=["a", "joint_2"], position=[0.1, -0.2], velocity=[], effort=[1.0, 2.0]
     ),
     "std_msgs/msg/Float64MultiArray": messages.Float64MultiArray(
-        layout=messages.Layout(dim=[messages.Dimension("x", 2, 2)], data_offset=0), data=[1.5, float("nan")]
+        layout=messages.Layout(dim=[messages.Dimension("x", 2, 2)], data_offset=0),
+        data=[1.5, float("nan")],
     ),
 }
 
 
 def theirs(store, ours):
     """The same message, of the other implementation."""
-    package, _, kind = ours.__idl_typename__.replace("::dds_::", "/").replace("::", "/").rpartition("/")
+    package, _, kind = (
+        ours.__idl_typename__.replace("::dds_::", "/").replace("::", "/").rpartition("/")
+    )
     values = []
     for name in store.types[f"{package}/{kind[:-1]}"].__dataclass_fields__:
         if name == "__msgtype__":
@@ -60,7 +66,9 @@ def test_fields_are_those_of_the_definitions_of_ros_2(distribution):
     for kind in kinds:
         package, middle, _, last = kind.__idl_typename__.split("::")
         there = store.types[f"{package}/{middle}/{last.removesuffix('_')}"]
-        assert [*kind.__dataclass_fields__] == [one for one in there.__dataclass_fields__ if one != "__msgtype__"]
+        assert [*kind.__dataclass_fields__] == [
+            one for one in there.__dataclass_fields__ if one != "__msgtype__"
+        ]
 
 
 def test_types_have_the_names_that_the_middleware_of_ros_2_gives_them():

@@ -20,7 +20,15 @@ from cyclonedds.core import Policy, Qos
 import laticauda as lc
 from laticauda import lab
 from laticauda.operate.drivers import Clock, DeviceFailed, contract, driver_named
-from laticauda.protocol import EmergencyStop, Heartbeat, JointState, NodeCommand, NodeState, Order, references
+from laticauda.protocol import (
+    EmergencyStop,
+    Heartbeat,
+    JointState,
+    NodeCommand,
+    NodeState,
+    Order,
+    references,
+)
 from laticauda_ros2 import messages, node
 from laticauda_ros2.emulator import TOPIC, Controllers, Poses, tank_behind_ros
 from laticauda_ros2.mocap import NoPose, sample
@@ -137,11 +145,15 @@ def told(driver, wanted, kind=Heartbeat, **how) -> dict:
     return last
 
 
-# ---- poses -----------------------------------------------------------------------------------------------------------
+# ---- poses ---------------------------------------------------------------------------------------
 
 
 def test_a_message_says_where_the_body_is(cameras):
-    pose = sample(cameras.at(1_700_000_000.125, turned=(0.0, 0.0, 1.001 * math.sin(0.2), 1.001 * math.cos(0.2))))
+    pose = sample(
+        cameras.at(
+            1_700_000_000.125, turned=(0.0, 0.0, 1.001 * math.sin(0.2), 1.001 * math.cos(0.2))
+        )
+    )
     assert pose.time == 1_700_000_000.125
     assert pose.position == pytest.approx([1.0, 2.0, -0.1])
     c, s = math.cos(0.4), math.sin(0.4)
@@ -176,12 +188,17 @@ def test_nonsense_is_told_and_what_is_late_is_lost(sees, cameras, monkeypatch):
         until(lambda when=when: has_come(when) or when == 1000.9)
     cameras.say(cameras.at(1003.0, turned=(1.0,) * 4))
     until(lambda: sees.trouble)
-    assert "invalid message: its position must be finite and its quaternion have length 1" in sees.trouble
+    assert (
+        "invalid message: its position must be finite and its quaternion have length 1"
+        in sees.trouble
+    )
     cameras.say(cameras.at(1004.0))
     until(lambda: has_come(1004.0))
     assert not sees.trouble
     with monkeypatch.context() as patch:
-        patch.setattr(messages.PoseStamped, "deserialize", lambda data: struct.unpack("<d", b"short"))
+        patch.setattr(
+            messages.PoseStamped, "deserialize", lambda data: struct.unpack("<d", b"short")
+        )
         cameras.say(cameras.at(1005.0))
         until(lambda: "invalid message: its bytes are not those of its type" in sees.trouble)
     cameras.say(cameras.at(10.0))  # its clock began anew
@@ -189,11 +206,15 @@ def test_nonsense_is_told_and_what_is_late_is_lost(sees, cameras, monkeypatch):
     assert found == [1000.0, 1001.0, 1002.0, 1004.0, 10.0]
 
 
-@pytest.mark.parametrize("quality", [Policy.Reliability.BestEffort, Policy.Reliability.Reliable(10**8)])
+@pytest.mark.parametrize(
+    "quality", [Policy.Reliability.BestEffort, Policy.Reliability.Reliable(10**8)]
+)
 def test_any_publisher_is_heard(cameras, monkeypatch, quality):
     cameras.node.close()
     durable = (
-        Policy.Durability.TransientLocal if quality != Policy.Reliability.BestEffort else Policy.Durability.Volatile
+        Policy.Durability.TransientLocal
+        if quality != Policy.Reliability.BestEffort
+        else Policy.Durability.Volatile
     )
     monkeypatch.setattr(node, "SAYS", Qos(quality, durable, Policy.History.KeepLast(1)))
     cameras.node = Node(DOMAIN)
@@ -206,10 +227,15 @@ def test_any_publisher_is_heard(cameras, monkeypatch, quality):
 
 def test_poses_that_do_not_come_are_refused_with_what_to_check(cameras, monkeypatch):
     monkeypatch.setattr("laticauda_ros2.mocap.PATIENCE", 0.2)
-    with pytest.raises(DeviceFailed, match=f"No PoseStamped arrives on /nothing. Check its domain, here {DOMAIN}, and"):
+    with pytest.raises(
+        DeviceFailed,
+        match=f"No PoseStamped arrives on /nothing. Check its domain, here {DOMAIN}, and",
+    ):
         monkeypatch.setenv("ROS_DOMAIN_ID", str(DOMAIN))
         driver_named("mocap", "ros2", "/nothing")("/nothing", Clock())
-    with pytest.raises(DeviceFailed, match="do not name their body: leave `mocap_body` empty, or use a"):
+    with pytest.raises(
+        DeviceFailed, match="do not name their body: leave `mocap_body` empty, or use a"
+    ):
         driver_named("mocap", "ros2", cameras.address)(cameras.address, Clock(), "fish")
     for address, why in {
         "tail": "must be TOPIC or TOPIC:DOMAIN, such as /tail/pose:0, got 'tail'",
@@ -221,7 +247,7 @@ def test_poses_that_do_not_come_are_refused_with_what_to_check(cameras, monkeypa
             driver_named("mocap", "ros2", address)
 
 
-# ---- joints ----------------------------------------------------------------------------------------------------------
+# ---- joints --------------------------------------------------------------------------------------
 
 
 def test_both_drivers_keep_the_contract_with_a_robot_in_another_program(elsewhere, monkeypatch):
@@ -232,7 +258,9 @@ def test_both_drivers_keep_the_contract_with_a_robot_in_another_program(elsewher
 
 
 def test_joints_go_where_references_say_and_are_limp_after_close(robot):
-    goals = [0.02 * number for number in range(1, N + 1)]  # each its own, and their order is not that of the message
+    goals = [
+        0.02 * number for number in range(1, N + 1)
+    ]  # each its own, and their order is not that of the message
     with opened(robot) as driver:
 
         def are_there(_) -> bool:
@@ -241,7 +269,9 @@ def test_joints_go_where_references_say_and_are_limp_after_close(robot):
 
         told(driver, are_there, messages=(ON, *references(goals)))
         angles = told(driver, lambda _: True, JointState, messages=references(goals))
-        assert [angles[number].angle for number in range(1, N + 1)] == pytest.approx(goals, abs=0.03)
+        assert [angles[number].angle for number in range(1, N + 1)] == pytest.approx(
+            goals, abs=0.03
+        )
     until(lambda: not robot.lab.call(lambda tank: any(one.is_on for one in tank.nodes)))
 
 
@@ -249,17 +279,27 @@ def test_an_emergency_stop_switches_all_motors_off_until_it_is_cleared(robot):
     held = references([0.0] * N)
     with opened(robot) as driver:
         told(driver, lambda last: last[1].state.is_on, messages=(ON, *held))
-        found = told(driver, lambda last: last[N].state == NodeState.FAULT, messages=(EmergencyStop(), ON, *held))
+        found = told(
+            driver,
+            lambda last: last[N].state == NodeState.FAULT,
+            messages=(EmergencyStop(), ON, *held),
+        )
         assert all(one.emergency_stopped for one in found.values())
         until(lambda: not robot.lab.call(lambda tank: any(one.is_on for one in tank.nodes)))
-        told(driver, lambda last: last[N].state == NodeState.READY, messages=(NodeCommand(order=Order.CLEAR),))
+        told(
+            driver,
+            lambda last: last[N].state == NodeState.READY,
+            messages=(NodeCommand(order=Order.CLEAR),),
+        )
 
 
 def test_rates_and_torques_may_be_missing(robot):
     robot.tells = ()
     with opened(robot) as driver:
         told(driver, lambda last: last[1].state.is_on, messages=(ON, *references([0.5] * N)))
-        first = told(driver, lambda last: last[1].rate > 0.05, JointState, messages=references([0.5] * N))
+        first = told(
+            driver, lambda last: last[1].rate > 0.05, JointState, messages=references([0.5] * N)
+        )
         assert first[1].torque == 0.0
 
 
@@ -295,8 +335,15 @@ def test_messages_of_other_shapes_are_lost(robot):
         other = Node(DOMAIN)
         other.write(robot._states, messages.JointState)
         until(lambda: other.is_heard(robot._states))
-        for names, angles in ((["joint_1"], [1.0, 2.0]), (["joint_1"], [math.nan]), (["wheel"], [3.0]), ([], [1.0])):
-            said = messages.JointState(messages.stamped(1.0), name=names, position=angles, velocity=[], effort=[])
+        for names, angles in (
+            (["joint_1"], [1.0, 2.0]),
+            (["joint_1"], [math.nan]),
+            (["wheel"], [3.0]),
+            ([], [1.0]),
+        ):
+            said = messages.JointState(
+                messages.stamped(1.0), name=names, position=angles, velocity=[], effort=[]
+            )
             other.say(robot._states, said)
         assert other.has_arrived(robot._states, 10.0)
         found, _ = contract.listen(driver, driver._clock, 0.3)
@@ -307,15 +354,23 @@ def test_messages_of_other_shapes_are_lost(robot):
 def test_a_robot_that_is_not_there_is_refused_with_what_to_check(space, monkeypatch):
     monkeypatch.setattr("laticauda_ros2.bus.PATIENCE", 0.3)
     address = f"{space}/a,b:{DOMAIN}"
-    wanted = rf"No node subscribes to {space}/forward_position_controller/commands in domain {DOMAIN}:"
+    wanted = (
+        rf"No node subscribes to {space}/forward_position_controller/commands in domain {DOMAIN}:"
+    )
     with pytest.raises(DeviceFailed, match=rf"{wanted} .* \(for {address}\)"):
         driver_named("bus", "ros2", address)(address, Clock())
     robot = Controllers(2, DOMAIN, space)
-    with robot, pytest.raises(DeviceFailed, match=f"No position of a, b arrives on {space}/joint_states in domain"):
+    with (
+        robot,
+        pytest.raises(
+            DeviceFailed, match=f"No position of a, b arrives on {space}/joint_states in domain"
+        ),
+    ):
         driver_named("bus", "ros2", address)(address, Clock())
     for address in ("a,,b", "a,a", "sp ace/a,b", ",".join(f"j{number}" for number in range(20))):
         with pytest.raises(
-            ValueError, match=r"`bus_address` must be JOINT,JOINT,\.\.\. with up to 19 names, tail first"
+            ValueError,
+            match=r"`bus_address` must be JOINT,JOINT,\.\.\. with up to 19 names, tail first",
         ):
             driver_named("bus", "ros2", address)
 
@@ -325,7 +380,9 @@ def test_a_whole_trial_runs_over_both(space, tmp_path: Path):
     topic = f"{space}/{lab.BODY.replace('-', '_')}/pose"
     served = lab.Lab(tank, bus=Controllers(len(tank.nodes), DOMAIN, space))
     served.server = Poses(DOMAIN, topic)
-    result = swum(served, tmp_path, bus=f"ros2@{space}/{JOINTS}:{DOMAIN}", mocap=f"ros2@{topic}:{DOMAIN}")
+    result = swum(
+        served, tmp_path, bus=f"ros2@{space}/{JOINTS}:{DOMAIN}", mocap=f"ros2@{topic}:{DOMAIN}"
+    )
     assert result.accepted, result.reason
     trial = lc.load_trial(tmp_path / "whole.nc")
     assert trial.forward_velocity > 0.0

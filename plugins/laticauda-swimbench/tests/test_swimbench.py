@@ -33,7 +33,7 @@ def scored(policy) -> dict:
     return scoring.score(policy, [QUICK])
 
 
-# ---- scenarios -------------------------------------------------------------------------------------------------------
+# ---- scenarios -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", swimbench.CHALLENGES)
@@ -43,7 +43,9 @@ def test_a_scenario_fixes_its_episodes_and_its_scale(name):
     assert one.score(one.baseline) == 0.0
     assert one.score(one.reference) == 1.0
     assert one.reference > one.baseline
-    np.testing.assert_allclose([0.5 * (each.low + each.high) for each in one.tasks[0].actions[:3]], _shape(one))
+    np.testing.assert_allclose(
+        [0.5 * (each.low + each.high) for each in one.tasks[0].actions[:3]], _shape(one)
+    )
 
 
 def _shape(one):
@@ -54,7 +56,9 @@ def _shape(one):
 def test_steering_a_gait_that_is_already_bent_may_not_take_a_joint_beyond_its_limit(short):
     (task, *_) = short.tasks
     bent = replace(task.scenario, motion=replace(task.gait, offset=math.radians(60.0)))
-    with pytest.raises(ValueError, match=r"`max_offset` must be <= -0\.26\d* rad, or joint 0 goes beyond its limit"):
+    with pytest.raises(
+        ValueError, match=r"`max_offset` must be <= -0\.26\d* rad, or joint 0 goes beyond its limit"
+    ):
         replace(task, scenario=bent)
 
 
@@ -75,7 +79,9 @@ def test_a_motor_that_is_off_takes_no_power_and_its_joint_does_not_follow():
     apart = np.abs(angles["broken"] - angles["economy"])
     assert apart.argmax() == 3
     assert apart[3] > 0.2
-    assert swimbench.challenge("broken").tasks[1].scenario.robot.joints[3].actuator.stall_power < 1e-6
+    assert (
+        swimbench.challenge("broken").tasks[1].scenario.robot.joints[3].actuator.stall_power < 1e-6
+    )
 
 
 def test_a_return_is_the_objective_times_the_duration(short):
@@ -91,17 +97,21 @@ def test_energy_costs_and_distance_from_the_line_makes_progress_worthless(short)
     task = short.tasks[0]
     near, far = (_worth(task, y=y, power=0.0) for y in (0.0, task.tolerance))
     assert far == pytest.approx(0.5 * near)
-    assert near - _worth(task, y=0.0, power=10.0) == pytest.approx(10.0 * task.interval / task.price)
+    assert near - _worth(task, y=0.0, power=10.0) == pytest.approx(
+        10.0 * task.interval / task.price
+    )
 
 
 def _worth(task, y, power):
     from types import SimpleNamespace
 
     before, after = (SimpleNamespace(x=x, y=y) for x in (0.0, 0.02))
-    return task.reward(SimpleNamespace(before=before, after=after, interval=task.interval, power=power))
+    return task.reward(
+        SimpleNamespace(before=before, after=after, interval=task.interval, power=power)
+    )
 
 
-# ---- scores ----------------------------------------------------------------------------------------------------------
+# ---- scores --------------------------------------------------------------------------------------
 
 
 def test_the_same_policy_has_the_same_scores_to_the_last_bit():
@@ -117,11 +127,15 @@ def test_a_score_file_is_what_its_schema_says_and_is_read_back(tmp_path):
     file.write_text(text)
     assert scoring.read_scores(file) == json.loads(text)
     file.write_text(text.replace('"progress": 0.', '"progress": 1.', 1))
-    with pytest.raises(scoring.BadScores, match=r"los\.json: its checksum is wrong; it was changed"):
+    with pytest.raises(
+        scoring.BadScores, match=r"los\.json: its checksum is wrong; it was changed"
+    ):
         scoring.read_scores(file)
     old = content | {"scenarios": [content["scenarios"][0] | {"sha256": "0" * 64}]}
     file.write_text(json.dumps(old | {"sha256": scoring.checksum(old)}))
-    with pytest.raises(scoring.BadScores, match="was scored in another version of economy; score it again"):
+    with pytest.raises(
+        scoring.BadScores, match="was scored in another version of economy; score it again"
+    ):
         scoring.read_scores(file)
     file.write_text("[]")
     with pytest.raises(scoring.BadScores, match="is not a score file"):
@@ -129,12 +143,17 @@ def test_a_score_file_is_what_its_schema_says_and_is_read_back(tmp_path):
 
 
 def test_actions_that_are_none_are_refused():
-    bad = Method(name="bad", kind="callable", sha256="", pilot=lambda *_: lambda seen: np.full((len(seen), 4), np.nan))
+    bad = Method(
+        name="bad",
+        kind="callable",
+        sha256="",
+        pilot=lambda *_: lambda seen: np.full((len(seen), 4), np.nan),
+    )
     with pytest.raises(scoring.BadScores, match="bad: returned actions of shape"):
         scored(bad)
 
 
-# ---- policies from outside -------------------------------------------------------------------------------------------
+# ---- policies from outside -----------------------------------------------------------------------
 
 OUTSIDE = """
 import numpy as np
@@ -164,19 +183,27 @@ nothing = 3
 def test_a_callable_from_outside_is_scored_as_a_baseline_is(tmp_path, monkeypatch, name):
     (tmp_path / "outside.py").write_text(OUTSIDE)
     monkeypatch.syspath_prepend(str(tmp_path))
-    ours, theirs = (scored(each)["scenarios"][0]["results"] for each in ("open-loop", f"outside:{name}"))
-    np.testing.assert_allclose([one["score"] for one in theirs], [one["score"] for one in ours], rtol=1e-9)
+    ours, theirs = (
+        scored(each)["scenarios"][0]["results"] for each in ("open-loop", f"outside:{name}")
+    )
+    np.testing.assert_allclose(
+        [one["score"] for one in theirs], [one["score"] for one in ours], rtol=1e-9
+    )
     sys.modules.pop("outside")
 
 
 def test_what_is_no_policy_is_refused(tmp_path, monkeypatch):
     (tmp_path / "outside.py").write_text(OUTSIDE)
     monkeypatch.syspath_prepend(str(tmp_path))
-    with pytest.raises(ValueError, match="`policy` must name a function, a class or a controller, got outside:nothing"):
+    with pytest.raises(
+        ValueError,
+        match="`policy` must name a function, a class or a controller, got outside:nothing",
+    ):
         method("outside:nothing")
     sys.modules.pop("outside")
     with pytest.raises(
-        ValueError, match="`policy` must name a module that can be imported, got no_such:act: No module"
+        ValueError,
+        match="`policy` must name a module that can be imported, got no_such:act: No module",
     ):
         method("no_such:act")
     with pytest.raises(ValueError, match=r"`policy` must be an existing file, got gone\.onnx"):
@@ -187,7 +214,10 @@ def test_what_is_no_policy_is_refused(tmp_path, monkeypatch):
 
 def test_weights_in_a_file_are_the_network_that_was_written(tmp_path):
     draws = np.random.default_rng(1)
-    runs = [[(draws.normal(size=(8, 13)), np.ones(8)), (draws.normal(size=(4, 8)), np.zeros(4))] for _ in range(2)]
+    runs = [
+        [(draws.normal(size=(8, 13)), np.ones(8)), (draws.normal(size=(4, 8)), np.zeros(4))]
+        for _ in range(2)
+    ]
     networks.save(tmp_path / "mine.npz", runs, "tanh", squash=True)
     seen = draws.normal(size=(5, 13))
     found = networks.load(tmp_path / "mine.npz")
@@ -207,7 +237,7 @@ def test_an_onnx_file_is_scored_or_says_what_it_needs(tmp_path, monkeypatch):
         method(str(tmp_path / "mine.onnx"))
 
 
-# ---- statistics and table --------------------------------------------------------------------------------------------
+# ---- statistics and table ------------------------------------------------------------------------
 
 
 def test_the_interquartile_mean_leaves_out_a_quarter_at_each_end():
@@ -228,14 +258,19 @@ def test_of_a_learner_runs_are_resampled_and_not_episodes():
     assert found.low == found.value == found.high == 1.0
 
 
-# ---- learners, where they are installed ------------------------------------------------------------------------------
+# ---- learners, where they are installed ----------------------------------------------------------
 
 
-def test_training_goes_on_where_it_stopped_and_what_it_learned_is_scored_without_it(tmp_path, monkeypatch):
+def test_training_goes_on_where_it_stopped_and_what_it_learned_is_scored_without_it(
+    tmp_path, monkeypatch
+):
     pytest.importorskip("stable_baselines3")
     from laticauda_swimbench import train
 
-    for name, few in (("ppo", {"n_steps": 4, "batch_size": 16, "n_epochs": 1}), ("sac", {"learning_starts": 8})):
+    for name, few in (
+        ("ppo", {"n_steps": 4, "batch_size": 16, "n_epochs": 1}),
+        ("sac", {"learning_starts": 8}),
+    ):
         monkeypatch.setitem(train.SETTINGS, name, train.SETTINGS[name] | few)
         monkeypatch.setitem(train.LANES, name, 8)
         told: list[str] = []
@@ -250,10 +285,12 @@ def test_training_goes_on_where_it_stopped_and_what_it_learned_is_scored_without
         model = getattr(library, name.upper()).load(tmp_path / f"{name}-broken-1.zip", device="cpu")
         seen = np.random.default_rng(0).normal(size=(6, 13)).astype(np.float32)
         expected = np.clip(model.predict(seen, deterministic=True)[0], -1.0, 1.0)
-        np.testing.assert_allclose(np.clip(network(seen.astype(float)), -1.0, 1.0), expected, atol=0.02)
+        np.testing.assert_allclose(
+            np.clip(network(seen.astype(float)), -1.0, 1.0), expected, atol=0.02
+        )
 
 
-# ---- what is kept in the distribution --------------------------------------------------------------------------------
+# ---- what is kept in the distribution ------------------------------------------------------------
 
 
 def test_the_command_scores_and_tables(tmp_path, capsys):
@@ -278,5 +315,9 @@ def test_what_is_stored_is_what_is_scored_today(monkeypatch, policy):
     stored = scoring.read_scores(RESULTS / f"{policy}.json")
     expected = next(part["results"] for part in stored["scenarios"] if part["name"] == QUICK)
     found = scoring.results(QUICK, method(policy))
-    assert [(one["run"], one["seed"]) for one in found] == [(one["run"], one["seed"]) for one in expected]
-    np.testing.assert_allclose([one["score"] for one in found], [one["score"] for one in expected], atol=1e-3)
+    assert [(one["run"], one["seed"]) for one in found] == [
+        (one["run"], one["seed"]) for one in expected
+    ]
+    np.testing.assert_allclose(
+        [one["score"] for one in found], [one["score"] for one in expected], atol=1e-3
+    )

@@ -15,7 +15,12 @@ from laticauda.protocol import bus_address
 from laticauda_udp_json.driver import NoPose, decoded
 from laticauda_udp_json.emulator import Sender
 
-POSE = {"body": "fish", "time": 1.0, "position": [1.0, 2.0, -0.1], "quaternion": [0.5, 0.5, 0.5, 0.5]}
+POSE = {
+    "body": "fish",
+    "time": 1.0,
+    "position": [1.0, 2.0, -0.1],
+    "quaternion": [0.5, 0.5, 0.5, 0.5],
+}
 
 
 @pytest.fixture
@@ -42,7 +47,9 @@ def sender(address):
 
         def say(self, said):
             host, port = address.split(":")
-            self.line.sendto(said if isinstance(said, bytes) else json.dumps(said).encode(), (host, int(port)))
+            self.line.sendto(
+                said if isinstance(said, bytes) else json.dumps(said).encode(), (host, int(port))
+            )
 
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line, Repeated("sender") as one:
         one.line = line
@@ -67,7 +74,9 @@ def test_a_datagram_says_where_a_body_is():
     body, pose = decoded(json.dumps(POSE | {"residual": 0.001}).encode())
     assert (body, pose.time, pose.residual) == ("fish", 1.0, 0.001)
     assert pose.position == pytest.approx([1.0, 2.0, -0.1])
-    assert pose.rotation == pytest.approx(np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]))
+    assert pose.rotation == pytest.approx(
+        np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    )
     assert decoded(json.dumps(POSE | {"position": None}).encode())[1].is_lost
 
 
@@ -81,7 +90,10 @@ def test_a_datagram_says_where_a_body_is():
         (json.dumps(POSE | {"position": [1, 2]}).encode(), "`position` must be 3 finite numbers"),
         (json.dumps(POSE | {"time": float("nan")}).encode(), "`time` must be 1 finite numbers"),
         (json.dumps(POSE | {"time": 10**400}).encode(), "too large"),
-        (json.dumps(POSE | {"quaternion": [1, 1, 1, 1]}).encode(), "`quaternion` must have length 1"),
+        (
+            json.dumps(POSE | {"quaternion": [1, 1, 1, 1]}).encode(),
+            "`quaternion` must have length 1",
+        ),
         (b"[" * 4000, "recursion|Expecting"),
     ],
 )
@@ -96,7 +108,9 @@ def test_an_unknown_body_is_refused_with_what_there_is(sender, address):
     with pytest.raises(DeviceFailed, match="has no body 'cat'; its bodies are: fish"):
         made(address, "cat")
     sender.bodies = ("fish", "eel")
-    with pytest.raises(DeviceFailed, match="The body must be named by `mocap_body`: the motion capture has"):
+    with pytest.raises(
+        DeviceFailed, match="The body must be named by `mocap_body`: the motion capture has"
+    ):
         made(address)
     with made(address, "eel") as driver:
         received(driver, lambda found: len(found) > 2)

@@ -3,4 +3,14 @@
 from laticauda.actuation.laws import PD, Drive, JointLaw, Prescribed, Servo, motor_power, servo
 from laticauda.actuation.speed_servo import SpeedServo, speed_servo
 
-__all__ = ["PD", "Drive", "JointLaw", "Prescribed", "Servo", "SpeedServo", "motor_power", "servo", "speed_servo"]
+__all__ = [
+    "PD",
+    "Drive",
+    "JointLaw",
+    "Prescribed",
+    "Servo",
+    "SpeedServo",
+    "motor_power",
+    "servo",
+    "speed_servo",
+]

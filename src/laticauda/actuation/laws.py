@@ -1,12 +1,13 @@
 """Joint laws: the torque of an actuator, and its slopes with respect to the joint's angle and rate.
 
-A law is a frozen value derived from `JointLaw`: its fields are its own numbers, its `__call__` is the formula, which
-the kernels of both models compile (`laticauda.formulas`). It returns the torque and the two slopes K_p = -du/dphi and
-K_d = -du/dphi' that an implicit time step needs. A torque u > 0 turns the head side of the joint to the left relative
-to the tail side. The skin around the joint is not included.
+A law is a frozen value derived from `JointLaw`: its fields are its own numbers, its `__call__` is
+the formula, which the kernels of both models compile (`laticauda.formulas`). It returns the torque
+and the two slopes K_p = -du/dphi and K_d = -du/dphi' that an implicit time step needs. A torque u >
+0 turns the head side of the joint to the left relative to the tail side. The skin around the joint
+is not included.
 
-The annotations say float, but complex numbers (for complex-step derivatives) and lanes (for many trials at once) work
-too; conditions therefore use the real part only, and choices use `where`.
+The annotations say float, but complex numbers (for complex-step derivatives) and lanes (for many
+trials at once) work too; conditions therefore use the real part only, and choices use `where`.
 """
 
 from typing import ClassVar, NamedTuple
@@ -17,7 +18,8 @@ from laticauda.formulas import Formula, Law
 from laticauda.quantities import value
 from laticauda.scalars import tanh, where
 
-# Rate over which dry friction changes sign; small compared with the rates of swimming, about 1 rad/s [rad/s].
+# Rate over which dry friction changes sign; small compared with the rates of swimming, about 1
+# rad/s [rad/s].
 SLIDING_RATE = 0.05
 
 MOTION = 5
@@ -48,10 +50,14 @@ class Drive(NamedTuple):
 
 
 _DRIVE = 3
-JOINT = (*range(4), _DRIVE + Drive._fields.index("stall_torque"), *(_DRIVE + len(Drive._fields) + k for k in range(2)))
+JOINT = (
+    *range(4),
+    _DRIVE + Drive._fields.index("stall_torque"),
+    *(_DRIVE + len(Drive._fields) + k for k in range(2)),
+)
 """Positions of a joint's numbers in the kernels of both models: its envelope g, times the share of it that a prescribed
-joint does; stiffness and damping of skin or hinge; the `Drive`, and where its motor begins; the motor's V I_stall, 0 if
-electrical power is not requested; and the total count."""
+joint does; stiffness and damping of skin or hinge; the `Drive`, and where its motor begins; the
+motor's V I_stall, 0 if electrical power is not requested; and the total count."""
 
 
 class JointLaw(Law, Extensible, group="joint_laws"):
@@ -122,7 +128,8 @@ class JointLaw(Law, Extensible, group="joint_laws"):
         """Return a law, which may be `given` by its name.
 
         Args:
-            given: Law, or its name: prescribed, pd, servo, or one that an installed package provides.
+            given: Law, or its name: prescribed, pd, servo, or one that an installed package
+                provides.
 
         Raises:
             ValueError: If there is no law of that name.
@@ -151,7 +158,8 @@ class Prescribed(JointLaw):
 class PD(JointLaw):
     """Law of the published simulations: u = phi_ref'' + k_d (phi_ref' - phi') + k_p (phi_ref - phi).
 
-    The torque is not limited; phi_ref'' is fed forward with an inertia of 1 kg m^2, whatever the robot's inertia is.
+    The torque is not limited; phi_ref'' is fed forward with an inertia of 1 kg m^2, whatever the
+    robot's inertia is.
 
     References:
         E. Kelasidi et al., IEEE Robot. Autom. Mag. 23(1), 2016, eq. (20).
@@ -170,7 +178,11 @@ class PD(JointLaw):
     ) -> tuple[float, float, float]:
         """Return u, K_p and K_d, see `JointLaw.__call__`."""
         k_p, k_d = drive.proportional_gain, drive.derivative_gain
-        return reference_acceleration + k_d * (reference_rate - rate) + k_p * (reference - angle), k_p, k_d
+        return (
+            reference_acceleration + k_d * (reference_rate - rate) + k_p * (reference - angle),
+            k_p,
+            k_d,
+        )
 
     @property
     def words(self) -> str:
@@ -215,14 +227,17 @@ class Servo(JointLaw):
         return "servos in the joints"
 
 
-def servo(angle: float, rate: float, reference: float, drive: Drive) -> tuple[float, float, float, float]:
+def servo(
+    angle: float, rate: float, reference: float, drive: Drive
+) -> tuple[float, float, float, float]:
     """Return the torque of a hobby servo: proportional control of a geared DC motor through its duty cycle.
 
         d = clip(gain (phi_ref - phi), -1, 1)
         u = u_stall (d - phi'/phi'_0) - b phi' - u_c tanh(phi'/eps),    eps = 0.05 rad/s
 
-    The first term is the motor with its back electromotive force, which inherently limits torque and speed: at full
-    duty it stalls at `stall_torque` and delivers no torque at `no_load_speed`. Driven backward or faster, it brakes.
+    The first term is the motor with its back electromotive force, which inherently limits torque
+    and speed: at full duty it stalls at `stall_torque` and delivers no torque at `no_load_speed`.
+    Driven backward or faster, it brakes.
 
     Args:
         angle: phi [rad].
@@ -233,7 +248,11 @@ def servo(angle: float, rate: float, reference: float, drive: Drive) -> tuple[fl
     Returns:
         u [N m], K_p [N m/rad], K_d [N m s/rad], duty d [-]. Where the duty saturates, K_p = 0.
     """
-    gain, stall_torque, viscous_friction = drive.servo_gain, drive.stall_torque, drive.viscous_friction
+    gain, stall_torque, viscous_friction = (
+        drive.servo_gain,
+        drive.stall_torque,
+        drive.viscous_friction,
+    )
     demand = gain * (reference - angle)
     saturated = (demand.real <= -1.0) | (demand.real >= 1.0)
     # 0 * demand keeps the number's type, real or complex, for the compiler.
@@ -241,8 +260,14 @@ def servo(angle: float, rate: float, reference: float, drive: Drive) -> tuple[fl
     duty = where(saturated, limit, demand)
     stiffness = where(saturated, 0.0 * gain, gain * stall_torque)
     sliding, dry = tanh(rate / SLIDING_RATE), drive.friction_torque
-    torque = stall_torque * (duty - rate / drive.no_load_speed) - viscous_friction * rate - dry * sliding
-    damping = stall_torque / drive.no_load_speed + viscous_friction + dry / SLIDING_RATE * (1.0 - sliding * sliding)
+    torque = (
+        stall_torque * (duty - rate / drive.no_load_speed) - viscous_friction * rate - dry * sliding
+    )
+    damping = (
+        stall_torque / drive.no_load_speed
+        + viscous_friction
+        + dry / SLIDING_RATE * (1.0 - sliding * sliding)
+    )
     return torque, stiffness, damping, duty
 
 
@@ -259,9 +284,10 @@ def motor_power(
 
         s = (u + b phi' + u_c tanh(phi'/eps)) / u_stall,   d = s + phi'/phi'_0,   P = V I_stall max(d s, 0)
 
-    This is the inverse of the servo's law: s is the share of the stall current that the torque requires, d the duty at
-    which the motor delivers it at that speed. The bridge draws the current from the supply V for the share d of the
-    time, and cannot return energy. It therefore holds for joints under any law; |d| > 1 if a `servo` could not follow.
+    This is the inverse of the servo's law: s is the share of the stall current that the torque
+    requires, d the duty at which the motor delivers it at that speed. The bridge draws the current
+    from the supply V for the share d of the time, and cannot return energy. It therefore holds for
+    joints under any law; |d| > 1 if a `servo` could not follow.
 
     Args:
         torque: u at the joint [N m].
@@ -273,8 +299,8 @@ def motor_power(
         stall_power: V I_stall [W].
 
     Returns:
-        Power [W], not negative. Not below the delivered power u phi' if V I_stall >= u_stall phi'_0, that is, if the
-        constants of motor and gear do not create energy.
+        Power [W], not negative. Not below the delivered power u phi' if V I_stall >= u_stall
+        phi'_0, that is, if the constants of motor and gear do not create energy.
     """
     sliding = tanh(rate / SLIDING_RATE)
     current = (torque + viscous_friction * rate + friction_torque * sliding) / stall_torque

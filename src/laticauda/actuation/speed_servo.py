@@ -17,13 +17,19 @@ BEYOND = 1.0 + 2.0**0.5
 class SpeedServo(Servo):
     """Servos with speed control, see `speed_servo`; the actuator's motor limits the torque.
 
-    The defaults are assumptions: no limit below the no-load speed of Mamba's servo, a lag of 0.05 s, and full torque at
-    an error of about 10 % of that speed.
+    The defaults are assumptions: no limit below the no-load speed of Mamba's servo, a lag of 0.05
+    s, and full torque at an error of about 10 % of that speed.
     """
 
-    speed_limit: float = quantity("rad/s", "w_max, of the rate demanded by the position loop", gt=0.0, default=7.5)
-    position_gain: float = quantity("1/s", "k_w, rate demanded per angle error", gt=0.0, default=20.0)
-    speed_gain: float = quantity("N m s/rad", "k_u, torque demanded per rate error", gt=0.0, default=4.0)
+    speed_limit: float = quantity(
+        "rad/s", "w_max, of the rate demanded by the position loop", gt=0.0, default=7.5
+    )
+    position_gain: float = quantity(
+        "1/s", "k_w, rate demanded per angle error", gt=0.0, default=20.0
+    )
+    speed_gain: float = quantity(
+        "N m s/rad", "k_u, torque demanded per rate error", gt=0.0, default=4.0
+    )
 
     remedy: ClassVar[str] = "a smaller `dt`, or a lower `speed_gain` and `friction_torque`"
 
@@ -65,26 +71,30 @@ def speed_servo(
         s = k_u (w_ref - phi') / u_stall + phi'/phi'_0,    d = s / (1 + s^2)^(1/2)
         u = u_stall (d - phi'/phi'_0) - b phi' - u_c tanh(phi'/eps),    eps = 0.05 rad/s
 
-    s is the duty at which the motor delivers the torque that the speed loop demands; the actual duty d is s limited
-    smoothly to between -1 and 1. The driving torque therefore falls along the motor's characteristic from
-    `stall_torque` at rest to zero at `no_load_speed`; beyond that speed, or driven backward, the motor brakes. With
-    torque to spare, u is k_u (w_ref - phi') minus friction: `servo` with a stall torque of k_u w_max, a no-load speed
-    of w_max and a gain of k_w / w_max.
+    s is the duty at which the motor delivers the torque that the speed loop demands; the actual
+    duty d is s limited smoothly to between -1 and 1. The driving torque therefore falls along the
+    motor's characteristic from `stall_torque` at rest to zero at `no_load_speed`; beyond that
+    speed, or driven backward, the motor brakes. With torque to spare, u is k_u (w_ref - phi') minus
+    friction: `servo` with a stall torque of k_u w_max, a no-load speed of w_max and a gain of k_w /
+    w_max.
 
-    With torque to spare the slopes are the derivatives. At the limit the derivatives, c^3 with c = (1 + s^2)^(-1/2),
-    ignore that the loop will reverse: a step along them far overshoots the demanded rate, the motor brakes at full
-    torque, and so on. The slopes are therefore those of the chord, c, from the current state to where the demand is
-    zero, and steeper at the limit, as a two-stage step requires. The order of the step does not depend on its slopes.
+    With torque to spare the slopes are the derivatives. At the limit the derivatives, c^3 with c =
+    (1 + s^2)^(-1/2), ignore that the loop will reverse: a step along them far overshoots the
+    demanded rate, the motor brakes at full torque, and so on. The slopes are therefore those of the
+    chord, c, from the current state to where the demand is zero, and steeper at the limit, as a
+    two-stage step requires. The order of the step does not depend on its slopes.
 
     Args:
         angle: phi [rad].
         rate: phi' [rad/s].
         reference: phi_ref [rad].
         law: Law with k_w, w_max and k_u.
-        drive: Numbers of the joint's actuator: its u_stall (0: the motor is off), phi'_0, u_c and b.
+        drive: Numbers of the joint's actuator: its u_stall (0: the motor is off), phi'_0, u_c and
+            b.
 
     Returns:
-        u [N m], K_p [N m/rad], K_d [N m s/rad], duty d [-]. Where the demanded rate is at its limit, K_p = 0.
+        u [N m], K_p [N m/rad], K_d [N m s/rad], duty d [-]. Where the demanded rate is at its
+        limit, K_p = 0.
     """
     position_gain, speed_limit, speed_gain = law.position_gain, law.speed_limit, law.speed_gain
     stall_torque, no_load_speed, friction_torque, viscous_friction = drive[3:]

@@ -1,8 +1,8 @@
 """The `laticauda` command: text in, one call, text out.
 
-Ctrl-C ends the program with a one-line message, even during imports and compilation and where a C library prints
-exceptions that it cannot propagate, all of which would print much more; a second Ctrl-C ends it at once. Only this
-module is imported before the handler is installed.
+Ctrl-C ends the program with a one-line message, even during imports and compilation and where a C
+library prints exceptions that it cannot propagate, all of which would print much more; a second
+Ctrl-C ends it at once. Only this module is imported before the handler is installed.
 """
 
 import gc
@@ -23,16 +23,22 @@ def main(args: Sequence[str] | None = None) -> int:
     """Run the program.
 
     Args:
-        args: Arguments after the program name; None uses those of this process, which ends with this call.
+        args: Arguments after the program name; None uses those of this process, which ends with
+            this call.
 
     Returns:
         The exit status.
     """
     usual, printing, before = signal.default_int_handler, sys.excepthook, sys.unraisablehook
-    is_ours = signal.getsignal(signal.SIGINT) is usual and threading.current_thread() is threading.main_thread()
+    is_ours = (
+        signal.getsignal(signal.SIGINT) is usual
+        and threading.current_thread() is threading.main_thread()
+    )
     if is_ours:
         signal.signal(signal.SIGINT, _stop)
-        sys.excepthook = lambda kind, e, at: os._exit(_say()) if kind is KeyboardInterrupt else printing(kind, e, at)
+        sys.excepthook = lambda kind, e, at: (
+            os._exit(_say()) if kind is KeyboardInterrupt else printing(kind, e, at)
+        )
         sys.unraisablehook = lambda lost: _lose(lost, before)
     try:
         from laticauda.cli import app

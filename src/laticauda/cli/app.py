@@ -45,7 +45,9 @@ def main(args: Sequence[str] | None = None) -> int:
     """
     words = sys.argv[1:] if args is None else list(args)
     for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, TextIOWrapper):  # file names need not be UTF-8, and messages contain them
+        if isinstance(
+            stream, TextIOWrapper
+        ):  # file names need not be UTF-8, and messages contain them
             stream.reconfigure(errors="backslashreplace")
     command: Command | None = None
     try:
@@ -63,11 +65,15 @@ def main(args: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as stop:
         return _complain(str(stop) or "stopped.", 130)
     except BrokenPipeError:
-        # The reader of our output has gone. Nothing may be written to it any more, not even at exit.
+        # The reader of our output has gone. Nothing may be written to it any more, not even at
+        # exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
     except BadArgument as error:
-        return _complain(f"{spelled(error.name, command)} {error.rule}{'' if error.rule.endswith('?') else '.'}", 2)
+        return _complain(
+            f"{spelled(error.name, command)} {error.rule}{'' if error.rule.endswith('?') else '.'}",
+            2,
+        )
     except SimulationFailed as error:
         return _complain(str(error), 1)
     except (BadFlag, LaticaudaError, ValueError) as error:
@@ -92,7 +98,9 @@ def _read(words: list[str]) -> Command:
     if words and words[0] in GROUPS:
         return _choose(f"{PROGRAM} {words[0]}", GROUPS[words[0]], _commands(words[0]), words[1:])
     if words and not words[0].startswith("-"):
-        raise BadFlag(f"there is no command `{words[0]}`{nearest(words[0], [*COMMANDS, *GROUPS]) or LISTED}")
+        raise BadFlag(
+            f"there is no command `{words[0]}`{nearest(words[0], [*COMMANDS, *GROUPS]) or LISTED}"
+        )
     return _choose(PROGRAM, DESCRIPTION, _commands("") | GROUPS, words)
 
 
@@ -109,8 +117,11 @@ def _choose(prog: str, description: str, choices: dict[str, str], words: list[st
         for name, text in choices.items()
     ]
     any_of_them: Any = Annotated[Union[tuple(subcommands)], tyro.conf.arg(name="")]  # noqa: UP007  # made while it runs
-    # For a bare union, tyro parses its own source to find a help text; this class has neither help text nor source.
-    chosen: Any = make_dataclass("Chosen", [("command", any_of_them)], namespace={"__module__": "builtins"})
+    # For a bare union, tyro parses its own source to find a help text; this class has neither help
+    # text nor source.
+    chosen: Any = make_dataclass(
+        "Chosen", [("command", any_of_them)], namespace={"__module__": "builtins"}
+    )
     quiet = (tyro.conf.HelptextFromCommentsOff,)
     tyro.cli(chosen, prog=prog, description=wrapped(description), args=words, config=quiet)
     raise SystemExit(2)  # pragma: no cover - tyro has ended the program

@@ -85,9 +85,14 @@ def until_stopped(close: Callable[[], None]) -> Generator[None]:
     Args:
         close: Called at the end, however it comes about.
     """
-    # Ctrl-C too: `laticauda.cli` would exit at once during compilation, and results to be saved would be lost.
+    # Ctrl-C too: `laticauda.cli` would exit at once during compilation, and results to be saved
+    # would be lost.
     is_main = threading.current_thread() is threading.main_thread()
-    both = [one for one in (signal.SIGINT, signal.SIGTERM) if is_main and signal.getsignal(one) != signal.SIG_IGN]
+    both = [
+        one
+        for one in (signal.SIGINT, signal.SIGTERM)
+        if is_main and signal.getsignal(one) != signal.SIG_IGN
+    ]
     before = [signal.signal(one, signal.default_int_handler) for one in both]
     try:
         yield
@@ -122,7 +127,8 @@ def check_output(option: str, path: str | None, endings: Sequence[str]) -> None:
         endings: Allowed endings of the file name.
 
     Raises:
-        ValueError: If it has another ending, its folder does not exist, it is a folder, or it is not writable.
+        ValueError: If it has another ending, its folder does not exist, it is a folder, or it is
+            not writable.
     """
     if path is None:
         return
@@ -142,7 +148,7 @@ def check_output(option: str, path: str | None, endings: Sequence[str]) -> None:
         check_video()
 
 
-# ---- progress -------------------------------------------------------------------------------------------------------
+# ---- progress ------------------------------------------------------------------------------------
 
 PATIENCE = 2.0
 """Time for which a progress bar is not yet shown [s]."""
@@ -151,7 +157,9 @@ TRIALS = "{desc} {n_fmt} of {total_fmt} trials |{bar}| {remaining} left"
 SHARE = "{desc} {percentage:3.0f} % |{bar}| {remaining} left"
 
 
-def progress(form: str, total: float = 1.0, what: str = "swam", *, patience: float = 0.0) -> Callable[..., None]:
+def progress(
+    form: str, total: float = 1.0, what: str = "swam", *, patience: float = 0.0
+) -> Callable[..., None]:
     """Return a callback for the amount done, optionally with `total` and `what`; each `what` has its own bar.
 
     Args:
@@ -169,7 +177,9 @@ def progress(form: str, total: float = 1.0, what: str = "swam", *, patience: flo
                 return
             from tqdm import tqdm
 
-            bars[what] = tqdm(total=total, initial=done, desc=what, bar_format=form, leave=False, file=sys.stderr)
+            bars[what] = tqdm(
+                total=total, initial=done, desc=what, bar_format=form, leave=False, file=sys.stderr
+            )
         bars[what].n = done
         bars[what].refresh()
         if done >= total:
@@ -202,7 +212,11 @@ def film_bar(duration: float) -> Callable[[float], None]:
         if tenth > tenths[0] and not sys.stderr.isatty():
             tenths[0] = tenth
             if time.monotonic() - began > PATIENCE:
-                print(f"laticauda: {10 * tenth} % filmed, {done:.1f} of {duration:.1f} s", file=sys.stderr, flush=True)
+                print(
+                    f"laticauda: {10 * tenth} % filmed, {done:.1f} of {duration:.1f} s",
+                    file=sys.stderr,
+                    flush=True,
+                )
 
     return show
 
@@ -224,4 +238,6 @@ def stored_trials(folder: object) -> Generator[Callable[[int, int], None]]:
         yield show
     except KeyboardInterrupt:
         stored = f"{reached[0]} of {reached[1]} trials are stored in {folder}"
-        raise KeyboardInterrupt(f"stopped; {stored}. Run the same command again to resume.") from None
+        raise KeyboardInterrupt(
+            f"stopped; {stored}. Run the same command again to resume."
+        ) from None

@@ -23,14 +23,22 @@ class Urdf(command.Command):
 
     output: Annotated[flags.Made, flags.Written((".urdf",))] = option(OUTPUT)
     robot: str = option("A preset (`laticauda robots` lists them) or a TOML file", default="mamba")
-    n_links: int | None = quantity("", "Another number of links, if all links are alike", ge=1, default=None)
-    meshes: flags.Files = option("STL or OBJ per module, tail first (in meters, its frame); copied", default=())
+    n_links: int | None = quantity(
+        "", "Another number of links, if all links are alike", ge=1, default=None
+    )
+    meshes: flags.Files = option(
+        "STL or OBJ per module, tail first (in meters, its frame); copied", default=()
+    )
 
     def run(self) -> command.Outcome:
         """Write the file."""
         robot = lc.load_robot(self.robot, self.n_links)
         self.write(robot)
-        return _outcome(self.output, robot, f"{robot.n_links} modules, {robot.mass:.3f} kg, {robot.length:.2f} m")
+        return _outcome(
+            self.output,
+            robot,
+            f"{robot.n_links} modules, {robot.mass:.3f} kg, {robot.length:.2f} m",
+        )
 
     def write(self, robot: lc.Robot) -> None:
         """Write the file.
@@ -47,15 +55,26 @@ class Urdf(command.Command):
 class Mjcf(Urdf):
     """Write a robot and its surroundings to an MJCF file that plain MuJoCo opens.
 
-    For example: laticauda export mjcf --robot mamba-modules-fin --scene tank --actuators servo --output mamba.xml
+    For example: laticauda export mjcf --robot mamba-modules-fin --scene tank --actuators servo
+    --output mamba.xml
     """
 
     output: Annotated[flags.Made, flags.Written((".xml",))] = option(OUTPUT)
-    water: str | None = option("A preset or TOML file; only its depth is written (none: paper-lateral)", default=None)
-    ground: str | None = option("A preset or a TOML file: put the robot on land instead", default=None)
-    scene: str | None = option("Surroundings: tank, pegs, slope, pipe, shore, height-field or MJCF file", default=None)
-    root: Literal["free", "planar"] = option("Let the robot move in space, or hold its height and tilt", default="free")
-    actuators: Literal["none", "servo"] = option("Servos in the joints, whose input is the angle", default="none")
+    water: str | None = option(
+        "A preset or TOML file; only its depth is written (none: paper-lateral)", default=None
+    )
+    ground: str | None = option(
+        "A preset or a TOML file: put the robot on land instead", default=None
+    )
+    scene: str | None = option(
+        "Surroundings: tank, pegs, slope, pipe, shore, height-field or MJCF file", default=None
+    )
+    root: Literal["free", "planar"] = option(
+        "Let the robot move in space, or hold its height and tilt", default="free"
+    )
+    actuators: Literal["none", "servo"] = option(
+        "Servos in the joints, whose input is the angle", default="none"
+    )
 
     def write(self, robot: lc.Robot) -> None:
         """Write the file; see `Urdf.write`."""
@@ -63,8 +82,14 @@ class Mjcf(Urdf):
             raise BadArgument("water", "must not be given with --ground")
         from laticauda.spatial.mjcf import write_mjcf
 
-        place = lc.load_water(self.water or "paper-lateral") if self.ground is None else lc.load_ground(self.ground)
-        settings: Any = {name: getattr(self, name) for name in ("scene", "meshes", "root", "actuators")}
+        place = (
+            lc.load_water(self.water or "paper-lateral")
+            if self.ground is None
+            else lc.load_ground(self.ground)
+        )
+        settings: Any = {
+            name: getattr(self, name) for name in ("scene", "meshes", "root", "actuators")
+        }
         write_mjcf(self.output, robot, place, **settings)
 
 
@@ -73,7 +98,9 @@ class Compiled(OfScenario):
     """A command that exports a robot in water as machine code."""
 
     output: Annotated[flags.Made, flags.Written((".fmu",))] = option(f"{OUTPUT} (.fmu)", default="")
-    inputs: Literal["gait", "references"] = option("Gait parameters, or joint angles (pd, servo)", default="gait")
+    inputs: Literal["gait", "references"] = option(
+        "Gait parameters, or joint angles (pd, servo)", default="gait"
+    )
 
     def written(self, write: Callable[..., Sequence[Any]], *settings: str) -> command.Outcome:
         """Write the file.
@@ -86,28 +113,43 @@ class Compiled(OfScenario):
         if not isinstance(scenario.environment, lc.Water):
             raise BadArgument("ground", "must not be given: the exported robot swims in water")
         if not isinstance(scenario.model, lc.Planar):
-            raise BadArgument("model", "must be `planar`: the spatial model needs MuJoCo, which is not exported")
+            raise BadArgument(
+                "model", "must be `planar`: the spatial model needs MuJoCo, which is not exported"
+            )
         warn_of_compiling(scenario.environment, scenario.model)
-        variables = write(self.output, scenario, **{name: getattr(self, name) for name in ("inputs", *settings)})
+        variables = write(
+            self.output, scenario, **{name: getattr(self, name) for name in ("inputs", *settings)}
+        )
         found = Counter(one.causality for one in variables)
         count = {f"{kind}s": found[kind] for kind in ("parameter", "input", "output")}
         words = ", ".join(f"{number} {kind}" for kind, number in count.items())
-        return _outcome(self.output, scenario.robot, words, **{f"n_{kind}": number for kind, number in count.items()})
+        return _outcome(
+            self.output,
+            scenario.robot,
+            words,
+            **{f"n_{kind}": number for kind, number in count.items()},
+        )
 
 
 @value
 class Fmu(Compiled):
     """Write a robot in water to an FMU (co-simulation) that runs without Python.
 
-    Its inputs are the gait parameters or the joint references, and the current; its outputs are motion, torques and
-    power. Gait, coefficients and start keep their values unless the importing tool sets them. Writing the file requires
-    a C compiler and, for platforms other than this one, the package ziglang.
+    Its inputs are the gait parameters or the joint references, and the current; its outputs are
+    motion, torques and power. Gait, coefficients and start keep their values unless the importing
+    tool sets them. Writing the file requires a C compiler and, for platforms other than this one,
+    the package ziglang.
 
-    For example: laticauda export fmu --robot mamba-fin --joints servo --inputs references --output mamba.fmu
+    For example: laticauda export fmu --robot mamba-fin --joints servo --inputs references --output
+    mamba.fmu
     """
 
-    fmi: Literal["2.0", "3.0"] = option("Version of the standard; all tools read 2.0", default="2.0")
-    platform: flags.Listed = option("linux64, aarch64 (Linux), win64, darwin; this machine's if omitted", default=())
+    fmi: Literal["2.0", "3.0"] = option(
+        "Version of the standard; all tools read 2.0", default="2.0"
+    )
+    platform: flags.Listed = option(
+        "linux64, aarch64 (Linux), win64, darwin; this machine's if omitted", default=()
+    )
     author: str | None = option("Author of the model, as stated in the FMU", default=None)
     model_version: str | None = option("Version of the model; laticauda's if omitted", default=None)
     license: str = option("License of the model", default="MIT")
@@ -123,8 +165,9 @@ class Fmu(Compiled):
 class C(Compiled):
     """Write a robot in water to a C library that runs without Python, with a header that describes its contents.
 
-    For onboard computers, and any program that can call C. The header lists the variables, which are those of an FMU,
-    with units and ranges. Writing the files requires a C compiler and, for other platforms, the package ziglang.
+    For onboard computers, and any program that can call C. The header lists the variables, which
+    are those of an FMU, with units and ranges. Writing the files requires a C compiler and, for
+    other platforms, the package ziglang.
 
     For example: laticauda export c --robot mamba-fin --platform aarch64 --static --output mamba.h
     """
@@ -132,7 +175,9 @@ class C(Compiled):
     output: Annotated[flags.Made, flags.Written((".h",))] = option(
         "Header to write (.h); the library is written next to it", default=""
     )
-    platform: str | None = option("linux64, aarch64 (Linux), win64, darwin; this machine's if omitted", default=None)
+    platform: str | None = option(
+        "linux64, aarch64 (Linux), win64, darwin; this machine's if omitted", default=None
+    )
     static: bool = option("Write a static library instead of a shared one", default=False)
 
     def run(self) -> command.Outcome:
@@ -150,7 +195,9 @@ class Web(command.Command):
     """
 
     output: flags.Folder = option("Folder to write; files of an existing page are replaced")
-    robots: flags.Files = option("Presets or TOML files, the first one shown first; none: a selection", default=())
+    robots: flags.Files = option(
+        "Presets or TOML files, the first one shown first; none: a selection", default=()
+    )
 
     def run(self) -> command.Outcome:
         """Write the files."""

@@ -1,8 +1,8 @@
 """Flags derived from declared values: name, unit, range, default and text are stated once, by the value itself.
 
-A command is a `value` whose fields are options, or values whose fields are options. An angle is given in degrees, under
-its name with ``-deg`` or ``-deg-s``. Defaults are those of the command that is passed in, so the help shows, and the
-flags change, the values of a preset or a file.
+A command is a `value` whose fields are options, or values whose fields are options. An angle is
+given in degrees, under its name with ``-deg`` or ``-deg-s``. Defaults are those of the command that
+is passed in, so the help shows, and the flags change, the values of a preset or a file.
 """
 
 import math
@@ -19,7 +19,12 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin
 
 import tyro
-from tyro.constructors import ConstructorRegistry, PrimitiveConstructorSpec, StructConstructorSpec, StructFieldSpec
+from tyro.constructors import (
+    ConstructorRegistry,
+    PrimitiveConstructorSpec,
+    StructConstructorSpec,
+    StructFieldSpec,
+)
 
 from laticauda.errors import BadArgument, whole
 from laticauda.files import read_toml
@@ -116,7 +121,9 @@ Folder = Annotated[str, _place("DIR")]
 Place = Annotated[str | None, _place("DIR")]
 Words = Annotated[tuple[str, ...], _words("*", "NAME=VALUES ...", tuple)]
 Files = Annotated[tuple[str, ...], _place("FILE ...", "*")]
-Listed = Annotated[tuple[str, ...], _words("*", "NAME[,NAME...]", lambda words: tuple(",".join(words).split(",")))]
+Listed = Annotated[
+    tuple[str, ...], _words("*", "NAME[,NAME...]", lambda words: tuple(",".join(words).split(",")))
+]
 Input = Annotated[str, tyro.conf.Positional, _place("FILE")]
 Output = Annotated[str, tyro.conf.Positional, _place("OUTPUT")]
 Preset = Annotated[str | None, tyro.conf.Positional, _words(1, "NAME|PATH", _first)]
@@ -125,7 +132,12 @@ Inputs = Annotated[tuple[str, ...], tyro.conf.Positional, _place("FILES ...", "*
 
 
 def read(
-    command: type[Command], words: Sequence[str], prog: str, default: Command | None = None, *, first: bool = False
+    command: type[Command],
+    words: Sequence[str],
+    prog: str,
+    default: Command | None = None,
+    *,
+    first: bool = False,
 ) -> Any:
     """Return a command with the flags that were typed.
 
@@ -179,7 +191,11 @@ def parts_of(command: object) -> Iterator[Any]:
 
 def options_of(command: object) -> dict[str, Any]:
     """Return the options of a command and its parts, by field name."""
-    held = ((field.name, getattr(part, field.name)) for part in parts_of(command) for field in fields(part))
+    held = (
+        (field.name, getattr(part, field.name))
+        for part in parts_of(command)
+        for field in fields(part)
+    )
     return {name: one for name, one in held if not is_declared(one)}
 
 
@@ -205,13 +221,18 @@ def spelled(name: str, command: object) -> str:
             if tyro.conf.Positional in marks_of(kind)[bare]:
                 return bare.upper()
             declared = quantities_of(kind).get(bare)
-            return flag(SPELLED.get(bare, bare) + ("" if declared is None else DEGREES.get(declared.unit, "")))
+            return flag(
+                SPELLED.get(bare, bare)
+                + ("" if declared is None else DEGREES.get(declared.unit, ""))
+            )
     return flag(SPELLED[bare]) if bare in SPELLED else f"`{name}`"
 
 
 def is_declared(thing: object) -> bool:
     """Return whether `thing` is a value whose fields are declared."""
-    return is_dataclass(thing) and not isinstance(thing, type) and any(texts_of(type(thing)).values())
+    return (
+        is_dataclass(thing) and not isinstance(thing, type) and any(texts_of(type(thing)).values())
+    )
 
 
 _registry = ConstructorRegistry()
@@ -223,7 +244,9 @@ def _declared_values(info: Any) -> StructConstructorSpec | None:
     if not (isinstance(kind, type) and is_dataclass(kind) and any(texts_of(kind).values())):
         return None
     default = info.default if is_declared(info.default) else None
-    is_of_cli = kind.__module__.startswith(__name__.rpartition(".")[0]) or hasattr(kind, "read")  # like commands
+    is_of_cli = kind.__module__.startswith(__name__.rpartition(".")[0]) or hasattr(
+        kind, "read"
+    )  # like commands
     return _options(kind, default, nested=not is_of_cli)
 
 
@@ -239,15 +262,25 @@ def _options(kind: type[Any], default: Any, *, nested: bool) -> StructConstructo
             continue
         usual: Any = getattr(default, field.name) if default is not None else _default_of(field)
         declared = quantities_of(kind).get(field.name)
-        name = SPELLED.get(f"{kind.__name__.lower()}.{field.name}", SPELLED.get(field.name, field.name))
+        name = SPELLED.get(
+            f"{kind.__name__.lower()}.{field.name}", SPELLED.get(field.name, field.name)
+        )
         name = name if nested else field.name
         option = _type_of(hints[field.name], hints_of(kind)[field.name], declared, name, usual)
-        if option is None or (nested and {field.name, f"{kind.__name__.lower()}.{field.name}"} & {*NOT_FLAGS}):
+        if option is None or (
+            nested and {field.name, f"{kind.__name__.lower()}.{field.name}"} & {*NOT_FLAGS}
+        ):
             continue
         name += "" if declared is None else DEGREES.get(declared.unit, "")
         of_flag[name] = field.name
-        usual = tyro.MISSING if usual is MISSING or usual == "" else usual  # empty text: must be typed
-        specs.append(StructFieldSpec(name=name, type=option, default=usual, helptext=f"{texts_of(kind)[field.name]}."))
+        usual = (
+            tyro.MISSING if usual is MISSING or usual == "" else usual
+        )  # empty text: must be typed
+        specs.append(
+            StructFieldSpec(
+                name=name, type=option, default=usual, helptext=f"{texts_of(kind)[field.name]}."
+            )
+        )
 
     def make(**given: Any) -> Any:
         values = {of_flag[name]: one for name, one in given.items() if name in of_flag}
@@ -257,7 +290,11 @@ def _options(kind: type[Any], default: Any, *, nested: bool) -> StructConstructo
                 made = _with_wave(made, wave, given)
             return made
         except BadArgument as error:
-            typed = (flag(option) for option, field in of_flag.items() if field == error.name.split("[")[0])
+            typed = (
+                flag(option)
+                for option, field in of_flag.items()
+                if field == error.name.split("[")[0]
+            )
             raise BadFlag(f"{next(typed, f'`{error.name}`')} {error.rule}.") from None
 
     return StructConstructorSpec(instantiate=make, fields=tuple(specs))
@@ -265,8 +302,14 @@ def _options(kind: type[Any], default: Any, *, nested: bool) -> StructConstructo
 
 def _waves_of(kind: type[Any]) -> list[str]:
     """Return the names of the optional second waves of a value: for a gait, those of its pitch joints and its fin."""
-    gaits = sys.modules.get("laticauda.gaits.gait")  # not imported here: the list of commands does not need it
-    return [] if gaits is None else [name for name, hint in hints_of(kind).items() if hint == gaits.Wave | None]
+    gaits = sys.modules.get(
+        "laticauda.gaits.gait"
+    )  # not imported here: the list of commands does not need it
+    return (
+        []
+        if gaits is None
+        else [name for name, hint in hints_of(kind).items() if hint == gaits.Wave | None]
+    )
 
 
 def _wave_flags(wave: str, gait: Any) -> list[tuple[str, StructFieldSpec]]:
@@ -279,7 +322,9 @@ def _wave_flags(wave: str, gait: Any) -> list[tuple[str, StructFieldSpec]]:
         option: Any = Annotated[Any, _numbers(declared, float | None, f"{wave}_{name}")]
         spelled, help = f"{wave}_{name}{DEGREES[declared.unit]}", f"{text}: {declared.text}."
         if f"{wave}_{name}" not in NOT_FLAGS:
-            spec = StructFieldSpec(name=spelled, type=option, default=getattr(usual, name, None), helptext=help)
+            spec = StructFieldSpec(
+                name=spelled, type=option, default=getattr(usual, name, None), helptext=help
+            )
             found.append((name, spec))
     return found
 
@@ -289,8 +334,12 @@ def _with_wave(gait: Any, wave: str, given: dict[str, Any]) -> Any:
     from laticauda.gaits import Wave
 
     names = {name: spec.name for name, spec in _wave_flags(wave, gait)}
-    typed = {name: given[spelled] for name, spelled in names.items() if given.get(spelled) is not None}
-    own: dict[str, Any] = {name: getattr(gait, name) for name in ("frequency", "phase_shift") if name in names}
+    typed = {
+        name: given[spelled] for name, spelled in names.items() if given.get(spelled) is not None
+    }
+    own: dict[str, Any] = {
+        name: getattr(gait, name) for name in ("frequency", "phase_shift") if name in names
+    }
     usual = getattr(gait, wave) or Wave(amplitude=0.0, **{"frequency": gait.frequency, **own})
     return replace(gait, **{wave: replace(usual, **typed)}) if typed else gait
 
@@ -316,7 +365,11 @@ def _type_of(annotated: Any, hint: Any, declared: Quantity | None, name: str, us
     if len(inner) == 1 and get_origin(inner[0]) is Literal:
         choices = get_args(inner[0])
         return Annotated[Any, _words(1, f"{{{','.join(choices)}}}", _first, choices=choices)]
-    return Annotated[Any, _words(1, "NAME|PATH" if name in PRESETS else "TEXT", _first)] if inner == [str] else None
+    return (
+        Annotated[Any, _words(1, "NAME|PATH" if name in PRESETS else "TEXT", _first)]
+        if inner == [str]
+        else None
+    )
 
 
 def _is_union(hint: Any) -> bool:
@@ -327,13 +380,22 @@ def _numbers(declared: Quantity, hint: Any, name: str) -> Any:
     """Return the specification of a flag that takes one or several numbers, in the unit that users type."""
     inner = [one for one in get_args(hint) if one is not type(None)] if _is_union(hint) else [hint]
     several = get_origin(inner[0]) is tuple
-    count = len(get_args(inner[0])) if several and len(inner) == 1 and get_args(inner[0])[-1] is not Ellipsis else None
+    count = (
+        len(get_args(inner[0]))
+        if several and len(inner) == 1 and get_args(inner[0])[-1] is not Ellipsis
+        else None
+    )
     metavar = _metavar(_IN_DEGREES.get(declared.unit, declared.unit), several, count)
     typed = flag(name + DEGREES.get(declared.unit, ""))
     read = _reader(declared, int in (inner[0], *get_args(inner[0])), several, typed)
     for kind in OBJECTS.keys() & {*inner}:
-        metavar, read = f"{metavar} | {OBJECTS[kind][0]}", partial(_numbers_or_object, read, OBJECTS[kind][1])
-    return _words(1 if not several else count or "*", metavar, read, partial(_numbers_shown, declared))
+        metavar, read = (
+            f"{metavar} | {OBJECTS[kind][0]}",
+            partial(_numbers_or_object, read, OBJECTS[kind][1]),
+        )
+    return _words(
+        1 if not several else count or "*", metavar, read, partial(_numbers_shown, declared)
+    )
 
 
 def _numbers_or_object(
@@ -349,7 +411,9 @@ def _numbers_or_object(
 
 def _metavar(unit: str, several: bool, count: int | None) -> str:
     word = unit or "NUMBER"
-    return word if not several else " ".join("XYZ"[:count]) if count and count < 4 else f"{word} ..."
+    return (
+        word if not several else " ".join("XYZ"[:count]) if count and count < 4 else f"{word} ..."
+    )
 
 
 def _numbers_shown(declared: Quantity, value: Any) -> list[str]:
@@ -360,7 +424,9 @@ def _numbers_shown(declared: Quantity, value: Any) -> list[str]:
     return [f"{factor * one:.12g}" for one in values] or ["none"]
 
 
-def _reader(declared: Quantity, is_whole: bool, several: bool, option: str) -> Callable[[list[str]], Any]:
+def _reader(
+    declared: Quantity, is_whole: bool, several: bool, option: str
+) -> Callable[[list[str]], Any]:
     """Return a function from words to numbers; it rejects values out of range in the unit that was typed."""
     in_degrees = declared.unit in DEGREES
     rule = declared.in_degrees if in_degrees else declared

@@ -8,7 +8,17 @@ from pathlib import Path
 from typing import Any, Literal
 
 from laticauda.cli.command import SHARE, Command, Outcome, progress
-from laticauda.cli.flags import BadFlag, File, Files, Folder, Inputs, Words, flag, options_of, was_typed
+from laticauda.cli.flags import (
+    BadFlag,
+    File,
+    Files,
+    Folder,
+    Inputs,
+    Words,
+    flag,
+    options_of,
+    was_typed,
+)
 from laticauda.cli.tables import numbers, table
 from laticauda.codec import keys_of
 from laticauda.errors import BadArgument, one_of
@@ -16,7 +26,12 @@ from laticauda.files import write
 from laticauda.identify import fitting, measurements, result, tasks, validation
 from laticauda.quantities import option, quantity, value
 from laticauda.reports.chapter import templates, writable_folder
-from laticauda.reports.identify import as_dict, errors_of, identification_tables, write_identification
+from laticauda.reports.identify import (
+    as_dict,
+    errors_of,
+    identification_tables,
+    write_identification,
+)
 from laticauda.robot import load_parameters
 from laticauda.simulate.numbers import UNITS
 
@@ -37,54 +52,84 @@ class What:
         "forward_velocity or mean_power, and series, such as center_of_mass, heading, joint_angle, joint_torque",
         default=("center_of_mass=0.005",),
     )
-    interval: float = quantity("s", "Time between the fitted samples of a series", gt=0.0, default=0.5)
+    interval: float = quantity(
+        "s", "Time between the fitted samples of a series", gt=0.0, default=0.5
+    )
     columns: File = option("TOML file that describes the columns of a foreign log", default=None)
-    table: File = option("CSV file of speeds, a row per trial, with the columns of `reproduce --repeats`", default=None)
+    table: File = option(
+        "CSV file of speeds, a row per trial, with the columns of `reproduce --repeats`",
+        default=None,
+    )
     table1: bool = option("The paper's Table 1, alone or beside files", default=False)
-    free_start: bool = option("Also identify where the trials began, if path or heading is fitted", default=True)
+    free_start: bool = option(
+        "Also identify where the trials began, if path or heading is fitted", default=True
+    )
 
 
 @value
 class Fixed:
     """What is held fixed."""
 
-    robot: str | None = option("Robot, a preset or a TOML file; trials of another one are refused", default=None)
-    base: str | None = option("Parameter file for all else, with a joint law; else as in the trials", default=None)
-    joints: str | None = option("How joints follow the gait; if omitted, the base's law or prescribed", default=None)
-    model: Literal["planar", "spatial"] = option("Model of the body; spatial (MuJoCo) is slow", default="planar")
+    robot: str | None = option(
+        "Robot, a preset or a TOML file; trials of another one are refused", default=None
+    )
+    base: str | None = option(
+        "Parameter file for all else, with a joint law; else as in the trials", default=None
+    )
+    joints: str | None = option(
+        "How joints follow the gait; if omitted, the base's law or prescribed", default=None
+    )
+    model: Literal["planar", "spatial"] = option(
+        "Model of the body; spatial (MuJoCo) is slow", default="planar"
+    )
 
 
 @value
 class Method:
     """How parameters are fitted."""
 
-    noise: Literal["known", "estimated"] = option("As stated, or times an estimated factor", default="estimated")
+    noise: Literal["known", "estimated"] = option(
+        "As stated, or times an estimated factor", default="estimated"
+    )
     starts: int = quantity("", "Number of starting points of the search", ge=1, default=4)
     seed: int = quantity("", "Seed of the random starts", ge=0, default=0)
     profiles: bool = option("Also compute intervals from profile likelihoods", default=False)
-    exact: bool = option("Leave out each measurement by refitting, not by linearization", default=False)
+    exact: bool = option(
+        "Leave out each measurement by refitting, not by linearization", default=False
+    )
     quick: bool = option("Skip the refits that leave out one group at a time", default=False)
-    threads: int | None = quantity("", "Trials to run in parallel; one per core if omitted", ge=1, default=None)
+    threads: int | None = quantity(
+        "", "Trials to run in parallel; one per core if omitted", ge=1, default=None
+    )
 
 
 @value
 class Identify(Command):
     """Identify physical parameters with their uncertainty from measured trials.
 
-    For example: laticauda identify run-1.nc run-2.nc --parameters water.tangential_friction water.normal_drag=0.5:4
-    --robot mamba --output tank
+    For example: laticauda identify run-1.nc run-2.nc --parameters water.tangential_friction
+    water.normal_drag=0.5:4 --robot mamba --output tank
 
-    The same from one file that holds everything: laticauda identify tank.toml. Writes parameters.toml (for the option
-    --parameters of other commands), the report identify.html, fit.json, figures and tables.
+    The same from one file that holds everything: laticauda identify tank.toml. Writes
+    parameters.toml (for the option --parameters of other commands), the report identify.html,
+    fit.json, figures and tables.
     """
 
-    files: Inputs = option("One TOML task file, or trials: netCDF, MCAP, or other logs with --columns", default=())
+    files: Inputs = option(
+        "One TOML task file, or trials: netCDF, MCAP, or other logs with --columns", default=()
+    )
     what: What = option("What is identified, from which data", default=What())
     fixed: Fixed = option("What is held fixed", default=Fixed())
     method: Method = option("How it is fitted", default=Method())
-    laws: Files = option("Parameter files as for --base, each fitted and compared with null models", default=())
-    name: str | None = option("Name of the parameter file; if omitted, the task's or identified", default=None)
-    output: Folder = option("Folder, made if missing; files of the same names are replaced", default="identification")
+    laws: Files = option(
+        "Parameter files as for --base, each fitted and compared with null models", default=()
+    )
+    name: str | None = option(
+        "Name of the parameter file; if omitted, the task's or identified", default=None
+    )
+    output: Folder = option(
+        "Folder, made if missing; files of the same names are replaced", default="identification"
+    )
     words: Any = option("What was typed, for the report", default=())
 
     @classmethod
@@ -102,27 +147,41 @@ class Identify(Command):
             facts = as_dict(done, self._command) | {"output": str(folder), "files": files}
             return Outcome(facts=facts, text=_text(done, folder), succeeded=_is_whole(done.found))
         if task.base is not None:
-            raise BadFlag(f"--laws must not be given together with a task's parameter file, got `{task.base.name}`.")
+            raise BadFlag(
+                f"--laws must not be given together with a task's parameter file, got `{task.base.name}`."
+            )
         bases = [load_parameters(law) for law in self.laws]
-        every = {base.name: self._identified(task.with_law(base), folder / base.name)[0] for base in bases}
+        every = {
+            base.name: self._identified(task.with_law(base), folder / base.name)[0]
+            for base in bases
+        }
         statuses = [f"{name}: {done.found.status}" for name, done in every.items()]
         return Outcome(
-            facts={"laws": {name: as_dict(done, self._command) for name, done in every.items()}, "output": str(folder)},
+            facts={
+                "laws": {name: as_dict(done, self._command) for name, done in every.items()},
+                "output": str(folder),
+            },
             text="\n\n".join([*statuses, table(errors_of(every)), str(folder)]),
             succeeded=all(_is_whole(done.found) for done in every.values()),
         )
 
     @property
     def _command(self) -> str:
-        return shlex.join(["laticauda", "identify", *(word for word in self.words if word != "--json")])
+        return shlex.join(
+            ["laticauda", "identify", *(word for word in self.words if word != "--json")]
+        )
 
-    def _identified(self, task: tasks.Task, folder: Path) -> tuple[validation.Validation, list[str]]:
+    def _identified(
+        self, task: tasks.Task, folder: Path
+    ) -> tuple[validation.Validation, list[str]]:
         """Run a task; return its results and the names of the files written."""
         best, bar = writable_folder(folder) / "best.json", progress(SHARE)
         found = task.run(
             threads=self.method.threads,
             progress=lambda share: bar(share, what="search"),
-            keep=lambda values, cost: write(best, json.dumps({"sum_of_squares": cost, "values": values})),
+            keep=lambda values, cost: write(
+                best, json.dumps({"sum_of_squares": cost, "values": values})
+            ),
         )
         done = validation.validate(
             task,
@@ -141,10 +200,16 @@ class Identify(Command):
         if len(self.files) != 1 or not self.files[0].lower().endswith(".toml"):
             with keys_of("identify", BadFlag):
                 task = tasks.task_from_table(self._table(), self.name or "identified", Path())
-            return task if self.laws else replace(task, options={"joints": "prescribed", **task.options})
+            return (
+                task
+                if self.laws
+                else replace(task, options={"joints": "prescribed", **task.options})
+            )
         for name, given in (options_of(self.what) | options_of(self.fixed)).items():
             if was_typed(name, self.words):
-                raise BadFlag(f"{flag(name)} must not be given with {self.files[0]}, which defines all, got {given!r}.")
+                raise BadFlag(
+                    f"{flag(name)} must not be given with {self.files[0]}, which defines all, got {given!r}."
+                )
         task = tasks.load_task(self.files[0])
         names = [name for name in ("starts", "seed", "noise") if was_typed(name, self.words)]
         typed = {tasks.OPTIONS[name]: getattr(self.method, name) for name in names}
@@ -155,14 +220,20 @@ class Identify(Command):
         if not (self.files or self.what.table or self.what.table1):
             raise BadFlag("FILE must be one TOML task file, or at least one trial, got none.")
         if not self.what.parameters:
-            raise BadFlag("--parameters must name at least one parameter, such as water.normal_drag, got none.")
+            raise BadFlag(
+                "--parameters must name at least one parameter, such as water.normal_drag, got none."
+            )
         counted: dict[str, Any] = {**_measured(self.what.measured), "interval": self.what.interval}
         counted["free_start"] = self.what.free_start
         short = [Path(file).stem for file in self.files]
         trials: list[dict[str, Any]] = []
         for file, stem in zip(self.files, short, strict=True):
             name = stem if short.count(stem) == 1 else file  # with its folder if two are alike
-            columns = {} if Path(file).suffix.lower() in (".nc", ".mcap") else {"columns": self.what.columns}
+            columns = (
+                {}
+                if Path(file).suffix.lower() in (".nc", ".mcap")
+                else {"columns": self.what.columns}
+            )
             trials.append({"file": file, "name": name, **columns, **counted})
         given: dict[str, Any] = {
             **{name: getattr(self.fixed, name) for name in ("robot", "base", "joints", "model")},
@@ -172,7 +243,10 @@ class Identify(Command):
             "table": {"file": self.what.table} if self.what.table else None,
             "table1": self.what.table1 or None,
         }
-        return {"kind": "identification", **{name: one for name, one in given.items() if one is not None}}
+        return {
+            "kind": "identification",
+            **{name: one for name, one in given.items() if one is not None},
+        }
 
 
 def _is_whole(found: result.Fit) -> bool:
@@ -199,13 +273,18 @@ def _unknown(word: str) -> dict[str, Any]:
     name, sign, ends = numbers("parameters", word, FORM, "+-", ":")
     if len(ends) != 2:
         raise BadArgument("parameters", f"must be {FORM}, got {word!r}")
-    return {"name": name} | ({"prior": ends} if sign == "+-" else {"lower": ends[0], "upper": ends[1]})
+    return {"name": name} | (
+        {"prior": ends} if sign == "+-" else {"lower": ends[0], "upper": ends[1]}
+    )
 
 
 def _text(done: validation.Validation, folder: Path) -> str:
     """Return the parameters, what the data do not determine, the errors, and the location of the files as text."""
     found, tables = done.found, identification_tables(done)
-    rows = [{name: one for name, one in row.items() if name not in ("prior", "range")} for row in tables["parameters"]]
+    rows = [
+        {name: one for name, one in row.items() if name not in ("prior", "range")}
+        for row in tables["parameters"]
+    ]
     parts = [found.status, table(rows)]
     if "began" in tables:
         parts[-1] += f"\nand {len(tables['began'])} numbers for where the trials began."

@@ -20,8 +20,8 @@ from laticauda.quantities import option, quantity, value
 class Operate(command.Command):
     """Operate the robot: connect, check, calibrate, swim, stop, and record everything; nothing is ever overwritten.
 
-    Space, q or Ctrl-C straightens and stops the robot; the second press is the emergency stop. The virtual tank of
-    `laticauda lab` is operated like the real robot.
+    Space, q or Ctrl-C straightens and stops the robot; the second press is the emergency stop. The
+    virtual tank of `laticauda lab` is operated like the real robot.
 
     For example: laticauda operate trial.toml --output runs
     """
@@ -29,14 +29,30 @@ class Operate(command.Command):
     file: flags.Input = option("Trial file or series file (TOML)")
     output: flags.Folder = option("Folder of the recordings and trials", default="runs")
     check: bool = option("Only connect and check the hardware; nothing moves", default=False)
-    clear: bool = option("Clear the modules' faults first, once you have inspected them", default=False)
-    no_dashboard: bool = option("Plain lines instead of the dashboard; always so without a terminal", default=False)
-    speed: float = quantity("", "Multiple of real time, equal to the virtual tank's", gt=0.0, default=1.0)
-    repeats: int | None = quantity("", "Repeats of every setting; the file's if omitted", ge=1, default=None)
-    bus: str | None = option("Modules' bus: [DRIVER@]ADDRESS, such as socketcan:can0; else the file's", default=None)
-    mocap: str | None = option("Motion capture: [DRIVER@]ADDRESS, e.g. 10.0.0.2:22223; else the file's", default=None)
-    meter: str | None = option("Power meter: [DRIVER@]ADDRESS, such as /dev/ttyUSB0; else the file's", default=None)
-    supply_voltage: float | None = quantity("V", "Meter's supply voltage; the file's if omitted", gt=0.0, default=None)
+    clear: bool = option(
+        "Clear the modules' faults first, once you have inspected them", default=False
+    )
+    no_dashboard: bool = option(
+        "Plain lines instead of the dashboard; always so without a terminal", default=False
+    )
+    speed: float = quantity(
+        "", "Multiple of real time, equal to the virtual tank's", gt=0.0, default=1.0
+    )
+    repeats: int | None = quantity(
+        "", "Repeats of every setting; the file's if omitted", ge=1, default=None
+    )
+    bus: str | None = option(
+        "Modules' bus: [DRIVER@]ADDRESS, such as socketcan:can0; else the file's", default=None
+    )
+    mocap: str | None = option(
+        "Motion capture: [DRIVER@]ADDRESS, e.g. 10.0.0.2:22223; else the file's", default=None
+    )
+    meter: str | None = option(
+        "Power meter: [DRIVER@]ADDRESS, such as /dev/ttyUSB0; else the file's", default=None
+    )
+    supply_voltage: float | None = quantity(
+        "V", "Meter's supply voltage; the file's if omitted", gt=0.0, default=None
+    )
 
     def run(self) -> command.Outcome:
         """Operate."""
@@ -46,7 +62,9 @@ class Operate(command.Command):
             return self._checked(wanted) if self.check else self._series(wanted, folder)
         summary = self._operate(self._chosen(wanted), None if self.check else folder).summary()
         problem = "" if summary["accepted"] else summary["reason"]
-        return command.Outcome(facts=summary, text=session.table(summary), problem=problem, succeeded=not problem)
+        return command.Outcome(
+            facts=summary, text=session.table(summary), problem=problem, succeeded=not problem
+        )
 
     def _operate(self, operation: settings.Operation, folder: Path | None) -> session.Result:
         try:
@@ -65,14 +83,24 @@ class Operate(command.Command):
                 text=read_text(self.file),
                 twin=twin,
             )
-        return replace(result, stopped=bool(keys.events))  # also by a key after the run, while its trial was saved
+        return replace(
+            result, stopped=bool(keys.events)
+        )  # also by a key after the run, while its trial was saved
 
     def _checked(self, series: settings.SeriesFile) -> command.Outcome:
         """Check the hardware for a series, each combination of robot and connection once."""
-        different = {(one.robot, one.connection): one for one in reversed(list(map(self._chosen, series.trials)))}
+        different = {
+            (one.robot, one.connection): one
+            for one in reversed(list(map(self._chosen, series.trials)))
+        }
         found = [self._operate(one, None).summary() for one in reversed(different.values())]
-        facts, succeeded = {"name": series.name, "checked": found}, all(one["accepted"] for one in found)
-        return command.Outcome(facts=facts, text="\n".join(map(session.table, found)), succeeded=succeeded)
+        facts, succeeded = (
+            {"name": series.name, "checked": found},
+            all(one["accepted"] for one in found),
+        )
+        return command.Outcome(
+            facts=facts, text="\n".join(map(session.table, found)), succeeded=succeeded
+        )
 
     def _series(self, series: settings.SeriesFile, folder: Path) -> command.Outcome:
         trials = tuple(map(self._chosen, series.trials))
@@ -86,7 +114,9 @@ class Operate(command.Command):
             return
         x, y = operation.start.position
         where = f"({x:.2f}, {y:.2f}) m, heading {math.degrees(operation.start.heading):.1f} deg"
-        print(f"{operation.name}, run {repeat}: put the robot at {where}", file=sys.stderr, flush=True)
+        print(
+            f"{operation.name}, run {repeat}: put the robot at {where}", file=sys.stderr, flush=True
+        )
         if sys.stdin.isatty():
             input("Press Enter when it is in place: ")
 

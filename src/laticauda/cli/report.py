@@ -25,7 +25,10 @@ def facts_of(trial: Trial) -> dict[str, Any]:
         "not_measured": list(trial.not_measured),
         "infeasible": list(trial.feasibility.problems),
         "measured": measured
-        and {"forward_velocity": measured.forward_velocity, "electrical_power": measured.mean_power},
+        and {
+            "forward_velocity": measured.forward_velocity,
+            "electrical_power": measured.mean_power,
+        },
         "gait_parameters": None if trial.gait is None else dataclasses.asdict(trial.gait),
         "certainty": SEEN if _is_of_textbook(trial) else None,
         "coefficients": {name: value for name, value in environment.items() if name != "name"},
@@ -45,7 +48,12 @@ def as_text(trial: Trial, origin: str = "") -> str:
         origin: Source of the coefficients of water or ground, in words.
     """
     head = [("robot", trial.robot.words), ("gait", _gait(trial.gait))]
-    head.append(("ground" if isinstance(trial.environment, Ground) else "water", _environment(trial, origin)))
+    head.append(
+        (
+            "ground" if isinstance(trial.environment, Ground) else "water",
+            _environment(trial, origin),
+        )
+    )
     head.append(("run", _run(trial)))
     if "joint_angle" not in trial.not_measured:
         head.append(("joints", trial.feasibility.words))
@@ -60,7 +68,11 @@ def as_text(trial: Trial, origin: str = "") -> str:
 def following_table(trial: Trial) -> str:
     """Return a table of how soon and how well a run converged to its path, one figure per line."""
     found = following.summary(trial)
-    named = {name: one for name, one in following.FIGURES.items() if "height" not in name or found[name] is not None}
+    named = {
+        name: one
+        for name, one in following.FIGURES.items()
+        if "height" not in name or found[name] is not None
+    }
     rows = [(title, *read_in(found[name], unit)) for name, (unit, title) in named.items()]
     return aligned([("path following", "", ""), *rows], right=(1,))
 
@@ -78,10 +90,19 @@ def figure_table(trial: Trial) -> str:
             continue
         if value is None and beside is None:
             continue
-        title = f"mean power ({trial.mean_power_kind})" if figure.name == "mean_power" else figure.title
+        title = (
+            f"mean power ({trial.mean_power_kind})" if figure.name == "mean_power" else figure.title
+        )
         shown, unit = read_in(value, figure.unit)
         difference = None if value is None or beside is None else 100.0 * (value - beside) / beside
-        rows.append((title, shown, unit, *(("", "") if beside is None else (number(beside), percent(difference)))))
+        rows.append(
+            (
+                title,
+                shown,
+                unit,
+                *(("", "") if beside is None else (number(beside), percent(difference))),
+            )
+        )
     if not measured:
         rows = [row[:3] for row in rows]
     return aligned(rows, right=(1, 3, 4)) if len(rows) > 1 else ""
@@ -91,7 +112,11 @@ def _measured(trial: Trial) -> dict[str, float]:
     """Return the paper's measured values by the names of the figures; its power is electrical."""
     measured = measured_counterpart(trial)
     power = "mean_power" if trial.mean_power_kind == "electrical" else "electrical_power"
-    found = {} if measured is None else {"forward_velocity": measured.forward_velocity, power: measured.mean_power}
+    found = (
+        {}
+        if measured is None
+        else {"forward_velocity": measured.forward_velocity, power: measured.mean_power}
+    )
     return {name: value for name, value in found.items() if value is not None}
 
 
@@ -103,7 +128,10 @@ def _notes(trial: Trial) -> str:
     if not trial.succeeded:  # its status says more
         return _filled(notes)
     if _is_of_textbook(trial):
-        seen = ", ".join(f"{kind} {100.0 * low:+.0f} to {100.0 * high:+.0f} %" for kind, (low, high) in SEEN.items())
+        seen = ", ".join(
+            f"{kind} {100.0 * low:+.0f} to {100.0 * high:+.0f} %"
+            for kind, (low, high) in SEEN.items()
+        )
         notes.append(
             f"Textbook water, nothing fitted. AmphiBot's runs were off by: {seen}; a fish robot with a broad fin is 4 "
             "to 7 times too fast in it. How uncertain this robot's coefficients are: laticauda swim --interval."
@@ -112,7 +140,9 @@ def _notes(trial: Trial) -> str:
     for name, reason in trial.figures()[1].items():
         by_reason.setdefault(reason, []).append(name)
     for reason, names in by_reason.items():
-        why = reason.replace("`time` must", "The run must")  # the reader of the text passes no such argument
+        why = reason.replace(
+            "`time` must", "The run must"
+        )  # the reader of the text passes no such argument
         notes.append(f"Not available: {', '.join(names).replace('_', ' ')}. {why}")
     return _filled(notes)
 
@@ -126,7 +156,9 @@ def _is_of_textbook(trial: Trial) -> bool:
     return not _is_measured(trial) and trial.environment.name.startswith(TEXTBOOK)
 
 
-def interval_table(trial: Trial, intervals: Mapping[str, tuple[float, float]], varied: Iterable[str]) -> str:
+def interval_table(
+    trial: Trial, intervals: Mapping[str, tuple[float, float]], varied: Iterable[str]
+) -> str:
     """Return a table of the intervals in which the figures lie, given those of the coefficients, one figure per line.
 
     Args:
@@ -161,7 +193,9 @@ def _gait(gait: gaits.Gait | None) -> str:
         return "none"
     parts: list[str] = []
     if (seen := gait.recorded) is not None:
-        parts.append(f"recorded motion: {len(seen.angle)} joints, {seen.time[0]:g} to {seen.time[-1]:.4g} s")
+        parts.append(
+            f"recorded motion: {len(seen.angle)} joints, {seen.time[0]:g} to {seen.time[-1]:.4g} s"
+        )
     if seen is None or gait.amplitude or gait.offset:
         envelope = in_a_line(told(gait.envelope))
         wave = in_a_line(told(gait, "envelope", "recorded"))
@@ -180,14 +214,18 @@ def _run(trial: Trial) -> str:
     duration = trial.time[-1] - trial.time[0]
     if settings.get("model") == "measured":
         return f"{duration:.4g} s from {settings['source']}, rates over {settings['smoothing']:g} s; {trial.status}"
-    parts = [f"{duration:.4g} s, {settings.get('model', 'unknown')} model, {settings.get('joints', 'unknown')} joints"]
+    parts = [
+        f"{duration:.4g} s, {settings.get('model', 'unknown')} model, {settings.get('joints', 'unknown')} joints"
+    ]
     for name, words, unit in (("dt", "time step", "s"), ("ramp", "smooth start", "s")):
         if settings.get(name):
             parts.append(f"{words} {settings[name]:g} {unit}")
     if settings.get("scene"):
         force = (trial.link_force or {}).get("contact", np.zeros((1, 3)))
         strongest = np.linalg.norm(force, axis=-1).max()
-        parts.append(f"scene {settings['scene']}: it pushes a link with at most {number(strongest)} N")
+        parts.append(
+            f"scene {settings['scene']}: it pushes a link with at most {number(strongest)} N"
+        )
     is_steered = "controller" in settings or (trial.gait is not None and trial.gait.offset)
     if is_steered and settings.get("offset_bandwidth"):
         parts.append(f"steering: {scenarios.loop_in_words(settings)}")

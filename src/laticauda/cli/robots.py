@@ -31,7 +31,9 @@ class Robots(command.Command):
     For example: laticauda robots mamba --toml
     """
 
-    name: flags.Preset = option("A preset of any kind, or a TOML file; all if omitted", default=None)
+    name: flags.Preset = option(
+        "A preset of any kind, or a TOML file; all if omitted", default=None
+    )
     toml: bool = option("Print its TOML file, to be edited and used", default=False)
 
     def run(self) -> command.Outcome:
@@ -41,14 +43,21 @@ class Robots(command.Command):
         if self.name is None:
             if self.toml:
                 raise BadArgument("toml", "must be given with the NAME to print")
-            every = {kind: list(names()) for kind, (names, _) in KINDS.items()} | {"robots": _summaries()}
+            every = {kind: list(names()) for kind, (names, _) in KINDS.items()} | {
+                "robots": _summaries()
+            }
             return command.Outcome(facts=every, text="" if self.json else _lists())
         thing = _named(self.name)
         toml = thing.to_toml() if isinstance(thing, Parameters) else robot.to_toml(thing)
         facts = robot.summary(thing) if isinstance(thing, Robot) else {}
         return command.Outcome(
-            facts={**tomllib.loads(toml), **facts},  # all fields as in its TOML file; the main facts take precedence
-            text=toml.rstrip() if self.toml or isinstance(thing, Parameters) else robot.describe(thing),
+            facts={
+                **tomllib.loads(toml),
+                **facts,
+            },  # all fields as in its TOML file; the main facts take precedence
+            text=toml.rstrip()
+            if self.toml or isinstance(thing, Parameters)
+            else robot.describe(thing),
         )
 
 
@@ -60,11 +69,16 @@ def _named(name: str) -> Robot | Water | Ground | Flow | Parameters:
     if name.endswith(".toml"):
         is_parameters = files.read_table(Path(name)).get("kind") == parameters.KIND
         return robot.load_parameters(name) if is_parameters else robot.from_toml(Path(name))
-    return robot.load_robot(one_of("name", name, [one for names, _ in KINDS.values() for one in names()]))
+    return robot.load_robot(
+        one_of("name", name, [one for names, _ in KINDS.values() for one in names()])
+    )
 
 
 def _lists() -> str:
-    titles = [{"parameters": name, "title": robot.load_parameters(name).title} for name in robot.parameter_names()]
+    titles = [
+        {"parameters": name, "title": robot.load_parameters(name).title}
+        for name in robot.parameter_names()
+    ]
     book = {"water": robot.TEXTBOOK, **dict.fromkeys(WATER_FACTS, "of the robot")}
     return "\n\n".join([
         _robots(_summaries()),
@@ -82,7 +96,11 @@ def _summaries() -> list[dict[str, Any]]:
 def _robots(summaries: Sequence[Mapping[str, Any]]) -> str:
     rows = [("name", "links", "joints", "length [m]", "mass [kg]", "fin", "description")]
     for one in summaries:
-        n_links, n_joints, fin = str(one["n_links"]), str(one["n_joints"]), "yes" if one["caudal_fin"] else "no"
+        n_links, n_joints, fin = (
+            str(one["n_links"]),
+            str(one["n_joints"]),
+            "yes" if one["caudal_fin"] else "no",
+        )
         size = f"{one['length']:.2f}", f"{one['mass']:.2f}"
         rows.append((one["name"], n_links, n_joints, *size, fin, one["description"]))
     return tables.aligned(rows, right=(1, 2, 3, 4))

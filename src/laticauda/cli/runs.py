@@ -1,7 +1,7 @@
 """`laticauda swim | follow | replay`: one run of one robot, its figures, file and picture.
 
-The robot swims its gait or follows a path; or its recorded operation becomes a trial, and passes through the estimator
-and the controller again.
+The robot swims its gait or follows a path; or its recorded operation becomes a trial, and passes
+through the estimator and the controller again.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,8 +21,12 @@ from laticauda.quantities import option, quantity, value
 class Recording(trial.Filming):
     """A command that makes a trial, with the options for its output."""
 
-    save: Stored = option("Write the trial: .nc, .mcap, .parquet or .mat (all of it) or .csv (a table)", default=None)
-    plot: Picture = option("Plot path, speed, joint angles and torques to this file (.png, .pdf or .svg)", default=None)
+    save: Stored = option(
+        "Write the trial: .nc, .mcap, .parquet or .mat (all of it) or .csv (a table)", default=None
+    )
+    plot: Picture = option(
+        "Plot path, speed, joint angles and torques to this file (.png, .pdf or .svg)", default=None
+    )
 
     def outcome(
         self,
@@ -60,7 +64,9 @@ class Recording(trial.Filming):
 class Run(scene.OfScenario, Recording):
     """A command that runs one scenario."""
 
-    file: ScenarioFile = option("Scenario file (.toml) that the options modify; must come first", default=None)
+    file: ScenarioFile = option(
+        "Scenario file (.toml) that the options modify; must come first", default=None
+    )
     link_forces: bool = option("Also log the force on every link", default=False)
     save_scenario: Toml = option("Write the scenario to this file (.toml)", default=None)
 
@@ -73,26 +79,38 @@ class Run(scene.OfScenario, Recording):
         if self.save_scenario is not None:
             lc.save_scenario(scenario, self.save_scenario)
         scene.warn_of_compiling(scenario.environment, scenario.model)
-        return lc.swim(scenario, link_forces=self.link_forces, progress=command.run_bar(scenario.duration))
+        return lc.swim(
+            scenario, link_forces=self.link_forces, progress=command.run_bar(scenario.duration)
+        )
 
 
 @value
 class Swim(Run):
     """Let a robot swim a gait, starting straight and at rest, and print its speed and power.
 
-    For example: laticauda swim --robot mamba --gait lateral-undulation --amplitude-deg 30 --frequency-deg-s 130
-    --phase-shift-deg 40 --duration 30 --save run.nc --plot run.png
+    For example: laticauda swim --robot mamba --gait lateral-undulation --amplitude-deg 30
+    --frequency-deg-s 130 --phase-shift-deg 40 --duration 30 --save run.nc --plot run.png
     """
 
-    resume: File = option("Continue from the end of this stored trial, with its robot, gait and water", default=None)
-    interval: bool = option("Also print intervals from those of the textbook coefficients (8 more runs)", default=False)
+    resume: File = option(
+        "Continue from the end of this stored trial, with its robot, gait and water", default=None
+    )
+    interval: bool = option(
+        "Also print intervals from those of the textbook coefficients (8 more runs)", default=False
+    )
 
-    beside: Files = option("Scenarios of more robots in the same scene, saved as run-1.nc, ... by --save", default=())
+    beside: Files = option(
+        "Scenarios of more robots in the same scene, saved as run-1.nc, ... by --save", default=()
+    )
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> Any:
         """Return the command that was typed; see `OfScenario.read`."""
-        return SwimOn.read(words, prog) if flags.was_typed("resume", words) else super().read(words, prog)
+        return (
+            SwimOn.read(words, prog)
+            if flags.was_typed("resume", words)
+            else super().read(words, prog)
+        )
 
     def run(self) -> command.Outcome:
         """Run, and write the results."""
@@ -110,7 +128,13 @@ class Swim(Run):
         scenarios = [self.chosen, *map(lc.load_scenario, self.beside)]
         trial, *others = lc.swim_together(scenarios, progress=command.run_bar(self.chosen.duration))
         facts = {"beside": [report.facts_of(one) for one in others]}
-        return self.outcome(trial, self.origin, "".join(f"\n\n{report.as_text(one)}" for one in others), facts, others)
+        return self.outcome(
+            trial,
+            self.origin,
+            "".join(f"\n\n{report.as_text(one)}" for one in others),
+            facts,
+            others,
+        )
 
 
 @value
@@ -119,7 +143,9 @@ class SwimOn(Recording):
 
     resume: File = option("The stored trial", default=None)
     duration: float = quantity("s", "Further duration", gt=0.0, default=30.0)
-    sample_interval: float = quantity("s", "Time between two samples of the log", gt=0.0, default=0.05)
+    sample_interval: float = quantity(
+        "s", "Time between two samples of the log", gt=0.0, default=0.05
+    )
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> "SwimOn":
@@ -131,7 +157,9 @@ class SwimOn(Recording):
         allowed = {flags.flag(name) for name in flags.options_of(cls())} | {"--help", "-h"}
         for word in words:
             if word.startswith("--") and word.split("=")[0] not in allowed:
-                raise BadFlag(f"{word.split('=')[0]} must not be given with --resume: the stored trial has its own.")
+                raise BadFlag(
+                    f"{word.split('=')[0]} must not be given with --resume: the stored trial has its own."
+                )
         return flags.read(cls, words, prog)
 
     def run(self) -> command.Outcome:
@@ -139,7 +167,9 @@ class SwimOn(Recording):
         assert self.resume is not None
         first = lc.load_trial(self.resume)
         if not isinstance(first.scenario, lc.Scenario):
-            raise BadFlag(f"--resume must be a simulated trial, got {self.resume}, which lacks {first.scenario.lacks}")
+            raise BadFlag(
+                f"--resume must be a simulated trial, got {self.resume}, which lacks {first.scenario.lacks}"
+            )
         scenario = replace(first.scenario, duration=self.duration)
         body = lc.plant(scenario)
         scene.warn_of_compiling(scenario.environment, scenario.model)
@@ -154,16 +184,19 @@ class SwimOn(Recording):
         return self.outcome(lc.joined(first, second), f"as stored in {self.resume}")
 
 
-# ---- along a path ---------------------------------------------------------------------------------------------------
+# ---- along a path --------------------------------------------------------------------------------
 
 
 @value
 class Route(control.Course):
     """Where to go, and by which guidance law."""
 
-    waypoints: tuple[float, ...] = quantity("m", "Corners of the path, x1 y1 x2 y2 ...; none: the x axis", default=())
+    waypoints: tuple[float, ...] = quantity(
+        "m", "Corners of the path, x1 y1 x2 y2 ...; none: the x axis", default=()
+    )
     guidance: Literal["line-of-sight", "integral-line-of-sight", "model-predictive"] = option(
-        "The last two learn a current; model-predictive plans ahead, with a model fitted first", default="line-of-sight"
+        "The last two learn a current; model-predictive plans ahead, with a model fitted first",
+        default="line-of-sight",
     )
     observe_current: bool = option(
         "Observe the current and point upstream, with a model of the gait fitted to four trials in still water first",
@@ -175,10 +208,19 @@ class Route(control.Course):
         """Path-following parameters: the paper's for Mamba, with the integral gain where published guidance starts."""
         if len(self.waypoints) % 2:
             count = len(self.waypoints)
-            raise BadArgument("waypoints", f"must be pairs of numbers, x1 y1 x2 y2 ..., got {count} numbers")
+            raise BadArgument(
+                "waypoints", f"must be pairs of numbers, x1 y1 x2 y2 ..., got {count} numbers"
+            )
         if self.path_depth and self.guidance == "model-predictive":
-            raise BadArgument("path_depth", "must be left out with model-predictive guidance, which plans horizontally")
-        guidance: Any = "line_of_sight" if self.guidance == "model-predictive" else self.guidance.replace("-", "_")
+            raise BadArgument(
+                "path_depth",
+                "must be left out with model-predictive guidance, which plans horizontally",
+            )
+        guidance: Any = (
+            "line_of_sight"
+            if self.guidance == "model-predictive"
+            else self.guidance.replace("-", "_")
+        )
         return control.Following(
             waypoints=tuple(zip(self.waypoints[::2], self.waypoints[1::2], strict=True)) or None,
             guidance=guidance,
@@ -190,8 +232,8 @@ class Route(control.Course):
 class Follow(Run):
     """Let a robot follow a path with its gait, starting off the path, and print how soon and how well it converges.
 
-    For example: laticauda follow --robot mamba-fin --waypoints 0 0 3 0 6 2 --smooth --duration 60 --save run.nc --plot
-    run.png
+    For example: laticauda follow --robot mamba-fin --waypoints 0 0 3 0 6 2 --smooth --duration 60
+    --save run.nc --plot run.png
     """
 
     route: Route = option("Path to follow, and guidance law", default=Route())
@@ -203,8 +245,14 @@ class Follow(Run):
         scenario, origin = names.scenario(words)
         kind = FollowPlanned if route.guidance == "model-predictive" else cls
         if scenario.motion == scenario.gait:  # a file may have a controller
-            motion = scenario.gait if kind is FollowPlanned else route.following.controller(scenario.gait)
-            scenario = replace(scenario, motion=motion, duration=90.0, start=lc.Start(center_of_mass=(0.0, 1.0)))
+            motion = (
+                scenario.gait
+                if kind is FollowPlanned
+                else route.following.controller(scenario.gait)
+            )
+            scenario = replace(
+                scenario, motion=motion, duration=90.0, start=lc.Start(center_of_mass=(0.0, 1.0))
+            )
         return kind.about(scenario, words, prog, choice=names, origin=origin, route=route)
 
     def run(self) -> command.Outcome:
@@ -221,17 +269,23 @@ class Follow(Run):
         motion = scenario.motion
         if not self.route.observe_current or not isinstance(motion, control.PathFollowing):
             return scenario
-        return replace(scenario, motion=replace(motion, observer=control.CurrentObserver(model=learned(scenario))))
+        return replace(
+            scenario,
+            motion=replace(motion, observer=control.CurrentObserver(model=learned(scenario))),
+        )
 
 
 @value
 class FollowPlanned(Follow):
     """Let a robot follow a path by planning ahead, with a model that is first fitted to four trials of the robot.
 
-    For example: laticauda follow --robot mamba-fin --guidance model-predictive --current 0 -0.03 --duration 60
+    For example: laticauda follow --robot mamba-fin --guidance model-predictive --current 0 -0.03
+    --duration 60
     """
 
-    speed: float | None = quantity("m/s", "Speed along the path; none: the gait's own", gt=0.0, default=None)
+    speed: float | None = quantity(
+        "m/s", "Speed along the path; none: the gait's own", gt=0.0, default=None
+    )
     plan: control.PlanLimits = option("Model-predictive guidance", default=control.PlanLimits())
 
     def steered(self, scenario: lc.Scenario) -> lc.Scenario:
@@ -243,39 +297,54 @@ class FollowPlanned(Follow):
         return replace(scenario, motion=motion)
 
 
-def learned(scenario: lc.Scenario, frequency_limits: tuple[float, float] | None = None) -> control.AveragedModel:
+def learned(
+    scenario: lc.Scenario, frequency_limits: tuple[float, float] | None = None
+) -> control.AveragedModel:
     """Learn how the gait of a scenario moves its robot, by running trials.
 
     Args:
         scenario: Scenario of the robot.
-        frequency_limits: Lowest and highest frequency of the trials; None: a third below and above the gait's [rad/s].
+        frequency_limits: Lowest and highest frequency of the trials; None: a third below and above
+            the gait's [rad/s].
     """
     from laticauda.studies import averaged_model
 
-    show = command.progress(command.SHARE, what="learned how the gait moves the robot", patience=command.PATIENCE)
+    show = command.progress(
+        command.SHARE, what="learned how the gait moves the robot", patience=command.PATIENCE
+    )
     return averaged_model(simulate.plant(scenario), scenario.gait, frequency_limits, progress=show)
 
 
-# ---- recorded operations ---------------------------------------------------------------------------------------------
+# ---- recorded operations -------------------------------------------------------------------------
 
 
 @value
 class Replay(Recording):
     """Make a trial from a recorded operation, and print its figures.
 
-    The speed is by equation (5), the power by (4) from the power meter. A truncated recording is replayed as far as it
-    goes. --estimate and --control run the recorded estimator and controller again on the recorded data, --learn the
-    learning twin.
+    The speed is by equation (5), the power by (4) from the power meter. A truncated recording is
+    replayed as far as it goes. --estimate and --control run the recorded estimator and controller
+    again on the recorded data, --learn the learning twin.
 
     For example: laticauda replay run.mcap --save run.nc --estimate --control
     """
 
     file: flags.Input = option("The recording, as `laticauda operate` wrote it (.mcap)")
-    estimate: bool = option("Estimate the motion again from the recorded samples, for the trial", default=False)
-    kinematics: bool = option("Estimate the motion by kinematics alone, without the filter", default=False)
-    control: bool = option("Run the controller again, and compare its commands with the recorded ones", default=False)
-    learn: bool = option("Learn water, current and changes of the robot from the recorded samples", default=False)
-    plot_timing: flags.Picture = option("Draw how punctual the operator's loop was (.png, .pdf or .svg)", default=None)
+    estimate: bool = option(
+        "Estimate the motion again from the recorded samples, for the trial", default=False
+    )
+    kinematics: bool = option(
+        "Estimate the motion by kinematics alone, without the filter", default=False
+    )
+    control: bool = option(
+        "Run the controller again, and compare its commands with the recorded ones", default=False
+    )
+    learn: bool = option(
+        "Learn water, current and changes of the robot from the recorded samples", default=False
+    )
+    plot_timing: flags.Picture = option(
+        "Draw how punctual the operator's loop was (.png, .pdf or .svg)", default=None
+    )
 
     def run(self) -> command.Outcome:
         """Read, run again and write."""
@@ -284,7 +353,10 @@ class Replay(Recording):
         trial, timing = operate.trial_of(log, estimates), log.timing
         if self.plot_timing is not None:
             if timing is None:
-                raise BadArgument("plot_timing", f"must go with a recording whose loop had a clock, got {self.file}")
+                raise BadArgument(
+                    "plot_timing",
+                    f"must go with a recording whose loop had a clock, got {self.file}",
+                )
             sheet = figures.timing_sheet(timing.lateness, timing.latency, timing.interval)
             figures.save_figure(sheet, self.plot_timing)
         rerun = operate.rerun_controller(log, estimates=estimates) if self.control else None
@@ -301,26 +373,38 @@ class Replay(Recording):
                 "largest_difference": rerun.largest_difference,
             }
             text.append(_sentence(rerun))
-        learned = operate.rerun_learner(log, simulate.plant) if self.learn else log.of(estimation.Learned)
+        learned = (
+            operate.rerun_learner(log, simulate.plant) if self.learn else log.of(estimation.Learned)
+        )
         if learned or self.learn:
             facts["learned"] = [vars(one) for one in learned]
-            text.append(f"Learned: {learned[-1].line if learned else 'nothing, from so few cycles'}.")
+            text.append(
+                f"Learned: {learned[-1].line if learned else 'nothing, from so few cycles'}."
+            )
             text += [f"{one.time:.2f} s: {change}" for one in learned for change in one.changes]
         lost = f"laticauda: {log.lost}" if log.lost else ""
-        return replace(self.outcome(trial, "", "".join(f"\n\n{one}" for one in text), facts), problem=lost)
+        return replace(
+            self.outcome(trial, "", "".join(f"\n\n{one}" for one in text), facts), problem=lost
+        )
 
     def _estimates(self, log: "operate.OperationLog") -> "list[estimation.Estimate] | None":
         if self.kinematics:
-            known = {name: getattr(log.header.estimator, name, None) for name in ("mount", "in_space")}
+            known = {
+                name: getattr(log.header.estimator, name, None) for name in ("mount", "in_space")
+            }
             kwargs = {name: one for name, one in known.items() if one is not None}
-            return operate.rerun_estimator(log, estimation.KinematicEstimator(robot=log.header.run.robot, **kwargs))
+            return operate.rerun_estimator(
+                log, estimation.KinematicEstimator(robot=log.header.run.robot, **kwargs)
+            )
         return operate.rerun_estimator(log, plant=simulate.plant) if self.estimate else None
 
 
 def _sentence(rerun: "operate.Rerun") -> str:
     n = len(rerun.recorded)
     if rerun.n_different == 0:
-        return f"The controller decided the same again, to the last bit, at all {n} control instants."
+        return (
+            f"The controller decided the same again, to the last bit, at all {n} control instants."
+        )
     return (
         f"The controller decided otherwise at {rerun.n_different} of {n} control instants, "
         f"by up to {rerun.largest_difference:.3g} rad of the joints' offset."

@@ -17,7 +17,15 @@ from laticauda.extensions import Extensible, name_of
 from laticauda.fluid.flow import Flow
 from laticauda.gaits.gait import FIRST_GAIT
 from laticauda.quantities import option, quantity, value
-from laticauda.scenarios import Choice, Model, Scenario, Spatial, load_scenario, model_of, named_after
+from laticauda.scenarios import (
+    Choice,
+    Model,
+    Scenario,
+    Spatial,
+    load_scenario,
+    model_of,
+    named_after,
+)
 
 Kind = TypeVar("Kind", bound=Extensible)
 
@@ -26,19 +34,25 @@ Kind = TypeVar("Kind", bound=Extensible)
 class Names(Choice):
     """What swims, how and where, by name. The other flags change individual numbers."""
 
-    water: str | None = option("A preset, a file or textbook; none: textbook, for Mamba the paper's", default=None)
+    water: str | None = option(
+        "A preset, a file or textbook; none: textbook, for Mamba the paper's", default=None
+    )
     gait: str = option(
         "The envelope g of alpha g(i, n) sin(omega t + (i-1) delta) + phi_0, i = 1 at the tail: lateral-undulation "
         "(1), eel-like ((n-i)/(n+1)), anguilliform ((n-i)/(n-1)), custom, or MODULE:CLASS of your own",
         default="lateral-undulation",
     )
-    envelope: tuple[float, ...] | None = quantity("", "g of every joint for the gait custom, tail first", default=None)
+    envelope: tuple[float, ...] | None = quantity(
+        "", "g of every joint for the gait custom, tail first", default=None
+    )
     joint_angles: File = option(
         "Joint angles over time instead of a gait: a preset, a CSV file (time_s, joint_1_deg at the tail, ...) or a "
         "trial; a wave given by --amplitude-deg is added to them",
         default=None,
     )
-    law: str | None = option("Drag law by name, or MODULE:CLASS of your own, which is imported", default=None)
+    law: str | None = option(
+        "Drag law by name, or MODULE:CLASS of your own, which is imported", default=None
+    )
 
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> Self:
@@ -68,23 +82,33 @@ class Names(Choice):
         """Return the scenario that the names stand for, and the source of the environment in words.
 
         Args:
-            words: Words that were typed. A file may come first; the names that were typed change its scenario.
+            words: Words that were typed. A file may come first; the names that were typed change
+                its scenario.
         """
         if words and not words[0].startswith("-"):
-            for option in ("gait", "law", "joints", "scene"):  # a file imports nothing: what it names must be typed too
+            for option in (
+                "gait",
+                "law",
+                "joints",
+                "scene",
+            ):  # a file imports nothing: what it names must be typed too
                 imported(getattr(self, option) or "", option)
             return self._changed(load_scenario(words[0]), words), f"as {words[0]} says"
         gait = self.motion()
         chosen = self._known().resolved(gait)
         environment = self._with_law(chosen.environment)
-        found = Scenario(robot=chosen.robot, motion=gait, environment=environment, model=chosen.model)
+        found = Scenario(
+            robot=chosen.robot, motion=gait, environment=environment, model=chosen.model
+        )
         return found, chosen.origin
 
     def _changed(self, found: Scenario, words: Sequence[str]) -> Scenario:
         """Return a file's scenario, changed by the names that were typed."""
         typed = {name for name in NAMES if was_typed(name, words)}
         envelope = self._envelope() if typed & {"gait", "envelope"} else found.gait.envelope
-        is_kept = "envelope" not in typed and type(envelope) is type(found.gait.envelope)  # with the file's numbers
+        is_kept = "envelope" not in typed and type(envelope) is type(
+            found.gait.envelope
+        )  # with the file's numbers
         gait = found.gait if is_kept else replace(found.gait, envelope=envelope)
         gait = self.motion() if "joint_angles" in typed else gait
 
@@ -94,7 +118,9 @@ class Names(Choice):
             return found.robot if n_links is None else found.robot.with_links(n_links)
 
         chosen = self._known().resolved(gait, find_robot)
-        where = chosen.environment if typed & {"water", "ground", "parameters"} else found.environment
+        where = (
+            chosen.environment if typed & {"water", "ground", "parameters"} else found.environment
+        )
         model = chosen.model if "model" in typed else found.model
         joints = self._known().joints if "joints" in typed else None
         if "scene" in typed:
@@ -102,21 +128,34 @@ class Names(Choice):
         return replace(
             found,
             robot=chosen.robot,
-            motion=gait if isinstance(found.motion, lc.Gait) else replace(cast("Any", found.motion), gait=gait),
+            motion=gait
+            if isinstance(found.motion, lc.Gait)
+            else replace(cast("Any", found.motion), gait=gait),
             environment=self._with_law(where),
-            model=model_of(model, joints=joints) if joints not in (None, name_of(type(model.joints))) else model,
+            model=model_of(model, joints=joints)
+            if joints not in (None, name_of(type(model.joints)))
+            else model,
         )
 
     def _known(self) -> Self:
         """Return these names; a joint law or a scene that is given as MODULE:CLASS is imported."""
-        given = {name: imported(one, name) for name in ("joints", "scene") if (one := getattr(self, name)) is not None}
+        given = {
+            name: imported(one, name)
+            for name in ("joints", "scene")
+            if (one := getattr(self, name)) is not None
+        }
         return replace(self, **given)
 
     def _with_law(self, environment: robot.Environment) -> robot.Environment:
         if self.law is None:
             return environment
-        law, field = member(lc.DragLaw, self.law, "law"), "drag" if isinstance(environment, lc.Water) else "friction"
-        is_kept = type(law) is type(getattr(environment, field))  # with the numbers of the environment's law
+        law, field = (
+            member(lc.DragLaw, self.law, "law"),
+            "drag" if isinstance(environment, lc.Water) else "friction",
+        )
+        is_kept = type(law) is type(
+            getattr(environment, field)
+        )  # with the numbers of the environment's law
         changes: Any = {field: law, "name": f"{environment.name} with {name_of(type(law))}"}
         return environment if is_kept else replace(environment, **changes)
 
@@ -165,7 +204,9 @@ def member(base: type[Kind], name: str, option: str) -> Kind:
     try:
         return base.named(imported(name, option))()
     except TypeError:
-        raise BadArgument(option, f"must be one whose numbers all have defaults, got {name}") from None
+        raise BadArgument(
+            option, f"must be one whose numbers all have defaults, got {name}"
+        ) from None
     except BadArgument as error:
         raise BadArgument(option, error.rule) from None
 
@@ -183,7 +224,9 @@ def current(words: Sequence[str]) -> Flow:
     try:
         flow = member(Flow, name, "current") if ":" in name else robot.load_current(name)
         pairs = [numbers("current", word, CHANGES) for word in changes]
-        return codec.updated(flow, {key.replace("-", "_"): int(x) if x.is_integer() else x for key, _, (x,) in pairs})
+        return codec.updated(
+            flow, {key.replace("-", "_"): int(x) if x.is_integer() else x for key, _, (x,) in pairs}
+        )
     except codec.BadKey as bad:
         raise BadFlag(f"--current {name}: {bad}") from None
     except BadArgument as error:
@@ -205,7 +248,11 @@ def warn_of_compiling(environment: robot.Environment, model: Model | str = "plan
     """
     if simulate.needs_compiling(environment, model):
         seconds = 25 if model == "spatial" or isinstance(model, Spatial) else 10
-        print(f"compiling the kernels for this machine (once, about {seconds} s) ...", file=sys.stderr, flush=True)
+        print(
+            f"compiling the kernels for this machine (once, about {seconds} s) ...",
+            file=sys.stderr,
+            flush=True,
+        )
 
 
 NAMES = tuple(field.name for field in fields(Names))
@@ -217,7 +264,9 @@ class OfScenario(Command):
 
     choice: Names = option("Robot, gait and water, by name", default=Names())
     scenario: Scenario = option("Scenario that the names select; every number can be changed")
-    before: Any = option("What the names stand for, before single numbers were changed", default=None)
+    before: Any = option(
+        "What the names stand for, before single numbers were changed", default=None
+    )
     origin: Any = option("Where the environment is from, in words", default="")
 
     @classmethod

@@ -1,7 +1,7 @@
 """`laticauda sweep` and `laticauda optimize`: many trials of one scenario, in a folder where a stopped command resumes.
 
-Sweeps run thousands to millions of trials; optimizations search for the best gaits, fins or numbers of links, or for
-the front between speed and power.
+Sweeps run thousands to millions of trials; optimizations search for the best gaits, fins or numbers
+of links, or for the front between speed and power.
 """
 
 from collections.abc import Sequence
@@ -29,7 +29,14 @@ N_BEST, N_SHOWN = 5, 8
 SHOWN_OF_BEST = ("forward_velocity", "mean_power", "cost_of_transport", "utilization")
 SHOWN_OF_FRONT = ("forward_velocity", "mechanical_power", "cost_of_transport", "utilization")
 BOTH = "speed-power"
-OBJECTIVES = (BOTH, "forward-velocity", "steady-velocity", "mechanical-power", "mean-power", "cost-of-transport")
+OBJECTIVES = (
+    BOTH,
+    "forward-velocity",
+    "steady-velocity",
+    "mechanical-power",
+    "mean-power",
+    "cost-of-transport",
+)
 RANGES = ("amplitude-deg=10:50", "frequency-deg-s=50:150", "phase-shift-deg=10:60")
 
 
@@ -37,10 +44,11 @@ RANGES = ("amplitude-deg=10:50", "frequency-deg-s=50:150", "phase-shift-deg=10:6
 class SweepCommand(Study):
     """Run a trial at every point of a grid, a list or a set of samples, and print the best.
 
-    For example: laticauda sweep --robot mamba --gait lateral-undulation --vary amplitude-deg=10:50:20
-    frequency-deg-s=50:150:20 normal-drag=1,1.75 --output sweep
+    For example: laticauda sweep --robot mamba --gait lateral-undulation --vary
+    amplitude-deg=10:50:20 frequency-deg-s=50:150:20 normal-drag=1,1.75 --output sweep
 
-    The results are one xarray Dataset in sweep/results.zarr. After a stop or a kill, the same command resumes.
+    The results are one xarray Dataset in sweep/results.zarr. After a stop or a kill, the same
+    command resumes.
     """
 
     vary: Annotated[tuple[Words, ...], tyro.conf.UseAppendAction] = option(
@@ -48,15 +56,34 @@ class SweepCommand(Study):
         "amplitude-deg=10:50:100. Every combination is a trial",
         default=(),
     )
-    samples: int | None = quantity("", "Number of points, spread evenly over NAME=LOW:HIGH", ge=1, default=None)
-    seed: int | None = quantity("", "Seed of the samples; another seed gives other points", ge=0, default=None)
-    list: File = option("Take the points from this CSV file instead; its first line has the names", default=None)
-    scheduler: str | None = option("Run on a Dask cluster: its scheduler, such as tcp://host:8786", default=None)
-    output: Folder = option("Folder of results, where the same command resumes after a stop", default="sweep")
-    plot: Picture = option("Plot speed and cost of transport over the parameters (.png, .pdf, .svg)", default=None)
+    samples: int | None = quantity(
+        "", "Number of points, spread evenly over NAME=LOW:HIGH", ge=1, default=None
+    )
+    seed: int | None = quantity(
+        "", "Seed of the samples; another seed gives other points", ge=0, default=None
+    )
+    list: File = option(
+        "Take the points from this CSV file instead; its first line has the names", default=None
+    )
+    scheduler: str | None = option(
+        "Run on a Dask cluster: its scheduler, such as tcp://host:8786", default=None
+    )
+    output: Folder = option(
+        "Folder of results, where the same command resumes after a stop", default="sweep"
+    )
+    plot: Picture = option(
+        "Plot speed and cost of transport over the parameters (.png, .pdf, .svg)", default=None
+    )
     best: Literal[
-        "forward-velocity", "steady-velocity", "mechanical-power", "net-power", "mean-power", "cost-of-transport"
-    ] = option("Figure by which the best points in the table are ranked", default="forward-velocity")
+        "forward-velocity",
+        "steady-velocity",
+        "mechanical-power",
+        "net-power",
+        "mean-power",
+        "cost-of-transport",
+    ] = option(
+        "Figure by which the best points in the table are ranked", default="forward-velocity"
+    )
 
     def studied(self, scenario: Scenario, known: Known) -> Outcome:
         """Run all trials that are not stored yet."""
@@ -70,7 +97,9 @@ class SweepCommand(Study):
         with stored_trials(self.output) as show, connected(self.scheduler) as client:
             if client is None:
                 warn_of_compiling(scenario.environment, scenario.model)
-            studies.run_sweep(sweep, self.output, progress=show, client=client, threads=self.threads)
+            studies.run_sweep(
+                sweep, self.output, progress=show, client=client, threads=self.threads
+            )
         n_trials, n_failed = sweep.n_trials, studies.count_failed(self.output)
         if self.plot is not None:
             figures.save_figure(figures.sweep_sheet(studies.open_sweep(self.output)), self.plot)
@@ -97,13 +126,17 @@ class SweepCommand(Study):
         """Return the requested points."""
         words = [word for group in self.vary for word in group]
         if self.seed is not None and self.samples is None:
-            raise BadArgument("seed", "must be given with --samples only: a grid and a list are not random")
+            raise BadArgument(
+                "seed", "must be given with --samples only: a grid and a list are not random"
+            )
         if self.list is not None:
             if words or self.samples is not None:
                 raise BadArgument("list", "must not be given together with --vary or --samples")
             return vary.rows(self.list, known)
         if not words:
-            raise BadArgument("vary", f"must be given, or --list: {vary.FORM}; --names lists what can be varied")
+            raise BadArgument(
+                "vary", f"must be given, or --list: {vary.FORM}; --names lists what can be varied"
+            )
         if self.samples is None:
             return vary.grid(words, known)
         ranges = vary.ranges(words, known, vary.SAMPLES_FORM)
@@ -114,11 +147,12 @@ class SweepCommand(Study):
 class Optimize(Study):
     """Search for the best gait, fin or number of links, or for the front between speed and power.
 
-    For example: laticauda optimize --robot mamba --gait lateral-undulation --vary amplitude-deg=10:50
-    frequency-deg-s=50:150 phase-shift-deg=10:60 --objective speed-power --seed 1 --output optimum
+    For example: laticauda optimize --robot mamba --gait lateral-undulation --vary
+    amplitude-deg=10:50 frequency-deg-s=50:150 phase-shift-deg=10:60 --objective speed-power --seed
+    1 --output optimum
 
-    Writes front.csv, front.nc and, for two objectives, the figure front.png. After a stop or a kill, the same command
-    resumes.
+    Writes front.csv, front.nc and, for two objectives, the figure front.png. After a stop or a
+    kill, the same command resumes.
     """
 
     vary: Annotated[tuple[Words, ...], tyro.conf.UseAppendAction] = option(
@@ -132,13 +166,19 @@ class Optimize(Study):
         "speed-power is short for forward-velocity mechanical-power",
         default=(BOTH,),
     )
-    budget: int = quantity("", "Number of points to try; a larger budget continues a smaller one", ge=1, default=4000)
+    budget: int = quantity(
+        "", "Number of points to try; a larger budget continues a smaller one", ge=1, default=4000
+    )
     population: int | None = quantity(
         "", "Points per generation; if omitted, 100, or 40 for one objective", ge=1, default=None
     )
-    seed: int = quantity("", "Seed of all random numbers; another seed searches differently", ge=0, default=0)
+    seed: int = quantity(
+        "", "Seed of all random numbers; another seed searches differently", ge=0, default=0
+    )
     limits: Limits = option("Limits that gaits must observe", default=Limits())
-    output: Folder = option("Folder of results, where a stopped search resumes when run again", default="optimum")
+    output: Folder = option(
+        "Folder of results, where a stopped search resumes when run again", default="optimum"
+    )
 
     def studied(self, scenario: Scenario, known: Known) -> Outcome:
         """Search, and write the front."""
@@ -152,7 +192,9 @@ class Optimize(Study):
         text = [_text(front, folder)]
         if pictures:
             text.append(f"Figure: {', '.join(map(str, pictures))}")
-        return Outcome(facts=_facts(front, folder, pictures), text="\n\n".join(text), succeeded=len(front) > 0)
+        return Outcome(
+            facts=_facts(front, folder, pictures), text="\n\n".join(text), succeeded=len(front) > 0
+        )
 
     def _front(self, scenario: Scenario, folder: Path) -> studies.Front:
         """Do the remaining work."""
@@ -161,7 +203,9 @@ class Optimize(Study):
         sought = studies.Optimization(
             scenario=scenario,
             bounds=vary.ranges(words, parameters(scenario), vary.RANGE_FORM),
-            objectives=studies.SPEED_POWER if names == [BOTH] else [name.replace("-", "_") for name in names],
+            objectives=studies.SPEED_POWER
+            if names == [BOTH]
+            else [name.replace("-", "_") for name in names],
             **vars(self.limits),
         )
         warn_of_compiling(scenario.environment, scenario.model)
@@ -180,7 +224,8 @@ def _facts(front: studies.Front, folder: Path, pictures: Sequence[Path]) -> dict
         "seed": front.seed,
         "output": str(folder),
         **vary.shared_facts(front.optimization.scenario),
-        "files": [str(folder / name) for name in ("front.csv", "front.nc")] + [str(path) for path in pictures],
+        "files": [str(folder / name) for name in ("front.csv", "front.nc")]
+        + [str(path) for path in pictures],
         "n_points": len(front),
         "at_bounds": front.at_bounds(),
         "points": [front.point(i) for i in front.spread(N_SHOWN)],
@@ -192,7 +237,11 @@ def _text(front: studies.Front, folder: Path) -> str:
     sought, parts = front.optimization, [_status(front)]
     if len(front):
         points = [front.point(i) for i in front.spread(N_SHOWN)]
-        parts.append(vary.points_table(sought.scenario, sought.names, [*sought.objectives, *SHOWN_OF_FRONT], points))
+        parts.append(
+            vary.points_table(
+                sought.scenario, sought.names, [*sought.objectives, *SHOWN_OF_FRONT], points
+            )
+        )
     parts += filter(None, ["\n".join(_at_bounds(front))])
     return "\n\n".join([*parts, f"All points: {folder}/front.csv, {folder}/front.nc"])
 
@@ -204,7 +253,9 @@ def _at_bounds(front: studies.Front) -> list[str]:
         parameter = known[row["name"]]
         at = "" if len(front) == 1 else f" at {row['n_points']} of the {len(front)} points"
         text = f"{vary.spelled(parameter)} is {' '.join(read_in(row['value'], parameter.unit)).strip()}{at}"
-        found.append(f"{text}, the {row['end']} of its range: the best may be beyond it; widen it with --vary.")
+        found.append(
+            f"{text}, the {row['end']} of its range: the best may be beyond it; widen it with --vary."
+        )
     return found
 
 
@@ -220,4 +271,8 @@ def _status(front: studies.Front) -> str:
             f"{what}; none is feasible: gaits exceed the limits of joints or actuators (--beyond-actuators), or "
             "runs blow up (a smaller --dt may help), are too slow, or are too short for the objective."
         )
-    return f"{what}, {len(front)} on the front." if len(sought.objectives) > 1 else f"{what}; the best is:"
+    return (
+        f"{what}, {len(front)} on the front."
+        if len(sought.objectives) > 1
+        else f"{what}; the best is:"
+    )

@@ -29,8 +29,13 @@ def table(rows: Sequence[Mapping[str, Any]]) -> str:
     if not rows:
         return MISSING
     names = list(rows[0])
-    right = [i for i, name in enumerate(names) if not any(isinstance(row[name], str) for row in rows)]
-    cells = [[row[name] if isinstance(row[name], str) else number(row[name]) for name in names] for row in rows]
+    right = [
+        i for i, name in enumerate(names) if not any(isinstance(row[name], str) for row in rows)
+    ]
+    cells = [
+        [row[name] if isinstance(row[name], str) else number(row[name]) for name in names]
+        for row in rows
+    ]
     return aligned([names, *cells], right)
 
 

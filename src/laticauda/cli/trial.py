@@ -11,7 +11,9 @@ from laticauda.pictures.camera import Film
 from laticauda.quantities import option, quantity, value
 from laticauda.trial import ComparedFigure, Format
 
-TRIAL = "The trial, as `laticauda swim --save` or `trial convert` wrote it, or a log (with --columns)"
+TRIAL = (
+    "The trial, as `laticauda swim --save` or `trial convert` wrote it, or a log (with --columns)"
+)
 
 
 @value
@@ -21,7 +23,9 @@ class Filming(command.Command):
     video: flags.Mp4 = option("Write a 3D film of the run (.mp4)", default=None)
     film: Film = option("Content and size of the film", default=Film())
 
-    def write_film(self, trial: lc.Trial, speed: float = 1.0, beside: Sequence[lc.Trial] = ()) -> None:
+    def write_film(
+        self, trial: lc.Trial, speed: float = 1.0, beside: Sequence[lc.Trial] = ()
+    ) -> None:
         """Write the film of a trial if requested.
 
         Args:
@@ -33,7 +37,14 @@ class Filming(command.Command):
             from laticauda.pictures.render import video
 
             begin, end = self.film.span(trial)
-            video(trial, self.video, self.film, speed=speed, beside=beside, progress=command.film_bar(end - begin))
+            video(
+                trial,
+                self.video,
+                self.film,
+                speed=speed,
+                beside=beside,
+                progress=command.film_bar(end - begin),
+            )
 
 
 @value
@@ -46,10 +57,14 @@ class View(Filming):
     """
 
     file: flags.Input = option("The trial, as `laticauda swim --save` wrote it")
-    still: Annotated[flags.File, flags.Written((".png",))] = option("Write a picture (.png)", default=None)
+    still: Annotated[flags.File, flags.Written((".png",))] = option(
+        "Write a picture (.png)", default=None
+    )
     time: float | None = quantity("s", "Time of the picture; the end if omitted", default=None)
     speed: float = quantity("", "Playback speed as a multiple of real time", gt=0.0, default=1.0)
-    beside: flags.Files = option("Trials of other robots in the same scene, in the film or picture too", default=())
+    beside: flags.Files = option(
+        "Trials of other robots in the same scene, in the film or picture too", default=()
+    )
 
     def run(self) -> command.Outcome:
         """Show or write."""
@@ -66,15 +81,23 @@ class View(Filming):
 
             show(trial, speed=self.speed)
         when = "the end" if self.time is None else f"{self.time:g} s"
-        text = f"{self.still}: at {when}" if self.still else f"{self.video or self.file}: {trial.duration:g} s shown"
-        return command.Outcome(facts={"file": self.file, "video": self.video, "still": self.still}, text=text)
+        text = (
+            f"{self.still}: at {when}"
+            if self.still
+            else f"{self.video or self.file}: {trial.duration:g} s shown"
+        )
+        return command.Outcome(
+            facts={"file": self.file, "video": self.video, "still": self.still}, text=text
+        )
 
 
 @value
 class OfTrials(command.Command):
     """A command about stored trials."""
 
-    columns: flags.File = option("TOML file that describes a foreign log's columns (CSV, C3D, .mat, ...)", default=None)
+    columns: flags.File = option(
+        "TOML file that describes a foreign log's columns (CSV, C3D, .mat, ...)", default=None
+    )
 
 
 @value
@@ -91,7 +114,9 @@ class Show(OfTrials, Filming):
         trial = lc.load_trial(self.file, self.columns)
         self.write_film(trial)
         made = f"made     {trial.created} with laticauda {trial.version}"
-        return command.Outcome(facts=report.facts_of(trial), text=f"{made}\n{report.as_text(trial)}")
+        return command.Outcome(
+            facts=report.facts_of(trial), text=f"{made}\n{report.as_text(trial)}"
+        )
 
 
 @value
@@ -101,16 +126,24 @@ class Compare(OfTrials):
     For example: laticauda trial compare bare.nc fin.nc
     """
 
-    files: flags.Inputs = option("Two or more trials, the reference first; foreign logs need --columns", default=())
+    files: flags.Inputs = option(
+        "Two or more trials, the reference first; foreign logs need --columns", default=()
+    )
 
     def run(self) -> command.Outcome:
         """Read and compare."""
         rows = lc.compare([_either(file, self.columns) for file in self.files])
         kept = ("values", "differences", "differences_percent")
         figures = {
-            row.figure.name: {"unit": row.figure.unit, **{name: getattr(row, name) for name in kept}} for row in rows
+            row.figure.name: {
+                "unit": row.figure.unit,
+                **{name: getattr(row, name) for name in kept},
+            }
+            for row in rows
         }
-        return command.Outcome(facts={"trials": self.files, "figures": figures}, text=_compared(self.files, rows))
+        return command.Outcome(
+            facts={"trials": self.files, "figures": figures}, text=_compared(self.files, rows)
+        )
 
 
 @value
@@ -120,8 +153,12 @@ class Plot(OfTrials):
     For example: laticauda trial plot bare.nc fin.nc --output both.png
     """
 
-    files: flags.Inputs = option("One or more trials, in any format that `trial show` reads", default=())
-    output: Annotated[flags.Made, flags.PICTURES] = option("Picture to write or replace: .png, .pdf or .svg")
+    files: flags.Inputs = option(
+        "One or more trials, in any format that `trial show` reads", default=()
+    )
+    output: Annotated[flags.Made, flags.PICTURES] = option(
+        "Picture to write or replace: .png, .pdf or .svg"
+    )
 
     def run(self) -> command.Outcome:
         """Read and draw."""
@@ -138,20 +175,27 @@ class Plot(OfTrials):
 class Convert(OfTrials):
     """Write a stored trial in another format: MCAP for Foxglove and ROS 2, Parquet, .mat, netCDF, or a CSV table.
 
-    An output whose name ends in / is a folder for rosbag2, into which recordings of operations can be converted, too.
+    An output whose name ends in / is a folder for rosbag2, into which recordings of operations can
+    be converted, too.
 
     For example: laticauda trial convert run.nc run.mcap
     """
 
     file: flags.Input = option(TRIAL)
-    output: flags.Output = option("File to write or replace: .nc, .mcap, .parquet, .mat or .csv; or a new FOLDER/")
+    output: flags.Output = option(
+        "File to write or replace: .nc, .mcap, .parquet, .mat or .csv; or a new FOLDER/"
+    )
 
     def run(self) -> command.Outcome:
         """Read and write."""
         if self.output.endswith("/"):
             is_mcap = self.columns is None and self.file.endswith(".mcap")
-            logs.write_bag(self.file if is_mcap else lc.load_trial(self.file, self.columns), self.output)
-            return command.Outcome(facts={"output": self.output}, text=f"{self.output}: a folder for rosbag2")
+            logs.write_bag(
+                self.file if is_mcap else lc.load_trial(self.file, self.columns), self.output
+            )
+            return command.Outcome(
+                facts={"output": self.output}, text=f"{self.output}: a folder for rosbag2"
+            )
         command.check_output("output", self.output, Format.endings())
         trial = lc.load_trial(self.file, self.columns)
         trial.save(self.output)
@@ -163,7 +207,9 @@ class Convert(OfTrials):
 def _compared(names: Sequence[str], rows: Sequence[ComparedFigure]) -> str:
     """Return a table with one figure per line and, for each trial, its value and its difference from the first."""
     first, *others = names
-    lines: list[list[str]] = [["", first, "", *(cell for name in others for cell in (name, "difference"))]]
+    lines: list[list[str]] = [
+        ["", first, "", *(cell for name in others for cell in (name, "difference"))]
+    ]
     for row in rows:
         cells = [tables.read_in(value, row.figure.unit) for value in row.values]
         line = [row.figure.title, cells[0][0], cells[0][1]]

@@ -1,6 +1,7 @@
 """Commands about many trials of one scenario: names of numbers as in the options, their values, and the results.
 
-`amplitude-deg=10:50:100` is 100 values from 10 to 50 deg, both included; `normal-drag=1,1.5,2` is three values.
+`amplitude-deg=10:50:100` is 100 values from 10 to 50 deg, both included; `normal-drag=1,1.5,2` is
+three values.
 """
 
 import math
@@ -32,15 +33,22 @@ Known = Mapping[str, Parameter]
 class Study(scene.OfScenario):
     """A command that runs a scenario with many values of its numbers."""
 
-    names: bool = option("Print the names of all parameters that can be varied, and exit", default=False)
-    threads: int | None = quantity("", "Trials to run in parallel here; one per core if omitted", ge=1, default=None)
+    names: bool = option(
+        "Print the names of all parameters that can be varied, and exit", default=False
+    )
+    threads: int | None = quantity(
+        "", "Trials to run in parallel here; one per core if omitted", ge=1, default=None
+    )
 
     def run(self) -> command.Outcome:
         """Do the work, or list what can be varied."""
         known = parameters(self.chosen)
         if not self.names:
             return self.studied(self.chosen, known)
-        lines = [(spelled(one), read_in(0.0, one.unit)[1] or MISSING, one.title) for one in known.values()]
+        lines = [
+            (spelled(one), read_in(0.0, one.unit)[1] or MISSING, one.title)
+            for one in known.values()
+        ]
         facts = {name: {"unit": one.unit, "title": one.title} for name, one in known.items()}
         return command.Outcome(facts=facts, text=aligned([("name", "unit", ""), *lines]))
 
@@ -58,7 +66,9 @@ def spelled(parameter: Parameter) -> str:
     """Return the name of a parameter as it is typed."""
     root, *rest = parameter.name.split(".")
     short = (root in SHORT and len(rest) == 1) or rest == ["n_links"]
-    return ((".".join(rest) if short else parameter.name) + DEGREES.get(parameter.unit, "")).replace("_", "-")
+    return (
+        (".".join(rest) if short else parameter.name) + DEGREES.get(parameter.unit, "")
+    ).replace("_", "-")
 
 
 def grid(words: Sequence[str], known: Known) -> studies.Grid:
@@ -80,7 +90,9 @@ def grid(words: Sequence[str], known: Known) -> studies.Grid:
                 raise BadArgument("vary", f"must be {FORM}, got {word!r}")
             low, high, count = values
             if not (count.is_integer() and 1 <= count <= MOST_COUNT):
-                raise BadArgument("vary", f"must have a whole COUNT between 1 and {MOST_COUNT}, got {word!r}")
+                raise BadArgument(
+                    "vary", f"must have a whole COUNT between 1 and {MOST_COUNT}, got {word!r}"
+                )
             values = np.linspace(low, high, int(count)).tolist()
         found[parameter.name] = [factor * one for one in values]
     return studies.Grid(values=found)
@@ -122,11 +134,15 @@ def rows(path: str, known: Known) -> studies.Rows:
     """
     names, lines = files.read_rows(path)
     if not names:
-        raise BadArgument("list", f"must be a CSV file with the names of parameters in its first line, got {path}")
+        raise BadArgument(
+            "list", f"must be a CSV file with the names of parameters in its first line, got {path}"
+        )
     columns: dict[str, list[float]] = {}
     for name in names:
         parameter, factor = _meant(name, known, columns)
-        columns[parameter.name] = [factor * _number(row[name], f"{path}, line {line}") for line, row in lines]
+        columns[parameter.name] = [
+            factor * _number(row[name], f"{path}, line {line}") for line, row in lines
+        ]
     return studies.Rows(values=columns)
 
 
@@ -144,17 +160,25 @@ def _meant(name: str, known: Known, before: Mapping[str, object]) -> tuple[Param
     """Return a parameter and the factor for its values; reject a parameter that was named before."""
     plain = name.replace("_", "-")
     for parameter in known.values():
-        full, suffix = parameter.name.replace("_", "-"), DEGREES.get(parameter.unit, "").replace("_", "-")
+        full, suffix = (
+            parameter.name.replace("_", "-"),
+            DEGREES.get(parameter.unit, "").replace("_", "-"),
+        )
         if plain in (spelled(parameter), full + suffix, full):
             if parameter.name in before:
                 raise BadArgument("vary", f"must name each parameter only once, got {name!r} again")
             # With dots and no unit, a name is in SI units, as in Python.
             return parameter, math.radians(1.0) if suffix and plain != full else 1.0
     hint = near(plain, [spelled(parameter) for parameter in known.values()])
-    raise BadArgument("vary", f"must name a parameter of robot, gait or water, got {name!r}{hint} (--names lists all)")
+    raise BadArgument(
+        "vary",
+        f"must name a parameter of robot, gait or water, got {name!r}{hint} (--names lists all)",
+    )
 
 
-def points_table(scenario: Scenario, names: Sequence[str], figures: Sequence[str], points: Sequence[Any]) -> str:
+def points_table(
+    scenario: Scenario, names: Sequence[str], figures: Sequence[str], points: Sequence[Any]
+) -> str:
     """Return some points as a table.
 
     Args:
@@ -165,7 +189,10 @@ def points_table(scenario: Scenario, names: Sequence[str], figures: Sequence[str
     """
     known = parameters(scenario)
     rows = [
-        {spelled(known[name]): point[name] * READ_IN.get(known[name].unit, (1.0,))[0] for name in names}
+        {
+            spelled(known[name]): point[name] * READ_IN.get(known[name].unit, (1.0,))[0]
+            for name in names
+        }
         | {LABELS[name]: point[name] for name in figures}
         for point in points
     ]

@@ -20,7 +20,16 @@ from laticauda.fluid.flow import Flow
 from laticauda.gaits import Gait, Wave, envelope_of, kinds
 from laticauda.gaits.gait import STRAIGHT
 from laticauda.quantities import quantities_of, texts_of
-from laticauda.robot import CaudalFin, Current, Robot, Water, current_names, load_current, load_robot, robot_names
+from laticauda.robot import (
+    CaudalFin,
+    Current,
+    Robot,
+    Water,
+    current_names,
+    load_current,
+    load_robot,
+    robot_names,
+)
 from laticauda.scenarios import MODELS, Scenario
 
 PITCH = "pitch_"  # prefix of the names of the pitch wave's controls
@@ -29,7 +38,11 @@ DEEPEST = 10.0  # largest depth that can be set [m]
 CURRENT = 2.0  # maximum along an axis [m/s]
 RIGIDITY = 0.2  # initial value of an elastic fin [N m^2]
 FINS = ("none", "rigid", "elastic")
-UNIFORM, OWN, IN_FLOW = "uniform", "as it came", "flow_"  # a uniform current, and the water as when the page started
+UNIFORM, OWN, IN_FLOW = (
+    "uniform",
+    "as it came",
+    "flow_",
+)  # a uniform current, and the water as when the page started
 FLOW = "How the water moves; a flow that is new to this computer is compiled first, about 10 s"
 ASIDE = 0.6  # from the robot to the start of a path [m]
 
@@ -55,10 +68,16 @@ class Controls:
         changed: Called after every change.
     """
 
-    def __init__(self, gui: Any, live: Live, events: EventQueue, changed: Callable[[], None]) -> None:
+    def __init__(
+        self, gui: Any, live: Live, events: EventQueue, changed: Callable[[], None]
+    ) -> None:
         self._gui, self._live, self._changed = gui, live, changed
         self._listen = events.handler(self.apply, then=self.settle)
-        self._own, self._envelope, self._rigidity = live.scenario.robot, live.scenario.gait.envelope, RIGIDITY
+        self._own, self._envelope, self._rigidity = (
+            live.scenario.robot,
+            live.scenario.gait.envelope,
+            RIGIDITY,
+        )
         self.by_name: dict[str, Control] = {}
         """Controls by what they set."""
         with gui.add_folder("Gait"):
@@ -68,14 +87,21 @@ class Controls:
         with gui.add_folder("Path"):
             hint = "Follow a straight line with the paper's line-of-sight guidance; drag its gizmo to move or turn it."
             follow = gui.add_checkbox("follow a path", False, hint=hint)
-            self._add("path", follow, lambda now: path_of(now) is not None, lambda on: {"path": self._new_path(on)})
+            self._add(
+                "path",
+                follow,
+                lambda now: path_of(now) is not None,
+                lambda on: {"path": self._new_path(on)},
+            )
         with gui.add_folder("Time"):
             self.speed = gui.add_slider("speed of time [-]", SPEEDS[0], SPEEDS[1], 0.1, live.speed)
             pause = gui.add_checkbox("pause", live.paused)
             self.reset = gui.add_button("reset")
         with gui.add_folder("In space"):
             hint = "Along the path, by the pitch joints of a robot in space; 0: depth is not steered [m]"
-            depth = gui.add_number("hold depth [m]", 0.0, min=0.0, max=DEEPEST, step=0.05, hint=hint)
+            depth = gui.add_number(
+                "hold depth [m]", 0.0, min=0.0, max=DEEPEST, step=0.05, hint=hint
+            )
             self._add("depth", depth, lambda now: depth_of(now) or 0.0, self._at_depth)
             self._add_wave(gui, PITCH, PITCH_LIMITS)
         for control in self.by_name.values():
@@ -111,16 +137,29 @@ class Controls:
         """Set the speed of time."""
         self._live.speed = event.value
 
-    def _add(self, name: str, handle: Any, shown: Callable[[Scenario], Any], changes: Callable[[Any], Changes]) -> None:
+    def _add(
+        self,
+        name: str,
+        handle: Any,
+        shown: Callable[[Scenario], Any],
+        changes: Callable[[Any], Changes],
+    ) -> None:
         self.by_name[name] = Control(handle, shown, changes)
 
     def _add_gait(self, gui: Any, gait: Gait) -> None:
         names = {_words(kind): kind for kind in (*kinds(), gait.kind)}
         handle = gui.add_dropdown("gait", tuple(names), hint=_hint(Gait, "envelope"))
-        self._add("kind", handle, lambda now: _words(now.gait.kind), lambda it: {"gait": self._of_kind(names[it])})
+        self._add(
+            "kind",
+            handle,
+            lambda now: _words(now.gait.kind),
+            lambda it: {"gait": self._of_kind(names[it])},
+        )
         self._add_wave(gui, "", LIMITS["gait"])
 
-    def _add_wave(self, gui: Any, wave: str, limits: Mapping[str, tuple[float, float, float]]) -> None:
+    def _add_wave(
+        self, gui: Any, wave: str, limits: Mapping[str, tuple[float, float, float]]
+    ) -> None:
         """Add sliders for the gait's own parameters, or for those of its pitch wave."""
         kind: type = Wave if wave else Gait
         for field, (low, high, step) in limits.items():
@@ -129,16 +168,22 @@ class Controls:
             hint = _hint(kind, field, unit.replace("rad", "deg"))
             handle = gui.add_slider(label, low, high, step, max(low, 0.0), hint=hint)
 
-            def shown(now: Scenario, field: str = field, low: float = low, high: float = high) -> float:
+            def shown(
+                now: Scenario, field: str = field, low: float = low, high: float = high
+            ) -> float:
                 """Return the value without the last digits, which the conversion to degrees loses."""
                 one = (now.gait.pitch or STRAIGHT) if wave else now.gait
                 return min(max(round(math.degrees(getattr(one, field)), 9), low), high)
 
-            def changes(value: float, field: str = field, low: float = low, high: float = high) -> Changes:
+            def changes(
+                value: float, field: str = field, low: float = low, high: float = high
+            ) -> Changes:
                 """Check the slider's range, which typed values may exceed; the gait itself rejects impossible ones."""
                 gait, new = self._live.scenario.gait, {field: math.radians(value)}
                 if wave:
-                    usual = Wave(amplitude=0.0, frequency=gait.frequency, phase_shift=gait.phase_shift)
+                    usual = Wave(
+                        amplitude=0.0, frequency=gait.frequency, phase_shift=gait.phase_shift
+                    )
                     pitch = replace(gait.pitch or usual, **new)
                     new = {"pitch": pitch if value or pitch.amplitude or pitch.offset else None}
                 gait = replace(gait, **new)
@@ -151,16 +196,30 @@ class Controls:
     def _add_body(self, gui: Any) -> None:
         names = tuple(dict.fromkeys((*robot_names(), self._own.name)))
         handle = gui.add_dropdown("robot", names)
-        self._add("robot", handle, lambda now: self._base(now.robot.name).name, lambda it: {"robot": self._base(it)})
+        self._add(
+            "robot",
+            handle,
+            lambda now: self._base(now.robot.name).name,
+            lambda it: {"robot": self._base(it)},
+        )
         handle = gui.add_dropdown("fin", FINS)
-        self._add("fin", handle, lambda now: _fin_of(now.robot), lambda it: {"robot": self._with(it, self._rigidity)})
+        self._add(
+            "fin",
+            handle,
+            lambda now: _fin_of(now.robot),
+            lambda it: {"robot": self._with(it, self._rigidity)},
+        )
         hint = _hint(CaudalFin, "flexural_rigidity", "N m^2")
         handle = gui.add_number("rigidity [N m²]", RIGIDITY, step=0.01, hint=hint)
-        self._add("rigidity", handle, lambda _: self._rigidity, lambda it: {"robot": self._bent(it)})
+        self._add(
+            "rigidity", handle, lambda _: self._rigidity, lambda it: {"robot": self._bent(it)}
+        )
         handle = gui.add_dropdown("model", models())
         self._add("model", handle, lambda now: name_of(type(now.model)), lambda it: {"model": it})
         handle = gui.add_dropdown("joints", JointLaw.names())
-        self._add("joints", handle, lambda now: name_of(type(now.model.joints)), lambda it: {"joints": it})
+        self._add(
+            "joints", handle, lambda now: name_of(type(now.model.joints)), lambda it: {"joints": it}
+        )
         hint = "V, the velocity of the water along world x and y [m/s]"
         for axis, name in enumerate(("x", "y")):
             handle = gui.add_number(f"current {name} [m/s]", 0.0, step=0.01, hint=hint)
@@ -170,9 +229,18 @@ class Controls:
                 both[axis] = within("current", value, -CURRENT, CURRENT, "m/s")
                 return {"current": cast(Current, tuple(both))}
 
-            self._add(f"current_{name}", handle, lambda now, axis=axis: _water(now).uniform[axis], changes)
-        presets, own = {name: load_current(name) for name in current_names()}, _water(self._live.scenario).flow
-        self._currents: dict[str, Current] = {UNIFORM: STILL, **({OWN: own} if own else {}), **presets}
+            self._add(
+                f"current_{name}", handle, lambda now, axis=axis: _water(now).uniform[axis], changes
+            )
+        presets, own = (
+            {name: load_current(name) for name in current_names()},
+            _water(self._live.scenario).flow,
+        )
+        self._currents: dict[str, Current] = {
+            UNIFORM: STILL,
+            **({OWN: own} if own else {}),
+            **presets,
+        }
         self._flow, self._flow_kind = OWN, type(None)
         handle = gui.add_dropdown("flow", (*self._currents,), hint=FLOW)
         self._add("flow", handle, self._flow_name, self._of_flow)
@@ -250,7 +318,9 @@ class Controls:
         sample = self._live.latest()
         x, y = (float(value) for value in sample.center_of_mass[:2])
         angle = float(sample.heading)
-        return StraightLine(point=(x + aside * math.sin(angle), y - aside * math.cos(angle)), angle=angle)
+        return StraightLine(
+            point=(x + aside * math.sin(angle), y - aside * math.cos(angle)), angle=angle
+        )
 
 
 def models() -> tuple[str, ...]:

@@ -21,7 +21,9 @@ from laticauda.studies.sweep import COSTS, LABELS
 
 AMPLITUDES = tuple(float(value) for value in range(5, 65, 5))  # [deg]
 FREQUENCIES = tuple(float(value) for value in range(20, 220, 20))  # [deg/s]
-OF_GAITS = {name.replace("_", " "): name for name in ("forward_velocity", "mean_power", "cost_of_transport")}
+OF_GAITS = {
+    name.replace("_", " "): name for name in ("forward_velocity", "mean_power", "cost_of_transport")
+}
 """Mapped quantities, frequencies by amplitudes, by their names on the page."""
 DURATION = 20.0  # of every trial [s]
 WAITING = f"Computing {len(AMPLITUDES) * len(FREQUENCIES)} trials; the first map also compiles, some 20 s ..."
@@ -38,15 +40,23 @@ class GaitMap:
         changed: Called after that.
     """
 
-    def __init__(self, gui: Any, live: Live, events: EventQueue, changed: Callable[[], None]) -> None:
+    def __init__(
+        self, gui: Any, live: Live, events: EventQueue, changed: Callable[[], None]
+    ) -> None:
         self._live = live
-        self._on = gui.add_checkbox("show the map", False, hint="Over amplitude and frequency; takes some seconds")
+        self._on = gui.add_checkbox(
+            "show the map", False, hint="Over amplitude and frequency; takes some seconds"
+        )
         self._quantity = gui.add_dropdown("quantity", tuple(OF_GAITS))
-        self._image = gui.add_image(np.zeros((1, 1, 3), dtype=np.uint8), format="png", visible=False)
+        self._image = gui.add_image(
+            np.zeros((1, 1, 3), dtype=np.uint8), format="png", visible=False
+        )
         self._best = gui.add_button("swim the best of the map", visible=False)
         self._best.on_click(events.handler(self._swim_best, then=changed))
         self._text = gui.add_markdown("")
-        self._computed: tuple[lc.Scenario, dict[str, np.ndarray]] | None = None  # of which base; empty if it failed
+        self._computed: tuple[lc.Scenario, dict[str, np.ndarray]] | None = (
+            None  # of which base; empty if it failed
+        )
         self._worker: threading.Thread | None = None
         self._drawn: object = None
 
@@ -66,9 +76,15 @@ class GaitMap:
         is_busy = self._worker is not None and self._worker.is_alive()
         if not is_busy and (self._computed is None or self._computed[0] != base):
             self._text.content = WAITING
-            self._worker = threading.Thread(target=self._compute, args=(base,), name="map", daemon=True)
+            self._worker = threading.Thread(
+                target=self._compute, args=(base,), name="map", daemon=True
+            )
             self._worker.start()
-        return None if self._computed is None else self._computed[1].get(OF_GAITS[self._quantity.value])
+        return (
+            None
+            if self._computed is None
+            else self._computed[1].get(OF_GAITS[self._quantity.value])
+        )
 
     def _compute(self, base: lc.Scenario) -> None:
         try:
@@ -81,11 +97,13 @@ class GaitMap:
         values, quantity = self._values(), OF_GAITS[self._quantity.value]
         if values is None or np.isnan(values).all():
             return
-        i, j = np.unravel_index((np.nanargmin if quantity in COSTS else np.nanargmax)(values), values.shape)
+        i, j = np.unravel_index(
+            (np.nanargmin if quantity in COSTS else np.nanargmax)(values), values.shape
+        )
         self._live.alter(gait=with_wave(self._live.scenario.gait, AMPLITUDES[j], FREQUENCIES[i]))
 
 
-# ---- content of the map ----------------------------------------------------------------------------------------------
+# ---- content of the map --------------------------------------------------------------------------
 
 
 def base_of(scenario: lc.Scenario) -> lc.Scenario:
@@ -108,7 +126,11 @@ def map_of_gaits(scenario: lc.Scenario) -> dict[str, np.ndarray]:
         ValueError: If the batch cannot compute such trials.
     """
     base = replace(base_of(scenario), duration=DURATION, sample_interval=0.05)
-    gaits = [with_wave(base.gait, amplitude, frequency) for frequency in FREQUENCIES for amplitude in AMPLITUDES]
+    gaits = [
+        with_wave(base.gait, amplitude, frequency)
+        for frequency in FREQUENCIES
+        for amplitude in AMPLITUDES
+    ]
     swims = lc.swim_many([replace(base, motion=gait) for gait in gaits])
     shape = len(FREQUENCIES), len(AMPLITUDES)
     return {name: np.asarray(getattr(swims, name)).reshape(shape) for name in OF_GAITS.values()}
@@ -116,7 +138,9 @@ def map_of_gaits(scenario: lc.Scenario) -> dict[str, np.ndarray]:
 
 def with_wave(gait: lc.Gait, amplitude_deg: float, frequency_deg_s: float) -> lc.Gait:
     """Return the gait with another amplitude [deg] and frequency [deg/s]."""
-    return replace(gait, amplitude=math.radians(amplitude_deg), frequency=math.radians(frequency_deg_s))
+    return replace(
+        gait, amplitude=math.radians(amplitude_deg), frequency=math.radians(frequency_deg_s)
+    )
 
 
 def gait_map_picture(values: np.ndarray, quantity: str, gait: lc.Gait) -> np.ndarray:
@@ -135,7 +159,11 @@ def gait_map_picture(values: np.ndarray, quantity: str, gait: lc.Gait) -> np.nda
     style.dress(ax, xlabel="amplitude [deg]", ylabel="frequency [deg/s]")
     ax.autoscale_view()
     ax.autoscale(False)
-    ax.plot(math.degrees(gait.amplitude), math.degrees(gait.frequency), **style.points("o", 7.0, "#E63C1E"))
+    ax.plot(
+        math.degrees(gait.amplitude),
+        math.degrees(gait.frequency),
+        **style.points("o", 7.0, "#E63C1E"),
+    )
     style.head(figure, LABELS[quantity])
     bar: Any = figure.colorbar(mesh, ax=ax)
     bar.ax.tick_params(labelsize=style.TICK, labelcolor=style.INK)

@@ -43,8 +43,12 @@ class RingBuffer:
             row: A value for every column; the first row defines the columns.
         """
         if not self._columns:
-            self._columns = {name: np.empty((2 * self.capacity, *np.shape(value))) for name, value in row.items()}
-        if self._end == 2 * self.capacity:  # the newer half moves to the front: rows stay contiguous
+            self._columns = {
+                name: np.empty((2 * self.capacity, *np.shape(value))) for name, value in row.items()
+            }
+        if (
+            self._end == 2 * self.capacity
+        ):  # the newer half moves to the front: rows stay contiguous
             for column in self._columns.values():
                 column[: self.capacity] = column[self.capacity :]
             self._end = self.capacity
@@ -59,7 +63,10 @@ class RingBuffer:
             step: Return every `step`-th row, including the newest.
         """
         first = max(self._end - self.capacity, 0)
-        return {name: column[first : self._end][::-step][::-1].copy() for name, column in self._columns.items()}
+        return {
+            name: column[first : self._end][::-step][::-1].copy()
+            for name, column in self._columns.items()
+        }
 
 
 class Live:
@@ -119,7 +126,10 @@ class Live:
         """Return the samples since the last change of the scenario, at most ten minutes, and the current simulation."""
         with self._lock:
             before, now = self._record.last(), _series(self._latest)
-            log = {name: np.concatenate((before.get(name, one[None][:0]), one[None])) for name, one in now.items()}
+            log = {
+                name: np.concatenate((before.get(name, one[None][:0]), one[None]))
+                for name, one in now.items()
+            }
             return series.log_of(log), self.simulation
 
     def advance(self, wall: float) -> int:
@@ -167,8 +177,8 @@ class Live:
         """Call `change` with the scenario that `laticauda.cockpit.simulation.changed` returns for `changes`.
 
         Args:
-            changes: Fields to change: `robot`, `gait`, `joints`, `environment`, `current` [m/s], `path` and the other
-                fields of `laticauda.cockpit.simulation.Changes`.
+            changes: Fields to change: `robot`, `gait`, `joints`, `environment`, `current` [m/s],
+                `path` and the other fields of `laticauda.cockpit.simulation.Changes`.
         """
         with self._lock:
             self.change(changed(self.scenario, **changes))
@@ -185,28 +195,39 @@ class Live:
     def trial(self) -> Trial:
         """Return the run since the scenario was last changed, at most the last ten minutes of it.
 
-        If that covers the whole simulation, the trial contains a scenario, which can be run again; for this, time
-        advances to the next control instant. Otherwise it contains an experiment.
+        If that covers the whole simulation, the trial contains a scenario, which can be run again;
+        for this, time advances to the next control instant. Otherwise it contains an experiment.
 
         Raises:
             ValueError: If no time has passed since then.
         """
         with self._lock:
             controller = self.scenario.controller
-            while math.isfinite(controller.interval) and self.simulation.ticks % self.simulation.control_ticks:
+            while (
+                math.isfinite(controller.interval)
+                and self.simulation.ticks % self.simulation.control_ticks
+            ):
                 if self.simulation.failure is not None:
                     break
                 self._tick(forces=False)
             log, now = self.record()
         if len(log.time) < 2:
-            raise ValueError("There is no run to save yet: the settings have only just been changed.")
+            raise ValueError(
+                "There is no run to save yet: the settings have only just been changed."
+            )
         swum = now.plant
-        body: dict[str, Any] = {"robot": swum.robot, "environment": swum.environment, "model": swum.settings}
+        body: dict[str, Any] = {
+            "robot": swum.robot,
+            "environment": swum.environment,
+            "model": swum.settings,
+        }
         is_whole = len(log.time) == now.ticks + 1 and now.has_interval
         span = {"duration": now.ticks * TICK, "sample_interval": TICK}
         return Trial(
             **vars(log),
-            scenario=replace(now.scenario, **body, **span) if is_whole else Experiment(gait=now.scenario.gait, **body),
+            scenario=replace(now.scenario, **body, **span)
+            if is_whole
+            else Experiment(gait=now.scenario.gait, **body),
             version=packaging.__version__,
             status=now.failure or "The run reached its end.",
             succeeded=now.failure is None,
@@ -218,8 +239,11 @@ class Live:
         self.simulation, log = self.simulation.advance(link_forces=forces)
         if self.simulation.failure is not None:
             return
-        # A sample is the end of a tick; the controller's signals at that instant belong to the next tick.
-        self._record.append(_series(replace(before, signals={**before.signals, **log.at(0).signals})))
+        # A sample is the end of a tick; the controller's signals at that instant belong to the next
+        # tick.
+        self._record.append(
+            _series(replace(before, signals={**before.signals, **log.at(0).signals}))
+        )
         self._latest = log.at(-1)
         self._plots.append(self._plotted(before))
 
@@ -250,9 +274,15 @@ def tilt(sample: series.Log) -> dict[str, float]:
     """Return depth [m], pitch and roll [deg] of a spatial sample: positive down, and left side up; nan in the plane."""
     if sample.center_of_mass.size == 2:
         return dict.fromkeys(("depth", "pitch", "roll"), math.nan)
-    left, up = kinematics.from_quaternion(*(float(sample.signals[name]) for name in interfaces.ORIENTATION))[2, 1:]
+    left, up = kinematics.from_quaternion(
+        *(float(sample.signals[name]) for name in interfaces.ORIENTATION)
+    )[2, 1:]
     pitch = math.degrees(sample.signals["pitch"])
-    return {"depth": -float(sample.center_of_mass[2]), "pitch": pitch, "roll": math.degrees(math.atan2(left, up))}
+    return {
+        "depth": -float(sample.center_of_mass[2]),
+        "pitch": pitch,
+        "roll": math.degrees(math.atan2(left, up)),
+    }
 
 
 def _series(sample: series.Log) -> dict[str, np.ndarray]:

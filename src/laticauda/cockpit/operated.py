@@ -29,7 +29,8 @@ class Feed:
     """Content of an operation's recording while it is being written.
 
     Args:
-        place: The recording, or a folder whose newest recording is read, even if it is started later.
+        place: The recording, or a folder whose newest recording is read, even if it is started
+            later.
     """
 
     def __init__(self, place: Path) -> None:
@@ -66,9 +67,16 @@ class Feed:
             shown -= 1
             self._estimates.popleft()
         self.estimate, then = self._estimates[shown], self._estimates[0]
-        gone, way = self.estimate.time - then.time, self.estimate.center_of_mass - then.center_of_mass
+        gone, way = (
+            self.estimate.time - then.time,
+            self.estimate.center_of_mass - then.center_of_mass,
+        )
         self.speed = float(np.linalg.norm(way)) / gone if gone > 0.5 * SPAN else math.nan
-        return f"Nothing has been written for {age:.0f} s: the last position is shown." if age > SILENT else ""
+        return (
+            f"Nothing has been written for {age:.0f} s: the last position is shown."
+            if age > SILENT
+            else ""
+        )
 
     def _follow(self) -> float | None:
         """Read new entries of the newest recording; return when it was last written to, None without one [s]."""
@@ -154,19 +162,33 @@ class OperatedRobot:
             ("place", f"{place[0]:z.2f}, {place[1]:z.2f} m"),
             ("heading", f"{math.degrees(estimate.heading):z.1f} deg"),
             (f"speed over {SPAN:g} s", f"{speed:.3f} m/s" if math.isfinite(speed) else "..."),
-            ("joints", f"up to {math.degrees(float(np.max(np.abs(estimate.joint_angle), initial=0.0))):.0f} deg"),
+            (
+                "joints",
+                f"up to {math.degrees(float(np.max(np.abs(estimate.joint_angle), initial=0.0))):.0f} deg",
+            ),
         ]
         rows += [("fin", f"{math.degrees(feed.fin_angle):z.0f} deg")] if feed.fin_angle else []
-        lines = [f"| {estimate.status} | |", "|:--|--:|", *(f"| {name} | **{value}** |" for name, value in rows), ""]
+        lines = [
+            f"| {estimate.status} | |",
+            "|:--|--:|",
+            *(f"| {name} | **{value}** |" for name, value in rows),
+            "",
+        ]
         lines += [f"- {event}" for event in feed.events]
         return "\n".join(lines) + (f"\n\n**{trouble}**" if trouble else "")
 
 
 def _sample(estimate: "Estimate", fin_angle: float) -> series.Log:
     """Convert an estimate to a sample to draw, without motor data, but with the angle of a driven fin [rad]."""
-    names = [name for name in interfaces.Observation.__dataclass_fields__ if name in series.Log.__dataclass_fields__]
+    names = [
+        name
+        for name in interfaces.Observation.__dataclass_fields__
+        if name in series.Log.__dataclass_fields__
+    ]
     known: dict[str, Any] = {name: np.asarray(getattr(estimate, name)) for name in names}
     known |= {name: known[name][:2] for name in ("center_of_mass", "center_of_mass_velocity")}
     nothing = np.zeros_like(estimate.joint_angle)
     fin = {"fin_angle_0": np.asarray(fin_angle)}
-    return series.Log(**known, joint_angle_ref=nothing, joint_torque=nothing, work=np.zeros(3), signals=fin)
+    return series.Log(
+        **known, joint_angle_ref=nothing, joint_torque=nothing, work=np.zeros(3), signals=fin
+    )

@@ -23,7 +23,8 @@ class Cockpit:
 
     Args:
         live: The simulation.
-        host: Address to listen on; for any address but that of this computer alone, the page's URL contains a token.
+        host: Address to listen on; for any address but that of this computer alone, the page's URL
+            contains a token.
         port: Port to listen on; 0: any free port.
 
     Raises:
@@ -42,7 +43,9 @@ class Cockpit:
         self._frames = 0
         self._new_trail = False
         gui = self._server.gui
-        gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False, control_width="large")
+        gui.configure_theme(
+            dark_mode=True, show_logo=False, show_share_button=False, control_width="large"
+        )
         gui.set_panel_label("laticauda cockpit")
         self._scene = scene.Scene(self._server.scene)
         camera = self._server.initial_camera
@@ -53,7 +56,9 @@ class Cockpit:
         tabs = gui.add_tab_group()
         with tabs.add_tab("Swim"):
             self._controls = controls.Controls(gui, live, self._events, self._changed)
-            self._forces = gui.add_checkbox("link forces", False, hint="Drag, added mass and effectors together")
+            self._forces = gui.add_checkbox(
+                "link forces", False, hint="Drag, added mass and effectors together"
+            )
         with tabs.add_tab("Plots"):
             self._plots = readouts.Plots(gui)
         with tabs.add_tab("Map"):
@@ -67,9 +72,13 @@ class Cockpit:
         self._gizmo = self._server.scene.add_transform_controls("/handle", **flat)
         self._gizmo.on_update(self._events.handler(self._drag, read=_pose))
         self._controls.reset.on_click(self._events.handler(lambda _: self._reset()))
-        self._forces.on_update(self._events.handler(lambda event: setattr(live, "link_forces", event.value)))
+        self._forces.on_update(
+            self._events.handler(lambda event: setattr(live, "link_forces", event.value))
+        )
         self._changed()
-        self._cameras = pages.PageCameras(self._server)  # the controls of each page itself appear below the rest
+        self._cameras = pages.PageCameras(
+            self._server
+        )  # the controls of each page itself appear below the rest
 
     @property
     def address(self) -> str:
@@ -169,7 +178,11 @@ class Cockpit:
             return
         (x, y, _), (w, _, _, z), phase = event.value
         try:
-            self.live.alter(path=StraightLine(point=(float(x), float(y)), angle=2.0 * math.atan2(float(z), float(w))))
+            self.live.alter(
+                path=StraightLine(
+                    point=(float(x), float(y)), angle=2.0 * math.atan2(float(z), float(w))
+                )
+            )
         finally:
             self._scene.path(simulation.route_of(self.live.scenario, self._height))
             if phase == "end":

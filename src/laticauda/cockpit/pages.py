@@ -1,7 +1,8 @@
 """Pages of the cockpit: their server, which is viser's, the camera of each page, and the events from pages.
 
-Cameras are updated in the server's own event loop, where the pages' reports arrive. In another thread, a report that
-arrives between two lines would mix a camera's old and new positions, and the next report would preserve that error.
+Cameras are updated in the server's own event loop, where the pages' reports arrive. In another
+thread, a report that arrives between two lines would mix a camera's old and new positions, and the
+next report would preserve that error.
 """
 
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
@@ -31,7 +32,9 @@ from laticauda.cockpit.scene import HOME, PHONE
 from laticauda.errors import LaticaudaError, optional_import
 
 NARROW = 0.7  # largest ratio of width to height of a phone held upright [-]
-PATIENCE = 5.0  # how long a camera is moved to the robot unless its page confirms the move earlier [s]
+PATIENCE = (
+    5.0  # how long a camera is moved to the robot unless its page confirms the move earlier [s]
+)
 POLICY = "connect-src 'self' data: blob:; frame-ancestors 'none'"
 """A page connects only to its own server (viser's would follow an address in the link), and cannot be embedded."""
 MOST_UPLOADED = 128 << 20  # total size of files being uploaded, and size of one [bytes]
@@ -71,7 +74,9 @@ def serve(door: Door, port: int) -> Any:
             port = int(probe.getsockname()[1])
     except OSError as error:
         why = (error.strerror or str(error)).lower()
-        raise PortTaken(f"Cannot serve the cockpit at {host}:{port}: {why}; `port` 0 takes a free one.") from error
+        raise PortTaken(
+            f"Cannot serve the cockpit at {host}:{port}: {why}; `port` 0 takes a free one."
+        ) from error
     with contextlib.redirect_stdout(io.StringIO()), _guarding(door):
         server = viser.ViserServer(host=host, port=port, label="laticauda", verbose=False)
     # If a page requested it, viser would ask a service for a public address on the internet.
@@ -92,10 +97,15 @@ def _limit_uploads(server: Any) -> None:
             sent.pop(message.transfer_uuid, None)
             refused = f"A file must have {MOST_UPLOADED >> 20} MiB or less, and be sent while few others are."
             if page in (there := server.get_clients()):
-                there[page].add_notification("Refused", refused, color="red", auto_close_seconds=12.0)
+                there[page].add_notification(
+                    "Refused", refused, color="red", auto_close_seconds=12.0
+                )
 
     def came(_: int, message: Any) -> None:
-        if sum(one["transferred_bytes"] + PART_COST * len(one["parts"]) for one in sent.values()) > MOST_UPLOADED:
+        if (
+            sum(one["transferred_bytes"] + PART_COST * len(one["parts"]) for one in sent.values())
+            > MOST_UPLOADED
+        ):
             sent.pop(message.transfer_uuid, None)
 
     server._websock_server.register_handler(messages.FileTransferStartUpload, begun)
@@ -113,7 +123,7 @@ def time_scale() -> dict[str, Any]:
     return {"x": import_module("viser.uplot").Scale(time=False)}
 
 
-# ---- access control --------------------------------------------------------------------------------------------------
+# ---- access control ------------------------------------------------------------------------------
 
 _WIRE = logging.getLogger(f"{__name__}.wire")
 _IS_TENTH_PAGE = itertools.cycle((False,) * 9 + (True,))
@@ -123,7 +133,11 @@ def _in_one_line(record: logging.LogRecord) -> bool:
     """Reduce errors caused by invalid input to one line, and drop those of clients that have just left."""
     error = record.exc_info[1] if record.exc_info else None
     if error is not None:
-        record.msg, record.args, record.exc_info = f"A page was disconnected: {error!r:.200}", (), None
+        record.msg, record.args, record.exc_info = (
+            f"A page was disconnected: {error!r:.200}",
+            (),
+            None,
+        )
     return not isinstance(error and error.__cause__, EOFError)
 
 
@@ -143,7 +157,14 @@ def _guarding(door: Door) -> Generator[None]:
         asyncio.get_running_loop().set_exception_handler(failed)
         made.append(host)
         answer = functools.partial(_answered, door, process_request)
-        return usual(handler, host, port, process_request=answer, logger=_WIRE, **{**rest, "max_size": MOST_SAID})
+        return usual(
+            handler,
+            host,
+            port,
+            process_request=answer,
+            logger=_WIRE,
+            **{**rest, "max_size": MOST_SAID},
+        )
 
     module.serve = serve
     try:
@@ -151,7 +172,9 @@ def _guarding(door: Door) -> Generator[None]:
     finally:
         module.serve = usual
     if not made:
-        raise LaticaudaError("This version of viser serves its pages unprotected: install viser 1.1.")
+        raise LaticaudaError(
+            "This version of viser serves its pages unprotected: install viser 1.1."
+        )
 
 
 def _answered(door: Door, usual: Any, connection: Any, request: Any) -> Any:
@@ -172,7 +195,7 @@ def _answered(door: Door, usual: Any, connection: Any, request: Any) -> Any:
     return response
 
 
-# ---- cameras ---------------------------------------------------------------------------------------------------------
+# ---- cameras -------------------------------------------------------------------------------------
 
 
 class PageCamera:
@@ -266,7 +289,7 @@ class PageCameras:
         self._cameras.pop(client.client_id, None)
 
 
-# ---- events: handled one at a time, in the order in which they arrive ------------------------------------------------
+# ---- events: handled one at a time, in the order in which they arrive ----------------------------
 
 
 class Event(NamedTuple):
@@ -291,7 +314,9 @@ def refusing(action: Callable[[Owner, Any], None]) -> Callable[[Owner, Any], Non
         try:
             action(owner, event)
         except (ValueError, LaticaudaError) as error:
-            event.client.add_notification("Refused", str(error), color="red", auto_close_seconds=12.0)
+            event.client.add_notification(
+                "Refused", str(error), color="red", auto_close_seconds=12.0
+            )
 
     return answered
 
@@ -299,12 +324,15 @@ def refusing(action: Callable[[Owner, Any], None]) -> Callable[[Owner, Any], Non
 class EventQueue:
     """A thread that handles events from pages.
 
-    viser handles events in a pool of threads: two events of a slider that is being dragged may overtake each other, and
-    both then read the slider's latest value. Here, values are read on arrival, and events are handled one at a time.
+    viser handles events in a pool of threads: two events of a slider that is being dragged may
+    overtake each other, and both then read the slider's latest value. Here, values are read on
+    arrival, and events are handled one at a time.
     """
 
     def __init__(self) -> None:
-        self._waiting: SimpleQueue[tuple[Action, Callable[[], None] | None, Event] | None] = SimpleQueue()
+        self._waiting: SimpleQueue[tuple[Action, Callable[[], None] | None, Event] | None] = (
+            SimpleQueue()
+        )
         self._thread = threading.Thread(target=self._run, name="cockpit-events", daemon=True)
         self._thread.start()
 
@@ -319,12 +347,14 @@ class EventQueue:
 
         Args:
             action: Handles the event.
-            then: Called afterwards, once for all waiting events, to update the pages. Updating them in between would
-                reset a control that a user is still moving.
+            then: Called afterwards, once for all waiting events, to update the pages. Updating them
+                in between would reset a control that a user is still moving.
             read: Reads the value of the event.
         """
 
-        async def enqueue(event: Any) -> None:  # awaited by the server, so that events stay in order
+        async def enqueue(
+            event: Any,
+        ) -> None:  # awaited by the server, so that events stay in order
             if event.client is not None:  # otherwise the program itself set the control
                 self._waiting.put((action, then, Event(event.client, event.target, read(event))))
 

@@ -26,16 +26,20 @@ RECENT = 800  # latest samples, over which joints and actuators are checked
 def numbers(live: Live) -> dict[str, Any]:
     """Return the figures of a `live` run since the scenario was last changed, by name; nan if not yet available.
 
-    The elapsed `time` [s], the forward velocity (5), that over the last gait cycle [m/s], the mean power, electrical
-    with servos or a power model [W], the resulting cost of transport [-], cross-track error [m], heading [rad], and
-    `joints`: recent demands on the joints and their actuators, and why the robot cannot meet them, if so.
+    The elapsed `time` [s], the forward velocity (5), that over the last gait cycle [m/s], the mean
+    power, electrical with servos or a power model [W], the resulting cost of transport [-],
+    cross-track error [m], heading [rad], and `joints`: recent demands on the joints and their
+    actuators, and why the robot cannot meet them, if so.
 
     Args:
         live: The run.
     """
     record, now = live.record()
     time, place, scenario, robot = record.time, record.center_of_mass, now.scenario, now.plant.robot
-    elapsed, found = float(time[-1] - time[0]), dict[str, Any](dict.fromkeys(FIGURES, math.nan), joints="-")
+    elapsed, found = (
+        float(time[-1] - time[0]),
+        dict[str, Any](dict.fromkeys(FIGURES, math.nan), joints="-"),
+    )
     if elapsed > 0.0:
         velocity = metrics.forward_velocity(time, place)
         work = record.work[:, 0] if record.electrical_work is None else record.electrical_work
@@ -44,14 +48,27 @@ def numbers(live: Live) -> dict[str, Any]:
         if velocity > 1e-6:
             weight = metrics.carried_weight(robot, scenario.environment)
             found["cost_of_transport"] = metrics.cost_of_transport(power, weight, velocity)
-        cycle = 2.0 * math.pi / scenario.gait.frequency if scenario.gait.frequency > 0.0 else math.inf
+        cycle = (
+            2.0 * math.pi / scenario.gait.frequency if scenario.gait.frequency > 0.0 else math.inf
+        )
         if TICK <= cycle < elapsed:
             n = round(cycle / TICK)
-            found["cycle_velocity"] = float(np.linalg.norm(place[-1] - place[-1 - n]) / (time[-1] - time[-1 - n]))
-        lately = feasibility(robot, record.at(slice(-RECENT, None)), cycle if math.isfinite(cycle) else None)
-        found["joints"] = f"cannot: {'; '.join(lately.problems)}" if lately.problems else lately.words
+            found["cycle_velocity"] = float(
+                np.linalg.norm(place[-1] - place[-1 - n]) / (time[-1] - time[-1 - n])
+            )
+        lately = feasibility(
+            robot, record.at(slice(-RECENT, None)), cycle if math.isfinite(cycle) else None
+        )
+        found["joints"] = (
+            f"cannot: {'; '.join(lately.problems)}" if lately.problems else lately.words
+        )
     heading = float(live.latest().heading)
-    return {"time": elapsed, "cross_track_error": now.cross_track_error, "heading": heading, **found}
+    return {
+        "time": elapsed,
+        "cross_track_error": now.cross_track_error,
+        "heading": heading,
+        **found,
+    }
 
 
 def numbers_text(live: Live) -> str:
@@ -71,19 +88,33 @@ def numbers_text(live: Live) -> str:
     ]
     for name, value in tilt(live.latest()).items():
         if math.isfinite(value):
-            rows.append((name, _number(value, "m" if name == "depth" else "deg", 2 if name == "depth" else 1)))
+            rows.append(
+                (
+                    name,
+                    _number(value, "m" if name == "depth" else "deg", 2 if name == "depth" else 1),
+                )
+            )
     lines = [f"| since the last change | {now['time']:.1f} s |", "|:--|--:|"]
     lines += [f"| {name} | **{value}** |" for name, value in rows]
     lines += [f"| joints | {now['joints']} |"]
     if tank is not None:
-        speed = "not available" if tank.forward_velocity is None else f"{tank.forward_velocity:.3f} m/s"
+        speed = (
+            "not available" if tank.forward_velocity is None else f"{tank.forward_velocity:.3f} m/s"
+        )
         power = "not available" if tank.mean_power is None else f"{tank.mean_power:.1f} W"
-        lines += [f"| measured in the paper | {speed} |", f"| in 30 s from rest, electrical | {power} |"]
+        lines += [
+            f"| measured in the paper | {speed} |",
+            f"| in 30 s from rest, electrical | {power} |",
+        ]
     return "\n".join(lines)
 
 
 def _number(value: float, unit: str, digits: int) -> str:
-    return f"{in_digits(value, f'.{digits}f')} {unit}".strip() if math.isfinite(value) else "\N{EN DASH}"
+    return (
+        f"{in_digits(value, f'.{digits}f')} {unit}".strip()
+        if math.isfinite(value)
+        else "\N{EN DASH}"
+    )
 
 
 class Plots:
@@ -97,7 +128,10 @@ class Plots:
         axis = {"stroke": "#c8d2d8", "grid": {"stroke": "#3a4750", "width": 1}}
         self._handles: list[Any] = []
         for title, lines in PLOTS.items():
-            series = [{"label": name, "stroke": color, "width": 1.5} for name, color in zip(lines.values(), COLORS)]  # noqa: B905
+            series = [
+                {"label": name, "stroke": color, "width": 1.5}
+                for name, color in zip(lines.values(), COLORS)  # noqa: B905
+            ]
             self._handles.append(
                 gui.add_uplot(
                     (np.zeros(1),) * (1 + len(lines)),

@@ -107,7 +107,9 @@ class Runs:
     def changed(self) -> None:
         """Update the copy buttons after a change of the scenario."""
         file = scenario_file(self._live.scenario)
-        self._copy.content = copy_buttons({"copy the command": in_shell(file), "copy the Python": in_python(file)})
+        self._copy.content = copy_buttons(
+            {"copy the command": in_shell(file), "copy the Python": in_python(file)}
+        )
 
     def begin(self) -> None:
         """Restart the ghost together with the simulation."""
@@ -128,7 +130,9 @@ class Runs:
         """Update the ghost according to the simulation's clock."""
         ghost = self._ghost
         if ghost is not None:
-            self._scene.ghost(ghost.robot, ghost.sample(max(self._live.simulation.time - self._since, 0.0)))
+            self._scene.ghost(
+                ghost.robot, ghost.sample(max(self._live.simulation.time - self._since, 0.0))
+            )
 
     @refusing
     def _save(self, event: Any) -> None:
@@ -193,28 +197,35 @@ def stored_trial(path: Path, name: str) -> Trial:
 def foreign_trial(path: Path, name: str) -> Trial:
     """Load an uploaded file as `stored_trial` does; another process reads it first, and converts it to one of ours.
 
-    The readers of HDF5, zip and other formats are not designed for malicious files. The process is limited to `SECONDS`
-    and, where the system supports such a limit, to `ROOM` bytes of memory.
+    The readers of HDF5, zip and other formats are not designed for malicious files. The process is
+    limited to `SECONDS` and, where the system supports such a limit, to `ROOM` bytes of memory.
 
     Args:
         path: The file, in a separate folder.
         name: Name of the file in messages.
 
     Raises:
-        TrialFileError: If it is not such a file, or cannot be read within the limits; the message gives the reason.
+        TrialFileError: If it is not such a file, or cannot be read within the limits; the message
+            gives the reason.
     """
     read = path.with_name("read.nc")
     code = f"from {__name__} import hand_on; hand_on()"
     words = [sys.executable, "-P", "-c", code, *map(str, (path, read, name, ROOM))]
     own = os.environ | ONE_THREAD
     try:
-        done = subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True, timeout=SECONDS, env=own)
+        done = subprocess.run(
+            words, stdin=subprocess.DEVNULL, capture_output=True, timeout=SECONDS, env=own
+        )
     except subprocess.TimeoutExpired:
-        raise TrialFileError(f"Cannot load {name}: reading it takes longer than {SECONDS:g} s.") from None
+        raise TrialFileError(
+            f"Cannot load {name}: reading it takes longer than {SECONDS:g} s."
+        ) from None
     if done.returncode == REFUSED:
         raise TrialFileError(done.stderr.decode(errors="replace"))
     if done.returncode:
-        raise TrialFileError(f"Cannot load {name}: its reader ended at once, or exceeded {ROOM >> 20} MiB.")
+        raise TrialFileError(
+            f"Cannot load {name}: its reader ended at once, or exceeded {ROOM >> 20} MiB."
+        )
     return stored_trial(read, name)
 
 
@@ -224,12 +235,17 @@ def hand_on() -> None:
     with contextlib.suppress(ImportError):  # not available on Windows
         import resource
 
-        for limited, most in ((resource.RLIMIT_AS, int(room)), (resource.RLIMIT_FSIZE, int(room) // SHARE)):
+        for limited, most in (
+            (resource.RLIMIT_AS, int(room)),
+            (resource.RLIMIT_FSIZE, int(room) // SHARE),
+        ):
             resource.setrlimit(limited, (most, most))
     try:
         stored_trial(Path(source), name).save(target)
     except (ValueError, LaticaudaError) as error:
-        bytes(1 << 24)  # HDF5 reports a file as damaged when out of memory; then this allocation ends the process
+        bytes(
+            1 << 24
+        )  # HDF5 reports a file as damaged when out of memory; then this allocation ends the process
         sys.stderr.write(str(error))
         sys.exit(REFUSED)
 
@@ -238,7 +254,7 @@ def _send(event: Any, name: str, content: bytes) -> None:
     event.client.send_file_download(name, content, save_immediately=True)
 
 
-# ---- the same run elsewhere ----------------------------------------------------------------------------------------
+# ---- the same run elsewhere ----------------------------------------------------------------------
 
 
 def scenario_file(scenario: scenarios.Scenario) -> str:
@@ -275,7 +291,11 @@ def copy_buttons(texts: dict[str, str]) -> str:
     Args:
         texts: Texts to copy, by the labels of their buttons.
     """
-    return "<div style='padding:0.3em 0.8em'>" + "".join(map(_button, texts, texts.values())) + "</div>"
+    return (
+        "<div style='padding:0.3em 0.8em'>"
+        + "".join(map(_button, texts, texts.values()))
+        + "</div>"
+    )
 
 
 def _button(label: str, text: str) -> str:

@@ -18,7 +18,10 @@ from laticauda.fluid.arrows import MOMENTS, Arrows, Surface, arrows_of, has_wave
 from laticauda.pictures.camera import in_space
 from laticauda.robot import Environment, Robot, Water
 
-FLOOR, SURFACE = -0.6, 0.25  # heights of floor and surface relative to the axis of a robot in the plane [m]
+FLOOR, SURFACE = (
+    -0.6,
+    0.25,
+)  # heights of floor and surface relative to the axis of a robot in the plane [m]
 LEAST_FLOOR = 1.5  # depth of the floor below the surface, for a robot in space [m]
 WIDE = 60.0  # width of unbounded objects [m]
 WATER: Color = (44, 112, 146)
@@ -33,13 +36,18 @@ SOLID: Color = (204, 224, 230)
 ABOVE = math.radians(34.0)  # initial elevation of a camera above the robot's plane [rad]
 HOME = ((AHEAD - 0.5, -3.2 * math.cos(ABOVE), 3.2 * math.sin(ABOVE)), (AHEAD, 0.0, 0.0))
 """Initial position of a camera, beside and above the robot, and what it looks at [m]."""
-BELOW = np.array((0.0, 0.0, -1.35))  # what a phone's camera looks at, from the robot: the panel hides the bottom [m]
+BELOW = np.array(
+    (0.0, 0.0, -1.35)
+)  # what a phone's camera looks at, from the robot: the panel hides the bottom [m]
 PHONE = (BELOW + 1.9 * np.subtract(*HOME), BELOW)
 """`HOME` for a page that is much taller than wide."""
 FIELD_OF_VIEW = math.radians(55.0)  # vertical [rad]
 PER_NEWTON = 0.06  # length of an arrow per newton [m]
 LOOKS = read_toml(Path(__file__).with_suffix(".toml"))
-TRAIL_STEP, N_TRAIL = 0.02, 600  # minimum distance between its points [m], and their maximum number [-]
+TRAIL_STEP, N_TRAIL = (
+    0.02,
+    600,
+)  # minimum distance between its points [m], and their maximum number [-]
 
 
 class Body:
@@ -52,7 +60,9 @@ class Body:
         opacity: Opacity of its shapes; None: fully opaque [-].
     """
 
-    def __init__(self, scene: Any, name: str, *, color: Color | None = None, opacity: float | None = None) -> None:
+    def __init__(
+        self, scene: Any, name: str, *, color: Color | None = None, opacity: float | None = None
+    ) -> None:
         self._scene, self._name, self._color, self._opacity = scene, name, color, opacity
         self._robot: Robot | None = None
         self._frames: list[Any] = []
@@ -63,7 +73,9 @@ class Body:
         if robot != self._robot:
             self._build(robot)
         now = poses(robot, sample)
-        for frame, position, orientation in zip(self._frames, now.position, now.orientation, strict=True):
+        for frame, position, orientation in zip(
+            self._frames, now.position, now.orientation, strict=True
+        ):
             frame.position, frame.wxyz = position, orientation
         return now
 
@@ -81,7 +93,9 @@ class Body:
         self.remove()
         found = shapes(robot)
         for part in range(1 + max(shape.part for shape in found)):
-            self._frames.append(self._scene.add_frame(f"/{self._name}/part_{part}", show_axes=False))
+            self._frames.append(
+                self._scene.add_frame(f"/{self._name}/part_{part}", show_axes=False)
+            )
         for i, shape in enumerate(found):
             self._scene.add_mesh_simple(
                 f"/{self._name}/part_{shape.part}/shape_{i}",
@@ -106,7 +120,11 @@ class Line:
 
     def __init__(self, scene: Any, name: str, color: Color, thickness: float) -> None:
         self._line = scene.add_line_segments(
-            name, points=np.zeros((1, 2, 3), np.float32), colors=color, thickness=thickness, visible=False
+            name,
+            points=np.zeros((1, 2, 3), np.float32),
+            colors=color,
+            thickness=thickness,
+            visible=False,
         )
 
     def draw(self, points: np.ndarray) -> None:
@@ -164,24 +182,34 @@ class Scene:
         self._path = Line(scene, "/path", PATH, 0.016)
         self._around: list[Any] = []
         self._place: Any = None
-        # In a separate frame at the center of mass: a slow page updates positions sooner than shapes.
+        # In a separate frame at the center of mass: a slow page updates positions sooner than
+        # shapes.
         self._forces_at = scene.add_frame("/forces", show_axes=False, visible=False)
         arrow = np.array([[(0.0, 0.0, 0.0), (0.0, 0.0, 1.0)]], np.float32)  # invisible
         self._forces = scene.add_arrows("/forces/arrows", arrow, FORCE, **LOOKS["forces"])
         scene.set_up_direction("+z")
         scene.configure_fog(near=4.0, far=20.0, color=_linear(WATER))
         scene.set_background_image(np.full((8, 8, 3), WATER, dtype=np.uint8), format="png")
-        # Three lights instead of an environment map: shadows are deep, and a weak computer renders faster.
+        # Three lights instead of an environment map: shadows are deep, and a weak computer renders
+        # faster.
         scene.configure_environment_map(None)
-        scene.add_light_hemisphere("/light", sky_color=(215, 240, 250), ground_color=(70, 110, 125), intensity=2.4)
-        scene.add_light_directional("/lamp", color=(255, 244, 225), intensity=2.0, position=(-2.0, -4.0, 3.0))
+        scene.add_light_hemisphere(
+            "/light", sky_color=(215, 240, 250), ground_color=(70, 110, 125), intensity=2.4
+        )
+        scene.add_light_directional(
+            "/lamp", color=(255, 244, 225), intensity=2.0, position=(-2.0, -4.0, 3.0)
+        )
         self._floor = _plane(scene, "/floor", FLOOR, SAND, None)
         above = (0.0, 0.0, FLOOR + 0.004)
-        self._grid = scene.add_grid("/grid", width=WIDE, height=WIDE, position=above, **LOOKS["grid"])
+        self._grid = scene.add_grid(
+            "/grid", width=WIDE, height=WIDE, position=above, **LOOKS["grid"]
+        )
         self._water = MovingWater(scene)
         self._surface = _plane(scene, "/surface", SURFACE, (120, 200, 220), 0.35)  # seen from below
 
-    def show(self, robot: Robot, environment: Environment, sample: series.Log, *, forces: bool) -> None:
+    def show(
+        self, robot: Robot, environment: Environment, sample: series.Log, *, forces: bool
+    ) -> None:
         """Draw the robot and its water, and the force on every link if it is requested and in the sample."""
         now = self._body.show(robot, sample)
         self._water.show(environment, robot, sample.center_of_mass, float(sample.time))
@@ -194,11 +222,17 @@ class Scene:
         # Floor and surface are unbounded: they follow the robot in steps of one grid section.
         x, y = (2.5 * round(float(value) / 2.5) for value in sample.center_of_mass[:2])
         floor, surface = FLOOR, SURFACE
-        if sample.center_of_mass.size == 3:  # the floor sinks in steps with a robot that dives deeper
+        if (
+            sample.center_of_mass.size == 3
+        ):  # the floor sinks in steps with a robot that dives deeper
             floor, surface = -max(LEAST_FLOOR, 0.5 * math.ceil(2.0 * (0.3 - float(place[2])))), 0.0
         self._surface.visible = self._water.surface is None
         if (x, y, floor + 0.004) != tuple(self._grid.position):
-            for handle, z in ((self._floor, floor), (self._grid, floor + 0.004), (self._surface, surface)):
+            for handle, z in (
+                (self._floor, floor),
+                (self._grid, floor + 0.004),
+                (self._surface, surface),
+            ):
                 handle.position = (x, y, z)
 
     def path(self, points: np.ndarray) -> None:
@@ -220,11 +254,18 @@ class Scene:
         for k in np.flatnonzero(~own):
             kind, size, name = model.geom_type[k], model.geom_size[k], f"/around/{k}"
             turned = kinematics.to_quaternion(data.geom_xmat[k].reshape(3, 3))
-            look: Any = {"color": SOLID, "opacity": 0.4, "wxyz": turned, "position": data.geom_xpos[k]}
+            look: Any = {
+                "color": SOLID,
+                "opacity": 0.4,
+                "wxyz": turned,
+                "position": data.geom_xpos[k],
+            }
             if kind == BOX:
                 self._around.append(self._scene.add_box(name, dimensions=2.0 * size, **look))
             elif kind == CYLINDER:
-                self._around.append(self._scene.add_cylinder(name, radius=size[0], height=2.0 * size[1], **look))
+                self._around.append(
+                    self._scene.add_cylinder(name, radius=size[0], height=2.0 * size[1], **look)
+                )
             elif kind == BALL:
                 self._around.append(self._scene.add_icosphere(name, radius=size[0], **look))
 
@@ -243,7 +284,9 @@ class Scene:
 def _plane(scene: Any, name: str, height: float, color: Color, opacity: float | None) -> Any:
     """Add a plane; if opaque, its upper side is visible, with the shadows on it, otherwise its lower side."""
     half = 0.5 * WIDE
-    corners = np.array([[x, y, 0.0] for x in (-half, half) for y in (-half, half)], dtype=np.float32)
+    corners = np.array(
+        [[x, y, 0.0] for x in (-half, half) for y in (-half, half)], dtype=np.float32
+    )
     faces = np.array([[0, 2, 1], [1, 2, 3]], dtype=np.uint32)
     return scene.add_mesh_simple(
         name,
@@ -277,9 +320,12 @@ def _arrows(now: Poses, sample: series.Log, place: np.ndarray) -> np.ndarray | N
     return np.stack((begin, begin + PER_NEWTON * longest * force), axis=1).astype(np.float32)
 
 
-# ---- moving water ----------------------------------------------------------------------------------------------------
+# ---- moving water --------------------------------------------------------------------------------
 
-REACH, CORNERS = 10.0, 29  # of the surface: distance from the robot to its sides [m], and corners along one side
+REACH, CORNERS = (
+    10.0,
+    29,
+)  # of the surface: distance from the robot to its sides [m], and corners along one side
 ARROW = (205, 240, 255)
 
 
@@ -317,7 +363,10 @@ class MovingWater:
         near = np.array((*(step * np.round(place[:2] / step)), 0.0 if axes == 2 else place[2]))
         now = (near.tolist(), None if environment.flow is None else t)
         if now != self._drawn:  # a uniform current is sent once
-            self._drawn, self._handles[0].points = now, self._arrows.around(near, t).astype(np.float32)
+            self._drawn, self._handles[0].points = (
+                now,
+                self._arrows.around(near, t).astype(np.float32),
+            )
             if self.surface is not None:  # above a robot in the plane, which is at 0
                 level = np.array((0.0, 0.0, (environment.depth or 0.0) if axes == 2 else 0.0))
                 self._handles[1].vertices = (self.surface.at(near, t) + level).astype(np.float32)
@@ -333,8 +382,15 @@ class MovingWater:
         self._arrows = arrows_of(environment.velocity, place, place, times, robot.reach, flow)
         if self._arrows is not None:
             arrows = self._arrows.around(np.append(place, 0.0)[:3], t).astype(np.float32)
-            self._handles.append(self._scene.add_arrows("/water/arrows", arrows, ARROW, **LOOKS["arrows"]))
+            self._handles.append(
+                self._scene.add_arrows("/water/arrows", arrows, ARROW, **LOOKS["arrows"])
+            )
         if self._arrows is not None and flow is not None and has_waves(flow, place):
             self.surface = Surface(flow, REACH, CORNERS)
-            corners, faces = self.surface.at(place, t).astype(np.float32), self.surface.faces.astype(np.uint32)
-            self._handles.append(self._scene.add_mesh_simple("/water/surface", corners, faces, **LOOKS["surface"]))
+            corners, faces = (
+                self.surface.at(place, t).astype(np.float32),
+                self.surface.faces.astype(np.uint32),
+            )
+            self._handles.append(
+                self._scene.add_mesh_simple("/water/surface", corners, faces, **LOOKS["surface"])
+            )

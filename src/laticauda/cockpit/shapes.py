@@ -50,7 +50,11 @@ def shapes(robot: Robot) -> list[Shape]:
     for k, piece in enumerate(fin.pieces if fin is not None else ()):
         assert fin is not None
         boxes = [*filter(None, [appearance.plate(fin, piece)]), *appearance.rods(fin, piece)]
-        found.append(Shape(robot.n_links + k, appearance.joined(*(_mesh(box) for box in boxes)), _color("fin")))
+        found.append(
+            Shape(
+                robot.n_links + k, appearance.joined(*(_mesh(box) for box in boxes)), _color("fin")
+            )
+        )
     return found
 
 
@@ -58,12 +62,15 @@ def poses(robot: Robot, sample: series.Log, height: float = 0.0) -> Poses:
     """Compute the poses of the robot's parts.
 
     Args:
-        robot: The robot as its plant has it: with all of its modules in space, `Robot.planar` of them in the plane.
+        robot: The robot as its plant has it: with all of its modules in space, `Robot.planar` of
+            them in the plane.
         sample: One sample of the plant's log, or of a trial.
         height: Height of a robot in the plane [m].
     """
     if sample.center_of_mass.size == 3:
-        root = kinematics.from_quaternion(*(float(sample.signals[name]) for name in interfaces.ORIENTATION))
+        root = kinematics.from_quaternion(
+            *(float(sample.signals[name]) for name in interfaces.ORIENTATION)
+        )
     else:
         root = kinematics.turn("yaw", float(sample.link_angle[0]))
     pieces = robot.caudal_fin.pieces if robot.caudal_fin is not None else ()
@@ -73,13 +80,24 @@ def poses(robot: Robot, sample: series.Log, height: float = 0.0) -> Poses:
     for body, angle in zip(parts, angles, strict=True):
         before = turns[body.parent]
         places[body.name] = places[body.parent] + before @ body.position
-        turns[body.name] = before @ kinematics.turn("pitch" if body.axis == AXES["pitch"] else "yaw", angle)
-    position, rotation = (np.array([found[body.name] for body in parts]) for found in (places, turns))
+        turns[body.name] = before @ kinematics.turn(
+            "pitch" if body.axis == AXES["pitch"] else "yaw", angle
+        )
+    position, rotation = (
+        np.array([found[body.name] for body in parts]) for found in (places, turns)
+    )
     ahead, mass = rotation[:, :, 0], np.array([body.mass for body in parts])
     center = mass @ (position + np.array([[body.center] for body in parts]) * ahead) / mass.sum()
     position += in_space(sample.center_of_mass, height) - center
-    middle = position[: robot.n_links] + np.array([[one.half_length] for one in robot.modules]) * ahead[: robot.n_links]
-    return Poses(position=position, orientation=np.array([*map(kinematics.to_quaternion, rotation)]), middle=middle)
+    middle = (
+        position[: robot.n_links]
+        + np.array([[one.half_length] for one in robot.modules]) * ahead[: robot.n_links]
+    )
+    return Poses(
+        position=position,
+        orientation=np.array([*map(kinematics.to_quaternion, rotation)]),
+        middle=middle,
+    )
 
 
 def _color(material: str) -> Color:
@@ -93,4 +111,6 @@ def _mesh(box: appearance.Box) -> appearance.Mesh:
     vertices = corner * box.half_size + box.position
     sides = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
     faces = [face for a, b, c, d in sides for face in ((a, b, c), (a, c, d))]
-    return appearance.Mesh(vertices=vertices[np.array(faces).ravel()], faces=np.arange(3 * len(faces)).reshape(-1, 3))
+    return appearance.Mesh(
+        vertices=vertices[np.array(faces).ravel()], faces=np.arange(3 * len(faces)).reshape(-1, 3)
+    )

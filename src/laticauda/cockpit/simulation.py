@@ -15,8 +15,8 @@ from laticauda.scenarios import Model, Planar, Scenario, default_water, model_of
 from laticauda.trial.measured import MeasuredTrial, measured_setting
 
 TICK = 0.025  # time between two samples [s]
-# How long the amplitude is 0 before another kind of gait begins: after 10 time constants of the generator's filter,
-# about 1e-3 of it is left.
+# How long the amplitude is 0 before another kind of gait begins: after 10 time constants of the
+# generator's filter, about 1e-3 of it is left.
 FADE = 1.0  # [s]
 N_HINGES = 3  # of an elastic fin
 STILL = (0.0, 0.0)
@@ -70,7 +70,11 @@ class Simulation:
     @property
     def delay_ticks(self) -> int:
         """Number of ticks by which a command is delayed [-]."""
-        return 0 if isinstance(self.scenario.motion, lc.Gait) else round(self.scenario.model.loop_delay / TICK)
+        return (
+            0
+            if isinstance(self.scenario.motion, lc.Gait)
+            else round(self.scenario.model.loop_delay / TICK)
+        )
 
     @property
     def has_interval(self) -> bool:
@@ -93,9 +97,9 @@ class Simulation:
     def altered(self, scenario: Scenario) -> "Simulation":
         """Return the simulation with another scenario from now on; before the first tick, one that begins with it.
 
-        The reference generator changes smoothly to another gait, so that nothing jumps. Another body (robot, water,
-        model) continues from the same state if its state has the same numbers; otherwise it starts straight and at
-        rest, at the same position and heading.
+        The reference generator changes smoothly to another gait, so that nothing jumps. Another
+        body (robot, water, model) continues from the same state if its state has the same numbers;
+        otherwise it starts straight and at rest, at the same position and heading.
 
         Args:
             scenario: The new scenario.
@@ -107,11 +111,19 @@ class Simulation:
             return begin(scenario)
         old, body, state = self.scenario, self.plant, self.state
         checked(scenario)
-        if (scenario.robot, scenario.environment, scenario.model) != (old.robot, old.environment, old.model):
+        if (scenario.robot, scenario.environment, scenario.model) != (
+            old.robot,
+            old.environment,
+            old.model,
+        ):
             body = lc.plant(scenario)
             state = self._carried(body, scenario.gait)
         goes_on = type(scenario.motion) is type(old.motion) and path_of(scenario) == path_of(old)
-        steering = {} if goes_on else {"controller_state": scenario.controller.init(), "next_control": self.ticks}
+        steering = (
+            {}
+            if goes_on
+            else {"controller_state": scenario.controller.init(), "next_control": self.ticks}
+        )
         is_steered = not isinstance(scenario.motion, lc.Gait)
         fading = scenario.gait.kind != self.shape.kind
         after = replace(
@@ -119,8 +131,12 @@ class Simulation:
             scenario=scenario,
             plant=body,
             state=state,
-            command=lc.Command(gait=scenario.gait, offset=self.command.offset if is_steered else 0.0),
-            coming=tuple((at, replace(one, gait=scenario.gait)) for at, one in self.coming) if is_steered else (),
+            command=lc.Command(
+                gait=scenario.gait, offset=self.command.offset if is_steered else 0.0
+            ),
+            coming=tuple((at, replace(one, gait=scenario.gait)) for at, one in self.coming)
+            if is_steered
+            else (),
             shape=self.shape if fading else scenario.gait,
             fade=(self.fade or FADE) if fading else 0.0,
             failure=None,
@@ -151,11 +167,21 @@ class Simulation:
         if now.ticks >= now.next_control:
             state, command = controller.step(now.controller_state, body.observe(now.state))
             coming = (*now.coming, (now.ticks + now.delay_ticks, command))
-            now = replace(now, controller_state=state, coming=coming, next_control=now.ticks + now.control_ticks)
+            now = replace(
+                now,
+                controller_state=state,
+                coming=coming,
+                next_control=now.ticks + now.control_ticks,
+            )
         if due := [command for at, command in now.coming if at <= now.ticks]:
-            now = replace(now, command=due[-1], coming=tuple(one for one in now.coming if one[0] > now.ticks))
+            now = replace(
+                now, command=due[-1], coming=tuple(one for one in now.coming if one[0] > now.ticks)
+            )
         state, log, failure = body.march(now.state, now.held, TICK, TICK, link_forces=link_forces)
-        signals = {name: np.full(log.time.size, one) for name, one in controller.signals(now.controller_state).items()}
+        signals = {
+            name: np.full(log.time.size, one)
+            for name, one in controller.signals(now.controller_state).items()
+        }
         fade = max(now.fade - TICK, 0.0)
         done = now.fade > 0.0 and fade < 0.5 * TICK
         after = replace(
@@ -193,7 +219,7 @@ def begin(scenario: Scenario) -> Simulation:
     )
 
 
-# ---- changes to a scenario that a page can make, and what they entail ---------------------------------------------
+# ---- changes to a scenario that a page can make, and what they entail ----------------------------
 
 
 class Changes(TypedDict, total=False):
@@ -222,7 +248,11 @@ def changed(scenario: Scenario, **changes: Unpack[Changes]) -> Scenario:
     gait, motion, model = changes.get("gait", scenario.gait), scenario.motion, scenario.model
     path, depth = changes.get("path", path_of(scenario)), changes.get("depth", depth_of(scenario))
     if path is None:
-        motion = gait if "path" in changes or isinstance(motion, lc.Gait) else replace(cast("Any", motion), gait=gait)
+        motion = (
+            gait
+            if "path" in changes or isinstance(motion, lc.Gait)
+            else replace(cast("Any", motion), gait=gait)
+        )
     elif isinstance(motion, lc.PathFollowing) and depth == depth_of(scenario):
         motion = replace(motion, gait=gait, path=path)
     else:
@@ -230,7 +260,10 @@ def changed(scenario: Scenario, **changes: Unpack[Changes]) -> Scenario:
         motion = replace(steering, path=path)
     if "model" in changes or "joints" in changes:
         model = model_of(changes.get("model", model), joints=changes.get("joints", model.joints))
-    robot, water = changes.get("robot", scenario.robot), changes.get("environment", scenario.environment)
+    robot, water = (
+        changes.get("robot", scenario.robot),
+        changes.get("environment", scenario.environment),
+    )
     assert isinstance(water, lc.Water)
     current = changes.get("current", water.current)
     if replace(water, current=STILL) == default_water(scenario.robot, scenario.gait):
@@ -243,12 +276,14 @@ def checked(scenario: Scenario) -> Scenario:
     """Return the scenario, if a page can show it.
 
     Raises:
-        ValueError: If the robot is not in water, is steered by anything other than path following, or its joints have
-            no room for the steering.
+        ValueError: If the robot is not in water, is steered by anything other than path following,
+            or its joints have no room for the steering.
     """
     instance("environment", scenario.environment, lc.Water)
     instance("motion", scenario.motion, lc.Gait, lc.PathFollowing)
-    scenario.controller.check(scenario.robot.planar() if isinstance(scenario.model, Planar) else scenario.robot)
+    scenario.controller.check(
+        scenario.robot.planar() if isinstance(scenario.model, Planar) else scenario.robot
+    )
     return scenario
 
 
@@ -262,7 +297,9 @@ def route_of(scenario: Scenario, height: float) -> np.ndarray:
     path = path_of(scenario)
     if path is None:
         return np.empty((0, 3))
-    end = getattr(path, "lengths", (0.0,))[-1]  # a straight line has none; in pieces, else too little is shown
+    end = getattr(path, "lengths", (0.0,))[
+        -1
+    ]  # a straight line has none; in pieces, else too little is shown
     along = np.arange(0.0, end, 0.05) if end else np.arange(-WIDE, WIDE, 2.0)
     profile = np.array([(0.0, height)])
     if isinstance(scenario.motion, lc.SpatialPathFollowing):
@@ -273,7 +310,9 @@ def route_of(scenario: Scenario, height: float) -> np.ndarray:
 
 def depth_of(scenario: Scenario) -> float | None:
     """Return the depth that is held along the path, or None [m]."""
-    profile = scenario.motion.profile if isinstance(scenario.motion, lc.SpatialPathFollowing) else None
+    profile = (
+        scenario.motion.profile if isinstance(scenario.motion, lc.SpatialPathFollowing) else None
+    )
     return -profile.point[1] if isinstance(profile, lc.StraightLine) else None
 
 

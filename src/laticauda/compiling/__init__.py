@@ -31,7 +31,8 @@ from laticauda.files import locked
 def _find_folder() -> str:
     """Make Numba cache code in a temporary folder of this program and its children if it has no writable folder.
 
-    The folder is deleted when the program ends; returns a message about that, empty if Numba uses its own folder.
+    The folder is deleted when the program ends; returns a message about that, empty if Numba uses
+    its own folder.
     """
     try:
         njit(cache=True)(_find_folder)
@@ -76,14 +77,17 @@ def kernel(function: FunctionType) -> Any:
 def compiled(function: FunctionType) -> Any:
     """Compile a plain scalar function for kernels, together with the plain functions that it calls.
 
-    Numba itself requires each of them to be decorated; with this function, laws stay ordinary Python.
+    Numba itself requires each of them to be decorated; with this function, laws stay ordinary
+    Python.
 
     Args:
-        function: Function of numbers; it may close over numbers and call functions of the same kind.
+        function: Function of numbers; it may close over numbers and call functions of the same
+            kind.
     """
     function = getattr(function, "py_func", function)
     code = function.__code__
-    # Machine code on disk names the module of every function in it; all of these must exist when it is loaded.
+    # Machine code on disk names the module of every function in it; all of these must exist when it
+    # is loaded.
     names: dict[str, Any] = {**function.__globals__, "__name__": __name__}
     for name in globals_of(code):
         if isinstance(names.get(name), FunctionType):
@@ -145,8 +149,8 @@ def entry(function: FunctionType) -> Any:
 def _kept(function: Callable[..., Any]) -> Any:
     """Compile a function and cache the machine code on disk.
 
-    Numba stores the code under the function's qualified name and ignores what the function calls, so the digest at the
-    end of the module's name is added to that name.
+    Numba stores the code under the function's qualified name and ignores what the function calls,
+    so the digest at the end of the module's name is added to that name.
     """
     function.__qualname__ += "_" + function.__module__.rpartition("_")[2]
     return in_turn(cast(FunctionType, function))
@@ -164,10 +168,16 @@ def in_turn(function: FunctionType) -> Any:
     compile_now = compiled.compile
 
     def compile_or_load(signature: Any) -> Any:
-        with locked(Path(compiled.stats.cache_path) / f"{compiled.py_func.__qualname__}.lock", wait=True):
+        with locked(
+            Path(compiled.stats.cache_path) / f"{compiled.py_func.__qualname__}.lock", wait=True
+        ):
             found = compile_now(signature)
-        if _kept_for_now and compiled.stats.cache_misses:  # the code did not come with the installation
-            warnings.warn(f"{_kept_for_now}; set NUMBA_CACHE_DIR to a writable folder", stacklevel=2)
+        if (
+            _kept_for_now and compiled.stats.cache_misses
+        ):  # the code did not come with the installation
+            warnings.warn(
+                f"{_kept_for_now}; set NUMBA_CACHE_DIR to a writable folder", stacklevel=2
+            )
         return found
 
     compiled.compile = compile_or_load
@@ -231,8 +241,11 @@ def _parts(value: Any, seen: set[int]) -> list[str]:
     function = getattr(value, "py_func", value)
     code = getattr(function, "__code__", None)
     if not isinstance(code, CodeType):
-        # Modules and other objects are represented by their type, because their text would contain an address.
-        return [f"{value!r}" if isinstance(value, int | float | str | tuple) else type(value).__name__]
+        # Modules and other objects are represented by their type, because their text would contain
+        # an address.
+        return [
+            f"{value!r}" if isinstance(value, int | float | str | tuple) else type(value).__name__
+        ]
     if id(code) in seen:
         return []
     seen.add(id(code))

@@ -1,11 +1,12 @@
 """Arithmetic of numbers with an imaginary part whose square is negligible: a complex step, to rounding.
 
-A number is a pair: its value, and its derivative times the step; the derivative is None if it is known to be 0. The
-value is computed as if there were no derivative. Functions get the builder of LLVM instructions, and `emit`, which
-emits the value; values may be floats or vectors of floats.
+A number is a pair: its value, and its derivative times the step; the derivative is None if it is
+known to be 0. The value is computed as if there were no derivative. Functions get the builder of
+LLVM instructions, and `emit`, which emits the value; values may be floats or vectors of floats.
 
-A function with a kink is differentiated on the side where the number lies. Roots and powers of 0, whose slope is
-unbounded, get the slope 0, because the models use them in products that have that slope (|v| v).
+A function with a kink is differentiated on the side where the number lies. Roots and powers of 0,
+whose slope is unbounded, get the slope 0, because the models use them in products that have that
+slope (|v| v).
 """
 
 # pyright: basic
@@ -63,7 +64,9 @@ def power(builder, emit, a, b):
     """a to the power of b; b a^b a' / a. The derivative with respect to the exponent is not supported."""
     value = emit(a[0], b[0])
     if b[1] is not None:
-        raise NotImplementedError("the exponent of a power must not depend on what is differentiated")
+        raise NotImplementedError(
+            "the exponent of a power must not depend on what is differentiated"
+        )
     if a[1] is None:
         return value, None
     return value, _slope_or_none(builder, a[0], a[0], builder.fmul(builder.fmul(b[0], value), a[1]))
@@ -95,4 +98,6 @@ def _slope_or_none(builder, value, divisor, derivative):
     if derivative is None:
         return None
     zero = ir.Constant(value.type, None)
-    return builder.select(builder.fcmp_ordered("==", value, zero), zero, builder.fdiv(derivative, divisor))
+    return builder.select(
+        builder.fcmp_ordered("==", value, zero), zero, builder.fdiv(derivative, divisor)
+    )

@@ -26,9 +26,14 @@ def digest_of(formula: Formula) -> str:
     """Return what a formula's machine code depends on: its code and what that calls, names and order of its fields.
 
     Args:
-        formula: Formula of a law; what a user's formula calls may be redefined at run time, unlike laticauda's own.
+        formula: Formula of a law; what a user's formula calls may be redefined at run time, unlike
+            laticauda's own.
     """
-    return _digest_of_ours(formula) if _is_ours(formula) else " ".join([fingerprint(formula.function), *formula.fields])
+    return (
+        _digest_of_ours(formula)
+        if _is_ours(formula)
+        else " ".join([fingerprint(formula.function), *formula.fields])
+    )
 
 
 @functools.cache
@@ -45,8 +50,10 @@ def in_numbers(formula: Formula, record: type | None, n_first: int) -> Any:
 
     Args:
         formula: Formula that takes `n_first` numbers and a `record`.
-        record: NamedTuple type of the kernel's data about the object that the law acts on; None: no record.
-        n_first: Count of the numbers before those of the record, which the law's own numbers follow.
+        record: NamedTuple type of the kernel's data about the object that the law acts on; None: no
+            record.
+        n_first: Count of the numbers before those of the record, which the law's own numbers
+            follow.
     """
     inner, last = compiled(formula.function), n_first + _size(record)
     own: Any = namedtuple("Numbers", formula.fields or ("nothing",))
@@ -59,7 +66,9 @@ def in_numbers(formula: Formula, record: type | None, n_first: int) -> Any:
         return compiled(alone)
 
     def call(*numbers: float) -> Any:
-        return inner(own(*numbers[last:], *rest), *numbers[:n_first], record(*numbers[n_first:last]))
+        return inner(
+            own(*numbers[last:], *rest), *numbers[:n_first], record(*numbers[n_first:last])
+        )
 
     return compiled(call)
 
@@ -100,13 +109,19 @@ def check(
     if _is_ours(formula) or (made_of := digest_of(formula)) in _checked:
         return
     try:
-        found: Any = for_python(in_numbers(formula, record, len(example) - _size(record)))(*example, *numbers)
+        found: Any = for_python(in_numbers(formula, record, len(example) - _size(record)))(
+            *example, *numbers
+        )
     except (NumbaError, TypeError) as err:
-        raise ValueError(f"`{formula.name}` must have a formula that Numba can compile: {reason_of(err)}") from err
+        raise ValueError(
+            f"`{formula.name}` must have a formula that Numba can compile: {reason_of(err)}"
+        ) from err
     values = cast("tuple[object, ...]", found) if isinstance(found, tuple) else ()
     if [isinstance(one, float) and math.isfinite(one) for one in values] != [True] * count:
         words = {3: "three"}.get(count, count)
-        raise ValueError(f"`{formula.name}` must return {words} finite numbers, {results}, got {found}.")
+        raise ValueError(
+            f"`{formula.name}` must return {words} finite numbers, {results}, got {found}."
+        )
     _checked.add(made_of)
 
 
@@ -116,8 +131,16 @@ def reason_of(error: Exception) -> str:
     Args:
         error: Error of a compilation.
     """
-    lines = [line.strip(" :") for line in str(error).splitlines() if line.strip()] or [type(error).__name__]
-    telling = ("No implementation", "Unknown attribute", "missing a required", "too many", "Invalid use")
+    lines = [line.strip(" :") for line in str(error).splitlines() if line.strip()] or [
+        type(error).__name__
+    ]
+    telling = (
+        "No implementation",
+        "Unknown attribute",
+        "missing a required",
+        "too many",
+        "Invalid use",
+    )
     return next((line for line in lines if line.startswith(telling)), lines[-1])
 
 
@@ -136,7 +159,8 @@ def summed(kinds: Sequence[Formula], count: int) -> Any:
     """Return a kernel function for the sum of all parts of a flow, given the rows S, its first row, and x, y, z, t.
 
     Args:
-        kinds: Formulas of the parts; for each formula, the rows hold the number of parts, then the numbers of each.
+        kinds: Formulas of the parts; for each formula, the rows hold the number of parts, then the
+            numbers of each.
         count: Count of the numbers that a formula returns.
     """
 
@@ -158,7 +182,11 @@ def summed(kinds: Sequence[Formula], count: int) -> Any:
 
 def _after(before: Any, formula: Formula, count: int) -> Any:
     """Return the sum function `before` extended by the parts of one more kind."""
-    part, size, first = in_rows(formula, None, PLACE), len(formula.fields), target().formulas[first_lane]
+    part, size, first = (
+        in_rows(formula, None, PLACE),
+        len(formula.fields),
+        target().formulas[first_lane],
+    )
     numbers = rows_from(0, size)
     plus = kernel(eval(f"lambda a, b: ({''.join(f'a[{k}] + b[{k}], ' for k in range(count))})"))
 

@@ -17,10 +17,13 @@ from laticauda.compiling.inner import INLINED, inlined
 from laticauda.compiling.lane_types import Lanes
 from laticauda.compiling.lanes import bit, power_of_two, where
 
-# Adding it to a number below 2^51 rounds the number to an integer, which the last bits of the sum then hold.
+# Adding it to a number below 2^51 rounds the number to an integer, which the last bits of the sum
+# then hold.
 SHIFT = 6755399441055744.0
 # Polynomials for sine and cosine, and the power series of (exp(x) - 1) / x; highest power first.
-SINE, COSINE = map(tuple, tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")).values())
+SINE, COSINE = map(
+    tuple, tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")).values()
+)
 EXPONENTIAL = tuple(1.0 / math.factorial(k) for k in range(13, 0, -1))
 
 
@@ -56,7 +59,8 @@ def sincos(x):
 def expm1(x):
     """Return exp(x) - 1, x clipped to -700 ... 700, to 3e-16 relative to exp(x), or to x if x is small.
 
-    Reduction by multiples of ln 2 in two parts, then the power series, whose first omitted term is below 1e-17.
+    Reduction by multiples of ln 2 in two parts, then the power series, whose first omitted term is
+    below 1e-17.
     """
     x = where(x.real < 700.0, x, 700.0 + 0.0 * x)
     x = where(x.real > -700.0, x, -700.0 + 0.0 * x)

@@ -1,8 +1,8 @@
 """Functions that only kernels call: inlined into the kernels, without any code of their own.
 
-Numba prepares every function to be called on its own: machine code, wrappers for calls from Python and from C, and all
-of these again for each constant that is passed. Inlined functions need none of this; without it a kernel compiles in
-five sixths of the time.
+Numba prepares every function to be called on its own: machine code, wrappers for calls from Python
+and from C, and all of these again for each constant that is passed. Inlined functions need none of
+this; without it a kernel compiles in five sixths of the time.
 
 With `laticauda.compiling.lanes`, this is the interface to Numba's compiler.
 """
@@ -18,7 +18,8 @@ from numba.core.compiler import Compiler
 from numba.core.dispatcher import Dispatcher
 from numba.core.types import unliteral
 
-# Of "fast math", only contraction to fused multiply-adds is enabled: it does not reorder operations.
+# Of "fast math", only contraction to fused multiply-adds is enabled: it does not reorder
+# operations.
 OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
 # Inlining lets the compiler optimize whole loops.
 INLINED: Any = {"forceinline": True, **OPTIONS}

@@ -89,7 +89,9 @@ def vector(kind):
     """Return the LLVM vector type of a register for lanes of this kind."""
     if isinstance(kind, Mask):
         return ir.VectorType(ir.IntType(1), kind.width)
-    return ir.VectorType(ir.FloatType() if kind.dtype == types.float32 else ir.DoubleType(), kind.width)
+    return ir.VectorType(
+        ir.FloatType() if kind.dtype == types.float32 else ir.DoubleType(), kind.width
+    )
 
 
 @register_model(Lanes)
@@ -111,7 +113,7 @@ class _RowsModel(models.PrimitiveModel):
         super().__init__(dmm, fe_type, ir.PointerType(dmm[fe_type.item].get_data_type()))
 
 
-# ---- rows ------------------------------------------------------------------------------------------------------------
+# ---- rows ----------------------------------------------------------------------------------------
 
 
 def rows_of(width):
@@ -128,7 +130,9 @@ def rows_of(width):
 
         def codegen(context, builder, sig, args):
             is_address = isinstance(array, types.CPointer)
-            data = args[0] if is_address else context.make_array(array)(context, builder, args[0]).data
+            data = (
+                args[0] if is_address else context.make_array(array)(context, builder, args[0]).data
+            )
             return builder.bitcast(data, context.get_value_type(kind))
 
         return kind(array), codegen
@@ -170,7 +174,9 @@ def _getitem(context, builder, sig, args):
     if isinstance(rows.item, Duals):
         parts = [cgutils.gep_inbounds(builder, address, 0, k) for k in range(2)]
         return joined(context, builder, rows.item, [builder.load(part, align=8) for part in parts])
-    return builder.load(address, align=8)  # alignment of a lane: arrays need not be aligned to whole rows
+    return builder.load(
+        address, align=8
+    )  # alignment of a lane: arrays need not be aligned to whole rows
 
 
 @lower_builtin(operator.setitem, Rows, types.Integer, types.Any)
@@ -187,7 +193,7 @@ def _setitem(context, builder, sig, args):
         builder.store(value, address, align=8)
 
 
-# ---- duals -----------------------------------------------------------------------------------------------------------
+# ---- duals ---------------------------------------------------------------------------------------
 
 
 def parted(context, builder, fromty, kind, value):

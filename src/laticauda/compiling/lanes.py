@@ -1,13 +1,15 @@
 """Values of ``S[row]`` in the kernels: one number per lane, so that the physics reads as if there were a single trial.
 
-With one lane it is a plain float or complex number. With more it is a vector of floats that the compiler keeps in a
-vector register: every statement of the kernels becomes a vector instruction, independent of whether a compiler would
-vectorize a loop. Rows of complex numbers hold `Duals`, one number with its derivative per lane: a complex step whose
-square is negligible. Arithmetic, comparisons, `abs`, `min`, `max`, ``** 0.5``, `np.sqrt` and `np.floor` work on such
-`Lanes`; a comparison gives a `Mask`, by which `where` selects. A function that branches cannot take lanes; `each_lane`
-calls it once per lane.
+With one lane it is a plain float or complex number. With more it is a vector of floats that the
+compiler keeps in a vector register: every statement of the kernels becomes a vector instruction,
+independent of whether a compiler would vectorize a loop. Rows of complex numbers hold `Duals`, one
+number with its derivative per lane: a complex step whose square is negligible. Arithmetic,
+comparisons, `abs`, `min`, `max`, ``** 0.5``, `np.sqrt` and `np.floor` work on such `Lanes`; a
+comparison gives a `Mask`, by which `where` selects. A function that branches cannot take lanes;
+`each_lane` calls it once per lane.
 
-This is the interface to Numba's extension API; no other module depends on how lanes are implemented.
+This is the interface to Numba's extension API; no other module depends on how lanes are
+implemented.
 """
 
 # pyright: basic
@@ -25,7 +27,7 @@ from numba.extending import intrinsic, lower_builtin, lower_cast, overload_attri
 from laticauda.compiling import duals
 from laticauda.compiling.lane_types import Duals, Lanes, Mask, joined, parted, vector
 
-# ---- arithmetic ------------------------------------------------------------------------------------------------------
+# ---- arithmetic ----------------------------------------------------------------------------------
 
 
 @lower_cast(types.Float, Lanes)
@@ -43,7 +45,9 @@ def _broadcast(context, builder, fromty, toty, value):
 def _splat(builder, vector, scalar):
     nothing, index = ir.Constant(vector, ir.Undefined), ir.IntType(32)
     first = builder.insert_element(nothing, scalar, ir.Constant(index, 0))
-    return builder.shuffle_vector(first, nothing, ir.Constant(ir.VectorType(index, vector.count), None))
+    return builder.shuffle_vector(
+        first, nothing, ir.Constant(ir.VectorType(index, vector.count), None)
+    )
 
 
 def _lanes_among(args):
@@ -59,7 +63,8 @@ def _lanes_among(args):
 def _define(function, emit, result=lambda kind: kind, arity=2, dual=None):
     """Define a function of lanes, or of lanes and plain numbers, for the compiler; `emit(builder, kind, *vectors)`.
 
-    `dual(builder, emit, *parts)` does the same for duals; without it the function uses the real parts only.
+    `dual(builder, emit, *parts)` does the same for duals; without it the function uses the real
+    parts only.
     """
 
     def typed(*args):
@@ -73,14 +78,25 @@ def _define(function, emit, result=lambda kind: kind, arity=2, dual=None):
     def lower(context, builder, sig, args):
         kind = _lanes_among(sig.args)
         if isinstance(kind, Duals):
-            parts = [parted(context, builder, t, kind, v) for v, t in zip(args, sig.args, strict=True)]
+            parts = [
+                parted(context, builder, t, kind, v) for v, t in zip(args, sig.args, strict=True)
+            ]
             if dual is None:
                 return emit(builder, kind.part, *(real for real, _ in parts))
-            return joined(context, builder, kind, dual(builder, functools.partial(emit, builder, kind.part), *parts))
+            return joined(
+                context,
+                builder,
+                kind,
+                dual(builder, functools.partial(emit, builder, kind.part), *parts),
+            )
         vectors = [context.cast(builder, v, t, kind) for v, t in zip(args, sig.args, strict=True)]
         return emit(builder, kind, *vectors)
 
-    for arguments in ((Lanes,),) if arity == 1 else ((Lanes, Lanes), (Lanes, types.Number), (types.Number, Lanes)):
+    for arguments in (
+        ((Lanes,),)
+        if arity == 1
+        else ((Lanes, Lanes), (Lanes, types.Number), (types.Number, Lanes))
+    ):
         lower_builtin(function, *arguments)(lower)
 
 
@@ -92,7 +108,10 @@ def _elementwise(name):
         if isinstance(kind, Lanes):  # a lane of duals alone is a float
             suffix = f"v{kind.width}{suffix}"
         signature = ir.FunctionType(values[0].type, [v.type for v in values])
-        return builder.call(cgutils.get_or_insert_function(builder.module, signature, f"llvm.{name}.{suffix}"), values)
+        return builder.call(
+            cgutils.get_or_insert_function(builder.module, signature, f"llvm.{name}.{suffix}"),
+            values,
+        )
 
     return emit
 
@@ -152,7 +171,7 @@ def _real(x):
     return lambda x: x
 
 
-# ---- choices ---------------------------------------------------------------------------------------------------------
+# ---- choices -------------------------------------------------------------------------------------
 
 
 for _operator, _name in ((operator.and_, "and_"), (operator.or_, "or_"), (operator.xor, "xor")):
@@ -161,7 +180,9 @@ for _operator, _name in ((operator.and_, "and_"), (operator.or_, "or_"), (operat
     def _type_logic(context):
         return lambda a, b: a if isinstance(a, Mask) and a == b else None
 
-    lower_builtin(_operator, Mask, Mask)(lambda context, builder, sig, args, name=_name: getattr(builder, name)(*args))
+    lower_builtin(_operator, Mask, Mask)(
+        lambda context, builder, sig, args, name=_name: getattr(builder, name)(*args)
+    )
 
 
 @type_callable(operator.invert)
@@ -182,7 +203,9 @@ def where(typingctx, condition, a, b):
         kind = Lanes(kind, condition.width)
 
     def codegen(context, builder, sig, args):
-        one, other = (context.cast(builder, v, t, kind) for v, t in zip(args[1:], sig.args[1:], strict=True))
+        one, other = (
+            context.cast(builder, v, t, kind) for v, t in zip(args[1:], sig.args[1:], strict=True)
+        )
         if not isinstance(kind, types.Complex | Duals):
             return builder.select(args[0], one, other)
         both = zip(*(parted(context, builder, kind, kind, v) for v in (one, other)), strict=True)
@@ -198,7 +221,12 @@ def magnitude(typingctx, x):
     def codegen(context, builder, sig, args):
         if not isinstance(x, types.Complex | Duals):
             return _elementwise("fabs")(builder, x, args[0])
-        return joined(context, builder, x, duals.magnitude(builder, None, parted(context, builder, x, x, args[0])))
+        return joined(
+            context,
+            builder,
+            x,
+            duals.magnitude(builder, None, parted(context, builder, x, x, args[0])),
+        )
 
     return x(x), codegen
 
@@ -234,18 +262,31 @@ def table_row(typingctx, address, index, further):
     row = ir.VectorType(ir.DoubleType(), 4)
 
     def codegen(context, builder, sig, args):
-        start, count = (context.cast(builder, v, t, kind) for v, t in zip(args[:2], sig.args[:2], strict=True))
+        start, count = (
+            context.cast(builder, v, t, kind) for v, t in zip(args[:2], sig.args[:2], strict=True)
+        )
         beyond = context.cast(builder, args[2], sig.args[2], types.int64)
-        size, word = context.cast(builder, ir.Constant(ir.DoubleType(), 32.0), types.float64, kind), ir.IntType(64)
+        size, word = (
+            context.cast(builder, ir.Constant(ir.DoubleType(), 32.0), types.float64, kind),
+            ir.IntType(64),
+        )
         place = builder.fadd(start, builder.fmul(count, size))
-        place = builder.fptosi(place, ir.VectorType(word, kind.width) if isinstance(kind, Lanes) else word)
+        place = builder.fptosi(
+            place, ir.VectorType(word, kind.width) if isinstance(kind, Lanes) else word
+        )
         rows = []
-        for lane in range(getattr(kind, "width", 1)):  # gather instructions are slower than loads of rows
-            at = builder.inttoptr(_picked_lane(context, builder, kind, place, lane), row.as_pointer())
+        for lane in range(
+            getattr(kind, "width", 1)
+        ):  # gather instructions are slower than loads of rows
+            at = builder.inttoptr(
+                _picked_lane(context, builder, kind, place, lane), row.as_pointer()
+            )
             rows.append(builder.load(builder.gep(at, [beyond]), align=8))
             rows[-1].set_metadata("invariant.load", builder.module.add_metadata([]))
         if not isinstance(kind, Lanes):
-            found = [builder.extract_element(rows[0], ir.Constant(ir.IntType(32), k)) for k in range(4)]
+            found = [
+                builder.extract_element(rows[0], ir.Constant(ir.IntType(32), k)) for k in range(4)
+            ]
         else:
             found = _columns(builder, rows)
         return context.make_tuple(builder, sig.return_type, found)
@@ -257,7 +298,9 @@ def _columns(builder, rows):
     """Transpose rows of four numbers, one for each of eight lanes, to four vectors of lanes."""
 
     def picked(a, b, *order):
-        return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(ir.IntType(32), len(order)), order))
+        return builder.shuffle_vector(
+            a, b, ir.Constant(ir.VectorType(ir.IntType(32), len(order)), order)
+        )
 
     a, b, c, d = (picked(rows[i], rows[i + 4], *range(8)) for i in range(4))
     even, odd = (0, 8, 2, 10, 4, 12, 6, 14), (1, 9, 3, 11, 5, 13, 7, 15)
@@ -277,7 +320,9 @@ def bit(typingctx, shifted, position):
         mask = _same(builder, shifted, builder.shl(one, place))
         return builder.icmp_unsigned("!=", builder.and_(bits, mask), ir.Constant(bits.type, None))
 
-    return (Mask(shifted.width) if isinstance(shifted, Lanes) else types.boolean)(shifted, position), codegen
+    return (Mask(shifted.width) if isinstance(shifted, Lanes) else types.boolean)(
+        shifted, position
+    ), codegen
 
 
 @intrinsic
@@ -294,15 +339,21 @@ def power_of_two(typingctx, shifted):
 
 def _bits(context, builder, kind, value):
     word = ir.IntType(64)
-    return builder.bitcast(value, ir.VectorType(word, kind.width) if isinstance(kind, Lanes) else word)
+    return builder.bitcast(
+        value, ir.VectorType(word, kind.width) if isinstance(kind, Lanes) else word
+    )
 
 
 def _same(builder, kind, scalar):
     """Return a scalar for a single lane, or a vector with the scalar in all lanes."""
-    return _splat(builder, ir.VectorType(scalar.type, kind.width), scalar) if isinstance(kind, Lanes) else scalar
+    return (
+        _splat(builder, ir.VectorType(scalar.type, kind.width), scalar)
+        if isinstance(kind, Lanes)
+        else scalar
+    )
 
 
-# ---- functions that cannot take lanes --------------------------------------------------------------------------------
+# ---- functions that cannot take lanes ------------------------------------------------------------
 
 
 @intrinsic
@@ -319,8 +370,13 @@ def each_lane(typingctx, function, arguments):
         values = cgutils.unpack_tuple(builder, args[1])
         columns = [context.get_constant_undef(kind) for _ in results]
         for lane in range(kind.width):
-            lane_values = [_picked_lane(context, builder, a, v, lane) for v, a in zip(values, arguments, strict=True)]
-            if len(inner.args) < len(lane_values):  # arguments of a function of *numbers are one tuple
+            lane_values = [
+                _picked_lane(context, builder, a, v, lane)
+                for v, a in zip(values, arguments, strict=True)
+            ]
+            if len(inner.args) < len(
+                lane_values
+            ):  # arguments of a function of *numbers are one tuple
                 lane_values = [context.make_tuple(builder, inner.args[0], lane_values)]
             got = cgutils.unpack_tuple(builder, call(builder, lane_values))
             for j, (value, result) in enumerate(zip(got, results, strict=True)):
@@ -342,7 +398,9 @@ def _picked_lane(context, builder, kind, value, lane):
     at = ir.Constant(ir.IntType(32), lane)
     if isinstance(kind, Duals):
         parts = parted(context, builder, kind, kind, value)
-        return joined(context, builder, _alone(kind), [builder.extract_element(part, at) for part in parts])
+        return joined(
+            context, builder, _alone(kind), [builder.extract_element(part, at) for part in parts]
+        )
     return builder.extract_element(value, at) if isinstance(kind, Lanes) else value
 
 
@@ -352,4 +410,9 @@ def _with_lane(context, builder, kind, value, scalar, lane):
         return builder.insert_element(value, scalar, at)
     parts = parted(context, builder, kind, kind, value)
     new = parted(context, builder, _alone(kind), _alone(kind), scalar)
-    return joined(context, builder, kind, [builder.insert_element(*p, at) for p in zip(parts, new, strict=True)])
+    return joined(
+        context,
+        builder,
+        kind,
+        [builder.insert_element(*p, at) for p in zip(parts, new, strict=True)],
+    )

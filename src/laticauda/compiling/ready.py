@@ -1,7 +1,8 @@
 """Machine code that comes with the installation, so that the first run need not compile; made when a wheel is built.
 
-The code is for a whole family of processors and is stored under the name of its function, which ends in the digest of
-everything that it is made of, and the versions of Python and Numba; if any of these differs, Numba compiles as usual.
+The code is for a whole family of processors and is stored under the name of its function, which
+ends in the digest of everything that it is made of, and the versions of Python and Numba; if any of
+these differs, Numba compiles as usual.
 """
 
 import os
@@ -69,7 +70,8 @@ def keep(compiled: Any, folder: Path) -> None:
     """Write the code of a function that this process has compiled; `NUMBA_CPU_NAME` determines the processors.
 
     Args:
-        compiled: Function as returned by Numba's decorator, with one signature, compiled and not loaded.
+        compiled: Function as returned by Numba's decorator, with one signature, compiled and not
+            loaded.
         folder: Destination folder.
     """
     ((signature, result),) = compiled.overloads.items()

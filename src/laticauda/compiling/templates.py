@@ -1,13 +1,15 @@
 """Compiled code and its sources: templates, loaded once per specialization, and digests of sources.
 
-Machine code on disk is stored under a digest of a module and everything that it imports, so editing any of these files
-changes the name and triggers recompilation; no list of files has to be maintained by hand.
+Machine code on disk is stored under a digest of a module and everything that it imports, so editing
+any of these files changes the name and triggers recompilation; no list of files has to be
+maintained by hand.
 
-Templates are the modules of a package that kernels are made of. While it is loaded, each reads its specialization and
-the preceding templates from its `bindings`. It is loaded once per combination of the names that it depends on: another
-drag law reuses the drives. A specialization's name includes a digest of all its sources and of the laws' own code, so
-the next process finds the compiled code on disk again and the code is never stale: an edited law or kernel has another
-name and is recompiled. The numbers of a law are rows, and not part of the digest.
+Templates are the modules of a package that kernels are made of. While it is loaded, each reads its
+specialization and the preceding templates from its `bindings`. It is loaded once per combination of
+the names that it depends on: another drag law reuses the drives. A specialization's name includes a
+digest of all its sources and of the laws' own code, so the next process finds the compiled code on
+disk again and the code is never stale: an edited law or kernel has another name and is recompiled.
+The numbers of a law are rows, and not part of the digest.
 """
 
 import ast
@@ -36,7 +38,8 @@ _one_at_a_time = threading.Lock()
 def closure(*modules: str, package: Path = PACKAGE) -> tuple[Path, ...]:
     """Return the package's files that make up modules: their own and those of all direct and indirect imports.
 
-    Imports for type checkers only do not count, nor do the ``__init__`` files of a module's parent packages.
+    Imports for type checkers only do not count, nor do the ``__init__`` files of a module's parent
+    packages.
 
     Args:
         modules: Full module names, such as ``laticauda.planar.stepping``; may be kernel templates.
@@ -121,13 +124,17 @@ def _imported(package: Path, tree: ast.AST) -> Iterator[list[str]]:
 
 
 def specialized(
-    package: str, made_for: Mapping[str, Sequence[str]], names: Mapping[str, Any], target: Target | None = None
+    package: str,
+    made_for: Mapping[str, Sequence[str]],
+    names: Mapping[str, Any],
+    target: Target | None = None,
 ) -> ModuleType:
     """Return the last of a package's templates, compiled on first call.
 
     Args:
         package: Name of the package, such as ``laticauda.planar``.
-        made_for: Names that each template is specialized for; it may use earlier templates with no further names.
+        made_for: Names that each template is specialized for; it may use earlier templates with no
+            further names.
         names: Values of the names: a number, a law's formula, or None.
         target: What to compile for; None: this machine's processor.
     """
@@ -175,11 +182,18 @@ def _first_inner(inner: Any) -> Any:
         refers.append(cell.cell_contents)
     for name in filter(function.__globals__.__contains__, globals_of(function.__code__)):
         found = function.__globals__[name] = _first_of(function.__globals__[name])
-        is_template = isinstance(found, ModuleType) and found in _loaded.values()  # only the names it uses count
-        refers += [name, *(getattr(found, way, None) for way in function.__code__.co_names if is_template)]
+        is_template = (
+            isinstance(found, ModuleType) and found in _loaded.values()
+        )  # only the names it uses count
+        refers += [
+            name,
+            *(getattr(found, way, None) for way in function.__code__.co_names if is_template),
+        ]
         refers += [] if is_template else [found]
     key = function.__code__, *inner.targetoptions, *map(_identity, refers)
-    return _inner.setdefault(key, (inner, refers))[0]  # keeps its references alive, and with them the identities
+    return _inner.setdefault(key, (inner, refers))[
+        0
+    ]  # keeps its references alive, and with them the identities
 
 
 def _identity(one: Any) -> object:
@@ -191,7 +205,8 @@ def load(file: Path, key: str, names: Mapping[str, Any]) -> ModuleType:
 
     Args:
         file: File of the template.
-        key: Digest of everything that it is made of, including `names`; the end of the module's name.
+        key: Digest of everything that it is made of, including `names`; the end of the module's
+            name.
         names: Specialization of the template: its `bindings`.
     """
     name = f"laticauda_{file.stem}_{key}"
@@ -202,8 +217,8 @@ def load(file: Path, key: str, names: Mapping[str, Any]) -> ModuleType:
     _loading[name] = names
     sys.modules[name] = module
     spec.loader.exec_module(module)
-    # Machine code on disk names the modules of its functions, which must exist when it is loaded; in another process
-    # these may belong to another specialization.
+    # Machine code on disk names the modules of its functions, which must exist when it is loaded;
+    # in another process these may belong to another specialization.
     module.__name__ = __name__
     del _loading[name]
     return module

@@ -4,17 +4,19 @@
     y' = u sin(psi) + w cos(psi)        b' = (offset - b) / bend_lag
     u' = (speed(frequency, offset) - u) / speed_lag                w' = (sway turning(frequency, offset) - w) / sway_lag
 
-When a robot bends, its links turn at once, by `bend` per offset, but its direction of motion turns slowly; psi is
-therefore not the heading (6). The model contains neither links nor water. Its parameters are fitted to simulated or
-measured trials (`fit_averaged`); it is meant for planning in guidance and is not a model of the body.
+When a robot bends, its links turn at once, by `bend` per offset, but its direction of motion turns
+slowly; psi is therefore not the heading (6). The model contains neither links nor water. Its
+parameters are fitted to simulated or measured trials (`fit_averaged`); it is meant for planning in
+guidance and is not a model of the body.
 
-What the model needs but is not measured is estimated by a filter built on it (`laticauda.control.current`).
+What the model needs but is not measured is estimated by a filter built on it
+(`laticauda.control.current`).
 
-The model is fitted by least squares over whole gait cycles. The fit compares differences over one period,
-(q(t + T) - q(t)) / T: the mean rate of q over that cycle, free of the gait's ripple and exact, without numerical
-differentiation. All but four parameters enter linearly; those four, three time constants and an exponent, are each
-found by a line search with the others solved for. `OffsetSteps` is a maneuver that identifies them: one gait, with
-offsets held one after the other.
+The model is fitted by least squares over whole gait cycles. The fit compares differences over one
+period, (q(t + T) - q(t)) / T: the mean rate of q over that cycle, free of the gait's ripple and
+exact, without numerical differentiation. All but four parameters enter linearly; those four, three
+time constants and an exponent, are each found by a line search with the others solved for.
+`OffsetSteps` is a maneuver that identifies them: one gait, with offsets held one after the other.
 """
 
 import math
@@ -51,20 +53,29 @@ class AveragedModel:
 
     turn_0: float = quantity("1/s", "Turning rate per offset, at frequency 0")
     turn_1: float = quantity("", "Its increase with the frequency")
-    bend: float = quantity("", "Immediate effect of an offset on the mean link angle, before the robot turns")
+    bend: float = quantity(
+        "", "Immediate effect of an offset on the mean link angle, before the robot turns"
+    )
     bend_lag: float = quantity("s", "Time constant with which the joints adopt the offset", gt=0.0)
     speed_0: float = quantity("m/s", "Speed along the heading, at frequency 0")
     speed_1: float = quantity("m", "Its increase with the frequency")
-    speed_offset: float = quantity("m", "Its increase with frequency and offset^2; negative: a bent robot is slower")
+    speed_offset: float = quantity(
+        "m", "Its increase with frequency and offset^2; negative: a bent robot is slower"
+    )
     speed_lag: float = quantity("s", "Time constant of the speed", gt=0.0)
     sway: float = quantity("m", "Speed to the left of psi per turning rate")
     sway_lag: float = quantity("s", "Time constant of that speed", gt=0.0)
     power_0: float = quantity("W", "Power at frequency 0")
-    power_1: float = quantity("W (s/rad)^k", "Its increase with the frequency to the power of k", ge=0.0)
+    power_1: float = quantity(
+        "W (s/rad)^k", "Its increase with the frequency to the power of k", ge=0.0
+    )
     power_exponent: float = quantity("", "k", gt=0.0)
-    power_offset: float = quantity("W (s/rad)^k", "Its increase with that times the square of the offset")
+    power_offset: float = quantity(
+        "W (s/rad)^k", "Its increase with that times the square of the offset"
+    )
 
-    # The arguments are numbers, arrays or CasADi symbols: the same code serves the fit, the observer and the plan.
+    # The arguments are numbers, arrays or CasADi symbols: the same code serves the fit, the
+    # observer and the plan.
 
     def turning(self, frequency: Any, offset: Any) -> Any:
         """Return the steady turning rate at an offset [rad/s]; `frequency` in rad/s, `offset` in rad, here and below.
@@ -91,14 +102,23 @@ class AveragedModel:
             frequency: omega [rad/s].
             offset: phi_0 [rad].
         """
-        return self.power_0 + frequency**self.power_exponent * (self.power_1 + self.power_offset * offset**2)
+        return self.power_0 + frequency**self.power_exponent * (
+            self.power_1 + self.power_offset * offset**2
+        )
 
     def after(
-        self, state: State, frequency: Any, offset: Any, dt: float, sin: Any = math.sin, cos: Any = math.cos
+        self,
+        state: State,
+        frequency: Any,
+        offset: Any,
+        dt: float,
+        sin: Any = math.sin,
+        cos: Any = math.cos,
     ) -> State:
         """Return the state after holding one command for a time `dt`, in still water.
 
-        The lags and psi are exact; the displacement is integrated from them at three points (Simpson's rule).
+        The lags and psi are exact; the displacement is integrated from them at three points
+        (Simpson's rule).
 
         Args:
             state: x and y [m], psi and b [rad], u and w [m/s].
@@ -125,7 +145,7 @@ class AveragedModel:
         return x + dx, y + dy, angle, b, u, w
 
 
-# ---- fit to trials ---------------------------------------------------------------------------------------------------
+# ---- fit to trials -------------------------------------------------------------------------------
 
 Array = np.ndarray
 LAGS = (0.05, 20.0)  # search range of the time constants [s]
@@ -138,18 +158,26 @@ class _Cycles:
 
     def __init__(self, trial: Trial) -> None:
         assert trial.gait is not None
-        self.time, self.offset, self.frequency = trial.time - trial.time[0], _offset(trial), trial.gait.frequency
+        self.time, self.offset, self.frequency = (
+            trial.time - trial.time[0],
+            _offset(trial),
+            trial.gait.frequency,
+        )
         self.period = 2.0 * math.pi / self.frequency
         self.begin = np.arange(0.0, self.time[-1] - self.period + 1e-9, 0.1 * self.period)
         current = trial.environment.uniform if isinstance(trial.environment, Water) else (0.0, 0.0)
         self.velocity = [self.change(trial.center_of_mass[:, i]) - current[i] for i in range(2)]
         turned = metrics.integral(self.time, trial.heading)
         self.heading, self.turning = self.change(turned), self.change(trial.heading)
-        self.power = self.change(trial.work[:, 0] if trial.electrical_work is None else trial.electrical_work)
+        self.power = self.change(
+            trial.work[:, 0] if trial.electrical_work is None else trial.electrical_work
+        )
 
     def change(self, values: Array) -> Array:
         """Return the mean rate of a sampled signal over each cycle, (q(t + T) - q(t)) / T."""
-        before, after = (np.interp(at, self.time, values) for at in (self.begin, self.begin + self.period))
+        before, after = (
+            np.interp(at, self.time, values) for at in (self.begin, self.begin + self.period)
+        )
         return (after - before) / self.period
 
     def mean(self, values: Array) -> Array:
@@ -175,17 +203,19 @@ class _Cycles:
 def fit_averaged(trials: Sequence[Trial]) -> AveragedModel:
     """Fit the averaged model to trials of one gait at several frequencies, with offsets that turn the robot.
 
-    The offset of a trial is that of its gait plus its signal ``offset``, which every steered run has. `OffsetSteps`
-    produces suitable trials. A current is taken from the trial's water.
+    The offset of a trial is that of its gait plus its signal ``offset``, which every steered run
+    has. `OffsetSteps` produces suitable trials. A current is taken from the trial's water.
 
     Args:
         trials: Trials at three or more frequencies, each constant throughout its trial.
 
     Returns:
-        The model with the least sum of squares, minimized separately for turning rate, speeds and power.
+        The model with the least sum of squares, minimized separately for turning rate, speeds and
+        power.
 
     Raises:
-        ValueError: If the trials are insufficient: too few frequencies, no turn, too few cycles, unlike gait shapes.
+        ValueError: If the trials are insufficient: too few frequencies, no turn, too few cycles,
+            unlike gait shapes.
     """
     _check(trials)
     cycles = [*map(_Cycles, trials)]
@@ -198,7 +228,9 @@ def fit_averaged(trials: Sequence[Trial]) -> AveragedModel:
         jump = every([part.change(values) for part, values in zip(cycles, bent, strict=True)])
         return np.stack([mean, f * mean, jump], axis=1)
 
-    bend_lag, (turn_0, turn_1, bend) = _searched(turn_basis, every([part.turning for part in cycles]), LAGS)
+    bend_lag, (turn_0, turn_1, bend) = _searched(
+        turn_basis, every([part.turning for part in cycles]), LAGS
+    )
     motion = [part.motion(bend, bend_lag) for part in cycles]
     surge, aside = (every([pair[i] for pair in motion]) for i in range(2))
 
@@ -213,7 +245,8 @@ def fit_averaged(trials: Sequence[Trial]) -> AveragedModel:
 
     def power_basis(exponent: float) -> Array:
         square = every([part.mean(part.offset**2) for part in cycles])
-        # Bending also takes work, which a plan that limits the offset rate can neglect: fitted, then discarded.
+        # Bending also takes work, which a plan that limits the offset rate can neglect: fitted,
+        # then discarded.
         bending = every([part.mean((part.offset - part.late(bend_lag)) ** 2) for part in cycles])
         return np.stack([np.ones_like(f), f**exponent, f**exponent * square, bending], axis=1)
 
@@ -253,9 +286,13 @@ def _check(trials: Sequence[Trial]) -> None:
         shapes.add((gait.amplitude, gait.phase_shift, gait.envelope))
         frequencies.add(round(gait.frequency, 6))
     if len(frequencies) < 3:
-        raise BadArgument("trials", f"must have at least 3 different frequencies, got {len(frequencies)}")
+        raise BadArgument(
+            "trials", f"must have at least 3 different frequencies, got {len(frequencies)}"
+        )
     if len(shapes) > 1:
-        raise BadArgument("trials", f"must share a gait except for frequency and offset, got {len(shapes)} gaits")
+        raise BadArgument(
+            "trials", f"must share a gait except for frequency and offset, got {len(shapes)} gaits"
+        )
     if not any(np.ptp(_offset(trial)) > 0.0 or _offset(trial)[0] != 0.0 for trial in trials):
         raise BadArgument("trials", "must include at least one with a nonzero offset, got none")
 
@@ -266,7 +303,9 @@ def _offset(trial: Trial) -> Array:
     return trial.signals.get("offset", np.zeros_like(trial.time)) + trial.gait.offset
 
 
-def _searched(basis: Callable[[float], Array], data: Array, ends: tuple[float, float]) -> tuple[float, list[float]]:
+def _searched(
+    basis: Callable[[float], Array], data: Array, ends: tuple[float, float]
+) -> tuple[float, list[float]]:
     """Find the nonlinear parameter and the linear ones that minimize the sum of squares."""
 
     def misfit(at: float) -> float:
@@ -296,7 +335,9 @@ class OffsetSteps(Controller[int]):
     """
 
     gait: Gait = option("Gait that is steered")
-    offsets: tuple[float, ...] = quantity("rad", "Offsets in order; the last one is kept", default=OFFSETS)
+    offsets: tuple[float, ...] = quantity(
+        "rad", "Offsets in order; the last one is kept", default=OFFSETS
+    )
     interval: float = quantity("s", "Time for which each is held", default=12.0, gt=0.0)
 
     def __post_init__(self) -> None:

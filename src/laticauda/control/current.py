@@ -1,9 +1,10 @@
 """Observer of the current: it compares the robot's actual motion with the motion expected from its gait.
 
-An extended Kalman filter built on the averaged model estimates what the model needs but is not measured: the direction
-of motion, the speed and the drift. The gait's ripple in the heading is a separate state, an oscillation at the gait's
-frequency; the mean heading therefore lacks the half-period delay of a mean over one cycle. Any motion of the robot that
-the model does not explain is drift, and a steady drift is learned as the current.
+An extended Kalman filter built on the averaged model estimates what the model needs but is not
+measured: the direction of motion, the speed and the drift. The gait's ripple in the heading is a
+separate state, an oscillation at the gait's frequency; the mean heading therefore lacks the
+half-period delay of a mean over one cycle. Any motion of the robot that the model does not explain
+is drift, and a steady drift is learned as the current.
 """
 
 import math
@@ -20,7 +21,8 @@ X, Y, PSI, BEND, SPEED, SWAY, DRIFT_X, DRIFT_Y, RIPPLE, QUADRATURE = range(10)
 N_MOTION = 6  # states of the averaged model, the first ones
 _N = 10
 _DRIFT = slice(DRIFT_X, DRIFT_Y + 1)
-# Square roots of the spectral densities, of the same order for any snake that swims a few cm/s with cycles of seconds.
+# Square roots of the spectral densities, of the same order for any snake that swims a few cm/s with
+# cycles of seconds.
 _NOISE = np.array([3e-3, 3e-3, 0.03, 1e-3, 2e-3, 2e-3, 2e-3, 2e-3, 0.02, 0.02])
 _START = np.array([0.02, 0.02, 0.2, 0.01, 0.02, 0.02, 0.05, 0.05, 0.2, 0.2])
 _SEEN = np.array([0.05, 0.05, 0.03])  # swing of the center of mass [m], residual ripple [rad]
@@ -86,7 +88,9 @@ class CurrentObserver:
         dt = observation.time - state.time
         if dt <= 0.0:
             return state
-        steps = np.eye(_N) * (1j * _COMPLEX_STEP)  # one column per derivative: exact, no formula to maintain
+        steps = np.eye(_N) * (
+            1j * _COMPLEX_STEP
+        )  # one column per derivative: exact, no formula to maintain
         moved = self._after(state.mean[:, np.newaxis] + steps, frequency, offset, dt)
         slope, mean = np.imag(moved) / _COMPLEX_STEP, np.real(moved[:, 0])
         covariance = slope @ state.covariance @ slope.T + np.diag(_NOISE**2 * dt)
@@ -101,17 +105,23 @@ class CurrentObserver:
         ahead = np.array([math.cos(state.mean[PSI]), math.sin(state.mean[PSI])])
         covariance = state.covariance[_DRIFT, _DRIFT] + self.speed_std**2 * np.outer(ahead, ahead)
         names = ("drift_x", "drift_y", "drift_x_std", "drift_y_std")
-        return dict(zip(names, (*state.drift.tolist(), *np.sqrt(np.diag(covariance)).tolist()), strict=True))
+        return dict(
+            zip(names, (*state.drift.tolist(), *np.sqrt(np.diag(covariance)).tolist()), strict=True)
+        )
 
     def _after(self, mean: Array, frequency: float, offset: float, dt: float) -> Array:
         moved = self.model.after(tuple(mean[:N_MOTION]), frequency, offset, dt, np.sin, np.cos)
         drift, c, s = mean[[DRIFT_X, DRIFT_Y]], math.cos(frequency * dt), math.sin(frequency * dt)
         ripple, quadrature = mean[RIPPLE], mean[QUADRATURE]
         turned = [c * ripple - s * quadrature, s * ripple + c * quadrature]
-        return np.array([moved[0] + drift[0] * dt, moved[1] + drift[1] * dt, *moved[2:], *drift, *turned])
+        return np.array(
+            [moved[0] + drift[0] * dt, moved[1] + drift[1] * dt, *moved[2:], *drift, *turned]
+        )
 
 
-def _corrected(observation: Observation, mean: Array, covariance: Array, bend: float) -> ObserverState:
+def _corrected(
+    observation: Observation, mean: Array, covariance: Array, bend: float
+) -> ObserverState:
     sees = np.zeros((3, _N))
     sees[0, X] = sees[1, Y] = 1.0
     sees[2, [PSI, BEND, RIPPLE]] = 1.0, bend, 1.0
@@ -120,7 +130,9 @@ def _corrected(observation: Observation, mean: Array, covariance: Array, bend: f
     spread = sees @ covariance @ sees.T + np.diag(_SEEN**2)
     gain = np.linalg.solve(spread, sees @ covariance).T
     left = np.eye(_N) - gain @ sees
-    kept = left @ covariance @ left.T + (gain * _SEEN**2) @ gain.T  # Joseph form: stays symmetric and positive
+    kept = (
+        left @ covariance @ left.T + (gain * _SEEN**2) @ gain.T
+    )  # Joseph form: stays symmetric and positive
     return ObserverState(time=observation.time, mean=mean + gain @ surprise, covariance=kept)
 
 
@@ -134,8 +146,8 @@ def crab_angle(course: float, velocity: Array, speed: float, most: float) -> tup
         most: Largest angle, used if the current is too strong [rad].
 
     Returns:
-        The angle, positive to the right [rad], and whether the current is too strong: it would require a larger angle
-        or prevents forward motion.
+        The angle, positive to the right [rad], and whether the current is too strong: it would
+        require a larger angle or prevents forward motion.
     """
     c, s = math.cos(course), math.sin(course)
     along, across = (float(one) for one in velocity @ np.array([[c, -s], [s, c]]))

@@ -1,9 +1,9 @@
 """Smooth curve through points, parameterized by its arc length; independent of robots.
 
-The curve is a natural cubic spline over centripetal knots (a parameter step is the square root of the chord). Unlike a
-Catmull-Rom curve it has continuous curvature, so a robot that follows it need not jump; the centripetal knots prevent
-overshoot between points at unequal distances; and its curvature is zero at both ends, so that it continues as a
-straight line without a jump in curvature.
+The curve is a natural cubic spline over centripetal knots (a parameter step is the square root of
+the chord). Unlike a Catmull-Rom curve it has continuous curvature, so a robot that follows it need
+not jump; the centripetal knots prevent overshoot between points at unequal distances; and its
+curvature is zero at both ends, so that it continues as a straight line without a jump in curvature.
 """
 
 from dataclasses import dataclass
@@ -45,7 +45,8 @@ class Curve:
 
     def length(self, u: Numbers) -> Numbers:
         """Return the length from the start to `u` [m]."""
-        # At the end, i is the last node: nothing is added, not even rounding, so points beyond it are recognized.
+        # At the end, i is the last node: nothing is added, not even rounding, so points beyond it
+        # are recognized.
         i = np.searchsorted(self.nodes, u, side="right") - 1
         return self.lengths[i] + _length(self.knots, self.cubics, self.nodes[i], u)
 
@@ -62,19 +63,27 @@ class Curve:
 
         Args:
             position: Any point in the plane.
-            near: Length [m] at which to start: the nearest point is tracked downhill from there and does not jump to
-                another part of the curve that happens to be closer. None searches the whole curve.
+            near: Length [m] at which to start: the nearest point is tracked downhill from there and
+                does not jump to another part of the curve that happens to be closer. None searches
+                the whole curve.
         """
         distance = np.sum((self.corners - position) ** 2, axis=1)
         if near is None:
             i = int(np.argmin(distance))
         else:
-            i = int(np.searchsorted(self.lengths, near)) if near < self.lengths[-1] else distance.size - 1
+            i = (
+                int(np.searchsorted(self.lengths, near))
+                if near < self.lengths[-1]
+                else distance.size - 1
+            )
             while i + 1 < distance.size and distance[i + 1] < distance[i]:
                 i += 1
             while i > 0 and distance[i - 1] < distance[i]:
                 i -= 1
-        low, high = float(self.nodes[max(i - 1, 0)]), float(self.nodes[min(i + 1, self.nodes.size - 1)])
+        low, high = (
+            float(self.nodes[max(i - 1, 0)]),
+            float(self.nodes[min(i + 1, self.nodes.size - 1)]),
+        )
         return self._foot(position, low, float(self.nodes[i]), high)
 
     def _foot(self, position: Float[np.ndarray, " 2"], low: float, u: float, high: float) -> float:
@@ -104,14 +113,17 @@ def natural_cubic(points: Vectors) -> Curve:
     knots = np.concatenate(([0.0], np.cumsum(step)))
     cubics = _cubics(points, step)
     inner = np.linspace(0.0, 1.0, PIECES, endpoint=False)
-    nodes = np.concatenate(((knots[:-1, np.newaxis] + step[:, np.newaxis] * inner).ravel(), knots[-1:]))
+    nodes = np.concatenate(
+        ((knots[:-1, np.newaxis] + step[:, np.newaxis] * inner).ravel(), knots[-1:])
+    )
     corners, first, _ = _derivatives(knots, cubics, nodes)
     speed = np.linalg.norm(first, axis=1)
     slowest = int(np.argmin(speed))
     if speed[slowest] < 1e-6 * np.max(speed):
         x, y = corners[slowest]
         raise BadArgument(
-            "waypoints", f"must give a curve with a direction everywhere, but it turns on the spot at ({x:g}, {y:g})"
+            "waypoints",
+            f"must give a curve with a direction everywhere, but it turns on the spot at ({x:g}, {y:g})",
         )
     pieces = _length(knots, cubics, nodes[:-1], nodes[1:])
     lengths = np.concatenate(([0.0], np.cumsum(pieces)))

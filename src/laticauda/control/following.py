@@ -18,13 +18,17 @@ LEVEL = 1.0  # level stretch of a profile before its first and after its last de
 class Course:
     """Course to follow, apart from waypoints.
 
-    A circle's depths are those at its start and after its turns; without depths, depth is not steered. A path with a
-    depth needs pitch joints and the spatial model.
+    A circle's depths are those at its start and after its turns; without depths, depth is not
+    steered. A path with a depth needs pitch joints and the spatial model.
     """
 
-    smooth: bool = option("A smooth curve through the waypoints instead of straight legs", default=False)
+    smooth: bool = option(
+        "A smooth curve through the waypoints instead of straight legs", default=False
+    )
     circle: tuple[float, float, float, float] | None = quantity(
-        "", "A circle instead: x and y of its middle, its radius in m, and turns, positive to the left", default=None
+        "",
+        "A circle instead: x and y of its middle, its radius in m, and turns, positive to the left",
+        default=None,
     )
     path_depth: tuple[float, ...] | None = quantity(
         "m",
@@ -38,25 +42,41 @@ class Course:
 class Following(Course):
     """Parameters of path following, as in trial files; the defaults are the paper's for Mamba.
 
-    The integral gain is where published integral guidance starts. With a `path_depth` the robot is also steered in
-    depth, by its pitch joints and integral guidance, so that even a robot lighter than water holds its depth.
+    The integral gain is where published integral guidance starts. With a `path_depth` the robot is
+    also steered in depth, by its pitch joints and integral guidance, so that even a robot lighter
+    than water holds its depth.
     """
 
-    waypoints: tuple[tuple[float, float], ...] | None = quantity("m", "corners; None: the x axis", default=None)
-    guidance: Literal["line_of_sight", "integral_line_of_sight"] = option("guidance law", default="line_of_sight")
+    waypoints: tuple[tuple[float, float], ...] | None = quantity(
+        "m", "corners; None: the x axis", default=None
+    )
+    guidance: Literal["line_of_sight", "integral_line_of_sight"] = option(
+        "guidance law", default="line_of_sight"
+    )
     look_ahead_distance: float = quantity("m", "Delta", gt=0.0, default=0.18)
     integral_gain: float = quantity("m/s", "sigma of the integral law", ge=0.0, default=0.12)
     gain: float = quantity("", "k, offset per heading error", gt=0.0, default=0.4)
-    max_offset: float = quantity("rad", "largest offset to either side", gt=0.0, default=math.radians(20.0))
-    heading_estimate: Literal["raw", "cycle_mean"] = option("raw, or cycle_mean over the last cycle", default="raw")
+    max_offset: float = quantity(
+        "rad", "largest offset to either side", gt=0.0, default=math.radians(20.0)
+    )
+    heading_estimate: Literal["raw", "cycle_mean"] = option(
+        "raw, or cycle_mean over the last cycle", default="raw"
+    )
     interval: float = quantity("s", "time between two control instants", gt=0.0, default=0.05)
     observer: current.CurrentObserver | None = option(
-        "observer of the current, which lets the robot point upstream; None: no observer", default=None
+        "observer of the current, which lets the robot point upstream; None: no observer",
+        default=None,
     )
     climb_look_ahead_distance: float = quantity("m", "Delta for depth", gt=0.0, default=1.0)
-    climb_integral_gain: float = quantity("m/s", "sigma for depth; 0: no integral", ge=0.0, default=0.03)
-    climb_gain: float = quantity("", "offset of the pitch joints per climb error", gt=0.0, default=0.6)
-    max_climb_offset: float = quantity("rad", "largest such offset to either side", gt=0.0, default=math.radians(10.0))
+    climb_integral_gain: float = quantity(
+        "m/s", "sigma for depth; 0: no integral", ge=0.0, default=0.03
+    )
+    climb_gain: float = quantity(
+        "", "offset of the pitch joints per climb error", gt=0.0, default=0.6
+    )
+    max_climb_offset: float = quantity(
+        "rad", "largest such offset to either side", gt=0.0, default=math.radians(10.0)
+    )
 
     def __post_init__(self) -> None:
         """Check the waypoints by building the path, and the parameters of the laws by building the laws."""
@@ -71,7 +91,9 @@ class Following(Course):
             return Circle(center=self.circle[:2], radius=self.circle[2], turns=self.circle[3])
         if self.waypoints is None:
             return StraightLine()
-        return Spline(waypoints=self.waypoints) if self.smooth else Polyline(waypoints=self.waypoints)
+        return (
+            Spline(waypoints=self.waypoints) if self.smooth else Polyline(waypoints=self.waypoints)
+        )
 
     @property
     def profile(self) -> Path[Any] | None:
@@ -96,7 +118,9 @@ class Following(Course):
         """
         law: Guidance[Any] = LineOfSight(look_ahead_distance=self.look_ahead_distance)
         if self.guidance == "integral_line_of_sight":
-            law = IntegralLineOfSight(look_ahead_distance=self.look_ahead_distance, integral_gain=self.integral_gain)
+            law = IntegralLineOfSight(
+                look_ahead_distance=self.look_ahead_distance, integral_gain=self.integral_gain
+            )
         plan = path_following.PathFollowing(
             gait=gait,
             path=self.path,
@@ -112,7 +136,8 @@ class Following(Course):
             **vars(plan),
             profile=self.profile,
             climb_guidance=IntegralLineOfSight(
-                look_ahead_distance=self.climb_look_ahead_distance, integral_gain=self.climb_integral_gain
+                look_ahead_distance=self.climb_look_ahead_distance,
+                integral_gain=self.climb_integral_gain,
             ),
             climb=HeadingController(gain=self.climb_gain, max_offset=self.max_climb_offset),
         )

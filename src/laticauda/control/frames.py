@@ -8,7 +8,8 @@ from jaxtyping import Float
 from laticauda.extensions import Extensible
 
 State = TypeVar("State")
-# The path modules import these from here, so that no import hook of the tests checks their fields before they do.
+# The path modules import these from here, so that no import hook of the tests checks their fields
+# before they do.
 Position: TypeAlias = Float[np.ndarray, " n_axes"]
 Distances: TypeAlias = Float[np.ndarray, " n_points"]
 Points: TypeAlias = Float[np.ndarray, "n_points 2"]

@@ -1,7 +1,7 @@
 """Guidance and heading: from the distance to the path to the heading that leads back, and to the turning offset.
 
-Each guidance law consists of `init` and `step` with an explicit state. The reference heading is in world axes and
-within half a turn of the robot's heading, so that no law ever asks for a full turn.
+Each guidance law consists of `init` and `step` with an explicit state. The reference heading is in
+world axes and within half a turn of the robot's heading, so that no law ever asks for a full turn.
 """
 
 import math
@@ -49,7 +49,8 @@ class LineOfSight(Guidance[None]):
 
         theta_ref = path_tangential_angle - atan(cross_track_error / look_ahead_distance)
 
-    Equation (7) of the paper, for a path in any direction. A steady current across the path leaves a steady error.
+    Equation (7) of the paper, for a path in any direction. A steady current across the path leaves
+    a steady error.
 
     Raises:
         ValueError: If the look-ahead distance is not positive.
@@ -68,7 +69,9 @@ class LineOfSight(Guidance[None]):
     def init(self) -> None:
         """Return None: the law has no state."""
 
-    def step(self, state: None, frame: PathFrame, heading: float, dt: float, is_saturated: bool) -> tuple[None, float]:
+    def step(
+        self, state: None, frame: PathFrame, heading: float, dt: float, is_saturated: bool
+    ) -> tuple[None, float]:
         """Return the reference heading [rad].
 
         Args:
@@ -88,8 +91,8 @@ class IntegralLineOfSight(Guidance[float]):
         theta_ref = path_tangential_angle - atan((e + sigma y) / Delta)
         y' = Delta e / ((e + sigma y)^2 + Delta^2)
 
-    Far from the path y hardly grows, so it does not wind up during the approach; it does not grow at all while the
-    offset is at its limit, where a larger command has no effect.
+    Far from the path y hardly grows, so it does not wind up during the approach; it does not grow
+    at all while the offset is at its limit, where a larger command has no effect.
 
     Raises:
         ValueError: If the look-ahead distance is not positive, or the gain is negative.
@@ -126,7 +129,7 @@ def _aimed(frame: PathFrame, slope: float, heading: float) -> float:
     return heading + wrap_to_pi(frame.path_tangential_angle - math.atan(slope) - heading)
 
 
-# ---- heading: its estimate for an undulating body, and the offset that turns it --------------------------------------
+# ---- heading: its estimate for an undulating body, and the offset that turns it ------------------
 
 ROUNDING = 1e-9
 """Smaller than the time between any two control instants [s]."""
@@ -175,20 +178,25 @@ HeadingWindow: TypeAlias = tuple[tuple[float, float, float], ...]
 class HeadingEstimate:
     """Heading as the mean over the most recent time window.
 
-    The mean link angle (6) contains the ripple of the gait. A window of one gait period removes the ripple and lags by
-    half a period; a window of 0 gives (6) unchanged. Until a whole window has passed, the mean covers the time so far.
+    The mean link angle (6) contains the ripple of the gait. A window of one gait period removes the
+    ripple and lags by half a period; a window of 0 gives (6) unchanged. Until a whole window has
+    passed, the mean covers the time so far.
 
     Raises:
         ValueError: If the window is negative.
     """
 
-    window: float = quantity("s", "Averaging time; the gait's period, or 0 for no mean", ge=0.0, default=0.0)
+    window: float = quantity(
+        "s", "Averaging time; the gait's period, or 0 for no mean", ge=0.0, default=0.0
+    )
 
     def init(self) -> HeadingWindow:
         """Return an empty window."""
         return ()
 
-    def step(self, state: HeadingWindow, time: float, heading: float) -> tuple[HeadingWindow, float]:
+    def step(
+        self, state: HeadingWindow, time: float, heading: float
+    ) -> tuple[HeadingWindow, float]:
         """Add one heading and return the mean.
 
         The headings need not be equally spaced in time; they are interpolated linearly.
@@ -205,9 +213,13 @@ class HeadingEstimate:
             return ((time, heading, 0.0),), heading
         last = state[-1][0]
         if time - last <= ROUNDING:
-            raise BadArgument("time", f"must increase from step to step, got {last} s and then {time} s")
+            raise BadArgument(
+                "time", f"must increase from step to step, got {last} s and then {time} s"
+            )
         begin = max(time - self.window, state[0][0])
-        oldest = max(bisect_right(state, begin + ROUNDING, key=itemgetter(0)) - 1, 0)  # last one not inside
+        oldest = max(
+            bisect_right(state, begin + ROUNDING, key=itemgetter(0)) - 1, 0
+        )  # last one not inside
         seen = (*state[oldest:], (time, heading, grown(state[-1], time, heading)))
         return seen, mean_over(seen, begin)
 

@@ -42,9 +42,9 @@ class PathFollowingState:
 class PathFollowing(Controller[PathFollowingState]):
     """Controller that makes a robot follow a path with its gait.
 
-    At every control instant, it locates the center of mass relative to the path and computes the heading that leads
-    back to the path and the offset that turns the robot to that heading. The offset is held until the next control
-    instant; the reference generator of the plant smooths it.
+    At every control instant, it locates the center of mass relative to the path and computes the
+    heading that leads back to the path and the offset that turns the robot to that heading. The
+    offset is held until the next control instant; the reference generator of the plant smooths it.
 
     Raises:
         ValueError: If a field is out of its range.
@@ -64,15 +64,24 @@ class PathFollowing(Controller[PathFollowingState]):
 
     gait: gaits.Gait = option("Gait that follows the path; its own offset is added")
     path: Path[Any] = option("Path to follow: `StraightLine`, `Polyline`, `Spline` or a custom one")
-    guidance: Guidance[Any] = option("Guidance law: `LineOfSight`, `IntegralLineOfSight` or a custom one")
+    guidance: Guidance[Any] = option(
+        "Guidance law: `LineOfSight`, `IntegralLineOfSight` or a custom one"
+    )
     heading: HeadingController = option("Heading controller")
     heading_estimate: Literal["raw", "cycle_mean"] = option(
-        "Heading that is used: raw (6), with the gait's ripple, or cycle_mean, over the last gait period", default="raw"
+        "Heading that is used: raw (6), with the gait's ripple, or cycle_mean, over the last gait period",
+        default="raw",
     )
     interval: float = quantity("s", "Time between two control instants", default=0.05, gt=0.0)
-    observer: CurrentObserver | None = option("Observer of the current, to point upstream; None: none", default=None)
+    observer: CurrentObserver | None = option(
+        "Observer of the current, to point upstream; None: none", default=None
+    )
     max_crab_angle: float = quantity(
-        "rad", "Largest angle by which it points upstream", default=math.radians(60.0), gt=0.0, le=0.5 * math.pi
+        "rad",
+        "Largest angle by which it points upstream",
+        default=math.radians(60.0),
+        gt=0.0,
+        le=0.5 * math.pi,
     )
 
     def __post_init__(self) -> None:
@@ -88,9 +97,13 @@ class PathFollowing(Controller[PathFollowingState]):
 
     def init(self) -> PathFollowingState:
         """Return the state before the first control instant."""
-        return PathFollowingState(progress=self.path.init(), guidance=self.guidance.init(), window=self.estimate.init())
+        return PathFollowingState(
+            progress=self.path.init(), guidance=self.guidance.init(), window=self.estimate.init()
+        )
 
-    def step(self, state: PathFollowingState, observation: Observation) -> tuple[PathFollowingState, Command]:
+    def step(
+        self, state: PathFollowingState, observation: Observation
+    ) -> tuple[PathFollowingState, Command]:
         """Return the `state` after the `observation`, and the command until the next control instant.
 
         Args:
@@ -101,7 +114,9 @@ class PathFollowing(Controller[PathFollowingState]):
         window, heading = self.estimate.step(state.window, observation.time, observation.heading)
         progress, frame = self.path.locate(state.progress, observation.center_of_mass[:2])
         was_saturated = bool(state.signals.get("is_saturated"))
-        guidance, heading_ref = self.guidance.step(state.guidance, frame, heading, dt, was_saturated)
+        guidance, heading_ref = self.guidance.step(
+            state.guidance, frame, heading, dt, was_saturated
+        )
         observed, crab = self._observed(state, observation, heading_ref)
         if crab:
             heading_ref = heading + angles.wrap_to_pi(heading_ref - crab["crab_angle"] - heading)
@@ -132,7 +147,8 @@ class PathFollowing(Controller[PathFollowingState]):
             return None, {}
         frequency, held = self.gait.frequency, self.gait.offset + state.signals.get("offset", 0.0)
         seen = self.observer.step(state.observed, frequency, held, observation)
-        # With the filter's own speed, its errors in speed and current cancel; at the start it has no speed.
+        # With the filter's own speed, its errors in speed and current cancel; at the start it has
+        # no speed.
         speed = max(float(seen.mean[SPEED]), _SLOWEST * self.observer.model.speed(frequency, 0.0))
         angle, is_limited = crab_angle(course, seen.drift, speed, self.max_crab_angle)
         crab = {"crab_angle": angle, "is_crab_limited": float(is_limited)}
@@ -162,19 +178,23 @@ def refuse_offset(robot: Robot, gait: gaits.Gait, max_offset: float) -> None:
         ValueError: If a joint could go beyond its limit.
     """
     chain = robot.planar()
-    for i, (joint, g) in enumerate(zip(chain.joints, gait.joint_envelope(chain.n_links), strict=True)):
+    for i, (joint, g) in enumerate(
+        zip(chain.joints, gait.joint_envelope(chain.n_links), strict=True)
+    ):
         room = joint.limit - gait.amplitude * abs(g) - abs(gait.offset)
         if max_offset > room:
             rule = (
-                f"must be <= {room:.4g} rad, or joint {i} goes beyond its limit of {joint.limit:.4g} rad with this gait"
+                f"must be <= {room:.4g} rad, or joint {i} goes beyond its limit "
+                f"of {joint.limit:.4g} rad with this gait"
             )
             raise BadArgument("max_offset", f"{rule}; got {max_offset}")
 
 
-# ---- in space: twice, once in plan and once in profile --------------------------------------------------------------
-# A path in space is a path in plan and a profile: a path in the plane of the distance along the former (to the right)
-# and the height (up). Every path, guidance law and heading law therefore also works vertically: in profile, "left of
-# the path" is above it, and the heading is the climb, the mean pitch of the links with the opposite sign.
+# ---- in space: twice, once in plan and once in profile -------------------------------------------
+# A path in space is a path in plan and a profile: a path in the plane of the distance along the
+# former (to the right) and the height (up). Every path, guidance law and heading law therefore also
+# works vertically: in profile, "left of the path" is above it, and the heading is the climb, the
+# mean pitch of the links with the opposite sign.
 
 _SIGNALS = {
     "heading_ref": "climb_ref",
@@ -198,7 +218,8 @@ class SpatialPathFollowingState(PathFollowingState):
 class SpatialPathFollowing(PathFollowing):
     """Controller that makes a robot with pitch joints follow a path in space.
 
-    In plan it is `PathFollowing`; in profile it is a second `PathFollowing` that sets the offset of the pitch joints.
+    In plan it is `PathFollowing`; in profile it is a second `PathFollowing` that sets the offset of
+    the pitch joints.
 
     Raises:
         ValueError: If a field is out of its range.
@@ -219,20 +240,26 @@ class SpatialPathFollowing(PathFollowing):
         0.05
     """
 
-    profile: Path[Any] = option("The path in profile: x is the distance along `path`, y the height, 0 at the surface")
+    profile: Path[Any] = option(
+        "The path in profile: x is the distance along `path`, y the height, 0 at the surface"
+    )
     climb_guidance: Guidance[Any] = option("Guidance law in profile")
     climb: HeadingController = option("Climb controller")
 
     @property
     def _profile(self) -> PathFollowing:
         own = {name: getattr(self, name) for name in ("gait", "heading_estimate", "interval")}
-        return PathFollowing(path=self.profile, guidance=self.climb_guidance, heading=self.climb, **own)
+        return PathFollowing(
+            path=self.profile, guidance=self.climb_guidance, heading=self.climb, **own
+        )
 
     def init(self) -> SpatialPathFollowingState:
         """Return the state before the first control instant."""
         return SpatialPathFollowingState(**vars(super().init()), profile=self._profile.init())
 
-    def step(self, state: PathFollowingState, observation: Observation) -> tuple[SpatialPathFollowingState, Command]:
+    def step(
+        self, state: PathFollowingState, observation: Observation
+    ) -> tuple[SpatialPathFollowingState, Command]:
         """Return the `state` after the `observation`, and the command until the next control instant.
 
         Args:
@@ -244,11 +271,14 @@ class SpatialPathFollowing(PathFollowing):
         """
         if observation.center_of_mass.size != 3:
             raise BadArgument(
-                "observation", "must come from a spatial model for a path in space, got one from a planar model"
+                "observation",
+                "must come from a spatial model for a path in space, got one from a planar model",
             )
         plan, turn = super().step(state, observation)
         at, velocity = observation.center_of_mass, observation.center_of_mass_velocity
-        course, gone = (plan.signals[name] for name in ("path_tangential_angle", "along_track_distance"))
+        course, gone = (
+            plan.signals[name] for name in ("path_tangential_angle", "along_track_distance")
+        )
         along = velocity[0] * math.cos(course) + velocity[1] * math.sin(course)
         seen = replace(
             observation,
@@ -258,7 +288,9 @@ class SpatialPathFollowing(PathFollowing):
         )
         profile, rise = self._profile.step(cast(SpatialPathFollowingState, state).profile, seen)
         climb = {ours: profile.signals[name] for name, ours in _SIGNALS.items()}
-        state = SpatialPathFollowingState(**vars(replace(plan, signals={**plan.signals, **climb})), profile=profile)
+        state = SpatialPathFollowingState(
+            **vars(replace(plan, signals={**plan.signals, **climb})), profile=profile
+        )
         return state, replace(turn, pitch_offset=-rise.offset)
 
     def check(self, robot: Robot) -> None:
@@ -268,15 +300,20 @@ class SpatialPathFollowing(PathFollowing):
             robot: Robot that is to follow the path.
 
         Raises:
-            ValueError: If there are no pitch joints, or the largest offset could take a joint beyond its limit.
+            ValueError: If there are no pitch joints, or the largest offset could take a joint
+                beyond its limit.
         """
         super().check(robot)
         limits = [joint.limit for joint in robot.joints if joint.axis == "pitch"]
         if not limits:
             rule = "must have pitch joints for a path in space, got"
-            raise BadArgument("robot", f"{rule} `{robot.name}` (`axis` in its file; the planar model has none)")
+            raise BadArgument(
+                "robot", f"{rule} `{robot.name}` (`axis` in its file; the planar model has none)"
+            )
         pitch = self.gait.pitch
         room = min(limits) - (0.0 if pitch is None else pitch.amplitude + abs(pitch.offset))
         if self.climb.max_offset > room:
-            rule = f"must be <= {room:.4g} rad, or a pitch joint goes beyond its limit with this gait"
+            rule = (
+                f"must be <= {room:.4g} rad, or a pitch joint goes beyond its limit with this gait"
+            )
             raise BadArgument("climb.max_offset", f"{rule}; got {self.climb.max_offset}")

@@ -30,8 +30,12 @@ class StraightLine(Path[None]):
         0.5
     """
 
-    point: tuple[float, float] = quantity("m", "Point with along-track distance 0, in world axes", default=(0.0, 0.0))
-    angle: float = quantity("rad", "Its direction, from the world x axis, counter-clockwise", default=0.0)
+    point: tuple[float, float] = quantity(
+        "m", "Point with along-track distance 0, in world axes", default=(0.0, 0.0)
+    )
+    angle: float = quantity(
+        "rad", "Its direction, from the world x axis, counter-clockwise", default=0.0
+    )
 
     def init(self) -> None:
         """Return None: a line has no progress."""
@@ -65,7 +69,9 @@ class Circle(Path[tuple[float, float] | None]):
 
     center: tuple[float, float] = quantity("m", "Its center; x and y in world axes")
     radius: float = quantity("m", "Its radius", gt=0.0)
-    turns: float = quantity("", "Number of turns; positive: to the left, negative: to the right", default=1.0)
+    turns: float = quantity(
+        "", "Number of turns; positive: to the left, negative: to the right", default=1.0
+    )
 
     def __post_init__(self) -> None:
         """Reject zero turns."""
@@ -80,16 +86,21 @@ class Circle(Path[tuple[float, float] | None]):
     def init(self) -> None:
         """Return None: the robot has not been seen yet."""
 
-    def locate(self, progress: tuple[float, float] | None, position: Position) -> tuple[tuple[float, float], PathFrame]:
+    def locate(
+        self, progress: tuple[float, float] | None, position: Position
+    ) -> tuple[tuple[float, float], PathFrame]:
         """Locate a `position` [m]; the `progress` is its direction from the center and the angle covered [rad].
 
         Args:
-            progress: Direction from the center to the last position, and the angle covered so far [rad]; None if there
-                is no last position.
+            progress: Direction from the center to the last position, and the angle covered so far
+                [rad]; None if there is no last position.
             position: Center of mass, in world axes [m].
         """
         side, (x, y) = math.copysign(1.0, self.turns), self.center
-        away, angle = math.hypot(position[0] - x, position[1] - y), math.atan2(position[1] - y, position[0] - x)
+        away, angle = (
+            math.hypot(position[0] - x, position[1] - y),
+            math.atan2(position[1] - y, position[0] - x),
+        )
         last, swept = progress or (angle, 0.0)
         swept += side * wrap_to_pi(angle - last)
         along, across = self.radius * swept, side * (self.radius - away)
@@ -103,22 +114,28 @@ class Circle(Path[tuple[float, float] | None]):
             along_track_distance: Distances along the circle from its rightmost point [m].
         """
         angle = math.copysign(1.0, self.turns) * along_track_distance / self.radius
-        return np.array(self.center) + self.radius * np.stack((np.cos(angle), np.sin(angle)), axis=1)
+        return np.array(self.center) + self.radius * np.stack(
+            (np.cos(angle), np.sin(angle)), axis=1
+        )
 
 
 @value
 class Polyline(Path[int]):
     """Straight legs from waypoint to waypoint, followed one at a time.
 
-    The next leg starts when the robot comes within the acceptance distance of the leg's end or passes it, so a robot
-    carried past a waypoint does not turn back. The last leg continues straight beyond its end.
+    The next leg starts when the robot comes within the acceptance distance of the leg's end or
+    passes it, so a robot carried past a waypoint does not turn back. The last leg continues
+    straight beyond its end.
 
     Raises:
-        ValueError: If there are fewer than two waypoints or two equal ones in a row, or a number is not finite.
+        ValueError: If there are fewer than two waypoints or two equal ones in a row, or a number is
+            not finite.
     """
 
     waypoints: Waypoints = quantity("m", "Waypoints in order; x and y in world axes")
-    acceptance_distance: float = quantity("m", "Distance that counts as reached; 0: once passed", default=0.0, ge=0.0)
+    acceptance_distance: float = quantity(
+        "m", "Distance that counts as reached; 0: once passed", default=0.0, ge=0.0
+    )
 
     def __post_init__(self) -> None:
         """Check every field once."""
@@ -159,10 +176,17 @@ class Polyline(Path[int]):
         Args:
             along_track_distance: Distances along the path from its start [m].
         """
-        leg = np.clip(np.searchsorted(self.lengths, along_track_distance, side="right") - 1, 0, len(self.lengths) - 2)
+        leg = np.clip(
+            np.searchsorted(self.lengths, along_track_distance, side="right") - 1,
+            0,
+            len(self.lengths) - 2,
+        )
         corner = np.array(self.waypoints)
         ahead = np.diff(corner, axis=0) / np.diff(self.lengths)[:, np.newaxis]
-        return corner[leg] + (along_track_distance - np.array(self.lengths)[leg])[:, np.newaxis] * ahead[leg]
+        return (
+            corner[leg]
+            + (along_track_distance - np.array(self.lengths)[leg])[:, np.newaxis] * ahead[leg]
+        )
 
     def angle(self, leg: int) -> float:
         """Return the direction of a `leg`, counted from 0, from the world x axis [rad].
@@ -182,12 +206,12 @@ class Polyline(Path[int]):
 class Spline(Path[float | None]):
     """Smooth curve through waypoints, parameterized by its length; see `laticauda.control.curve`.
 
-    The nearest point is first searched along the whole curve and then tracked, so that a curve may cross itself. Before
-    its start and after its end the curve continues straight.
+    The nearest point is first searched along the whole curve and then tracked, so that a curve may
+    cross itself. Before its start and after its end the curve continues straight.
 
     Raises:
-        ValueError: If there are fewer than two waypoints or two equal ones in a row, a number is not finite, or the
-            curve turns back on the spot.
+        ValueError: If there are fewer than two waypoints or two equal ones in a row, a number is
+            not finite, or the curve turns back on the spot.
     """
 
     waypoints: Waypoints = quantity("m", "Waypoints in order; x and y in world axes")
@@ -227,10 +251,13 @@ class Spline(Path[float | None]):
         length = float(curve.length(u)[0])
         angle = math.atan2(first[1], first[0])
         beyond, across = seen_from((float(r[0]), float(r[1])), angle, position)
-        # Inside, the nearest point is at a right angle to the curve, and any remaining `beyond` is rounding.
+        # Inside, the nearest point is at a right angle to the curve, and any remaining `beyond` is
+        # rounding.
         is_outside = (length <= 0.0 and beyond < 0.0) or (length >= self.length and beyond > 0.0)
         along = length + beyond if is_outside else length
-        return length, _frame(along, across, angle, self.length, 0.0 if is_outside else _curvature(first, second))
+        return length, _frame(
+            along, across, angle, self.length, 0.0 if is_outside else _curvature(first, second)
+        )
 
     def points(self, along_track_distance: Distances) -> Points:
         """Return the point of the curve at each `along_track_distance` [m].
@@ -244,7 +271,9 @@ class Spline(Path[float | None]):
         return r + (along_track_distance - inside)[:, np.newaxis] * unit
 
 
-def _frame(along: float, across: float, angle: float, length: float, curvature: float = 0.0) -> PathFrame:
+def _frame(
+    along: float, across: float, angle: float, length: float, curvature: float = 0.0
+) -> PathFrame:
     """Return the frame of a position `along` a path of this length and `across` it, where its direction is `angle`."""
     return PathFrame(
         along_track_distance=along,
@@ -283,4 +312,6 @@ def _check_waypoints(points: Waypoints) -> None:
         raise BadArgument("waypoints", f"must hold at least 2 points, got {len(points)}")
     for i in range(1, len(points)):
         if points[i] == points[i - 1]:
-            raise BadArgument(f"waypoints[{i}]", f"must differ from the point before it, got {points[i]} twice")
+            raise BadArgument(
+                f"waypoints[{i}]", f"must differ from the point before it, got {points[i]} twice"
+            )

@@ -1,8 +1,9 @@
 """Model-predictive path following: at every instant, plan the next seconds and carry out the start of the best plan.
 
-A plan is solved by CasADi and IPOPT, starting from the last one. Multiple shooting: the states at the stages and the
-commands between them are the unknowns, tied together by the model's step. The problem is built once for a fixed
-structure; numbers that change from one instant to the next are its parameters.
+A plan is solved by CasADi and IPOPT, starting from the last one. Multiple shooting: the states at
+the stages and the commands between them are the unknowns, tied together by the model's step. The
+problem is built once for a fixed structure; numbers that change from one instant to the next are
+its parameters.
 """
 
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
@@ -28,7 +29,8 @@ from laticauda.robot import Robot
 
 Array = np.ndarray
 _N_STATES, _N_COMMANDS = 6, 2
-# In the model, a wandering offset costs nothing, but it wears the robot: a small cost keeps it steady [1/rad^2].
+# In the model, a wandering offset costs nothing, but it wears the robot: a small cost keeps it
+# steady [1/rad^2].
 _OFFSET_CHANGE = 30.0
 _FREQUENCY_CHANGE = 0.3
 
@@ -102,7 +104,9 @@ def _solver(problem: "ModelPredictive") -> tuple[Any, Array, Array, Array, Array
         before = start if k == 0 else states[:, k - 1]
         held = last if k == 0 else commands[:, k - 1]
         f, offset = commands[0, k], commands[1, k]
-        moved = model.after(tuple(before[i] for i in range(_N_STATES)), f, offset, dt, casadi.sin, casadi.cos)
+        moved = model.after(
+            tuple(before[i] for i in range(_N_STATES)), f, offset, dt, casadi.sin, casadi.cos
+        )
         moved = casadi.vertcat(moved[0] + drift[0] * dt, moved[1] + drift[1] * dt, *moved[2:])
         ties.append(states[:, k] - moved)
         rates.append((commands[:, k] - held) / dt)
@@ -112,7 +116,12 @@ def _solver(problem: "ModelPredictive") -> tuple[Any, Array, Array, Array, Array
     unknowns = casadi.vertcat(casadi.vec(states), casadi.vec(commands))
     rules = casadi.vertcat(*ties, *rates, *powers)
     parameters = casadi.vertcat(start, drift, last, casadi.vec(path))
-    quiet = {"ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": False, "show_eval_warnings": False}
+    quiet = {
+        "ipopt.print_level": 0,
+        "ipopt.sb": "yes",
+        "print_time": False,
+        "show_eval_warnings": False,
+    }
     effort = {"ipopt.max_iter": problem.iterations, "ipopt.tol": 1e-4, "ipopt.mu_init": 1e-2}
     warm = {"ipopt.warm_start_init_point": "yes", "ipopt.mu_strategy": "monotone"}
     stated = {"x": unknowns, "p": parameters, "f": cost, "g": rules}
@@ -123,10 +132,18 @@ def _solver(problem: "ModelPredictive") -> tuple[Any, Array, Array, Array, Array
     pace = np.tile([problem.frequency_rate, problem.offset_rate], n)
     tied = np.zeros(_N_STATES * n)
     most = np.full(n, problem.power_limit)
-    return solver, low, high, np.concatenate([tied, -pace, -np.inf * np.ones(n)]), np.concatenate([tied, pace, most])
+    return (
+        solver,
+        low,
+        high,
+        np.concatenate([tied, -pace, -np.inf * np.ones(n)]),
+        np.concatenate([tied, pace, most]),
+    )
 
 
-def _cost(problem: "ModelPredictive", casadi: Any, state: Any, f: Any, offset: Any, drift: Any, path: Any) -> Any:
+def _cost(
+    problem: "ModelPredictive", casadi: Any, state: Any, f: Any, offset: Any, drift: Any, path: Any
+) -> Any:
     """Return the cost per second. Far from the path, the distance counts linearly, not quadratically."""
     x, y, psi, _, u, w = (state[i] for i in range(_N_STATES))
     c, s = casadi.cos(psi - path[2]), casadi.sin(psi - path[2])
@@ -140,7 +157,7 @@ def _cost(problem: "ModelPredictive", casadi: Any, state: Any, f: Any, offset: A
     return total + problem.model.power(f, offset) / problem.power_tolerance
 
 
-# ---- the controller --------------------------------------------------------------------------------------------------
+# ---- the controller ------------------------------------------------------------------------------
 
 _LEAST_INTERVAL = 0.2  # allows the solver enough time [s]
 _SLOWEST = 0.2  # lower bound of the speed used to look ahead along the path, as a fraction of the requested speed
@@ -166,22 +183,33 @@ class PredictiveState:
 class PlanLimits:
     """Limits of a plan, and the law that steers if there is no plan."""
 
-    frequency_limits: tuple[float, float] | None = quantity("rad/s", "Lowest, highest; None: the gait's", default=None)
-    power_limit: float = quantity("W", "Limit of the gait's modeled mean power over a cycle", default=math.inf)
-    max_offset: float = quantity("rad", "Largest offset to either side", default=math.radians(20.0), gt=0.0)
-    look_ahead_distance: float = quantity("m", "Look-ahead of the fallback line of sight", default=1.62, gt=0.0)
+    frequency_limits: tuple[float, float] | None = quantity(
+        "rad/s", "Lowest, highest; None: the gait's", default=None
+    )
+    power_limit: float = quantity(
+        "W", "Limit of the gait's modeled mean power over a cycle", default=math.inf
+    )
+    max_offset: float = quantity(
+        "rad", "Largest offset to either side", default=math.radians(20.0), gt=0.0
+    )
+    look_ahead_distance: float = quantity(
+        "m", "Look-ahead of the fallback line of sight", default=1.62, gt=0.0
+    )
     gain: float = quantity("", "Gain of its heading law", default=0.25, gt=0.0)
-    interval: float = quantity("s", "Time between two control instants, 0.2 s or more", default=0.2, ge=_LEAST_INTERVAL)
+    interval: float = quantity(
+        "s", "Time between two control instants, 0.2 s or more", default=0.2, ge=_LEAST_INTERVAL
+    )
 
 
 @value
 class ModelPredictive(PlanLimits, Controller[PredictiveState]):
     """Controller that plans offset and frequency with the averaged model, and thus takes a current into account.
 
-    The cost per second is the sum of the costs of the distance from the path, the course across it, the speed along it
-    and the power, each relative to its tolerance. The offset, its rate, the frequency and the mean power stay within
-    their limits. If the solver finds no plan, line-of-sight guidance steers while the frequency goes to its least
-    value, within the limits of offset and rates, and the signal ``is_fallback`` is set.
+    The cost per second is the sum of the costs of the distance from the path, the course across it,
+    the speed along it and the power, each relative to its tolerance. The offset, its rate, the
+    frequency and the mean power stay within their limits. If the solver finds no plan,
+    line-of-sight guidance steers while the frequency goes to its least value, within the limits of
+    offset and rates, and the signal ``is_fallback`` is set.
 
     Raises:
         ValueError: If a field is out of its range.
@@ -191,15 +219,28 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
     path: Path[Any] = option("Path to follow")
     model: averaged.AveragedModel = option("Model of this gait and robot, from `fit_averaged`")
     speed: float = quantity("m/s", "Desired speed along the path", gt=0.0)
-    offset_rate: float = quantity("rad/s", "Largest rate of change of the offset", default=math.radians(20.0), gt=0.0)
-    frequency_rate: float = quantity("rad/s^2", "Largest rate of change of the frequency", default=0.2, gt=0.0)
-    cross_track_tolerance: float = quantity(
-        "m", "Distance from the path that costs 1 per second; far away, the cost grows linearly", default=0.1, gt=0.0
+    offset_rate: float = quantity(
+        "rad/s", "Largest rate of change of the offset", default=math.radians(20.0), gt=0.0
     )
-    course_tolerance: float = quantity("rad", "Angle between course and path that costs 1 per s", default=0.5, gt=0.0)
-    speed_tolerance: float = quantity("m/s", "Lack of speed that costs 1 per second", default=0.05, gt=0.0)
+    frequency_rate: float = quantity(
+        "rad/s^2", "Largest rate of change of the frequency", default=0.2, gt=0.0
+    )
+    cross_track_tolerance: float = quantity(
+        "m",
+        "Distance from the path that costs 1 per second; far away, the cost grows linearly",
+        default=0.1,
+        gt=0.0,
+    )
+    course_tolerance: float = quantity(
+        "rad", "Angle between course and path that costs 1 per s", default=0.5, gt=0.0
+    )
+    speed_tolerance: float = quantity(
+        "m/s", "Lack of speed that costs 1 per second", default=0.05, gt=0.0
+    )
     power_tolerance: float = quantity("W", "Power that costs 1 per second", default=1000.0, gt=0.0)
-    horizon: int = quantity("", "Number of planned steps after the first, which lasts one interval", default=15, ge=1)
+    horizon: int = quantity(
+        "", "Number of planned steps after the first, which lasts one interval", default=15, ge=1
+    )
     stage: float = quantity("s", "Duration of each of them", default=1.0, gt=0.0)
     iterations: int = quantity("", "Most solver iterations per plan", default=40, ge=1)
 
@@ -234,7 +275,9 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
         """Return the state before the first control instant."""
         return PredictiveState(progress=self.path.init(), command=(self.gait.frequency, 0.0))
 
-    def step(self, state: PredictiveState, observation: Observation) -> tuple[PredictiveState, Command]:
+    def step(
+        self, state: PredictiveState, observation: Observation
+    ) -> tuple[PredictiveState, Command]:
         """Return the `state` after the `observation`, and the command until the next control instant.
 
         Args:
@@ -243,12 +286,15 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
         """
         observer = CurrentObserver(model=self.model)
         seen = observer.step(state.seen, *state.command, observation)
-        # The plan starts from the filter's position: the center of mass swings across its course with the gait.
+        # The plan starts from the filter's position: the center of mass swings across its course
+        # with the gait.
         progress, frame = self.path.locate(state.progress, seen.mean[[X, Y]])
         _, raw = self.path.locate(progress, observation.center_of_mass[:2])
         found = plan(self._problem, self._given(seen, frame, state.command), state.unknowns)
         is_fallback = not found.is_solved
-        heading_ref, wanted = self._line_of_sight(seen, frame) if is_fallback else self._first(seen, frame, found)
+        heading_ref, wanted = (
+            self._line_of_sight(seen, frame) if is_fallback else self._first(seen, frame, found)
+        )
         frequency, offset = self._limited(wanted, state.command)
         after = PredictiveState(
             progress=progress,
@@ -256,7 +302,8 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
             unknowns=None if is_fallback else found.unknowns,
             command=(frequency, offset),
             signals={
-                # Desired mean heading: the plan's after its first step, or that of line-of-sight guidance.
+                # Desired mean heading: the plan's after its first step, or that of line-of-sight
+                # guidance.
                 "heading_ref": heading_ref,
                 "heading_used": self._heading(seen),
                 **raw.signals,
@@ -285,20 +332,26 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
         place = _turned(0.5 * (after + before) - foot, -chi)
         direction = np.arctan2(tangent[:, 1], tangent[:, 0])
         return Given(
-            state=np.array([0.0, frame.cross_track_error, psi, mean[BEND], mean[SPEED], mean[SWAY]]),
+            state=np.array(
+                [0.0, frame.cross_track_error, psi, mean[BEND], mean[SPEED], mean[SWAY]]
+            ),
             drift=drift,
             command=np.array(last),
             path=np.column_stack([place, np.unwrap(np.concatenate(([0.0], direction)))[1:]]),
         )
 
-    def _first(self, seen: ObserverState, frame: PathFrame, found: Plan) -> tuple[float, tuple[float, float]]:
+    def _first(
+        self, seen: ObserverState, frame: PathFrame, found: Plan
+    ) -> tuple[float, tuple[float, float]]:
         """Return the heading at the end of the first whole stage, and the command until the next instant."""
         now, psi = self._heading(seen), float(seen.mean[PSI])
         ahead = float(found.states[1, PSI] + self.model.bend * found.states[1, BEND])
         turn = ahead - wrap_to_pi(psi - frame.path_tangential_angle) - (now - psi)
         return now + turn, (float(found.commands[0, 0]), float(found.commands[0, 1]))
 
-    def _line_of_sight(self, seen: ObserverState, frame: PathFrame) -> tuple[float, tuple[float, float]]:
+    def _line_of_sight(
+        self, seen: ObserverState, frame: PathFrame
+    ) -> tuple[float, tuple[float, float]]:
         """Return the heading and command of the fallback law."""
         heading = float(seen.mean[PSI])
         law = guidance.LineOfSight(look_ahead_distance=self.look_ahead_distance)
@@ -310,7 +363,9 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
         """Return the mean heading, without the ripple [rad]."""
         return float(seen.mean[PSI] + self.model.bend * seen.mean[BEND])
 
-    def _limited(self, wanted: tuple[float, float], last: tuple[float, float]) -> tuple[float, float]:
+    def _limited(
+        self, wanted: tuple[float, float], last: tuple[float, float]
+    ) -> tuple[float, float]:
         """Clip a command exactly to its limits, which the solver meets only within its tolerance."""
         low, high = self.frequencies
         pace = self.frequency_rate * self.interval, self.offset_rate * self.interval

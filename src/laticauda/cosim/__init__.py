@@ -1,7 +1,7 @@
 """Co-simulation: plants driven by other tools.
 
-A server for Octave, MATLAB and any other program with sockets and JSON, and FMUs and C libraries, which run without
-Python.
+A server for Octave, MATLAB and any other program with sockets and JSON, and FMUs and C libraries,
+which run without Python.
 """
 
 from pathlib import Path
@@ -12,7 +12,10 @@ from laticauda.packaging import lazy_exports
 if TYPE_CHECKING:
     from laticauda.cosim.fmu import LinkingFailed as LinkingFailed, export_fmu as export_fmu
     from laticauda.cosim.native.tables import export_c as export_c
-    from laticauda.cosim.messages import MESSAGE_BYTES as MESSAGE_BYTES, PROTOCOL_VERSION as PROTOCOL_VERSION
+    from laticauda.cosim.messages import (
+        MESSAGE_BYTES as MESSAGE_BYTES,
+        PROTOCOL_VERSION as PROTOCOL_VERSION,
+    )
     from laticauda.cosim.schema import message_schema as message_schema
     from laticauda.cosim.server import Server as Server, ServerFailed as ServerFailed
     from laticauda.cosim.session import Session as Session

@@ -1,7 +1,7 @@
 """Memory limits per client and for all clients together: logs, answers being read, and machine code.
 
-Writing a number as text temporarily takes a hundred bytes, and a step needs several copies of its samples. Large
-operations therefore wait for a lock, so that only one runs at a time.
+Writing a number as text temporarily takes a hundred bytes, and a step needs several copies of its
+samples. Large operations therefore wait for a lock, so that only one runs at a time.
 """
 
 import threading
@@ -46,7 +46,12 @@ class Budget:
         """
         water, model = scenario.environment, scenario.model
         if isinstance(water, Water) and water.flow:
-            kind = (type(model), type(model.joints), type(water.drag), *dict.fromkeys(map(type, water.flow.parts)))
+            kind = (
+                type(model),
+                type(model.joints),
+                type(water.drag),
+                *dict.fromkeys(map(type, water.flow.parts)),
+            )
             if kind not in self.kinds and len(self.kinds) >= MOST_KINDS:
                 rule = f"must be of a kind that this server has compiled: its limit of {MOST_KINDS} kinds is reached"
                 raise BadArgument("current", rule)

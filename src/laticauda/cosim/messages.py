@@ -32,19 +32,27 @@ def read_message(line: bytes) -> dict[str, Any]:
     try:
         found = json.loads(line.decode("utf-8"), parse_constant=_refuse, parse_float=_finite)
     except UnicodeDecodeError:
-        raise ValueError("A message must be one line of JSON in UTF-8, got bytes that are not text.") from None
+        raise ValueError(
+            "A message must be one line of JSON in UTF-8, got bytes that are not text."
+        ) from None
     except RecursionError:
-        raise ValueError("A message must be one line of JSON, got brackets that are nested too deeply.") from None
+        raise ValueError(
+            "A message must be one line of JSON, got brackets that are nested too deeply."
+        ) from None
     except json.JSONDecodeError as error:
         raise ValueError(f"A message must be one line of JSON; it is not: {error}.") from None
     if not isinstance(found, dict):
-        raise ValueError(f"A message must be a JSON object with the field `do`, got {type(found).__name__}.")
+        raise ValueError(
+            f"A message must be a JSON object with the field `do`, got {type(found).__name__}."
+        )
     return cast("dict[str, Any]", found)
 
 
 def write_message(message: Message) -> bytes:
     """Encode an answer as one line, including the line ending."""
-    return json.dumps(message, default=_plain, allow_nan=False, separators=(",", ":")).encode() + b"\n"
+    return (
+        json.dumps(message, default=_plain, allow_nan=False, separators=(",", ":")).encode() + b"\n"
+    )
 
 
 def _refuse(constant: str) -> NoReturn:
@@ -89,16 +97,30 @@ class Held:
     """Position, command (except for the gait) and current in a message."""
 
     center_of_mass: tuple[float, float] = quantity("m", "Initial position", default=(0.0, 0.0))
-    offset: float = quantity("rad", "Offset of all yaw joints, added to the gait's", ge=-1e3, le=1e3, default=0.0)
-    pitch_offset: float = quantity("rad", "Offset of all pitch joints", ge=-1e3, le=1e3, default=0.0)
-    references: tuple[float, ...] | None = quantity("rad", "References of the joints, not the gait's", default=None)
+    offset: float = quantity(
+        "rad", "Offset of all yaw joints, added to the gait's", ge=-1e3, le=1e3, default=0.0
+    )
+    pitch_offset: float = quantity(
+        "rad", "Offset of all pitch joints", ge=-1e3, le=1e3, default=0.0
+    )
+    references: tuple[float, ...] | None = quantity(
+        "rad", "References of the joints, not the gait's", default=None
+    )
     enabled: tuple[bool, ...] | None = option("Whether each joint's motor is on", default=None)
-    thrusts: tuple[float, ...] | None = quantity("N", "Thrust of every driven thruster", default=None)
-    deflections: tuple[float, ...] | None = quantity("rad", "Deflection of every driven pectoral fin", default=None)
-    current: Current = quantity("m/s", "Velocity of the water, or a flow", ge=-100.0, le=100.0, default=(0.0, 0.0))
+    thrusts: tuple[float, ...] | None = quantity(
+        "N", "Thrust of every driven thruster", default=None
+    )
+    deflections: tuple[float, ...] | None = quantity(
+        "rad", "Deflection of every driven pectoral fin", default=None
+    )
+    current: Current = quantity(
+        "m/s", "Velocity of the water, or a flow", ge=-100.0, le=100.0, default=(0.0, 0.0)
+    )
 
 
-def read_scenario(message: Message, own_robots: Mapping[str, Robot], duration: float = 30.0) -> scenarios.Scenario:
+def read_scenario(
+    message: Message, own_robots: Mapping[str, Robot], duration: float = 30.0
+) -> scenarios.Scenario:
     """Build the scenario that a message requests; omitted fields take their defaults.
 
     Robots, waters and so on are given by name, and never read from a client's path.
@@ -124,8 +146,12 @@ def read_scenario(message: Message, own_robots: Mapping[str, Robot], duration: f
     for name, there in {"robot": (*robot.robot_names(), *own_robots), **presets}.items():
         if getattr(choice, name) is not None:
             one_of(name, getattr(choice, name), there)
-    chosen = choice.resolved(command.gait, lambda name, n_links: _robot(own_robots.get(name), name, n_links))
-    water = codec.table_of(message.get("coefficients") or {}, "coefficients") | _given(message, ("current",))
+    chosen = choice.resolved(
+        command.gait, lambda name, n_links: _robot(own_robots.get(name), name, n_links)
+    )
+    water = codec.table_of(message.get("coefficients") or {}, "coefficients") | _given(
+        message, ("current",)
+    )
     if water and not isinstance(chosen.environment, Water):
         raise BadArgument("ground", "must not be given with `coefficients` or `current`")
     return scenarios.Scenario(
@@ -174,7 +200,8 @@ def read_command(message: Message, held: interfaces.Command) -> interfaces.Comma
     # Octave and MATLAB write an array of one number as a scalar, and null as an empty array.
     said = {name: message[name] for name in LISTS if name in message}
     lists = {
-        name: None if one == [] else [one] if isinstance(one, bool | int | float) else one for name, one in said.items()
+        name: None if one == [] else [one] if isinstance(one, bool | int | float) else one
+        for name, one in said.items()
     }
     changes |= _held(lists, *said)
     if message.get("gait") is not None:
@@ -191,7 +218,9 @@ def _held(said: Message, *names: str) -> dict[str, Any]:
     """Return the named fields that are present, decoded and checked."""
     mine = {name: said[name] for name in names if name in said}
     if '"source":' in json.dumps(mine.get("current"), default=str):
-        raise BadArgument("current", "must not name a file: the server reads no files for its clients")
+        raise BadArgument(
+            "current", "must not name a file: the server reads no files for its clients"
+        )
     if isinstance(name := mine.get("current"), str):
         mine["current"] = robot.load_current(one_of("current", name, robot.current_names()))
     checked = codec.decode(Held, mine)
@@ -200,7 +229,11 @@ def _held(said: Message, *names: str) -> dict[str, Any]:
 
 def _robot(own: Robot | None, name: str, n_links: int | None) -> Robot:
     found = load_robot(name) if own is None else own
-    return found if n_links is None else found.with_links(int(within("n_links", n_links, 1, MOST_LINKS)))
+    return (
+        found
+        if n_links is None
+        else found.with_links(int(within("n_links", n_links, 1, MOST_LINKS)))
+    )
 
 
 def _gait(table: dict[str, Any], held: gaits.Gait) -> gaits.Gait:
@@ -209,5 +242,9 @@ def _gait(table: dict[str, Any], held: gaits.Gait) -> gaits.Gait:
     for name in {"pitch", "fin"} & table.keys():
         wave, at = table[name], f"gait.{name}"
         usual = {"amplitude": 0.0, "frequency": table.get("frequency", held.frequency)}
-        table[name] = None if wave is None or wave == [] else codec.decode(Wave, usual | codec.table_of(wave, at), at)
+        table[name] = (
+            None
+            if wave is None or wave == []
+            else codec.decode(Wave, usual | codec.table_of(wave, at), at)
+        )
     return codec.updated(held, table, "gait")

@@ -1,7 +1,7 @@
 """JSON Schema of the co-simulation messages, generated from the classes that declare their fields.
 
-The schema gives the type, unit and range of each field, but not which fields are compatible: the server may reject a
-message that conforms to the schema, and rejects every message that does not.
+The schema gives the type, unit and range of each field, but not which fields are compatible: the
+server may reject a message that conforms to the schema, and rejects every message that does not.
 """
 
 import types
@@ -23,7 +23,13 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 NULL: Schema = {"type": "null"}
 TEXT: Schema = {"type": "string"}
 NUMBERS: Schema = {"type": "array", "items": {"type": ["number", "null", "array"]}}
-PLAIN: Mapping[Any, str] = {bool: "boolean", int: "integer", str: "string", float: "number", type(None): "null"}
+PLAIN: Mapping[Any, str] = {
+    bool: "boolean",
+    int: "integer",
+    str: "string",
+    float: "number",
+    type(None): "null",
+}
 DECLARED = (scenarios.Scenario, scenarios.Spatial, Start, messages.Held, scenarios.Choice)
 """Classes whose fields are top-level fields of a message; for a repeated name, the later class takes precedence."""
 OWN: Mapping[str, Schema] = {
@@ -32,15 +38,26 @@ OWN: Mapping[str, Schema] = {
     "token": TEXT,
     "duration": {"type": "number", "exclusiveMinimum": 0, "description": "Duration [s]"},
     "since": {"type": "number", "description": "Only samples after this time [s]"},
-    "series": {"anyOf": [TEXT, {"type": "array", "items": TEXT}], "description": "Names of quantities"},
+    "series": {
+        "anyOf": [TEXT, {"type": "array", "items": TEXT}],
+        "description": "Names of quantities",
+    },
 }
 """Fields of requests that no class declares."""
-ABOUT = {"protocol": "integer", "version": "string", "robot": "string", "n_links": "integer", "n_joints": "integer"}
+ABOUT = {
+    "protocol": "integer",
+    "version": "string",
+    "robot": "string",
+    "n_links": "integer",
+    "n_joints": "integer",
+}
 
 
 def message_schema() -> Schema:
     """Return the schema of all messages, with `$defs` for each kind of request and its answer."""
-    found = {do: _request(do) for do in messages.REQUESTS} | {f"{do}_answer": one for do, one in _answers().items()}
+    found = {do: _request(do) for do in messages.REQUESTS} | {
+        f"{do}_answer": one for do, one in _answers().items()
+    }
     found["refusal"] = _object({"error": TEXT}, "error")
     title = f"Messages of laticauda serve, version {messages.PROTOCOL_VERSION}"
     return {
@@ -56,7 +73,13 @@ def _request(do: str) -> Schema:
     for kind in DECLARED:
         known |= _fields(kind)
     law = _fields(scenarios.Spatial)["joints"]
-    known |= {"joints": law, "gait": _part(Gait), "coefficients": _part(Water), **OWN, "do": {"const": do}}
+    known |= {
+        "joints": law,
+        "gait": _part(Gait),
+        "coefficients": _part(Water),
+        **OWN,
+        "do": {"const": do},
+    }
     fields = {name: known[name] for name in (*messages.COMMON, *messages.REQUESTS[do])}
     return _object(fields, "do", *(["duration"] if do == "step" else []))
 
@@ -70,22 +93,39 @@ def _answers() -> dict[str, Schema]:
     about = {name: {"type": kind} for name, kind in ABOUT.items()}
     about |= {"link_length": NUMBERS, "settings": {"type": "object"}}
     series = {"series": {"type": "object", "additionalProperties": NUMBERS}}
-    figures = {one.name: {"type": ["number", "null"], "description": f"{one.title} [{one.unit}]"} for one in FIGURES}
-    summary = {"type": "object", "properties": figures, "required": ["status", "succeeded", *figures]}
+    figures = {
+        one.name: {"type": ["number", "null"], "description": f"{one.title} [{one.unit}]"}
+        for one in FIGURES
+    }
+    summary = {
+        "type": "object",
+        "properties": figures,
+        "required": ["status", "succeeded", *figures],
+    }
     command = {"command": {"type": "object"}}
     log = {**series, "dropped": {"type": "integer", "minimum": 0}}
     return {
         "reset": _object({**seen, **about}, "observation", *about),
         "step": _object(seen, "observation"),
         "set": _object(command, "command"),
-        "get": {"anyOf": [_object(log, *log), _object({**seen, **about, **command}, "observation", *about, *command)]},
+        "get": {
+            "anyOf": [
+                _object(log, *log),
+                _object({**seen, **about, **command}, "observation", *about, *command),
+            ]
+        },
         "run": _object({"figures": summary, **series}, "figures"),
     }
 
 
 def _object(fields: Mapping[str, Schema], *required: str) -> Schema:
     known = {"id": {}, **fields}
-    return {"type": "object", "properties": known, "required": list(required), "additionalProperties": False}
+    return {
+        "type": "object",
+        "properties": known,
+        "required": list(required),
+        "additionalProperties": False,
+    }
 
 
 def _logged(one: Series) -> Schema:
@@ -102,12 +142,18 @@ def _seen(hint: Any) -> Schema:
 def _part(kind: type) -> Schema:
     """Return the schema of a partial update: any fields of a class, and for a gait also its `kind`."""
     fields = _fields(kind) | {"kind": TEXT}
-    return {"anyOf": [{"type": "object", "properties": fields, "additionalProperties": False}, NULL]}
+    return {
+        "anyOf": [{"type": "object", "properties": fields, "additionalProperties": False}, NULL]
+    }
 
 
 def _fields(kind: type) -> dict[str, Schema]:
     """Return the schemas of a class's fields by name, including the names of angles in degrees."""
-    hints, texts, numbers = quantities.hints_of(kind), quantities.texts_of(kind), quantities.quantities_of(kind)
+    hints, texts, numbers = (
+        quantities.hints_of(kind),
+        quantities.texts_of(kind),
+        quantities.quantities_of(kind),
+    )
     found = {name: _field(hint, texts[name], numbers.get(name)) for name, hint in hints.items()}
     for name, plain in quantities.degrees_of(kind).items():
         found[name] = _field(hints[plain], texts[plain], numbers[plain].in_degrees)
@@ -116,7 +162,9 @@ def _fields(kind: type) -> dict[str, Schema]:
 
 def _field(hint: Any, text: str, declared: Quantity | None) -> Schema:
     unit = f" [{declared.unit or '-'}]" if declared else ""
-    choices = {str(one): one for one in (*_choices(hint, declared), NULL)}  # null is equivalent to omitting the field
+    choices = {
+        str(one): one for one in (*_choices(hint, declared), NULL)
+    }  # null is equivalent to omitting the field
     return {"anyOf": list(choices.values()), "description": text + unit}
 
 
@@ -130,7 +178,9 @@ def _choices(hint: Any, declared: Quantity | None) -> list[Schema]:
     if base is tuple:
         items = {"anyOf": _choices(inner[0], declared)}
         if inner[-1] is not ...:
-            return [{"type": "array", "items": items, "minItems": len(inner), "maxItems": len(inner)}]
+            return [
+                {"type": "array", "items": items, "minItems": len(inner), "maxItems": len(inner)}
+            ]
         return [{"type": "array", "items": items}, items]  # a number stands for an array of one
     if base in (float, int) and declared is not None:
         low, high = declared.ends
@@ -139,6 +189,8 @@ def _choices(hint: Any, declared: Quantity | None) -> list[Schema]:
         return [{"type": PLAIN[base]}]
     if isinstance(base, type) and Extensible in base.__bases__:
         group: Any = base
-        kinds = {"kind": {"type": "string", "examples": list(group.names())}}  # extensions may add more
+        kinds = {
+            "kind": {"type": "string", "examples": list(group.names())}
+        }  # extensions may add more
         return [TEXT, {"type": "object", "properties": kinds}]
     return [{"type": "object"}]

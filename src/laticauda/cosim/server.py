@@ -18,7 +18,9 @@ PIECE = 1 << 16  # bytes read at a time
 SENDING = 30.0  # s that a client may take to read an answer
 IDLE = 600.0  # s that a client may stay silent
 GREETING = 10.0  # s within which the client must send the token, if there is one
-DRAINING = 1.0  # s during which excess input is still received, so that the client can read the reason
+DRAINING = (
+    1.0  # s during which excess input is still received, so that the client can read the reason
+)
 
 
 class ServerFailed(LaticaudaError, OSError):
@@ -29,7 +31,8 @@ class Server:
     """TCP server for any number of worlds, one per client; see docs/cosim-protocol.md.
 
     Args:
-        host: Address to listen on; the default is this computer only. For others, the first request must hold a token.
+        host: Address to listen on; the default is this computer only. For others, the first request
+            must hold a token.
         port: Port to listen on; 0: any free port.
         max_clients: Maximum number of clients; further clients are told to try later.
         own_robots: Robots, by name, that clients may request in addition to the presets.
@@ -69,10 +72,14 @@ class Server:
             ServerFailed: If the server cannot listen there.
         """
         try:
-            family, _, _, _, address = socket.getaddrinfo(self.host, self.port, type=socket.SOCK_STREAM)[0]
+            family, _, _, _, address = socket.getaddrinfo(
+                self.host, self.port, type=socket.SOCK_STREAM
+            )[0]
             self._socket = socket.create_server((str(address[0]), self.port), family=family)
         except OSError as error:
-            raise ServerFailed(f"The server cannot listen at {self.host}:{self.port}: {error}.") from error
+            raise ServerFailed(
+                f"The server cannot listen at {self.host}:{self.port}: {error}."
+            ) from error
         self.port = int(self._socket.getsockname()[1])
 
     def run(self) -> None:
@@ -120,11 +127,16 @@ class Server:
                 if welcome:
                     self._clients.add(wire)
             wire.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            wire.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)  # detects clients that left without closing
+            wire.setsockopt(
+                socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1
+            )  # detects clients that left without closing
             if welcome:
                 self._talk(wire)
             else:
-                _dismiss(wire, f"The server already has {self.max_clients} clients, its maximum; try again later.")
+                _dismiss(
+                    wire,
+                    f"The server already has {self.max_clients} clients, its maximum; try again later.",
+                )
         except OSError:
             pass  # the client has disconnected
         finally:
@@ -150,7 +162,10 @@ class Server:
                     wire.sendall(session.answer(line))
                     wire.settimeout(IDLE)
         if len(line) == MESSAGE_BYTES:
-            _dismiss(wire, f"A message must be {MESSAGE_BYTES} bytes or shorter; this one is longer. Good-bye.")
+            _dismiss(
+                wire,
+                f"A message must be {MESSAGE_BYTES} bytes or shorter; this one is longer. Good-bye.",
+            )
 
     def _why_not(self, line: bytes, *, is_known: bool) -> str:
         """Return why a line is rejected and its client disconnected; "" if the line is accepted."""
@@ -159,7 +174,9 @@ class Server:
         if not is_known:
             with suppress(ValueError):
                 is_known = self.door.admits(read_message(line).get("token"))
-        return "" if is_known else "The first message must hold the `token` that the server printed."
+        return (
+            "" if is_known else "The first message must hold the `token` that the server printed."
+        )
 
 
 def _dismiss(wire: socket.socket, why: str) -> None:

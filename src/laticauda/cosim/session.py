@@ -1,7 +1,7 @@
 """Session of one client: one answer line per request line, and the client's world; independent of sockets.
 
-A world is a plant, its state, its command, and the log so far. Each change creates a new world, so that a rejected
-request changes nothing; only the log is extended in place.
+A world is a plant, its state, its command, and the log so far. Each change creates a new world, so
+that a rejected request changes nothing; only the log is extended in place.
 """
 
 import dataclasses
@@ -123,7 +123,9 @@ def new_world(scenario: lc.Scenario, budget: Budget) -> World:
     """
     budget.check_kind(scenario)
     body = simulate.plant(scenario)
-    world = World(scenario=scenario, plant=body, state=None, log=History(budget.logged), budget=budget)
+    world = World(
+        scenario=scenario, plant=body, state=None, log=History(budget.logged), budget=budget
+    )
     world = replace(world, state=body.init(cast(lc.Start, scenario.start), world.command))
     world.log.add(_try(world).at(slice(1)))
     return world
@@ -135,7 +137,8 @@ def changed(world: World, message: Message, *, tried: bool = True) -> World:
     Args:
         world: Current world.
         message: Message with any of the fields in `messages.HELD`.
-        tried: Whether to check at once that the plant accepts the command; a step performs this check itself.
+        tried: Whether to check at once that the plant accepts the command; a step performs this
+            check itself.
 
     Raises:
         BadKey: If a field is out of range; the world then stays unchanged.
@@ -190,8 +193,14 @@ def check_work(world: World, duration: float, sample_interval: float) -> int:
     parts = len(water.flow.parts) if isinstance(water, Water) and water.flow else 0
     among = f" in a current of {parts} parts" if parts else ""
     for most, where in (
-        (world.log.capacity * sample_interval, f"at a `sample_interval` of {sample_interval:g} s for {n} links"),
-        (MOST_WORK / (n * (1.0 + PART * parts)) * dt, f"in one request for {n} links{among} and steps of {dt:g} s"),
+        (
+            world.log.capacity * sample_interval,
+            f"at a `sample_interval` of {sample_interval:g} s for {n} links",
+        ),
+        (
+            MOST_WORK / (n * (1.0 + PART * parts)) * dt,
+            f"in one request for {n} links{among} and steps of {dt:g} s",
+        ),
     ):
         if duration > most:
             raise BadArgument("duration", f"must be <= {most:g} s {where}, got {duration:g}")
@@ -203,7 +212,7 @@ def _try(world: World) -> series.Log:
     return world.plant.march(world.state, world.command, MOMENT, MOMENT)[1]
 
 
-# ---- the client ----------------------------------------------------------------------------------------------------
+# ---- the client ----------------------------------------------------------------------------------
 
 
 class Session:
@@ -214,7 +223,9 @@ class Session:
         budget: Memory limits of the client.
     """
 
-    def __init__(self, own_robots: Mapping[str, Robot] | None = None, budget: Budget | None = None) -> None:
+    def __init__(
+        self, own_robots: Mapping[str, Robot] | None = None, budget: Budget | None = None
+    ) -> None:
         self._own_robots, self._budget = own_robots or {}, budget or Budget().shared(1)
         self._world: World | None = None
         self._requests = {do: getattr(self, f"_{do}") for do in messages.REQUESTS}
@@ -234,27 +245,41 @@ class Session:
                 return self._written({**tag, **self._answer(message)})
             except (ValueError, LaticaudaError) as error:
                 return messages.write_message({**tag, "error": str(error)})
-            except Exception as error:  # one request that fails unexpectedly must not end the others
+            except (
+                Exception
+            ) as error:  # one request that fails unexpectedly must not end the others
                 traceback.print_exc(file=sys.stderr)
-                return messages.write_message({**tag, "error": f"The server failed: {type(error).__name__}: {error}"})
+                return messages.write_message(
+                    {**tag, "error": f"The server failed: {type(error).__name__}: {error}"}
+                )
 
     def _written(self, message: Message) -> bytes:
-        count, most = sum(np.size(values) for values in message.get("series", {}).values()), self._budget.answered
+        count, most = (
+            sum(np.size(values) for values in message.get("series", {}).values()),
+            self._budget.answered,
+        )
         if count > most:
-            raise BadArgument("series", f"must hold {most} numbers or fewer in one answer, got {count}")
+            raise BadArgument(
+                "series", f"must hold {most} numbers or fewer in one answer, got {count}"
+            )
         with self._budget.turn_for(count):
             return messages.write_message(message)
 
     def _answer(self, message: Message) -> dict[str, Any]:
         asked = message.get("protocol", messages.PROTOCOL_VERSION)
         if asked != messages.PROTOCOL_VERSION:
-            raise BadArgument("protocol", f"must be {messages.PROTOCOL_VERSION}, the server's version, got {asked!r}")
+            raise BadArgument(
+                "protocol",
+                f"must be {messages.PROTOCOL_VERSION}, the server's version, got {asked!r}",
+            )
         do = one_of("do", message.get("do"), tuple(self._requests))
         codec.check_keys(message, (*messages.COMMON, *messages.REQUESTS[do]))
         return self._requests[do](message)
 
     def _reset(self, message: Message) -> dict[str, Any]:
-        world = self._world = new_world(messages.read_scenario(message, self._own_robots), self._budget)
+        world = self._world = new_world(
+            messages.read_scenario(message, self._own_robots), self._budget
+        )
         return {**_seen(world), **_about(world)}
 
     def _step(self, message: Message) -> dict[str, Any]:
@@ -274,7 +299,10 @@ class Session:
         if "series" not in message:
             return {**_seen(world), "command": _command(world), **_about(world)}
         since = finite("since", message.get("since", -1.0), "s")
-        return {"series": world.log.series(_names(message["series"]), since), "dropped": world.log.dropped}
+        return {
+            "series": world.log.series(_names(message["series"]), since),
+            "dropped": world.log.dropped,
+        }
 
     def _run(self, message: Message) -> dict[str, Any]:
         names = _names(message.get("series", []))
@@ -282,17 +310,23 @@ class Session:
             one_of("series", name, tuple(series.SERIES))
         duration = positive("duration", message.get("duration", 30.0), "s")
         scenario = messages.read_scenario(message, self._own_robots, duration)
-        numbers = check_work(new_world(scenario, self._budget), scenario.duration, scenario.sample_interval)
+        numbers = check_work(
+            new_world(scenario, self._budget), scenario.duration, scenario.sample_interval
+        )
         with self._budget.turn_for(numbers):
             trial = simulate.swim(scenario)
         found: dict[str, Any] = {"figures": trial.summary()}
         if names:
-            found["series"] = {name: values for name in names if (values := getattr(trial, name)) is not None}
+            found["series"] = {
+                name: values for name in names if (values := getattr(trial, name)) is not None
+            }
         return found
 
     def _there(self) -> World:
         if self._world is None:
-            raise BadArgument("reset", "must come before this request: there is no robot in the water yet")
+            raise BadArgument(
+                "reset", "must come before this request: there is no robot in the water yet"
+            )
         return self._world
 
 
@@ -306,7 +340,10 @@ def _names(value: object) -> list[str]:
 def _seen(world: World) -> dict[str, Any]:
     seen, last = world.plant.observe(world.state), world.log.last
     observed = {field.name: getattr(seen, field.name) for field in dataclasses.fields(seen)}
-    return {"observation": observed, **{name: last[name] for name in messages.LOADS if name in last}}
+    return {
+        "observation": observed,
+        **{name: last[name] for name in messages.LOADS if name in last},
+    }
 
 
 def _command(world: World) -> dict[str, Any]:

@@ -25,7 +25,8 @@ Targets = tuple[WaveTarget, WaveTarget, WaveTarget]
 FORCES = ("drag", "added_mass", "effector")
 ELASTIC_DT = 0.005  # s, with a flexible fin
 MOST_SAMPLES = 2_000_000  # a longer log would take gigabytes
-# A wave of amplitude 1 that stands still at its crest, so that the joints' references equal their envelope.
+# A wave of amplitude 1 that stands still at its crest, so that the joints' references equal their
+# envelope.
 CREST, STILL = WaveState(0.5 * math.pi, 1.0, *(0.0,) * 7), WaveTarget(1.0, 0.0, 0.0, 0.0, 0.0)
 
 
@@ -69,7 +70,9 @@ class Stretch(NamedTuple):
 
     def at(self, index: slice) -> "Stretch":
         """Return the stretch with a slice of its samples."""
-        return Stretch(self.samples[index], self.command, None if self.force is None else self.force[:, index])
+        return Stretch(
+            self.samples[index], self.command, None if self.force is None else self.force[:, index]
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -142,7 +145,13 @@ class Plant(ABC, Generic[ModelType]):
         return self.advance(state, command, dt, dt)[0]
 
     def march(
-        self, state: PlantState, command: Command, duration: float, sample_interval: float, *, link_forces: bool = False
+        self,
+        state: PlantState,
+        command: Command,
+        duration: float,
+        sample_interval: float,
+        *,
+        link_forces: bool = False,
     ) -> tuple[PlantState, Log, str | None]:
         """Run many steps under one command.
 
@@ -150,12 +159,13 @@ class Plant(ABC, Generic[ModelType]):
             state: Initial state.
             command: Command, held throughout.
             duration: Duration [s].
-            sample_interval: Time between two samples of the log [s]; adjusted so that it divides the duration.
+            sample_interval: Time between two samples of the log [s]; adjusted so that it divides
+                the duration.
             link_forces: Whether to log the force on every link too.
 
         Returns:
-            The state after `duration` [s], the samples including both ends, and a sentence that describes the failure,
-            or None. A failed run returns the samples up to the failure.
+            The state after `duration` [s], the samples including both ends, and a sentence that
+            describes the failure, or None. A failed run returns the samples up to the failure.
 
         Raises:
             ValueError: If an argument is of the wrong class or out of range.
@@ -165,11 +175,19 @@ class Plant(ABC, Generic[ModelType]):
         duration = positive("duration", duration, "s")
         sample_interval = positive("sample_interval", sample_interval, "s")
         check_size(duration, sample_interval)
-        state, stretch, failure = self.advance(state, command, duration, sample_interval, link_forces=link_forces)
+        state, stretch, failure = self.advance(
+            state, command, duration, sample_interval, link_forces=link_forces
+        )
         return state, self.log([stretch]), failure
 
     def advance(
-        self, state: PlantState, command: Command, duration: float, sample_interval: float, *, link_forces: bool = False
+        self,
+        state: PlantState,
+        command: Command,
+        duration: float,
+        sample_interval: float,
+        *,
+        link_forces: bool = False,
     ) -> tuple[PlantState, Stretch, str | None]:
         """Run many steps under one command as `march` does, but return raw samples.
 
@@ -177,7 +195,8 @@ class Plant(ABC, Generic[ModelType]):
             state: Initial state.
             command: Command, held throughout.
             duration: Duration [s].
-            sample_interval: Time between two samples of the log [s]; adjusted so that it divides the duration.
+            sample_interval: Time between two samples of the log [s]; adjusted so that it divides
+                the duration.
             link_forces: Whether to keep the force on every link too.
         """
         n_intervals = max(1, round(duration / sample_interval))
@@ -186,7 +205,9 @@ class Plant(ABC, Generic[ModelType]):
         end, samples = self._run(state, command, n_intervals, every, dt)
         if len(samples) <= n_intervals:
             when = state.values[0] + len(samples) * duration / n_intervals
-            if not len(samples):  # the first evaluation is already out of range; the state itself is kept
+            if not len(
+                samples
+            ):  # the first evaluation is already out of range; the state itself is kept
                 samples = self._sample_of(state, command)
             return state, Stretch(samples, command), self.what_went_wrong(when)
         force = self._link_forces(state, command, samples, every, dt) if link_forces else None
@@ -218,7 +239,9 @@ class Plant(ABC, Generic[ModelType]):
         """
         values = np.asarray(stored.get(self.name, ()), dtype=float)
         if values.shape != (self._size,):
-            rule = f"must be that of {self._words} ({self._size} numbers), got {values.size} numbers"
+            rule = (
+                f"must be that of {self._words} ({self._size} numbers), got {values.size} numbers"
+            )
             raise BadArgument("state", rule)
         return PlantState(values=values)
 
@@ -264,12 +287,17 @@ class Plant(ABC, Generic[ModelType]):
         """
         samples, *more = [one.samples for one in stretches]
         counts = [len(samples), *(len(one) - 1 for one in more)]
-        found = self._samples(np.concatenate([samples, *(one[1:] for one in more)]) if more else samples)
+        found = self._samples(
+            np.concatenate([samples, *(one[1:] for one in more)]) if more else samples
+        )
         driven: dict[str, np.ndarray] = {}
         for _, group, number, _ in EFFECTORS:
             for i, one in enumerate(getattr(self.robot, group)):
                 if getattr(one, f"max_{number}") is not None:
-                    given = [getattr(getattr(of.command.effectors(self.robot), group)[i], number) for of in stretches]
+                    given = [
+                        getattr(getattr(of.command.effectors(self.robot), group)[i], number)
+                        for of in stretches
+                    ]
                     driven[f"{number}_{i}"] = np.repeat(np.array(given, dtype=float), counts)
         force = dict(found.link_force or {})
         if all(one.force is not None for one in stretches):
@@ -335,7 +363,8 @@ class Plant(ABC, Generic[ModelType]):
         if command.references is not None:
             joints[: len(command.references), 0] = command.references
         if command.enabled is not None:
-            # No gain, no stall torque and no current: only the friction of the servo's gear remains of both laws.
+            # No gain, no stall torque and no current: only the friction of the servo's gear remains
+            # of both laws.
             off = np.flatnonzero(np.logical_not(command.enabled))
             joints[off, _DRIVE : _MOTOR + 1] = 0.0
             joints[off, _STALL_POWER] = 0.0
@@ -353,10 +382,18 @@ def joint_table(robot: Robot, law: JointLaw) -> Float[np.ndarray, "n_joints n_nu
     """
     has_power = has_power_model(robot, law)
     known: dict[int, tuple[float, ...]] = {}
-    for joint in {id(joint): joint for joint in robot.driven_joints}.values():  # most joints are the same object
+    for joint in {
+        id(joint): joint for joint in robot.driven_joints
+    }.values():  # most joints are the same object
         motor, power = joint.actuator, joint.actuator.stall_power if has_power else 0.0
         drive = (getattr(motor, name) for name in Drive._fields)
-        known[id(joint)] = motor.tracking if law.prescribed else 1.0, joint.stiffness, joint.damping, *drive, power
+        known[id(joint)] = (
+            motor.tracking if law.prescribed else 1.0,
+            joint.stiffness,
+            joint.damping,
+            *drive,
+            power,
+        )
     found = [known[id(joint)] for joint in robot.driven_joints]
     for hinge in robot.caudal_fin.hinges if robot.caudal_fin is not None else ():
         found.append((0.0, hinge.stiffness, hinge.damping, *(0.0,) * (_JOINT_ROWS - 3)))

@@ -1,7 +1,8 @@
 """A school: identical robots side by side, each of which receives a new command after every control interval.
 
-A robot may restart at any time, with its own start and current, and one that diverges does not affect the others. Its
-results are those of the same robot alone (`Plant.step`), whatever its neighbors do.
+A robot may restart at any time, with its own start and current, and one that diverges does not
+affect the others. Its results are those of the same robot alone (`Plant.step`), whatever its
+neighbors do.
 """
 
 import os
@@ -72,7 +73,8 @@ class School(ABC, Generic[PlantType]):
         command: Initial command, held until another one is given; the generators start from it.
         n: Number of robots.
         interval: Time between two commands [s].
-        threads: Number of threads that share the robots, without effect on the results; None: see `usual_threads`.
+        threads: Number of threads that share the robots, without effect on the results; None: see
+            `usual_threads`.
 
     Raises:
         ValueError: If an argument is out of range.
@@ -82,7 +84,13 @@ class School(ABC, Generic[PlantType]):
     """Number of threads that pays off when the load on the cores is unknown."""
 
     def __init__(
-        self, plant: PlantType, command: Command, n: int, interval: float, *, threads: int | None = None
+        self,
+        plant: PlantType,
+        command: Command,
+        n: int,
+        interval: float,
+        *,
+        threads: int | None = None,
     ) -> None:
         if not isinstance(plant.environment, Water):
             raise BadArgument("plant", "must swim in water, got one on the ground")
@@ -91,12 +99,18 @@ class School(ABC, Generic[PlantType]):
         self._well = np.full(n, True)
         gait = command.steered
         self._first = np.array([gait.amplitude, gait.frequency, gait.phase_shift, gait.offset])
-        # The queue ends with the latest command; a command that acts until the delay is over precedes the next one.
+        # The queue ends with the latest command; a command that acts until the delay is over
+        # precedes the next one.
         late, part = divmod(plant.settings.loop_delay + CLOSE, self.interval)
         cut = [part - CLOSE] if part > 2.0 * CLOSE else []
-        self._line = [np.repeat(self._first[:, np.newaxis], n, axis=1) for _ in range(int(late) + 1 + len(cut))]
+        self._line = [
+            np.repeat(self._first[:, np.newaxis], n, axis=1)
+            for _ in range(int(late) + 1 + len(cut))
+        ]
         self._parts = [*cut, self.interval - sum(cut)]
-        self._shares = self._begin(self.usual_threads if threads is None else whole("threads", threads, 1))
+        self._shares = self._begin(
+            self.usual_threads if threads is None else whole("threads", threads, 1)
+        )
         self._workers = ThreadPoolExecutor(len(self._shares))
         self._keep_seen()
 
@@ -124,15 +138,17 @@ class School(ABC, Generic[PlantType]):
             which: Indices of the robots.
             center_of_mass: Positions of the center of mass [m].
             heading: Headings [rad].
-            current: Velocity of the water around each robot, world axes [m/s], or its flow, which must have the same
-                kinds and numbers of parts as the plant's.
+            current: Velocity of the water around each robot, world axes [m/s], or its flow, which
+                must have the same kinds and numbers of parts as the plant's.
 
         Raises:
             ValueError: If a flow has other parts.
         """
         for told in self._line:
             told[:, which] = self._first[:, np.newaxis]
-        waters = [one if isinstance(one, Flow) else (float(one[0]), float(one[1])) for one in current]
+        waters = [
+            one if isinstance(one, Flow) else (float(one[0]), float(one[1])) for one in current
+        ]
         self._place(which, center_of_mass, heading, waters)
         self._well[which] = True
         self._keep_seen()
@@ -141,8 +157,8 @@ class School(ABC, Generic[PlantType]):
         """Give every robot a new command, which takes effect after the plant's `loop_delay`, if any.
 
         Args:
-            command: Any of amplitude [rad], frequency [rad/s], phase_shift [rad] and offset [rad]; the last is the
-                gait's own offset plus that of steering.
+            command: Any of amplitude [rad], frequency [rad/s], phase_shift [rad] and offset [rad];
+                the last is the gait's own offset plus that of steering.
         """
         for name, values in command.items():
             self._line[-1][TOLD.index(name)] = values
@@ -178,7 +194,9 @@ class School(ABC, Generic[PlantType]):
             list(self._workers.map(work, self._shares))
 
     @abstractmethod
-    def _place(self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: Currents) -> None:
+    def _place(
+        self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: Currents
+    ) -> None:
         """Restart robots as `place` does."""
 
     @abstractmethod

@@ -1,13 +1,14 @@
 """Linearly implicit step and joint powers of both models: scalar formulas that the kernels compile.
 
-ROS2 (Verwer, Spee, Blom and Hundsdorfer, SIAM J. Sci. Comput. 20, 1999), a Rosenbrock W-method of order 2 with
-gamma = 1 - 1/sqrt(2), L-stable. Its approximate Jacobian is that of the joint law, so an implicit step only adds
-gamma h K_d + (gamma h)^2 K_p to each joint's own inertia. The second stage is solved for a = k2 + 2 k1, which avoids
-the mass matrix:
+ROS2 (Verwer, Spee, Blom and Hundsdorfer, SIAM J. Sci. Comput. 20, 1999), a Rosenbrock W-method of
+order 2 with gamma = 1 - 1/sqrt(2), L-stable. Its approximate Jacobian is that of the joint law, so
+an implicit step only adds gamma h K_d + (gamma h)^2 K_p to each joint's own inertia. The second
+stage is solved for a = k2 + 2 k1, which avoids the mass matrix:
 
     y(t + h) = y + h (3/2 k1 + 1/2 k2)
 
-With `rate` and `acceleration` of a degree of freedom, k1 is (rate + gamma h acceleration, acceleration).
+With `rate` and `acceleration` of a degree of freedom, k1 is (rate + gamma h acceleration,
+acceleration).
 """
 
 from laticauda.scalars import magnitude
@@ -31,7 +32,13 @@ def implicit_inertia(slope_p: float, slope_d: float, gamma_dt: float) -> float:
 
 
 def second_torque(
-    torque: float, slope_p: float, inertia: float, rate: float, first_rate: float, first: float, gamma_dt: float
+    torque: float,
+    slope_p: float,
+    inertia: float,
+    rate: float,
+    first_rate: float,
+    first: float,
+    gamma_dt: float,
 ) -> float:
     """Return the effective torque on a joint in the second stage [N m].
 
@@ -48,7 +55,9 @@ def second_torque(
     return torque - gamma_dt * slope_p * rest + 2.0 * inertia * first
 
 
-def combined(rate: float, acceleration: float, first_rate: float, first: float, gamma_dt: float) -> tuple[float, float]:
+def combined(
+    rate: float, acceleration: float, first_rate: float, first: float, gamma_dt: float
+) -> tuple[float, float]:
     """Return the slopes of position and rate over the whole step, 3/2 k1 + 1/2 k2.
 
     Args:

@@ -1,7 +1,7 @@
 """Digital twin: a plant that runs alongside the filter and predicts how the robot moves through still water.
 
-In still water nothing depends on position or heading, so the simulated robot moves in its own axes as the real one
-does, wherever the twin itself is by then. See docs/theory/estimation.md.
+In still water nothing depends on position or heading, so the simulated robot moves in its own axes
+as the real one does, wherever the twin itself is by then. See docs/theory/estimation.md.
 """
 
 import math
@@ -63,16 +63,24 @@ def check_plant(plant: Plant[Any] | None, robot: Robot) -> None:
         robot: Robot that the twin is to represent.
 
     Raises:
-        ValueError: If it is not a plant, has other joints, or has joints that do not follow references.
+        ValueError: If it is not a plant, has other joints, or has joints that do not follow
+            references.
     """
     if plant is None:
         return
     instance("plant", plant, Plant)
     n, expected = plant.robot.planar().n_joints, robot.planar().n_joints
-    if n != expected or (plant.robot.n_joints != n and isinstance(plant.settings, scenarios.Spatial)):
-        raise BadArgument("plant", f"must have {expected} joints, all of them yaw joints, got {plant.robot.n_joints}")
+    if n != expected or (
+        plant.robot.n_joints != n and isinstance(plant.settings, scenarios.Spatial)
+    ):
+        raise BadArgument(
+            "plant",
+            f"must have {expected} joints, all of them yaw joints, got {plant.robot.n_joints}",
+        )
     if isinstance(plant.settings.joints, Prescribed):
-        raise BadArgument("plant", "must have joints that follow references, `pd` or `servo`, got 'prescribed'")
+        raise BadArgument(
+            "plant", "must have joints that follow references, `pd` or `servo`, got 'prescribed'"
+        )
 
 
 def start_twin(plant: Plant[Any], reference: Vector) -> TwinState:
@@ -106,7 +114,8 @@ def step_twin(
 ) -> TwinState | None:
     """Return the twin after a time step; None if it diverged or does not represent the robot.
 
-    Its joints follow phi_ref + k (phi - phi_twin): the references drive it, and the sensor readings correct it.
+    Its joints follow phi_ref + k (phi - phi_twin): the references drive it, and the sensor readings
+    correct it.
 
     Args:
         plant: Plant that runs alongside the filter.

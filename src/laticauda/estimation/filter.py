@@ -1,8 +1,8 @@
 """Filter from joint samples and motion-capture frames, with gaps, noise and outliers, to a smooth estimate.
 
-It is an extended Kalman filter with `MotionModel` and, optionally, a digital twin. Its state is a value; samples may
-arrive late and out of order by up to `horizon`: the filter then goes back, inserts the sample where it belongs, and
-repeats everything after it.
+It is an extended Kalman filter with `MotionModel` and, optionally, a digital twin. Its state is a
+value; samples may arrive late and out of order by up to `horizon`: the filter then goes back,
+inserts the sample where it belongs, and repeats everything after it.
 """
 
 import math
@@ -17,9 +17,23 @@ from laticauda.angles import wrap_to_pi
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument
 from laticauda.estimation.digital_twin import check_plant, start_twin, step_twin
-from laticauda.estimation.filter_state import EstimatorState, FilterState, Gaussian, Matrix, Noise, Vector
+from laticauda.estimation.filter_state import (
+    EstimatorState,
+    FilterState,
+    Gaussian,
+    Matrix,
+    Noise,
+    Vector,
+)
 from laticauda.estimation.motion_model import JOINTS, VX, VY, H, MotionModel, R, S, U, X, Y
-from laticauda.estimation.samples import Estimate, JointSample, PoseSample, ReferenceSample, Sample, StateEstimator
+from laticauda.estimation.samples import (
+    Estimate,
+    JointSample,
+    PoseSample,
+    ReferenceSample,
+    Sample,
+    StateEstimator,
+)
 from laticauda.gaits.reference import filter_step
 from laticauda.kinematics import center_of_mass, heading, link_angles
 from laticauda.quantities import option, quantity, value
@@ -33,43 +47,72 @@ LONGEST_STEP = 0.05  # longest prediction step over a gap [s]
 class Estimator(StateEstimator):
     """Extended Kalman filter that estimates the motion of a robot; the fields are its settings.
 
-    With a `plant`, a simulated robot whose joints are driven by the `pd` or `servo` law, a digital twin runs alongside
-    and predicts the motion; without it, the filter has no model of the water. With `swim_speed`, a current along the
-    course can be distinguished from the robot's own speed; see `MotionModel`. `backlash` is removed if the modules
-    report torques: the sensor is on the motor's side, which leads by half the backlash wherever the motor pulls.
+    With a `plant`, a simulated robot whose joints are driven by the `pd` or `servo` law, a digital
+    twin runs alongside and predicts the motion; without it, the filter has no model of the water.
+    With `swim_speed`, a current along the course can be distinguished from the robot's own speed;
+    see `MotionModel`. `backlash` is removed if the modules report torques: the sensor is on the
+    motor's side, which leads by half the backlash wherever the motor pulls.
     """
 
     noise: Noise = option("noise of the sensors and of the model", default_factory=Noise)
-    swim_speed: float | None = quantity("m/s", "speed through the water under the gait, if known", default=None)
+    swim_speed: float | None = quantity(
+        "m/s", "speed through the water under the gait, if known", default=None
+    )
     swim_speed_std: float = quantity("m/s", "its standard deviation", gt=0.0, default=0.01)
     plant: Plant[Any] | None = option("the digital twin", default=None)
-    coupling: float = quantity("", "k of the twin's joints, phi_ref + k (phi - phi_twin)", ge=0.0, default=1.0)
-    backlash: float = quantity("rad", "total play between a joint and its sensor", ge=0.0, default=0.0)
-    gate: float = quantity("", "standard deviations beyond which a measurement is rejected", gt=0.0, default=5.0)
-    largest_residual: float = quantity("m", "of the markers of an accepted frame", gt=0.0, default=0.005)
-    patience: int = quantity("", "frames rejected in a row after which the filter must be wrong", ge=1, default=10)
-    joint_patience: int = quantity("", "the same for a joint: stalled servos break away", ge=1, default=3)
+    coupling: float = quantity(
+        "", "k of the twin's joints, phi_ref + k (phi - phi_twin)", ge=0.0, default=1.0
+    )
+    backlash: float = quantity(
+        "rad", "total play between a joint and its sensor", ge=0.0, default=0.0
+    )
+    gate: float = quantity(
+        "", "standard deviations beyond which a measurement is rejected", gt=0.0, default=5.0
+    )
+    largest_residual: float = quantity(
+        "m", "of the markers of an accepted frame", gt=0.0, default=0.005
+    )
+    patience: int = quantity(
+        "", "frames rejected in a row after which the filter must be wrong", ge=1, default=10
+    )
+    joint_patience: int = quantity(
+        "", "the same for a joint: stalled servos break away", ge=1, default=3
+    )
     horizon: float = quantity("s", "how late a sample may come", ge=0.0, default=0.1)
 
     def __post_init__(self) -> None:
         """Reject a plant that cannot serve as the robot's twin."""
         super().__post_init__()
         check_plant(self.plant, self.robot)
-        if self.plant is not None and isinstance(water := self.plant.environment, Water) and water.flow is not None:
-            object.__setattr__(self, "plant", replace(self.plant, environment=water.still))  # the filter handles a flow
+        if (
+            self.plant is not None
+            and isinstance(water := self.plant.environment, Water)
+            and water.flow is not None
+        ):
+            object.__setattr__(
+                self, "plant", replace(self.plant, environment=water.still)
+            )  # the filter handles a flow
         if self.plant is not None and self.swim_speed is not None:
-            raise BadArgument("swim_speed", f"must be None with a `plant`, which determines it, got {self.swim_speed}")
+            raise BadArgument(
+                "swim_speed",
+                f"must be None with a `plant`, which determines it, got {self.swim_speed}",
+            )
 
     @cached_property
     def model(self) -> MotionModel:
         """Motion model given by the settings."""
-        speed: dict[str, Any] = {"swim_speed": self.swim_speed, "swim_speed_std": self.swim_speed_std}
+        speed: dict[str, Any] = {
+            "swim_speed": self.swim_speed,
+            "swim_speed_std": self.swim_speed_std,
+        }
         return MotionModel(robot=self.robot, mount=self.mount, noise=self.noise, **speed)
 
     @cached_property
     def twin_model(self) -> MotionModel:
         """Motion model used with a twin."""
-        return MotionModel(robot=self.robot, mount=self.mount, noise=self.noise.beside_twin, has_twin=True)
+        return MotionModel(
+            robot=self.robot, mount=self.mount, noise=self.noise.beside_twin, has_twin=True
+        )
 
     def init(self, time: float = -math.inf) -> EstimatorState:
         """Return the state before the first sample. The first call with a plant compiles it, which may take seconds.
@@ -81,7 +124,9 @@ class Estimator(StateEstimator):
         if self.plant is not None:
             step_twin(self.plant, start_twin(self.plant, still), still, None, 0.0, 0.01)
         none = still.astype(np.int64)
-        first = FilterState(time=time, reference=still, lagged=still, lagged_rate=still, n_joint_rejected=none)
+        first = FilterState(
+            time=time, reference=still, lagged=still, lagged_rate=still, n_joint_rejected=none
+        )
         return EstimatorState(history=((None, first),))
 
     def step(self, state: EstimatorState, sample: Sample) -> EstimatorState:
@@ -123,8 +168,12 @@ class Estimator(StateEstimator):
             before = history[-1][1]
             after = self._after(before, item)
             history.append((item, after))
-            rejected += after.n_rejected > before.n_rejected and not any(item is old for old in later)
-        after = replace(state, history=tuple(history), n_outliers=state.n_outliers + rejected, n_late=n_late)
+            rejected += after.n_rejected > before.n_rejected and not any(
+                item is old for old in later
+            )
+        after = replace(
+            state, history=tuple(history), n_outliers=state.n_outliers + rejected, n_late=n_late
+        )
         return after.within(self.horizon)
 
     def estimate(self, state: EstimatorState, time: float | None = None) -> Estimate | None:
@@ -161,10 +210,12 @@ class Estimator(StateEstimator):
             center_of_mass_std=math.sqrt(0.5 * (spread[0, 0] + spread[1, 1])),
             heading_std=math.sqrt(spread[2, 2]),
             current=mean[[VX, VY]],
-            current_std=math.sqrt(_larger_eigenvalue(posterior.covariance[VX : VY + 1, VX : VY + 1])),
+            current_std=math.sqrt(
+                _larger_eigenvalue(posterior.covariance[VX : VY + 1, VX : VY + 1])
+            ),
         )
 
-    # ---- inside ----------------------------------------------------------------------------------------------------
+    # ---- inside ----------------------------------------------------------------------------------
 
     def _after(self, state: FilterState, sample: Sample) -> FilterState:
         state = self._predicted(state, sample.time)
@@ -189,7 +240,10 @@ class Estimator(StateEstimator):
         if dt == 0.0 or not math.isfinite(dt):
             return replace(state, time=time)
         width = self.model.reference_bandwidth
-        decay, lag = math.exp(-width * dt), cast(Any, filter_step)  # its formula also holds for arrays
+        decay, lag = (
+            math.exp(-width * dt),
+            cast(Any, filter_step),
+        )  # its formula also holds for arrays
         lagged, rate, _ = lag(state.lagged, state.lagged_rate, state.reference, width, decay, dt)
         runs = state.posterior is not None or state.twin is not None
         n_steps = max(1, math.ceil(dt / LONGEST_STEP)) if runs else 0
@@ -202,12 +256,22 @@ class Estimator(StateEstimator):
         posterior = state.posterior
         if state.twin is not None and self.plant is not None:
             joint = None if posterior is None else lagged + posterior.mean[JOINTS::2]
-            twin = step_twin(self.plant, state.twin, state.reference, joint, self.coupling, dt, fin=state.fin_reference)
+            twin = step_twin(
+                self.plant,
+                state.twin,
+                state.reference,
+                joint,
+                self.coupling,
+                dt,
+                fin=state.fin_reference,
+            )
             if twin is None and posterior is not None:
                 posterior = self.model.reopened(posterior)
             state = replace(state, twin=twin, twin_failed=twin is None)
         if posterior is not None:
-            mean, f, q = self._model_of(state).step(posterior.mean, lagged, state.frequency, dt, state.twin)
+            mean, f, q = self._model_of(state).step(
+                posterior.mean, lagged, state.frequency, dt, state.twin
+            )
             posterior = posterior.predict(mean, f, q)
         return replace(state, posterior=posterior)
 
@@ -216,7 +280,11 @@ class Estimator(StateEstimator):
 
     def _with_references(self, state: FilterState, sample: ReferenceSample) -> FilterState:
         """Apply new references; the first ones start the twin."""
-        reference, twin, posterior = self.robot.yaw_joints("angle", sample.angle), state.twin, state.posterior
+        reference, twin, posterior = (
+            self.robot.yaw_joints("angle", sample.angle),
+            state.twin,
+            state.posterior,
+        )
         if twin is None and self.plant is not None and not state.twin_failed:
             twin = start_twin(self.plant, reference)
             posterior = None if posterior is None else self.twin_model.reopened(posterior)
@@ -236,23 +304,35 @@ class Estimator(StateEstimator):
         reported = np.isfinite(angle)
         if state.posterior is None:
             before = np.zeros_like(angle) if state.joint_angle is None else state.joint_angle
-            return replace(state, joint_angle=np.where(reported, angle, before)) if reported.any() else state
+            return (
+                replace(state, joint_angle=np.where(reported, angle, before))
+                if reported.any()
+                else state
+            )
         posterior = state.posterior
         places = JOINTS + 2 * np.arange(angle.size)
         residual = angle - state.lagged - posterior.mean[places]
         spread = np.sqrt(posterior.covariance[places, places] + self.noise.joint**2)
         rejected = reported & (np.abs(residual) > self.gate * spread)
-        n_rejected = np.where(rejected, state.n_joint_rejected + 1, np.where(reported, 0, state.n_joint_rejected))
+        n_rejected = np.where(
+            rejected, state.n_joint_rejected + 1, np.where(reported, 0, state.n_joint_rejected)
+        )
         insists = n_rejected >= self.joint_patience
         if insists.any():  # accept these and restart the filter with them
             at = places[insists]
-            posterior = posterior.restarted(at, posterior.mean[at] + residual[insists], self.noise.joint**2)
+            posterior = posterior.restarted(
+                at, posterior.mean[at] + residual[insists], self.noise.joint**2
+            )
             posterior = posterior.restarted(at + 1, 0.0, 1.0)
         use = reported & ~rejected
         if use.any():
             rows = np.eye(posterior.mean.size)[places[use]]
-            posterior = posterior.update(residual[use], rows, self.noise.joint**2 * np.eye(rows.shape[0]))
-        return replace(state, posterior=posterior, n_joint_rejected=np.where(insists, 0, n_rejected))
+            posterior = posterior.update(
+                residual[use], rows, self.noise.joint**2 * np.eye(rows.shape[0])
+            )
+        return replace(
+            state, posterior=posterior, n_joint_rejected=np.where(insists, 0, n_rejected)
+        )
 
     def _with_frame(self, state: FilterState, frame: PoseSample) -> FilterState:
         if frame.is_lost:
@@ -268,7 +348,9 @@ class Estimator(StateEstimator):
         residual, rows = measured - expected[:n], rows[:n]
         if n == 3:
             residual[2] = wrap_to_pi(float(residual[2]))
-        gate = n + self.gate * math.sqrt(2.0 * n)  # mean and spread of chi-squared are n and sqrt(2 n)
+        gate = n + self.gate * math.sqrt(
+            2.0 * n
+        )  # mean and spread of chi-squared are n and sqrt(2 n)
         if posterior.squared_distance(residual, rows, noise) > gate:
             if state.n_rejected + 1 < self.patience:
                 return replace(state, n_rejected=state.n_rejected + 1)

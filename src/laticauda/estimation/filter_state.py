@@ -12,7 +12,8 @@ from laticauda.estimation import digital_twin, samples
 from laticauda.files import read_toml
 from laticauda.quantities import quantity, value
 
-# The filter runs hundreds of times per second: shapes are given in docstrings and not checked at run time.
+# The filter runs hundreds of times per second: shapes are given in docstrings and not checked at
+# run time.
 Vector: TypeAlias = NDArray[np.float64]
 Matrix: TypeAlias = NDArray[np.float64]
 
@@ -23,26 +24,56 @@ class Noise:
 
     position: float = quantity("m", "of the marker body, per axis", gt=0.0, default=0.001)
     yaw: float = quantity("rad", "of the marker body", gt=0.0, default=math.radians(0.1))
-    joint: float = quantity("rad", "of a joint's sensor, with residual backlash", gt=0.0, default=math.radians(0.3))
-    joint_acceleration: float = quantity("rad/s^2/sqrt(Hz)", "drift of the rate from reference", gt=0.0, default=0.5)
-    position_walk: float = quantity("m/sqrt(s)", "how fast the center of mass drifts", ge=0.0, default=0.001)
-    surge: float = quantity("m/s/sqrt(s)", "how fast the speed through the water changes", ge=0.0, default=0.0067)
-    sway: float = quantity("m/s", "of the sideways speed, which fades within `sway_time`", ge=0.0, default=0.01)
+    joint: float = quantity(
+        "rad", "of a joint's sensor, with residual backlash", gt=0.0, default=math.radians(0.3)
+    )
+    joint_acceleration: float = quantity(
+        "rad/s^2/sqrt(Hz)", "drift of the rate from reference", gt=0.0, default=0.5
+    )
+    position_walk: float = quantity(
+        "m/sqrt(s)", "how fast the center of mass drifts", ge=0.0, default=0.001
+    )
+    surge: float = quantity(
+        "m/s/sqrt(s)", "how fast the speed through the water changes", ge=0.0, default=0.0067
+    )
+    sway: float = quantity(
+        "m/s", "of the sideways speed, which fades within `sway_time`", ge=0.0, default=0.01
+    )
     sway_time: float = quantity("s", "in which the sideways speed fades", gt=0.0, default=6.0)
-    current: float = quantity("m/s", "of the water's velocity, per axis, before any frame", gt=0.0, default=0.1)
-    current_walk: float = quantity("m/s/sqrt(s)", "how fast the water's velocity changes", ge=0.0, default=0.001)
-    turning: float = quantity("rad/s/sqrt(s)", "how fast the smooth heading's rate changes", ge=0.0, default=0.03)
-    turn_gain: float = quantity("1/s/sqrt(s)", "how fast turning per mean joint angle changes", ge=0.0, default=0.06)
-    slip_gain: float = quantity("m/s/sqrt(s)", "the same for the sideways speed", ge=0.0, default=0.015)
-    heading_gain: float = quantity("1/sqrt(s)", "how fast a mode's share in the heading changes", ge=0.0, default=0.15)
-    across_gain: float = quantity("m/sqrt(s)", "the same for its share in the place across", ge=0.0, default=0.005)
-    heading_ripple: float = quantity("rad/sqrt(s)", "of the heading's ripple; harmonic k: 1/k", ge=0.0, default=0.0033)
-    position_ripple: float = quantity("m/sqrt(s)", "the same for the center of mass", ge=0.0, default=0.006)
+    current: float = quantity(
+        "m/s", "of the water's velocity, per axis, before any frame", gt=0.0, default=0.1
+    )
+    current_walk: float = quantity(
+        "m/s/sqrt(s)", "how fast the water's velocity changes", ge=0.0, default=0.001
+    )
+    turning: float = quantity(
+        "rad/s/sqrt(s)", "how fast the smooth heading's rate changes", ge=0.0, default=0.03
+    )
+    turn_gain: float = quantity(
+        "1/s/sqrt(s)", "how fast turning per mean joint angle changes", ge=0.0, default=0.06
+    )
+    slip_gain: float = quantity(
+        "m/s/sqrt(s)", "the same for the sideways speed", ge=0.0, default=0.015
+    )
+    heading_gain: float = quantity(
+        "1/sqrt(s)", "how fast a mode's share in the heading changes", ge=0.0, default=0.15
+    )
+    across_gain: float = quantity(
+        "m/sqrt(s)", "the same for its share in the place across", ge=0.0, default=0.005
+    )
+    heading_ripple: float = quantity(
+        "rad/sqrt(s)", "of the heading's ripple; harmonic k: 1/k", ge=0.0, default=0.0033
+    )
+    position_ripple: float = quantity(
+        "m/sqrt(s)", "the same for the center of mass", ge=0.0, default=0.006
+    )
 
     @property
     def beside_twin(self) -> "Noise":
         """Noise of the same sensors, and of only that part of the motion that a twin does not predict."""
-        return replace(self, **{name: min(getattr(self, name), limit) for name, limit in BESIDE_TWIN.items()})
+        return replace(
+            self, **{name: min(getattr(self, name), limit) for name, limit in BESIDE_TWIN.items()}
+        )
 
 
 BESIDE_TWIN: dict[str, float] = read_toml(Path(__file__).with_name("beside_twin.toml"))
@@ -66,7 +97,9 @@ class Gaussian:
             transition: F, derivative of the step with respect to the estimated vector.
             noise: Q, covariance of the process noise.
         """
-        return Gaussian(mean=mean, covariance=_symmetric(transition @ self.covariance @ transition.T + noise))
+        return Gaussian(
+            mean=mean, covariance=_symmetric(transition @ self.covariance @ transition.T + noise)
+        )
 
     def update(self, residual: Vector, sensitivity: Matrix, noise: Matrix) -> "Gaussian":
         """Apply a measurement, with the Joseph form of the covariance.
@@ -85,7 +118,9 @@ class Gaussian:
         mean = self.mean + gain @ ((residual + linear) - linear)
         return Gaussian(mean=mean, covariance=_symmetric(covariance))
 
-    def restarted(self, at: np.ndarray, mean: Vector | float, variance: Vector | float) -> "Gaussian":
+    def restarted(
+        self, at: np.ndarray, mean: Vector | float, variance: Vector | float
+    ) -> "Gaussian":
         """Return the same Gaussian with some entries reset and uncorrelated with all others.
 
         Args:

@@ -32,13 +32,16 @@ class KinematicState:
 class KinematicEstimator(StateEstimator):
     """Estimator of center of mass and link angles from the pose of the marked module and the joint angles.
 
-    Joint angles are interpolated to the time of the frame; after the last ones, which are as old as a tick, they go on
-    at the joints' rates, for at most `span`. Velocities are differences over `span`. In space, height and
-    pitch are also known: the whole rotation of the marker body and the angles of all joints are used. The center of
-    mass is then computed for modules whose own centers of mass are on their axes.
+    Joint angles are interpolated to the time of the frame; after the last ones, which are as old as
+    a tick, they go on at the joints' rates, for at most `span`. Velocities are differences over
+    `span`. In space, height and pitch are also known: the whole rotation of the marker body and the
+    angles of all joints are used. The center of mass is then computed for modules whose own centers
+    of mass are on their axes.
     """
 
-    in_space: bool = option("whether to estimate in three dimensions; else pitch joints are straight", default=False)
+    in_space: bool = option(
+        "whether to estimate in three dimensions; else pitch joints are straight", default=False
+    )
     span: float = quantity("s", "time over which velocities are averaged", gt=0.0, default=0.1)
 
     @cached_property
@@ -61,12 +64,23 @@ class KinematicEstimator(StateEstimator):
         """
         if isinstance(sample, JointSample):
             angle = self._own(sample.angle)
-            if not np.isfinite(angle).all() or (state.joints and sample.time <= state.joints[-1][0]):
+            if not np.isfinite(angle).all() or (
+                state.joints and sample.time <= state.joints[-1][0]
+            ):
                 return state
-            rate = np.zeros_like(angle) if sample.rate is None else np.nan_to_num(self._own(sample.rate))
+            rate = (
+                np.zeros_like(angle)
+                if sample.rate is None
+                else np.nan_to_num(self._own(sample.rate))
+            )
             kept = [item for item in state.joints if item[0] > sample.time - 2.0 * self.span]
             return replace(state, joints=(*kept, (sample.time, angle, rate)))
-        if isinstance(sample, PoseSample) and not sample.is_lost and sample.rotation is not None and state.joints:
+        if (
+            isinstance(sample, PoseSample)
+            and not sample.is_lost
+            and sample.rotation is not None
+            and state.joints
+        ):
             return self._add_frame(state, sample)
         return state
 
@@ -76,7 +90,9 @@ class KinematicEstimator(StateEstimator):
             return state
         times = np.array([time for time, *_ in state.joints])
         angles = np.stack([angle for _, angle, _ in state.joints])
-        joint = np.array([float(np.interp(frame.time, times, angles[:, i])) for i in range(angles.shape[1])])
+        joint = np.array(
+            [float(np.interp(frame.time, times, angles[:, i])) for i in range(angles.shape[1])]
+        )
         joint += min(max(frame.time - float(times[-1]), 0.0), self.span) * state.joints[-1][2]
         theta, place, pitch = self._seen(frame.position, frame.rotation, joint)
         if state.frames:
@@ -101,18 +117,30 @@ class KinematicEstimator(StateEstimator):
 
     def _own(self, angle: Vector) -> Vector:
         """Select the joints that are used."""
-        return angle[: self.robot.n_joints] if self.in_space else self.robot.yaw_joints("angle", angle)
+        return (
+            angle[: self.robot.n_joints] if self.in_space else self.robot.yaw_joints("angle", angle)
+        )
 
-    def _seen(self, position: Vector, rotation: np.ndarray, joint: Vector) -> tuple[Vector, Vector, float]:
+    def _seen(
+        self, position: Vector, rotation: np.ndarray, joint: Vector
+    ) -> tuple[Vector, Vector, float]:
         """Return link angles [rad], center of mass [m] and mean pitch [rad] from the pose of the marker body."""
         if not self.in_space:
             link, offset = self.on_link
             theta = link_angles(joint, angle=self.mount.link_yaw(rotation), link=link)
-            return theta, center_of_mass(self._chain, position[:2], theta, link=link, offset=offset), 0.0
-        modules = module_poses(self.robot, np.zeros(3), np.eye(3), joint)  # in the axes of the tail module
+            return (
+                theta,
+                center_of_mass(self._chain, position[:2], theta, link=link, offset=offset),
+                0.0,
+            )
+        modules = module_poses(
+            self.robot, np.zeros(3), np.eye(3), joint
+        )  # in the axes of the tail module
         carrier = modules.rotation[self.mount.module]
         turned = rotation @ turn("yaw", -self.mount.angle) @ carrier.T
-        marker = modules.position[self.mount.module] + carrier @ np.array((*self.mount.offset, 0.0)[:3])
+        marker = modules.position[self.mount.module] + carrier @ np.array(
+            (*self.mount.offset, 0.0)[:3]
+        )
         ahead = turned @ modules.rotation[:, :, 0].T
         theta: Vector = np.unwrap(np.arctan2(ahead[1], ahead[0]))
         pitch: Vector = -np.arctan2(ahead[2], np.hypot(ahead[0], ahead[1]))

@@ -1,8 +1,9 @@
 """A twin that learns while the robot swims: the water's coefficients, its current, and what has changed.
 
-Every half cycle a twin in still water, whose joints do what the robot's report, swims the last minute anew; beside it
-one for each unknown coefficient, which is a little larger there. How far the robot's way is off the twin's is nearly
-linear in what is unknown: least squares do the rest. See docs/theory/learning-twin.md.
+Every half cycle a twin in still water, whose joints do what the robot's report, swims the last
+minute anew; beside it one for each unknown coefficient, which is a little larger there. How far the
+robot's way is off the twin's is nearly linear in what is unknown: least squares do the rest. See
+docs/theory/learning-twin.md.
 """
 
 import math
@@ -30,15 +31,31 @@ Coefficient: TypeAlias = Literal[
 
 LARGER = 0.02  # by which an unknown is larger in its own twin, in its scale
 GAP = 0.2  # between samples at most [s]
-UNTOLD, LEAST = 2, 6  # stretches that a twin needs to swim as the robot does; beyond them, to say anything
-MEDIAN, FINEST = 0.455, 0.1**2  # of the square of a normal number; variance that deviations have at least
-# Standard deviations to either side that hold 95 %; by Student's t 1 + 1.21 / n + 1.44 / n^2 times as many (Cornish
-# and Fisher's expansion).
+UNTOLD, LEAST = (
+    2,
+    6,
+)  # stretches that a twin needs to swim as the robot does; beyond them, to say anything
+MEDIAN, FINEST = (
+    0.455,
+    0.1**2,
+)  # of the square of a normal number; variance that deviations have at least
+# Standard deviations to either side that hold 95 %; by Student's t 1 + 1.21 / n + 1.44 / n^2 times
+# as many (Cornish and Fisher's expansion).
 WITHIN, STUDENT = 1.96, (1.21, 1.44)
-PLAY, CRAB = 0.01, 0.005  # of joints, and by which the robot points elsewhere than is seen, in the beginning [rad]
+PLAY, CRAB = (
+    0.01,
+    0.005,
+)  # of joints, and by which the robot points elsewhere than is seen, in the beginning [rad]
 FLOOR, FLOOR_PLAY = 0.02, 0.05  # of deviations: what repeats in every cycle [-]
-FLOOR_AHEAD, FLOOR_ASIDE = 1.2e-3, 0.4e-3  # likewise, of a current along the robot and across it [m/s]
-FINLESS, ODD, WEAK = 0.5, 2, 3  # share of the squares that a robot without fin leaves; stretches until it is said
+FLOOR_AHEAD, FLOOR_ASIDE = (
+    1.2e-3,
+    0.4e-3,
+)  # likewise, of a current along the robot and across it [m/s]
+FINLESS, ODD, WEAK = (
+    0.5,
+    2,
+    3,
+)  # share of the squares that a robot without fin leaves; stretches until it is said
 STILL_SWING = 0.02  # of a joint that is not asked to move [rad]
 UNITS = {"play": "rad", "crab": "rad", "current_x": "m/s", "current_y": "m/s"}
 REST = Command(gait=STILL)
@@ -51,11 +68,17 @@ class Learning:
     unknown: tuple[Coefficient, ...] = option(
         "coefficients of the water that are learned", default=("normal_drag", "tangential_friction")
     )
-    coefficient: float = quantity("", "their relative uncertainty at the beginning", gt=0.0, default=0.3)
+    coefficient: float = quantity(
+        "", "their relative uncertainty at the beginning", gt=0.0, default=0.3
+    )
     current: float = quantity("m/s", "how fast the water may move", gt=0.0, default=0.05)
     window: float = quantity("s", "how long data are remembered", gt=5.0, default=60.0)
-    doubt: float = quantity("", "standard deviations beyond which the water has changed", gt=0.0, default=10.0)
-    stuck: float = quantity("", "share of its usual swing below which a joint is stuck", gt=0.0, default=0.3)
+    doubt: float = quantity(
+        "", "standard deviations beyond which the water has changed", gt=0.0, default=10.0
+    )
+    stuck: float = quantity(
+        "", "share of its usual swing below which a joint is stuck", gt=0.0, default=0.3
+    )
     weak: float = quantity("", "share of it below which a joint is weak", gt=0.0, default=0.88)
 
 
@@ -127,7 +150,10 @@ class Learner:
         check_plant(self.plant, self.robot)
         water = self.plant.environment
         if not isinstance(water, Water):
-            raise BadArgument("plant", f"must be in water for anything to be learned, got the ground `{water.name}`")
+            raise BadArgument(
+                "plant",
+                f"must be in water for anything to be learned, got the ground `{water.name}`",
+            )
         self.mount.on_link(self.robot)
 
     @cached_property
@@ -140,7 +166,10 @@ class Learner:
         """What is left of deviations however much is seen, likewise."""
         ahead = np.exp(1j * seen.seen[2]).mean()
         x, y = abs(ahead.real / ahead), abs(ahead.imag / ahead)
-        current = [math.hypot(FLOOR_AHEAD * x, FLOOR_ASIDE * y), math.hypot(FLOOR_AHEAD * y, FLOOR_ASIDE * x)]
+        current = [
+            math.hypot(FLOOR_AHEAD * x, FLOOR_ASIDE * y),
+            math.hypot(FLOOR_AHEAD * y, FLOOR_ASIDE * x),
+        ]
         return np.array([FLOOR] * len(self.settings.unknown) + [FLOOR_PLAY, CRAB, *current])
 
     def init(self) -> LearnerState:
@@ -148,9 +177,13 @@ class Learner:
         water: Any = self.plant.environment
         model = replace(self.plant.settings, joints=Prescribed(), dt=None)
         plant: Plant[Any] = replace(self.plant, environment=water.still, settings=model)
-        none: dict[type[Any], tuple[Row, ...]] = {kind: () for kind in (PoseSample, JointSample, ReferenceSample)}
+        none: dict[type[Any], tuple[Row, ...]] = {
+            kind: () for kind in (PoseSample, JointSample, ReferenceSample)
+        }
         plant.march(plant.init(Start(), REST), REST, TICK, TICK)
-        return LearnerState(plant=plant, mean=0.0 * self._opening, deviation=self._opening, samples=none)
+        return LearnerState(
+            plant=plant, mean=0.0 * self._opening, deviation=self._opening, samples=none
+        )
 
     def step(self, state: LearnerState, sample: Sample) -> LearnerState:
         """The state after one more sample; its `learned` is what is known anew, at the end of a stretch, or None.
@@ -165,7 +198,9 @@ class Learner:
         state, row = replace(state, learned=None), self._row(sample)
         if row is not None:
             kept = state.samples[type(sample)]
-            state = replace(state, samples={**state.samples, type(sample): (*kept, (sample.time, *row))})
+            state = replace(
+                state, samples={**state.samples, type(sample): (*kept, (sample.time, *row))}
+            )
         if not isinstance(sample, ReferenceSample):
             return state if state.bounds else _since(state, sample.time)
         if sample.frequency == 0.0:
@@ -173,7 +208,11 @@ class Learner:
         if not state.bounds:
             return replace(state, bounds=(sample.time + MARGIN,))
         end = state.bounds[-1] + math.pi / sample.frequency
-        return state if sample.time <= end + MARGIN else self._learnt(replace(state, bounds=(*state.bounds, end)))
+        return (
+            state
+            if sample.time <= end + MARGIN
+            else self._learnt(replace(state, bounds=(*state.bounds, end)))
+        )
 
     def _row(self, sample: Sample) -> Row | None:
         """What counts of a sample; None: nothing."""
@@ -184,19 +223,28 @@ class Learner:
         angle = self.robot.yaw_joints("angle", sample.angle)
         if isinstance(sample, ReferenceSample):
             return tuple(angle.tolist())
-        torque = angle * 0.0 if sample.torque is None else self.robot.yaw_joints("torque", sample.torque)
-        return (*angle.tolist(), *np.nan_to_num(torque).tolist()) if np.isfinite(angle).all() else None
+        torque = (
+            angle * 0.0 if sample.torque is None else self.robot.yaw_joints("torque", sample.torque)
+        )
+        return (
+            (*angle.tolist(), *np.nan_to_num(torque).tolist()) if np.isfinite(angle).all() else None
+        )
 
     def _learnt(self, state: LearnerState) -> LearnerState:
         """What the stretches say, after one more; nothing as long as they are few, or if samples are missing."""
         state = _since(state, state.bounds[-1] - self.settings.window)
         poses, joints, sent = (np.array(one).T for one in state.samples.values())
-        if not all(_covers(one, state.bounds[-2] - MARGIN, state.bounds[-1] + MARGIN) for one in (poses, joints)):
+        if not all(
+            _covers(one, state.bounds[-2] - MARGIN, state.bounds[-1] + MARGIN)
+            for one in (poses, joints)
+        ):
             return _since(state, math.inf)
         state = self._with_swings(replace(state, changes=()), joints, sent)
         if len(state.bounds) > UNTOLD + LEAST:
             bounds = np.array(state.bounds)
-            seen = Stretches(robot=self.robot, mount=self.mount, bounds=bounds, poses=poses, joints=joints)
+            seen = Stretches(
+                robot=self.robot, mount=self.mount, bounds=bounds, poses=poses, joints=joints
+            )
             state = self._fitted(state, seen)
         elif not state.changes:
             return state
@@ -208,10 +256,15 @@ class Learner:
         water = [getattr(self._water(state, state.mean), name) for name in names]
         scale = np.array([*water, PLAY, 1.0, 1.0, 1.0])
         found = [*water, *(scale * state.mean)[len(names) :].tolist()]
-        named = [dict(zip((*names, *UNITS), one, strict=True)) for one in (found, (scale * state.deviation).tolist())]
-        return Learned(time=state.bounds[-1], value=named[0], deviation=named[1], changes=state.changes)
+        named = [
+            dict(zip((*names, *UNITS), one, strict=True))
+            for one in (found, (scale * state.deviation).tolist())
+        ]
+        return Learned(
+            time=state.bounds[-1], value=named[0], deviation=named[1], changes=state.changes
+        )
 
-    # ---- what fits -------------------------------------------------------------------------------------------------
+    # ---- what fits -------------------------------------------------------------------------------
 
     def _fitted(self, state: LearnerState, seen: Stretches) -> LearnerState:
         """Two steps of Gauss and Newton, with the first guess as a prior; or what the last cycle says has changed."""
@@ -259,7 +312,7 @@ class Learner:
         water: Any = state.plant.environment
         return replace(water, **{name: getattr(water, name) * share for name, share in shares})
 
-    # ---- what has changed ------------------------------------------------------------------------------------------
+    # ---- what has changed ------------------------------------------------------------------------
 
     def _without_fin(self, state: LearnerState, seen: Stretches, off: Array) -> Plant[Any] | None:
         """The plant without its fin, if the last cycle is rather that one's."""
@@ -278,15 +331,22 @@ class Learner:
             return False
         size, told = _size(off), np.einsum("kij,kil->jl", design, design) / len(off)
         noise = 2.0 * size * told + size**2 * np.diag(self._opening**-2.0)
-        usual: Array = (np.einsum("ki,kj->ij", before, before) + LEAST * noise) / (len(before) + LEAST)
+        usual: Array = (np.einsum("ki,kj->ij", before, before) + LEAST * noise) / (
+            len(before) + LEAST
+        )
         return (last @ np.linalg.solve(usual, last.T)).item() > self.settings.doubt**2
 
     def _reopened(self, state: LearnerState, change: str) -> LearnerState:
         """Nothing from before the last cycle is known any more, but what was learnt is the guess."""
-        plant, n = replace(state.plant, environment=self._water(state, state.mean)), len(self.settings.unknown)
+        plant, n = (
+            replace(state.plant, environment=self._water(state, state.mean)),
+            len(self.settings.unknown),
+        )
         mean = np.append(np.zeros(n), state.mean[n:])
         changes = (*state.changes, change)
-        state = replace(state, plant=plant, mean=mean, deviation=self._opening, n_odd=0, changes=changes)
+        state = replace(
+            state, plant=plant, mean=mean, deviation=self._opening, n_odd=0, changes=changes
+        )
         return _since(state, state.bounds[-3])
 
     def _with_swings(self, state: LearnerState, joints: Array, sent: Array) -> LearnerState:
@@ -295,7 +355,8 @@ class Learner:
         if len(bounds) < 3:
             return state
         swing, asked = (
-            one[1 : len(sent), (one[0] > bounds[0]) & (one[0] <= bounds[-1])].std(axis=1) for one in (joints, sent)
+            one[1 : len(sent), (one[0] > bounds[0]) & (one[0] <= bounds[-1])].std(axis=1)
+            for one in (joints, sent)
         )
         if asked.min() < STILL_SWING:
             return state
@@ -304,7 +365,13 @@ class Learner:
         worst = int(share.argmin())
         n_weak = state.n_weak + 1 if share[worst] < self.settings.weak else 0
         state = replace(state, swings=swings, n_weak=n_weak)
-        word = "is stuck" if share[worst] < self.settings.stuck else "is weak" if n_weak == WEAK else ""
+        word = (
+            "is stuck"
+            if share[worst] < self.settings.stuck
+            else "is weak"
+            if n_weak == WEAK
+            else ""
+        )
         if not word or (worst, word) in state.named or (word == "is weak" and state.named):
             return state
         change = f"Joint {worst + 1} {word}: it swings {100.0 * share[worst]:.0f} % of what it did."
@@ -314,7 +381,9 @@ class Learner:
 def _since(state: LearnerState, begin: float) -> LearnerState:
     """The state with nothing but what is from `begin` [s] on."""
     oldest = begin - 2.0 * MARGIN
-    kept = {kind: tuple(row for row in rows if row[0] >= oldest) for kind, rows in state.samples.items()}
+    kept = {
+        kind: tuple(row for row in rows if row[0] >= oldest) for kind, rows in state.samples.items()
+    }
     return replace(state, samples=kept, bounds=tuple(one for one in state.bounds if one >= begin))
 
 

@@ -1,7 +1,8 @@
 """Motion and measurement model of the filter: the estimated quantities, their motion, and the resulting marker pose.
 
-The center of mass and the heading are a smooth motion through moving water plus the gait's ripple, which repeats with
-the gait. Joint angles are their lagged references plus a deviation. See docs/theory/estimation.md.
+The center of mass and the heading are a smooth motion through moving water plus the gait's ripple,
+which repeats with the gait. Joint angles are their lagged references plus a deviation. See
+docs/theory/estimation.md.
 """
 
 import math
@@ -16,14 +17,16 @@ from laticauda.estimation.samples import Mount
 from laticauda.kinematics import Posture, link_angles
 from laticauda.robot import Robot
 
-# Indices in the estimated vector. U: surge, S: sway, V: current, h: smooth heading, r: its rate; then the rate of
-# turning and the sideways speed per mean joint angle.
+# Indices in the estimated vector. U: surge, S: sway, V: current, h: smooth heading, r: its rate;
+# then the rate of turning and the sideways speed per mean joint angle.
 X, Y, U, S, VX, VY, H, R, TURN, SLIP = range(10)
-# Contributions of one bending mode of the body to the heading, and to the position of the center of mass across it.
+# Contributions of one bending mode of the body to the heading, and to the position of the center of
+# mass across it.
 N_MODES = 4
 HEADING_GAIN = slice(10, 10 + N_MODES)
 ACROSS_GAIN = slice(10 + N_MODES, 10 + 2 * N_MODES)
-# Motion that repeats with the gait is a rotating phasor (c, s) per harmonic; its contribution to the motion is c.
+# Motion that repeats with the gait is a rotating phasor (c, s) per harmonic; its contribution to
+# the motion is c.
 HEADING, ALONG, ACROSS = range(3)
 RIPPLES = ((HEADING, 1), (HEADING, 3), (ALONG, 1), (ALONG, 2), (ACROSS, 1), (ACROSS, 2))
 RIPPLE = 10 + 2 * N_MODES
@@ -81,9 +84,14 @@ class MotionModel:
     def lever(self) -> np.ndarray:
         """Lever of each link: marker body minus center of mass = sum of lever exp(i theta), in complex numbers [m]."""
         n, (link, (along, across)) = self.chain.n_links, self.mount.on_link(self.robot)
-        # With one link along x and all others along y, the x component of a link's middle is the lever of that one.
+        # With one link along x and all others along y, the x component of a link's middle is the
+        # lever of that one.
         one_turned = 0.5 * math.pi * (1.0 - np.eye(n))
-        lever = Posture(self.chain, np.zeros((n, 2)), one_turned).link_centers[:, link, 0].astype(np.complex128)
+        lever = (
+            Posture(self.chain, np.zeros((n, 2)), one_turned)
+            .link_centers[:, link, 0]
+            .astype(np.complex128)
+        )
         lever[link] += complex(along, across)
         return lever
 
@@ -98,7 +106,9 @@ class MotionModel:
         """Bending modes, per joint angle; the first is the mean [-]."""
         return _bending_modes(self.n_joints)
 
-    def initial(self, center_of_mass: Vector, heading: float, deviation: Vector, deviation_rate: Vector) -> Gaussian:
+    def initial(
+        self, center_of_mass: Vector, heading: float, deviation: Vector, deviation_rate: Vector
+    ) -> Gaussian:
         """Return the mean and covariance after the first frame.
 
         Args:
@@ -134,7 +144,12 @@ class MotionModel:
         return variance
 
     def step(
-        self, mean: Vector, reference: Vector, frequency: float, dt: float, twin: TwinState | None = None
+        self,
+        mean: Vector,
+        reference: Vector,
+        frequency: float,
+        dt: float,
+        twin: TwinState | None = None,
     ) -> tuple[Vector, Matrix, Matrix]:
         """Advance the mean by one time step.
 
@@ -160,7 +175,9 @@ class MotionModel:
         _walk_of_rate(q, places, self.noise.joint_acceleration**2, dt)
         return after, f, q
 
-    def _travel(self, mean: Vector, after: Vector, f: Matrix, bend: float, dt: float, twin: TwinState | None) -> None:
+    def _travel(
+        self, mean: Vector, after: Vector, f: Matrix, bend: float, dt: float, twin: TwinState | None
+    ) -> None:
         """Advance the smooth motion, with the heading in the middle of the step; `bend` is the mean joint angle."""
         foreseen = 0.0 if twin is None else twin.turn
         lever = bend if twin is None else foreseen / dt
@@ -180,7 +197,11 @@ class MotionModel:
             way = _in_world(twin.along, twin.across, math.cos(h0), math.sin(h0))
             after[[X, Y]] += way
             turned += np.array([-way[1], way[0]])
-        f[[X, Y], H], f[[X, Y], R], f[[X, Y], TURN] = turned, 0.5 * dt * turned, 0.5 * dt * lever * turned
+        f[[X, Y], H], f[[X, Y], R], f[[X, Y], TURN] = (
+            turned,
+            0.5 * dt * turned,
+            0.5 * dt * lever * turned,
+        )
         f[X, U], f[X, S], f[X, SLIP], f[X, VX] = dt * c, -dt * s, -dt * s * bend, dt
         f[Y, U], f[Y, S], f[Y, SLIP], f[Y, VY] = dt * s, dt * c, dt * c * bend, dt
         f[X, JOINTS::2], f[Y, JOINTS::2] = -s * mean[SLIP] * per_bend, c * mean[SLIP] * per_bend
@@ -208,7 +229,11 @@ class MotionModel:
             q[U, U] = self.noise.surge**2 * dt
             return
         else:
-            memory, std, target = SPEED_UP, self.swim_speed_std, self.swim_speed if frequency > 0.0 else 0.0
+            memory, std, target = (
+                SPEED_UP,
+                self.swim_speed_std,
+                self.swim_speed if frequency > 0.0 else 0.0,
+            )
         fade = math.exp(-dt / memory)
         after[U] = target + fade * (after[U] - target)
         f[U, U] = fade
@@ -227,7 +252,7 @@ class MotionModel:
             walk = np.where(_KIND == HEADING, self.noise.heading_ripple, self.noise.position_ripple)
             q[_C, _C] = q[at, at] = (walk / _HARMONIC) ** 2 * dt
 
-    # ---- the measurement model ---------------------------------------------------------------------------------------
+    # ---- the measurement model -------------------------------------------------------------------
 
     def pose(self, mean: Vector, reference: Vector) -> tuple[Vector, float, Matrix]:
         """Return center of mass [m] and heading (6) [rad], ripple included, and the derivative of these three.
@@ -257,7 +282,12 @@ class MotionModel:
         return place, float(theta), rows
 
     def rates(
-        self, mean: Vector, reference: Vector, reference_rate: Vector, frequency: float, twin: TwinState | None = None
+        self,
+        mean: Vector,
+        reference: Vector,
+        reference_rate: Vector,
+        frequency: float,
+        twin: TwinState | None = None,
     ) -> tuple[Vector, float]:
         """Return the velocity of the center of mass [m/s] and the heading rate [rad/s], ripple included.
 
@@ -275,7 +305,9 @@ class MotionModel:
         place[ACROSS] += mean[ACROSS_GAIN] @ bending
         pace[ACROSS] += mean[ACROSS_GAIN] @ bending_rate
         foreseen = 0.0 if twin is None else twin.rate
-        turning = float(mean[R] + mean[TURN] * (bending[0] if twin is None else foreseen)) + foreseen
+        turning = (
+            float(mean[R] + mean[TURN] * (bending[0] if twin is None else foreseen)) + foreseen
+        )
         along = pace[ALONG] - turning * place[ACROSS]
         across = pace[ACROSS] + turning * place[ALONG]
         velocity = _through_water(mean, float(bending[0]), c, s) + mean[[VX, VY]]
@@ -307,7 +339,8 @@ class MotionModel:
         return np.array([marker.real, marker.imag, theta[self.link]]), rows
 
 
-# Time constants with which the robot reaches its speed [s], and with which ripples decay once the gait has stopped [s].
+# Time constants with which the robot reaches its speed [s], and with which ripples decay once the
+# gait has stopped [s].
 SPEED_UP = 4.0
 STOPPED_MEMORY = 0.3
 # Error of the twin's speed [m/s], and how long it lasts [s].

@@ -1,7 +1,7 @@
 """Inputs and outputs of state estimation: samples, the mount of the markers on the robot, and estimates.
 
-Every sample carries the time at which it was taken, on the one clock of the recording. Samples may arrive late and out
-of order.
+Every sample carries the time at which it was taken, on the one clock of the recording. Samples may
+arrive late and out of order.
 """
 
 import math
@@ -93,7 +93,9 @@ def _check(sample: Sample, **shapes: tuple[int | None, ...]) -> None:
             continue
         array = np.array(given, dtype=np.float64)
         have = array.shape
-        if len(have) != len(shape) or any(size not in (None, n) for size, n in zip(shape, have, strict=True)):
+        if len(have) != len(shape) or any(
+            size not in (None, n) for size, n in zip(shape, have, strict=True)
+        ):
             expected = " x ".join("n" if size is None else str(size) for size in shape)
             raise BadArgument(name, f"must hold {expected} numbers, got an array of shape {have}")
         array.flags.writeable = False
@@ -125,12 +127,17 @@ class Estimate(Observation):
 class Mount:
     """Mount of the marker body on the robot.
 
-    In the paper, it is on "the last module", which also carries the caudal fin: the tail, module 0 here.
+    In the paper, it is on "the last module", which also carries the caudal fin: the tail, module 0
+    here.
     """
 
     module: int = quantity("", "the module that carries it, 0 = tail", ge=0, default=0)
-    offset: Offset = quantity("m", "its position from that module's middle: forward, left, up", default=(0.0, 0.0))
-    angle: float = quantity("rad", "from the module's axis to the x axis of the marker body", default=0.0)
+    offset: Offset = quantity(
+        "m", "its position from that module's middle: forward, left, up", default=(0.0, 0.0)
+    )
+    angle: float = quantity(
+        "rad", "from the module's axis to the x axis of the marker body", default=0.0
+    )
 
     def on_link(self, robot: Robot) -> tuple[int, tuple[float, float]]:
         """Return the link of `robot.planar()` that carries the body, and its position from the link's middle [m].
@@ -143,7 +150,10 @@ class Mount:
         """
         instance("robot", robot, Robot)
         if self.module >= len(robot.modules):
-            raise BadArgument("module", f"must be < {len(robot.modules)}, the number of modules, got {self.module}")
+            raise BadArgument(
+                "module",
+                f"must be < {len(robot.modules)}, the number of modules, got {self.module}",
+            )
         plane = body.reduce_to_plane(robot.modules, robot.joints)
         along, across = self.offset[:2]
         return plane.link[self.module], (plane.shift[self.module] + along, across)
@@ -162,13 +172,18 @@ class StateEstimator:
     """Base class of `Estimator` and `KinematicEstimator`, which turn samples into estimates. The state is a value.
 
     Raises:
-        ValueError: If a field is out of its range, or the robot has no module that carries the markers.
+        ValueError: If a field is out of its range, or the robot has no module that carries the
+            markers.
     """
 
     robot: Robot = option("the robot; in the plane, with straight pitch joints")
     mount: Mount = option("where the marker body sits", default_factory=Mount)
-    bridging_after: float = quantity("s", "after this long without a frame, it is `bridging`", gt=0.0, default=0.05)
-    lost_after: float = quantity("s", "after this long without a frame, it is `lost`", gt=0.0, default=1.5)
+    bridging_after: float = quantity(
+        "s", "after this long without a frame, it is `bridging`", gt=0.0, default=0.05
+    )
+    lost_after: float = quantity(
+        "s", "after this long without a frame, it is `lost`", gt=0.0, default=1.5
+    )
 
     def __post_init__(self) -> None:
         """Reject a mount that is not on the robot."""
@@ -218,4 +233,10 @@ class StateEstimator:
         Args:
             age: Time since the last accepted frame [s].
         """
-        return "tracking" if age <= self.bridging_after else "bridging" if age <= self.lost_after else "lost"
+        return (
+            "tracking"
+            if age <= self.bridging_after
+            else "bridging"
+            if age <= self.lost_after
+            else "lost"
+        )

@@ -9,8 +9,16 @@ if TYPE_CHECKING:
     from laticauda.figures.path import path_strip as path_strip
     from laticauda.figures.several import overlay as overlay, sweep_sheet as sweep_sheet
     from laticauda.figures.style import new_figure as new_figure, save_figure as save_figure
-    from laticauda.figures.swim import follow_sheet as follow_sheet, joint_angle as joint_angle, sheet as sheet
-    from laticauda.figures.swim import joint_torque as joint_torque, speed as speed, swim_sheet as swim_sheet
+    from laticauda.figures.swim import (
+        follow_sheet as follow_sheet,
+        joint_angle as joint_angle,
+        sheet as sheet,
+    )
+    from laticauda.figures.swim import (
+        joint_torque as joint_torque,
+        speed as speed,
+        swim_sheet as swim_sheet,
+    )
     from laticauda.figures.swim import timing_sheet as timing_sheet
 
 __getattr__, __dir__, __all__ = lazy_exports()

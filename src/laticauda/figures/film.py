@@ -39,9 +39,13 @@ class Film(FuncAnimation):
         frames_per_second: Frame rate [1/s].
     """
 
-    def __init__(self, figure: Figure, draw: Draw, moments: list[int], frames_per_second: float) -> None:
+    def __init__(
+        self, figure: Figure, draw: Draw, moments: list[int], frames_per_second: float
+    ) -> None:
         self._how = figure, draw, moments, 1e3 / frames_per_second
-        super().__init__(figure, draw, moments, blit=True, interval=self._how[-1], cache_frame_data=False)  # pyright: ignore
+        super().__init__(
+            figure, draw, moments, blit=True, interval=self._how[-1], cache_frame_data=False
+        )  # pyright: ignore
         self._draw_was_started = True  # an animation that is never shown is not a mistake
 
     def pictures(self) -> Iterator[np.ndarray]:
@@ -75,7 +79,9 @@ class Film(FuncAnimation):
         else:
             pictures = [*self.pictures()]
             height, width, _ = pictures[0].shape
-            write_video(pictures, filename, size=(width, height), frames_per_second=1e3 / self._how[-1])
+            write_video(
+                pictures, filename, size=(width, height), frames_per_second=1e3 / self._how[-1]
+            )
 
     def _written(self, file: Any, form: str) -> None:
         pictures = [Image.fromarray(one) for one in self.pictures()]
@@ -105,7 +111,9 @@ def swim_film(trial: Trial, *, speed: float = 1.0, frames_per_second: float = 15
     bodies = {sample: outline(trial.chain, trial, sample) for sample in shown}
     corners = np.vstack([*bodies.values()])
     width, height = np.ptp(corners, axis=0)
-    figure = style.new_figure(style.DOUBLE_COLUMN, np.clip(style.DOUBLE_COLUMN * height / width, *HEIGHT) + LABELS)
+    figure = style.new_figure(
+        style.DOUBLE_COLUMN, np.clip(style.DOUBLE_COLUMN * height / width, *HEIGHT) + LABELS
+    )
     ax = style.dress(figure.add_subplot(), xlabel="x [m]", ylabel="y [m]")
     ax.update_datalim(corners)
     ax.autoscale_view()

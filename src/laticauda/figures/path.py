@@ -40,7 +40,8 @@ ROW = 9.0  # height of the text above the upper right corner [pt]
 BAR = 0.09  # width of the color bar [in]
 LEAST = 0.1  # smallest extent that is shown along x and y [m]
 PIXELS = 240  # of the shading, along its longer side
-# Pale, so that arrows and bodies stand out: from white, and from one color to another through white.
+# Pale, so that arrows and bodies stand out: from white, and from one color to another through
+# white.
 SPEED = LinearSegmentedColormap.from_list("speed", ["#FFFFFF", "#CFE3F1", "#8DBBDC"])
 HEIGHT = LinearSegmentedColormap.from_list("height", ["#8DBBDC", "#FFFFFF", "#EFC9A8"])
 
@@ -48,7 +49,8 @@ HEIGHT = LinearSegmentedColormap.from_list("height", ["#8DBBDC", "#FFFFFF", "#EF
 def path_strip(trial: Trial, ax: Axes | None = None) -> Axes:
     """Plot the path of the center of mass, with the body along it like a film strip, older postures lighter.
 
-    The body has its real lengths and widths; the head is orange and pointed, a fin is a dark line at the tail.
+    The body has its real lengths and widths; the head is orange and pointed, a fin is a dark line
+    at the tail.
 
     Args:
         trial: Any trial, including a failed one.
@@ -84,7 +86,10 @@ def _tell_time(ax: Axes, trial: Trial, points: Points, sample: int, half_width: 
     """Add the time beside a posture: to its left, or on the outer side of a curved path; else on the free side."""
     path = trial.center_of_mass[:, :2]
     center, heading = path[sample], float(trial.heading[sample])
-    ahead, left = np.array([np.cos(heading), np.sin(heading)]), np.array([-np.sin(heading), np.cos(heading)])
+    ahead, left = (
+        np.array([np.cos(heading), np.sin(heading)]),
+        np.array([-np.sin(heading), np.cos(heading)]),
+    )
     if is_crowded(trial):  # the bodies overlap: behind the first, and ahead of the last
         side = ahead if sample else -ahead
         place = points[-1] if sample else points[0]
@@ -95,8 +100,12 @@ def _tell_time(ax: Axes, trial: Trial, points: Points, sample: int, half_width: 
         near = points[np.abs((points - center) @ ahead) < 0.25 * np.ptp(points @ ahead)]
         text = MARGIN * max(extent(trial))  # about as wide as the text
         places = [(to, _beside(center, near, to, half_width)) for to in (side, -side)]
-        gaps = [float(np.linalg.norm(path - (at + 0.5 * text * to), axis=1).min()) for to, at in places]
-        side, place = next((one for one, gap in zip(places, gaps, strict=True) if gap > 0.7 * text), places[0])
+        gaps = [
+            float(np.linalg.norm(path - (at + 0.5 * text * to), axis=1).min()) for to, at in places
+        ]
+        side, place = next(
+            (one for one, gap in zip(places, gaps, strict=True) if gap > 0.7 * text), places[0]
+        )
     style.note(
         ax,
         f"{trial.time[sample]:.3g} s",
@@ -118,15 +127,19 @@ def _beside(center: Point, points: Points, side: Point, half_width: float) -> Po
     return center + (np.max((points - center) @ side, initial=0.0) + half_width) * side
 
 
-# ---- postures ------------------------------------------------------------------------------------------------------
+# ---- postures ------------------------------------------------------------------------------------
 
 
 def outline(robot: Robot, trial: Trial, sample: int) -> Points:
     """Return trailing edge, fin hinges, tail end, joints and head end of the body at a sample, in this order [m]."""
-    return posture(robot, trial.center_of_mass[sample, :2], trial.link_angle[sample], trial.fin_angle[sample])
+    return posture(
+        robot, trial.center_of_mass[sample, :2], trial.link_angle[sample], trial.fin_angle[sample]
+    )
 
 
-def posture(robot: Robot, center: Point, angle: np.ndarray, fin_angle: np.ndarray | None = None) -> Points:
+def posture(
+    robot: Robot, center: Point, angle: np.ndarray, fin_angle: np.ndarray | None = None
+) -> Points:
     """Return the `outline` of a center of mass [m] and link angles [rad]; without fin angles, the fin is straight."""
     bent = Posture(robot, center, angle, fin_angle)
     return np.vstack((bent.fin_line[:-1], bent.link_ends))
@@ -141,7 +154,9 @@ def instants(trial: Trial) -> list[int]:
     n_steps = min(int(lengths), MOST - 1)
     first, duration = float(trial.time[0]), float(trial.time[-1] - trial.time[0])
     moments = [first + duration * k / n_steps for k in range(n_steps + 1)]
-    return _apart(trial, sorted({int(np.argmin(np.abs(trial.time - moment))) for moment in moments}))
+    return _apart(
+        trial, sorted({int(np.argmin(np.abs(trial.time - moment))) for moment in moments})
+    )
 
 
 def is_crowded(trial: Trial) -> bool:
@@ -198,10 +213,15 @@ def draw_posture(ax: Axes, robot: Robot, points: Points, age: float) -> None:
 def _draw_fin(ax: Axes, fin: CaudalFin, line: Points, age: float) -> None:
     """Draw the fin, a plate a few millimeters thick seen edge-on, as a line that is thinner at its opening."""
     opening = 0.0 if fin.opening == "closed" else fin.opening_length
-    behind = [0.0, *(piece.end for piece in fin.pieces)]  # positions of the line's points along the fin
+    behind = [
+        0.0,
+        *(piece.end for piece in fin.pieces),
+    ]  # positions of the line's points along the fin
     inner = np.array([np.interp(opening, behind, line[:, axis]) for axis in range(2)])
     k = int(np.searchsorted(behind, opening, side="right"))
-    lines = LineCollection([np.vstack((line[:k], inner)), np.vstack((inner, line[k:]))], zorder=3.0 - age)
+    lines = LineCollection(
+        [np.vstack((line[:k], inner)), np.vstack((inner, line[k:]))], zorder=3.0 - age
+    )
     lines.set(linewidth=[0.8, 2.2], color=_faded(style.INK, age), capstyle="butt")
     ax.add_collection(lines)
 
@@ -218,7 +238,11 @@ def _head(tail: Point, head: Point, half_width: float) -> Points:
     nose = min(NOSE * half_width, length)
     along, side = (head - tail) / length, _normal(tail, head)
     front = tail + (length - nose) * along
-    tip = front + nose * np.cos(_NOSE)[:, np.newaxis] * along + half_width * np.sin(_NOSE)[:, np.newaxis] * side
+    tip = (
+        front
+        + nose * np.cos(_NOSE)[:, np.newaxis] * along
+        + half_width * np.sin(_NOSE)[:, np.newaxis] * side
+    )
     return np.vstack((tail - half_width * side, tip, tail + half_width * side))
 
 
@@ -237,14 +261,14 @@ def _faded(color: str, age: float) -> tuple[float, float, float]:
     return red, green, blue
 
 
-# ---- water ---------------------------------------------------------------------------------------------------------
+# ---- water ---------------------------------------------------------------------------------------
 
 
 def draw_water(trial: Trial, ax: Axes) -> bool:
     """Draw the motion of a run's water: its current above the corner, or the field of its flow under the path.
 
-    Arrows show the velocity at the robot's depth at the end of the run; shading shows the elevation of the surface if
-    there are waves, otherwise the speed.
+    Arrows show the velocity at the robot's depth at the end of the run; shading shows the elevation
+    of the surface if there are waves, otherwise the speed.
 
     Args:
         trial: Any trial.
@@ -278,10 +302,17 @@ def _draw_field(trial: Trial, water: Water, ax: Axes) -> None:
         shade, colors, label = elevation(water.flow, places, time), HEIGHT, "elevation [m]"
         least = -float(np.max(np.abs(shade)))
     else:
-        shade, colors, label, least = np.linalg.norm(velocity(places, time), axis=1), SPEED, "speed [m/s]", 0.0
+        shade, colors, label, least = (
+            np.linalg.norm(velocity(places, time), axis=1),
+            SPEED,
+            "speed [m/s]",
+            0.0,
+        )
     ends: Any = (low[0], high[0], low[1], high[1])
     look: Any = {"cmap": colors, "vmin": least, "vmax": float(np.max(np.abs(shade))), "zorder": 0}
-    image = ax.imshow(shade.reshape(counts).T, extent=ends, origin="lower", interpolation="bilinear", **look)
+    image = ax.imshow(
+        shade.reshape(counts).T, extent=ends, origin="lower", interpolation="bilinear", **look
+    )
     _add_bar(ax, image, label)
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), anchor="W")
     corner, end = _above_corner(ax), high[0]
@@ -289,14 +320,35 @@ def _draw_field(trial: Trial, water: Water, ax: Axes) -> None:
     arrows = arrows_of(velocity, low, high, [time])
     if arrows is not None:
         tails, tips = np.moveaxis(arrows.at(arrows.places(low, high), time), 1, 0)
-        sizes: Any = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "units": "dots", "width": 2.2}
+        sizes: Any = {
+            "angles": "xy",
+            "scale_units": "xy",
+            "scale": 1.0,
+            "units": "dots",
+            "width": 2.2,
+        }
         ax.quiver(*tails.T, *(tips - tails).T, color=style.GRAY, zorder=0.6, **sizes)
         long = arrows.key * arrows.time
         places = blended_transform_factory(ax.transData, corner)
-        key = ax.quiver(end, ROW, long, 0.0, color=style.INK, pivot="tip", transform=places, clip_on=False, **sizes)
+        key = ax.quiver(
+            end,
+            ROW,
+            long,
+            0.0,
+            color=style.INK,
+            pivot="tip",
+            transform=places,
+            clip_on=False,
+            **sizes,
+        )
         key.set_in_layout(False)
         words, end = f"{words}; {arrows.key:g} m/s:", end - long
-    at: Any = {"xycoords": ("data", corner), "ha": "right", "va": "center", "annotation_clip": False}
+    at: Any = {
+        "xycoords": ("data", corner),
+        "ha": "right",
+        "va": "center",
+        "annotation_clip": False,
+    }
     style.note(ax, words, (end, ROW), (-5.0, 0.0), color=style.INK, **at)
 
 
@@ -333,6 +385,21 @@ def _tell_current(ax: Axes, current: Sequence[float]) -> None:
     strength, in_points = math.hypot(*current), _above_corner(ax)
     x, y = (7.0 * part / strength for part in current)
     look: Any = {"xycoords": in_points, "color": style.INK, "annotation_clip": False}
-    style.note(ax, f"current {strength:.3g} m/s", (-20.0, ROW), (0, 0), ha="right", va="center", **look)
-    arrow = {"arrowstyle": "-|>", "mutation_scale": 7, "shrinkA": 0, "shrinkB": 0, "linewidth": style.THIN}
-    ax.annotate("", (-10.0 + x, ROW + y), (-10.0 - x, ROW - y), textcoords=in_points, arrowprops=arrow, **look)
+    style.note(
+        ax, f"current {strength:.3g} m/s", (-20.0, ROW), (0, 0), ha="right", va="center", **look
+    )
+    arrow = {
+        "arrowstyle": "-|>",
+        "mutation_scale": 7,
+        "shrinkA": 0,
+        "shrinkB": 0,
+        "linewidth": style.THIN,
+    }
+    ax.annotate(
+        "",
+        (-10.0 + x, ROW + y),
+        (-10.0 - x, ROW - y),
+        textcoords=in_points,
+        arrowprops=arrow,
+        **look,
+    )

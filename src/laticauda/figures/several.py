@@ -1,6 +1,7 @@
 """Several runs in one figure: overlaid paths and speeds, and the results of a sweep."""
 
-# matplotlib's and xarray's own annotations are partial; this package passes on typed figures and axes.
+# matplotlib's and xarray's own annotations are partial; this package passes on typed figures and
+# axes.
 # pyright: reportUnknownMemberType=false
 
 import itertools
@@ -52,14 +53,16 @@ def overlay(trials: Sequence[Trial], names: Sequence[str]) -> Figure:
 def _looks() -> list[tuple[str, Any]]:
     """Return all distinct combinations of line colors and dashes."""
     n = len(style.LINES)
-    return [(style.LINES[i][0], style.LINES[(i + turn) % n][1]) for turn in range(n) for i in range(n)]
+    return [
+        (style.LINES[i][0], style.LINES[(i + turn) % n][1]) for turn in range(n) for i in range(n)
+    ]
 
 
 def sweep_sheet(found: "xarray.Dataset") -> Figure:
     """Plot forward velocity and cost of transport over the varied quantities: lines for one, maps for two.
 
-    For a grid of more, the map lies in the plane of the first two through the fastest point, and the figure says so;
-    for lists and samples, every point is a dot over the first two.
+    For a grid of more, the map lies in the plane of the first two through the fastest point, and
+    the figure says so; for lists and samples, every point is a dot over the first two.
 
     Args:
         found: Sweep as read by `laticauda.studies.open_sweep`.
@@ -110,7 +113,9 @@ def _over_two(found: "xarray.Dataset", names: list[str], quantity: str, ax: Axes
     if values.dims == ("trial",):
         drawn: Any = ax.scatter(x, y, c=values.to_numpy(), s=10, **look)
     else:
-        drawn = ax.pcolormesh(x, y, values.transpose(names[1], names[0]).to_numpy(), shading="nearest", **look)
+        drawn = ax.pcolormesh(
+            x, y, values.transpose(names[1], names[0]).to_numpy(), shading="nearest", **look
+        )
     figure: Any = ax.get_figure(root=True)
     bar = figure.colorbar(drawn, ax=ax, extend="max" if is_cut else "neither")
     bar.set_label(_label(found, quantity), fontsize=style.LABEL, color=style.INK)
@@ -122,7 +127,9 @@ def _over_two(found: "xarray.Dataset", names: list[str], quantity: str, ax: Axes
 def _label(found: "xarray.Dataset", name: str) -> str:
     """Return the label of an axis, with angles in degrees."""
     about = found[name].attrs
-    unit = about["units"].replace("rad", "deg") if about["units"].startswith("rad") else about["units"]
+    unit = (
+        about["units"].replace("rad", "deg") if about["units"].startswith("rad") else about["units"]
+    )
     return f"{SHOWN.get(name, about['long_name'])} [{'-' if unit == '1' else unit}]"
 
 

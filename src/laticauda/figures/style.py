@@ -1,7 +1,7 @@
 """Common style of all figures: sizes, colors and labels, for print at journal width.
 
-No global state is changed, neither pyplot's nor matplotlib's settings, so that figures can be created in any thread and
-alongside those of the user.
+No global state is changed, neither pyplot's nor matplotlib's settings, so that figures can be
+created in any thread and alongside those of the user.
 """
 
 # matplotlib's own annotations are partial; this package passes on typed figures and axes.
@@ -27,7 +27,8 @@ TICK = 8  # size of tick labels and legends [pt]
 THIN, LINE = 0.6, 1.2  # line widths [pt]
 DOTS_PER_INCH = 300
 
-# Okabe and Ito's colors, distinguishable by the color-blind and, as their lightness differs, in gray print.
+# Okabe and Ito's colors, distinguishable by the color-blind and, as their lightness differs, in
+# gray print.
 INK = "#222222"
 BLUE = "#0072B2"
 ORANGE = "#D55E00"
@@ -41,7 +42,11 @@ LINES: tuple[tuple[str, Any], ...] = (
     (AMBER, (0, (5, 1, 1, 1))),
 )
 LEGEND: Any = {"fontsize": TICK, "labelcolor": INK, "frameon": False}
-AIM: Any = {"color": ORANGE, "linewidth": LINE, "linestyle": (0, (4, 2))}  # targets and measured values
+AIM: Any = {
+    "color": ORANGE,
+    "linewidth": LINE,
+    "linestyle": (0, (4, 2)),
+}  # targets and measured values
 
 Outside = Literal["outside lower center", "outside lower left", "outside right upper"]
 
@@ -78,7 +83,10 @@ def save_figure(figure: Figure, *paths: str | Path) -> None:
         StorageFailed: If a file cannot be written.
     """
     # A date or a version in a file would make every file different.
-    metadata: dict[str, Any] = {".pdf": {"CreationDate": None, "Creator": None}, ".svg": {"Date": None}}
+    metadata: dict[str, Any] = {
+        ".pdf": {"CreationDate": None, "Creator": None},
+        ".svg": {"Date": None},
+    }
     settle(figure)
     for path in paths:
         about = metadata.get(Path(path).suffix.lower(), {"Software": None})
@@ -117,7 +125,9 @@ def head(figure: Figure, title: str, note: str = "") -> Text:
         title: What the figure shows.
         note: The second line; "" for none.
     """
-    shown = figure.suptitle(f"{title}\n{note}" if note else title, fontsize=LABEL, color=INK, x=0.01, ha="left")
+    shown = figure.suptitle(
+        f"{title}\n{note}" if note else title, fontsize=LABEL, color=INK, x=0.01, ha="left"
+    )
     shown.set_linespacing(1.35)
     return shown
 
@@ -152,7 +162,9 @@ def letter(ax: Axes, place: int, words: str = "", pad: float = 4.0) -> None:
     ax.set_title(text, fontsize=TICK, color=INK, loc="left", pad=pad)
 
 
-def note(ax: Axes, text: str, at: tuple[float, float], shift: tuple[float, float], **look: Any) -> Text:
+def note(
+    ax: Axes, text: str, at: tuple[float, float], shift: tuple[float, float], **look: Any
+) -> Text:
     """Add a small text beside a point, gray unless specified otherwise.
 
     Args:

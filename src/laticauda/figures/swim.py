@@ -28,13 +28,16 @@ CYCLES_SHOWN = 3  # of joint angles and torques, at the end of a run
 STRIP_HEIGHT = (0.85, 2.4)  # of the path, if it is above the other figures [in]
 PANEL_HEIGHT = 1.9  # [in]
 LABELS = 0.55  # height of title and labels of a figure [in]
-FOLLOWED_HEIGHT, BELOW_HEIGHT = (0.9, 2.6), 1.8  # of a followed path, and of the panels below it [in]
+FOLLOWED_HEIGHT, BELOW_HEIGHT = (
+    (0.9, 2.6),
+    1.8,
+)  # of a followed path, and of the panels below it [in]
 TITLE = 0.6  # height of title, note and letters above them [in]
 LEGEND = 0.4  # height of a legend as a fraction of its axes [-]
 KINDS = {"lateness": style.BLUE, "latency": style.ORANGE}  # colors of the times of a loop
 
 
-# ---- figures -------------------------------------------------------------------------------------------------------
+# ---- figures -------------------------------------------------------------------------------------
 
 
 def speed(trial: Trial, ax: Axes) -> Axes:
@@ -96,7 +99,8 @@ def joint_torque(trial: Trial, ax: Axes, *, last: float | None = None, scale: bo
 def swim_sheet(trial: Trial) -> Figure:
     """Create a figure of a run, as wide as two journal columns: path, speed, joint angles and torques.
 
-    The joints are shown over the last cycles only. A long path is above the other panels, a curved one beside them.
+    The joints are shown over the last cycles only. A long path is above the other panels, a curved
+    one beside them.
 
     Args:
         trial: Any trial, including a failed one.
@@ -136,7 +140,7 @@ def sheet(trial: Trial) -> Figure:
     return follow_sheet(trial) if "cross_track_error" in trial.signals else swim_sheet(trial)
 
 
-# ---- parts ---------------------------------------------------------------------------------------------------------
+# ---- parts ---------------------------------------------------------------------------------------
 
 
 def _add_legend(ax: Axes, late: Series) -> None:
@@ -149,14 +153,18 @@ def _add_legend(ax: Axes, late: Series) -> None:
         style.legend(ax, loc="lower right")
 
 
-def _joints(trial: Trial, values: Series, ax: Axes, label: str, last: float | None, scale: bool) -> Axes:
+def _joints(
+    trial: Trial, values: Series, ax: Axes, label: str, last: float | None, scale: bool
+) -> Axes:
     start = trial.time[0] if last is None else max(trial.time[0], trial.time[-1] - last)
     shown = trial.time >= start
     n_joints = values.shape[1]
     if n_joints:
         colors, norm = style.joint_colors(n_joints)
         lines = [np.stack((trial.time[shown], values[shown, i]), axis=1) for i in range(n_joints)]
-        drawn = LineCollection(lines, cmap=colors, norm=norm, array=list(range(n_joints)), linewidth=0.9)
+        drawn = LineCollection(
+            lines, cmap=colors, norm=norm, array=list(range(n_joints)), linewidth=0.9
+        )
         ax.add_collection(drawn)
         ax.autoscale_view()
         if scale:
@@ -171,9 +179,13 @@ def _scale(figure: Figure | None, trial: Trial, axes: list[Axes]) -> None:
     if figure is None or n_joints == 0:
         return
     colors, norm = style.joint_colors(n_joints)
-    bar = figure.colorbar(ScalarMappable(norm=norm, cmap=colors), ax=axes, aspect=25, pad=0.03, drawedges=False)
+    bar = figure.colorbar(
+        ScalarMappable(norm=norm, cmap=colors), ax=axes, aspect=25, pad=0.03, drawedges=False
+    )
     ticks = sorted({0, n_joints - 1})
-    bar.set_ticks(ticks, labels=[f"{i} ({end})" for i, end in zip(ticks, ("tail", "head"), strict=False)])
+    bar.set_ticks(
+        ticks, labels=[f"{i} ({end})" for i, end in zip(ticks, ("tail", "head"), strict=False)]
+    )
     bar.ax.tick_params(labelsize=style.TICK, labelcolor=style.INK, length=0, which="both")
     bar.ax.set_title("joint", fontsize=style.LABEL, color=style.INK, loc="left", pad=5)
     bar.outline.set_visible(False)
@@ -192,7 +204,9 @@ def cycle_mean_speed(trial: Trial) -> tuple[Series, Series] | None:
     except ValueError:  # too short a run, or too few samples
         return None
     log = trial.time, trial.center_of_mass, trial.center_of_mass_velocity
-    before, after = (cycles.interpolated(*log, middle + shift * trial.period) for shift in (-0.5, 0.5))
+    before, after = (
+        cycles.interpolated(*log, middle + shift * trial.period) for shift in (-0.5, 0.5)
+    )
     return middle, np.linalg.norm(after - before, axis=1) / trial.period
 
 
@@ -205,13 +219,13 @@ def _from_to(ax: Axes, time: Series) -> None:
     """Let the time axis span exactly the given times."""
     if time.size > 1:
         ax.set_xlim(float(time[0]), float(time[-1]))
-        # Few ticks regardless of the width: with more, the layout notices too late that the last label needs space,
-        # and fractions of a second have long labels.
+        # Few ticks regardless of the width: with more, the layout notices too late that the last
+        # label needs space, and fractions of a second have long labels.
         few = 2 if time[-1] - time[0] < 1.0 else 5
         ax.xaxis.set_major_locator(MaxNLocator(few, steps=[1, 2, 5, 10]))
 
 
-# ---- path following ------------------------------------------------------------------------------------------------
+# ---- path following ------------------------------------------------------------------------------
 
 
 def path_beside(trial: Trial, ax: Axes) -> Axes:
@@ -225,7 +239,10 @@ def path_beside(trial: Trial, ax: Axes) -> Axes:
     ax.plot(*following.nearest_points(trial).T, zorder=0.5, **style.AIM)
     corners: Sequence[tuple[float, float]] = getattr(following.path_of(trial), "waypoints", ())
     if corners:
-        ax.plot(*np.array(corners).T, **style.points("o", 4.0, style.ORANGE, markerfacecolor="white", zorder=0.6))
+        ax.plot(
+            *np.array(corners).T,
+            **style.points("o", 4.0, style.ORANGE, markerfacecolor="white", zorder=0.6),
+        )
         style.note(ax, "end", corners[-1], (5, -9), color=style.ORANGE)
     return ax
 
@@ -265,8 +282,8 @@ def follow_sheet(trial: Trial, *, title: str = "", note: str = "") -> Figure:
 
     Args:
         trial: A run with the signals of path following.
-        title: Title above all panels, which then have letters as in the paper's Figs. 12 to 23; "": that of
-            `title_of`, no letters.
+        title: Title above all panels, which then have letters as in the paper's Figs. 12 to 23; "":
+            that of `title_of`, no letters.
         note: A second line under the title; "" for none.
     """
     wide, high = extent(trial)
@@ -286,11 +303,15 @@ def follow_sheet(trial: Trial, *, title: str = "", note: str = "") -> Figure:
     return figure
 
 
-# ---- timing of the loop --------------------------------------------------------------------------------------------
+# ---- timing of the loop --------------------------------------------------------------------------
 
 
 def timing_sheet(
-    lateness: Float[np.ndarray, " n_ticks"], latency: Float[np.ndarray, " n_ticks"], interval: float, *, note: str = ""
+    lateness: Float[np.ndarray, " n_ticks"],
+    latency: Float[np.ndarray, " n_ticks"],
+    interval: float,
+    *,
+    note: str = "",
 ) -> Figure:
     """Plot both timing distributions of a loop in one figure.
 
@@ -311,7 +332,10 @@ def timing_sheet(
 
 
 def plot_timing(
-    ax: Axes, values: Float[np.ndarray, " n_ticks"], interval: float, kind: Literal["lateness", "latency"]
+    ax: Axes,
+    values: Float[np.ndarray, " n_ticks"],
+    interval: float,
+    kind: Literal["lateness", "latency"],
 ) -> Axes:
     """Plot the share of ticks beyond a time, with the median, the 99.9th percentile and the maximum marked.
 

@@ -13,7 +13,16 @@ import numpy as np
 from laticauda.fluid.flow import Flow
 
 ALONG = 10.0  # minimum number of arrows along the longer side of the region shown
-MOMENTS = (0.0, 0.31, 0.83, 1.7, 3.1, 5.3, 9.1, 17.0)  # default times at which the water is sampled [s]
+MOMENTS = (
+    0.0,
+    0.31,
+    0.83,
+    1.7,
+    3.1,
+    5.3,
+    9.1,
+    17.0,
+)  # default times at which the water is sampled [s]
 LOOKS = 20  # samples along x and y, to find the fastest water
 FAST = 92.0  # percentile of the speed that sets the scale: the core of a vortex would make all other arrows short
 AROUND = 1.2  # largest distance of arrows from a robot, in robot lengths
@@ -54,7 +63,9 @@ class Arrows:
     def places(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
         """Return the positions of the arrows between two corners, shape (n, 2) [m]."""
         first, last = np.ceil(low / self.spacing), np.floor(high / self.spacing)
-        return self.spacing * grid(np.arange(first[0], last[0] + 1.0), np.arange(first[1], last[1] + 1.0))
+        return self.spacing * grid(
+            np.arange(first[0], last[0] + 1.0), np.arange(first[1], last[1] + 1.0)
+        )
 
     def around(self, middle: np.ndarray, t: float) -> np.ndarray:
         """Return the arrows around a robot, at its height.
@@ -92,11 +103,13 @@ def arrows_of(
     """Return arrows that suit the region shown; None if the water is still.
 
     Args:
-        velocity: Velocity of the water at points, shape (n, n_axes) [m], and a time [s]; same shape [m/s].
+        velocity: Velocity of the water at points, shape (n, n_axes) [m], and a time [s]; same shape
+            [m/s].
         low: Lower corner of the region, in the plane or in space [m].
         high: Upper corner [m].
         times: Sample of the times shown [s].
-        length: Length of a robot whose path the region is; arrows are around it; None: throughout the region [m].
+        length: Length of a robot whose path the region is; arrows are around it; None: throughout
+            the region [m].
         flow: Flow that moves the surface.
     """
     reach = math.inf if length is None else AROUND * length
@@ -105,12 +118,16 @@ def arrows_of(
     looks = np.linspace(low[:2] - room, high[:2] + room, LOOKS)
     places = grid(looks[:, 0], looks[:, 1])
     points = np.column_stack((places, np.tile(0.5 * (low + high)[2:], (len(places), 1))))
-    fastest = float(np.percentile([np.linalg.norm(velocity(points, t), axis=-1) for t in times], FAST))
+    fastest = float(
+        np.percentile([np.linalg.norm(velocity(points, t), axis=-1) for t in times], FAST)
+    )
     if fastest < SLOWEST:
         return None
     spacing = round_down(shown / ALONG)
     time = float(f"{spacing / fastest:.2g}")
-    return Arrows(velocity=velocity, spacing=spacing, time=time, reach=reach, axes=low.size, flow=flow)
+    return Arrows(
+        velocity=velocity, spacing=spacing, time=time, reach=reach, axes=low.size, flow=flow
+    )
 
 
 def grid(x: Any, y: Any) -> np.ndarray:
@@ -121,10 +138,14 @@ def grid(x: Any, y: Any) -> np.ndarray:
 def round_down(number: float) -> float:
     """Return the largest of ... 0.1, 0.2, 0.3, 0.5, 1, 2, 3, 5, 10 ... that is not above a positive number."""
     power = 10.0 ** math.floor(math.log10(number))
-    return power * max(step for step in (1.0, 2.0, 3.0, 5.0) if step * power <= number * (1.0 + 1e-9) or step == 1.0)
+    return power * max(
+        step
+        for step in (1.0, 2.0, 3.0, 5.0)
+        if step * power <= number * (1.0 + 1e-9) or step == 1.0
+    )
 
 
-# ---- the surface ---------------------------------------------------------------------------------------------------
+# ---- the surface ---------------------------------------------------------------------------------
 
 
 def elevation(flow: Flow | None, places: np.ndarray, t: float) -> np.ndarray:

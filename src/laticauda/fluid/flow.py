@@ -1,17 +1,19 @@
 """Water that moves in space and time: flows that own their numbers.
 
-A flow is a frozen value derived from `Flow`: its fields are its numbers, its `__call__` gives the motion of the water
-at a point and a time. It is part of the water: `Water.current`. Python calls it directly, and the kernels compile it
-(`laticauda.formulas`). A user's flow is a class like those in the neighboring modules, or a `FunctionFlow`.
+A flow is a frozen value derived from `Flow`: its fields are its numbers, its `__call__` gives the
+motion of the water at a point and a time. It is part of the water: `Water.current`. Python calls it
+directly, and the kernels compile it (`laticauda.formulas`). A user's flow is a class like those in
+the neighboring modules, or a `FunctionFlow`.
 
-A flow is the sum of its `parts`, each with a formula and up to `formulas.MOST_NUMBERS` numbers: a flow with a formula
-is its own only part, a sea consists of many waves. The numbers of parts are therefore rows of the kernels, like those
-of drag laws, and sums of flows are flows.
+A flow is the sum of its `parts`, each with a formula and up to `formulas.MOST_NUMBERS` numbers: a
+flow with a formula is its own only part, a sea consists of many waves. The numbers of parts are
+therefore rows of the kernels, like those of drag laws, and sums of flows are flows.
 
-Formulas are compiled, so this module and those of flows avoid jaxtyping, whose checker wraps functions.
+Formulas are compiled, so this module and those of flows avoid jaxtyping, whose checker wraps
+functions.
 
-Axes are world axes: z is up, and 0 at the mean surface. Formulas work for floats, complex numbers, lanes and arrays, as
-those of drag laws do (`laticauda.fluid.laws`).
+Axes are world axes: z is up, and 0 at the mean surface. Formulas work for floats, complex numbers,
+lanes and arrays, as those of drag laws do (`laticauda.fluid.laws`).
 """
 
 from collections.abc import Callable
@@ -85,7 +87,9 @@ def felt(motion: Motion) -> Felt:
     a_x = u_t + u * u_x + v * u_y + w * u_z
     a_y = v_t + u * v_x + v * v_y + w * v_z
     a_z = w_t + u * w_x + v * w_y + w * w_z
-    return Felt(u, v, w, a_x, a_y, a_z, 0.5 * (w_y - v_z), 0.5 * (u_z - w_x), 0.5 * (v_x - u_y), elevation)
+    return Felt(
+        u, v, w, a_x, a_y, a_z, 0.5 * (w_y - v_z), 0.5 * (u_z - w_x), 0.5 * (v_x - u_y), elevation
+    )
 
 
 class Flow(Law, Extensible, group="flows"):
@@ -108,7 +112,8 @@ class Flow(Law, Extensible, group="flows"):
             t: Time since the start of the run [s].
 
         Returns:
-            The 16 numbers of a `Motion`, or only u, v and w: the others are then central differences, and the surface
+            The 16 numbers of a `Motion`, or only u, v and w: the others are then central
+                differences, and the surface
             stays level.
         """
         return self.motion(x, y, z, t)
@@ -180,7 +185,9 @@ class Flow(Law, Extensible, group="flows"):
         if count != 3:
             rule = f"must return 3 numbers (u, v, w) or the {len(Motion._fields)} of a `Motion`"
             raise ValueError(f"`{formula.name}` {rule}, got {found!r}.")
-        return Formula(name=formula.name, function=differentiated(formula.function), fields=formula.fields)
+        return Formula(
+            name=formula.name, function=differentiated(formula.function), fields=formula.fields
+        )
 
     def check(self) -> None:
         """Reject a flow that the kernels cannot compile.
@@ -191,7 +198,14 @@ class Flow(Law, Extensible, group="flows"):
         from laticauda.compiling.formulas import check  # Numba is slow to import
 
         for part in {type(part): part for part in self.parts}.values():
-            check(part.moving, part.numbers, None, (0.1, 0.2, -0.3, 0.4), len(Motion._fields), "those of a `Motion`")
+            check(
+                part.moving,
+                part.numbers,
+                None,
+                (0.1, 0.2, -0.3, 0.4),
+                len(Motion._fields),
+                "those of a `Motion`",
+            )
 
     @property
     def limits(self) -> str:
@@ -263,7 +277,9 @@ class Rows(NamedTuple):
             ValueError: If a part is a flow on a grid.
         """
         if any(shape is not None for *_, shape in self.parts):
-            raise BadArgument("current", f"must not be a gridded flow: {reader} cannot read its table; got one")
+            raise BadArgument(
+                "current", f"must not be a gridded flow: {reader} cannot read its table; got one"
+            )
 
 
 def rows_of(flow: Flow, height: float | None = None) -> Rows:
@@ -278,9 +294,15 @@ def rows_of(flow: Flow, height: float | None = None) -> Rows:
         part = part if height is None else part.at_height(height)
         own = (getattr(part, name, None) for name in ("function", "shape"))
         kinds.setdefault((type(part), *own), []).append(part)
-    numbers = [one for parts in kinds.values() for one in (len(parts), *chain(*(part.numbers for part in parts)))]
+    numbers = [
+        one
+        for parts in kinds.values()
+        for one in (len(parts), *chain(*(part.numbers for part in parts)))
+    ]
     formulas = tuple(parts[0].moving for parts in kinds.values())
-    return Rows(formulas, (*kinds,), tuple(map(len, kinds.values())), np.array(numbers, dtype=float))
+    return Rows(
+        formulas, (*kinds,), tuple(map(len, kinds.values())), np.array(numbers, dtype=float)
+    )
 
 
 def differentiated(flow: Callable[..., Any]) -> Callable[..., Any]:
@@ -290,7 +312,9 @@ def differentiated(flow: Callable[..., Any]) -> Callable[..., Any]:
         flow: Function of `self`, x, y, z [m] and t [s]; it returns u, v, w [m/s].
     """
 
-    def slopes(law: Any, x: float, y: float, z: float, t: float, dx: float, dy: float, dz: float, dt: float) -> Any:
+    def slopes(
+        law: Any, x: float, y: float, z: float, t: float, dx: float, dy: float, dz: float, dt: float
+    ) -> Any:
         u_1, v_1, w_1 = flow(law, x + dx, y + dy, z + dz, t + dt)
         u_0, v_0, w_0 = flow(law, x - dx, y - dy, z - dz, t - dt)
         return 0.5 * (u_1 - u_0) / STEP, 0.5 * (v_1 - v_0) / STEP, 0.5 * (w_1 - w_0) / STEP

@@ -1,12 +1,13 @@
 """Water with motion on a grid of places and times, from netCDF or an xarray Dataset; any flow can be sampled to one.
 
-A Dataset has the velocities `u`, `v` and optionally `w` [m/s] and the `elevation` of the surface [m], over the
-coordinates `time`, `z` (or `depth`, positive down), `y` and `x`, any of which may be missing. Names and units of the CF
-conventions are supported; degrees are not, because the world is flat here.
+A Dataset has the velocities `u`, `v` and optionally `w` [m/s] and the `elevation` of the surface
+[m], over the coordinates `time`, `z` (or `depth`, positive down), `y` and `x`, any of which may be
+missing. Names and units of the CF conventions are supported; degrees are not, because the world is
+flat here.
 
-Between the nodes the motion is multilinear: velocity and elevation are continuous and of second order in the grid's
-steps; the gradients, which are those of the same cell, are of first order. Kernels read the nodes where they are in
-memory (`laticauda.scalars.table_row`).
+Between the nodes the motion is multilinear: velocity and elevation are continuous and of second
+order in the grid's steps; the gradients, which are those of the same cell, are of first order.
+Kernels read the nodes where they are in memory (`laticauda.scalars.table_row`).
 """
 
 import functools
@@ -35,9 +36,17 @@ AXES = ("time", "z", "y", "x")
 NAMES: dict[str, list[str]] = read_toml(Path(__file__).with_suffix(".toml"))
 """Accepted names of variables and coordinates: their name or attribute `standard_name`, which is the second entry."""
 _METERS = {"m": 1.0, "meter": 1.0, "meters": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0}
-_SPEEDS = {f"{meter}{per}": factor for meter, factor in _METERS.items() for per in ("/s", " s-1", " s^-1", "/second")}
+_SPEEDS = {
+    f"{meter}{per}": factor
+    for meter, factor in _METERS.items()
+    for per in ("/s", " s-1", " s^-1", "/second")
+}
 _TIMES = {"s": 1.0, "seconds": 1.0, "minutes": 60.0, "h": 3600.0, "hours": 3600.0, "days": 86400.0}
-UNITS = {**dict.fromkeys("uvw", _SPEEDS), **dict.fromkeys(("elevation", *"zyx"), _METERS), "time": _TIMES}
+UNITS = {
+    **dict.fromkeys("uvw", _SPEEDS),
+    **dict.fromkeys(("elevation", *"zyx"), _METERS),
+    "time": _TIMES,
+}
 """Accepted units with their factors to our units; our own units come first, and are assumed if there are none."""
 
 
@@ -54,8 +63,8 @@ class Grid:
 
     Args:
         axes: Axes in the order of `AXES` [s], [m].
-        table: Velocity and elevation at every node, nodes along x next to each other, shape (n, 4); the last node of
-            each axis is followed by its first one again.
+        table: Velocity and elevation at every node, nodes along x next to each other, shape (n, 4);
+            the last node of each axis is followed by its first one again.
     """
 
     def __init__(self, axes: tuple[Axis, ...], table: np.ndarray) -> None:
@@ -83,7 +92,9 @@ def read(file: str) -> Grid:
     try:
         return _read(file, Path(file).stat().st_mtime_ns)
     except (OSError, RuntimeError, ValueError) as error:
-        rule = f"must be a netCDF file that holds a flow, got {file}: {' '.join(str(error).split())}"
+        rule = (
+            f"must be a netCDF file that holds a flow, got {file}: {' '.join(str(error).split())}"
+        )
         raise BadArgument("source", rule.rstrip(".")) from error
 
 
@@ -111,8 +122,12 @@ def grid_of(dataset: "xarray.Dataset | Grid") -> Grid:
     there = [name for name in COMPONENTS if called[name] is not None]
     if there[:2] != ["u", "v"]:
         listed = ", ".join(f"`{name}`" for name in given.variables)
-        raise BadArgument("source", f"must have variables `u` and `v`, by name or `standard_name`, got {listed}")
-    ours: Any = given.rename({one: name for name, one in called.items() if one not in (None, name)})[there]
+        raise BadArgument(
+            "source", f"must have variables `u` and `v`, by name or `standard_name`, got {listed}"
+        )
+    ours: Any = given.rename(
+        {one: name for name, one in called.items() if one not in (None, name)}
+    )[there]
     units = [_unit(called[name], name, ours[name]) for name in there]
     ours = ours.expand_dims([axis for axis in AXES if axis not in ours.dims])
     axes: list[Axis] = []
@@ -120,9 +135,13 @@ def grid_of(dataset: "xarray.Dataset | Grid") -> Grid:
         if ours.sizes[name] > 1:
             ours = _placed(called[name] or name, name, ours)
         nodes = ours[name].values if ours.sizes[name] > 1 else np.arange(2.0)
-        axes.append(Axis(float(nodes[0]), float(nodes[-1] - nodes[0]) / (nodes.size - 1), ours.sizes[name]))
+        axes.append(
+            Axis(float(nodes[0]), float(nodes[-1] - nodes[0]) / (nodes.size - 1), ours.sizes[name])
+        )
     values = np.zeros((*(axis.nodes for axis in axes), len(COMPONENTS)))
-    values[..., [COMPONENTS.index(name) for name in there]] = ours.to_array("of").transpose(*AXES, "of").values * units
+    values[..., [COMPONENTS.index(name) for name in there]] = (
+        ours.to_array("of").transpose(*AXES, "of").values * units
+    )
     table = np.pad(values, [*[(0, 1)] * 4, (0, 0)], "wrap").reshape(-1, len(COMPONENTS))
     return Grid(tuple(axes), table)
 
@@ -138,13 +157,21 @@ def _unit(called: str, name: str, variable: Any) -> float:
     """Return the factor from the unit of a variable or coordinate to ours; check for gaps and other dimensions."""
     given = variable.attrs.get("units", next(iter(UNITS[name])))
     if given not in UNITS[name]:
-        raise BadArgument(called, f"must be in {', '.join(list(UNITS[name])[:4])} or the like, got {shown(given)}")
+        raise BadArgument(
+            called, f"must be in {', '.join(list(UNITS[name])[:4])} or the like, got {shown(given)}"
+        )
     other = [dim for dim in variable.dims if dim not in AXES]
     if other:
-        raise BadArgument(called, f"must depend only on time, z (or depth), y and x, got the dimension `{other[0]}`")
+        raise BadArgument(
+            called,
+            f"must depend only on time, z (or depth), y and x, got the dimension `{other[0]}`",
+        )
     gaps = np.argwhere(~np.isfinite(variable.values))
     if len(gaps):
-        first = ", ".join(f"{dim} = {variable[dim].values[i]}" for dim, i in zip(variable.dims, gaps[0], strict=True))
+        first = ", ".join(
+            f"{dim} = {variable[dim].values[i]}"
+            for dim, i in zip(variable.dims, gaps[0], strict=True)
+        )
         rule = f"must be a number at all {variable.size} nodes, got {len(gaps)} gaps, the first at {first}"
         raise BadArgument(called, f"{rule}; fill them, e.g. with `dataset.fillna(0.0)`")
     return UNITS[name][given]
@@ -158,7 +185,10 @@ def _placed(called: str, name: str, ours: Any) -> Any:
     if at.dtype.kind == "M":
         at = (at - at[0]) / np.timedelta64(1, "s")
     else:
-        down = name == "z" and attributes.get("positive", "down" if called.lower() == "depth" else "up") == "down"
+        down = (
+            name == "z"
+            and attributes.get("positive", "down" if called.lower() == "depth" else "up") == "down"
+        )
         at = at.astype(float) * _unit(called, name, ours[name]) * (-1.0 if down else 1.0)
     ours = ours.assign_coords({name: at})
     if at[0] > at[-1]:
@@ -175,22 +205,29 @@ def to_dataset(flow: Flow, **axes: Sequence[float] | np.ndarray) -> "xarray.Data
 
     Args:
         flow: Flow to sample.
-        axes: Nodes along `time` since the start of a run [s], and along `z` above the mean surface, `y` and `x` [m];
-            an omitted axis is missing in the grid, and the flow is sampled where its coordinate is 0.
+        axes: Nodes along `time` since the start of a run [s], and along `z` above the mean surface,
+            `y` and `x` [m]; an omitted axis is missing in the grid, and the flow is sampled where
+            its coordinate is 0.
     """
     if unknown := axes.keys() - set(AXES):
         raise BadArgument(unknown.pop(), f"must be one of {', '.join(AXES)}, got another axis")
-    t, z, y, x = np.meshgrid(*(np.asarray(axes.get(name, [0.0]), dtype=float) for name in AXES), indexing="ij")
+    t, z, y, x = np.meshgrid(
+        *(np.asarray(axes.get(name, [0.0]), dtype=float) for name in AXES), indexing="ij"
+    )
     motion, there = flow.motion(x, y, z, t), [name for name in AXES if name in axes]
     size = [len(axes[name]) for name in there]
 
     def about(name: str) -> dict[str, str]:
         return {"units": next(iter(UNITS[name])), "standard_name": NAMES[name][1]}
 
-    shaped = {name: np.broadcast_to(getattr(motion, name), x.shape).reshape(size) for name in COMPONENTS}
+    shaped = {
+        name: np.broadcast_to(getattr(motion, name), x.shape).reshape(size) for name in COMPONENTS
+    }
     made = {name: (there, shaped[name], about(name)) for name in COMPONENTS}
     coordinates = {name: (name, axes[name], about(name)) for name in there}
-    return import_module("xarray").Dataset(made, coordinates, {"Conventions": "CF-1.11", "title": flow.words})
+    return import_module("xarray").Dataset(
+        made, coordinates, {"Conventions": "CF-1.11", "title": flow.words}
+    )
 
 
 EDGE = 1e-9  # distance in steps beyond which a place is outside
@@ -200,23 +237,30 @@ EDGE = 1e-9  # distance in steps beyond which a place is outside
 class Gridded(Flow):
     """Water whose motion is known on a grid of places and times.
 
-    The motion is constant along an axis that the grid lacks. Above the highest level and below the lowest one, it is
-    that of the nearest level.
+    The motion is constant along an axis that the grid lacks. Above the highest level and below the
+    lowest one, it is that of the nearest level.
     """
 
-    source: Any = option("A netCDF file (in a file, relative to its folder) or an xarray Dataset (not stored in files)")
+    source: Any = option(
+        "A netCDF file (in a file, relative to its folder) or an xarray Dataset (not stored in files)"
+    )
     outside: Literal["refuse", "hold", "zero", "periodic"] = option(
-        "Beyond its edges in x and y: end the run, keep the motion at the edge, no motion, or repeat", default="refuse"
+        "Beyond its edges in x and y: end the run, keep the motion at the edge, no motion, or repeat",
+        default="refuse",
     )
     beyond: Literal["refuse", "hold", "zero", "periodic"] = option(
         "The same before its first and after its last time", default="refuse"
     )
-    start: float = quantity("s", "Grid time at which a run begins, from the first if that is a date", default=0.0)
+    start: float = quantity(
+        "s", "Grid time at which a run begins, from the first if that is a date", default=0.0
+    )
     digest: str = option("Digest of its values; filled in, and checked if given", default="")
 
     def __post_init__(self) -> None:
         is_path = isinstance(self.source, str | Path)
-        object.__setattr__(self, "source", str(Path(self.source).resolve()) if is_path else grid_of(self.source))
+        object.__setattr__(
+            self, "source", str(Path(self.source).resolve()) if is_path else grid_of(self.source)
+        )
         object.__setattr__(self, "digest", self.digest or self.grid.digest)
 
     @functools.cached_property
@@ -228,7 +272,9 @@ class Gridded(Flow):
         """
         grid = read(self.source) if isinstance(self.source, str) else self.source
         if self.digest not in ("", grid.digest):
-            raise BadArgument("digest", f"must match `{self.source}`, which has changed since, got {self.digest}")
+            raise BadArgument(
+                "digest", f"must match `{self.source}`, which has changed since, got {self.digest}"
+            )
         return grid
 
     @property
@@ -241,9 +287,16 @@ class Gridded(Flow):
     def parts(self) -> tuple[Flow, ...]:
         """A single part, which is not cached because its address is valid in one process only."""
         numbers = {"table": table_address(self.grid.table)}
-        for name, axis, rule in zip("tzyx", self.axes, (self.beyond, "hold", *2 * [self.outside]), strict=True):
+        for name, axis, rule in zip(
+            "tzyx", self.axes, (self.beyond, "hold", *2 * [self.outside]), strict=True
+        ):
             codes = {"periodic": 1.0 / axis.nodes, "hold": 0.0, "zero": -1.0, "refuse": -2.0}
-            own = {"first": axis.first, "per_step": 1.0 / axis.step, "count": axis.nodes, "rule": codes[rule]}
+            own = {
+                "first": axis.first,
+                "per_step": 1.0 / axis.step,
+                "count": axis.nodes,
+                "rule": codes[rule],
+            }
             numbers |= {f"{name}_{word}": number for word, number in own.items()}
         return (_Cells(grid=self.grid, values=numbers),)
 
@@ -261,15 +314,18 @@ class Gridded(Flow):
     @property
     def words(self) -> str:
         """Description of the flow."""
-        return f"the flow of `{self.source}`" if isinstance(self.source, str) else "a flow on a grid"
+        return (
+            f"the flow of `{self.source}`" if isinstance(self.source, str) else "a flow on a grid"
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class _Cells(Flow):
     """The numbers of a grid: address of its table, and for each axis its first node, steps per unit, nodes and rule.
 
-    Outside the grid, the rule is 1 / nodes for a periodic grid, whose first node follows one step after its last, as on
-    a missing axis; 0 to hold the edges; -1 for no motion; -2 to end the run, because rates are not a number there.
+    Outside the grid, the rule is 1 / nodes for a periodic grid, whose first node follows one step
+    after its last, as on a missing axis; 0 to hold the edges; -1 for no motion; -2 to end the run,
+    because rates are not a number there.
     """
 
     grid: Grid
@@ -297,8 +353,12 @@ def _interpolating(there: tuple[bool, ...]) -> Callable[..., Any]:
     """Return the formula of all grids that have the given ones of the axes x, y, z and t."""
     between, count, slopes, cells = _at_node, len(COMPONENTS), "", ""
     for k, (name, is_there) in enumerate(zip("xyzt", there, strict=True)):
-        slopes += "".join(f"f[{count + j}], " if is_there else "0.0 * f[0], " for j in range(len(COMPONENTS)))
-        numbers = ", ".join(f"law.{name}_{one}" for one in ("first", "per_step", "count.real", "rule.real"))
+        slopes += "".join(
+            f"f[{count + j}], " if is_there else "0.0 * f[0], " for j in range(len(COMPONENTS))
+        )
+        numbers = ", ".join(
+            f"law.{name}_{one}" for one in ("first", "per_step", "count.real", "rule.real")
+        )
         cells += f"cell({name}, {numbers}), " if is_there else "(0.0, 0.0, 0.0, 1.0, 0.0), "
         if is_there:
             between, count = _along(between, count, k), count + len(COMPONENTS)
@@ -310,13 +370,27 @@ def _interpolating(there: tuple[bool, ...]) -> Callable[..., Any]:
         n_z = n_y * (first_lane(self.y_count.real) + 1.0)
         n_t = n_z * (first_lane(self.z_count.real) + 1.0)
         at_x, at_y, (i_z, f_z, z, _, _), at_t = cells_of(self, x, y, z, t)
-        (i_x, f_x, x, in_x, no_x), (i_y, f_y, y, in_y, no_y), (i_t, f_t, t, in_t, no_t) = at_x, at_y, at_t
+        (i_x, f_x, x, in_x, no_x), (i_y, f_y, y, in_y, no_y), (i_t, f_t, t, in_t, no_t) = (
+            at_x,
+            at_y,
+            at_t,
+        )
         ways = 1.0, f_x, n_y, f_y, n_z, f_z, n_t, f_t
         f = whole(between(self.table.real, i_x + n_y * i_y + n_z * i_z + n_t * i_t, 0.0, ways))
         known = in_x * in_y * in_t
         none = no_x + no_y + no_t
         rates = f[16] * t + none, f[17] * t + none, f[18] * t + none
-        slopes = f[4] * x, f[8] * y, f[12] * z, f[5] * x, f[9] * y, f[13] * z, f[6] * x, f[10] * y, f[14] * z
+        slopes = (
+            f[4] * x,
+            f[8] * y,
+            f[12] * z,
+            f[5] * x,
+            f[9] * y,
+            f[13] * z,
+            f[6] * x,
+            f[10] * y,
+            f[14] * z,
+        )
         return f[0] * known, f[1] * known, f[2] * known, *rates, *slopes, f[3] * known
 
     return interpolated
@@ -345,6 +419,8 @@ def _cell(at: float, first: float, per_step: float, count: float, rule: float) -
     inside = where(is_inside, 1.0, 0.0)
     p = where(p.real > 0.0, p, 0.0 * p)
     p = where(p.real < last, p, last + 0.0 * p)
-    i = np.floor(where(p.real < last - 1.0, p.real, last - 1.0))  # a valid node even if the place is not a number
+    i = np.floor(
+        where(p.real < last - 1.0, p.real, last - 1.0)
+    )  # a valid node even if the place is not a number
     refused = where(is_inside, 0.0, where(rule < -1.5, math.nan, 0.0))
     return i, p - i, inside * per_step, where(rule == -1.0, inside, 1.0), refused

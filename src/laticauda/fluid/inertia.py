@@ -1,19 +1,21 @@
 """Added-mass loads on a body in water that itself moves and accelerates.
 
-With v, w the velocity and angular velocity of a body, a and alpha their rates (a without the contribution of the
-rotating axes), V the velocity of the water at the body, DV/Dt its material acceleration, s its own rotation (half its
-vorticity), u = v - V, m the added mass and I the added inertia along and about the body's axes,
+With v, w the velocity and angular velocity of a body, a and alpha their rates (a without the
+contribution of the rotating axes), V the velocity of the water at the body, DV/Dt its material
+acceleration, s its own rotation (half its vorticity), u = v - V, m the added mass and I the added
+inertia along and about the body's axes,
 
     f = -m (a - DV/Dt - s x u + w x V) - (w - s) x m u
     tau = -I (alpha + w x s) - (w - s) x I (w - s) - u x m u
 
-These are Kirchhoff's equations in the frame of the water, which accelerates with DV/Dt and rotates with s: a body that
-moves and rotates with the water has no such load. For a sphere they are m (DV/Dt - dv/dt) + 2 m s x u, added mass and
-the lift in weak shear. The force that accelerates the displaced water itself, rho DV/Dt per volume, is additional.
-Bodies are small compared with the field: its variation over their length, and the rate of s, are neglected.
+These are Kirchhoff's equations in the frame of the water, which accelerates with DV/Dt and rotates
+with s: a body that moves and rotates with the water has no such load. For a sphere they are m
+(DV/Dt - dv/dt) + 2 m s x u, added mass and the lift in weak shear. The force that accelerates the
+displaced water itself, rho DV/Dt per volume, is additional. Bodies are small compared with the
+field: its variation over their length, and the rate of s, are neglected.
 
-Plain scalar functions of one component i, for kernels of all kinds; j and k are the axes that follow it. For motion in
-a plane, the components of w and s in that plane are zero.
+Plain scalar functions of one component i, for kernels of all kinds; j and k are the axes that
+follow it. For motion in a plane, the components of w and s in that plane are zero.
 """
 
 
@@ -37,6 +39,7 @@ def load(keep: float, m: float, rate: float, turned: float) -> float:
         keep: 1 if the momentum rotates with the axes (`kirchhoff`), else 0.
         m: Mass or inertia of i.
         rate: Rate of change of u along i.
-        turned: Contribution of rotation to the rate of the momentum, (w - s) x m u along i; for a torque plus u x m u.
+        turned: Contribution of rotation to the rate of the momentum, (w - s) x m u along i; for a
+            torque plus u x m u.
     """
     return -(m * rate + keep * turned)

@@ -1,15 +1,16 @@
 """Loads of the water (or the ground) on one rigid element: laws that own their numbers.
 
-A law is a frozen value derived from `DragLaw`: its fields are its coefficients, its `__call__` the formula. Python
-calls it directly, and the kernels compile it (`laticauda.formulas`). It is part of the environment: `Water.drag`,
-`Ground.friction`. A user's law is a class like those here, in any module, or a `FunctionDrag`.
+A law is a frozen value derived from `DragLaw`: its fields are its coefficients, its `__call__` the
+formula. Python calls it directly, and the kernels compile it (`laticauda.formulas`). It is part of
+the environment: `Water.drag`, `Ground.friction`. A user's law is a class like those here, in any
+module, or a `FunctionDrag`.
 
-All quantities are in the element's own axes: t along the element toward the head, n to its left. Velocities are those
-of the element's middle relative to the water or the ground. The annotations say float, but complex numbers work too
-(for complex-step derivatives with respect to any argument), and so do lanes (for many trials computed at once).
-Conditions therefore use the real part only, magnitudes use `magnitude`, choices `laticauda.scalars.where`, and
-transcendental functions come from numpy. A law with an `if` works as well; in a batch it is then called trial by
-trial.
+All quantities are in the element's own axes: t along the element toward the head, n to its left.
+Velocities are those of the element's middle relative to the water or the ground. The annotations
+say float, but complex numbers work too (for complex-step derivatives with respect to any argument),
+and so do lanes (for many trials computed at once). Conditions therefore use the real part only,
+magnitudes use `magnitude`, choices `laticauda.scalars.where`, and transcendental functions come
+from numpy. A law with an `if` works as well; in a batch it is then called trial by trial.
 """
 
 from collections.abc import Callable
@@ -55,7 +56,9 @@ class DragLaw(Law, Extensible, group="drag_laws"):
     of_weight: ClassVar[bool] = False
     """Whether the ground's coefficients are fractions of an element's weight."""
 
-    def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
+    def __call__(
+        self, v_t: float, v_n: float, across: float, rate: float, element: Element
+    ) -> Loads:
         """Return the loads on an element.
 
         In space it is called twice per element: with n to its left, then with n upward.
@@ -68,8 +71,8 @@ class DragLaw(Law, Extensible, group="drag_laws"):
             element: Coefficients of the element, not negative.
 
         Returns:
-            f_t [N], f_n [N], tau about the element's middle [N m]. None of the three should ever add energy:
-            f_t v_t <= 0, f_n v_n <= 0, tau theta' <= 0.
+            f_t [N], f_n [N], tau about the element's middle [N m]. None of the three should ever
+            add energy: f_t v_t <= 0, f_n v_n <= 0, tau theta' <= 0.
         """
         raise NotImplementedError
 
@@ -99,15 +102,17 @@ class DragLaw(Law, Extensible, group="drag_laws"):
 class PolynomialDrag(DragLaw):
     """Linear plus quadratic drag: f = -c v (U_ref + |v|), tau = -(U_ref lambda_2 + lambda_3 |theta'|) theta'.
 
-    The literature uses the same number for the linear and the quadratic part [1]; U_ref is the speed that this implies.
+    The literature uses the same number for the linear and the quadratic part [1]; U_ref is the
+    speed that this implies.
 
     Along the element, a third part may grow with the sideways speed of the element,
 
         f_t = -c_t v_t (U_ref + |v_t| + gamma |v_n|)
 
-    because sideways motion keeps the boundary layer thin. This growth of friction is established (Bone in [2]; review
-    [3]); proportionality to |v_n| is an assumption of this model, with one number to be identified: for a plate that
-    moves along its normal into the flow, theory gives the square root of the normal velocity [4].
+    because sideways motion keeps the boundary layer thin. This growth of friction is established
+    (Bone in [2]; review [3]); proportionality to |v_n| is an assumption of this model, with one
+    number to be identified: for a plate that moves along its normal into the flow, theory gives the
+    square root of the normal velocity [4].
 
     References:
         [1] E. Kelasidi et al., IEEE Robot. Autom. Mag. 23(1), 2016, eq. (7), which implies U_ref = 1 m/s.
@@ -118,17 +123,33 @@ class PolynomialDrag(DragLaw):
             Mech. 718, 2013.
     """
 
-    reference_speed: float = quantity("m/s", "U_ref, at which linear and quadratic drag are equal", ge=0.0, default=1.0)
-    linear: bool = option("Whether force and torque have a part that is linear in the speed", default=True)
-    quadratic: bool = option("Whether force and torque have a part that is quadratic in the speed", default=True)
-    sway_friction: float = quantity("", "gamma, growth of tangential drag with sideways speed", ge=0.0, default=0.0)
+    reference_speed: float = quantity(
+        "m/s", "U_ref, at which linear and quadratic drag are equal", ge=0.0, default=1.0
+    )
+    linear: bool = option(
+        "Whether force and torque have a part that is linear in the speed", default=True
+    )
+    quadratic: bool = option(
+        "Whether force and torque have a part that is quadratic in the speed", default=True
+    )
+    sway_friction: float = quantity(
+        "", "gamma, growth of tangential drag with sideways speed", ge=0.0, default=0.0
+    )
 
-    def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
+    def __call__(
+        self, v_t: float, v_n: float, across: float, rate: float, element: Element
+    ) -> Loads:
         """Return the loads; the directions are independent, except for the sway friction."""
         base = self.reference_speed * self.linear
-        f_t = -element.c_t * v_t * (base + self.quadratic * magnitude(v_t) + self.sway_friction * across)
+        f_t = (
+            -element.c_t
+            * v_t
+            * (base + self.quadratic * magnitude(v_t) + self.sway_friction * across)
+        )
         f_n = -element.c_n * v_n * (base + self.quadratic * magnitude(v_n))
-        tau = -(base * element.lambda_2 + self.quadratic * element.lambda_3 * magnitude(rate)) * rate
+        tau = (
+            -(base * element.lambda_2 + self.quadratic * element.lambda_3 * magnitude(rate)) * rate
+        )
         return f_t, f_n, tau
 
     @property
@@ -151,21 +172,28 @@ class TotalSpeedDrag(DragLaw):
         f_n = -c_n v_n sqrt(across^2 + beta^2 v_t^2)
         tau = -lambda_3 |theta'| theta'
 
-    There is no linear part and no reference speed. gamma = 1 is friction against the whole velocity, as on a rough
-    surface; with gamma = 0 it depends on the speed along the element only. beta = 0 is the cross-flow principle, where
-    motion along the element does not affect the drag across (mooring lines [1]); beta = 1 is the drag of Morison's
-    equation as a vector, along the whole velocity [2], whose part across grows like a lift at small incidence, with the
-    angle and not with its square. With both 0 it is `PolynomialDrag` without its linear part.
+    There is no linear part and no reference speed. gamma = 1 is friction against the whole
+    velocity, as on a rough surface; with gamma = 0 it depends on the speed along the element only.
+    beta = 0 is the cross-flow principle, where motion along the element does not affect the drag
+    across (mooring lines [1]); beta = 1 is the drag of Morison's equation as a vector, along the
+    whole velocity [2], whose part across grows like a lift at small incidence, with the angle and
+    not with its square. With both 0 it is `PolynomialDrag` without its linear part.
 
     References:
         [1] MoorDyn (github.com/FloatingArrayDesign/MoorDyn), source/Line.cpp, transverse and tangential drag of a line.
         [2] WEC-Sim, documentation for developers, Morison element: the moving body.
     """
 
-    beta: float = quantity("", "beta, share of the tangential speed in the normal drag", ge=0.0, le=1.0, default=0.5)
-    gamma: float = quantity("", "gamma, share of the normal speed in the tangential drag", ge=0.0, le=1.0, default=1.0)
+    beta: float = quantity(
+        "", "beta, share of the tangential speed in the normal drag", ge=0.0, le=1.0, default=0.5
+    )
+    gamma: float = quantity(
+        "", "gamma, share of the normal speed in the tangential drag", ge=0.0, le=1.0, default=1.0
+    )
 
-    def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
+    def __call__(
+        self, v_t: float, v_n: float, across: float, rate: float, element: Element
+    ) -> Loads:
         """Return the loads; each force opposes its own velocity, scaled by a speed that combines both."""
         along_2, across_2 = v_t * v_t, across * across
         f_t = -element.c_t * v_t * (along_2 + self.gamma * self.gamma * across_2 + _AT_REST) ** 0.5
@@ -179,7 +207,9 @@ class ViscousFriction(DragLaw):
 
     called: ClassVar[str] = "viscous"
 
-    def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
+    def __call__(
+        self, v_t: float, v_n: float, across: float, rate: float, element: Element
+    ) -> Loads:
         """Return the loads, without a torque about the contact."""
         return -element.c_t * v_t, -element.c_n * v_n, 0.0 * rate
 
@@ -199,16 +229,20 @@ def dry(v: float, c: float, regularization_speed: float) -> float:
 class CoulombFriction(DragLaw):
     """Dry anisotropic ground friction: f = -c v / sqrt(v^2 + eps^2), along and across independently.
 
-    This is -c sgn(v) with the jump at v = 0 spread over a few eps, so |f| < c, with c = mu m g. There is no torque
-    about the contact.
+    This is -c sgn(v) with the jump at v = 0 spread over a few eps, so |f| < c, with c = mu m g.
+    There is no torque about the contact.
     """
 
     called: ClassVar[str] = "coulomb"
     of_weight: ClassVar[bool] = True
 
-    regularization_speed: float = quantity("m/s", "eps, below which dry friction fades out", gt=0.0, default=1e-3)
+    regularization_speed: float = quantity(
+        "m/s", "eps, below which dry friction fades out", gt=0.0, default=1e-3
+    )
 
-    def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
+    def __call__(
+        self, v_t: float, v_n: float, across: float, rate: float, element: Element
+    ) -> Loads:
         """Return the loads, without a torque about the contact."""
         eps = self.regularization_speed
         return dry(v_t, element.c_t, eps), dry(v_n, element.c_n, eps), 0.0 * rate
@@ -218,12 +252,17 @@ class CoulombFriction(DragLaw):
 class FunctionDrag(OfFunction, DragLaw):
     """A plain function as a law, with the arguments of a law; the values it closes over are compiled into it.
 
-    It has no numbers to sweep or identify and cannot be described in a file: write a class for that.
+    It has no numbers to sweep or identify and cannot be described in a file: write a class for
+    that.
     """
 
-    function: Callable[..., tuple[float, float, float]] = option("f(v_t, v_n, across, rate, element)")
+    function: Callable[..., tuple[float, float, float]] = option(
+        "f(v_t, v_n, across, rate, element)"
+    )
 
-    def __call__(self, v_t: float, v_n: float, across: float, rate: float, element: Element) -> Loads:
+    def __call__(
+        self, v_t: float, v_n: float, across: float, rate: float, element: Element
+    ) -> Loads:
         """Return the loads from the function."""
         return self.function(v_t, v_n, across, rate, element)
 
@@ -243,16 +282,18 @@ def plate(
         C_D = C_D0 + 2 |sin(alpha)|^3
         1 - s = 1 / ((1 + exp(-M (sin(alpha_0) - sin(alpha)))) (1 + exp(-M (sin(alpha_0) + sin(alpha)))))
 
-    alpha is the angle of attack, a the lift slope, alpha_0 the stall angle, M the sharpness. The share s of separated
-    flow and its blending of the lift follow Beard and McLain [1], eqs. (4.9) and (4.10). Three things differ, so that
-    the law holds for all angles and needs no aspect ratio:
+    alpha is the angle of attack, a the lift slope, alpha_0 the stall angle, M the sharpness. The
+    share s of separated flow and its blending of the lift follow Beard and McLain [1], eqs. (4.9)
+    and (4.10). Three things differ, so that the law holds for all angles and needs no aspect ratio:
 
-    - s depends on sin(alpha) where they have alpha, so that flow from behind counts as attached again. To lowest order
-      this is their stall with M cos(alpha_0) for M.
-    - The attached lift is a sin(alpha) cos(alpha) where they have C_L0 + a alpha: the same for small alpha (C_L0 = 0).
-    - Their drag, (4.11), adds the induced drag C_L^2 / (pi e R), R the aspect ratio. Ours adds 2 |sin(alpha)|^3, the
-      drag that goes with the separated lift: their resultant is normal to the plate, and 2 rho S v^2 / 2 at 90 deg.
-      Induced drag before stall is neglected: include its relevant part in `parasitic_drag`.
+    - s depends on sin(alpha) where they have alpha, so that flow from behind counts as attached
+      again. To lowest order this is their stall with M cos(alpha_0) for M.
+    - The attached lift is a sin(alpha) cos(alpha) where they have C_L0 + a alpha: the same for
+      small alpha (C_L0 = 0).
+    - Their drag, (4.11), adds the induced drag C_L^2 / (pi e R), R the aspect ratio. Ours adds
+      2 |sin(alpha)|^3, the drag that goes with the separated lift: their resultant is normal to
+      the plate, and 2 rho S v^2 / 2 at 90 deg. Induced drag before stall is neglected: include its
+      relevant part in `parasitic_drag`.
 
     Args:
         v_t: Velocity along the chord relative to the water [m/s].
@@ -260,22 +301,26 @@ def plate(
         half_density_area: rho S / 2 [kg/m].
         lift_slope: a, slope of the lift coefficient at small angles [1/rad].
         stall_angle: alpha_0, between 0 and pi/2, where the flow separates: s = 1/2 [rad].
-        sharpness: M, sharpness of the stall [-]; below 4 / sin(alpha_0), s reduces the slope at alpha = 0 too.
+        sharpness: M, sharpness of the stall [-]; below 4 / sin(alpha_0), s reduces the slope at
+            alpha = 0 too.
         parasitic_drag: C_D0 [-].
 
     Returns:
-        Force along the chord and across it [N]. It never adds energy: f . v = -rho S/2 |v|^3 C_D <= 0.
+        Force along the chord and across it [N]. It never adds energy: f . v = -rho S/2 |v|^3 C_D <=
+        0.
 
     References:
-        [1] R. W. Beard, T. W. McLain, Small Unmanned Aircraft: Theory and Practice, Princeton University Press, 2012,
-        ch. 4; the equations as in published implementations of the book.
+        [1] R. W. Beard, T. W. McLain, Small Unmanned Aircraft: Theory and Practice, Princeton
+        University Press, 2012, ch. 4; the equations as in published implementations of the book.
     """
     speed = (v_t * v_t + v_n * v_n + _AT_REST) ** 0.5
     sine, cosine = -v_n / speed, v_t / speed  # alpha is positive when the flow comes from the right
     size = magnitude(sine)
     # A logistic function is (1 + tanh) / 2, which cannot overflow however sharp the stall.
     half, stall = 0.5 * sharpness, np.sin(stall_angle)
-    attached = 0.25 * (1.0 + np.tanh(half * (stall - sine))) * (1.0 + np.tanh(half * (stall + sine)))
+    attached = (
+        0.25 * (1.0 + np.tanh(half * (stall - sine))) * (1.0 + np.tanh(half * (stall + sine)))
+    )
     lift = (attached * lift_slope + (1.0 - attached) * 2.0 * size) * sine * cosine
     drag = parasitic_drag + 2.0 * size * size * size
     scale = half_density_area * speed

@@ -22,7 +22,9 @@ class Uniform(Flow):
     u: float = quantity("m/s", "Velocity along x", default=0.0)
     v: float = quantity("m/s", "Velocity along y", default=0.0)
     w: float = quantity("m/s", "Velocity upward", default=0.0)
-    turning: float = quantity("rad/s", "Rate at which it turns about the vertical, counter-clockwise", default=0.0)
+    turning: float = quantity(
+        "rad/s", "Rate at which it turns about the vertical, counter-clockwise", default=0.0
+    )
     ramp: float = quantity("s", "T, time from rest to full speed", ge=0.0, default=0.0)
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
@@ -34,7 +36,11 @@ class Uniform(Flow):
         rate = where(begins, 0.5 * pace * np.sin(pace * t), zero)
         c, s = np.cos(self.turning * t), np.sin(self.turning * t)
         u, v = c * self.u - s * self.v, s * self.u + c * self.v
-        rates = rate * u - share * self.turning * v, rate * v + share * self.turning * u, rate * self.w
+        rates = (
+            rate * u - share * self.turning * v,
+            rate * v + share * self.turning * u,
+            rate * self.w,
+        )
         return share * u, share * v, share * self.w, *rates, *(0.0,) * 10
 
     @property
@@ -48,8 +54,12 @@ class LinearShear(Flow):
     """Straight layers whose speed changes across the flow, with the height, or both."""
 
     speed: float = quantity("m/s", "U, at the origin", default=0.0)
-    direction: float = quantity("rad", "Direction of flow, from the x axis, counter-clockwise", default=0.0)
-    across: float = quantity("1/s", "Gradient of the speed toward the left of the flow", default=0.0)
+    direction: float = quantity(
+        "rad", "Direction of flow, from the x axis, counter-clockwise", default=0.0
+    )
+    across: float = quantity(
+        "1/s", "Gradient of the speed toward the left of the flow", default=0.0
+    )
     upward: float = quantity("1/s", "Change of the speed with height", default=0.0)
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
@@ -64,7 +74,9 @@ class PowerLawShear(Flow):
     """Layers of a river or tide: U (h / d)^n at the height h above the bed; above the surface as at the surface."""
 
     speed: float = quantity("m/s", "U, at the surface", default=0.1)
-    direction: float = quantity("rad", "Direction of flow, from the x axis, counter-clockwise", default=0.0)
+    direction: float = quantity(
+        "rad", "Direction of flow, from the x axis, counter-clockwise", default=0.0
+    )
     depth: float = quantity("m", "d, of the water", gt=0.0, default=1.0)
     exponent: float = quantity("", "n, about 1/7 in rivers", gt=0.0, le=1.0, default=1.0 / 7.0)
 
@@ -76,7 +88,9 @@ class PowerLawShear(Flow):
         h = where(inside, h + zero, where(h.real > 0.0, 1.0 + zero, zero))
         bound = where(outer, h, BED_LAYER + zero)
         scale = self.speed * bound**self.exponent / bound
-        slope = where(inside, where(outer, self.exponent + zero, 1.0 + zero) * scale / self.depth, zero)
+        slope = where(
+            inside, where(outer, self.exponent + zero, 1.0 + zero) * scale / self.depth, zero
+        )
         return layer(np.cos(self.direction), np.sin(self.direction), scale * h, zero, slope)
 
 
@@ -90,5 +104,12 @@ def layer(c: float, s: float, speed: float, across: float, upward: float) -> tup
         across: Change of the speed to the left [1/s].
         upward: Change of the speed with the height [1/s].
     """
-    slopes = -c * s * across, c * c * across, c * upward, -s * s * across, c * s * across, s * upward
+    slopes = (
+        -c * s * across,
+        c * c * across,
+        c * upward,
+        -s * s * across,
+        c * s * across,
+        s * upward,
+    )
     return c * speed, s * speed, *(0.0,) * 4, *slopes, *(0.0,) * 4

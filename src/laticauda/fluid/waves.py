@@ -1,9 +1,10 @@
 """Waves of small steepness on water of any depth (Airy), and seas that are sums of such waves, from a seed.
 
-The surface is at eta = a cos(theta), theta = k . x - omega t + phase, with omega^2 = g k tanh(k d); below it the
-velocity is a omega cosh k(z + d) / sinh kd along the wave, in phase with the surface, and a omega sinh k(z + d) / sinh
-kd upward, a quarter of a period ahead. This holds up to the mean level; above it, in the crests, the motion is that at
-the mean level, and below the bed it is that at the bed.
+The surface is at eta = a cos(theta), theta = k . x - omega t + phase, with omega^2 = g k tanh(k d);
+below it the velocity is a omega cosh k(z + d) / sinh kd along the wave, in phase with the surface,
+and a omega sinh k(z + d) / sinh kd upward, a quarter of a period ahead. This holds up to the mean
+level; above it, in the crests, the motion is that at the mean level, and below the bed it is that
+at the bed.
 """
 
 import math
@@ -18,7 +19,9 @@ from laticauda.quantities import hints_of, option, quantity, value
 from laticauda.scalars import where
 
 GRAVITY = 9.81  # m/s^2
-STEEPEST = 0.142  # height per length at which waves break, to be multiplied by tanh kd (Miche's limit)
+STEEPEST = (
+    0.142  # height per length at which waves break, to be multiplied by tanh kd (Miche's limit)
+)
 DEEP = 300.0  # k d beyond which water counts as infinitely deep, and up to which exp(k d) does not overflow
 BAND = (0.5, 3.0)  # frequencies of a sea relative to that of its peak
 
@@ -57,7 +60,9 @@ class _Wave(_Level):
         """Return the wave with its amplitudes at height z as numbers."""
         along, upward = shares(self, z)
         share = {"along_x": along, "along_y": along, "upward": upward}
-        return _Level(**{name: getattr(self, name) * share.get(name, 1.0) for name in hints_of(_Level)})
+        return _Level(
+            **{name: getattr(self, name) * share.get(name, 1.0) for name in hints_of(_Level)}
+        )
 
 
 def shares(wave: _Wave, z: float) -> tuple[float, float]:
@@ -73,7 +78,9 @@ def shares(wave: _Wave, z: float) -> tuple[float, float]:
     return (growing + falling) / (1.0 + wave.echo), (growing - falling) / (1.0 - wave.echo)
 
 
-def moved(wave: Any, x: float, y: float, t: float, along: float, upward: float) -> tuple[float, ...]:
+def moved(
+    wave: Any, x: float, y: float, t: float, along: float, upward: float
+) -> tuple[float, ...]:
     """Return the motion of the water in one wave.
 
     Args:
@@ -89,11 +96,32 @@ def moved(wave: Any, x: float, y: float, t: float, along: float, upward: float) 
     c, s = np.cos(theta), np.sin(theta)
     along_x, along_y, upward = along * wave.along_x, along * wave.along_y, upward * wave.upward
     p, q, r = along_x * s, along_y * s, upward * c
-    slopes = -k_x * p, -k_y * p, k_x * r, -k_x * q, -k_y * q, k_y * r, k_x * r, k_y * r, k_x * p + k_y * q
-    return along_x * c, along_y * c, upward * s, omega * p, omega * q, -omega * r, *slopes, wave.amplitude * c
+    slopes = (
+        -k_x * p,
+        -k_y * p,
+        k_x * r,
+        -k_x * q,
+        -k_y * q,
+        k_y * r,
+        k_x * r,
+        k_y * r,
+        k_x * p + k_y * q,
+    )
+    return (
+        along_x * c,
+        along_y * c,
+        upward * s,
+        omega * p,
+        omega * q,
+        -omega * r,
+        *slopes,
+        wave.amplitude * c,
+    )
 
 
-def component(amplitude: float, omega: float, direction: float, phase: float, depth: float) -> _Wave:
+def component(
+    amplitude: float, omega: float, direction: float, phase: float, depth: float
+) -> _Wave:
     """Return one wave of a sea.
 
     Args:
@@ -104,7 +132,11 @@ def component(amplitude: float, omega: float, direction: float, phase: float, de
         depth: Depth of the water, infinite for deep water [m].
     """
     k = wave_number(omega, depth)
-    bed, (x, y), speed = min(k * depth, DEEP), (math.cos(direction), math.sin(direction)), amplitude * omega
+    bed, (x, y), speed = (
+        min(k * depth, DEEP),
+        (math.cos(direction), math.sin(direction)),
+        amplitude * omega,
+    )
     along = speed / math.tanh(bed)
     waves = {"omega": omega, "phase": phase, "amplitude": amplitude, "k_x": k * x, "k_y": k * y}
     speeds = {"along_x": along * x, "along_y": along * y, "upward": speed}
@@ -140,7 +172,9 @@ def check_unbroken(name: str, height: float, omega: float, depth: float) -> None
     k = wave_number(omega, depth)
     most = STEEPEST * (length := 2.0 * math.pi / k) * math.tanh(k * depth)
     if height > most:
-        raise BadArgument(name, f"must be <= {most:.4g} m, where waves {length:.4g} m long break, got {height:g}")
+        raise BadArgument(
+            name, f"must be <= {most:.4g} m, where waves {length:.4g} m long break, got {height:g}"
+        )
 
 
 @value
@@ -148,17 +182,28 @@ class Waves(Flow):
     """Regular waves of one period, which is given or follows from their length and the depth."""
 
     height: float = quantity("m", "H, from trough to crest", gt=0.0, default=0.1)
-    period: float | None = quantity("s", "T; from the `length`, or 2 s, if omitted", gt=0.0, default=None)
-    length: float | None = quantity("m", "From crest to crest; from the `period` if omitted", gt=0.0, default=None)
+    period: float | None = quantity(
+        "s", "T; from the `length`, or 2 s, if omitted", gt=0.0, default=None
+    )
+    length: float | None = quantity(
+        "m", "From crest to crest; from the `period` if omitted", gt=0.0, default=None
+    )
     depth: float = quantity("m", "d, of the water; deep if omitted", gt=0.0, default=math.inf)
-    direction: float = quantity("rad", "Direction of travel, from the x axis, counter-clockwise", default=0.0)
-    phase: float = quantity("rad", "Phase of the surface at the origin at the start; 0: a crest", default=0.0)
+    direction: float = quantity(
+        "rad", "Direction of travel, from the x axis, counter-clockwise", default=0.0
+    )
+    phase: float = quantity(
+        "rad", "Phase of the surface at the origin at the start; 0: a crest", default=0.0
+    )
 
     def __post_init__(self) -> None:
         if self.period is not None and self.length is not None:
             found = 2.0 * math.pi / wave_number(self.omega, self.depth)
             if abs(self.length - found) > 1e-3 * found:
-                raise BadArgument("length", f"must be {found:.4g} m, as follows from the period, got {self.length:g}")
+                raise BadArgument(
+                    "length",
+                    f"must be {found:.4g} m, as follows from the period, got {self.length:g}",
+                )
         check_unbroken("height", self.height, self.omega, self.depth)
 
     @property
@@ -179,16 +224,23 @@ class Waves(Flow):
 class Sea(Flow):
     """Irregular waves of equal energy, with frequencies, directions and phases drawn from a spectrum by a seed.
 
-    S ~ omega^-5 exp(-5/4 (omega_p/omega)^4) gamma^exp(-(omega/omega_p - 1)^2 / 2 sigma^2), sigma 0.07 below the peak
-    and 0.09 above it, within `BAND`; directions ~ cos^2s of half the angle from the mean direction.
+    S ~ omega^-5 exp(-5/4 (omega_p/omega)^4) gamma^exp(-(omega/omega_p - 1)^2 / 2 sigma^2), sigma
+    0.07 below the peak and 0.09 above it, within `BAND`; directions ~ cos^2s of half the angle from
+    the mean direction.
     """
 
-    significant_height: float = quantity("m", "H_s, 4 standard deviations of the surface", gt=0.0, default=0.1)
+    significant_height: float = quantity(
+        "m", "H_s, 4 standard deviations of the surface", gt=0.0, default=0.1
+    )
     peak_period: float = quantity("s", "T_p, at the peak of the spectrum", gt=0.0, default=2.0)
-    spectrum: Literal["jonswap", "pierson_moskowitz"] = option("Shape; `jonswap` has a sharper peak", default="jonswap")
+    spectrum: Literal["jonswap", "pierson_moskowitz"] = option(
+        "Shape; `jonswap` has a sharper peak", default="jonswap"
+    )
     peakedness: float = quantity("", "gamma of `jonswap`", ge=1.0, le=10.0, default=3.3)
     direction: float = quantity("rad", "Mean direction of travel, from the x axis", default=0.0)
-    spread: float = quantity("rad", "Standard deviation of the direction", ge=0.0, le=1.4, default=0.0)
+    spread: float = quantity(
+        "rad", "Standard deviation of the direction", ge=0.0, le=1.4, default=0.0
+    )
     depth: float = quantity("m", "d, of the water; deep if omitted", gt=0.0, default=math.inf)
     components: int = quantity("", "Number of waves", ge=1, le=1000, default=32)
     seed: int = quantity("", "Seed of frequencies, directions and phases", ge=0, default=0)
@@ -207,7 +259,9 @@ class Sea(Flow):
         energy = np.cumsum(grid**-5.0 * np.exp(-1.25 * grid**-4.0) * gamma**peak)
         share = (np.arange(n) + random.random(n)) / n
         omega = np.interp(share, energy / energy[-1], grid) * 2.0 * math.pi / self.peak_period
-        square = random.beta(2.0 / max(self.spread, 1e-9) ** 2 - 0.5, 0.5, n)  # cos^2 of half the angle
+        square = random.beta(
+            2.0 / max(self.spread, 1e-9) ** 2 - 0.5, 0.5, n
+        )  # cos^2 of half the angle
         side = 2.0 * np.arccos(np.sqrt(square)) * random.choice((-1.0, 1.0), n)
         amplitude = self.significant_height / math.sqrt(8.0 * n)
         phase = random.uniform(0.0, 2.0 * math.pi, n)

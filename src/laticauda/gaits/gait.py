@@ -1,6 +1,7 @@
 """Requested motion of the joints: the paper's gait (3) and its envelopes g(i, n).
 
-An envelope defines how the amplitude of the joints varies along the body; a kind of gait is a kind of envelope.
+An envelope defines how the amplitude of the joints varies along the body; a kind of gait is a kind
+of envelope.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -14,7 +15,7 @@ from laticauda.gaits.recorded import JointAngles
 from laticauda.gaits.reference import WaveTarget
 from laticauda.quantities import option, quantity, several, value
 
-# ---- envelopes ------------------------------------------------------------------------------------------------------
+# ---- envelopes -----------------------------------------------------------------------------------
 
 
 class Envelope(Extensible, group="envelopes"):
@@ -129,7 +130,10 @@ def envelope_of(kind: str) -> Envelope:
         raise BadArgument("kind", f"must be the name of an envelope, got {shown(kind)}")
     found = Envelope.named(kind.replace("_", "-"))
     if found is Custom:
-        raise BadArgument("kind", f"must be an envelope that needs no values, got `{kind}`; use `Custom(values=...)`")
+        raise BadArgument(
+            "kind",
+            f"must be an envelope that needs no values, got `{kind}`; use `Custom(values=...)`",
+        )
     return found()
 
 
@@ -143,7 +147,7 @@ def _spread(envelope: Envelope, n_links: int) -> tuple[float, ...]:
     return tuple(float(envelope(i, n_links)) for i in range(1, n_links))
 
 
-# ---- waves and gaits ------------------------------------------------------------------------------------------------
+# ---- waves and gaits -----------------------------------------------------------------------------
 
 
 class WaveFields(TypedDict, total=False):
@@ -163,8 +167,9 @@ class WaveFields(TypedDict, total=False):
 class Wave:
     """Second wave, of the pitch joints or of a driven fin: alpha g(k, n) sin(omega t + (k-1) delta + phase) + phi_0.
 
-    k = 1 is the tail-most of n - 1 pitch joints; a driven fin has one joint and thus neither phase shift nor envelope.
-    Everything except phase and envelope is filtered and started smoothly, like the yaw wave.
+    k = 1 is the tail-most of n - 1 pitch joints; a driven fin has one joint and thus neither phase
+    shift nor envelope. Everything except phase and envelope is filtered and started smoothly, like
+    the yaw wave.
 
     Raises:
         ValueError: If a field is out of its range.
@@ -173,15 +178,28 @@ class Wave:
     if TYPE_CHECKING:
 
         def __init__(
-            self, *, phase: float = 0.0, phase_deg: float = 0.0, envelope: Envelope = ..., **numbers: Unpack[WaveFields]
+            self,
+            *,
+            phase: float = 0.0,
+            phase_deg: float = 0.0,
+            envelope: Envelope = ...,
+            **numbers: Unpack[WaveFields],
         ) -> None: ...
 
     amplitude: float = quantity("rad", "alpha, of the joint angles", ge=0.0, le=pi)
     frequency: float = quantity("rad/s", "omega", ge=0.0)
-    phase_shift: float = quantity("rad", "delta between neighboring pitch joints", ge=-pi, le=pi, default=0.0)
-    phase: float = quantity("rad", "lead over the yaw wave at the tail-most joints", ge=-2 * pi, le=2 * pi, default=0.0)
-    offset: float = quantity("rad", "phi_0; positive turns down, or bends a fin left", ge=-pi, le=pi, default=0.0)
-    envelope: Envelope = option("g, distribution of the amplitude over pitch joints", default=LateralUndulation())
+    phase_shift: float = quantity(
+        "rad", "delta between neighboring pitch joints", ge=-pi, le=pi, default=0.0
+    )
+    phase: float = quantity(
+        "rad", "lead over the yaw wave at the tail-most joints", ge=-2 * pi, le=2 * pi, default=0.0
+    )
+    offset: float = quantity(
+        "rad", "phi_0; positive turns down, or bends a fin left", ge=-pi, le=pi, default=0.0
+    )
+    envelope: Envelope = option(
+        "g, distribution of the amplitude over pitch joints", default=LateralUndulation()
+    )
 
     def target(self, offset: float = 0.0) -> WaveTarget:
         """Return the wave's target for the reference generator; `offset` [rad] is added to the wave's own.
@@ -189,7 +207,9 @@ class Wave:
         Args:
             offset: Offset requested by a controller, added to the wave's own [rad].
         """
-        return WaveTarget(self.amplitude, self.frequency, self.phase_shift, self.offset + offset, self.phase)
+        return WaveTarget(
+            self.amplitude, self.frequency, self.phase_shift, self.offset + offset, self.phase
+        )
 
 
 STRAIGHT = Wave(amplitude=0.0, frequency=0.0)
@@ -200,11 +220,12 @@ STRAIGHT = Wave(amplitude=0.0, frequency=0.0)
 class Gait:
     """Traveling wave of joint angles, phi_i = alpha g(i, n) sin(omega t + (i-1) delta) + phi_0.
 
-    Equation (3) of the paper: i = 1 is the tail-most joint and n the number of links, so a positive phase shift sends
-    the wave from head to tail and the robot swims head first. omega t is the integral of a frequency that may change,
-    and the amplitude starts smoothly: see `Generator`. The `kind` is that of the envelope: lateral_undulation (g = 1),
-    eel_like (g = (n-i)/(n+1)), custom, or a custom class (`Envelope`). Recorded angles are added to the wave unchanged,
-    without its smooth start (`recorded_gait`).
+    Equation (3) of the paper: i = 1 is the tail-most joint and n the number of links, so a positive
+    phase shift sends the wave from head to tail and the robot swims head first. omega t is the
+    integral of a frequency that may change, and the amplitude starts smoothly: see `Generator`. The
+    `kind` is that of the envelope: lateral_undulation (g = 1), eel_like (g = (n-i)/(n+1)), custom,
+    or a custom class (`Envelope`). Recorded angles are added to the wave unchanged, without its
+    smooth start (`recorded_gait`).
 
     Raises:
         ValueError: If a field is out of its range.
@@ -216,17 +237,27 @@ class Gait:
 
     amplitude: float = quantity("rad", "alpha, of the joint angles", ge=0.0, le=pi)
     frequency: float = quantity("rad/s", "omega, an angular frequency as in the paper", ge=0.0)
-    phase_shift: float = quantity("rad", "delta between neighboring joints; negative swims tail first", ge=-pi, le=pi)
-    offset: float = quantity("rad", "phi_0 of every joint; positive turns left", ge=-pi, le=pi, default=0.0)
-    envelope: Envelope = option("g, distribution of the amplitude along the body", default=LateralUndulation())
+    phase_shift: float = quantity(
+        "rad", "delta between neighboring joints; negative swims tail first", ge=-pi, le=pi
+    )
+    offset: float = quantity(
+        "rad", "phi_0 of every joint; positive turns left", ge=-pi, le=pi, default=0.0
+    )
+    envelope: Envelope = option(
+        "g, distribution of the amplitude along the body", default=LateralUndulation()
+    )
     pitch: Wave | None = option("Wave of the pitch joints; None: they stay straight", default=None)
     fin: Wave | None = option("Wave of a driven fin; None: it stays straight", default=None)
-    recorded: JointAngles | None = option("Angles of yaw joints over time, to which the wave is added", default=None)
+    recorded: JointAngles | None = option(
+        "Angles of yaw joints over time, to which the wave is added", default=None
+    )
 
     def __post_init__(self) -> None:
         """Check the consistency of the fields."""
         if self.fin is not None and self.fin.phase_shift != 0.0:
-            raise BadArgument("fin.phase_shift", f"must be 0: a fin has one joint, got {self.fin.phase_shift} rad")
+            raise BadArgument(
+                "fin.phase_shift", f"must be 0: a fin has one joint, got {self.fin.phase_shift} rad"
+            )
 
     @property
     def kind(self) -> str:
@@ -256,14 +287,18 @@ class Gait:
                 new["envelope"] = {"kind": str(kind or "custom").replace("_", "-"), **own}
         return new
 
-    def targets(self, offset: float = 0.0, pitch_offset: float = 0.0) -> tuple[WaveTarget, WaveTarget, WaveTarget]:
+    def targets(
+        self, offset: float = 0.0, pitch_offset: float = 0.0
+    ) -> tuple[WaveTarget, WaveTarget, WaveTarget]:
         """Return the targets for the reference generator: yaw joints, pitch joints, driven fin.
 
         Args:
             offset: Added to the offset of the yaw joints [rad].
             pitch_offset: Added to the offset of the pitch joints [rad].
         """
-        yaw = WaveTarget(self.amplitude, self.frequency, self.phase_shift, self.offset + offset, 0.0)
+        yaw = WaveTarget(
+            self.amplitude, self.frequency, self.phase_shift, self.offset + offset, 0.0
+        )
         return yaw, (self.pitch or STRAIGHT).target(pitch_offset), (self.fin or STRAIGHT).target()
 
     def joint_envelope(self, n_links: int) -> tuple[float, ...]:
@@ -294,9 +329,10 @@ def lateral_undulation(**fields: Unpack[GaitFields]) -> Gait:
     """Return body waves of constant amplitude, g(i, n) = 1.
 
     Args:
-        fields: amplitude alpha [rad], frequency omega [rad/s], phase_shift delta [rad], offset phi_0 [rad], or in
-            degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg; pitch and fin, the waves of pitch
-            joints and of a driven fin; recorded, angles to which the wave is added.
+        fields: amplitude alpha [rad], frequency omega [rad/s], phase_shift delta [rad], offset
+            phi_0 [rad], or in degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg;
+            pitch and fin, the waves of pitch joints and of a driven fin; recorded, angles to which
+            the wave is added.
 
     Raises:
         ValueError: If a number is not finite, or amplitude or frequency is negative.
@@ -312,9 +348,10 @@ def eel_like(**fields: Unpack[GaitFields]) -> Gait:
     """Return body waves that grow from head to tail, g(i, n) = (n-i)/(n+1).
 
     Args:
-        fields: amplitude alpha [rad], frequency omega [rad/s], phase_shift delta [rad], offset phi_0 [rad], or in
-            degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg; pitch and fin, the waves of pitch
-            joints and of a driven fin; recorded, angles to which the wave is added.
+        fields: amplitude alpha [rad], frequency omega [rad/s], phase_shift delta [rad], offset
+            phi_0 [rad], or in degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg;
+            pitch and fin, the waves of pitch joints and of a driven fin; recorded, angles to which
+            the wave is added.
 
     Raises:
         ValueError: If a number is not finite, or amplitude or frequency is negative.
@@ -327,20 +364,26 @@ def eel_like(**fields: Unpack[GaitFields]) -> Gait:
 
 
 def custom_gait(
-    *, envelope: Callable[[int, int], float] | Sequence[float], n_links: int | None = None, **fields: Unpack[GaitFields]
+    *,
+    envelope: Callable[[int, int], float] | Sequence[float],
+    n_links: int | None = None,
+    **fields: Unpack[GaitFields],
 ) -> Gait:
     """Return body waves with a custom envelope.
 
     Args:
-        envelope: g of every joint, tail first; or a function g(i, n) with i = 1 the tail-most joint, as in (3).
-        n_links: n; needed when `envelope` is a function, and checked against the number of its values otherwise.
-        fields: amplitude alpha [rad], frequency omega [rad/s], phase_shift delta [rad], offset phi_0 [rad], or in
-            degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg; pitch and fin, the waves of pitch
-            joints and of a driven fin; recorded, angles to which the wave is added.
+        envelope: g of every joint, tail first; or a function g(i, n) with i = 1 the tail-most
+            joint, as in (3).
+        n_links: n; needed when `envelope` is a function, and checked against the number of its
+            values otherwise.
+        fields: amplitude alpha [rad], frequency omega [rad/s], phase_shift delta [rad], offset
+            phi_0 [rad], or in degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg;
+            pitch and fin, the waves of pitch joints and of a driven fin; recorded, angles to which
+            the wave is added.
 
     Raises:
-        ValueError: If a number is not finite, amplitude or frequency is negative, `n_links` is missing, or the
-            envelope is for a different number of joints.
+        ValueError: If a number is not finite, amplitude or frequency is negative, `n_links` is
+            missing, or the envelope is for a different number of joints.
 
     Example:
         >>> gait = custom_gait(envelope=lambda i, n: i / n, n_links=4, amplitude=1, frequency=2, phase_shift=0.7)
@@ -349,11 +392,15 @@ def custom_gait(
     """
     if callable(envelope):
         if n_links is None:
-            raise BadArgument("n_links", "must be given when `envelope` is a function g(i, n), got None")
+            raise BadArgument(
+                "n_links", "must be given when `envelope` is a function g(i, n), got None"
+            )
         n = whole("n_links", n_links, 1)
         shape = envelope
         envelope = [shape(i, n) for i in range(1, n)]
-    values = several(finite, "a sequence of numbers or a function g(i, n)", (), "envelope", envelope)
+    values = several(
+        finite, "a sequence of numbers or a function g(i, n)", (), "envelope", envelope
+    )
     gait = Gait(envelope=Custom(values=values), **fields)
     if n_links is not None:
         gait.joint_envelope(whole("n_links", n_links, 1))

@@ -35,9 +35,10 @@ class GeneratorState:
 class Generator:
     """Generator that turns a gait, which may change at any time, into joint references that a body can follow.
 
-    Amplitude, frequency, phase shift and offset of every wave follow their targets through critically damped filters,
-    so the references and their rates are continuous; see `laticauda.gaits.reference`. The kernels compute the same
-    references. The envelope is not filtered: bring the amplitude to zero before changing to another kind of gait.
+    Amplitude, frequency, phase shift and offset of every wave follow their targets through
+    critically damped filters, so the references and their rates are continuous; see
+    `laticauda.gaits.reference`. The kernels compute the same references. The envelope is not
+    filtered: bring the amplitude to zero before changing to another kind of gait.
 
     Raises:
         ValueError: If a field is out of its range.
@@ -51,14 +52,20 @@ class Generator:
     """
 
     n_links: int = quantity("", "n, the number of links", ge=1)
-    axes: tuple[str, ...] | None = option("Axis of every joint, tail first; None: all of them yaw", default=None)
-    bandwidth: float = quantity("rad/s", "Bandwidth of the filters on the gait's parameters", default=10.0, gt=0.0)
+    axes: tuple[str, ...] | None = option(
+        "Axis of every joint, tail first; None: all of them yaw", default=None
+    )
+    bandwidth: float = quantity(
+        "rad/s", "Bandwidth of the filters on the gait's parameters", default=10.0, gt=0.0
+    )
     ramp: float = quantity("s", "T of the smooth start; 0 means none", default=1.0, ge=0.0)
 
     def __post_init__(self) -> None:
         """Check the consistency of the fields."""
         if self.axes is not None and len(self.axes) != self.n_links - 1:
-            raise BadArgument("axes", f"must have one entry per joint, {self.n_links - 1}, got {len(self.axes)}")
+            raise BadArgument(
+                "axes", f"must have one entry per joint, {self.n_links - 1}, got {len(self.axes)}"
+            )
 
     def init(self, gait: Gait) -> GeneratorState:
         """Return the initial state: the gait's amplitudes, frequencies and phase shifts; offsets build up from zero.
@@ -79,7 +86,9 @@ class Generator:
         """
         decay = math.exp(-self.bandwidth * dt)
         waves = zip((state.yaw, state.pitch, state.fin), gait.targets(), strict=True)
-        yaw, pitch, fin = (reference.advance_wave(wave, aim[:4], self.bandwidth, decay, dt) for wave, aim in waves)
+        yaw, pitch, fin = (
+            reference.advance_wave(wave, aim[:4], self.bandwidth, decay, dt) for wave, aim in waves
+        )
         time, rest = reference.advance_time(state.time, state.time_rest, dt)
         return GeneratorState(time=time, time_rest=rest, yaw=yaw, pitch=pitch, fin=fin)
 
@@ -120,7 +129,11 @@ class Generator:
         return self._wave(state.fin, gait.targets()[2], state.time, (1.0,))[0]
 
     def _wave(
-        self, wave: WaveState, target: reference.WaveTarget, time: float, envelope: tuple[float, ...]
+        self,
+        wave: WaveState,
+        target: reference.WaveTarget,
+        time: float,
+        envelope: tuple[float, ...],
     ) -> list[Reference]:
         """Return the references of the joints moved by one wave."""
         ramp = reference.smooth_start(time, self.ramp)

@@ -24,18 +24,24 @@ JOINT = re.compile(r"joint_(\d+)(_deg|_rad)?")
 class JointAngles:
     """Angles of the yaw joints at given times, joined by a cubic spline with continuous second derivatives.
 
-    Before the first and after the last time, the angles are held; the spline starts and ends at rest.
+    Before the first and after the last time, the angles are held; the spline starts and ends at
+    rest.
 
     Raises:
-        ValueError: If the times do not increase, or the number of angles of a joint differs from the number of times.
+        ValueError: If the times do not increase, or the number of angles of a joint differs from
+            the number of times.
     """
 
     time: tuple[float, ...] = quantity("s", "Times since the start of the run, increasing")
-    angle: tuple[tuple[float, ...], ...] = quantity("rad", "Angle of every yaw joint, tail first, at these times")
+    angle: tuple[tuple[float, ...], ...] = quantity(
+        "rad", "Angle of every yaw joint, tail first, at these times"
+    )
 
     def __post_init__(self) -> None:
         """Check the consistency of the fields."""
-        if len(self.time) < 2 or any(b <= a for a, b in zip(self.time, self.time[1:], strict=False)):
+        if len(self.time) < 2 or any(
+            b <= a for a, b in zip(self.time, self.time[1:], strict=False)
+        ):
             raise BadArgument("time", "must be at least two increasing times")
         for i, one in enumerate(self.angle):
             if len(one) != len(self.time):
@@ -58,8 +64,8 @@ class JointAngles:
     def read(cls, path: str | Path) -> "JointAngles":
         """Read the angles in a CSV file.
 
-        The file has a column of times (`time_s`) and one per yaw joint, where `joint_1_deg` (or `joint_1_rad`) is the
-        tail-most; other columns, and lines that begin with #, are ignored.
+        The file has a column of times (`time_s`) and one per yaw joint, where `joint_1_deg` (or
+        `joint_1_rad`) is the tail-most; other columns, and lines that begin with #, are ignored.
 
         Args:
             path: Path of the file.
@@ -68,13 +74,22 @@ class JointAngles:
             TrialFileError: If the file cannot be read or is invalid.
         """
         columns = read_columns(path, TrialFileError)
-        joints = sorted((int(found[1]), name) for name in columns if (found := JOINT.fullmatch(name)))
-        if "time_s" not in columns or [k for k, _ in joints] != list(range(1, max(len(joints), 1) + 1)):
+        joints = sorted(
+            (int(found[1]), name) for name in columns if (found := JOINT.fullmatch(name))
+        )
+        if "time_s" not in columns or [k for k, _ in joints] != list(
+            range(1, max(len(joints), 1) + 1)
+        ):
             rule = "a column `time_s` and columns `joint_1_deg`, `joint_2_deg`, ... starting at the tail"
             raise TrialFileError(f"{path}: must have {rule}, got {', '.join(columns)}")
-        units = np.array([[math.radians(1.0) if name.endswith("_deg") else 1.0] for _, name in joints])
+        units = np.array(
+            [[math.radians(1.0) if name.endswith("_deg") else 1.0] for _, name in joints]
+        )
         try:
-            time, *angles = ([float(cell) for cell in columns[name]] for name in ("time_s", *(j for _, j in joints)))
+            time, *angles = (
+                [float(cell) for cell in columns[name]]
+                for name in ("time_s", *(j for _, j in joints))
+            )
             return cls(time=tuple(time), angle=_rows(np.array(angles) * units))
         except ValueError as error:
             raise TrialFileError(f"{path}: {error}") from None
@@ -93,18 +108,31 @@ class JointAngles:
         """Angular frequency of the strongest oscillation of all joints together; 0 if none moves [rad/s]."""
         n = 2 * len(self.time)
         even = np.linspace(self.time[0], self.time[-1], n)
-        swings = np.array([np.interp(even, self.time, one) - np.mean(one) for one in self.angle]) * np.hanning(n)
+        swings = np.array(
+            [np.interp(even, self.time, one) - np.mean(one) for one in self.angle]
+        ) * np.hanning(n)
         power = np.sum(np.abs(np.fft.rfft(swings, 32 * n)) ** 2, axis=0)
-        return 2.0 * math.pi * int(np.argmax(power)) * (n - 1) / (self.time[-1] - self.time[0]) / (32 * n)
+        return (
+            2.0
+            * math.pi
+            * int(np.argmax(power))
+            * (n - 1)
+            / (self.time[-1] - self.time[0])
+            / (32 * n)
+        )
 
     @cached_property
     def knots(self) -> Float[np.ndarray, "n_knots n_numbers"]:
         """Input of the kernels: time [s], then angle [rad] and rate [rad/s] of every joint."""
         angle = np.array(self.angle).T
         rates = _clamped_rates(np.array(self.time), angle)
-        return np.column_stack((self.time, np.stack((angle, rates), axis=2).reshape(len(angle), -1)))
+        return np.column_stack(
+            (self.time, np.stack((angle, rates), axis=2).reshape(len(angle), -1))
+        )
 
-    def scaled(self, shares: Float[np.ndarray, " n_joints"]) -> Float[np.ndarray, "n_knots n_numbers"]:
+    def scaled(
+        self, shares: Float[np.ndarray, " n_joints"]
+    ) -> Float[np.ndarray, "n_knots n_numbers"]:
         """Return the knots with the angles of every joint scaled.
 
         Args:
@@ -114,7 +142,10 @@ class JointAngles:
             ValueError: If the number of joints differs.
         """
         if len(self.angle) != shares.size:
-            raise BadArgument("recorded", f"must have angles of all {shares.size} yaw joints, got {len(self.angle)}")
+            raise BadArgument(
+                "recorded",
+                f"must have angles of all {shares.size} yaw joints, got {len(self.angle)}",
+            )
         return self.knots * np.concatenate(([1.0], np.repeat(shares, 2)))
 
     def at(self, time: float) -> Float[np.ndarray, "3 n_joints"]:

@@ -1,18 +1,20 @@
 """Reference generator: from the requested gait to joint angles that a body can follow.
 
-The request may change at any time. Amplitude, frequency, phase shift and offset each pass through a critically damped
-second-order filter, the phase is the integral of the filtered frequency, and the amplitude starts with a smooth ramp.
-Therefore phi_ref and phi_ref' are continuous for any request, and phi_ref'' jumps only where the request jumps. Only
-the envelope is not filtered: bring the amplitude to zero before requesting another kind of gait.
+The request may change at any time. Amplitude, frequency, phase shift and offset each pass through a
+critically damped second-order filter, the phase is the integral of the filtered frequency, and the
+amplitude starts with a smooth ramp. Therefore phi_ref and phi_ref' are continuous for any request,
+and phi_ref'' jumps only where the request jumps. Only the envelope is not filtered: bring the
+amplitude to zero before requesting another kind of gait.
 
 The filter has a closed-form solution for a constant input, so a time step of any size is exact.
 
-A robot has up to three waves: of its yaw joints, of its pitch joints, and of a driven fin. They share the time, the
-smooth start and the bandwidth.
+A robot has up to three waves: of its yaw joints, of its pitch joints, and of a driven fin. They
+share the time, the smooth start and the bandwidth.
 
-These are plain scalar functions: the kernels of both models compile them; `laticauda.gaits.Generator` wraps them for a
-real robot. Sines and exp(-w dt), which each caller computes in its own way, are passed as arguments.
-The annotations say float, but complex numbers (complex-step derivatives) and lanes (many trials at once) also work.
+These are plain scalar functions: the kernels of both models compile them;
+`laticauda.gaits.Generator` wraps them for a real robot. Sines and exp(-w dt), which each caller
+computes in its own way, are passed as arguments. The annotations say float, but complex numbers
+(complex-step derivatives) and lanes (many trials at once) also work.
 """
 
 from typing import NamedTuple
@@ -94,7 +96,11 @@ def first_state(target: WaveTarget) -> WaveState:
 
 
 def advance_wave(
-    wave: WaveState, target: tuple[float, float, float, float], bandwidth: float, decay: float, dt: float
+    wave: WaveState,
+    target: tuple[float, float, float, float],
+    bandwidth: float,
+    decay: float,
+    dt: float,
 ) -> WaveState:
     """Return a wave after a time step.
 
@@ -106,8 +112,12 @@ def advance_wave(
         dt: Time step [s].
     """
     amplitude, amplitude_rate, _ = filter_step(wave[1], wave[2], target[0], bandwidth, decay, dt)
-    frequency, frequency_rate, turned = filter_step(wave[3], wave[4], target[1], bandwidth, decay, dt)
-    phase_shift, phase_shift_rate, _ = filter_step(wave[5], wave[6], target[2], bandwidth, decay, dt)
+    frequency, frequency_rate, turned = filter_step(
+        wave[3], wave[4], target[1], bandwidth, decay, dt
+    )
+    phase_shift, phase_shift_rate, _ = filter_step(
+        wave[5], wave[6], target[2], bandwidth, decay, dt
+    )
     offset, offset_rate, _ = filter_step(wave[7], wave[8], target[3], bandwidth, decay, dt)
     return WaveState(
         wave[0] + turned,
@@ -136,7 +146,10 @@ def advance_time(time: float, rest: float, dt: float) -> tuple[float, float]:
 
 
 def wave_motion(
-    wave: WaveState, target: tuple[float, float, float, float], bandwidth: float, ramp: tuple[float, float, float]
+    wave: WaveState,
+    target: tuple[float, float, float, float],
+    bandwidth: float,
+    ramp: tuple[float, float, float],
 ) -> WaveMotion:
     """Return the quantities shared by the joints of a wave.
 
@@ -147,13 +160,17 @@ def wave_motion(
         ramp: Ramp from `smooth_start`.
     """
     second = filter_acceleration(wave[1], wave[2], target[0], bandwidth)
-    amplitude, amplitude_rate, amplitude_acceleration = ramped(wave[1], wave[2], second, ramp[0], ramp[1], ramp[2])
+    amplitude, amplitude_rate, amplitude_acceleration = ramped(
+        wave[1], wave[2], second, ramp[0], ramp[1], ramp[2]
+    )
     return WaveMotion(
         amplitude,
         amplitude_rate,
         amplitude_acceleration,
         wave[3],
-        wave[4],  # the phase is the integral of the filtered frequency, so psi'' is the rate of that frequency
+        wave[
+            4
+        ],  # the phase is the integral of the filtered frequency, so psi'' is the rate of that frequency
         wave[6],
         filter_acceleration(wave[5], wave[6], target[2], bandwidth),
         wave[7],
@@ -188,7 +205,13 @@ def wave_reference(
 
 
 def between_knots(
-    time: float, start: float, end: float, angle: float, rate: float, next_angle: float, next_rate: float
+    time: float,
+    start: float,
+    end: float,
+    angle: float,
+    rate: float,
+    next_angle: float,
+    next_rate: float,
 ) -> tuple[float, float, float]:
     """Return an angle between two knots of a cubic spline, and its first two derivatives; held outside the knots.
 
@@ -235,8 +258,8 @@ def filter_step(
         dt: Time step [s].
 
     Returns:
-        y and y' after the step, and the integral of y over it [unit of y * s]. Two steps of dt/2 give the same result
-        as one step of dt.
+        y and y' after the step, and the integral of y over it [unit of y * s]. Two steps of dt/2
+        give the same result as one step of dt.
     """
     error = value - target
     slope = rate + bandwidth * error
@@ -269,11 +292,14 @@ def smooth_start(time: float, duration: float) -> tuple[float, float, float]:
         duration: T [s]; 0 means no ramp.
 
     Returns:
-        Value [-], rate [1/s], acceleration [1/s^2]. All three are continuous; with T = 0 the value is 1 from the start.
+        Value [-], rate [1/s], acceleration [1/s^2]. All three are continuous; with T = 0 the value
+        is 1 from the start.
     """
     over = time.real >= duration.real
     pace = 1.0 / where(over, 1.0 + 0.0 * duration, duration)
-    s = where(over, 1.0 + 0.0 * time, time * pace)  # at its end the ramp has the value 1 and zero slopes
+    s = where(
+        over, 1.0 + 0.0 * time, time * pace
+    )  # at its end the ramp has the value 1 and zero slopes
     value = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
     rate = 30.0 * s * s * (1.0 - s) * (1.0 - s) * pace
     acceleration = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * pace * pace
@@ -281,7 +307,12 @@ def smooth_start(time: float, duration: float) -> tuple[float, float, float]:
 
 
 def ramped(
-    amplitude: float, rate: float, acceleration: float, ramp: float, ramp_rate: float, ramp_acceleration: float
+    amplitude: float,
+    rate: float,
+    acceleration: float,
+    ramp: float,
+    ramp_rate: float,
+    ramp_acceleration: float,
 ) -> tuple[float, float, float]:
     """Return the product of the filtered amplitude and the ramp, with its first two time derivatives.
 

@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from laticauda.identify.uncertainty import posterior as posterior, profile as profile
     from laticauda.identify.unknowns import Unknown as Unknown
     from laticauda.identify.validation import compared_with_null_models as compared_with_null_models
-    from laticauda.identify.validation import leave_out as leave_out, linear_leave_one_out as linear_leave_one_out
+    from laticauda.identify.validation import (
+        leave_out as leave_out,
+        linear_leave_one_out as linear_leave_one_out,
+    )
 
 __getattr__, __dir__, __all__ = lazy_exports()

@@ -1,8 +1,9 @@
 """Candidate trials, and what each would say about the unknowns.
 
-Besides swimming with the available sensors, a candidate may be a tow (the loads that hold the straight robot at a
-constant velocity, along itself or at an angle) or a coast-down (the path of the straight robot released at a speed). It
-is a `Measurement` whose measured numbers are not used; its group gives its kind: swim, tow or coast-down.
+Besides swimming with the available sensors, a candidate may be a tow (the loads that hold the
+straight robot at a constant velocity, along itself or at an angle) or a coast-down (the path of the
+straight robot released at a speed). It is a `Measurement` whose measured numbers are not used; its
+group gives its kind: swim, tow or coast-down.
 """
 
 import math
@@ -61,7 +62,12 @@ def swims(
 
 
 def coast_down(
-    robot: Robot, environment: Environment, speed: float, *, sigma: float = 0.005, duration: float = 5.0
+    robot: Robot,
+    environment: Environment,
+    speed: float,
+    *,
+    sigma: float = 0.005,
+    duration: float = 5.0,
 ) -> Measurement:
     """Return a candidate with the straight robot released at a speed, its center of mass tracked ten times a second.
 
@@ -73,8 +79,12 @@ def coast_down(
         duration: Duration of the trial [s].
     """
     start = lc.Start(velocity=positive("speed", speed, "m/s"))
-    scenario = lc.Scenario(robot=robot, motion=STRAIGHT, environment=environment, start=start, duration=duration)
-    return _candidate("coast-down", f"coast-down from {speed:g} m/s{_fin(robot)}", scenario, {"path": sigma}, 0.1)
+    scenario = lc.Scenario(
+        robot=robot, motion=STRAIGHT, environment=environment, start=start, duration=duration
+    )
+    return _candidate(
+        "coast-down", f"coast-down from {speed:g} m/s{_fin(robot)}", scenario, {"path": sigma}, 0.1
+    )
 
 
 def from_tow(
@@ -92,12 +102,17 @@ def from_tow(
 
     Args:
         robot: Robot that is towed, straight.
-        environment: Water in which it is towed; the effect of errors of the angle is derived from it.
+        environment: Water in which it is towed; the effect of errors of the angle is derived from
+            it.
         tow: Speed and angle of the tow.
-        loads: Loads by name, from `LOADS`; None: those computed for the water, for a straight tow only the drag.
-        name: Name in tables and messages; empty: composed from the kind of tow, with or without fin.
-        sigma: Standard deviation of the noise of a force [N]; for the moment, multiplied by half the robot's length.
-        share: Additional standard deviation as a fraction of the load, from speed and calibration [-].
+        loads: Loads by name, from `LOADS`; None: those computed for the water, for a straight tow
+            only the drag.
+        name: Name in tables and messages; empty: composed from the kind of tow, with or without
+            fin.
+        sigma: Standard deviation of the noise of a force [N]; for the moment, multiplied by half
+            the robot's length.
+        share: Additional standard deviation as a fraction of the load, from speed and calibration
+            [-].
         misalignment: Standard deviation of the angle [rad].
 
     Raises:
@@ -106,12 +121,17 @@ def from_tow(
     instance("environment", environment, Water)
     scenario = lc.Scenario(robot=robot, motion=STRAIGHT, environment=environment, duration=1.0)
     seen = {one: load for one, load in tow.loads(scenario).items() if one == "drag" or tow.angle}
-    ends = [replace(tow, angle=tow.angle + end).loads(scenario) for end in (-misalignment, misalignment)]
+    ends = [
+        replace(tow, angle=tow.angle + end).loads(scenario) for end in (-misalignment, misalignment)
+    ]
     figures: dict[str, tuple[float, float]] = {}
     for one, load in (seen if loads is None else loads).items():
         arm = 0.5 * robot.length if one == "yaw_moment" else 1.0
         turned = 0.5 * (ends[1][one] - ends[0][one])
-        figures[one_of("loads", one, tuple(LOADS))] = load, math.hypot(arm * sigma, share * load, turned)
+        figures[one_of("loads", one, tuple(LOADS))] = (
+            load,
+            math.hypot(arm * sigma, share * load, turned),
+        )
     how = f"oblique tow, {math.degrees(tow.angle):.3g} deg," if tow.angle else "straight tow"
     name = name or f"{how} at {tow.speed:g} m/s{_fin(robot)}"
     return Measurement(name=name, scenario=scenario, figures=figures, tow=tow, group="tow")
@@ -132,8 +152,10 @@ def rows_of(
         progress: Called with the finished fraction.
 
     Returns:
-        For each candidate, in standard deviations of the noise: numbers, and rows of the Jacobian. The columns of the
-        unknowns are followed by those of its start, which is unknown as in a fit, with rows for the priors on it.
+        For each candidate, in standard deviations of the noise: numbers, and rows of the Jacobian.
+            The columns of the
+        unknowns are followed by those of its start, which is unknown as in a fit, with rows for the
+        priors on it.
 
     Raises:
         ValueError: If a candidate cannot be simulated.
@@ -145,7 +167,9 @@ def rows_of(
         every = np.concatenate([values, part.start[values.size :]])
         predicted = model.predict(part, every)
         for name, status in predicted.failures.items():
-            raise ValueError(f"`candidates` must be trials that can be simulated, got `{name}`: {status}")
+            raise ValueError(
+                f"`candidates` must be trials that can be simulated, got `{name}`: {status}"
+            )
         rows = np.nan_to_num(predicted.jacobian / part.sigma[:, np.newaxis] * part.slopes(every))
         numbers, priors = np.nan_to_num(predicted.values / part.sigma), part.prior_slopes(every)
         for place in range(len(members)):

@@ -1,30 +1,34 @@
 """Choose the next trials that would say most about the unknowns: D-optimal design from the sensitivities.
 
-Let y(x) be the predictions for trial i, with x the coordinates of the unknowns, and sigma the standard deviations of
-its noise. The trial adds the information
+Let y(x) be the predictions for trial i, with x the coordinates of the unknowns, and sigma the
+standard deviations of its noise. The trial adds the information
 
     F_i = J^T J,    J = (dy/dx) / sigma,
 
-and the covariance after several trials is the inverse of the total information, including that of the present fit or of
-the priors. A design is built one trial at a time, each time with the trial that raises the criterion most; then trials
-are exchanged for others as long as that raises it. Federov, Theory of Optimal Experiments (1972); Atkinson, Donev,
-Tobias, Optimum Experimental Designs, with SAS (2007).
+and the covariance after several trials is the inverse of the total information, including that of
+the present fit or of the priors. A design is built one trial at a time, each time with the trial
+that raises the criterion most; then trials are exchanged for others as long as that raises it.
+Federov, Theory of Optimal Experiments (1972); Atkinson, Donev, Tobias, Optimum Experimental
+Designs, with SAS (2007).
 
-Alternatively, `discriminate` chooses the next trials that would tell rival models apart (T-optimal design). Let y be
-the predictions of a model m for some trials, in standard deviations of the noise, y' those of its rival m', J' the
-derivatives of y' with respect to the coordinates of its unknowns, and P' the information of its priors. If m were true,
-the rival could be fitted to the trials except for
+Alternatively, `discriminate` chooses the next trials that would tell rival models apart (T-optimal
+design). Let y be the predictions of a model m for some trials, in standard deviations of the noise,
+y' those of its rival m', J' the derivatives of y' with respect to the coordinates of its unknowns,
+and P' the information of its priors. If m were true, the rival could be fitted to the trials except
+for
 
     T = min_x (y - y' - J' x)^T (y - y' - J' x) + x^T P' x
 
-T is the excess chi^2 of the rival, and T/2 the average loss that it causes in the rival's log Bayes factor against m
-(Gaussian priors). T-optimal designs maximize T or, for several models, a weighted sum over all pairs [1, 2]. T is also
-the Schur complement of the first column in the information of the columns (y - y', J') of all trials, priors added: the
-information about the difference between the two models while the rival's unknowns stay unknown. This information adds
-up like any other. Unlike in [1], the rival's unknowns are assumed close enough for its predictions to be linear.
+T is the excess chi^2 of the rival, and T/2 the average loss that it causes in the rival's log Bayes
+factor against m (Gaussian priors). T-optimal designs maximize T or, for several models, a weighted
+sum over all pairs [1, 2]. T is also the Schur complement of the first column in the information of
+the columns (y - y', J') of all trials, priors added: the information about the difference between
+the two models while the rival's unknowns stay unknown. This information adds up like any other.
+Unlike in [1], the rival's unknowns are assumed close enough for its predictions to be linear.
 
-Choosing the model with the smaller chi^2 is wrong with probability Phi(-T^(1/2)/2). The chosen trials minimize the sum
-of exp(-T/8) over all pairs, which bounds these probabilities up to a factor (Bhattacharyya).
+Choosing the model with the smaller chi^2 is wrong with probability Phi(-T^(1/2)/2). The chosen
+trials minimize the sum of exp(-T/8) over all pairs, which bounds these probabilities up to a factor
+(Bhattacharyya).
 
 References:
     [1] H. Dette, V. B. Melas, R. Guchenko, Bayesian T-optimal discriminating designs, Ann. Stat. 43, 2015 (criterion of
@@ -64,7 +68,8 @@ Judged = tuple[Measurement, Float[np.ndarray, " n"]]
 class Design:
     """Recommended next trials, best first, and what they are expected to determine.
 
-    Standard deviations are relative to the unknown's value or to its size, and inf where nothing is known [-].
+    Standard deviations are relative to the unknown's value or to its size, and inf where nothing is
+    known [-].
     """
 
     unknowns: tuple[ResolvedUnknown, ...]
@@ -111,8 +116,10 @@ def design(
         problem: Provides the unknowns; its measurements are ignored in favor of `information`.
         candidates: Possible trials; each may be chosen more than once.
         n_trials: Number of trials to choose.
-        values: Values of the unknowns at which the trials are judged; None: the starting values of their search.
-        information: Existing information with respect to the coordinates: `known_from` a fit; None: the priors.
+        values: Values of the unknowns at which the trials are judged; None: the starting values of
+            their search.
+        information: Existing information with respect to the coordinates: `known_from` a fit; None:
+            the priors.
         criterion: D, A, or the name of an unknown, for its standard deviation alone.
         progress: Called with the fraction of the candidates judged.
 
@@ -145,7 +152,10 @@ def design(
         criterion=criterion if criterion in CRITERIA else f"sigma of {criterion}",
         before=sigma[0],
         steps=tuple(zip((candidates[i] for i in chosen), sigma[1:], strict=True)),
-        reasons=(*reasons, *([] if swimming is None else [_missed(names, n_trials, swimming, sigma[-1])])),
+        reasons=(
+            *reasons,
+            *([] if swimming is None else [_missed(names, n_trials, swimming, sigma[-1])]),
+        ),
         alone=tuple((candidates[i], sigma_of(first + added[i])) for i in order),
         swimming=swimming,
     )
@@ -163,7 +173,11 @@ def information_of(
 
 
 def _swimming_alone(
-    candidates: Sequence[Measurement], added: np.ndarray, known: Matrix, n_trials: int, score: Callable[[Matrix], float]
+    candidates: Sequence[Measurement],
+    added: np.ndarray,
+    known: Matrix,
+    n_trials: int,
+    score: Callable[[Matrix], float],
 ) -> np.ndarray | None:
     mine = [i for i, one in enumerate(candidates) if one.group == "swim"]
     if not mine or len(mine) == len(candidates):
@@ -172,7 +186,9 @@ def _swimming_alone(
     return sigma_of(known + np.sum(added[mine][chosen], axis=0))
 
 
-def best_of(added: np.ndarray, known: np.ndarray, n_trials: int, score: Callable[[np.ndarray], float]) -> list[int]:
+def best_of(
+    added: np.ndarray, known: np.ndarray, n_trials: int, score: Callable[[np.ndarray], float]
+) -> list[int]:
     """Select candidates greedily, then by exchange, then order them greedily; return their indices in order.
 
     Args:
@@ -189,7 +205,9 @@ def best_of(added: np.ndarray, known: np.ndarray, n_trials: int, score: Callable
     for _ in range(_ROUNDS):
         is_better = False
         for place in range(n_trials):
-            others = known + sum((added[i] for k, i in enumerate(chosen) if k != place), np.zeros_like(known))
+            others = known + sum(
+                (added[i] for k, i in enumerate(chosen) if k != place), np.zeros_like(known)
+            )
             scores = np.array([score(others + one) for one in added])
             best = int(np.argmax(scores))
             if scores[best] > scores[chosen[place]] + 1e-9:
@@ -246,7 +264,9 @@ def _score(criterion: str, names: Sequence[str]) -> Callable[[Matrix], float]:
 
     def sharpness(information: Matrix) -> float:
         variances = np.diag(np.linalg.inv(information + _FAINT * np.eye(len(information))))
-        return -0.5 * float(np.log(np.mean(variances) if criterion == "A" else variances[names.index(criterion)]))
+        return -0.5 * float(
+            np.log(np.mean(variances) if criterion == "A" else variances[names.index(criterion)])
+        )
 
     return volume if criterion == "D" else sharpness
 
@@ -256,7 +276,10 @@ def _reason(unknowns: Sequence[ResolvedUnknown], known: Matrix, added: Matrix) -
     before, after = sigma_of(known), sigma_of(known + added)
     newly = [k for k in range(len(unknowns)) if before[k] >= identifiability.LIMIT > after[k]]
     if newly:
-        words = [f"`{unknowns[k].name}` ({share(before[k])} before, {share(after[k])} after)" for k in newly]
+        words = [
+            f"`{unknowns[k].name}` ({share(before[k])} before, {share(after[k])} after)"
+            for k in newly
+        ]
         return f"makes identifiable {' and '.join(words)}"
     finite = np.isfinite(before) & (before > 0.0)
     ratio = np.where(finite, after / np.where(finite, before, 1.0), 1.0)
@@ -265,7 +288,9 @@ def _reason(unknowns: Sequence[ResolvedUnknown], known: Matrix, added: Matrix) -
         return f"shrinks most `{unknowns[k].name}`, from {share(before[k])} to {share(after[k])}"
     root = np.linalg.cholesky(known + _FAINT * np.eye(len(known)))
     half = np.linalg.solve(root, added)
-    news = np.linalg.eigh(np.linalg.solve(root, half.T))[1][:, -1]  # where it adds most to the known information
+    news = np.linalg.eigh(np.linalg.solve(root, half.T))[1][
+        :, -1
+    ]  # where it adds most to the known information
     return f"adds information on {identifiability.combination_of(root @ news, unknowns)}"
 
 
@@ -288,7 +313,7 @@ def share(sigma: float) -> str:
     return f"{100.0 * sigma:.2g} %" if sigma < 0.99 else f"{100.0 * sigma:.0f} %"
 
 
-# ---- telling models apart --------------------------------------------------------------------------------------------
+# ---- telling models apart ------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -313,12 +338,16 @@ def wrong(distance: float) -> float:
 
 
 def discriminate(
-    rivals: Mapping[str, tuple[Problem, Sequence[Measurement]]], n_trials: int, *, progress: Progress = silent
+    rivals: Mapping[str, tuple[Problem, Sequence[Measurement]]],
+    n_trials: int,
+    *,
+    progress: Progress = silent,
 ) -> Discrimination:
     """Choose the trials that would tell rival models apart.
 
     Args:
-        rivals: For each model by name, its problem, judged at the starting values of the unknowns, and its version of
+        rivals: For each model by name, its problem, judged at the starting values of the unknowns,
+            and its version of
             the candidates: the same trials in all models, with the noise stated by the first.
         n_trials: Number of trials to choose; each may be chosen more than once.
         progress: Called with the fraction of the models judged.
@@ -329,7 +358,9 @@ def discriminate(
     whole("n_trials", n_trials, 1)
     candidates: Sequence[Measurement] = next(iter(rivals.values()))[1] if rivals else ()
     if len(rivals) < 2 or not candidates:
-        raise BadArgument("rivals", f"must be at least two models with candidates, got {len(rivals)}")
+        raise BadArgument(
+            "rivals", f"must be at least two models with candidates, got {len(rivals)}"
+        )
     seen: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
     for name, (problem, same) in rivals.items():
         alike = [replace(a, figures=b.figures) for a, b in zip(same, candidates, strict=True)]
@@ -338,12 +369,17 @@ def discriminate(
     pairs = tuple(combinations(rivals, 2))
     ways = [*pairs, *((rival, true) for true, rival in pairs)]
     size = 1 + max(len(problem.unknowns) for problem, _ in rivals.values())
-    added, known = np.zeros((len(candidates), len(ways), size, size)), np.zeros((len(ways), size, size))
+    added, known = (
+        np.zeros((len(candidates), len(ways), size, size)),
+        np.zeros((len(ways), size, size)),
+    )
     for k, (true, rival) in enumerate(ways):
         problem = rivals[rival][0]
         n = 1 + len(problem.unknowns)
         known[k, 1:n, 1:n] = prior_information(problem, problem.start)
-        for i, ((numbers, _), (others, rows)) in enumerate(zip(seen[true], seen[rival], strict=True)):
+        for i, ((numbers, _), (others, rows)) in enumerate(
+            zip(seen[true], seen[rival], strict=True)
+        ):
             columns = np.column_stack((numbers - others, rows))
             added[i, k, :n, :n] = identifiability.marginal(columns.T @ columns, range(n))
 
@@ -351,7 +387,9 @@ def discriminate(
         return one, np.min(np.reshape(_distances(total), (2, -1)), axis=0)
 
     chosen = best_of(added, known, n_trials, lambda total: -_worst(_distances(total)))
-    alone = [judged(one, known + information) for one, information in zip(candidates, added, strict=True)]
+    alone = [
+        judged(one, known + information) for one, information in zip(candidates, added, strict=True)
+    ]
     totals = known + np.cumsum(added[chosen], axis=0)
     return Discrimination(
         pairs=pairs,

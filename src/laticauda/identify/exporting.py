@@ -25,7 +25,8 @@ def applied(problem: Problem, values: Values, scenario: lc.Scenario, gait_kind: 
         problem: Problem that was fitted.
         values: Identified values, by the names of the unknowns.
         scenario: Scenario to change; numbers of parts that it does not have are skipped.
-        gait_kind: Kind of gait whose own numbers override the general ones; "": only the general ones.
+        gait_kind: Kind of gait whose own numbers override the general ones; "": only the general
+            ones.
     """
     known = parameters(scenario, each=True)
     own = _for_gait(problem, values, gait_kind)
@@ -34,7 +35,11 @@ def applied(problem: Problem, values: Values, scenario: lc.Scenario, gait_kind: 
 
 def as_parameters(problem: Problem, values: Values, name: str, title: str) -> lc.Parameters:
     """Return the identified values as a parameter file; see `Fit.parameters`."""
-    bases = {s.gait.kind: s.environment for s in reversed(problem.scenarios) if isinstance(s.environment, lc.Water)}
+    bases = {
+        s.gait.kind: s.environment
+        for s in reversed(problem.scenarios)
+        if isinstance(s.environment, lc.Water)
+    }
     if not bases:
         raise BadArgument("measurements", "must be made in water for a parameter file, got ground")
     first = problem.scenarios[0].environment
@@ -42,18 +47,27 @@ def as_parameters(problem: Problem, values: Values, name: str, title: str) -> lc
     base = problem.scenarios[0]
 
     def water(of: lc.Water, kind: str) -> lc.Water:
-        return cast(lc.Water, applied(problem, values, replace(base, environment=of), kind).environment)
+        return cast(
+            lc.Water, applied(problem, values, replace(base, environment=of), kind).environment
+        )
 
     common = water(first, "")
     own = {kind: water(bases.get(kind, first), kind) for kind in GAITS}
     joints = applied(problem, values, base, "").model.joints
-    changes, own_changes = _changes(problem, values, ""), {kind: _changes(problem, values, kind) for kind in GAITS}
+    changes, own_changes = (
+        _changes(problem, values, ""),
+        {kind: _changes(problem, values, kind) for kind in GAITS},
+    )
     return lc.Parameters(
         name=name,
         title=title,
-        joints=joints if quantities.quantities_of(type(joints)) else extensions.name_of(type(joints)),
+        joints=joints
+        if quantities.quantities_of(type(joints))
+        else extensions.name_of(type(joints)),
         every_gait=common,
-        own={kind: water for kind, water in own.items() if replace(water, name=common.name) != common},
+        own={
+            kind: water for kind, water in own.items() if replace(water, name=common.name) != common
+        },
         changes=changes,
         own_changes={kind: mine for kind, mine in own_changes.items() if mine != changes},
     )
@@ -83,7 +97,11 @@ def _changes(problem: Problem, values: Values, gait_kind: str) -> Changes:
             continue
         way, _, last = name.rpartition(".")
         table = way.removeprefix("robot.").removeprefix("joint.")
-        if table not in NAMES or last.endswith(("_x", "_y")) or (table == "robot" and last not in OF_ROBOT):
+        if (
+            table not in NAMES
+            or last.endswith(("_x", "_y"))
+            or (table == "robot" and last not in OF_ROBOT)
+        ):
             rule = f"must be numbers that a parameter file can hold, got `{name}`"
             raise BadArgument("parameters", f"{rule}; `Fit.robot` returns a robot with it")
         result.setdefault(table, {})[last] = value

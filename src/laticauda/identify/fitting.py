@@ -58,17 +58,19 @@ def fit(
 ) -> result.Fit:
     """Identify parameters of the robot and the water from measured trials by least squares.
 
-    Minimizes the sum of ((predicted - measured) / sigma)^2 over all measured numbers plus the sum of
-    ((q - mean) / sd)^2 over all priors, within the ranges of the unknowns, from several starts. Ctrl-C ends the search
-    and returns the best result so far.
+    Minimizes the sum of ((predicted - measured) / sigma)^2 over all measured numbers plus the sum
+    of ((q - mean) / sd)^2 over all priors, within the ranges of the unknowns, from several starts.
+    Ctrl-C ends the search and returns the best result so far.
 
     Args:
         measurements: The measurements.
-        robot: Robot that must have swum, with or without its fin; None: that of the first measurement.
+        robot: Robot that must have swum, with or without its fin; None: that of the first
+            measurement.
         parameters: Names of the numbers to identify, or `Unknown`s with ranges and priors.
-        model: planar, or spatial (the 3D twin, which is slow); None: that of the measurements' scenarios.
-        noise: known: the uncertainties use the noise stated by the measurements; estimated: a common factor on it is
-            estimated from the residuals.
+        model: planar, or spatial (the 3D twin, which is slow); None: that of the measurements'
+            scenarios.
+        noise: known: the uncertainties use the noise stated by the measurements; estimated: a
+            common factor on it is estimated from the residuals.
         loss: linear, or soft_l1, huber, cauchy or arctan, which give outliers less weight.
         n_starts: Number of starts; the first uses the values that robot and water have.
         seed: Seed of the random starts.
@@ -77,14 +79,15 @@ def fit(
         threads: Number of threads; None uses all cores available to this process.
         progress: Called periodically with the finished fraction, from 0 to 1.
         keep: Called with the best values by name and their sum of squares, whenever they improve.
-        changes: Changes of the model: `joints` (prescribed, pd, servo, or a joint law), `dt` [s] and the other fields
-            of `laticauda.scenarios.ModelChanges`.
+        changes: Changes of the model: `joints` (prescribed, pd, servo, or a joint law), `dt` [s]
+            and the other fields of `laticauda.scenarios.ModelChanges`.
 
     Returns:
         Values, intervals, correlations, predictions, and the directions that the data do not see.
 
     Raises:
-        ValueError: If an argument is out of its range, or there are fewer measured numbers than unknowns.
+        ValueError: If an argument is out of its range, or there are fewer measured numbers than
+            unknowns.
         SimulationFailed: If a measurement cannot be simulated at any start.
         MissingExtra: If scipy is not installed.
 
@@ -94,7 +97,9 @@ def fit(
         >>> found["water.tangential_friction"].is_identified
         True
     """
-    method = result.Method(noise=noise, loss=loss, n_starts=n_starts, seed=seed, confidence=confidence, limit=limit)
+    method = result.Method(
+        noise=noise, loss=loss, n_starts=n_starts, seed=seed, confidence=confidence, limit=limit
+    )
     problem = make_problem(measurements, parameters, robot, threads=threads, model=model, **changes)
     return solve(problem, method, progress=progress, keep=keep)
 
@@ -129,7 +134,9 @@ def solve(
 
     steps = _MOST_STEPS
     try:
-        for number, x in enumerate(_starts(problem, method, problem.start if start is None else start)):
+        for number, x in enumerate(
+            _starts(problem, method, problem.start if start is None else start)
+        ):
             begin = predict(problem, problem.values_of(x))
             failures = begin.failures or failures
             if np.all(np.isfinite(begin.values)):
@@ -144,7 +151,9 @@ def solve(
         searches.append(minimize(problem, kept, loss=method.loss, steps=steps))
     if not searches:
         name, status = next(iter(failures.items()))
-        raise SimulationFailed(f"The measurement `{name}` cannot be simulated at any start of the search: {status}")
+        raise SimulationFailed(
+            f"The measurement `{name}` cannot be simulated at any start of the search: {status}"
+        )
     searches.sort(key=lambda one: one.cost)
     best = searches[0]
     if method.noise == "estimated":
@@ -160,20 +169,30 @@ def _starts(problem: Problem, method: result.Method, first: np.ndarray) -> list[
     rng = np.random.default_rng(method.seed)
     columns: list[np.ndarray] = []
     for k, unknown in enumerate(problem.unknowns):
-        reach = math.log(SPREAD) if unknown.is_log else unknown.prior[1] if unknown.prior else unknown.size
+        reach = (
+            math.log(SPREAD)
+            if unknown.is_log
+            else unknown.prior[1]
+            if unknown.prior
+            else unknown.size
+        )
         low, high = max(x[k] - reach, unknown.ends[0]), min(x[k] + reach, unknown.ends[1])
         columns.append(low + (high - low) * (rng.permutation(n) + rng.random(n)) / max(n, 1))
     return [x, *np.array(columns).T]
 
 
-def _with_noise(problem: Problem, method: result.Method, best: result.LocalSearch, steps: int) -> result.LocalSearch:
+def _with_noise(
+    problem: Problem, method: result.Method, best: result.LocalSearch, steps: int
+) -> result.LocalSearch:
     """Repeat the search with the noise estimated from the residuals until both agree; without priors, rescale once."""
     factor = 1.0
     for _ in range(_ROUNDS):
         information = problem.information(best.jacobian)
         whole_information = best.jacobian.T @ best.jacobian
         fitted = float(np.trace(np.linalg.pinv(whole_information) @ information))
-        off = (predict(problem, problem.values_of(best.end)).values - problem.observed) / problem.sigma
+        off = (
+            predict(problem, problem.values_of(best.end)).values - problem.observed
+        ) / problem.sigma
         new = math.sqrt(float(np.sum(off**2)) / (problem.observed.size - fitted))
         if not any(unknown.prior for unknown in problem.unknowns):
             return replace(best, jacobian=best.jacobian / (new or 1.0))
@@ -199,7 +218,9 @@ def _check_enough(problem: Problem, method: result.Method) -> None:
 
 
 def _refuse_missing(problem: Problem, predicted: np.ndarray) -> None:
-    measurement = problem.measurements[int(problem.owner[np.flatnonzero(~np.isfinite(predicted))[0]])]
+    measurement = problem.measurements[
+        int(problem.owner[np.flatnonzero(~np.isfinite(predicted))[0]])
+    ]
     names = ", ".join(measurement.figures)
     raise BadArgument(
         "figures",
@@ -208,7 +229,7 @@ def _refuse_missing(problem: Problem, predicted: np.ndarray) -> None:
     )
 
 
-# ---- one search ------------------------------------------------------------------------------------------------------
+# ---- one search ----------------------------------------------------------------------------------
 
 
 class _Arrived(Exception):
@@ -236,7 +257,8 @@ def minimize(
         free: Indices of the unknowns that may change; None: all.
         steps: Maximum number of steps.
         look: Called with all coordinates and the sum of squares at every step.
-        known: Earlier searches; a search that comes close to the end of one of them, equally good, ends there.
+        known: Earlier searches; a search that comes close to the end of one of them, equally good,
+            ends there.
 
     Returns:
         The finished search, with all coordinates and the Jacobian with respect to the free ones.
@@ -264,7 +286,9 @@ def minimize(
 
     def jacobian(at: np.ndarray) -> np.ndarray:
         for one in known:
-            if result.agree(reached, one.cost) and np.all(np.abs(whole(at) - one.end) <= _NEAR * problem.sizes):
+            if result.agree(reached, one.cost) and np.all(
+                np.abs(whole(at) - one.end) <= _NEAR * problem.sizes
+            ):
                 raise _Arrived(one)
         values = problem.values_of(whole(at))
         rows = [scaled_jacobian(problem, values, factor, here), problem.prior_slopes(values)]
@@ -288,11 +312,16 @@ def minimize(
     except _Arrived as arrived:
         return replace(arrived.args[0], start=x)
     end, jac = whole(found.x), np.asarray(found.jac)
-    return result.LocalSearch(start=x, end=end, cost=2.0 * float(found.cost), jacobian=jac, converged=found.status > 0)
+    return result.LocalSearch(
+        start=x, end=end, cost=2.0 * float(found.cost), jacobian=jac, converged=found.status > 0
+    )
 
 
 def all_residuals(
-    problem: Problem, values: Float[np.ndarray, " n_unknowns"], factor: float = 1.0, predicted: Predicted | None = None
+    problem: Problem,
+    values: Float[np.ndarray, " n_unknowns"],
+    factor: float = 1.0,
+    predicted: Predicted | None = None,
 ) -> Float[np.ndarray, " n_residuals"]:
     """Return the residuals of the data and of the priors, in standard deviations.
 
@@ -302,7 +331,9 @@ def all_residuals(
         factor: Factor applied to the stated noise.
         predicted: Prediction at these values, if already computed.
     """
-    data = ((predicted or predict(problem, values)).values - problem.observed) / (factor * problem.sigma)
+    data = ((predicted or predict(problem, values)).values - problem.observed) / (
+        factor * problem.sigma
+    )
     return np.concatenate([data, problem.prior_residuals(values)])
 
 

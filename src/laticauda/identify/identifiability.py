@@ -11,7 +11,9 @@ from laticauda.identify.unknowns import ResolvedUnknown
 LIMIT = 0.5
 """Relative standard deviation above which a combination counts as not seen by the data [-]."""
 _FLAT = 1e-13  # eigenvalues below this fraction of the largest are rounding errors
-_PART = 0.25  # members of a combination below this fraction of its largest one are left out of its name
+_PART = (
+    0.25  # members of a combination below this fraction of its largest one are left out of its name
+)
 _HARDLY = 0.1  # members of a direction below this fraction of its length hardly take part in it
 _ALIKE = 0.2  # exponents that differ by less than this fraction of the largest are called equal,
 _ABOUT = 0.5  # and about equal if none is below this fraction of the largest
@@ -56,13 +58,16 @@ class Identifiability:
 
 
 def identifiability(
-    information: Float[np.ndarray, "n n"], unknowns: Sequence[ResolvedUnknown], *, limit: float = LIMIT
+    information: Float[np.ndarray, "n n"],
+    unknowns: Sequence[ResolvedUnknown],
+    *,
+    limit: float = LIMIT,
 ) -> Identifiability:
     """Analyze the eigenvalues and eigenvectors of the information, relative to the sizes of the unknowns.
 
-    With the Jacobian J of the residuals (in standard deviations) with respect to x = ln q, or to q in units of its
-    size, the information is F = J^T J. An eigenvector w with eigenvalue e is a combination whose standard deviation is
-    1/sqrt(e).
+    With the Jacobian J of the residuals (in standard deviations) with respect to x = ln q, or to q
+    in units of its size, the information is F = J^T J. An eigenvector w with eigenvalue e is a
+    combination whose standard deviation is 1/sqrt(e).
 
     Args:
         information: F of the data alone.
@@ -88,19 +93,25 @@ def identifiability(
     return Identifiability(
         directions=directions,
         sigma=deviations(strength, vectors, reach),
-        without_effect=tuple(unknown.name for unknown, row in zip(unknowns, scaled, strict=True) if not row.any()),
+        without_effect=tuple(
+            unknown.name for unknown, row in zip(unknowns, scaled, strict=True) if not row.any()
+        ),
         limit=limit,
     )
 
 
-def strengths(information: Float[np.ndarray, "n n"]) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n n"]]:
+def strengths(
+    information: Float[np.ndarray, "n n"],
+) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n n"]]:
     """Return the eigenvalues of an information matrix, 0 for rounding errors, and its eigenvectors as columns.
 
     Args:
         information: Information, in units of the sizes of the unknowns.
     """
     eigenvalues, vectors = np.linalg.eigh(0.5 * (information + information.T))
-    return np.where(eigenvalues > _FLAT * max(float(eigenvalues[-1]), 0.0), eigenvalues, 0.0), vectors
+    return np.where(
+        eigenvalues > _FLAT * max(float(eigenvalues[-1]), 0.0), eigenvalues, 0.0
+    ), vectors
 
 
 def deviations(
@@ -113,17 +124,22 @@ def deviations(
     Args:
         eigenvalues: Eigenvalues of the information.
         vectors: Its eigenvectors, as columns.
-        reach: Distance along each eigenvector to the end of a range; it bounds unknowns that hardly take part.
+        reach: Distance along each eigenvector to the end of a range; it bounds unknowns that hardly
+            take part.
     """
     share = vectors**2
-    takes_part = (share > 1e-8) | (eigenvalues > 0.0)  # smaller shares are rounding errors of the eigenvectors
+    takes_part = (share > 1e-8) | (
+        eigenvalues > 0.0
+    )  # smaller shares are rounding errors of the eigenvectors
     with np.errstate(divide="ignore", invalid="ignore"):
         own = np.where(takes_part, share / eigenvalues, 0.0)
         led = np.where(share > _HARDLY**2, np.inf, share * np.square(reach))
     return np.sqrt(np.sum(np.fmin(own, led), axis=1))
 
 
-def marginal(information: Float[np.ndarray, "n n"], keep: Sequence[int]) -> Float[np.ndarray, "n_kept n_kept"]:
+def marginal(
+    information: Float[np.ndarray, "n n"], keep: Sequence[int]
+) -> Float[np.ndarray, "n_kept n_kept"]:
     """Return the information about some unknowns while all others stay unknown too: a Schur complement.
 
     Args:
@@ -151,14 +167,22 @@ def combination_of(weights: Float[np.ndarray, " n"], unknowns: Sequence[Resolved
     if len(members) == 1:
         return names[0]
     if not all(unknowns[k].is_log for k in members):
-        terms = " ".join(f"{weights[k]:+.2g} {name}" for k, name in zip(members, names, strict=True))
+        terms = " ".join(
+            f"{weights[k]:+.2g} {name}" for k, name in zip(members, names, strict=True)
+        )
         return f"the combination {terms}"
     if min(weights[members]) > _ABOUT * greatest:
         about = "" if np.ptp(weights[members]) < _ALIKE * greatest else "about "
         return f"{about}the common scale of {', '.join(names[:-1])} and {names[-1]}"
     powers = [f"{abs(weights[k]) / greatest:.2g}" for k in members]
-    factors = [name if power == "1" else f"{name}^{power}" for name, power in zip(names, powers, strict=True)]
-    over, under = ([one for k, one in zip(members, factors, strict=True) if weights[k] * s > 0] for s in (1, -1))
+    factors = [
+        name if power == "1" else f"{name}^{power}"
+        for name, power in zip(names, powers, strict=True)
+    ]
+    over, under = (
+        [one for k, one in zip(members, factors, strict=True) if weights[k] * s > 0]
+        for s in (1, -1)
+    )
     below = f"({' '.join(under)})" if len(under) > 1 else "".join(under)
     return f"the ratio {' '.join(over)} / {below}" if under else f"the product {' '.join(over)}"
 

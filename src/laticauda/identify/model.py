@@ -1,7 +1,7 @@
 """Model predictions of the measurements, and their derivatives with respect to the unknowns.
 
-The planar model computes all trials in a batch, and their derivatives with a complex step in the kernels. The 3D twin
-runs trial by trial, and its derivatives are finite differences.
+The planar model computes all trials in a batch, and their derivatives with a complex step in the
+kernels. The 3D twin runs trial by trial, and its derivatives are finite differences.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -79,7 +79,10 @@ def scaled_jacobian(
 
 def _seen(problem: Problem, raw: Sequence[Raw], values: np.ndarray) -> np.ndarray:
     """Return the measured quantities of every run."""
-    parts = [measured_values(m, raw[i], problem.nuisance(i, values)) for i, m in enumerate(problem.measurements)]
+    parts = [
+        measured_values(m, raw[i], problem.nuisance(i, values))
+        for i, m in enumerate(problem.measurements)
+    ]
     return np.concatenate(parts)
 
 
@@ -94,11 +97,16 @@ def _by_duration(scenarios: Sequence[Scenario], members: Sequence[int]) -> dict[
 def _towed(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list[Raw], list[int]]:
     """Return the loads on robots that are towed, and the indices of the measurements that swim."""
     tows = [one.tow for one in problem.measurements]
-    raw: list[Raw] = [{} if tow is None else dict(tow.loads(one)) for tow, one in zip(tows, scenarios, strict=True)]
+    raw: list[Raw] = [
+        {} if tow is None else dict(tow.loads(one))
+        for tow, one in zip(tows, scenarios, strict=True)
+    ]
     return raw, [i for i, tow in enumerate(tows) if tow is None]
 
 
-def _planar_runs(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list[Raw], dict[str, str]]:
+def _planar_runs(
+    problem: Problem, scenarios: Sequence[Scenario]
+) -> tuple[list[Raw], dict[str, str]]:
     """Simulate every measurement with the planar model; return the raw results and the failures."""
     (raw, swum), failures = _towed(problem, scenarios), dict[str, str]()
     for duration, places in _by_duration(scenarios, swum).items():
@@ -121,7 +129,9 @@ def _planar_runs(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list[
     return raw, failures
 
 
-def _planar_jacobian(problem: Problem, scenarios: Sequence[Scenario], values: Values, raw: Sequence[Raw]) -> np.ndarray:
+def _planar_jacobian(
+    problem: Problem, scenarios: Sequence[Scenario], values: Values, raw: Sequence[Raw]
+) -> np.ndarray:
     """Compute the Jacobian for each pair of a measurement and an unknown."""
     jacobian = np.zeros((problem.owner.size, len(problem.unknowns)))
     data_of = [np.flatnonzero(problem.owner == i) for i in range(len(scenarios))]
@@ -129,8 +139,12 @@ def _planar_jacobian(problem: Problem, scenarios: Sequence[Scenario], values: Va
     for i, k in cast("list[tuple[int, int]]", np.argwhere(problem.moves).tolist()):
         name = problem.unknowns[k].parameter.name
         if name in unknowns.NUISANCE and name not in unknowns.SIMULATED:
-            nuisance = problem.nuisance(i, values.astype(complex) + 1j * STEP * (np.arange(values.size) == k))
-            jacobian[data_of[i], k] = np.imag(measured_values(problem.measurements[i], raw[i], nuisance)) / STEP
+            nuisance = problem.nuisance(
+                i, values.astype(complex) + 1j * STEP * (np.arange(values.size) == k)
+            )
+            jacobian[data_of[i], k] = (
+                np.imag(measured_values(problem.measurements[i], raw[i], nuisance)) / STEP
+            )
         elif problem.measurements[i].tow is not None:
             jacobian[data_of[i], k] = _towed_slope(problem, scenarios[i], i, k, values)
         else:
@@ -151,23 +165,34 @@ def _planar_jacobian(problem: Problem, scenarios: Sequence[Scenario], values: Va
         )
         for place, (i, k) in enumerate(pairs):
             mine[place] |= {name: found.figures[name][place] for name in numbers.UNITS}
-            predicted = measured_values(problem.measurements[i], mine[place], problem.nuisance(i, values))
-            jacobian[data_of[i], k] = np.imag(predicted) / STEP if found.succeeded[place] else np.nan
+            predicted = measured_values(
+                problem.measurements[i], mine[place], problem.nuisance(i, values)
+            )
+            jacobian[data_of[i], k] = (
+                np.imag(predicted) / STEP if found.succeeded[place] else np.nan
+            )
     return jacobian
 
 
-def _towed_slope(problem: Problem, scenario: Scenario, i: int, k: int, values: Values) -> np.ndarray:
+def _towed_slope(
+    problem: Problem, scenario: Scenario, i: int, k: int, values: Values
+) -> np.ndarray:
     """Differentiate a tow's loads, smooth functions in closed form, with respect to one unknown, to second order."""
     measurement, unknown = problem.measurements[i], problem.unknowns[k]
     step = TOW_DIFFERENCE * (abs(float(values[k])) or unknown.size)
     ends = np.clip(values[k] + np.array([-step, step]), unknown.lower, unknown.upper).tolist()
     assert measurement.tow is not None
-    runs = [measurement.tow.loads(_changed(scenario, unknown.parameter.name, unknown.tied, end)) for end in ends]
+    runs = [
+        measurement.tow.loads(_changed(scenario, unknown.parameter.name, unknown.tied, end))
+        for end in ends
+    ]
     low, high = (measured_values(measurement, run, {}) for run in runs)
     return (high - low) / (ends[1] - ends[0])
 
 
-def _number(problem: Problem, scenario: Scenario, i: int, k: int, values: Values) -> derivatives.Number:
+def _number(
+    problem: Problem, scenario: Scenario, i: int, k: int, values: Values
+) -> derivatives.Number:
     """Return one unknown of one measurement in the form that `slopes` takes."""
     unknown, value = problem.unknowns[k], float(values[k])
     name = unknown.parameter.name
@@ -189,10 +214,14 @@ def _changed(scenario: Scenario, name: str, tied: Mapping[str, float], value: fl
 
 
 def _needs_joints(problem: Problem, members: Sequence[int]) -> bool:
-    return any(name.startswith("joint_") for i in members for name in problem.measurements[i].series)
+    return any(
+        name.startswith("joint_") for i in members for name in problem.measurements[i].series
+    )
 
 
-def _keeper(problem: Problem, members: Sequence[int], raw: Sequence[Raw]) -> Callable[[Sequence[Run], Block], None]:
+def _keeper(
+    problem: Problem, members: Sequence[int], raw: Sequence[Raw]
+) -> Callable[[Sequence[Run], Block], None]:
     """Return a callback that keeps, from a block's logs, the series that the measurements of its runs have."""
     measurements = [problem.measurements[i] for i in members]
 
@@ -216,17 +245,23 @@ def _keeper(problem: Problem, members: Sequence[int], raw: Sequence[Raw]) -> Cal
     return keep
 
 
-def _spatial_runs(problem: Problem, scenarios: Sequence[Scenario]) -> tuple[list[Raw], dict[str, str]]:
+def _spatial_runs(
+    problem: Problem, scenarios: Sequence[Scenario]
+) -> tuple[list[Raw], dict[str, str]]:
     """Simulate every measurement with the 3D twin, run by run on several threads."""
     (raw, swum), failures = _towed(problem, scenarios), dict[str, str]()
-    trials = several.swim_each([scenarios[i] for i in swum], lambda trial: trial, threads=problem.threads)
+    trials = several.swim_each(
+        [scenarios[i] for i in swum], lambda trial: trial, threads=problem.threads
+    )
     for i, trial in zip(swum, trials, strict=True):
         measurement = problem.measurements[i]
         if trial.succeeded:
             raw[i] = _raw_of(trial, measurement)
         else:
             failures[measurement.name] = trial.status
-            raw[i] = dict.fromkeys(("x", "y", "heading", "heading series", *measurement.figures), np.nan)
+            raw[i] = dict.fromkeys(
+                ("x", "y", "heading", "heading series", *measurement.figures), np.nan
+            )
             for name, (values, _) in measurement.series.items():
                 raw[i][f"{name} series"] = np.full_like(values, np.nan)
     return raw, failures
@@ -253,12 +288,16 @@ def _differences(problem: Problem, values: Values) -> np.ndarray:
         ends = np.clip(values[k] + np.array([-step, step]), unknown.lower, unknown.upper)
         moved = np.repeat(values[np.newaxis], 2, axis=0)
         moved[:, k] = ends
-        behind, ahead = (_seen(problem, _spatial_runs(problem, problem.scenarios_at(at))[0], at) for at in moved)
+        behind, ahead = (
+            _seen(problem, _spatial_runs(problem, problem.scenarios_at(at))[0], at) for at in moved
+        )
         columns.append((ahead - behind) / (ends[1] - ends[0]))
     return np.stack(columns, axis=1)
 
 
-def interpolated(time: Float[np.ndarray, " n"], values: np.ndarray, moments: Float[np.ndarray, " m"]) -> np.ndarray:
+def interpolated(
+    time: Float[np.ndarray, " n"], values: np.ndarray, moments: Float[np.ndarray, " m"]
+) -> np.ndarray:
     """Interpolate at least four evenly spaced samples at other times, by the cubic through the four nearest ones.
 
     Args:

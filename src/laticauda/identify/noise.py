@@ -1,9 +1,10 @@
 """Noise that is correlated between neighboring samples, caused by calibration errors, waves or model error.
 
-If the correlation C of the noise n falls by the factor r from sample to sample, C_ij = r^|i - j|, a fit leaves the
-residuals e = n - J F^-1 J^T n, and the covariance of its estimates is F^-1 (J^T C J) F^-1 (the sandwich) instead of
-F^-1. A fit absorbs part of the noise, so its residuals look less correlated than the noise is. Therefore r is chosen
-such that random noise, after the same fit, has the lag-1 correlation of the residuals.
+If the correlation C of the noise n falls by the factor r from sample to sample, C_ij = r^|i - j|, a
+fit leaves the residuals e = n - J F^-1 J^T n, and the covariance of its estimates is F^-1 (J^T C J)
+F^-1 (the sandwich) instead of F^-1. A fit absorbs part of the noise, so its residuals look less
+correlated than the noise is. Therefore r is chosen such that random noise, after the same fit, has
+the lag-1 correlation of the residuals.
 """
 
 from collections.abc import Callable, Mapping
@@ -35,7 +36,8 @@ def widening(
         problem: Measurements and unknowns.
         jacobian: Jacobian of the residuals, those of the priors last.
         off: The residuals of the data.
-        degrees: Degrees of freedom, if the residuals estimated the noise: less of correlated noise remains in them.
+        degrees: Degrees of freedom, if the residuals estimated the noise: less of correlated noise
+            remains in them.
     """
     data, priors = np.split(jacobian * problem.sizes, [off.size])
     inverse = np.linalg.pinv(data.T @ data + priors.T @ priors, rcond=1e-13, hermitian=True)
@@ -50,10 +52,14 @@ def widening(
         shared *= degrees / max(off.size - float(np.trace(inverse @ shared)), 1.0)
     variance = np.diag(inverse @ (shared + priors.T @ priors) @ inverse)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.fmax(np.sqrt(variance / np.diag(inverse)), 1.0) if lags else np.ones(len(inverse)), lags
+        return np.fmax(np.sqrt(variance / np.diag(inverse)), 1.0) if lags else np.ones(
+            len(inverse)
+        ), lags
 
 
-def _lags(chains: Chains, off: np.ndarray, left_of: Callable[[np.ndarray], np.ndarray]) -> dict[str, float]:
+def _lags(
+    chains: Chains, off: np.ndarray, left_of: Callable[[np.ndarray], np.ndarray]
+) -> dict[str, float]:
     """Estimate r for the kinds of series with correlated residuals; `left_of` returns what a fit leaves of noise."""
     white = np.random.default_rng(0).standard_normal((off.size, _DRAWS))
 
@@ -63,7 +69,9 @@ def _lags(chains: Chains, off: np.ndarray, left_of: Callable[[np.ndarray], np.nd
             for chain in chains[kind]:
                 noise[chain] = _summed(_scales(chain, lag) * white[chain], lag)
         left = left_of(noise)
-        return {kind: _lag(off[:, np.newaxis], mine) - _lag(left, mine) for kind, mine in chains.items()}
+        return {
+            kind: _lag(off[:, np.newaxis], mine) - _lag(left, mine) for kind, mine in chains.items()
+        }
 
     sizes = {kind: sum(chain.size for chain in mine) for kind, mine in chains.items()}
     found = {kind: 0.0 for kind, more in missing({}).items() if more * np.sqrt(sizes[kind]) > _SURE}
@@ -78,7 +86,9 @@ def _chains(problem: Problem, off: np.ndarray) -> Chains:
     for one in problem.places:
         time = problem.measurements[one.owner].time
         if one.is_series and time is not None and time.size > 1 and np.std(off[one.at]) > _ROUNDING:
-            found.setdefault(one.what, []).append(np.arange(off.size)[one.at].reshape(time.size, -1))
+            found.setdefault(one.what, []).append(
+                np.arange(off.size)[one.at].reshape(time.size, -1)
+            )
     return found
 
 
@@ -90,7 +100,9 @@ def _lag(residuals: np.ndarray, chains: list[np.ndarray]) -> float:
 
 def _scales(chain: np.ndarray, lag: float) -> np.ndarray:
     """Return the scale of the new noise in every sample: 1 for the first."""
-    return np.where(np.arange(len(chain)) > 0, np.sqrt(1.0 - lag**2), 1.0)[:, np.newaxis, np.newaxis]
+    return np.where(np.arange(len(chain)) > 0, np.sqrt(1.0 - lag**2), 1.0)[
+        :, np.newaxis, np.newaxis
+    ]
 
 
 def _summed(rows: np.ndarray, lag: float) -> np.ndarray:

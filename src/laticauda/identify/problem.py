@@ -75,7 +75,9 @@ class Problem:
         parts: list[Any] = []
         for one in self.places:
             m = self.measurements[one.owner]
-            parts.append(m.series[one.what][0].ravel() if one.is_series else [m.without_bias(one.what)])
+            parts.append(
+                m.series[one.what][0].ravel() if one.is_series else [m.without_bias(one.what)]
+            )
         return np.concatenate(parts)
 
     @cached_property
@@ -121,17 +123,23 @@ class Problem:
     @property
     def of_interest(self) -> list[int]:
         """Indices of the unknowns shown in figures and tables: all but the start states of single trials."""
-        return [k for k, one in enumerate(self.unknowns) if not one.parameter.name.startswith("start.")]
+        return [
+            k for k, one in enumerate(self.unknowns) if not one.parameter.name.startswith("start.")
+        ]
 
     @property
     def without_starts(self) -> "Problem":
         """The same problem without the unknown start states of single trials."""
         keep = self.of_interest
-        return replace(self, unknowns=tuple(self.unknowns[k] for k in keep), moves=self.moves[:, keep])
+        return replace(
+            self, unknowns=tuple(self.unknowns[k] for k in keep), moves=self.moves[:, keep]
+        )
 
     def values_of(self, x: Float[np.ndarray, " n_unknowns"]) -> Float[np.ndarray, " n_unknowns"]:
         """Return the values at given coordinates."""
-        return np.array([unknown.value(float(at)) for unknown, at in zip(self.unknowns, x, strict=True)])
+        return np.array(
+            [unknown.value(float(at)) for unknown, at in zip(self.unknowns, x, strict=True)]
+        )
 
     def named(self, x: Float[np.ndarray, " n_unknowns"]) -> dict[str, float]:
         """Return the values at given coordinates by name."""
@@ -139,18 +147,33 @@ class Problem:
 
     def x_of(self, values: Float[np.ndarray, " n_unknowns"]) -> Float[np.ndarray, " n_unknowns"]:
         """Return the coordinates of given values."""
-        return np.array([unknown.x(float(value)) for unknown, value in zip(self.unknowns, values, strict=True)])
+        return np.array(
+            [unknown.x(float(value)) for unknown, value in zip(self.unknowns, values, strict=True)]
+        )
 
     def slopes(self, values: Float[np.ndarray, " n_unknowns"]) -> Float[np.ndarray, " n_unknowns"]:
         """Return dq/dx of every unknown."""
-        return np.array([unknown.slope(float(value)) for unknown, value in zip(self.unknowns, values, strict=True)])
+        return np.array(
+            [
+                unknown.slope(float(value))
+                for unknown, value in zip(self.unknowns, values, strict=True)
+            ]
+        )
 
-    def prior_residuals(self, values: Float[np.ndarray, " n_unknowns"]) -> Float[np.ndarray, " n_priors"]:
+    def prior_residuals(
+        self, values: Float[np.ndarray, " n_unknowns"]
+    ) -> Float[np.ndarray, " n_priors"]:
         """Return the residuals of the priors."""
-        pairs = [(value, unknown.prior) for value, unknown in zip(values, self.unknowns, strict=True)]
-        return np.array([(value - prior[0]) / prior[1] for value, prior in pairs if prior is not None])
+        pairs = [
+            (value, unknown.prior) for value, unknown in zip(values, self.unknowns, strict=True)
+        ]
+        return np.array(
+            [(value - prior[0]) / prior[1] for value, prior in pairs if prior is not None]
+        )
 
-    def prior_slopes(self, values: Float[np.ndarray, " n_unknowns"]) -> Float[np.ndarray, "n_priors n_unknowns"]:
+    def prior_slopes(
+        self, values: Float[np.ndarray, " n_unknowns"]
+    ) -> Float[np.ndarray, "n_priors n_unknowns"]:
         """Return the derivatives of the prior residuals with respect to the coordinates."""
         found = [
             np.eye(len(self.unknowns))[k] * unknown.slope(float(values[k])) / unknown.prior[1]
@@ -159,14 +182,20 @@ class Problem:
         ]
         return np.reshape(found, (len(found), len(self.unknowns)))
 
-    def information(self, jacobian: Float[np.ndarray, "n_residuals n_unknowns"]) -> Float[np.ndarray, "n n"]:
+    def information(
+        self, jacobian: Float[np.ndarray, "n_residuals n_unknowns"]
+    ) -> Float[np.ndarray, "n n"]:
         """Return J^T J of the data alone, without the rows of the priors, which follow those of the data."""
         data = jacobian[: self.observed.size]
         return data.T @ data
 
     def part(self, members: Sequence[int]) -> "Problem":
         """Return the problem with only the measurements of these indices; all unknowns stay, whether seen or not."""
-        return replace(self, measurements=tuple(self.measurements[i] for i in members), moves=self.moves[list(members)])
+        return replace(
+            self,
+            measurements=tuple(self.measurements[i] for i in members),
+            moves=self.moves[list(members)],
+        )
 
     def scenarios_at(self, values: Float[np.ndarray, " n_unknowns"]) -> tuple[Scenario, ...]:
         """Return the scenario of each measurement at the given values; equal parts stay one object."""
@@ -184,7 +213,9 @@ class Problem:
             if key not in made:
                 made[key] = changed(scenario, wanted)
             body = made[key]
-            found.append(replace(body, motion=scenario.motion, start=start, duration=scenario.duration))
+            found.append(
+                replace(body, motion=scenario.motion, start=start, duration=scenario.duration)
+            )
         return tuple(found)
 
     def nuisance(self, i: int, values: np.ndarray) -> dict[str, Any]:
@@ -209,9 +240,11 @@ def make_problem(
     Args:
         measurements: At least one, with different names.
         wanted: Unknowns to be identified.
-        robot: Robot that must have swum, with or without its fin; None: that of the first measurement.
+        robot: Robot that must have swum, with or without its fin; None: that of the first
+            measurement.
         threads: Number of threads.
-        changes: Changes of the models of all scenarios (see `laticauda.scenarios.ModelChanges`), and `model`.
+        changes: Changes of the models of all scenarios (see `laticauda.scenarios.ModelChanges`),
+            and `model`.
 
     Raises:
         ValueError: If they do not match.
@@ -226,7 +259,9 @@ def make_problem(
     names = [unknowns.split_name(unknown, scopes, known) for unknown in asked]
     moves = dependence(names, scopes, known)
     seen = [[*compress(zip(scenarios, known, strict=True), moved)] for moved in moves.T]
-    resolved = tuple(unknowns.resolve(one, *name, of) for one, name, of in zip(asked, names, seen, strict=True))
+    resolved = tuple(
+        unknowns.resolve(one, *name, of) for one, name, of in zip(asked, names, seen, strict=True)
+    )
     return with_starts(Problem(measurements=given, unknowns=resolved, moves=moves, threads=threads))
 
 
@@ -238,12 +273,26 @@ def with_starts(problem: Problem) -> Problem:
     """
     added: list[tuple[int, ResolvedUnknown]] = []
     for i, one in enumerate(problem.measurements):
-        known = {unknown.parameter.name for k, unknown in enumerate(problem.unknowns) if problem.moves[i, k]}
+        known = {
+            unknown.parameter.name
+            for k, unknown in enumerate(problem.unknowns)
+            if problem.moves[i, k]
+        }
         for name, prior in one.starts.items():
-            what: Any = {"parameter": NUISANCE[name], "start": 0.0, "prior": prior, "is_log": False, "size": 0.1}
+            what: Any = {
+                "parameter": NUISANCE[name],
+                "start": 0.0,
+                "prior": prior,
+                "is_log": False,
+                "size": 0.1,
+            }
             if name not in known:
-                added.append((i, ResolvedUnknown(name=f"{one.name}.{name}", scope=one.name, **what)))
-    own = np.array([[i == j for j, _ in added] for i in range(len(problem.measurements))], dtype=bool)
+                added.append(
+                    (i, ResolvedUnknown(name=f"{one.name}.{name}", scope=one.name, **what))
+                )
+    own = np.array(
+        [[i == j for j, _ in added] for i in range(len(problem.measurements))], dtype=bool
+    )
     every = (*problem.unknowns, *(unknown for _, unknown in added))
     return replace(problem, unknowns=every, moves=np.hstack([problem.moves, own]))
 
@@ -253,13 +302,16 @@ def other_measurements(problem: Problem, measurements: Sequence[Measurement]) ->
 
     Args:
         problem: Provides the unknowns.
-        measurements: The other measurements, with any names; unknowns of single measurements do not apply to them.
+        measurements: The other measurements, with any names; unknowns of single measurements do not
+            apply to them.
     """
     renamed = [replace(m, name=f"{i}: {m.name}") for i, m in enumerate(measurements)]
     others = _by_one_model(renamed, problem.model)
     scenarios = [one.scenario for one in others]
     names = [(unknown.scope, unknown.parameter.name) for unknown in problem.unknowns]
-    moves = dependence(names, [{one.gait.kind} for one in scenarios], unknowns.known_numbers(scenarios))
+    moves = dependence(
+        names, [{one.gait.kind} for one in scenarios], unknowns.known_numbers(scenarios)
+    )
     return replace(problem, measurements=others, moves=moves)
 
 
@@ -269,11 +321,14 @@ def _by_one_model(measurements: Sequence[Measurement], model: Model) -> tuple[Me
 
 
 def dependence(
-    split: Sequence[tuple[str, str]], scopes: Sequence[set[str]], known: Sequence[Mapping[str, Parameter]]
+    split: Sequence[tuple[str, str]],
+    scopes: Sequence[set[str]],
+    known: Sequence[Mapping[str, Parameter]],
 ) -> Bool[np.ndarray, "n_measurements n_unknowns"]:
     """Determine which measurements depend on which unknowns.
 
-    If a number is identified both in general and for a scope, the general one does not apply to that scope.
+    If a number is identified both in general and for a scope, the general one does not apply to
+    that scope.
 
     Args:
         split: Scope of each unknown, and its name without the scope.
@@ -294,7 +349,11 @@ def dependence(
             if j != k and other == name and scope and not other_scope:
                 moves[:, j] &= ~moves[:, k]
     for k, (scope, name) in enumerate(split):
-        twice = [j for j, (_, other) in enumerate(split) if j != k and other == name and any(moves[:, j] & moves[:, k])]
+        twice = [
+            j
+            for j, (_, other) in enumerate(split)
+            if j != k and other == name and any(moves[:, j] & moves[:, k])
+        ]
         if twice:
             raise BadArgument(
                 "parameters",
@@ -316,17 +375,27 @@ def shifted(start: Start | Resumed, name: str, value: float) -> Start:
     return replace(start, **{field: getattr(start, field) + value})
 
 
-def _common_model(measurements: Sequence[Measurement], model: Model | str | None = None, **changes: Any) -> Model:
+def _common_model(
+    measurements: Sequence[Measurement], model: Model | str | None = None, **changes: Any
+) -> Model:
     """Return the model with which all measurements are simulated."""
     models = [model_of(model or m.scenario.model, **changes) for m in measurements]
     for measurement, one in zip(measurements, models, strict=True):
         if one != models[0]:
-            raise BadArgument("measurements", f"must all be of one model, got another one in `{measurement.name}`")
+            raise BadArgument(
+                "measurements", f"must all be of one model, got another one in `{measurement.name}`"
+            )
     return models[0]
 
 
 def _checked(measurements: Sequence[Measurement]) -> tuple[Measurement, ...]:
-    every = several(lambda name, one: instance(name, one, Measurement), "a list", (), "measurements", measurements)
+    every = several(
+        lambda name, one: instance(name, one, Measurement),
+        "a list",
+        (),
+        "measurements",
+        measurements,
+    )
     at_least_one("measurements", every, "Measurement")
     names = [measurement.name for measurement in every]
     for name in names:
@@ -341,10 +410,14 @@ def _check_one_body(measurements: Sequence[Measurement], body: Robot) -> None:
         other = measurement.scenario.robot
         if other.modules != body.modules or other.joints != body.joints:
             rule = f"must be of one body, with or without fin; `{measurement.name}` is of robot `{other.name}`"
-            raise BadArgument("measurements", f"{rule}, whose modules or joints are not those of `{body.name}`")
+            raise BadArgument(
+                "measurements", f"{rule}, whose modules or joints are not those of `{body.name}`"
+            )
 
 
-def warnings_of(problem: Problem, chi2: float, degrees: float, lags: Mapping[str, float], widening: float) -> list[str]:
+def warnings_of(
+    problem: Problem, chi2: float, degrees: float, lags: Mapping[str, float], widening: float
+) -> list[str]:
     """Return a sentence for everything unusual, though not invalid, about the measurements and the fit.
 
     Args:
@@ -357,7 +430,9 @@ def warnings_of(problem: Problem, chi2: float, degrees: float, lags: Mapping[str
     found: list[str] = []
     special = optional_import("Identification", "scipy", "identify", "scipy.special")
     square = max(lags.values(), default=0.0) ** 2
-    share = (1.0 - square) / (1.0 + square)  # with such noise, chi^2 scatters as for this fraction of the numbers
+    share = (1.0 - square) / (
+        1.0 + square
+    )  # with such noise, chi^2 scatters as for this fraction of the numbers
     half = 0.5 * share * max(degrees, 1.0)
     low, high = (2.0 * special.gammaincinv(half, end) / share for end in (_RARE, 1.0 - _RARE))
     if degrees > 0.0 and (chi2 < low or chi2 > high):
@@ -371,7 +446,9 @@ def warnings_of(problem: Problem, chi2: float, degrees: float, lags: Mapping[str
             f"correlated residuals: the noise has a sample-to-sample correlation of {words}, which widens intervals by "
             f"a factor of up to {widening:.2g}."
         )
-    frictions = [one.name for one in problem.unknowns if one.parameter.name.endswith("tangential_friction")]
+    frictions = [
+        one.name for one in problem.unknowns if one.parameter.name.endswith("tangential_friction")
+    ]
     if frictions and not any(one.coasts for one in problem.measurements):
         found.append(
             f"no coast-down: `{frictions[0]}` makes up for any thrust or drag that the model lacks; it belongs to the "
@@ -379,5 +456,7 @@ def warnings_of(problem: Problem, chi2: float, degrees: float, lags: Mapping[str
         )
     gaits = {(s.gait, s.robot.caudal_fin, s.environment) for s in problem.scenarios}
     if len(gaits) == 1 and len(problem.scenarios) > 1:
-        found.append("All measurements are of the same gait with the same robot: they are one measurement, repeated.")
+        found.append(
+            "All measurements are of the same gait with the same robot: they are one measurement, repeated."
+        )
     return found

@@ -30,12 +30,18 @@ NOISE = one_among("known", "estimated")
 class Method:
     """Settings of a fit."""
 
-    noise: str = option("known, or estimated: the same times a common factor", default="known", check=NOISE)
-    loss: str = option("Loss of the residuals; all but linear weigh outliers less", default="linear", check=LOSS)
+    noise: str = option(
+        "known, or estimated: the same times a common factor", default="known", check=NOISE
+    )
+    loss: str = option(
+        "Loss of the residuals; all but linear weigh outliers less", default="linear", check=LOSS
+    )
     n_starts: int = quantity("", "Number of starts", default=4, ge=1)
     seed: int = quantity("", "Seed of the random starts", default=0, ge=0)
     confidence: float = quantity("", "Confidence of the intervals", default=0.95, ge=0.5, le=0.9999)
-    limit: float = quantity("", "Relative deviation above which an unknown is not identified", default=LIMIT, gt=0.0)
+    limit: float = quantity(
+        "", "Relative deviation above which an unknown is not identified", default=LIMIT, gt=0.0
+    )
 
     def quantile(self, degrees: float) -> float:
         """Return the half-width of an interval in standard deviations: Student's t, or normal if the noise is known.
@@ -170,7 +176,11 @@ class Fit:
     def table(self) -> list[dict[str, Any]]:
         """Return one row per unknown, for tables and JSON: name, value, sigma, low, high, unit, note."""
         return [
-            {"name": one.name, "value": one.value if one.is_identified else None, "sigma": one.sigma}
+            {
+                "name": one.name,
+                "value": one.value if one.is_identified else None,
+                "sigma": one.sigma,
+            }
             | dict(zip(("low", "high"), one.interval or (None, None), strict=True))
             | {"unit": one.unit, "note": one.note}
             for one in self.estimates
@@ -180,8 +190,9 @@ class Fit:
     def residuals(self) -> list[dict[str, Any]]:
         """One row per measured figure or series, as shown in tables, in the order of `problem.places`.
 
-        Measured values are without the selection bias; they and the predictions are None for a series. Off is predicted
-        minus measured, root mean square for a series; standard deviations are those of the stated noise.
+        Measured values are without the selection bias; they and the predictions are None for a
+        series. Off is predicted minus measured, root mean square for a series; standard deviations
+        are those of the stated noise.
         """
         found: list[dict[str, Any]] = []
         p, units = self.problem, UNITS | measurements.LOADS | measurements.SERIES
@@ -214,20 +225,27 @@ class Fit:
         Raises:
             ValueError: If no measurement has it.
         """
-        places = [one.at.start for one in self.problem.places if one.what == figure and not one.is_series]
+        places = [
+            one.at.start for one in self.problem.places if one.what == figure and not one.is_series
+        ]
         if not places:
             measured = sorted({one.what for one in self.problem.places})
-            raise BadArgument("figure", f"must be one that was measured ({', '.join(measured)}), got {figure!r}")
+            raise BadArgument(
+                "figure", f"must be one that was measured ({', '.join(measured)}), got {figure!r}"
+            )
         return places
 
     def percentage_error(
-        self, figure: str = "forward_velocity", predictions: Float[np.ndarray, " n_data"] | None = None
+        self,
+        figure: str = "forward_velocity",
+        predictions: Float[np.ndarray, " n_data"] | None = None,
     ) -> float:
         """Return the mean of |predicted - measured| / measured over all nonzero measurements of a figure [%].
 
         Args:
             figure: Name of the figure.
-            predictions: Predictions; None: its own. The error is nan if one of them is nan, or if all measured are 0.
+            predictions: Predictions; None: its own. The error is nan if one of them is nan, or if
+                all measured are 0.
 
         Raises:
             ValueError: If the figure was not measured.
@@ -245,7 +263,9 @@ class Fit:
             robot: Robot to change; a fin's numbers are skipped if it has none.
             gait_kind: Kind of gait for which they apply.
         """
-        return applied(self.problem, self.values, replace(self.problem.scenarios[0], robot=robot), gait_kind).robot
+        return applied(
+            self.problem, self.values, replace(self.problem.scenarios[0], robot=robot), gait_kind
+        ).robot
 
     def water(self, water: Water, gait_kind: str) -> Water:
         """Return a water with the identified values applied.
@@ -260,14 +280,16 @@ class Fit:
     def parameters(self, name: str, title: str) -> Parameters:
         """Return the identified values as a parameter file: `.save(path)` writes it, `--parameters` takes it.
 
-        A gait gets its own numbers where they differ; numbers not identified keep their values in the measurements.
+        A gait gets its own numbers where they differ; numbers not identified keep their values in
+        the measurements.
 
         Args:
             name: Name of the parameters in files and stored trials.
             title: Text for legends.
 
         Raises:
-            ValueError: If the measurements were not made in water, or a parameter file cannot hold an identified value.
+            ValueError: If the measurements were not made in water, or a parameter file cannot hold
+                an identified value.
         """
         return as_parameters(self.problem, self.values, name, title)
 
@@ -282,7 +304,9 @@ def agree(cost: float, other: float) -> bool:
     return abs(cost - other) <= 1e-3 * max(1.0, other * 1e-3)
 
 
-def fit_of(problem: Problem, method: Method, best: LocalSearch, searches: Sequence[LocalSearch]) -> Fit:
+def fit_of(
+    problem: Problem, method: Method, best: LocalSearch, searches: Sequence[LocalSearch]
+) -> Fit:
     """Assemble the result of a fit at the end of a search.
 
     Args:
@@ -304,12 +328,15 @@ def fit_of(problem: Problem, method: Method, best: LocalSearch, searches: Sequen
     covariance, correlations = _covariance(problem, jacobian, by_all)
     total = chi2 + float(np.sum(problem.prior_residuals(values) ** 2))
     quantile = method.quantile(degrees)
-    warnings = warnings_of(problem, total if is_known else math.nan, degrees, lags, float(np.max(wider)))
+    warnings = warnings_of(
+        problem, total if is_known else math.nan, degrees, lags, float(np.max(wider))
+    )
     return Fit(
         problem=problem,
         method=method,
         estimates=tuple(
-            _estimate(problem, k, values, by_data, by_all, float(wider[k]), quantile) for k in range(values.size)
+            _estimate(problem, k, values, by_data, by_all, float(wider[k]), quantile)
+            for k in range(values.size)
         ),
         covariance=covariance * np.outer(wider, wider),
         correlations=correlations,
@@ -324,7 +351,9 @@ def fit_of(problem: Problem, method: Method, best: LocalSearch, searches: Sequen
     )
 
 
-def _covariance(problem: Problem, jacobian: np.ndarray, seen: Identifiability) -> tuple[np.ndarray, np.ndarray]:
+def _covariance(
+    problem: Problem, jacobian: np.ndarray, seen: Identifiability
+) -> tuple[np.ndarray, np.ndarray]:
     """Compute covariance and correlations of the coordinates; inf and nan for unknowns that are not seen."""
     sizes = problem.sizes
     scaled = jacobian * sizes
@@ -359,15 +388,25 @@ def _estimate(
         notes.append("has no effect on what was measured")
     elif alone >= by_data.limit:
         its_own = [direction for direction in by_data.directions if abs(direction.weights[k]) > 0.1]
-        worst = max(its_own, key=lambda direction: abs(direction.weights[k]) * min(direction.sigma, 1e9))
-        notes.append(f"{'' if identified else 'not identifiable: '}the data do not see {worst.name}")
-    if unknown.prior is not None and share**2 > 0.5 * (unknown.prior[1] / unknown.slope(value) / unknown.size) ** 2:
+        worst = max(
+            its_own, key=lambda direction: abs(direction.weights[k]) * min(direction.sigma, 1e9)
+        )
+        notes.append(
+            f"{'' if identified else 'not identifiable: '}the data do not see {worst.name}"
+        )
+    if (
+        unknown.prior is not None
+        and share**2 > 0.5 * (unknown.prior[1] / unknown.slope(value) / unknown.size) ** 2
+    ):
         notes.append("known from the prior rather than from the data")
     reach = _AT_END * (1.0 if unknown.is_log else unknown.size)
     for end, word in ((unknown.lower, "lower"), (unknown.upper, "upper")):
         if math.isfinite(end) and abs(unknown.x(end) - x) <= reach:
             notes.append(f"at the {word} end of its range")
-    low, high = (unknown.value(x + sign * quantile * deviation) if identified else 0.0 for sign in (-1.0, 1.0))
+    low, high = (
+        unknown.value(x + sign * quantile * deviation) if identified else 0.0
+        for sign in (-1.0, 1.0)
+    )
     return ParameterEstimate(
         name=unknown.name,
         unit=parameter.unit,

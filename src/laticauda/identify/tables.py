@@ -22,17 +22,22 @@ _LONGEST_STRIDE = 2.0  # of any swimmer, in body lengths
 
 
 def from_table1(
-    figure: str = "forward_velocity", *, sigma: float = TABLE_SIGMA, selected_from: int = TABLE_SELECTED_FROM
+    figure: str = "forward_velocity",
+    *,
+    sigma: float = TABLE_SIGMA,
+    selected_from: int = TABLE_SELECTED_FROM,
 ) -> tuple[Measurement, ...]:
     """Return the rows of the paper's Table 1: Mamba, with and without its fin, 30 s from standstill.
 
-    The paper states no noise. Each row is given the same relative noise, which is best regarded as a guess and
-    estimated from the residuals (`noise="estimated"`). Starred rows are the maxima of sweeps.
+    The paper states no noise. Each row is given the same relative noise, which is best regarded as
+    a guess and estimated from the residuals (`noise="estimated"`). Starred rows are the maxima of
+    sweeps.
 
     Args:
         figure: forward_velocity or mean_power.
         sigma: Standard deviation of the noise as a fraction of the value [-].
-        selected_from: Number of about equally good settings from which a starred row was selected as the best [-].
+        selected_from: Number of about equally good settings from which a starred row was selected
+            as the best [-].
 
     Raises:
         ValueError: If an argument is out of its range.
@@ -53,14 +58,19 @@ def from_table1(
 
 
 def from_table(
-    file: str | Path, figure: str = "forward_velocity", *, sigma: float = TABLE_SIGMA, robot: str = "mamba"
+    file: str | Path,
+    figure: str = "forward_velocity",
+    *,
+    sigma: float = TABLE_SIGMA,
+    robot: str = "mamba",
 ) -> tuple[Measurement, ...]:
     """Read speeds or powers from a CSV file with one row per trial; `laticauda.trial.measured` describes its columns.
 
     Args:
         file: Path of the file.
         figure: forward_velocity or mean_power; rows that lack it are skipped.
-        sigma: Standard deviation of the noise as a fraction of the value, for rows that do not state their own [-].
+        sigma: Standard deviation of the noise as a fraction of the value, for rows that do not
+            state their own [-].
         robot: Robot in rows that do not name one, a preset or a TOML file.
 
     Raises:
@@ -106,7 +116,9 @@ def _robot(name: str, config: str | None) -> lc.Robot:
     try:
         return lc.load_robot(f"{name}-fin")
     except RobotFileError:
-        raise TrialFileError(f"`config` must be nofin for `{name}`, which has no caudal fin.") from None
+        raise TrialFileError(
+            f"`config` must be nofin for `{name}`, which has no caudal fin."
+        ) from None
 
 
 def _name(gait: lc.Gait, has_fin: bool) -> str:
@@ -115,4 +127,6 @@ def _name(gait: lc.Gait, has_fin: bool) -> str:
 
 def setting_of(gait: lc.Gait) -> str:
     """Format amplitude, frequency and phase shift in degrees, as in names of measurements: 30/130/40."""
-    return "/".join(f"{np.degrees(number):.0f}" for number in (gait.amplitude, gait.frequency, gait.phase_shift))
+    return "/".join(
+        f"{np.degrees(number):.0f}" for number in (gait.amplitude, gait.frequency, gait.phase_shift)
+    )

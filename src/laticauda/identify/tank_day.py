@@ -1,8 +1,9 @@
 """Tank day: files for about two hours of trials, and the robot's own water identified from them, with a verdict.
 
-`begin` creates a folder with a list of runs, the robot, and files to fill in; `evaluate` fits its contents. The joints
-follow their logged angles, so that only the water is fitted. Three laws of the water are fitted to the same trials,
-each with free friction and with the other numbers near tabulated ones for the robot's cross sections:
+`begin` creates a folder with a list of runs, the robot, and files to fill in; `evaluate` fits its
+contents. The joints follow their logged angles, so that only the water is fitted. Three laws of the
+water are fitted to the same trials, each with free friction and with the other numbers near
+tabulated ones for the robot's cross sections:
 
     kirchhoff   added mass of potential flow, shed at the tail end; quadratic drag, beta free
     relative    added mass without Munk moment and wake; quadratic drag, beta free
@@ -12,8 +13,9 @@ They are compared by their probabilities given the data, in Laplace's approximat
 
     ln p = -Q/2 + ln det(C)/2 - sum ln s + const.
 
-with the sum of squares Q of data and priors, the covariance C of the unknowns and the standard deviations s of their
-priors. If the best law leaves residuals of k > 1 times the stated noise, Q and C are computed with k times that noise.
+with the sum of squares Q of data and priors, the covariance C of the unknowns and the standard
+deviations s of their priors. If the best law leaves residuals of k > 1 times the stated noise, Q
+and C are computed with k times that noise.
 """
 
 import math
@@ -54,7 +56,9 @@ _SMOOTHED = 0.2  # window of a cubic smoothing of joint angles, in cycles: keeps
 class Noise:
     """Standard deviations of the noise on the tank day."""
 
-    path_m: float = quantity("m", "Noise of the center of mass, as measured by the cameras", gt=0.0, default=0.005)
+    path_m: float = quantity(
+        "m", "Noise of the center of mass, as measured by the cameras", gt=0.0, default=0.005
+    )
     heading_rad: float = quantity("rad", "Noise of the heading", gt=0.0, default=0.01)
     joint_angle_rad: float = quantity("rad", "Noise of joint angles", gt=0.0, default=0.01)
     force_n: float = quantity("N", "Noise of a force in a tow", gt=0.0, default=0.05)
@@ -86,7 +90,8 @@ class Evaluation:
     """Odds of the most probable law against each law, at most 1e304 [-]."""
     numbers: tuple[Mapping[str, Any], ...]
     """Rows of name, value, ends of the interval (low, high) and unit, by the best law: numbers of the water, drag area
-    2 F / (rho v^2) of the straight robot at the speed of the day, and joints; None for values not identified."""
+    2 F / (rho v^2) of the straight robot at the speed of the day, and joints; None for values not
+    identified."""
     joints: result.Fit | None
     """Fit of the speed and stiffness of the joints (`JOINTS`); None if no gait was commanded."""
     verdict: tuple[str, ...]
@@ -106,9 +111,17 @@ def begin(folder: Path, robot: Robot) -> list[str]:
     Raises:
         StorageFailed: If a file cannot be written.
     """
-    head = ["time_s", "x_m", "y_m", "yaw_deg", *(f"joint_{i}_deg" for i in range(1, robot.planar().n_joints + 1))]
+    head = [
+        "time_s",
+        "x_m",
+        "y_m",
+        "yaw_deg",
+        *(f"joint_{i}_deg" for i in range(1, robot.planar().n_joints + 1)),
+    ]
     contents = {one.name: one.read_text(encoding="utf-8") for one in sorted(FILES.iterdir())}
-    contents |= {"robot.toml": to_toml(robot)} | {f"{run}.csv": ",".join(head) + "\n" for run in _RUNS}
+    contents |= {"robot.toml": to_toml(robot)} | {
+        f"{run}.csv": ",".join(head) + "\n" for run in _RUNS
+    }
     files.local(folder).mkdir(parents=True, exist_ok=True)
     new = [name for name in contents if not (folder / name).exists()]
     for name in new:
@@ -129,21 +142,40 @@ def load_day(folder: Path) -> Day:
     table = read_table(folder / DAY)
     with codec.keys_of(folder / DAY, RobotFileError):
         codec.take_kind(table, "tank-day")
-        robot, noise = load_robot(folder / table.pop("robot", "robot.toml")), codec.decode(Noise, table)
-    names = [name for name in _RUNS if len((folder / f"{name}.csv").read_text(encoding="utf-8").splitlines()) > 1]
-    trials = {name: lc.load_trial(folder / f"{name}.csv", folder / f"{name}.toml") for name in names}
-    return Day(robot=robot, noise=noise, trials=trials, tows=_tows(folder / "tows.csv", robot, noise))
+        robot, noise = (
+            load_robot(folder / table.pop("robot", "robot.toml")),
+            codec.decode(Noise, table),
+        )
+    names = [
+        name
+        for name in _RUNS
+        if len((folder / f"{name}.csv").read_text(encoding="utf-8").splitlines()) > 1
+    ]
+    trials = {
+        name: lc.load_trial(folder / f"{name}.csv", folder / f"{name}.toml") for name in names
+    }
+    return Day(
+        robot=robot, noise=noise, trials=trials, tows=_tows(folder / "tows.csv", robot, noise)
+    )
 
 
 def _tows(path: Path, robot: Robot, noise: Noise) -> tuple[measurements.Measurement, ...]:
     water, found = textbook_water(robot).water, list[measurements.Measurement]()
-    said: Any = {"sigma": noise.force_n, "share": noise.force_share, "misalignment": math.radians(noise.angle_deg)}
+    said: Any = {
+        "sigma": noise.force_n,
+        "share": noise.force_share,
+        "misalignment": math.radians(noise.angle_deg),
+    }
     for number, row in files.read_rows(path, TrialFileError)[1]:
         try:
             loads = {name: float(row[column]) for name, column in _LOADS.items() if row[column]}
             if loads:
-                tow = measurements.Tow(speed=float(row["speed_m_s"]), angle=math.radians(float(row["angle_deg"])))
-                found.append(candidates.from_tow(robot, water, tow, loads, name=f"tow, row {number}", **said))
+                tow = measurements.Tow(
+                    speed=float(row["speed_m_s"]), angle=math.radians(float(row["angle_deg"]))
+                )
+                found.append(
+                    candidates.from_tow(robot, water, tow, loads, name=f"tow, row {number}", **said)
+                )
         except KeyError as missing:
             raise TrialFileError(f"{path}: row 1: column {missing} is missing") from None
         except ValueError as error:
@@ -163,12 +195,18 @@ def evaluate(day: Day, *, threads: int | None = None, progress: Progress = silen
         TrialFileError: If nothing was measured.
         SimulationFailed: If a trial cannot be simulated.
     """
-    measured = [_of_water(name, trial, day.noise) for name, trial in day.trials.items()] + [*day.tows]
+    measured = [_of_water(name, trial, day.noise) for name, trial in day.trials.items()] + [
+        *day.tows
+    ]
     if not measured:
-        raise TrialFileError("No file was filled in: the tank day needs swim.csv, glide.csv, turn.csv or tows.csv.")
+        raise TrialFileError(
+            "No file was filled in: the tank day needs swim.csv, glide.csv, turn.csv or tows.csv."
+        )
     fits: dict[str, result.Fit] = {}
     for name, (water, unknowns) in _laws(day.robot).items():
-        inside = [replace(one, scenario=replace(one.scenario, environment=water)) for one in measured]
+        inside = [
+            replace(one, scenario=replace(one.scenario, environment=water)) for one in measured
+        ]
         fits[name] = fitting.fit(inside, parameters=unknowns, n_starts=1, threads=threads)
         progress(len(fits) / 4.0)
     scale = max(1.0, min(found.noise_factor for found in fits.values()))
@@ -182,7 +220,9 @@ def evaluate(day: Day, *, threads: int | None = None, progress: Progress = silen
     numbers += [_drag_area(best, speed), *(joints.table() if joints else [])]
     verdict = _verdict(day, best, odds, joints)
     fits = {name: fits[name] for name in order}
-    return Evaluation(fits=fits, odds=odds, numbers=tuple(numbers), joints=joints, verdict=tuple(verdict))
+    return Evaluation(
+        fits=fits, odds=odds, numbers=tuple(numbers), joints=joints, verdict=tuple(verdict)
+    )
 
 
 def _measured(name: str, trial: lc.Trial, series: Mapping[str, float]) -> measurements.Measurement:
@@ -196,8 +236,13 @@ def _of_water(name: str, trial: lc.Trial, noise: Noise) -> measurements.Measurem
     signal = optional_import("The tank day", "scipy", "identify", "scipy.signal")
     step = float(np.median(np.diff(trial.time)))
     width = 2 * max(2, round(_SMOOTHED * (trial.period or 0.0) / step / 2.0)) + 1
-    smooth = signal.savgol_filter(trial.joint_angle, min(width, (trial.time.size - 1) // 2 * 2 - 1), 3, axis=0)
-    angles = JointAngles(time=tuple((trial.time - trial.time[0]).tolist()), angle=tuple(map(tuple, smooth.T.tolist())))
+    smooth = signal.savgol_filter(
+        trial.joint_angle, min(width, (trial.time.size - 1) // 2 * 2 - 1), 3, axis=0
+    )
+    angles = JointAngles(
+        time=tuple((trial.time - trial.time[0]).tolist()),
+        angle=tuple(map(tuple, smooth.T.tolist())),
+    )
     return replace(seen, scenario=replace(seen.scenario, motion=recorded_gait(angles)))
 
 
@@ -208,9 +253,15 @@ def _laws(robot: Robot) -> dict[str, tuple[Water, list[Unknown]]]:
     for name in ("water.normal_drag", "water.added_mass"):
         low, high = book.intervals[name]
         shared.append(Unknown(name=name, prior=(0.5 * (low + high), 0.5 * (high - low))))
-    beta = Unknown(name="water.drag.beta", start=0.5, prior=(0.5, 0.5), lower=0.0, upper=1.0, scale="linear")
-    slow = Unknown(name="water.drag.reference_speed", start=0.5, prior=(0.5, 0.5), lower=0.0, scale="linear")
-    still = replace(book.water, added_mass_form="relative", trailing_edge="none", rotational="paper")
+    beta = Unknown(
+        name="water.drag.beta", start=0.5, prior=(0.5, 0.5), lower=0.0, upper=1.0, scale="linear"
+    )
+    slow = Unknown(
+        name="water.drag.reference_speed", start=0.5, prior=(0.5, 0.5), lower=0.0, scale="linear"
+    )
+    still = replace(
+        book.water, added_mass_form="relative", trailing_edge="none", rotational="paper"
+    )
     return {
         "kirchhoff": (book.water, [*shared, beta]),
         "relative": (still, [*shared, beta]),
@@ -222,8 +273,14 @@ def _log_evidence(found: result.Fit, scale: float) -> float:
     """Return the log probability of the data, up to a constant that is the same for all laws."""
     problem = found.problem
     squares = found.chi2 + float(np.sum(problem.prior_residuals(found.best) ** 2))
-    priors = [one.prior[1] / one.slope(v) for one, v in zip(problem.unknowns, found.best, strict=True) if one.prior]
-    volume = np.linalg.slogdet(np.where(np.isfinite(found.covariance), found.covariance, 0.0) * scale**2)[1]
+    priors = [
+        one.prior[1] / one.slope(v)
+        for one, v in zip(problem.unknowns, found.best, strict=True)
+        if one.prior
+    ]
+    volume = np.linalg.slogdet(
+        np.where(np.isfinite(found.covariance), found.covariance, 0.0) * scale**2
+    )[1]
     return -0.5 * squares / scale**2 + 0.5 * float(volume) - float(np.sum(np.log(priors)))
 
 
@@ -235,7 +292,9 @@ def _drag_area(found: result.Fit, speed: float) -> dict[str, Any]:
     def area(value: float | None) -> float | None:
         if value is None:
             return None
-        plant = PlanarPlant(robot=scenario.robot, environment=replace(water, tangential_friction=value))
+        plant = PlanarPlant(
+            robot=scenario.robot, environment=replace(water, tangential_friction=value)
+        )
         return -2.0 * plant.towing_load(speed)[0] / (water.density * speed**2)
 
     ends = {key: area(friction[key]) for key in ("value", "low", "high")}
@@ -245,15 +304,23 @@ def _drag_area(found: result.Fit, speed: float) -> dict[str, Any]:
 def _joint_speed(day: Day, water: Environment, threads: int | None) -> result.Fit | None:
     """Fit the speed limit of the joints to how they followed the commanded gaits in the identified water."""
     series = {"joint_angle": day.noise.joint_angle_rad}
-    asked = {name: trial for name, trial in day.trials.items() if trial.gait is not None and trial.gait.amplitude}
+    asked = {
+        name: trial
+        for name, trial in day.trials.items()
+        if trial.gait is not None and trial.gait.amplitude
+    }
     measured = [_measured(name, trial, series) for name, trial in asked.items()]
     measured = [replace(one, scenario=replace(one.scenario, environment=water)) for one in measured]
     if not measured:
         return None
-    return fitting.fit(measured, parameters=JOINTS, joints=lc.SpeedServo(), n_starts=1, threads=threads)
+    return fitting.fit(
+        measured, parameters=JOINTS, joints=lc.SpeedServo(), n_starts=1, threads=threads
+    )
 
 
-def _verdict(day: Day, best: result.Fit, odds: Mapping[str, float], joints: result.Fit | None) -> list[str]:
+def _verdict(
+    day: Day, best: result.Fit, odds: Mapping[str, float], joints: result.Fit | None
+) -> list[str]:
     """Return sentences on which law is the most probable, and on what the data do not determine."""
     name, *others = odds
     found = [f"The law is `{name}`, the most probable of {len(odds)}."]
@@ -264,11 +331,21 @@ def _verdict(day: Day, best: result.Fit, odds: Mapping[str, float], joints: resu
     for k in best.problem.of_interest:
         one, prior = best.estimates[k], best.problem.unknowns[k].prior
         if one.sigma is None or (prior and one.sigma > HARDLY * prior[1]):
-            found.append(f"The data hardly determine `{one.name}`: it is essentially its prior, from tables.")
+            found.append(
+                f"The data hardly determine `{one.name}`: it is essentially its prior, from tables."
+            )
     if joints is None or joints[JOINTS[0]].interval is None:
-        found.append("The data do not determine the speed of the joints: no commanded gait was too fast for them.")
+        found.append(
+            "The data do not determine the speed of the joints: no commanded gait was too fast for them."
+        )
     missing = [run for run in _RUNS if run not in day.trials] + ([] if day.tows else ["tows"])
-    return [*found, *(f"Without {run}.csv the data tell less: RUNS.md explains what it is for." for run in missing)]
+    return [
+        *found,
+        *(
+            f"Without {run}.csv the data tell less: RUNS.md explains what it is for."
+            for run in missing
+        ),
+    ]
 
 
 def words(found: Evaluation) -> str:
@@ -305,7 +382,11 @@ def write_result(folder: Path, day: Day, found: Evaluation) -> list[str]:
     for name in (DAY, "robot.toml", "tows.csv"):
         files.write(place / name, (folder / name).read_bytes())
     kept = best.parameters("tank-day", f"{day.robot.name}, tank day")
-    law = None if found.joints is None else found.joints.problem.scenarios_at(found.joints.best)[0].model.joints
+    law = (
+        None
+        if found.joints is None
+        else found.joints.problem.scenarios_at(found.joints.best)[0].model.joints
+    )
     (kept if law is None else replace(kept, joints=law)).save(place / "parameters.toml")
     files.write(place / "summary.md", words(found) + "\n")
     files.write(place / "summary.json", files.to_json(facts(found)) + "\n")
@@ -319,8 +400,17 @@ def facts(found: Evaluation) -> dict[str, Any]:
         found: Evaluation from `evaluate`.
     """
     laws = {
-        name: {"odds_against": found.odds[name], "chi2": one.chi2, "numbers": one.problem.observed.size}
+        name: {
+            "odds_against": found.odds[name],
+            "chi2": one.chi2,
+            "numbers": one.problem.observed.size,
+        }
         | {"parameters": [row for k, row in enumerate(one.table()) if k in one.problem.of_interest]}
         for name, one in found.fits.items()
     }
-    return {"laws": laws, "numbers": [*found.numbers], "verdict": [*found.verdict], "version": packaging.__version__}
+    return {
+        "laws": laws,
+        "numbers": [*found.numbers],
+        "verdict": [*found.verdict],
+        "version": packaging.__version__,
+    }

@@ -71,13 +71,21 @@ class TrialFile:
     """A file with a trial, and the parts of it that are used."""
 
     file: str = option("Path of the trial file")
-    columns: str | None = option("Column map (TOML), if another program wrote the file", default=None)
+    columns: str | None = option(
+        "Column map (TOML), if another program wrote the file", default=None
+    )
     name: str = option("Name in tables; empty: that of the file", default="")
     group: str = option("Group of measurements it belongs to, see `Measurement`", default="")
     figures: Mapping[str, float] = option("Figures to fit, with their noise", **_NOISES)
-    series: Mapping[str, float] = option("Series to fit, with their noise; if none: `PATH`", **_NOISES)
-    interval: float = quantity("s", "Between samples used; the noise of closer ones is hardly new", default=0.5, gt=0.0)
-    free_start: bool = option("Also identify the initial position and heading, if either is used", default=True)
+    series: Mapping[str, float] = option(
+        "Series to fit, with their noise; if none: `PATH`", **_NOISES
+    )
+    interval: float = quantity(
+        "s", "Between samples used; the noise of closer ones is hardly new", default=0.5, gt=0.0
+    )
+    free_start: bool = option(
+        "Also identify the initial position and heading, if either is used", default=True
+    )
 
     @property
     def label(self) -> str:
@@ -132,8 +140,12 @@ class TableFile:
     """A file with one row per trial."""
 
     file: str = option("Path of the table; for its columns see `laticauda.trial.measured`")
-    figure: str = option("forward_velocity or mean_power", default=FIGURES[0], check=one_among(*FIGURES))
-    sigma: float = quantity("", "Relative noise of rows that do not state their own", default=TABLE_SIGMA, gt=0.0)
+    figure: str = option(
+        "forward_velocity or mean_power", default=FIGURES[0], check=one_among(*FIGURES)
+    )
+    sigma: float = quantity(
+        "", "Relative noise of rows that do not state their own", default=TABLE_SIGMA, gt=0.0
+    )
 
 
 @value
@@ -142,14 +154,28 @@ class _TaskFile:
 
     name: str = option("Name of the resulting parameter file", check=label)
     title: str = option("Text for legends", check=label)
-    robot: str | None = option("Robot that must have swum, a preset or a file; None: as in the trials", default=None)
-    links: int | None = quantity("", "Number of links of every robot, instead of its own", ge=1, default=None)
+    robot: str | None = option(
+        "Robot that must have swum, a preset or a file; None: as in the trials", default=None
+    )
+    links: int | None = quantity(
+        "", "Number of links of every robot, instead of its own", ge=1, default=None
+    )
     parameters: tuple[Unknown, ...] = option("Numbers to identify", default=())
-    base: str | None = option("Parameter file (a preset or a path) with the fixed values", default=None)
-    fixed: Mapping[str, Any] | None = option("Tables of a parameter file with the fixed values", default=None)
-    trials: tuple[TrialFile, ...] = option("Trial files, with paths relative to this file", default=())
-    table: TableFile | None = option("Measured speeds, a CSV file with a path relative to this file", default=None)
-    table1: Mapping[str, Any] | bool | None = option("Arguments of `from_table1`, or true", default=None)
+    base: str | None = option(
+        "Parameter file (a preset or a path) with the fixed values", default=None
+    )
+    fixed: Mapping[str, Any] | None = option(
+        "Tables of a parameter file with the fixed values", default=None
+    )
+    trials: tuple[TrialFile, ...] = option(
+        "Trial files, with paths relative to this file", default=()
+    )
+    table: TableFile | None = option(
+        "Measured speeds, a CSV file with a path relative to this file", default=None
+    )
+    table1: Mapping[str, Any] | bool | None = option(
+        "Arguments of `from_table1`, or true", default=None
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -173,16 +199,20 @@ class Task:
     sources: tuple[Path, ...] = ()
     """Files that it was read from."""
 
-    def run(self, *, threads: int | None = None, progress: Progress = silent, keep: Keep = silent) -> Fit:
+    def run(
+        self, *, threads: int | None = None, progress: Progress = silent, keep: Keep = silent
+    ) -> Fit:
         """Run the identification.
 
         Args:
             threads: Number of threads; None uses all cores available to this process.
             progress: Called periodically with the finished fraction, from 0 to 1.
-            keep: Called with the best values by name and their sum of squares, whenever they improve.
+            keep: Called with the best values by name and their sum of squares, whenever they
+                improve.
 
         Raises:
-            ValueError: If there are too few measurements for the unknowns, or an argument is out of its range.
+            ValueError: If there are too few measurements for the unknowns, or an argument is out of
+                its range.
             RobotFileError: If the error is in the task's file.
         """
         how: Any = {**self.options, "threads": threads, "progress": progress, "keep": keep}
@@ -219,7 +249,11 @@ class Task:
         if base is None:
             return kept
         changes = codec.merged(dict(base.changes), dict(kept.changes))
-        return replace(kept, changes=changes, own_changes=codec.merged(dict(base.own_changes), dict(kept.own_changes)))
+        return replace(
+            kept,
+            changes=changes,
+            own_changes=codec.merged(dict(base.own_changes), dict(kept.own_changes)),
+        )
 
 
 def compare_laws(
@@ -233,7 +267,8 @@ def compare_laws(
 
     Args:
         measurements: The measurements.
-        laws: Parameter files, presets or paths: the values of water, joints and robot that are not fitted.
+        laws: Parameter files, presets or paths: the values of water, joints and robot that are not
+            fitted.
         parameters: Names of the numbers to identify, or `Unknown`s with ranges and priors.
         how: Further arguments of `fit`.
 
@@ -248,7 +283,9 @@ def compare_laws(
         ['paper', 'mamba-identified']
     """
     every = as_unknowns(parameters)
-    task = Task(name="laws", title="laws", measurements=tuple(measurements), unknowns=every, options=how)
+    task = Task(
+        name="laws", title="laws", measurements=tuple(measurements), unknowns=every, options=how
+    )
     bases = [law if isinstance(law, lc.Parameters) else lc.load_parameters(law) for law in laws]
     return {base.name: task.with_law(base).run() for base in bases}
 
@@ -260,7 +297,8 @@ def load_task(path: str | Path) -> Task:
         path: Path of the file; the trials and tables that it names are relative to its folder.
 
     Raises:
-        RobotFileError: If it does not exist, or anything in it is invalid; the message has file, key and rule.
+        RobotFileError: If it does not exist, or anything in it is invalid; the message has file,
+            key and rule.
         TrialFileError: If a trial in it cannot be read.
     """
     file = Path(path)
@@ -268,8 +306,16 @@ def load_task(path: str | Path) -> Task:
     with codec.keys_of(file, RobotFileError):
         task = task_from_table(table, file.stem, file.parent)
         try:
-            Method(**{name: given for name, given in task.options.items() if name in Method.__dataclass_fields__})
-            scenarios.model_of(task.options.get("model", "planar"), joints=task.options.get("joints", "prescribed"))
+            Method(
+                **{
+                    name: given
+                    for name, given in task.options.items()
+                    if name in Method.__dataclass_fields__
+                }
+            )
+            scenarios.model_of(
+                task.options.get("model", "planar"), joints=task.options.get("joints", "prescribed")
+            )
         except BadArgument as error:
             raise codec.BadKey(error.name.removeprefix("n_"), error.rule) from None
     return replace(task, sources=(file, *task.sources))
@@ -294,12 +340,16 @@ def task_from_table(table: Table, name: str, folder: Path) -> Task:
     options = {OPTIONS[key]: table.pop(key) for key in OPTIONS if key in table}
     for key, only in (("parameters", "name"), ("trials", "file")):  # a string in place of a table
         if isinstance(table.get(key), list):
-            table[key] = [{only: entry} if isinstance(entry, str) else entry for entry in table[key]]
+            table[key] = [
+                {only: entry} if isinstance(entry, str) else entry for entry in table[key]
+            ]
     said = codec.decode(_TaskFile, {"title": table["name"], **table})
     if not said.parameters:
         raise codec.BadKey("parameters", "must name at least one number to identify")
     if not said.trials and said.table is None and said.table1 is None:
-        raise codec.BadKey("trials", "is missing; the task needs trials, [table] or [table1] to identify from")
+        raise codec.BadKey(
+            "trials", "is missing; the task needs trials, [table] or [table1] to identify from"
+        )
     base = _base(said)
     if base is not None and base.joints is not None:
         options.setdefault("joints", base.joints)
@@ -329,7 +379,10 @@ def fixed(measurement: Measurement, links: int | None, base: lc.Parameters | Non
         base: Fixed values; None: those of the measurement.
     """
     scenario = measurement.scenario
-    robot, kind = scenario.robot if links is None else scenario.robot.with_links(links), scenario.gait.kind
+    robot, kind = (
+        scenario.robot if links is None else scenario.robot.with_links(links),
+        scenario.gait.kind,
+    )
     if base is not None:
         scenario = replace(scenario, robot=base.robot(robot, kind), environment=base.water(kind))
     elif robot is not scenario.robot:
@@ -345,7 +398,9 @@ def _base(said: _TaskFile) -> lc.Parameters | None:
     codec.check_keys(said.fixed, ("water", *NAMES), "fixed")
     usual = scenarios.preset_water("paper-lateral") if base is None else base.every_gait
     water = codec.updated(usual, said.fixed.get("water", {}), "fixed.water")
-    changes = read_adjustments({key: said.fixed[key] for key in NAMES if key in said.fixed}, "fixed")
+    changes = read_adjustments(
+        {key: said.fixed[key] for key in NAMES if key in said.fixed}, "fixed"
+    )
     if base is None:
         return lc.Parameters(name=said.name, title=said.name, every_gait=water, changes=changes)
     return replace(base, every_gait=water, changes=codec.merged(dict(base.changes), changes))
@@ -369,4 +424,6 @@ def _check_there(name: str, trial: lc.Trial, wanted: list[str]) -> None:
     for what in wanted:
         one_of(f"measured` of `{name}", what, (*UNITS, *SERIES))
         if what in trial.not_measured:
-            raise BadArgument(what, f"of `{name}` must have been measured to be fitted; the file does not have it")
+            raise BadArgument(
+                what, f"of `{name}` must have been measured to be fitted; the file does not have it"
+            )

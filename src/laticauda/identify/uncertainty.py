@@ -23,9 +23,10 @@ Ends = tuple[float | None, float | None]
 def profile(found: Fit, name: str) -> Ends:
     """Return the interval of one unknown in which the sum of squares is less than q^2 above its minimum.
 
-    q is the quantile used for the fit's own intervals. Where the model is far from linear within the uncertainty, the
-    coverage of this interval is more accurate than that of the interval from the covariance. It costs about ten
-    searches, because all other unknowns are refitted at its ends.
+    q is the quantile used for the fit's own intervals. Where the model is far from linear within
+    the uncertainty, the coverage of this interval is more accurate than that of the interval from
+    the covariance. It costs about ten searches, because all other unknowns are refitted at its
+    ends.
 
     Args:
         found: The fit.
@@ -53,23 +54,33 @@ def _end(found: Fit, k: int, sign: float) -> float | None:
         if free.size:
             at = minimize(found.problem, at, loss=found.method.loss, factor=factor, free=free).end
         cost = _cost(found, at)
-        return (min(math.sqrt(max(cost - least, 0.0)), _FAR) if math.isfinite(cost) else _FAR) - quantile
+        return (
+            min(math.sqrt(max(cost - least, 0.0)), _FAR) if math.isfinite(cost) else _FAR
+        ) - quantile
 
     deviation, most = math.sqrt(found.covariance[k, k]), abs(unknown.ends[sign > 0.0] - x[k])
-    step = quantile * deviation if math.isfinite(deviation) and deviation > 0.0 else _FIRST * unknown.size
+    step = (
+        quantile * deviation
+        if math.isfinite(deviation) and deviation > 0.0
+        else _FIRST * unknown.size
+    )
     limit = min(most, _FAR * unknown.size)
     while missing(step := min(step, limit)) < 0.0:
         if step >= limit:
             return None
         step *= 2.0
-    return unknown.value(x[k] + sign * optimize.brentq(missing, 0.0, step, rtol=_CLOSE, xtol=_CLOSE * step))
+    return unknown.value(
+        x[k] + sign * optimize.brentq(missing, 0.0, step, rtol=_CLOSE, xtol=_CLOSE * step)
+    )
 
 
 def _cost(found: Fit, x: np.ndarray) -> float:
     """Compute the sum of squares of data and priors."""
     residuals = all_residuals(found.problem, found.problem.values_of(x), found.used_noise_factor)
     n_data = found.problem.observed.size
-    return cost_of(residuals[:n_data], found.method.loss) + cost_of(residuals[n_data:], found.method.loss)
+    return cost_of(residuals[:n_data], found.method.loss) + cost_of(
+        residuals[n_data:], found.method.loss
+    )
 
 
 def log_density(found: Fit, x: Float[np.ndarray, " n_unknowns"]) -> float:
@@ -107,12 +118,18 @@ class Posterior:
 
 
 def posterior(
-    found: Fit, *, n_steps: int = 500, n_walkers: int | None = None, seed: int = 0, progress: Progress = silent
+    found: Fit,
+    *,
+    n_steps: int = 500,
+    n_walkers: int | None = None,
+    seed: int = 0,
+    progress: Progress = silent,
 ) -> Posterior:
     """Sample the posterior with an ensemble of walkers (emcee), started around the fit.
 
-    An unknown without a prior is assumed uniformly distributed over its range, in its logarithm on a log scale. The
-    first half of the steps is discarded. Each step of each walker simulates all measurements once.
+    An unknown without a prior is assumed uniformly distributed over its range, in its logarithm on
+    a log scale. The first half of the steps is discarded. Each step of each walker simulates all
+    measurements once.
 
     Args:
         found: The fit.
@@ -135,18 +152,27 @@ def posterior(
 
     def log_probability(points: np.ndarray) -> np.ndarray:
         inside = np.all((points > lower) & (points < upper), axis=1)
-        return np.array([log_density(found, x) if fits else -math.inf for x, fits in zip(points, inside, strict=True)])
+        return np.array(
+            [
+                log_density(found, x) if fits else -math.inf
+                for x, fits in zip(points, inside, strict=True)
+            ]
+        )
 
     rng = np.random.default_rng(seed)
     sizes = problem.sizes
     spread = np.minimum(np.sqrt(np.diag(found.covariance)), 0.3 * sizes)
-    begin = found.x + 0.5 * np.where(spread > 0.0, spread, 1e-3 * sizes) * rng.standard_normal((walkers, n))
+    begin = found.x + 0.5 * np.where(spread > 0.0, spread, 1e-3 * sizes) * rng.standard_normal(
+        (walkers, n)
+    )
     margin = 1e-9 * sizes
     begin = np.clip(begin, lower + margin, upper - margin)
     emcee = optional_import("Identification", "emcee", "identify")
     sampler = emcee.EnsembleSampler(walkers, n, log_probability, vectorize=True)
     sampler.random_state = np.random.RandomState(seed).get_state()
-    for step, _ in enumerate(sampler.sample(begin, iterations=n_steps, skip_initial_state_check=True)):
+    for step, _ in enumerate(
+        sampler.sample(begin, iterations=n_steps, skip_initial_state_check=True)
+    ):
         progress((step + 1) / n_steps)
     chain: np.ndarray = np.asarray(sampler.get_chain())
     kept = chain[n_steps // 2 :].reshape(-1, n)

@@ -47,24 +47,34 @@ def numbers_by_name(what: str) -> Check:
 class Unknown:
     """A number to be identified.
 
-    The fit fills in fields that are None: the start from the robot and water of the measurements, the scale (log for a
-    number that is greater than 0 and can never be negative), the range (a hundredth to a hundred times the start on a
-    log scale, as far as the field allows), and the size (the value, or a tenth of m, rad or m/s).
+    The fit fills in fields that are None: the start from the robot and water of the measurements,
+    the scale (log for a number that is greater than 0 and can never be negative), the range (a
+    hundredth to a hundred times the start on a log scale, as far as the field allows), and the size
+    (the value, or a tenth of m, rad or m/s).
 
-    Numbers that are `tied`, by name without the scope, follow it: if this number is k times its value in the
-    measurements, a number with power p is k^p times its own. -1 keeps a product constant: a gear's torque and speed.
+    Numbers that are `tied`, by name without the scope, follow it: if this number is k times its
+    value in the measurements, a number with power p is k^p times its own. -1 keeps a product
+    constant: a gear's torque and speed.
 
     Raises:
         ValueError: If a field is out of its range, or fields contradict each other.
     """
 
-    name: str = option("As in a sweep or in `NUISANCE`; for one group: `eel_like.water.normal_drag`", check=label)
+    name: str = option(
+        "As in a sweep or in `NUISANCE`; for one group: `eel_like.water.normal_drag`", check=label
+    )
     start: float | None = quantity("", "Value at which the search starts", default=None)
     lower: float | None = quantity("", "Smallest value", default=None)
     upper: float | None = quantity("", "Largest value", default=None)
-    prior: tuple[float, float] | None = quantity("", "Mean and standard deviation of the prior", default=None)
-    scale: Literal["log", "linear"] | None = option("log: relative errors and steps; linear: absolute", default=None)
-    size: float | None = quantity("", "A large change; None: its value, or 0.1 m, rad, m/s", default=None, gt=0.0)
+    prior: tuple[float, float] | None = quantity(
+        "", "Mean and standard deviation of the prior", default=None
+    )
+    scale: Literal["log", "linear"] | None = option(
+        "log: relative errors and steps; linear: absolute", default=None
+    )
+    size: float | None = quantity(
+        "", "A large change; None: its value, or 0.1 m, rad, m/s", default=None, gt=0.0
+    )
     tied: Mapping[str, float] = option(
         "Powers p of numbers tied to it: if it changes to k times its value, they change to k^p times theirs",
         default_factory=dict[str, float],
@@ -75,13 +85,23 @@ class Unknown:
         """Check the fields against each other."""
         if self.prior is not None:
             positive(f"sd of the prior` of `{self.name}", self.prior[1])
-        low, high = (-math.inf if self.lower is None else self.lower), (math.inf if self.upper is None else self.upper)
+        low, high = (
+            (-math.inf if self.lower is None else self.lower),
+            (math.inf if self.upper is None else self.upper),
+        )
         if low >= high:
-            raise BadArgument(f"lower` of `{self.name}", f"must be < its `upper` of {high:g}, got {low:g}")
+            raise BadArgument(
+                f"lower` of `{self.name}", f"must be < its `upper` of {high:g}, got {low:g}"
+            )
         if self.scale == "log" and self.lower is not None and self.lower <= 0.0:
-            raise BadArgument(f"lower` of `{self.name}", f"must be > 0 on a log scale, got {self.lower:g}")
+            raise BadArgument(
+                f"lower` of `{self.name}", f"must be > 0 on a log scale, got {self.lower:g}"
+            )
         if self.start is not None and not low <= self.start <= high:
-            raise BadArgument(f"start` of `{self.name}", f"must be between {low:g} and {high:g}, got {self.start:g}")
+            raise BadArgument(
+                f"start` of `{self.name}",
+                f"must be between {low:g} and {high:g}, got {self.start:g}",
+            )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,7 +132,10 @@ class ResolvedUnknown:
     @property
     def ends(self) -> tuple[float, float]:
         """Coordinates of the ends of its range; may be infinite."""
-        low, high = (-math.inf if self.is_log and end <= 0.0 else self.x(end) for end in (self.lower, self.upper))
+        low, high = (
+            -math.inf if self.is_log and end <= 0.0 else self.x(end)
+            for end in (self.lower, self.upper)
+        )
         return low, high
 
     def x(self, value: float) -> float:
@@ -128,7 +151,9 @@ class ResolvedUnknown:
         return value if self.is_log else 1.0
 
 
-def as_unknowns(parameters: Sequence["str | Unknown"] | Mapping[str, tuple[float, float]]) -> tuple[Unknown, ...]:
+def as_unknowns(
+    parameters: Sequence["str | Unknown"] | Mapping[str, tuple[float, float]],
+) -> tuple[Unknown, ...]:
     """Convert names, unknowns, or a mapping from names to ranges to unknowns.
 
     Args:
@@ -142,18 +167,22 @@ def as_unknowns(parameters: Sequence["str | Unknown"] | Mapping[str, tuple[float
         return item if isinstance(item, Unknown) else Unknown(name=label(name, item))
 
     if isinstance(parameters, Mapping):
-        found = [Unknown(name=name, lower=low, upper=high) for name, (low, high) in parameters.items()]
+        found = [
+            Unknown(name=name, lower=low, upper=high) for name, (low, high) in parameters.items()
+        ]
     else:
         found = several(unknown, "a list of names", (), "parameters", parameters)
     at_least_one("parameters", found, "number to identify")
     names = [unknown.name for unknown in found]
     for name in names:
         if names.count(name) > 1:
-            raise BadArgument("parameters", f"must name every number once, got `{name}` {names.count(name)} times")
+            raise BadArgument(
+                "parameters", f"must name every number once, got `{name}` {names.count(name)} times"
+            )
     return tuple(found)
 
 
-# ---- looking up names in the measurements, and filling in what was left open ---------------------------------------
+# ---- looking up names in the measurements, and filling in what was left open ---------------------
 
 
 def split_name(
@@ -203,13 +232,20 @@ def resolve(unknown: Unknown, scope: str, name: str, seen: Sequence[Numbered]) -
         seen: Scenarios and numbers of the measurements that depend on it.
     """
     if not seen:
-        raise BadArgument("parameters", f"must leave measurements for `{unknown.name}`: more specific ones take all")
+        raise BadArgument(
+            "parameters",
+            f"must leave measurements for `{unknown.name}`: more specific ones take all",
+        )
     scenario, parameter = seen[0][0], seen[0][1][name]
     if name.startswith("gait."):
         rule = f"must not be of the gait, which was commanded, got `{unknown.name}`"
-        raise BadArgument("parameters", f"{rule}; how the joints follow it depends on `robot.joint.actuator`")
+        raise BadArgument(
+            "parameters", f"{rule}; how the joints follow it depends on `robot.joint.actuator`"
+        )
     if parameter.is_whole:
-        raise BadArgument("parameters", f"must be numbers that can vary slightly, got `{unknown.name}`, a count")
+        raise BadArgument(
+            "parameters", f"must be numbers that can vary slightly, got `{unknown.name}`, a count"
+        )
     _check_tied(unknown, name, seen)
     start = unknown.start
     if start is None:
@@ -219,14 +255,22 @@ def resolve(unknown: Unknown, scope: str, name: str, seen: Sequence[Numbered]) -
     refusal = partial(_refusal, name, scenario, unknown.tied)
     for end, at in (("start", start), ("lower", unknown.lower), ("upper", unknown.upper)):
         if at is not None and (why := refusal(at)):
-            raise BadArgument(f"{end}` of `{unknown.name}", f"must be in its range, got {at:g}: {why.rstrip('.')}")
+            raise BadArgument(
+                f"{end}` of `{unknown.name}", f"must be in its range, got {at:g}: {why.rstrip('.')}"
+            )
     may_be_less = name in NUISANCE or not refusal(-1e-9 * max(1.0, abs(start)))
     positive_only = start > 0.0 and not may_be_less and unknown.lower != 0.0
     is_log = unknown.scale == "log" if unknown.scale else positive_only
     if is_log and start <= 0.0:
-        raise BadArgument(f"start` of `{unknown.name}", f"must be > 0 on a log scale, got {start:g}")
-    low, high = (start / RANGE, start * RANGE) if is_log else (-math.inf if may_be_less else 0.0, math.inf)
-    own_size = max(abs(start), unknown.prior[1] if unknown.prior else 0.0) or _SIZES.get(parameter.unit, 1.0)
+        raise BadArgument(
+            f"start` of `{unknown.name}", f"must be > 0 on a log scale, got {start:g}"
+        )
+    low, high = (
+        (start / RANGE, start * RANGE) if is_log else (-math.inf if may_be_less else 0.0, math.inf)
+    )
+    own_size = max(abs(start), unknown.prior[1] if unknown.prior else 0.0) or _SIZES.get(
+        parameter.unit, 1.0
+    )
     lower = _end(refusal, start, low) if unknown.lower is None else unknown.lower
     upper = _end(refusal, start, high) if unknown.upper is None else unknown.upper
     return ResolvedUnknown(
@@ -243,7 +287,9 @@ def resolve(unknown: Unknown, scope: str, name: str, seen: Sequence[Numbered]) -
     )
 
 
-def with_tied(scenario: Scenario, name: str, value: float, tied: Mapping[str, float]) -> dict[str, float]:
+def with_tied(
+    scenario: Scenario, name: str, value: float, tied: Mapping[str, float]
+) -> dict[str, float]:
     """Return the value of an unknown and of all numbers tied to it, by name.
 
     Args:
@@ -264,8 +310,15 @@ def _check_tied(unknown: Unknown, name: str, seen: Sequence[Numbered]) -> None:
     where = f"`tied` of `{unknown.name}`"
     for scenario, numbers in seen if unknown.tied else ():
         for other in unknown.tied:
-            if other not in numbers or other == name or other in NUISANCE or numbers[other].is_whole:
-                raise ValueError(f"{where} must name other numbers of robot and water, got {other!r}.")
+            if (
+                other not in numbers
+                or other == name
+                or other in NUISANCE
+                or numbers[other].is_whole
+            ):
+                raise ValueError(
+                    f"{where} must name other numbers of robot and water, got {other!r}."
+                )
         if name in NUISANCE or value_of(name, scenario, argument="parameters") <= 0.0:
             raise ValueError(f"{where} must follow a number that is greater than 0.")
 

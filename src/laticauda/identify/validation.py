@@ -39,7 +39,9 @@ class LeftOut:
         return self.fit.percentage_error(figure, self.predictions)
 
 
-def leave_out(found: result.Fit, by: str = "measurement", *, progress: Progress = silent) -> LeftOut:
+def leave_out(
+    found: result.Fit, by: str = "measurement", *, progress: Progress = silent
+) -> LeftOut:
     """Refit without each measurement, or without each group, and predict what was left out.
 
     The start state of a trial left out is taken from the fit to all, the only source for it.
@@ -53,21 +55,34 @@ def leave_out(found: result.Fit, by: str = "measurement", *, progress: Progress 
         ValueError: If there is nothing left to fit to.
     """
     problem = found.problem
-    names = [m.name for m in problem.measurements] if one_of("by", by, BY) == "measurement" else list(problem.groups)
+    names = (
+        [m.name for m in problem.measurements]
+        if one_of("by", by, BY) == "measurement"
+        else list(problem.groups)
+    )
     different = list(dict.fromkeys(names))
     if len(different) < 2:
-        raise BadArgument("by", f"must leave something to fit to, got `{by}`: all measurements are of `{names[0]}`")
+        raise BadArgument(
+            "by",
+            f"must leave something to fit to, got `{by}`: all measurements are of `{names[0]}`",
+        )
     predictions = np.full(problem.observed.size, np.nan)
     values: list[np.ndarray] = []
     without_prior = np.array([unknown.prior is None for unknown in problem.unknowns])
     for number, name in enumerate(different):
         out = [i for i, other in enumerate(names) if other == name]
         rest = problem.part([i for i in range(len(names)) if i not in out])
-        began = problem.moves[out].any(axis=0) & ~np.isin(np.arange(len(problem.unknowns)), problem.of_interest)
+        began = problem.moves[out].any(axis=0) & ~np.isin(
+            np.arange(len(problem.unknowns)), problem.of_interest
+        )
         refit = fitting.solve(rest, replace(found.method, n_starts=1), start=found.best)
         values.append(np.where(began & ~rest.moves.any(axis=0), found.best, refit.best))
-        if not np.any(problem.moves[out].any(axis=0) & ~(rest.moves | began).any(axis=0) & without_prior):
-            predictions[np.isin(problem.owner, out)] = model.predict(problem.part(out), values[-1]).values
+        if not np.any(
+            problem.moves[out].any(axis=0) & ~(rest.moves | began).any(axis=0) & without_prior
+        ):
+            predictions[np.isin(problem.owner, out)] = model.predict(
+                problem.part(out), values[-1]
+            ).values
         progress((number + 1) / len(different))
     return LeftOut(by=by, fit=found, predictions=predictions, values=np.array(values))
 
@@ -75,14 +90,16 @@ def leave_out(found: result.Fit, by: str = "measurement", *, progress: Progress 
 def linear_leave_one_out(found: result.Fit) -> Float[np.ndarray, " n_data"]:
     """Predict every single number from the others with the linearized model, without any refit.
 
-    With the leverage h, the diagonal of H = J (J^T J)^-1 J^T, the residual r of a number used in the fit becomes
-    r / (1 - h) if that number is left out.
+    With the leverage h, the diagonal of H = J (J^T J)^-1 J^T, the residual r of a number used in
+    the fit becomes r / (1 - h) if that number is left out.
 
     Args:
         found: The fit.
     """
     problem = found.problem
-    basis, strength, _ = np.linalg.svd(model.scaled_jacobian(problem, found.best), full_matrices=False)
+    basis, strength, _ = np.linalg.svd(
+        model.scaled_jacobian(problem, found.best), full_matrices=False
+    )
     leverage = np.sum(basis[:, strength > 1e-7 * strength[0]] ** 2, axis=1)
     return problem.observed + (found.predictions - problem.observed) / (1.0 - leverage)
 
@@ -126,8 +143,16 @@ class Validation:
     @property
     def errors(self) -> dict[str, float | None]:
         """Mean errors of the forward velocity by their names in `NullModel` [%]; None if there are none."""
-        groups = np.full_like(self.left_out, np.nan) if self.by_group is None else self.by_group.predictions
-        every = {"fitted": self.found.predictions, "left_out": self.left_out, "group_left_out": groups}
+        groups = (
+            np.full_like(self.left_out, np.nan)
+            if self.by_group is None
+            else self.by_group.predictions
+        )
+        every = {
+            "fitted": self.found.predictions,
+            "left_out": self.left_out,
+            "group_left_out": groups,
+        }
         if not any("forward_velocity" in one.figures for one in self.found.problem.measurements):
             return dict.fromkeys(every)
         errors = {name: self.found.percentage_error(predictions=one) for name, one in every.items()}
@@ -148,17 +173,25 @@ def validate(
     Args:
         task: The task.
         found: The fit.
-        exact: Whether every measurement is left out in a refit, instead of with the linearized model.
+        exact: Whether every measurement is left out in a refit, instead of with the linearized
+            model.
         by_group: Whether groups are left out, if there are several.
         profiles: Whether intervals are also computed from the likelihood.
         progress: Called periodically with the current step and its finished fraction.
     """
-    single, is_linearized, groups, kept = linear_leave_one_out(found), True, None, dict[str, uncertainty.Ends]()
+    single, is_linearized, groups, kept = (
+        linear_leave_one_out(found),
+        True,
+        None,
+        dict[str, uncertainty.Ends](),
+    )
     is_whole = fitting.INTERRUPTED not in found.warnings
     shown = found.problem.of_interest if profiles and is_whole else []
     try:
         if exact and is_whole and _suffices(found, [m.name for m in found.problem.measurements]):
-            single = leave_out(found, progress=partial(progress, "measurements left out")).predictions
+            single = leave_out(
+                found, progress=partial(progress, "measurements left out")
+            ).predictions
             is_linearized = False
         if by_group and is_whole and _suffices(found, found.problem.groups):
             groups = leave_out(found, "group", progress=partial(progress, "groups left out"))
@@ -182,7 +215,12 @@ def validate(
 def _suffices(found: result.Fit, names: Sequence[str]) -> bool:
     """Check that enough data remain for a fit when the measurements of any one of these names are left out."""
     problem = found.problem
-    n_free = sum(unknown.prior is None for unknown in problem.unknowns) + (found.method.noise == "estimated")
+    n_free = sum(unknown.prior is None for unknown in problem.unknowns) + (
+        found.method.noise == "estimated"
+    )
     sizes = np.bincount(problem.owner, minlength=len(names))
-    most = max(sum(size for size, other in zip(sizes, names, strict=True) if other == name) for name in names)
+    most = max(
+        sum(size for size, other in zip(sizes, names, strict=True) if other == name)
+        for name in names
+    )
     return len(set(names)) > 1 and problem.observed.size - int(most) >= n_free

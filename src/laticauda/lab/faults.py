@@ -30,10 +30,16 @@ class FaultFileError(LaticaudaError, ValueError):
 class Fault:
     """One fault."""
 
-    kind: str = option("Kind of fault; see `KINDS`", check=lambda name, kind: one_of(name, kind, tuple(KINDS)))
+    kind: str = option(
+        "Kind of fault; see `KINDS`", check=lambda name, kind: one_of(name, kind, tuple(KINDS))
+    )
     time: float = quantity("s", "Time at which it begins, on the lab's clock", ge=0.0, default=0.0)
-    duration: float = quantity("s", "How long it lasts; infinite: to the end", ge=0.0, default=math.inf)
-    node: int = quantity("", "Node that it affects; 0: all", ge=0, le=protocol.N_NODES, default=protocol.EVERY_NODE)
+    duration: float = quantity(
+        "s", "How long it lasts; infinite: to the end", ge=0.0, default=math.inf
+    )
+    node: int = quantity(
+        "", "Node that it affects; 0: all", ge=0, le=protocol.N_NODES, default=protocol.EVERY_NODE
+    )
     share: float = quantity(
         "",
         "Share of frames lost or corrupted, of a motor's torque that remains, or by which a clock is fast",
@@ -42,8 +48,12 @@ class Fault:
         default=0.1,
     )
     delay: float = quantity("s", "Delay of late frames", ge=0.0, default=0.1)
-    temperature: float = quantity("deg C", "Temperature of the motor", ge=-273.15, le=1000.0, default=95.0)
-    angle: float = quantity("rad", "Angle by which a horn slips, or the marker body turns", default=math.radians(5.0))
+    temperature: float = quantity(
+        "deg C", "Temperature of the motor", ge=-273.15, le=1000.0, default=95.0
+    )
+    angle: float = quantity(
+        "rad", "Angle by which a horn slips, or the marker body turns", default=math.radians(5.0)
+    )
     speed: float = quantity("m/s", "Velocity of water that begins to move", ge=0.0, default=0.03)
     towards: float = quantity("rad", "Direction in which it moves", default=0.0)
 
@@ -100,7 +110,14 @@ class Faults:
             kind: Kind of fault, such as `meter_silent`.
             node: Number of the module; by default, all modules.
         """
-        return next((one for one in self.present if one.kind == kind and one.node in (protocol.EVERY_NODE, node)), None)
+        return next(
+            (
+                one
+                for one in self.present
+                if one.kind == kind and one.node in (protocol.EVERY_NODE, node)
+            ),
+            None,
+        )
 
 
 def load_faults(path: str | Path) -> tuple[Fault, ...]:
@@ -110,7 +127,8 @@ def load_faults(path: str | Path) -> tuple[Fault, ...]:
         path: Path of a TOML file.
 
     Raises:
-        FaultFileError: If anything in it is invalid; the message gives the file, the entry, the rule and the value.
+        FaultFileError: If anything in it is invalid; the message gives the file, the entry, the
+            rule and the value.
     """
     table = files.read_toml(path, FaultFileError)
     with codec.keys_of(path, FaultFileError):

@@ -14,8 +14,15 @@ from laticauda.protocol import BodyPose, MeterReading, MocapFrame, meter
 from laticauda.robot import Robot
 
 BODY = "last-module"
-# Positions of the five markers on their body: a cross with one arm longer than the others; an assumption [m].
-MARKERS = ((0.0, 0.0, 0.0), (0.05, 0.0, 0.0), (-0.04, 0.0, 0.0), (0.0, 0.04, 0.0), (0.0, -0.03, 0.01))
+# Positions of the five markers on their body: a cross with one arm longer than the others; an
+# assumption [m].
+MARKERS = (
+    (0.0, 0.0, 0.0),
+    (0.05, 0.0, 0.0),
+    (-0.04, 0.0, 0.0),
+    (0.0, 0.04, 0.0),
+    (0.0, -0.03, 0.01),
+)
 ROTATION_JUMP = 0.1  # rad, of a body with a marker mistaken for its mirror image
 
 
@@ -84,7 +91,11 @@ class Cameras:
             turn = turn + ROTATION_JUMP * noise[2]
             residual += 0.5 * float(np.linalg.norm(s.reflection_jump * noise[3]))
         measured = self._frame.T @ (position + shift - np.array(s.frame))
-        return BodyPose(position=measured, rotation=self._frame.T @ _rotation(turn) @ rotation, residual=residual)
+        return BodyPose(
+            position=measured,
+            rotation=self._frame.T @ _rotation(turn) @ rotation,
+            residual=residual,
+        )
 
 
 def _rotation(vector: Float[np.ndarray, " 3"]) -> Float[np.ndarray, "3 3"]:
@@ -131,7 +142,9 @@ class Multimeter:
         if self._began is None or not self._shown:
             return MeterReading(live=self._live)
         ends = {"minimum": min(self._shown), "maximum": max(self._shown)}
-        return MeterReading(live=self._live, average=fmean(self._shown), **ends, duration=self._time - self._began)
+        return MeterReading(
+            live=self._live, average=fmean(self._shown), **ends, duration=self._time - self._began
+        )
 
     def answer(self, line: str) -> bytes:
         """Return the answer to a line, as bytes on the wire."""
@@ -151,11 +164,12 @@ class Multimeter:
         return meter.encode_answer(meter.displayed_text(reading, self._time))
 
 
-# ---- in the modules: motors, sensors and supply of all of them at once -----------------------------------------------
+# ---- in the modules: motors, sensors and supply of all of them at once ---------------------------
 
 
 GRAVITY = 9.81  # m/s^2
-# How gently gear play is taken up; assumptions that keep it from rattling in steps of the lab's clock.
+# How gently gear play is taken up; assumptions that keep it from rattling in steps of the lab's
+# clock.
 PLAY_TORQUE, PLAY_TIME = 0.2, 0.03  # N m, s
 
 
@@ -169,7 +183,9 @@ class Electronics:
         servos: Law of the joints.
     """
 
-    def __init__(self, robot: Robot, settings: LabSettings, random: np.random.Generator, servos: Servo) -> None:
+    def __init__(
+        self, robot: Robot, settings: LabSettings, random: np.random.Generator, servos: Servo
+    ) -> None:
         actuators = [joint.actuator for joint in robot.driven_joints]
         self.settings, self._random, self._servos = settings, random, servos
         self._drives = [Drive(*(getattr(a, name) for name in Drive._fields)) for a in actuators]
@@ -179,7 +195,9 @@ class Electronics:
         self._voltage = np.array([a.voltage for a in actuators])
         self._idle = robot.idle_power
         n = len(actuators)
-        self._modules = [*range(robot.n_joints), 0][:n]  # modules with the nodes; a driven fin's is in the last one
+        self._modules = [*range(robot.n_joints), 0][
+            :n
+        ]  # modules with the nodes; a driven fin's is in the last one
         self.zero_error = random.uniform(-1.0, 1.0, n) * settings.nodes.zero_error
         self.play, self.slip_rate = np.zeros(n), np.zeros(n)
         self.duty, self.current = np.zeros(n), np.zeros(n)
@@ -211,19 +229,27 @@ class Electronics:
             jammed: Which joints cannot turn; the plant's work does not include their motors.
             dt: Time step [s].
         """
-        # The sensor is on the motor's side, which leads by half the play in the direction of the motor's pull.
+        # The sensor is on the motor's side, which leads by half the play in the direction of the
+        # motor's pull.
         leads = 0.5 * self.settings.nodes.backlash * np.tanh(truth.joint_torque / PLAY_TORQUE)
         self.play = self.play + (leads - self.play) * (1.0 - math.exp(-dt / PLAY_TIME))
         motion = zip(truth.joint_angle, truth.joint_rate, reference, self._drives, strict=True)
         self.duty = np.where(on, [self._servos.duty(*one) for one in motion], 0.0)
-        self.current = np.where(on, self._stall_current * (self.duty - truth.joint_rate / self._no_load_speed), 0.0)
+        self.current = np.where(
+            on, self._stall_current * (self.duty - truth.joint_rate / self._no_load_speed), 0.0
+        )
         self._heat(dt)
         extra = np.sum((self._voltage * np.maximum(self.duty * self.current, 0.0))[jammed])
         power = self._idle + float(extra) + (truth.electrical_work - self._work) / dt
         self._work = truth.electrical_work
         supply = self.settings.supply
-        # Of the two roots of P = (V - R I) I, the one at which a supply works; beyond its limit, it gives what it can.
-        most = supply.voltage**2 / (4.0 * supply.cable_resistance) if supply.cable_resistance else np.inf
+        # Of the two roots of P = (V - R I) I, the one at which a supply works; beyond its limit, it
+        # gives what it can.
+        most = (
+            supply.voltage**2 / (4.0 * supply.cable_resistance)
+            if supply.cable_resistance
+            else np.inf
+        )
         root = np.sqrt(1.0 - min(power / most, 1.0))
         self.voltage = 0.5 * supply.voltage * (1.0 + float(root))
         self.supply_current = power / self.voltage
@@ -254,19 +280,45 @@ class Electronics:
         angle = truth.joint_angle + self.zero_error + self.play + s.angle_noise * noise[0]
         if s.angle_step > 0.0:
             angle = s.angle_step * np.rint(angle / s.angle_step)
-        rate = truth.joint_rate + self.slip_rate + s.rate_noise * noise[1]  # of the same sensor as the angle
+        rate = (
+            truth.joint_rate + self.slip_rate + s.rate_noise * noise[1]
+        )  # of the same sensor as the angle
         current = self.current + s.current_noise * noise[2]
         torque = self._stall_torque / self._stall_current * current
         load = truth.joint_torque + s.torque_noise * noise[3]
         acceleration = self._acceleration + s.acceleration_noise * noise[4:].T
-        names = ("angle", "rate", "current", "duty", "torque", "load", "acceleration", "temperature", "leak")
-        columns = angle, rate, current, self.duty, torque, load, acceleration, self.temperature, leaks
+        names = (
+            "angle",
+            "rate",
+            "current",
+            "duty",
+            "torque",
+            "load",
+            "acceleration",
+            "temperature",
+            "leak",
+        )
+        columns = (
+            angle,
+            rate,
+            current,
+            self.duty,
+            torque,
+            load,
+            acceleration,
+            self.temperature,
+            leaks,
+        )
         rows = zip(*(column.tolist() for column in columns), strict=True)
-        return [nodes.Senses(**dict(zip(names, row, strict=True)), voltage=self.voltage) for row in rows]
+        return [
+            nodes.Senses(**dict(zip(names, row, strict=True)), voltage=self.voltage) for row in rows
+        ]
 
     def _heat(self, dt: float) -> None:
         """C dT/dt = R I^2 - (T - T_water) / R_th, with R = V / I_stall."""
         s = self.settings.nodes
         resistance = self._voltage / self._stall_current
         cooling = (self.temperature - self.settings.water_temperature) / s.thermal_resistance
-        self.temperature = self.temperature + dt / s.heat_capacity * (resistance * self.current**2 - cooling)
+        self.temperature = self.temperature + dt / s.heat_capacity * (
+            resistance * self.current**2 - cooling
+        )

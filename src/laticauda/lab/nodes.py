@@ -1,7 +1,7 @@
 """The firmware of one joint module: its states, its answers on the bus, and what its motor does.
 
-The servo itself (`actuation.Servo` or `SpeedServo`) controls the joint; the node sets its reference, switches its motor
-on and off, and monitors it.
+The servo itself (`actuation.Servo` or `SpeedServo`) controls the joint; the node sets its
+reference, switches its motor on and off, and monitors it.
 """
 
 import math
@@ -12,7 +12,9 @@ from laticauda.lab.settings import NodeSettings
 from laticauda.protocol import EVERY_NODE, FAULTS, NodeState, Order, Result, messages
 
 SETTLED = (NodeState.READY, NodeState.LIMP)
-STUCK_SMOOTHING = 0.05  # of the angle, so that sensor noise does not count as travel; an assumption [s]
+STUCK_SMOOTHING = (
+    0.05  # of the angle, so that sensor noise does not count as travel; an assumption [s]
+)
 
 
 @dataclass(kw_only=True)
@@ -100,7 +102,9 @@ class Node:
             said.append(messages.Acceleration(node=self.number, along=along, left=left, up=up))
         return said
 
-    def receive(self, message: messages.CanMessage, now: float, senses: Senses) -> list[messages.CanMessage]:
+    def receive(
+        self, message: messages.CanMessage, now: float, senses: Senses
+    ) -> list[messages.CanMessage]:
         """Receive a message, and return the answers.
 
         Args:
@@ -145,12 +149,16 @@ class Node:
             )
         ]
 
-    def _obey(self, command: messages.NodeCommand, now: float, senses: Senses) -> list[messages.CanMessage]:
+    def _obey(
+        self, command: messages.NodeCommand, now: float, senses: Senses
+    ) -> list[messages.CanMessage]:
         if self.state == NodeState.STARTUP:
             return []
         before = self.state
         result = Result.DONE if self._do(command, now, senses) else Result.REFUSED
-        reply = messages.CommandReply(node=self.number, order=command.order, result=result, state=self.state)
+        reply = messages.CommandReply(
+            node=self.number, order=command.order, result=result, state=self.state
+        )
         return [reply] if self.state == before else [reply, self._heartbeat(now, senses)]
 
     def _do(self, command: messages.NodeCommand, now: float, senses: Senses) -> bool:
@@ -175,7 +183,10 @@ class Node:
         return True
 
     def _clear(self, now: float, senses: Senses) -> bool:
-        causes = {"leak": senses.leak, "over_temperature": senses.temperature > self.settings.temperature_again}
+        causes = {
+            "leak": senses.leak,
+            "over_temperature": senses.temperature > self.settings.temperature_again,
+        }
         self.flags -= {name for name in (*FAULTS, "references_lost") if not causes.get(name, False)}
         self._current = self._stuck = 0.0
         if self.state == NodeState.FAULT and not self.flags & set(FAULTS):
@@ -198,12 +209,15 @@ class Node:
     def _is_stuck(self, dt: float, senses: Senses) -> bool:
         """Return whether the joint stays where it is, although the motor keeps pulling as hard as it can.
 
-        Standing still says little: a servo loaded by the water stalls for seconds, and then moves on. The time of full
-        pull therefore adds up until the joint has moved away from where it stood.
+        Standing still says little: a servo loaded by the water stalls for seconds, and then moves
+        on. The time of full pull therefore adds up until the joint has moved away from where it
+        stood.
         """
         limits, angle = self.settings, senses.angle
         share = min(dt / STUCK_SMOOTHING, 1.0)
-        self._angle = angle if math.isnan(self._angle) else self._angle + share * (angle - self._angle)
+        self._angle = (
+            angle if math.isnan(self._angle) else self._angle + share * (angle - self._angle)
+        )
         if not self.is_on or not abs(self._angle - self._stood) <= limits.stuck_travel:
             self._stood, self._stuck = self._angle, 0.0
         elif abs(senses.duty) >= limits.stuck_duty:

@@ -75,7 +75,9 @@ class QtmServer:
             self._server = asyncio.run_coroutine_threadsafe(opening, loop).result()
         except OSError as error:
             self.stop()
-            raise ServerFailed(f"The cameras' server cannot listen at {self.host}:{self.port}: {error}.") from error
+            raise ServerFailed(
+                f"The cameras' server cannot listen at {self.host}:{self.port}: {error}."
+            ) from error
         self.port = int(self._server.sockets[0].getsockname()[1])
 
     def stop(self) -> None:
@@ -152,7 +154,9 @@ class QtmServer:
     def _parameters(self, client: _Client, words: Sequence[str]) -> bytes:
         names = {word.lower() for word in words}
         asked = {"general", "6d", "3d", "skeleton"} if "all" in names else names
-        return qtm.encode_text(qtm.parameters(self.rate, {BODY: MARKERS}, asked), qtm.PacketType.XML)
+        return qtm.encode_text(
+            qtm.parameters(self.rate, {BODY: MARKERS}, asked), qtm.PacketType.XML
+        )
 
     def _current_frame(self, client: _Client, words: Sequence[str]) -> bytes:
         components = _components(words)
@@ -180,7 +184,9 @@ class QtmServer:
         name, _, number = word.partition(":")
         if word == "allframes":
             return 1
-        if name not in ("frequency", "frequencydivisor") or not (number.isascii() and number.isdigit()):
+        if name not in ("frequency", "frequencydivisor") or not (
+            number.isascii() and number.isdigit()
+        ):
             return None
         if not 1 <= int(number[:9]) < 10**6:
             return None
@@ -189,4 +195,7 @@ class QtmServer:
 
 def _components(words: Sequence[str]) -> tuple[qtm.Component, ...] | None:
     """Return the components of a frame that a client wants and that we have; None if there are none."""
-    return tuple(qtm.COMPONENTS[word.lower()] for word in words if word.lower() in qtm.COMPONENTS) or None
+    return (
+        tuple(qtm.COMPONENTS[word.lower()] for word in words if word.lower() in qtm.COMPONENTS)
+        or None
+    )

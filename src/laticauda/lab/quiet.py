@@ -31,10 +31,15 @@ def check(fault: Fault, plant: Plant[Any]) -> None:
     """
     fin = plant.robot.caudal_fin
     if fault.kind == "lost_fin" and fin is not None and (plant.robot.fin_joints or fin.n_hinges):
-        raise BadArgument("kind", "must not be `lost_fin`: only a fin without hinges or joints of its own can come off")
+        raise BadArgument(
+            "kind",
+            "must not be `lost_fin`: only a fin without hinges or joints of its own can come off",
+        )
     water = plant.environment
     if fault.kind == "moving_water" and (not isinstance(water, Water) or water.flow is not None):
-        raise BadArgument("kind", "must not be `moving_water` on land, or in water with a flow law of its own")
+        raise BadArgument(
+            "kind", "must not be `moving_water` on land, or in water with a flow law of its own"
+        )
 
 
 def altered(body: VirtualRobot, built: Plant[Any], faults: Faults) -> Plant[Any]:
@@ -50,7 +55,9 @@ def altered(body: VirtualRobot, built: Plant[Any], faults: Faults) -> Plant[Any]
     for k, i in enumerate(body.driven[: robot.n_joints].tolist()):
         weak = faults.on("weak_servo", i + 1)
         if weak is not None:
-            drive = replace(joints[k].actuator, stall_torque=weak.share * joints[k].actuator.stall_torque)
+            drive = replace(
+                joints[k].actuator, stall_torque=weak.share * joints[k].actuator.stall_torque
+            )
             joints[k] = replace(joints[k], actuator=drive)
     moving = faults.on("moving_water")
     if moving is not None and isinstance(water, Water):
@@ -58,7 +65,9 @@ def altered(body: VirtualRobot, built: Plant[Any], faults: Faults) -> Plant[Any]
         more = moving.speed * math.cos(moving.towards), moving.speed * math.sin(moving.towards)
         water = replace(water, current=(x + more[0], y + more[1], z))
     fin = None if faults.on("lost_fin") else robot.caudal_fin
-    return replace(built, robot=replace(robot, joints=tuple(joints), caudal_fin=fin), environment=water)
+    return replace(
+        built, robot=replace(robot, joints=tuple(joints), caudal_fin=fin), environment=water
+    )
 
 
 class Mistakes:

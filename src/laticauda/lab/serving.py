@@ -84,7 +84,13 @@ class Lab:
     """
 
     def __init__(
-        self, tank: Tank, *, bus: BusAddress | Any, host: str = LOOPBACK, port: int = qtm.PORT, speed: float = 1.0
+        self,
+        tank: Tank,
+        *,
+        bus: BusAddress | Any,
+        host: str = LOOPBACK,
+        port: int = qtm.PORT,
+        speed: float = 1.0,
     ) -> None:
         self.tank, self.speed = tank, positive("speed", speed)
         self.lag = 0.0
@@ -110,7 +116,9 @@ class Lab:
             self._bus = wires.enter_context(open_bus(bus) if isinstance(bus, BusAddress) else bus)
             wires.callback(self.server.stop)
             self.server.start()
-            line = wires.enter_context(SerialLine(lambda asked: self.call(lambda tank: tank.answer(asked))))
+            line = wires.enter_context(
+                SerialLine(lambda asked: self.call(lambda tank: tank.answer(asked)))
+            )
             self._wires = wires.pop_all()
         host, port = self.server.host, self.server.port
         return LabAddresses(bus=bus, mocap_host=host, mocap_port=port, meter=line.path)
@@ -175,11 +183,14 @@ class Lab:
                     self.tank.advance_to(min(self.tank.next_tick, end))
                     self._send()
             wait = (self.tank.next_tick - now) / self.speed
-            # With wait <= 0, a step is due. All frames that have arrived by then are still received before it: one
-            # per step, and a computer that cannot keep up would let them wait longer and longer.
+            # With wait <= 0, a step is due. All frames that have arrived by then are still received
+            # before it: one per step, and a computer that cannot keep up would let them wait longer
+            # and longer.
             for patience in (min(max(wait, 0.0), LONGEST_WAIT), *[0.0] * MOST_WAITING):
                 frame: Any = None
-                with suppress(python_can().CanError):  # frames that a bus cannot decode count as lost
+                with suppress(
+                    python_can().CanError
+                ):  # frames that a bus cannot decode count as lost
                     frame = self._bus.recv(patience)
                 if frame is None:
                     break
@@ -189,7 +200,9 @@ class Lab:
         if frame.is_extended_id or frame.is_remote_frame or frame.is_error_frame or frame.is_fd:
             return
         with self._lock:
-            self.tank.receive(frame.arbitration_id, bytes(frame.data), min(now, self.tank.next_tick))
+            self.tank.receive(
+                frame.arbitration_id, bytes(frame.data), min(now, self.tank.next_tick)
+            )
             self._send()
 
     def _send(self) -> None:
@@ -197,6 +210,8 @@ class Lab:
         can = python_can()
         with suppress(can.CanError):  # a full buffer loses frames, as a busy bus does
             for identifier, data in self.tank.sent():
-                self._bus.send(can.Message(arbitration_id=identifier, data=data, is_extended_id=False))
+                self._bus.send(
+                    can.Message(arbitration_id=identifier, data=data, is_extended_id=False)
+                )
         for frame in self.tank.captured():
             self.server.publish(frame)

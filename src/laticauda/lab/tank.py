@@ -1,7 +1,8 @@
 """The virtual tank without wires: modules, cameras and meter around one body, in steps, all from one seed.
 
-Nothing here waits or runs by itself: the user of a `Tank` advances time, passes in received frames, and takes out the
-frames to send. A campaign therefore runs as fast as it can, and the same calls give the same answers.
+Nothing here waits or runs by itself: the user of a `Tank` advances time, passes in received frames,
+and takes out the frames to send. A campaign therefore runs as fast as it can, and the same calls
+give the same answers.
 """
 
 import math
@@ -35,20 +36,29 @@ class Tank:
         ValueError: If the robot has more joints than the bus has nodes.
     """
 
-    def __init__(self, body: VirtualRobot, settings: LabSettings | None = None, faults: Iterable[Fault] = ()) -> None:
+    def __init__(
+        self, body: VirtualRobot, settings: LabSettings | None = None, faults: Iterable[Fault] = ()
+    ) -> None:
         joints = body.robot.driven_joints
         if not 1 <= len(joints) <= N_NODES:
-            raise BadArgument("robot", f"must have 1 to {N_NODES} joints, a driven fin's included, got {len(joints)}")
+            raise BadArgument(
+                "robot",
+                f"must have 1 to {N_NODES} joints, a driven fin's included, got {len(joints)}",
+            )
         self.settings = settings or LabSettings()
         self.body, self.faults, self._built = body, Faults(), body.plant
         for fault in faults:
             self.inject(fault)
         streams = np.random.SeedSequence(self.settings.seed).spawn(4)
         motors, cameras, supply, self._wire = (np.random.default_rng(stream) for stream in streams)
-        self.electronics = instruments.Electronics(body.robot, self.settings, motors, body.plant.settings.joints)
+        self.electronics = instruments.Electronics(
+            body.robot, self.settings, motors, body.plant.settings.joints
+        )
         self.cameras = instruments.Cameras(self.settings.mocap, cameras)
         self.meter = instruments.Multimeter(self.settings.supply, supply)
-        self.nodes = [nodes.Node(i + 1, self.settings.nodes, joint.limit) for i, joint in enumerate(joints)]
+        self.nodes = [
+            nodes.Node(i + 1, self.settings.nodes, joint.limit) for i, joint in enumerate(joints)
+        ]
         self.time = 0.0
         self._ticks = self._frames = 0
         self._leaks = np.zeros(len(joints), dtype=bool)
@@ -195,7 +205,11 @@ class Tank:
         n = len(self.nodes)
         reference = np.fromiter((node.reference for node in self.nodes), float, n)
         zero = np.fromiter((node.zero for node in self.nodes), float, n)
-        on = np.fromiter((node.is_on and not dead for node, dead in zip(self.nodes, self._dead, strict=True)), bool, n)
+        on = np.fromiter(
+            (node.is_on and not dead for node, dead in zip(self.nodes, self._dead, strict=True)),
+            bool,
+            n,
+        )
         reference = reference - self.electronics.offset(zero)
         held, moves = reference.copy(), on.copy()
         jammed = np.zeros(n, dtype=bool)
@@ -227,7 +241,10 @@ class Tank:
         faults = self.faults
         altering = tuple(fault for fault in faults.present if fault.kind in quiet.OF_PLANT)
         if altering != self._altering:
-            self._altering, self.body.plant = altering, quiet.altered(self.body, self._built, faults)
+            self._altering, self.body.plant = (
+                altering,
+                quiet.altered(self.body, self._built, faults),
+            )
         for i, node in enumerate(self.nodes):
             number = node.number
             dead = faults.on("dead_module", number) is not None
@@ -241,14 +258,20 @@ class Tank:
                 node.flags.add("bus_errors")
             self._dead[i], self._silent[i] = dead, dead or off
             slip = faults.on("slipped_zero", number)
-            more = -math.expm1(-self.settings.step / quiet.SLIP_TIME) * (slip.angle - self._slipped[i]) if slip else 0.0
+            more = (
+                -math.expm1(-self.settings.step / quiet.SLIP_TIME) * (slip.angle - self._slipped[i])
+                if slip
+                else 0.0
+            )
             self._slipped[i] += more
             self.electronics.zero_error[i] -= more
             self.electronics.slip_rate[i] = -more / self.settings.step
             self._leaks[i] = faults.on("leak", number) is not None
             hot = faults.on("over_temperature", number)
             if hot is not None:
-                self.electronics.temperature[i] = max(self.electronics.temperature[i], hot.temperature)
+                self.electronics.temperature[i] = max(
+                    self.electronics.temperature[i], hot.temperature
+                )
             if faults.on("stuck_servo", number) is None:
                 self._jammed.pop(i, None)
             else:
@@ -302,6 +325,8 @@ def _carry(tank: Tank, words: list[str]) -> str:
         rule = "must have three numbers, x y [m] and heading [deg], and in space a depth [m], got"
         raise BadArgument("carry", f"{rule} {got!r}") from None
     at = f" depth {depth[0]:g} m" if depth else ""
-    start = Start(center_of_mass=(x, y), heading=math.radians(heading), depth=depth[0] if depth else None)
+    start = Start(
+        center_of_mass=(x, y), heading=math.radians(heading), depth=depth[0] if depth else None
+    )
     tank.carry(start)
     return f"the robot lies straight at {x:g} {y:g} m, heading {heading:g} deg{at}"

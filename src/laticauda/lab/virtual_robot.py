@@ -50,7 +50,8 @@ class VirtualRobot:
 
     Args:
         robot: Robot as it is built, with all its joints.
-        plant: The same robot as a plant that can be stepped, with servo joints; a planar one drives its yaw joints.
+        plant: The same robot as a plant that can be stepped, with servo joints; a planar one drives
+            its yaw joints.
         start: Where the robot starts.
         depth: Depth below the surface at which the robot of a planar world swims [m].
 
@@ -58,10 +59,14 @@ class VirtualRobot:
         ValueError: If the plant is of another robot, or its joints are not servos of either kind.
     """
 
-    def __init__(self, robot: Robot, plant: Plant[Any], start: Start | None = None, *, depth: float = 0.15) -> None:
+    def __init__(
+        self, robot: Robot, plant: Plant[Any], start: Start | None = None, *, depth: float = 0.15
+    ) -> None:
         joints: object = plant.settings.joints
         if not isinstance(joints, Servo):
-            raise BadArgument("plant", f"must have `servo` or `speed-servo` joints, got {name_of(type(joints))!r}")
+            raise BadArgument(
+                "plant", f"must have `servo` or `speed-servo` joints, got {name_of(type(joints))!r}"
+            )
         driven = list(range(robot.n_joints))
         if plant.robot.n_joints != robot.n_joints:
             driven = [i for i, joint in enumerate(robot.joints) if joint.axis == "yaw"]
@@ -94,7 +99,12 @@ class VirtualRobot:
         self._log = [log]
         self.truth = self._truth(log)
 
-    def advance(self, references: Float[np.ndarray, " n_joints"], on: Bool[np.ndarray, " n_joints"], dt: float) -> None:
+    def advance(
+        self,
+        references: Float[np.ndarray, " n_joints"],
+        on: Bool[np.ndarray, " n_joints"],
+        dt: float,
+    ) -> None:
         """Advance time by `dt` [s].
 
         Args:
@@ -105,13 +115,17 @@ class VirtualRobot:
         Raises:
             SimulationFailed: If the body's motion diverges.
         """
-        self._state, log = self._marched(references[self.driven].tolist(), on[self.driven].tolist(), dt)
+        self._state, log = self._marched(
+            references[self.driven].tolist(), on[self.driven].tolist(), dt
+        )
         self.truth = self._truth(log)
         if float(log.time[-1] - self._log[-1].time[-1]) >= SAMPLE_INTERVAL - 1e-9:
             self._log.append(log.at(slice(-1, None)))
             del self._log[MOST_SAMPLES:]
 
-    def _marched(self, references: Sequence[float], on: Sequence[bool], dt: float) -> tuple[PlantState, series.Log]:
+    def _marched(
+        self, references: Sequence[float], on: Sequence[bool], dt: float
+    ) -> tuple[PlantState, series.Log]:
         """Return the state after `dt` [s], and the log."""
         command = Command(gait=STILL, references=tuple(references), enabled=tuple(on))
         state, log, failure = self.plant.march(self._state, command, dt, dt)
@@ -127,7 +141,11 @@ class VirtualRobot:
         """
         return Trial(
             **vars(series.concatenated(self._log)),
-            scenario=Experiment(robot=self.plant.robot, environment=self.plant.environment, model=self.plant.settings),
+            scenario=Experiment(
+                robot=self.plant.robot,
+                environment=self.plant.environment,
+                model=self.plant.settings,
+            ),
             version=version,
             status="Ground truth of the virtual tank.",
             succeeded=True,
@@ -152,12 +170,17 @@ class VirtualRobot:
             joint_angle=angle,
             joint_rate=rate,
             joint_torque=torque,
-            electrical_work=self._work + (0.0 if log.electrical_work is None else float(log.electrical_work[-1])),
-            modules=module_poses(self.robot, center, rotation, angle[: self.robot.n_joints], ballast_depth=ballast),
+            electrical_work=self._work
+            + (0.0 if log.electrical_work is None else float(log.electrical_work[-1])),
+            modules=module_poses(
+                self.robot, center, rotation, angle[: self.robot.n_joints], ballast_depth=ballast
+            ),
         )
 
     def _all_joints(self, log: series.Log, values: np.ndarray, of_fin: str) -> np.ndarray:
         """Return the last values of all joints, from those of the plant, and of a driven fin; the others are held."""
         full = np.zeros(len(self.robot.driven_joints))
-        full[self.driven] = np.append(values[-1], log.signals[of_fin][-1]) if of_fin in log.signals else values[-1]
+        full[self.driven] = (
+            np.append(values[-1], log.signals[of_fin][-1]) if of_fin in log.signals else values[-1]
+        )
         return full

@@ -19,7 +19,8 @@ def write_bag(source: Trial | str | Path, folder: str | Path) -> None:
     """Write a trial or a recording to a folder that `ros2 bag` and the package `rosbags` can open.
 
     Args:
-        source: A trial, or an MCAP file written by laticauda: a saved trial, or a recording, which is copied unchanged.
+        source: A trial, or an MCAP file written by laticauda: a saved trial, or a recording, which
+            is copied unchanged.
         folder: A new or empty folder.
 
     Raises:
@@ -35,7 +36,9 @@ def write_bag(source: Trial | str | Path, folder: str | Path) -> None:
     try:
         place.mkdir(exist_ok=True)
     except OSError as error:
-        raise StorageFailed(f"{folder}: cannot be created: {(error.strerror or str(error)).lower()}.") from error
+        raise StorageFailed(
+            f"{folder}: cannot be created: {(error.strerror or str(error)).lower()}."
+        ) from error
     if any(place.iterdir()):
         raise StorageFailed(f"{folder}: must be a new or an empty folder; name another one.")
     if isinstance(source, Trial):
@@ -60,7 +63,9 @@ def _information(recording: Recording) -> dict[str, object]:
         }
         for name, topic in recording.topics.items()
     ]
-    start, duration = (round(1e9 * one) for one in (recording.start, recording.stop - recording.start))
+    start, duration = (
+        round(1e9 * one) for one in (recording.start, recording.stop - recording.start)
+    )
     span = {
         "duration": {"nanoseconds": duration},
         "starting_time": {"nanoseconds_since_epoch": recording.epoch + start},

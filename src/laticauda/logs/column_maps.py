@@ -21,7 +21,8 @@
     columns = "phi {}"                 # phi 0 is the tail-most joint
     unit = "deg"
 
-Column maps are read strictly: unknown keys, missing keys and values out of range are rejected, naming the key.
+Column maps are read strictly: unknown keys, missing keys and values out of range are rejected,
+naming the key.
 """
 
 import math
@@ -41,7 +42,12 @@ ANGLES = {"rad": 1.0, "deg": math.pi / 180.0}
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
 RATES = {"rad/s": 1.0, "deg/s": math.pi / 180.0}
 TORQUES = {"N m": 1.0, "N cm": 1e-2, "N mm": 1e-3}
-UNITS = {"joint_angle": ANGLES, "joint_angle_ref": ANGLES, "joint_rate": RATES, "joint_torque": TORQUES}
+UNITS = {
+    "joint_angle": ANGLES,
+    "joint_angle_ref": ANGLES,
+    "joint_rate": RATES,
+    "joint_torque": TORQUES,
+}
 """Units of the joint columns by section; the first is the default."""
 AXES = ("X", "Y", "Z")
 STRAIGHT = gaits.Gait(amplitude=0.0, frequency=0.0, phase_shift=0.0)
@@ -63,7 +69,9 @@ class TimeColumn:
 
     column: str | None = option("Name of the column", default=None)
     unit: Literal["s", "ms", "us"] = option("Unit of the column", default="s")
-    rate: float | None = quantity("Hz", "Rows per second, instead of a column", default=None, gt=0.0)
+    rate: float | None = quantity(
+        "Hz", "Rows per second, instead of a column", default=None, gt=0.0
+    )
 
     def __post_init__(self) -> None:
         """Check that the fields fit together."""
@@ -77,13 +85,19 @@ class Frame:
 
     x: Direction = option("Direction in the file that is forward", default="x")
     y: Direction = option("Direction in the file that is left", default="y")
-    origin: tuple[float, float] = quantity("m", "Position of the trial's origin, along those two", default=(0.0, 0.0))
-    rotation_deg: float = quantity("deg", "Angle by which the result is rotated, counter-clockwise", default=0.0)
+    origin: tuple[float, float] = quantity(
+        "m", "Position of the trial's origin, along those two", default=(0.0, 0.0)
+    )
+    rotation_deg: float = quantity(
+        "deg", "Angle by which the result is rotated, counter-clockwise", default=0.0
+    )
 
     def __post_init__(self) -> None:
         """Check that the fields fit together."""
         if self.x[-1] == self.y[-1]:
-            raise BadArgument("y", f"must be a different axis from `x` = {self.x!r}, got {self.y!r}")
+            raise BadArgument(
+                "y", f"must be a different axis from `x` = {self.x!r}, got {self.y!r}"
+            )
 
 
 @value
@@ -106,22 +120,38 @@ class Heading:
 class Body:
     """One link tracked by motion capture; together with the joint angles it determines the whole robot."""
 
-    name: str | None = option("Name of a rigid body in a QTM file, instead of all columns below", default=None)
+    name: str | None = option(
+        "Name of a rigid body in a QTM file, instead of all columns below", default=None
+    )
     position: Axes | None = option(_PLACE, default=None)
     length_unit: LengthUnit = option(_LENGTH_UNIT, default=None)
-    yaw: str | None = option("Column of its angle about the vertical axis in the file", default=None)
+    yaw: str | None = option(
+        "Column of its angle about the vertical axis in the file", default=None
+    )
     angle_unit: AngleUnit = option(_ANGLE_UNIT, default=None)
-    quaternion: tuple[str, str, str, str] | None = option("Columns w, x, y, z, instead of `yaw`", default=None)
-    rotation: Matrix | None = option("Columns of its rotation matrix, x axis first, instead of `yaw`", default=None)
+    quaternion: tuple[str, str, str, str] | None = option(
+        "Columns w, x, y, z, instead of `yaw`", default=None
+    )
+    rotation: Matrix | None = option(
+        "Columns of its rotation matrix, x axis first, instead of `yaw`", default=None
+    )
     forward: Direction = option("Axis of the body that points to the head", default="x")
-    link: int = quantity("", "Link that carries it, 0 = tail; of the planar chain if joints pitch", default=0, ge=0)
-    offset: tuple[float, float] = quantity("m", "Position from mid-link: toward the head, left", default=(0.0, 0.0))
-    angle_offset_deg: float = quantity("deg", "Angle of the link minus the angle of the body", default=0.0)
+    link: int = quantity(
+        "", "Link that carries it, 0 = tail; of the planar chain if joints pitch", default=0, ge=0
+    )
+    offset: tuple[float, float] = quantity(
+        "m", "Position from mid-link: toward the head, left", default=(0.0, 0.0)
+    )
+    angle_offset_deg: float = quantity(
+        "deg", "Angle of the link minus the angle of the body", default=0.0
+    )
 
     def __post_init__(self) -> None:
         """Check that the fields fit together."""
         if (self.name is None) == (self.position is None):
-            raise BadArgument("position", f"must be given, or `name`, but not both; got {self.position}")
+            raise BadArgument(
+                "position", f"must be given, or `name`, but not both; got {self.position}"
+            )
         turns = [one for one in (self.yaw, self.quaternion, self.rotation) if one is not None]
         if len(turns) != (1 if self.name is None else 0):
             rule = "must be given, or `quaternion` or `rotation`, exactly one of them; none with `name`"
@@ -132,8 +162,12 @@ class Body:
 class Ends:
     """A marker on the tail end, on every joint and on the head end: no joint angles are needed."""
 
-    markers: tuple[str, ...] = option("Names of the markers, tail first: one more than the robot has links")
-    columns: str = option("Names of their columns; the axis is X, Y or Z", default="{marker} {axis}")
+    markers: tuple[str, ...] = option(
+        "Names of the markers, tail first: one more than the robot has links"
+    )
+    columns: str = option(
+        "Names of their columns; the axis is X, Y or Z", default="{marker} {axis}"
+    )
     length_unit: LengthUnit = option(_LENGTH_UNIT, default=None)
 
     def __post_init__(self) -> None:
@@ -147,15 +181,22 @@ class JointColumns:
     """One column per joint."""
 
     columns: str | tuple[str, ...] = option("Names, tail first; or one name with {} for the number")
-    first: int = quantity("", "Number of the tail-most joint, if they are numbered", default=0, ge=0)
+    first: int = quantity(
+        "", "Number of the tail-most joint, if they are numbered", default=0, ge=0
+    )
     head_first: bool = option("Whether the first column is of the head-most joint", default=False)
     unit: str | None = option("Unit of the columns; None: SI", default=None)
-    sign: float = quantity("", "-1 if positive values in the file turn the robot right", default=1.0)
+    sign: float = quantity(
+        "", "-1 if positive values in the file turn the robot right", default=1.0
+    )
 
     def __post_init__(self) -> None:
         """Check that the fields fit together."""
         if isinstance(self.columns, str) and "{}" not in self.columns:
-            raise BadArgument("columns", f"must be a list of names, or hold {{}} for the number, got {self.columns!r}")
+            raise BadArgument(
+                "columns",
+                f"must be a list of names, or hold {{}} for the number, got {self.columns!r}",
+            )
         if self.sign not in (1.0, -1.0):
             raise BadArgument("sign", f"must be 1 or -1, got {self.sign}")
 
@@ -186,14 +227,22 @@ def _voltage(name: str, given: Any) -> str | float | None:
 class Power:
     """Electrical power, from a meter in the supply line."""
 
-    column: str | None = option("Column of the power [W], instead of current and voltage", default=None)
+    column: str | None = option(
+        "Column of the power [W], instead of current and voltage", default=None
+    )
     current: str | None = option("Column of the current [A]", default=None)
-    voltage: str | float | None = option("Column of the voltage, or its value [V]", default=None, check=_voltage)
-    idle: float | None = quantity("W", "Idle power, subtracted; None: the robot's `idle_power`", default=None, ge=0.0)
+    voltage: str | float | None = option(
+        "Column of the voltage, or its value [V]", default=None, check=_voltage
+    )
+    idle: float | None = quantity(
+        "W", "Idle power, subtracted; None: the robot's `idle_power`", default=None, ge=0.0
+    )
 
     def __post_init__(self) -> None:
         """Check that the fields fit together."""
-        if (self.column is None) == (self.current is None) or (self.current is None) != (self.voltage is None):
+        if (self.column is None) == (self.current is None) or (self.current is None) != (
+            self.voltage is None
+        ):
             rule = f"must be given, or `current` and `voltage`, but not both; got {self.column!r}"
             raise BadArgument("column", rule)
 
@@ -211,34 +260,53 @@ class ColumnMap:
     robot: Robot = option("Robot that swam")
     environment: Environment = option("Water or ground that it was in")
     gait: gaits.Gait | None = option("Commanded gait; None if it is not known", default=None)
-    start: float | None = quantity("s", "Time in the file at which the trial begins, its time 0", default=None)
+    start: float | None = quantity(
+        "s", "Time in the file at which the trial begins, its time 0", default=None
+    )
     stop: float | None = quantity("s", "Time in the file at which the trial ends", default=None)
     longest_gap: float = quantity(
-        "s", "Gaps up to this long are interpolated linearly; longer ones are refused", default=0.1, ge=0.0
+        "s",
+        "Gaps up to this long are interpolated linearly; longer ones are refused",
+        default=0.1,
+        ge=0.0,
     )
-    smoothing: float = quantity("s", "Rates are the slopes of cubic fits over this time", default=0.1, gt=0.0)
-    separator: str | None = option("Separator of the cells of a text file; None: detected", default=None)
+    smoothing: float = quantity(
+        "s", "Rates are the slopes of cubic fits over this time", default=0.1, gt=0.0
+    )
+    separator: str | None = option(
+        "Separator of the cells of a text file; None: detected", default=None
+    )
     decimal: Literal[".", ","] = option("Decimal point or comma", default=".")
     time: TimeColumn = option("Times of the rows", default=TimeColumn())
     frame: Frame = option("World axes", default=Frame())
-    center_of_mass: Position | None = option("This, `body` or `ends`; none: a table by laticauda", default=None)
+    center_of_mass: Position | None = option(
+        "This, `body` or `ends`; none: a table by laticauda", default=None
+    )
     heading: Heading | None = option("The heading, beside `center_of_mass`", default=None)
     body: Body | None = option("One tracked link", default=None)
     ends: Ends | None = option("Markers at the ends of all links", default=None)
     joint_angle: JointColumns | None = option("Angles of the joints", default=None)
-    joint_rate: JointColumns | None = option("Rates of the joints; None: computed from the angles", default=None)
+    joint_rate: JointColumns | None = option(
+        "Rates of the joints; None: computed from the angles", default=None
+    )
     joint_angle_ref: JointColumns | None = option("Commanded angles of the joints", default=None)
     joint_torque: JointColumns | None = option("Torques of the joints", default=None)
     power: Power | None = option("Electrical power", default=None)
-    signals: Mapping[str, str] = option("Columns kept as is, by name", default_factory=dict[str, str], check=_signals)
+    signals: Mapping[str, str] = option(
+        "Columns kept as is, by name", default_factory=dict[str, str], check=_signals
+    )
 
     def __post_init__(self) -> None:
         """Check that the fields fit together."""
         if self.start is not None and self.stop is not None and self.stop <= self.start:
             raise BadArgument("stop", f"must be > `start` = {self.start:g} s, got {self.stop:g}")
-        given = [name for name in ("center_of_mass", "body", "ends") if getattr(self, name) is not None]
+        given = [
+            name for name in ("center_of_mass", "body", "ends") if getattr(self, name) is not None
+        ]
         if len(given) > 1:
-            raise BadArgument(given[1], f"must not be given beside `{given[0]}`: both say where the robot was")
+            raise BadArgument(
+                given[1], f"must not be given beside `{given[0]}`: both say where the robot was"
+            )
         if self.body is not None and self.joint_angle is None:
             rule = "must be given with `body`: one link does not say where the others are"
             raise BadArgument("joint_angle", rule)
@@ -248,18 +316,19 @@ class ColumnMap:
                 one_of(f"{name}.unit", columns.unit, tuple(section))
 
 
-# ---- files ---------------------------------------------------------------------------------------------------------
+# ---- files ---------------------------------------------------------------------------------------
 
 
 def load_column_map(path: str | Path) -> ColumnMap:
     """Load a column map.
 
     Args:
-        path: Path of the TOML file; presets and files that it names are resolved as by `load_robot`.
+        path: Path of the TOML file; presets and files that it names are resolved as by
+            `load_robot`.
 
     Raises:
-        TrialFileError: If there is no such file, or anything in it is wrong; the message gives the file, the key, the
-            rule and the value.
+        TrialFileError: If there is no such file, or anything in it is wrong; the message gives the
+            file, the key, the rule and the value.
     """
     path = Path(path)
     with codec.keys_of(path, TrialFileError):
@@ -274,4 +343,6 @@ def _column_map(table: codec.Table, folder: Path) -> ColumnMap:
     codec.check_keys(table, [*known, *NAMES])
     gait = codec.decode(gaits.Gait, table.pop("gait"), "gait") if "gait" in table else None
     chosen = take_chosen(table, gait or STRAIGHT, folder)
-    return codec.decode(ColumnMap, {"robot": chosen.robot, "environment": chosen.environment, **table, "gait": gait})
+    return codec.decode(
+        ColumnMap, {"robot": chosen.robot, "environment": chosen.environment, **table, "gait": gait}
+    )

@@ -1,8 +1,9 @@
 """Trials as MCAP files: data that ROS tools can draw, plus everything else in the trial, so that it loads back equal.
 
-Angles, rates and torques of the joints are in the messages of /joint_states, commanded angles in those of
-/joint_reference; every other time series has its own topic under /trial. No number is stored twice, except that the
-positions of center of mass and links are added as poses and transforms for viewers, along with the robot's URDF.
+Angles, rates and torques of the joints are in the messages of /joint_states, commanded angles in
+those of /joint_reference; every other time series has its own topic under /trial. No number is
+stored twice, except that the positions of center of mass and links are added as poses and
+transforms for viewers, along with the robot's URDF.
 """
 
 import json
@@ -23,7 +24,12 @@ if TYPE_CHECKING:
     import xarray
 
 METADATA = "laticauda_trial"
-JOINTS, REFERENCE, CENTER, PREFIX = "/joint_states", "/joint_reference", "/center_of_mass", "/trial/"
+JOINTS, REFERENCE, CENTER, PREFIX = (
+    "/joint_states",
+    "/joint_reference",
+    "/center_of_mass",
+    "/trial/",
+)
 OF_JOINTS = {
     "joint_angle": (JOINTS, "position"),
     "joint_rate": (JOINTS, "velocity"),
@@ -36,8 +42,8 @@ OF_JOINTS = {
 class McapFile(Format):
     """ROS 2 messages for Foxglove, the ros2 bag tools and `load_trial`.
 
-    Time 0 of the trial is its wall-clock creation time; for an operated run, the recorded start. The topic /trial/time
-    has the trial's own time.
+    Time 0 of the trial is its wall-clock creation time; for an operated run, the recorded start.
+    The topic /trial/time has the trial's own time.
     """
 
     called: ClassVar[str] = "mcap"
@@ -47,10 +53,14 @@ class McapFile(Format):
     def write(dataset: "xarray.Dataset", path: Path) -> None:
         """Write a trial as an MCAP file; see `Format.write`."""
         try:
-            with Recorder(path, chunk_seconds=10.0, overwrite=True, epoch=epoch(dataset.attrs)) as recorder:
+            with Recorder(
+                path, chunk_seconds=10.0, overwrite=True, epoch=epoch(dataset.attrs)
+            ) as recorder:
                 _record(dataset, recorder)
         except StorageFailed as error:
-            raise error.__cause__ or error from None  # the caller that chose the file name reports it
+            raise (
+                error.__cause__ or error
+            ) from None  # the caller that chose the file name reports it
 
     @staticmethod
     def read(path: Path) -> "xarray.Dataset":
@@ -76,23 +86,31 @@ class McapFile(Format):
 def _record(dataset: "xarray.Dataset", recorder: Recorder) -> None:
     trial = Trial.from_dataset(dataset)
     joints = [f"joint_{i}" for i in range(trial.joint_angle.shape[1])]
-    series = {str(name): one for name, one in dataset.variables.items() if one.dims[:1] == ("time",)}
+    series = {
+        str(name): one for name, one in dataset.variables.items() if one.dims[:1] == ("time",)
+    }
     others = {PREFIX + name: one for name, one in series.items() if name not in OF_JOINTS}
     bodies = above("frames")(trial.robot, trial.scenario.model)
     frames = {"robot": _robot(trial)} | _links(trial, bodies)
     recorder.metadata(METADATA, {"trial": json.dumps(dataset.attrs)})
     recorder.robot(float(trial.time[0]), bodies.description, bodies.fixed)
     for k, time in enumerate(trial.time.tolist()):
-        recorder.joint_state(JOINTS, time, joints, trial.joint_angle[k], trial.joint_rate[k], trial.joint_torque[k])
+        recorder.joint_state(
+            JOINTS, time, joints, trial.joint_angle[k], trial.joint_rate[k], trial.joint_torque[k]
+        )
         recorder.joint_state(REFERENCE, time, joints, trial.joint_angle_ref[k])
-        at = {name: (parent, places[k], turns[k]) for name, (parent, places, turns) in frames.items()}
+        at = {
+            name: (parent, places[k], turns[k]) for name, (parent, places, turns) in frames.items()
+        }
         recorder.pose(CENTER, time, *at["robot"][1:])
         recorder.transforms(time, at)
         for topic, one in others.items():
             if one.ndim == 1:
                 recorder.scalar(topic, time, float(one.values[k]), one.attrs["units"])
             else:
-                recorder.array(topic, time, one.values[k], one.attrs["units"], [str(of) for of in one.dims[1:]])
+                recorder.array(
+                    topic, time, one.values[k], one.attrs["units"], [str(of) for of in one.dims[1:]]
+                )
 
 
 def _series(message: Logged) -> list[tuple[str, Any]]:
@@ -102,7 +120,11 @@ def _series(message: Logged) -> list[tuple[str, Any]]:
         if message.kind == "std_msgs/Float64MultiArray":
             data = data.reshape([one["size"] for one in message.content["layout"]["dim"]])
         return [(message.topic.removeprefix(PREFIX), data)]
-    return [(name, message.content[field]) for name, (topic, field) in OF_JOINTS.items() if topic == message.topic]
+    return [
+        (name, message.content[field])
+        for name, (topic, field) in OF_JOINTS.items()
+        if topic == message.topic
+    ]
 
 
 def _robot(trial: Trial) -> tuple[str, Any, Any]:

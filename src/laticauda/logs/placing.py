@@ -42,7 +42,9 @@ class Measured:
 
     def whole(self, name: str, values: Samples) -> Samples:
         """Return the `values` of the quantity `name` with gaps filled."""
-        found, lost = filled(name, self.time + (self.column_map.start or 0.0), values, self.column_map.longest_gap)
+        found, lost = filled(
+            name, self.time + (self.column_map.start or 0.0), values, self.column_map.longest_gap
+        )
         if np.any(lost):
             self.filled_columns.append(name)
             self.lost |= lost
@@ -50,7 +52,9 @@ class Measured:
 
     def lengths(self, names: Any, unit: str | None) -> Float[np.ndarray, "n_samples n_columns"]:
         """Return the columns `names` as lengths [m], including gaps; `unit` if the map states it."""
-        return np.stack([LENGTHS[self._unit(name, unit, LENGTHS)] * self.raw(name) for name in names], axis=1)
+        return np.stack(
+            [LENGTHS[self._unit(name, unit, LENGTHS)] * self.raw(name) for name in names], axis=1
+        )
 
     def angle(self, name: str, unit: str | None) -> Samples:
         """Return the column `name` as angles [rad], including gaps; `unit` if the map states it."""
@@ -59,7 +63,9 @@ class Measured:
     def _unit(self, name: str, asked: str | None, units: dict[str, float]) -> str:
         unit = asked or self.table.units.get(name) or next(iter(units))
         if unit not in units:
-            raise ValueError(f"Column `{name}` must be in {', '.join(units)}, but the file says {unit!r}.")
+            raise ValueError(
+                f"Column `{name}` must be in {', '.join(units)}, but the file says {unit!r}."
+            )
         return unit
 
 
@@ -82,7 +88,11 @@ def place_of(log: Measured, chain: robot.Robot) -> Places:
     if given.body is not None:
         return _from_body(log, chain, given.body)
     assert given.center_of_mass is not None
-    found = {"center_of_mass": _plane(log, given.center_of_mass.position, given.center_of_mass.length_unit)}
+    found = {
+        "center_of_mass": _plane(
+            log, given.center_of_mass.position, given.center_of_mass.length_unit
+        )
+    }
     if given.heading is not None:
         yaw = log.angle(given.heading.column, given.heading.unit)
         forward = np.stack((np.cos(yaw), np.sin(yaw), 0.0 * yaw), axis=1)
@@ -95,15 +105,27 @@ def place_of(log: Measured, chain: robot.Robot) -> Places:
 
 def _from_body(log: Measured, chain: robot.Robot, body: Body) -> Places:
     if body.link >= chain.n_links:
-        raise BadArgument("body.link", f"must be < {chain.n_links}, the number of links, got {body.link}")
+        raise BadArgument(
+            "body.link", f"must be < {chain.n_links}, the number of links, got {body.link}"
+        )
     if body.name is not None:
         body = _of_qtm(log.table, body)
     assert body.position is not None
     position = _plane(log, body.position, body.length_unit)
-    angle = _direction(log, body.position[0], _forward(log, body)) + math.radians(body.angle_offset_deg)
-    link_angle = kinematics.link_angles(joints_of(log, "joint_angle", chain), angle=angle, link=body.link)
-    center = kinematics.center_of_mass(chain, position, link_angle, link=body.link, offset=body.offset)
-    return {"center_of_mass": center, "heading": kinematics.heading(link_angle), "link_angle": link_angle}
+    angle = _direction(log, body.position[0], _forward(log, body)) + math.radians(
+        body.angle_offset_deg
+    )
+    link_angle = kinematics.link_angles(
+        joints_of(log, "joint_angle", chain), angle=angle, link=body.link
+    )
+    center = kinematics.center_of_mass(
+        chain, position, link_angle, link=body.link, offset=body.offset
+    )
+    return {
+        "center_of_mass": center,
+        "heading": kinematics.heading(link_angle),
+        "link_angle": link_angle,
+    }
 
 
 def _of_qtm(table: Table, body: Body) -> Body:
@@ -125,29 +147,48 @@ def _from_ends(log: Measured, chain: robot.Robot) -> Places:
     for marker in ends.markers:
         names = [ends.columns.format(marker=marker, axis=axis) for axis in AXES]
         # Without a Z column, the markers are in the plane.
-        place.append(_plane(log, [name for name in names if name in log.table.columns] or names, ends.length_unit))
+        place.append(
+            _plane(
+                log,
+                [name for name in names if name in log.table.columns] or names,
+                ends.length_unit,
+            )
+        )
     links = np.diff(np.stack(place, axis=1), axis=1)
     link_angle: Angles = np.unwrap(np.arctan2(links[..., 1], links[..., 0]), axis=0)
-    # The initial turn of a link is not observable: assume that it is within half a turn of its neighbor.
+    # The initial turn of a link is not observable: assume that it is within half a turn of its
+    # neighbor.
     link_angle = link_angle + (np.unwrap(link_angle[0]) - link_angle[0])
-    # Every link yields the center of mass; averaging over the links' midpoints gives the least noise.
+    # Every link yields the center of mass; averaging over the links' midpoints gives the least
+    # noise.
     middles = 0.5 * (np.stack(place[1:], axis=1) + np.stack(place[:-1], axis=1))
-    centers = [kinematics.center_of_mass(chain, middles[:, i], link_angle, link=i) for i in range(chain.n_links)]
+    centers = [
+        kinematics.center_of_mass(chain, middles[:, i], link_angle, link=i)
+        for i in range(chain.n_links)
+    ]
     center = np.mean(centers, axis=0)
-    return {"center_of_mass": center, "heading": kinematics.heading(link_angle), "link_angle": link_angle}
+    return {
+        "center_of_mass": center,
+        "heading": kinematics.heading(link_angle),
+        "link_angle": link_angle,
+    }
 
 
 def _forward(log: Measured, body: Body) -> Float[np.ndarray, "n_samples 3"]:
     """Return the direction toward the head in the axes of the file."""
     sign, axis = -1.0 if body.forward.startswith("-") else 1.0, "xyz".index(body.forward[-1])
     if body.rotation is not None:  # the columns of the matrix are the body's axes
-        return sign * np.stack([log.raw(name) for name in body.rotation[3 * axis : 3 * axis + 3]], axis=1)
+        return sign * np.stack(
+            [log.raw(name) for name in body.rotation[3 * axis : 3 * axis + 3]], axis=1
+        )
     if body.quaternion is not None:
         return sign * kinematics.from_quaternion(*map(log.raw, body.quaternion))[:, axis].T
     assert body.yaw is not None
     angle = log.angle(body.yaw, body.angle_unit)
     if axis == 2:
-        raise BadArgument("body.forward", "must be x or y, or its opposite, with `yaw`: z does not turn with it")
+        raise BadArgument(
+            "body.forward", "must be x or y, or its opposite, with `yaw`: z does not turn with it"
+        )
     angle = angle + 0.5 * math.pi * axis
     return sign * np.stack((np.cos(angle), np.sin(angle), 0.0 * angle), axis=1)
 
@@ -168,7 +209,9 @@ def _plane(log: Measured, names: Any, unit: str | None) -> Points:
     """Return a position in the trial's axes [m], without gaps."""
     place, frame = log.lengths(names, unit), log.column_map.frame
     axes = _axes(frame)
-    place = np.stack([log.whole(name, column) for name, column in zip(names, place.T, strict=True)], axis=1)
+    place = np.stack(
+        [log.whole(name, column) for name, column in zip(names, place.T, strict=True)], axis=1
+    )
     if place.shape[1] == 2:
         if np.any(axes[:, 2]):
             raise BadArgument("frame", "must not name z: the position has no z")
@@ -182,7 +225,9 @@ def _direction(log: Measured, name: str, forward: Float[np.ndarray, "n_samples 3
     ours = forward @ _axes(frame).T @ _turn(frame).T
     known = np.all(np.isfinite(ours), axis=1)
     if np.any(np.hypot(*ours[known].T) < 0.1):
-        raise ValueError(f"The body of `{name}` must lie flat: its forward axis is almost upright. Is `forward` right?")
+        raise ValueError(
+            f"The body of `{name}` must lie flat: its forward axis is almost upright. Is `forward` right?"
+        )
     angle = np.full(len(ours), np.nan)
     angle[known] = np.unwrap(np.arctan2(ours[known, 1], ours[known, 0]))
     return log.whole(f"angle of {name}", angle)
@@ -197,7 +242,8 @@ def joints_of(log: Measured, section: str, chain: robot.Robot) -> Angles:
         chain: The planar robot.
 
     Raises:
-        ValueError: If a column is missing or has a long gap, or the number of columns is not the number of joints.
+        ValueError: If a column is missing or has a long gap, or the number of columns is not the
+            number of joints.
     """
     given = getattr(log.column_map, section)
     factor = given.sign * UNITS[section][given.unit or next(iter(UNITS[section]))]
@@ -232,10 +278,14 @@ def filled(
     known = np.flatnonzero(~lost)
     advice = "cut it off with `start` and `stop`, or fill it by hand"
     if not known.size:
-        raise BadArgument(name, f"must hold numbers, but it holds none from {time[0]:g} s to {time[-1]:g} s")
+        raise BadArgument(
+            name, f"must hold numbers, but it holds none from {time[0]:g} s to {time[-1]:g} s"
+        )
     if lost[0] or lost[-1]:
         end, at = ("begins", time[known[0]]) if lost[0] else ("ends", time[known[-1]])
-        raise BadArgument(name, f"must hold numbers at both ends, but it {end} at {at:.6g} s; {advice}")
+        raise BadArgument(
+            name, f"must hold numbers at both ends, but it {end} at {at:.6g} s; {advice}"
+        )
     steps = np.diff(time[known])
     gap = int(np.argmax(np.where(np.diff(known) > 1, steps, 0.0)))
     if steps[gap] > longest * (1.0 + 1e-9):

@@ -1,8 +1,9 @@
 """Recorder of messages to an MCAP file that stays readable when its program is killed.
 
-Everything is a ROS 2 message in CDR (profile "ros2"), so that Foxglove and the ros2 bag tools open the file. The latter
-reject files with mixed encodings, so data without a ROS type of their own use an existing one: an event is a ROS log
-message with its data as JSON. Units are in the metadata of each channel, under "unit". `recording` reads such files.
+Everything is a ROS 2 message in CDR (profile "ros2"), so that Foxglove and the ros2 bag tools open
+the file. The latter reject files with mixed encodings, so data without a ROS type of their own use
+an existing one: an event is a ROS log message with its data as JSON. Units are in the metadata of
+each channel, under "unit". `recording` reads such files.
 """
 
 import json
@@ -19,7 +20,9 @@ from laticauda.logs import ros2
 
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "fatal": 50}
 """Levels of events and their numbers in rcl_interfaces/Log."""
-_CAN_FRAME = struct.Struct("<4s iI I4s I3x B8s")  # encapsulation; stamp, frame_id ""; identifier, length, data
+_CAN_FRAME = struct.Struct(
+    "<4s iI I4s I3x B8s"
+)  # encapsulation; stamp, frame_id ""; identifier, length, data
 CHUNK_BYTES = 1 << 20  # size of the messages at which a chunk is complete
 WORLD = "world"
 """The frame of the world axes."""
@@ -27,11 +30,14 @@ CLOCK = "laticauda_clock"
 """Metadata record that states the wall-clock time of time 0, as `epoch`."""
 DESCRIPTION, STATIC = "/robot_description", "/tf_static"
 _ONCE = {"history": 1, "depth": 1, "reliability": 1, "durability": 1, "liveliness": 1}
-_NEVER = {key: {"sec": 0, "nsec": 0} for key in ("deadline", "lifespan", "liveliness_lease_duration")}
+_NEVER = {
+    key: {"sec": 0, "nsec": 0} for key in ("deadline", "lifespan", "liveliness_lease_duration")
+}
 _LATCHED = json.dumps([{**_ONCE, **_NEVER, "avoid_ros_namespace_conventions": False}])
 QUALITY = {DESCRIPTION: _LATCHED, STATIC: _LATCHED}
 """Quality of service with which a topic is replayed: late subscribers still receive the last message of these. It is
-YAML (JSON is valid YAML) with the numbers of ROS, as every rosbag2 reads them; "", the default, for all others."""
+YAML (JSON is valid YAML) with the numbers of ROS, as every rosbag2 reads them; "", the default, for
+all others."""
 Frame: TypeAlias = tuple[str, Sequence[float], Sequence[float]]
 """Name of the parent frame, position x, y, z in its axes [m], and orientation w, x, y, z [-]."""
 
@@ -48,13 +54,15 @@ def need_mcap() -> None:
 class Recorder:
     """Writes messages to an MCAP file as they occur, from any thread.
 
-    Messages are collected in chunks; a complete chunk goes to the operating system at once. A program that is killed
-    loses only the open chunk; the file then lacks its end, which `open_recording` tolerates. As a context manager, the
-    recorder completes the file on exit, even after an error.
+    Messages are collected in chunks; a complete chunk goes to the operating system at once. A
+    program that is killed loses only the open chunk; the file then lacks its end, which
+    `open_recording` tolerates. As a context manager, the recorder completes the file on exit, even
+    after an error.
 
     Args:
         path: The file.
-        chunk_seconds: A chunk is complete after this span of message time, or when it holds `CHUNK_BYTES` [s].
+        chunk_seconds: A chunk is complete after this span of message time, or when it holds
+            `CHUNK_BYTES` [s].
         overwrite: Whether an existing file of that name may be replaced.
         epoch: Wall-clock time of time 0 [ns since 1970].
 
@@ -70,7 +78,12 @@ class Recorder:
     """
 
     def __init__(
-        self, path: str | Path, *, chunk_seconds: float = 1.0, overwrite: bool = False, epoch: int = 0
+        self,
+        path: str | Path,
+        *,
+        chunk_seconds: float = 1.0,
+        overwrite: bool = False,
+        epoch: int = 0,
     ) -> None:
         need_mcap()
         from mcap.writer import Writer
@@ -81,7 +94,8 @@ class Recorder:
         """The file."""
         mode = "wb" if overwrite else "xb"
         self._file: BinaryIO = self._guarded(lambda: self.path.open(mode), "name another place")
-        # The writer's own limit is disabled: chunks end here, so that each is passed on as soon as it is complete.
+        # The writer's own limit is disabled: chunks end here, so that each is passed on as soon as
+        # it is complete.
         self._writer = Writer(self._file, chunk_size=1 << 40)
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, tuple[int, str]] = {}
@@ -93,7 +107,9 @@ class Recorder:
         if epoch:
             self.metadata(CLOCK, {"epoch": str(epoch)})
 
-    def message(self, topic: str, time: float, kind: str, content: ros2.Content, *, unit: str = "") -> None:
+    def message(
+        self, topic: str, time: float, kind: str, content: ros2.Content, *, unit: str = ""
+    ) -> None:
         """Record any message of a known type.
 
         Args:
@@ -187,7 +203,9 @@ class Recorder:
         """
         self.message(topic, time, "std_msgs/Float64", (value,), unit=unit)
 
-    def array(self, topic: str, time: float, values: Any, unit: str = "", labels: Sequence[str] = ()) -> None:
+    def array(
+        self, topic: str, time: float, values: Any, unit: str = "", labels: Sequence[str] = ()
+    ) -> None:
         """Record an array of numbers of any shape, the last index varying fastest (std_msgs/Float64MultiArray).
 
         Args:
@@ -203,7 +221,9 @@ class Recorder:
         axes = zip_longest(labels[: numbers.ndim], numbers.shape, fillvalue="")
         strides = (math.prod(numbers.shape[i:]) for i in range(numbers.ndim))
         dimensions = [(*axis, stride) for axis, stride in zip(axes, strides, strict=True)]
-        self.message(topic, time, "std_msgs/Float64MultiArray", ((dimensions, 0), numbers.ravel()), unit=unit)
+        self.message(
+            topic, time, "std_msgs/Float64MultiArray", ((dimensions, 0), numbers.ravel()), unit=unit
+        )
 
     def can_frame(self, topic: str, time: float, identifier: int, data: bytes) -> None:
         """Record a raw frame of a CAN bus (can_msgs/Frame).
@@ -222,9 +242,12 @@ class Recorder:
         now = self._moment(time)
         if not 0 <= identifier < 1 << 32:
             raise BadArgument("identifier", f"must be from 0 to 2^32 - 1, got {identifier}")
-        # The bytes that the codec of can_msgs/Frame writes, in one step: there are thousands of these per second.
+        # The bytes that the codec of can_msgs/Frame writes, in one step: there are thousands of
+        # these per second.
         seconds, rest = divmod(now, 1_000_000_000)
-        body = _CAN_FRAME.pack(b"\x00\x01", seconds, rest, 1, b"", identifier, len(data), bytes(data))
+        body = _CAN_FRAME.pack(
+            b"\x00\x01", seconds, rest, 1, b"", identifier, len(data), bytes(data)
+        )
         self._add(topic, "can_msgs/Frame", "", now, body)
 
     def json(self, topic: str, time: float, content: object) -> None:
@@ -256,7 +279,9 @@ class Recorder:
         except TypeError as error:
             raise BadArgument("data", f"must be data that JSON can hold: {error}") from error
         stamp = ros2.stamp(self._moment(time))
-        self.message("/events", time, "rcl_interfaces/Log", (stamp, LEVELS[level], name, text, "", "", 0))
+        self.message(
+            "/events", time, "rcl_interfaces/Log", (stamp, LEVELS[level], name, text, "", "", 0)
+        )
         self.flush()
 
     def metadata(self, name: str, content: Mapping[str, str]) -> None:
@@ -314,7 +339,8 @@ class Recorder:
             self._sequence += 1
             self._writer.add_message(channel, now, data, now, self._sequence & 0xFFFFFFFF)
             self._open_bytes += len(data)
-            # Times from several sources need not be in order: an older message does not end a chunk.
+            # Times from several sources need not be in order: an older message does not end a
+            # chunk.
             if self._open_bytes >= CHUNK_BYTES or now - self._open_since >= self._chunk_ns:
                 self._end_chunk()
 
@@ -328,7 +354,9 @@ class Recorder:
             raise BadArgument("topic", "must be a name such as /joint_states, got ''")
         if kind not in self._schemas:
             text = ros2.schema_text(kind).encode()
-            self._schemas[kind] = self._writer.register_schema(ros2.schema_name(kind), "ros2msg", text)
+            self._schemas[kind] = self._writer.register_schema(
+                ros2.schema_name(kind), "ros2msg", text
+            )
         # The profile requires the quality of service, which may be empty.
         metadata = {"offered_qos_profiles": QUALITY.get(topic, ""), "unit": unit}
         number = self._writer.register_channel(topic, "cdr", self._schemas[kind], metadata)
@@ -349,7 +377,9 @@ class Recorder:
     def _header(self, time: float, frame: str) -> tuple[Any, ...]:
         return ros2.stamp(self._moment(time)), frame
 
-    def _guarded(self, act: Callable[[], Any], advice: str = "what was written before is kept") -> Any:
+    def _guarded(
+        self, act: Callable[[], Any], advice: str = "what was written before is kept"
+    ) -> Any:
         try:
             return act()
         except OSError as error:

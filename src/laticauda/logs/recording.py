@@ -65,7 +65,11 @@ class Recording:
             counts[channel.topic] += 1
             times = min(times[0], time), max(times[1], time)
         self.topics = {
-            one.topic: Topic(kind=self._kind(one), unit=one.metadata.get("unit", ""), n_messages=counts[one.topic])
+            one.topic: Topic(
+                kind=self._kind(one),
+                unit=one.metadata.get("unit", ""),
+                n_messages=counts[one.topic],
+            )
             for one in self._channels.values()
         }
         """Topics by name."""
@@ -93,7 +97,12 @@ class Recording:
         epoch = self.epoch
         for channel, time, data in self._contents([], begin):
             if time - epoch >= 1e9 * since and (not topics or channel.topic in topics):
-                yield Logged(channel.topic, (time - epoch) / 1e9, self._kind(channel), self._decoded(channel, data))
+                yield Logged(
+                    channel.topic,
+                    (time - epoch) / 1e9,
+                    self._kind(channel),
+                    self._decoded(channel, data),
+                )
 
     def more(self, *topics: str, since: float = -math.inf) -> Iterator[Logged]:
         """Yield the messages added since the last call, in a file that is still being written; see `messages`.
@@ -117,11 +126,17 @@ class Recording:
                 self._decoders[channel.id] = self._decoder(channel)
             return self._decoders[channel.id](data)
         except ValueError as error:
-            raise TrialFileError(f"Cannot load {self.path}: topic {channel.topic}: {error}") from error
+            raise TrialFileError(
+                f"Cannot load {self.path}: topic {channel.topic}: {error}"
+            ) from error
 
     def _decoder(self, channel: "Channel") -> Callable[[bytes], Any]:
         schema = self._schemas.get(channel.schema_id)
-        if channel.message_encoding == "cdr" and schema is not None and schema.encoding == "ros2msg":
+        if (
+            channel.message_encoding == "cdr"
+            and schema is not None
+            and schema.encoding == "ros2msg"
+        ):
             return ros2.decoder(schema)
         return json.loads if channel.message_encoding == "json" else bytes
 
@@ -139,7 +154,9 @@ class Recording:
                 self._end, found = file.tell(), list[Any]()
                 try:
                     found = _unpacked(opcode, content)
-                except Exception as error:  # decompressors and parser may raise anything for invalid bytes
+                except (
+                    Exception
+                ) as error:  # decompressors and parser may raise anything for invalid bytes
                     lost.append(f"a chunk of {len(content)} bytes is damaged ({error})")
                 for record in found:
                     if isinstance(record, records.Schema):
@@ -148,10 +165,14 @@ class Recording:
                         self._channels[record.id] = record
                     elif isinstance(record, records.Metadata):
                         self.metadata[record.name] = record.metadata
-                    elif isinstance(record, records.Message) and record.channel_id in self._channels:
+                    elif (
+                        isinstance(record, records.Message) and record.channel_id in self._channels
+                    ):
                         yield self._channels[record.channel_id], record.log_time, record.data
         if opcode != _FOOTER:
-            lost.append(f"it is truncated, with {max(size - self._end, 0)} bytes of an incomplete chunk")
+            lost.append(
+                f"it is truncated, with {max(size - self._end, 0)} bytes of an incomplete chunk"
+            )
 
 
 def open_recording(path: str | Path) -> Recording:
@@ -186,10 +207,17 @@ def failures_of(path: object) -> Generator[None]:
     except TrialFileError:
         raise
     except OSError as error:
-        raise TrialFileError(f"Cannot read {path}: {(error.strerror or str(error)).lower()}.") from error
+        raise TrialFileError(
+            f"Cannot read {path}: {(error.strerror or str(error)).lower()}."
+        ) from error
     except KeyError as error:
         raise TrialFileError(f"Cannot load {path}: it has no `{error.args[0]}`.") from error
-    except (ValueError, TypeError, IndexError, RecursionError) as error:  # content differs from what was written
+    except (
+        ValueError,
+        TypeError,
+        IndexError,
+        RecursionError,
+    ) as error:  # content differs from what was written
         raise TrialFileError(f"Cannot load {path}: {error}") from error
 
 

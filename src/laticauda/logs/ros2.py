@@ -1,9 +1,10 @@
 """Encoding and decoding of ROS 2 messages in CDR, the encoding that every ROS 2 tool reads.
 
-Log messages are encoded here, from the definitions below, and not by the library `mcap-ros2-support`: it fills missing
-values with zeros, truncates what is too long, and is slower, while a robot waits.
-Messages of any writer are read by that library. The encoding is little-endian with each number aligned to its own
-size, as in version 1 (OMG DDS-XTypes 1.3, "plain CDR"), which ROS 2 uses.
+Log messages are encoded here, from the definitions below, and not by the library
+`mcap-ros2-support`: it fills missing values with zeros, truncates what is too long, and is slower,
+while a robot waits. Messages of any writer are read by that library. The encoding is little-endian
+with each number aligned to its own size, as in version 1 (OMG DDS-XTypes 1.3, "plain CDR"), which
+ROS 2 uses.
 """
 
 # The library's messages have the fields of their definitions, which a type checker cannot know.
@@ -30,7 +31,8 @@ _FILE = (Path(__file__).parent / "ros2.msg").read_text(encoding="utf-8")
 DEFINITIONS = dict(one.split("\n", 1) for one in _FILE.split("MSG: ")[1:])
 """The message types used in logs, in ROS syntax: one field per line, types of the same package without its name.
 
-A file contains the complete definition of every type that it uses, so that it can be read without ROS installed.
+A file contains the complete definition of every type that it uses, so that it can be read without
+ROS installed.
 """
 
 HEADER = b"\x00\x01\x00\x00"  # plain CDR, little-endian
@@ -73,8 +75,14 @@ def schema_text(name: str) -> str:
     """
     found = [name]
     for one in found:  # the list grows during the loop
-        found += [field.kind for field in _fields(one) if field.kind in DEFINITIONS and field.kind not in found]
-    return DEFINITIONS[name] + "".join(f"{RULE}\nMSG: {one}\n{DEFINITIONS[one]}" for one in found[1:])
+        found += [
+            field.kind
+            for field in _fields(one)
+            if field.kind in DEFINITIONS and field.kind not in found
+        ]
+    return DEFINITIONS[name] + "".join(
+        f"{RULE}\nMSG: {one}\n{DEFINITIONS[one]}" for one in found[1:]
+    )
 
 
 def stamp(nanoseconds: int) -> tuple[int, int]:
@@ -109,7 +117,9 @@ def decoder(schema: "Schema") -> Callable[[bytes], Message]:
         MissingExtra: If the package `mcap-ros2-support` is not installed.
         ValueError: If the definition is invalid.
     """
-    package = optional_import("Reading messages of ROS 2", "mcap-ros2-support", "logs", "mcap_ros2.decoder")
+    package = optional_import(
+        "Reading messages of ROS 2", "mcap-ros2-support", "logs", "mcap_ros2.decoder"
+    )
     name = schema.name.replace("/msg/", "/")
     try:
         read = package.DecoderFactory().decoder_for("cdr", schema)
@@ -119,7 +129,9 @@ def decoder(schema: "Schema") -> Callable[[bytes], Message]:
     def decode(data: bytes) -> Message:
         try:
             return _plain(read(data))
-        except Exception as error:  # struct's at the end of the bytes, UnicodeDecodeError, or an undefined type
+        except (
+            Exception
+        ) as error:  # struct's at the end of the bytes, UnicodeDecodeError, or an undefined type
             raise ValueError(f"A message of {name} is damaged: {error}.") from error
 
     return decode
@@ -136,7 +148,7 @@ def _plain(value: Any) -> Any:
     return value
 
 
-# ---- CDR -----------------------------------------------------------------------------------------------------------
+# ---- CDR -----------------------------------------------------------------------------------------
 
 
 def _write(body: bytearray, kind: str, value: Any) -> None:
@@ -167,7 +179,11 @@ def _write_array(body: bytearray, field: _Field, value: Any) -> None:
     """Write an array; numbers are written as one block."""
     form = FORMATS.get(field.kind)
     if form is not None:
-        value = np.frombuffer(value, "<" + form) if isinstance(value, bytes) else np.asarray(value, "<" + form)
+        value = (
+            np.frombuffer(value, "<" + form)
+            if isinstance(value, bytes)
+            else np.asarray(value, "<" + form)
+        )
     if field.size and len(value) != field.size:
         raise TypeError(f"{field.size} values are needed, got {len(value)}")
     if not field.size:

@@ -1,6 +1,7 @@
 """Tables from external logs: columns of numbers by name.
 
-Sources are delimited text, QTM exports, and C3D files of motion capture (read with the package `ezc3d`).
+Sources are delimited text, QTM exports, and C3D files of motion capture (read with the package
+`ezc3d`).
 """
 
 import csv
@@ -23,7 +24,15 @@ OF_BODY = ("X", "Y", "Z", "Roll", "Pitch", "Yaw", "Residual", *(f"Rot[{i}]" for 
 AXES = ("X", "Y", "Z")
 LARGEST = 1e30
 """A number beyond this is not a measurement, whatever its unit: nanoseconds since 1970 are 2e18."""
-UNITS = {"X": "mm", "Y": "mm", "Z": "mm", "Roll": "deg", "Pitch": "deg", "Yaw": "deg", "Residual": "mm"}
+UNITS = {
+    "X": "mm",
+    "Y": "mm",
+    "Z": "mm",
+    "Roll": "deg",
+    "Pitch": "deg",
+    "Yaw": "deg",
+    "Residual": "mm",
+}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -41,19 +50,26 @@ class Table:
         """Return the column of that name.
 
         Raises:
-            ValueError: If there is no such column, or it does not hold numbers, or holds absurd ones.
+            ValueError: If there is no such column, or it does not hold numbers, or holds absurd
+                ones.
         """
         found = self.columns.get(name)
         if found is None:
             names = list(self.columns)
-            shown = ", ".join(names[:20]) + (f" and {len(names) - 20} more" if len(names) > 20 else "")
+            shown = ", ".join(names[:20]) + (
+                f" and {len(names) - 20} more" if len(names) > 20 else ""
+            )
             printed = repr(name)[1:-1]
-            raise ValueError(f"The file has no column `{printed}`{nearest(name, names).rstrip('.')}; it has {shown}.")
+            raise ValueError(
+                f"The file has no column `{printed}`{nearest(name, names).rstrip('.')}; it has {shown}."
+            )
         if isinstance(found, str):
             raise ValueError(found)
         found = np.where(np.isfinite(found), found, np.nan)  # an infinite value was not measured
         if np.any(absurd := np.abs(found) > LARGEST):
-            raise ValueError(f"Column `{name}` must hold numbers up to {LARGEST:g}, got {found[absurd][0]:g}.")
+            raise ValueError(
+                f"Column `{name}` must hold numbers up to {LARGEST:g}, got {found[absurd][0]:g}."
+            )
         return found
 
     @property
@@ -95,7 +111,11 @@ def csv_table(lines: Sequence[str], separator: str | None, decimal: str) -> Tabl
     Raises:
         ValueError: If the text is not a valid table.
     """
-    rows = [(i, line) for i, line in enumerate(lines, start=1) if line.strip() and not line.lstrip().startswith("#")]
+    rows = [
+        (i, line)
+        for i, line in enumerate(lines, start=1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
     if len(rows) < 2:
         raise ValueError("it must have at least a row of names and a row of numbers.")
     if separator is None:
@@ -108,30 +128,38 @@ def csv_table(lines: Sequence[str], separator: str | None, decimal: str) -> Tabl
     width = len(header)
     for (number, _), row in zip(rows[1:], cells[1:], strict=True):
         if len(row) < width or any(cell.strip() for cell in row[width:]):
-            raise ValueError(f"row {number} must have {width} cells, as row {rows[0][0]} has, got {len(row)}.")
+            raise ValueError(
+                f"row {number} must have {width} cells, as row {rows[0][0]} has, got {len(row)}."
+            )
     first = rows[1][0]
-    columns = {name: numbers(name, [row[i] for row in cells[1:]], first, decimal) for i, name in enumerate(header)}
+    columns = {
+        name: numbers(name, [row[i] for row in cells[1:]], first, decimal)
+        for i, name in enumerate(header)
+    }
     return Table(columns=columns)
 
 
 def _check_header(header: Sequence[str], row: int) -> None:
     if all(re.fullmatch(r"[-+\d.eE]+", name) for name in header):
-        raise ValueError(f"row {row} must have the names of the columns, got {', '.join(header[:3])}.")
+        raise ValueError(
+            f"row {row} must have the names of the columns, got {', '.join(header[:3])}."
+        )
     twice = next((name for name in header if header.count(name) > 1), None)
     if twice is not None:
         raise ValueError(f"row {row} must name every column once, got `{twice}` twice.")
 
 
-# ---- Qualisys Track Manager -----------------------------------------------------------------------------------------
+# ---- Qualisys Track Manager ----------------------------------------------------------------------
 
 
 def qtm_table(lines: Sequence[str]) -> Table:
     """Read a TSV file of Qualisys Track Manager: `time`, and the columns of every marker or body, such as `head X`.
 
-    It holds trajectories of markers (3D) or of rigid bodies (6D). The numbers are preceded by lines with a key and its
-    values, such as ``FREQUENCY 100`` and ``BODY_NAMES head tail``; the row of column names and the columns for frame
-    and time are optional. Lengths are in mm, angles in deg, and the nine numbers of a rotation are in column-major
-    order. Where a marker or body was lost, all of its numbers are 0, or a word.
+    It holds trajectories of markers (3D) or of rigid bodies (6D). The numbers are preceded by lines
+    with a key and its values, such as ``FREQUENCY 100`` and ``BODY_NAMES head tail``; the row of
+    column names and the columns for frame and time are optional. Lengths are in mm, angles in deg,
+    and the nine numbers of a rotation are in column-major order. Where a marker or body was lost,
+    all of its numbers are 0, or a word.
 
     Args:
         lines: Lines of the file.
@@ -146,7 +174,9 @@ def qtm_table(lines: Sequence[str]) -> Table:
     names = keys.get("MARKER_NAMES" if included == "3D" else "BODY_NAMES", [])
     parts = AXES if included == "3D" else OF_BODY
     # Every line also ends with a tab.
-    rows = [line.rstrip("\r\n").removesuffix("\t").split("\t") for line in lines[top:] if line.strip()]
+    rows = [
+        line.rstrip("\r\n").removesuffix("\t").split("\t") for line in lines[top:] if line.strip()
+    ]
     header: list[str] = []
     if rows and isinstance(numbers("", rows[0][:1], top), str):
         header, rows, top = rows[0], rows[1:], top + 1
@@ -155,14 +185,22 @@ def qtm_table(lines: Sequence[str]) -> Table:
     if header and len(header) - len(leading) != len(wanted):
         # A selection of columns was exported: the name of a body precedes only its first column.
         wanted = _named(header[len(leading) :], names)
-    _check_rows(rows, len(leading) + len(wanted), top, int(float(keys.get("NO_OF_FRAMES", ["-1"])[0])))
+    _check_rows(
+        rows, len(leading) + len(wanted), top, int(float(keys.get("NO_OF_FRAMES", ["-1"])[0]))
+    )
     found: dict[str, Samples | str] = {}
     for i, name in enumerate([*leading, *wanted]):
         found[name] = numbers(name, [row[i] for row in rows], top + 1)
     for name in names:
         _forget_lost(found, name)
-    units = {name: UNITS[name.rsplit(" ", 1)[1]] for name in wanted if name.rsplit(" ", 1)[1] in UNITS}
-    return Table(columns=found, units=units, rate=float(keys["FREQUENCY"][0]) if "FREQUENCY" in keys else None)
+    units = {
+        name: UNITS[name.rsplit(" ", 1)[1]] for name in wanted if name.rsplit(" ", 1)[1] in UNITS
+    }
+    return Table(
+        columns=found,
+        units=units,
+        rate=float(keys["FREQUENCY"][0]) if "FREQUENCY" in keys else None,
+    )
 
 
 def _keys(lines: Sequence[str]) -> tuple[dict[str, list[str]], int]:
@@ -199,7 +237,9 @@ def _check_rows(rows: Sequence[Sequence[str]], width: int, top: int, n_frames: i
         if len(row) != width:
             raise ValueError(f"row {top + 1 + i} must have {width} cells, got {len(row)}.")
     if n_frames >= 0 and len(rows) != n_frames:
-        raise ValueError(f"NO_OF_FRAMES says {n_frames}, but there are {len(rows)} rows: is it cut off?")
+        raise ValueError(
+            f"NO_OF_FRAMES says {n_frames}, but there are {len(rows)} rows: is it cut off?"
+        )
 
 
 def _forget_lost(found: dict[str, Samples | str], name: str) -> None:
@@ -252,7 +292,9 @@ def _check_whole(path: Path) -> int:
     Returns:
         Number of frames stated in the file.
     """
-    with path.open("rb") as file:  # errors of the file system are raised here, with their own messages
+    with path.open(
+        "rb"
+    ) as file:  # errors of the file system are raised here, with their own messages
         header = file.read(BLOCK)
         if len(header) < BLOCK or header[1] != KEY:
             raise ValueError("it has no header")
@@ -272,11 +314,17 @@ def _check_whole(path: Path) -> int:
 def _table(parameters: Any, data: Any) -> Table:
     point = parameters["POINT"]
     labels = [str(label).strip() for label in point["LABELS"]["value"]]
-    unit = next((str(one).strip() for one in point["UNITS"]["value"]), "mm") if "UNITS" in point else "mm"
+    unit = (
+        next((str(one).strip() for one in point["UNITS"]["value"]), "mm")
+        if "UNITS" in point
+        else "mm"
+    )
     columns: dict[str, Samples | str] = {}
     units: dict[str, str] = {}
     for i, label in enumerate(labels):
-        lost = data["meta_points"]["residuals"][0, i] < 0.0  # the format's mark for a point that was not seen
+        lost = (
+            data["meta_points"]["residuals"][0, i] < 0.0
+        )  # the format's mark for a point that was not seen
         for axis, name in enumerate("XYZ"):
             columns[f"{label} {name}"] = np.where(lost, np.nan, data["points"][axis, i])
             units[f"{label} {name}"] = unit

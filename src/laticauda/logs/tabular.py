@@ -1,8 +1,9 @@
 """Trials in files that other programs read: flat tables with one column per number, and arrays.
 
-Tables are CSV for spreadsheets, and Parquet, which needs the package `pyarrow`. A netCDF file opens in any netCDF tool
-and with `xarray.open_dataset`. A checksum covers the whole file, so that a damaged file is rejected rather than half
-read; a file edited by another program has lost its checksum, and is accepted as it is.
+Tables are CSV for spreadsheets, and Parquet, which needs the package `pyarrow`. A netCDF file opens
+in any netCDF tool and with `xarray.open_dataset`. A checksum covers the whole file, so that a
+damaged file is rejected rather than half read; a file edited by another program has lost its
+checksum, and is accepted as it is.
 """
 
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
@@ -58,9 +59,14 @@ class ParquetFile(trial.Format):
         """Write a trial as a Parquet file; see `Format.write`."""
         pyarrow = _pyarrow()
         columns = list(flat_columns(dataset))
-        fields = [pyarrow.field(name, pyarrow.float64(), metadata={"unit": unit}) for name, unit, _ in columns]
+        fields = [
+            pyarrow.field(name, pyarrow.float64(), metadata={"unit": unit})
+            for name, unit, _ in columns
+        ]
         schema = pyarrow.schema(fields, metadata={KEY: json.dumps(dataset.attrs).encode()})
-        table = pyarrow.Table.from_arrays([pyarrow.array(values) for _, _, values in columns], schema=schema)
+        table = pyarrow.Table.from_arrays(
+            [pyarrow.array(values) for _, _, values in columns], schema=schema
+        )
         pyarrow.parquet.write_table(table, path)
 
     @staticmethod
@@ -132,8 +138,15 @@ def flat_columns(dataset: "xarray.Dataset") -> Iterator[Column]:
         if series.dims[:1] != ("time",):
             continue
         for index in np.ndindex(series.shape[1:]):
-            ends = (f"_{AXES[i] if of == 'axis' else i}" for of, i in zip(series.dims[1:], index, strict=True))
-            yield f"{name}{''.join(ends)}", series.attrs["units"], series.values[(slice(None), *index)]
+            ends = (
+                f"_{AXES[i] if of == 'axis' else i}"
+                for of, i in zip(series.dims[1:], index, strict=True)
+            )
+            yield (
+                f"{name}{''.join(ends)}",
+                series.attrs["units"],
+                series.values[(slice(None), *index)],
+            )
 
 
 def series(table: Mapping[str, Samples], name: str) -> Float[np.ndarray, "n_samples ..."]:
@@ -149,7 +162,9 @@ def series(table: Mapping[str, Samples], name: str) -> Float[np.ndarray, "n_samp
     return _stacked(table, name, variable(name).dimensions[1:])
 
 
-def _stacked(table: Mapping[str, Samples], name: str, dimensions: tuple[str, ...]) -> Float[np.ndarray, "..."]:
+def _stacked(
+    table: Mapping[str, Samples], name: str, dimensions: tuple[str, ...]
+) -> Float[np.ndarray, "..."]:
     if not dimensions:
         return table[name]
     found: list[Float[np.ndarray, ...]] = []
@@ -163,10 +178,11 @@ def _stacked(table: Mapping[str, Samples], name: str, dimensions: tuple[str, ...
     return np.stack(found, axis=1) if found else np.empty((len(table["time"]), 0))
 
 
-# ---- arrays: netCDF, and .mat for MATLAB and GNU Octave (with `scipy.io`) ------------------------------------------
+# ---- arrays: netCDF, and .mat for MATLAB and GNU Octave (with `scipy.io`) ------------------------
 
-# This mark and the SHA-256 of everything before it follow the HDF5 data, where netCDF does not look. The check
-# comes first, because HDF5 itself may hang on a single wrong bit. Programs that edit a file in place remove both.
+# This mark and the SHA-256 of everything before it follow the HDF5 data, where netCDF does not
+# look. The check comes first, because HDF5 itself may hang on a single wrong bit. Programs that
+# edit a file in place remove both.
 SEAL = b"\nlaticauda sha256 "
 SEAL_LENGTH = len(SEAL) + 64
 
@@ -180,11 +196,19 @@ class NetCdfFile(trial.Format):
     @staticmethod
     def write(dataset: "xarray.Dataset", path: Path) -> None:
         """Write the file of a trial with its checksum; see `Format.write`."""
-        no_fill = {name: {"_FillValue": None} for name, one in dataset.variables.items() if one.dtype == np.float64}
-        # Under the CF conventions no text variable may share its name with a dimension, and time is a date.
+        no_fill = {
+            name: {"_FillValue": None}
+            for name, one in dataset.variables.items()
+            if one.dtype == np.float64
+        }
+        # Under the CF conventions no text variable may share its name with a dimension, and time is
+        # a date.
         dataset = dataset.rename_dims(axis="axes")
         zero = np.datetime64(epoch(dataset.attrs) // 1000, "us")
-        dataset["time"].attrs |= {"standard_name": "time", "units": f"seconds since {str(zero).replace('T', ' ')}"}
+        dataset["time"].attrs |= {
+            "standard_name": "time",
+            "units": f"seconds since {str(zero).replace('T', ' ')}",
+        }
         try:
             dataset.to_netcdf(path, engine="netcdf4", encoding=no_fill)
         except RuntimeError as error:  # netCDF states no other reason: most likely the disk is full
@@ -199,7 +223,11 @@ class NetCdfFile(trial.Format):
         content = files.read_bytes(path)
         try:
             found = _decoded(_unsealed(content))
-        except (OSError, RuntimeError, AttributeError) as error:  # raised by netCDF for invalid bytes
+        except (
+            OSError,
+            RuntimeError,
+            AttributeError,
+        ) as error:  # raised by netCDF for invalid bytes
             raise ValueError("it is not a netCDF file, or it is damaged.") from error
         if MARK not in found.attrs:
             raise ValueError("it is a netCDF file, but not a trial of laticauda.")
@@ -223,7 +251,9 @@ def _decoded(content: bytes) -> "xarray.Dataset":
 
     # Read from memory: errors of the file system were raised when the bytes were read.
     with netCDF4.Dataset("trial.nc", mode="r", memory=content) as file:
-        found = xarray.open_dataset(NetCDF4DataStore(file), decode_times=False, mask_and_scale=False).load()
+        found = xarray.open_dataset(
+            NetCDF4DataStore(file), decode_times=False, mask_and_scale=False
+        ).load()
     return found.swap_dims(axes="axis") if "axes" in found.dims else found
 
 
@@ -234,8 +264,8 @@ TEXTS = ("scenario", "status")
 class MatFile(trial.Format):
     """After ``load run.mat`` there is one variable per time series, with time along its rows.
 
-    For example, ``joint_angle(:, 1)`` is the angle of the tail-most joint and ``units.joint_angle`` its unit;
-    ``scenario`` and ``status`` are texts.
+    For example, ``joint_angle(:, 1)`` is the angle of the tail-most joint and ``units.joint_angle``
+    its unit; ``scenario`` and ``status`` are texts.
     """
 
     called: ClassVar[str] = "mat"
@@ -244,11 +274,17 @@ class MatFile(trial.Format):
     @staticmethod
     def write(dataset: "xarray.Dataset", path: Path) -> None:
         """Write a trial as a .mat file of version 5; see `Format.write`."""
-        series = {str(name): one for name, one in dataset.variables.items() if one.dims[:1] == ("time",)}
+        series = {
+            str(name): one for name, one in dataset.variables.items() if one.dims[:1] == ("time",)
+        }
         content: dict[str, Any] = {name: one.values for name, one in series.items()}
         content["units"] = {name: one.attrs["units"] for name, one in series.items()}
-        # To Octave, texts are bytes: non-ASCII characters are escaped here, and kept in the text that is read back.
-        content |= {name: str(dataset.attrs[name]).encode("ascii", "backslashreplace").decode() for name in TEXTS}
+        # To Octave, texts are bytes: non-ASCII characters are escaped here, and kept in the text
+        # that is read back.
+        content |= {
+            name: str(dataset.attrs[name]).encode("ascii", "backslashreplace").decode()
+            for name in TEXTS
+        }
         content[TEXT] = json.dumps(dataset.attrs)
         with path.open("wb") as file:
             _scipy().savemat(file, content, long_field_names=True, oned_as="column")
@@ -286,11 +322,15 @@ def mat_columns(path: Path) -> dict[str, Samples]:
         if 1 in values.shape:
             found[name] = np.asarray(values, dtype=np.float64).reshape(-1)
         else:
-            found |= {f"{name}_{i}": np.asarray(values[:, i], dtype=np.float64) for i in range(values.shape[1])}
+            found |= {
+                f"{name}_{i}": np.asarray(values[:, i], dtype=np.float64)
+                for i in range(values.shape[1])
+            }
     return found
 
 
-# Invalid bytes may crash scipy or make it hang, so it runs in a separate process, which returns plain arrays.
+# Invalid bytes may crash scipy or make it hang, so it runs in a separate process, which returns
+# plain arrays.
 _PATIENCE = 60.0
 _READER = """
 import io, sys, numpy, scipy.io
@@ -305,7 +345,9 @@ def _content(path: Path) -> dict[str, Any]:
     words = [sys.executable, "-P", "-c", _READER]
     content = files.read_bytes(path)
     try:
-        done = subprocess.run(words, input=content, capture_output=True, check=False, timeout=_PATIENCE)
+        done = subprocess.run(
+            words, input=content, capture_output=True, check=False, timeout=_PATIENCE
+        )
     except subprocess.TimeoutExpired:
         raise ValueError(f"it is damaged: reading it takes longer than {_PATIENCE:g} s.") from None
     if b"NotImplementedError" in done.stderr:

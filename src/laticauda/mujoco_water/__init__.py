@@ -11,9 +11,17 @@ Independent of laticauda's robots. Requires the extra `spatial`.
 
 from laticauda.mujoco_water.checks import stable_step as stable_step
 from laticauda.mujoco_water.elements import Element as Element, GeomCoefficients as GeomCoefficients
-from laticauda.mujoco_water.elements import geom_element as geom_element, geom_elements as geom_elements
+from laticauda.mujoco_water.elements import (
+    geom_element as geom_element,
+    geom_elements as geom_elements,
+)
 from laticauda.mujoco_water.ground import Contact as Contact, Terrain as Terrain
-from laticauda.mujoco_water.water import Water as Water, attach as attach, attached as attached, compiled as compiled
+from laticauda.mujoco_water.water import (
+    Water as Water,
+    attach as attach,
+    attached as attached,
+    compiled as compiled,
+)
 from laticauda.packaging import lazy_exports
 
 __getattr__, __dir__, __all__ = lazy_exports()

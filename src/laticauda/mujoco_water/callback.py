@@ -1,7 +1,8 @@
 """The one passive callback of the process, compiled: which models have water, and how it acts on them.
 
-It finds a model's table by the mark in the model. All vectors of one tree are taken about the tree's center of mass, in
-world directions, rotation first, like MuJoCo's own `cdof`, `cvel` and `crb`.
+It finds a model's table by the mark in the model. All vectors of one tree are taken about the
+tree's center of mass, in world directions, rotation first, like MuJoCo's own `cdof`, `cvel` and
+`crb`.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -30,10 +31,11 @@ from laticauda.mujoco_water.element_loads import element_load
 from laticauda.mujoco_water.table import *
 from laticauda.mujoco_water.vectors import field, integers, numbers
 
-# --- The registry: the previous passive callback, the offset of the mark in a model, the address of the rows, that of
-# the message for a mark without a row, and the previous sensor callback. A row is a mark and the address of a table;
-# the first holds the number of rows. A mark is an integer below 2^52, stored in the model as a denormal, so that copies
-# of the model have it too; its last bits are the index of its row.
+# --- The registry: the previous passive callback, the offset of the mark in a model, the address of
+# the rows, that of the message for a mark without a row, and the previous sensor callback. A row is
+# a mark and the address of a table; the first holds the number of rows. A mark is an integer below
+# 2^52, stored in the model as a denormal, so that copies of the model have it too; its last bits
+# are the index of its row.
 PLACE_BITS, MARK_BITS = 24, 52
 REGISTRY_SIZE = 5
 registry = np.zeros(REGISTRY_SIZE, dtype=np.int64)
@@ -109,7 +111,14 @@ def write_inertia(T, model, data, S):
     M = field(data, T[AT.M], end[n_dofs - 1] + 1)
     for i in range(n_dofs):
         c, C, A = 6 * i, 10 * body[i], 12 * n_bodies + 21 * body[i]
-        w0, w1, w2, v0, v1, v2 = cdof[c], cdof[c + 1], cdof[c + 2], cdof[c + 3], cdof[c + 4], cdof[c + 5]
+        w0, w1, w2, v0, v1, v2 = (
+            cdof[c],
+            cdof[c + 1],
+            cdof[c + 2],
+            cdof[c + 3],
+            cdof[c + 4],
+            cdof[c + 5],
+        )
         m0, m1, m2, m = crb[C + 6], crb[C + 7], crb[C + 8], crb[C + 9]
         K01, K02, K12 = crb[C + 3] + S[A + 1], crb[C + 4] + S[A + 2], crb[C + 5] + S[A + 4]
         B00, B01, B02 = S[A + 6], S[A + 7] - m2, S[A + 8] + m1
@@ -152,7 +161,11 @@ def collect(T, model, data, S):
     for k in range(6 * n_bodies, SCRATCH * n_bodies):
         S[k] = 0.0
     velocity_accelerations(T, data, S)
-    body, E, P = integers(T[ELEMENT_BODY], n), numbers(T[ELEMENTS], n * ELEMENT_SIZE), numbers(T[WATER], WATER_SIZE)
+    body, E, P = (
+        integers(T[ELEMENT_BODY], n),
+        numbers(T[ELEMENTS], n * ELEMENT_SIZE),
+        numbers(T[WATER], WATER_SIZE),
+    )
     step = native.number_at(model + T[IN_MODEL.timestep])
     for e in range(n):
         element_load(E, e * ELEMENT_SIZE, T, P, S, body[e], model, data, law_io, step)
@@ -199,7 +212,9 @@ def _passive(model, data):
 @cache
 def callback() -> Any:
     """Return the passive callback for all models with water: a compiled function of the addresses of model and data."""
-    return for_c(types.void(types.int64, types.int64), named_after(sources_digest(__name__), _passive))
+    return for_c(
+        types.void(types.int64, types.int64), named_after(sources_digest(__name__), _passive)
+    )
 
 
 MOST_GONE = 4096  # number of tables kept, for copies, of models that are gone or have other water
@@ -213,7 +228,9 @@ _FLOW_LOST = ctypes.create_string_buffer(
 LOST_FLOW = ctypes.addressof(_FLOW_LOST)
 _lock = Lock()
 _previous: list[Any] = []
-_rows = [np.zeros((64, 2), dtype=np.int64)]  # the last array is valid; threads may still read earlier ones
+_rows = [
+    np.zeros((64, 2), dtype=np.int64)
+]  # the last array is valid; threads may still read earlier ones
 _entries: dict[int, tuple[Any, Any]] = {}  # by mark: the water, and the finalizer of its model
 _gone: list[int] = []
 
@@ -236,7 +253,9 @@ def install() -> None:
             return
         there = mujoco.get_mjcb_passive()
         if there is not None and not hasattr(there, "argtypes"):
-            raise ValueError("mjcb_passive must be unset or a compiled function, but a Python function is set there.")
+            raise ValueError(
+                "mjcb_passive must be unset or a compiled function, but a Python function is set there."
+            )
         _rows[-1][0, 0] = len(_rows[-1])
         mark_at = native.model_offsets()["o_margin"]
         registry[:4] = before, mark_at, _rows[-1].ctypes.data, ctypes.addressof(_LOST)
@@ -271,7 +290,8 @@ def enter(model: Any, water: Any) -> None:
         mark = (secrets.randbits(MARK_BITS - PLACE_BITS - 1) + 1) << PLACE_BITS | place
         rows[place] = mark, water.table.ctypes.data
         _entries[mark] = water, weakref.finalize(model, _gone.append, mark)
-    # A margin of less than 1e-307 m has no effect, should anyone use it; every copy of the model keeps it.
+    # A margin of less than 1e-307 m has no effect, should anyone use it; every copy of the model
+    # keeps it.
     model.opt.o_margin = np.int64(mark).view(np.float64)
 
 

@@ -53,7 +53,8 @@ def stable_step(model: Any, elements: Iterable[Element], speed: float) -> float:
         speed: Maximum speed of the elements, along all axes at once [m/s].
 
     Returns:
-        2 over the largest eigenvalue of (M + A)^-1 D, with D the slope of the drag [s]; infinite without drag.
+        2 over the largest eigenvalue of (M + A)^-1 D, with D the slope of the drag [s]; infinite
+        without drag.
     """
     mujoco = load_mujoco()
     data = mujoco.MjData(model)
@@ -68,7 +69,11 @@ def stable_step(model: Any, elements: Iterable[Element], speed: float) -> float:
         slope, slope_2 = _slopes(element, speed)
         J, K = R.T @ linear, R.T @ turning
         slopes += J.T @ (slope[:, np.newaxis] * J) + K.T @ (slope_2[:, np.newaxis] * K)
-    fastest = float(np.max(np.real(np.linalg.eigvals(np.linalg.solve(inertia, slopes))))) if model.nv else 0.0
+    fastest = (
+        float(np.max(np.real(np.linalg.eigvals(np.linalg.solve(inertia, slopes)))))
+        if model.nv
+        else 0.0
+    )
     return 2.0 / fastest if fastest > 0.0 else math.inf
 
 
@@ -84,7 +89,10 @@ def _slopes(element: Element, speed: float) -> tuple[np.ndarray, np.ndarray]:
         return max(at(v, v - near) - at(v, v + near) for v in (0.0, top)) / (2.0 * near)
 
     x, y, z = element.drag
-    slopes = [steepest(0, speed, x, 0.0, 0.0, 0.0), *(steepest(1, speed, 0.0, c, 0.0, 0.0) for c in (y, z))]
+    slopes = [
+        steepest(0, speed, x, 0.0, 0.0, 0.0),
+        *(steepest(1, speed, 0.0, c, 0.0, 0.0) for c in (y, z)),
+    ]
     pairs = zip(element.torque_linear, element.torque_quadratic, strict=True)
     turning = [steepest(2, speed / max(element.half_size), 0.0, 0.0, *pair) for pair in pairs]
     return np.array(slopes), np.array(turning)
@@ -104,36 +112,60 @@ def check_model(model: Any, heavy: set[int], implicit_drag: bool) -> None:
     mujoco = load_mujoco()
     option, disable, enable = model.opt, mujoco.mjtDisableBit, mujoco.mjtEnableBit
     integrator = mujoco.mjtIntegrator(option.integrator).name.removeprefix("mjINT_").lower()
-    passive, asleep = disable.mjDSBL_SPRING | disable.mjDSBL_DAMPER, getattr(enable, "mjENBL_SLEEP", 0)
+    passive, asleep = (
+        disable.mjDSBL_SPRING | disable.mjDSBL_DAMPER,
+        getattr(enable, "mjENBL_SLEEP", 0),
+    )
     at_work = ", ".join(INTEGRATORS)
     rules = (
-        (integrator in at_work.lower().split(", "), f"one of the integrators {at_work}, got {integrator}"),
-        (option.disableflags & passive != passive, "passive forces, but springs and dampers are both disabled"),
-        (not option.enableflags & enable.mjENBL_OVERRIDE, "no contact override: its fields hold the water's mark"),
-        (not heavy or option.solver != mujoco.mjtSolver.mjSOL_PGS, "the solver Newton or CG: PGS evaluates too early"),
-        (not heavy or not option.enableflags & asleep, "no sleeping bodies: their inertia is not recomputed"),
+        (
+            integrator in at_work.lower().split(", "),
+            f"one of the integrators {at_work}, got {integrator}",
+        ),
+        (
+            option.disableflags & passive != passive,
+            "passive forces, but springs and dampers are both disabled",
+        ),
+        (
+            not option.enableflags & enable.mjENBL_OVERRIDE,
+            "no contact override: its fields hold the water's mark",
+        ),
+        (
+            not heavy or option.solver != mujoco.mjtSolver.mjSOL_PGS,
+            "the solver Newton or CG: PGS evaluates too early",
+        ),
+        (
+            not heavy or not option.enableflags & asleep,
+            "no sleeping bodies: their inertia is not recomputed",
+        ),
         (not heavy or not np.any(model.tendon_armature > 0.0), "no tendons with armature"),
     )
     for holds, rule in rules:
         if not holds:
             raise BadArgument("model", f"must have {rule}")
     if implicit_drag and integrator not in ("euler", "implicitfast"):
-        raise BadArgument("implicit_drag", f"must be used with the integrator Euler or implicitfast, got {integrator}")
+        raise BadArgument(
+            "implicit_drag",
+            f"must be used with the integrator Euler or implicitfast, got {integrator}",
+        )
     for body in heavy:
         dofs = _dofs_above(model, body)
         if any(model.M_rownnz[j] != n + 1 for n, j in enumerate(dofs)):
             rule = f"must store the full inertia matrix of body {name_of(model, body)}, but stores only its diagonal"
-            raise BadArgument("model", f"{rule}; compile its MjSpec with `laticauda.mujoco_water.compiled`")
+            raise BadArgument(
+                "model", f"{rule}; compile its MjSpec with `laticauda.mujoco_water.compiled`"
+            )
 
 
 def make_room(model: Any) -> None:
     """Disable MuJoCo's own medium, which would act in addition, and the sparse Jacobian of 4.0.0's Newton solver.
 
-    That solver's factorization of a sparse Hessian can be wrong: errors in accelerations were as large as the
-    accelerations where constraints join branches of the tree; 4.0.1 is correct again.
+    That solver's factorization of a sparse Hessian can be wrong: errors in accelerations were as
+    large as the accelerations where constraints join branches of the tree; 4.0.1 is correct again.
 
     Args:
-        model: The `mujoco.MjModel`; its options `density`, `viscosity` and `jacobian` may be changed.
+        model: The `mujoco.MjModel`; its options `density`, `viscosity` and `jacobian` may be
+            changed.
     """
     mujoco = load_mujoco()
     option = model.opt
@@ -167,12 +199,20 @@ def warn_of(model: Any, water: Any, speed: float | None, fitted: bool) -> None:
         model: The `mujoco.MjModel`.
         water: Water attached to it.
         speed: Speed at which the step is checked against the drag [m/s]; None: no check.
-        fitted: Whether the elements are those of all geoms, whose volume does not imply that anything should float.
+        fitted: Whether the elements are those of all geoms, whose volume does not imply that
+            anything should float.
     """
     mujoco = load_mujoco()
     bodies = [body_of(model, element.body) for element in water.elements]
-    free = {int(model.jnt_bodyid[j]) for j in range(model.njnt) if model.jnt_type[j] == mujoco.mjtJoint.mjJNT_FREE}
-    heavy = np.any(model.opt.gravity) and not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
+    free = {
+        int(model.jnt_bodyid[j])
+        for j in range(model.njnt)
+        if model.jnt_type[j] == mujoco.mjtJoint.mjJNT_FREE
+    }
+    heavy = (
+        np.any(model.opt.gravity)
+        and not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
+    )
     found: list[str] = []
     for root in sorted({int(model.body_rootid[b]) for b in bodies}):
         said = f"body {name_of(model, root)}"
@@ -200,16 +240,23 @@ def warn_of(model: Any, water: Any, speed: float | None, fitted: bool) -> None:
 def metacentric_height(model: Any, root: int, water: Any) -> float:
     """Return the height of a tree's metacenter above its center of mass in its reference pose, for the weaker axis [m].
 
-    A floating tree is at the draft that carries it; for a submerged one, the metacenter is its center of buoyancy.
+    A floating tree is at the draft that carries it; for a submerged one, the metacenter is its
+    center of buoyancy.
     """
     mujoco = load_mujoco()
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
-    own = [e for e in water.elements if e.volume > 0.0 and model.body_rootid[body_of(model, e.body)] == root]
+    own = [
+        e
+        for e in water.elements
+        if e.volume > 0.0 and model.body_rootid[body_of(model, e.body)] == root
+    ]
     if not own:
         return 0.0
-    _, places, axes = (np.array(each) for each in zip(*(pose(model, data, e) for e in own), strict=True))
+    _, places, axes = (
+        np.array(each) for each in zip(*(pose(model, data, e) for e in own), strict=True)
+    )
     places -= data.subtree_com[root]
     shapes = [(float(getattr(hydrostatics, e.shape.upper())), e.half_size) for e in own]
     volumes = np.array([e.volume for e in own])
@@ -220,13 +267,20 @@ def metacentric_height(model: Any, root: int, water: Any) -> float:
     def center(axis: int, angle: float) -> np.ndarray:
         """Return the center of buoyancy relative to that of mass, turned about a horizontal axis through the latter."""
         matrix, low, high = np.zeros(9), -reach, reach
-        mujoco.mju_quat2Mat(matrix, [math.cos(0.5 * angle), *(math.sin(0.5 * angle) * np.eye(3)[axis])])
+        mujoco.mju_quat2Mat(
+            matrix, [math.cos(0.5 * angle), *(math.sin(0.5 * angle) * np.eye(3)[axis])]
+        )
         turn = matrix.reshape(3, 3)
         at, turned = places @ turn.T, turn @ axes
 
         def lift(depth: float) -> np.ndarray:
             ups, depths = turned[:, 2].tolist(), (depth - at[:, 2]).tolist()
-            wet = np.array([hydrostatics.wetted(*one, *row) for one, *row in zip(shapes, ups, depths, strict=True)])
+            wet = np.array(
+                [
+                    hydrostatics.wetted(*one, *row)
+                    for one, *row in zip(shapes, ups, depths, strict=True)
+                ]
+            )
             centers = at + np.einsum("nij,nj->ni", turned, wet[:, 1:])
             return (volumes * wet[:, 0]) @ np.column_stack([np.ones(len(at)), centers])
 
@@ -237,4 +291,8 @@ def metacentric_height(model: Any, root: int, water: Any) -> float:
         return total[1:] / total[0]
 
     about_x, about_y = ((center(axis, 1e-3) - center(axis, -1e-3)) / 2e-3 for axis in (0, 1))
-    return float(np.linalg.eigvals(np.array([[-about_x[1], -about_y[1]], [about_x[0], about_y[0]]])).real.min())
+    return float(
+        np.linalg.eigvals(
+            np.array([[-about_x[1], -about_y[1]], [about_x[0], about_y[0]]])
+        ).real.min()
+    )

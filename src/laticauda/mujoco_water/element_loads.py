@@ -1,14 +1,16 @@
 """Load of the water on one element, and the inertia of the water that moves with it.
 
-For an element with velocity u relative to the water, angular velocity w (both in element axes), spatial acceleration a
-for zero joint accelerations (due to the velocities alone), added mass m and inertia I, in still water:
+For an element with velocity u relative to the water, angular velocity w (both in element axes),
+spatial acceleration a for zero joint accelerations (due to the velocities alone), added mass m and
+inertia I, in still water:
 
     relative     f = -m (a + w x V)                    tau = -I alpha
     kirchhoff    f = -m (a + w x V) - w x m u          tau = -I alpha - w x I w - u x m u
     classic      f = -m (a + w x (v + V))              tau = -I alpha
 
-In water that accelerates and rotates, `fluid.inertia` defines what w, a and alpha are relative to. The part that is
-linear in the joint accelerations is not a force but inertia: it is added to MuJoCo's matrix M.
+In water that accelerates and rotates, `fluid.inertia` defines what w, a and alpha are relative to.
+The part that is linear in the joint accelerations is not a force but inertia: it is added to
+MuJoCo's matrix M.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -37,8 +39,8 @@ load = compiled(inertia.load)
 def element_load(E, o, T, P, S, body, model, data, law_io, step):
     """Add one element's load and inertia to those of its body in the scratch array `S`.
 
-    `E` holds the elements' records, with this one's starting at `o`; `P` holds the water's parameters; S contains
-    acceleration, force (6 each) and inertia (21) of every body.
+    `E` holds the elements' records, with this one's starting at `o`; `P` holds the water's
+    parameters; S contains acceleration, force (6 each) and inertia (21) of every body.
     """
     R, place, arm = pose(E, o, T, body, data)
     V, flow, spin, elevation = flow_at(T, P, place, 0.0, model, data, law_io)
@@ -58,14 +60,18 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
     if covered > 0.0:
         own_m, own_i, ahead = E[o + OWN_MASS], E[o + OWN_INERTIA], whole * covered * step
         added = plus(added, taken(three(E, o + MASS), own_m, u, wet, covered, ahead))
-        added_torque = plus(added_torque, taken(three(E, o + INERTIA), own_i, w, wet, covered, ahead))
+        added_torque = plus(
+            added_torque, taken(three(E, o + INERTIA), own_i, w, wet, covered, ahead)
+        )
     dragged, dragged_torque = drag(T, E, o, law_io, u, w, wet)
     own = effector(E, o, u)
     displaced = P[DENSITY] * wet * E[o + VOLUME]
     buoyancy, carried_along = scaled(-displaced, gravity(T, model)), scaled(displaced, flow)
     lift, pull = plus(buoyancy, carried_along), three(E, o + PULL)
     if T[OUT] != 0:
-        write_loads(T, o, R, dragged, plus(added, to_own(R, carried_along)), buoyancy, own, pull, wet)
+        write_loads(
+            T, o, R, dragged, plus(added, to_own(R, carried_along)), buoyancy, own, pull, wet
+        )
     force = plus(to_world(R, plus(plus(added, dragged), own)), plus(lift, pull))
     torque = plus(to_world(R, plus(added_torque, dragged_torque)), cross(to_world(R, center), lift))
     if E[o + CONTACT] != 0.0:
@@ -89,7 +95,11 @@ def pose(E, o, T, body, data):
     xpos, xmat = field(data, T[AT.xpos], 3 * n_bodies), field(data, T[AT.xmat], 9 * n_bodies)
     com = three(field(data, T[AT.subtree_com], 3 * n_bodies), 3 * integers(T[ROOT], n_bodies)[body])
     B, Q = nine(xmat, 9 * body), nine(E, o + ROTATION)
-    x, y, z = to_world(B, (Q[0], Q[3], Q[6])), to_world(B, (Q[1], Q[4], Q[7])), to_world(B, (Q[2], Q[5], Q[8]))
+    x, y, z = (
+        to_world(B, (Q[0], Q[3], Q[6])),
+        to_world(B, (Q[1], Q[4], Q[7])),
+        to_world(B, (Q[2], Q[5], Q[8])),
+    )
     R = (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
     place = plus(three(xpos, 3 * body), to_world(B, three(E, o + POSITION)))
     return R, place, plus(place, scaled(-1.0, com))
@@ -132,7 +142,12 @@ def flow_at(T, P, place, ahead, model, data, io):
     row = T[FLOWS] + 24 * (number % MOST_FLOWS)
     if word_at(row) != number:
         stop(T[FLOW_LOST])
-    io[0], io[1], io[2], io[3] = place[0], place[1], place[2] - P[LEVEL], number_at(data + T[AT.time]) + ahead
+    io[0], io[1], io[2], io[3] = (
+        place[0],
+        place[1],
+        place[2] - P[LEVEL],
+        number_at(data + T[AT.time]) + ahead,
+    )
     call_2(word_at(row + 8), io.ctypes.data, word_at(row + 16))
     return three(io, PLACE), three(io, PLACE + 3), three(io, PLACE + 6), io[PLACE + 9]
 
@@ -164,7 +179,8 @@ def added_load(keep, m, rate, turned):
 def covering(T, E, o, R, wet, depth, arm, body, data, step, surface):
     """Return the growth rate of the submerged share, 0 while it falls; and 1 if it is taken over the whole next step.
 
-    That is the case for steps of first order, and for those in which the moving mass grows by more than half.
+    That is the case for steps of first order, and for those in which the moving mass grows by more
+    than half.
     """
     rate, whole = 0.0, 1.0
     for share in (1.0, 1e-3):
@@ -197,21 +213,39 @@ def added_share(grown, m, own, wet):
 @kernel
 def taken(m, own, u, wet, rate, ahead):
     """Return minus the momentum per time that new water takes; with 1 / (1 + x) a step `ahead` conserves momentum."""
-    x, y, z = added_share(ahead, m[0], own, wet), added_share(ahead, m[1], own, wet), added_share(ahead, m[2], own, wet)
-    return -rate * m[0] * u[0] / (1.0 + x), -rate * m[1] * u[1] / (1.0 + y), -rate * m[2] * u[2] / (1.0 + z)
+    x, y, z = (
+        added_share(ahead, m[0], own, wet),
+        added_share(ahead, m[1], own, wet),
+        added_share(ahead, m[2], own, wet),
+    )
+    return (
+        -rate * m[0] * u[0] / (1.0 + x),
+        -rate * m[1] * u[1] / (1.0 + y),
+        -rate * m[2] * u[2] / (1.0 + z),
+    )
 
 
 @kernel
 def drag(T, E, o, law_io, u, w, wet):
     """Return force and torque by the law: with y across and about z, with z across and about y, then roll about x."""
-    c, linear, quadratic = three(E, o + DRAG), three(E, o + TORQUE_LINEAR), three(E, o + TORQUE_QUADRATIC)
+    c, linear, quadratic = (
+        three(E, o + DRAG),
+        three(E, o + TORQUE_LINEAR),
+        three(E, o + TORQUE_QUADRATIC),
+    )
     law, own = integers(T[LAWS], T[N_ELEMENTS])[o // ELEMENT_SIZE], E[o + LAW_NUMBERS :].ctypes.data
     across = (u[1] * u[1] + u[2] * u[2]) ** 0.5
-    f_x, f_y, t_z = by_law(law, own, law_io, (u[0], u[1], across, w[2]), (c[0], c[1], linear[2], quadratic[2]))
-    _, f_z, t_y = by_law(law, own, law_io, (u[0], u[2], across, w[1]), (c[0], c[2], linear[1], quadratic[1]))
+    f_x, f_y, t_z = by_law(
+        law, own, law_io, (u[0], u[1], across, w[2]), (c[0], c[1], linear[2], quadratic[2])
+    )
+    _, f_z, t_y = by_law(
+        law, own, law_io, (u[0], u[2], across, w[1]), (c[0], c[2], linear[1], quadratic[1])
+    )
     t_x = 0.0
     if linear[0] != 0.0 or quadratic[0] != 0.0:
-        _, _, t_x = by_law(law, own, law_io, (0.0, 0.0, 0.0, w[0]), (0.0, 0.0, linear[0], quadratic[0]))
+        _, _, t_x = by_law(
+            law, own, law_io, (0.0, 0.0, 0.0, w[0]), (0.0, 0.0, linear[0], quadratic[0])
+        )
     return scaled(wet, (f_x, f_y, f_z)), scaled(wet, (t_x, t_y, t_z))
 
 
@@ -243,7 +277,11 @@ def effector(E, o, u):
 @kernel
 def implicit(load, velocity, step):
     """Return a drag's secant slopes -f / v, never negative, times the step: what an implicit step adds."""
-    return secant(load[0], velocity[0], step), secant(load[1], velocity[1], step), secant(load[2], velocity[2], step)
+    return (
+        secant(load[0], velocity[0], step),
+        secant(load[1], velocity[1], step),
+        secant(load[2], velocity[2], step),
+    )
 
 
 @kernel
@@ -266,7 +304,11 @@ def write_loads(T, o, R, dragged, added, lift, own, pull, wet):
 def add_inertia(S, A, R, arm, m, i):
     """Add an element's inertia about the center of mass, world axes: [[K, B], [B^T, N]], B = [r] N, K = I - B [r]."""
     N, k = symmetric(R, m), symmetric(R, i)
-    x, y, z = cross(arm, (N[0], N[1], N[2])), cross(arm, (N[1], N[3], N[4])), cross(arm, (N[2], N[4], N[5]))
+    x, y, z = (
+        cross(arm, (N[0], N[1], N[2])),
+        cross(arm, (N[1], N[3], N[4])),
+        cross(arm, (N[2], N[4], N[5])),
+    )
     rx, ry, rz = arm
     S[A] += k[0] - y[0] * rz + z[0] * ry
     S[A + 1] += k[1] + x[0] * rz - z[0] * rx

@@ -26,48 +26,72 @@ _NONE: Three = (0.0, 0.0, 0.0)
 class Element:
     """Loads on one piece of a body. A body may have several; different kinds of drag take several at one place.
 
-    With u the velocity of the element's center relative to the water and w its angular velocity, along each of its axes
-    and for the default `law`,
+    With u the velocity of the element's center relative to the water and w its angular velocity,
+    along each of its axes and for the default `law`,
 
         f = -c u |u|        tau = -lambda_3 |w| w
 
-    At a trailing edge Lighthill's force is m'/2 u_y^2 along x and -m' u_x u_y along y. A `plate` is upright with its
-    chord along x, and its numbers are the last five arguments of `laticauda.fluid.laws.plate`. Without a surface,
-    `half_size` is not used.
+    At a trailing edge Lighthill's force is m'/2 u_y^2 along x and -m' u_x u_y along y. A `plate` is
+    upright with its chord along x, and its numbers are the last five arguments of
+    `laticauda.fluid.laws.plate`. Without a surface, `half_size` is not used.
 
     Raises:
         ValueError: If a field is out of range.
     """
 
-    body: str = option("Name of the MuJoCo body that it is fixed to; of an unnamed body its number, e.g. '2'")
+    body: str = option(
+        "Name of the MuJoCo body that it is fixed to; of an unnamed body its number, e.g. '2'"
+    )
     position: Three = quantity("m", "Its middle in the body's frame", default=_NONE)
-    orientation: Quaternion = quantity("", "Its axes in the body's frame (w, x, y, z)", default=(1.0, 0.0, 0.0, 0.0))
+    orientation: Quaternion = quantity(
+        "", "Its axes in the body's frame (w, x, y, z)", default=(1.0, 0.0, 0.0, 0.0)
+    )
     drag: Three = quantity("N s^2/m^2", "c along x, y and z", default=_NONE, ge=0.0)
     torque_linear: Three = quantity("N s^2", "lambda_2 about x, y and z", default=_NONE, ge=0.0)
-    torque_quadratic: Three = quantity("N m s^2", "lambda_3 about x, y and z", default=_NONE, ge=0.0)
+    torque_quadratic: Three = quantity(
+        "N m s^2", "lambda_3 about x, y and z", default=_NONE, ge=0.0
+    )
     added_mass: Three = quantity("kg", "Along x, y and z", default=_NONE, ge=0.0)
-    added_inertia: Three = quantity("kg m^2", "About x, y and z through the middle", default=_NONE, ge=0.0)
-    thrust: Three = quantity("N", "Constant force along x, y and z, e.g. of a thruster", default=_NONE)
+    added_inertia: Three = quantity(
+        "kg m^2", "About x, y and z through the middle", default=_NONE, ge=0.0
+    )
+    thrust: Three = quantity(
+        "N", "Constant force along x, y and z, e.g. of a thruster", default=_NONE
+    )
     pull: Three = quantity("N", "Constant force in world axes, e.g. of a tether", default=_NONE)
     tether_drag: float = quantity("kg/m", "k of a force -k |u| u", default=0.0, ge=0.0)
-    wake_mass: float = quantity("kg/m", "m' of Lighthill's force at a trailing edge while u_x > 0", default=0.0, ge=0.0)
+    wake_mass: float = quantity(
+        "kg/m", "m' of Lighthill's force at a trailing edge while u_x > 0", default=0.0, ge=0.0
+    )
     plate: tuple[float, float, float, float, float] | None = quantity(
         "",
         "An upright plate with its chord along x: the last five arguments of `laticauda.fluid.laws.plate`",
         default=None,
         ge=0.0,
     )
-    contact: Contact | None = option("Contact with the ground of `water.attach`; None: no contact", default=None)
-    volume: float = quantity("m^3", "Volume of water that it displaces when submerged", default=0.0, ge=0.0)
-    shape: Shape = option("Shape cut by the surface; a cylinder is elliptic, with axis along x", default="ellipsoid")
-    half_size: Three = quantity("m", "Half the length, width and height of the shape", default=(0.1, 0.1, 0.1), gt=0.0)
-    law: DragLaw = option("Drag versus speed; quadratic if omitted", default=PolynomialDrag(reference_speed=0.0))
+    contact: Contact | None = option(
+        "Contact with the ground of `water.attach`; None: no contact", default=None
+    )
+    volume: float = quantity(
+        "m^3", "Volume of water that it displaces when submerged", default=0.0, ge=0.0
+    )
+    shape: Shape = option(
+        "Shape cut by the surface; a cylinder is elliptic, with axis along x", default="ellipsoid"
+    )
+    half_size: Three = quantity(
+        "m", "Half the length, width and height of the shape", default=(0.1, 0.1, 0.1), gt=0.0
+    )
+    law: DragLaw = option(
+        "Drag versus speed; quadratic if omitted", default=PolynomialDrag(reference_speed=0.0)
+    )
 
     def __post_init__(self) -> None:
         """Normalize the quaternion."""
         norm = math.sqrt(sum(q * q for q in self.orientation))
         if norm < 1e-6:
-            raise BadArgument("orientation", f"must be a quaternion that is not zero, got {self.orientation}")
+            raise BadArgument(
+                "orientation", f"must be a quaternion that is not zero, got {self.orientation}"
+            )
         w, x, y, z = (q / norm for q in self.orientation)
         object.__setattr__(self, "orientation", (w, x, y, z))
 
@@ -85,13 +109,22 @@ _HALF_TURN = 0.5**0.5
 class GeomCoefficients:
     """Dimensionless coefficients that turn a geom into an `Element`; areas are those of the geom's projections.
 
-    Added mass and inertia are shares of those of the fitted ellipsoid (Lamb, 1932, art. 114 and 115).
+    Added mass and inertia are shares of those of the fitted ellipsoid (Lamb, 1932, art. 114 and
+    115).
     """
 
-    drag: Three = quantity("", "C_D along the geom's axes, on the projected area", default=(0.2, 1.0, 1.0), ge=0.0)
-    rotational_drag: float = quantity("", "Share of the rotational drag that `drag` implies", default=0.0, ge=0.0)
-    added_mass: float = quantity("", "Share of that of the fitted ellipsoid (Lamb)", default=1.0, ge=0.0)
-    law: DragLaw = option("Drag versus speed; quadratic if omitted", default=PolynomialDrag(reference_speed=0.0))
+    drag: Three = quantity(
+        "", "C_D along the geom's axes, on the projected area", default=(0.2, 1.0, 1.0), ge=0.0
+    )
+    rotational_drag: float = quantity(
+        "", "Share of the rotational drag that `drag` implies", default=0.0, ge=0.0
+    )
+    added_mass: float = quantity(
+        "", "Share of that of the fitted ellipsoid (Lamb)", default=1.0, ge=0.0
+    )
+    law: DragLaw = option(
+        "Drag versus speed; quadratic if omitted", default=PolynomialDrag(reference_speed=0.0)
+    )
 
 
 def lamb(half_size: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
@@ -101,13 +134,15 @@ def lamb(half_size: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
         half_size: Half-axes [m].
 
     Returns:
-        k_i = alpha_i / (2 - alpha_i) [-], and the added inertia over the displaced mass [m^2], per axis.
+        k_i = alpha_i / (2 - alpha_i) [-], and the added inertia over the displaced mass [m^2], per
+        axis.
 
     References:
         H. Lamb, Hydrodynamics, 6th ed., Cambridge 1932, art. 114 and 115.
     """
     a = np.asarray(half_size, dtype=float)
-    # alpha_i = abc int_0^inf dt / ((a_i^2 + t) Delta), with t = s^2 x^2 / (1 - x)^2 for Gauss' rule on (0, 1)
+    # alpha_i = abc int_0^inf dt / ((a_i^2 + t) Delta), with t = s^2 x^2 / (1 - x)^2 for Gauss' rule
+    # on (0, 1)
     node, weight = np.polynomial.legendre.leggauss(200)
     x = 0.5 * (node + 1.0)
     scale = float(np.prod(a)) ** (2.0 / 3.0)
@@ -126,7 +161,11 @@ def lamb(half_size: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def geom_element(
-    model: Any, geom: str | int, coefficients: GeomCoefficients | None = None, *, density: float = 1000.0
+    model: Any,
+    geom: str | int,
+    coefficients: GeomCoefficients | None = None,
+    *,
+    density: float = 1000.0,
 ) -> Element:
     """Return the element that fits a geom: a sphere, capsule, ellipsoid, cylinder, box or mesh.
 
@@ -135,8 +174,8 @@ def geom_element(
     Args:
         model: A `mujoco.MjModel`.
         geom: Its name or number.
-        coefficients: Coefficients of the geom; None: the usual ones of such a shape, from a handbook of drag, including
-            rotational drag.
+        coefficients: Coefficients of the geom; None: the usual ones of such a shape, from a
+            handbook of drag, including rotational drag.
         density: Density rho of the water [kg/m^3].
 
     Raises:
@@ -144,7 +183,9 @@ def geom_element(
     """
     mujoco = load_mujoco()
     positive("density", density, "kg/m^3")
-    number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, geom) if isinstance(geom, str) else geom
+    number = (
+        mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, geom) if isinstance(geom, str) else geom
+    )
     if not 0 <= number < model.ngeom:
         raise BadArgument("geom", f"must be a geom of the model, got {geom!r}")
     kind, shape, half, share_of_box, middle, turn = _fitted(model, number)
@@ -152,7 +193,9 @@ def geom_element(
     volume = share_of_box * 8.0 * half[0] * half[1] * half[2]
     share, turning = lamb(half)
     mass = coefficients.added_mass * density * volume
-    round_ends, round_sides = (1.0, 1.0) if shape == "box" else (_ROUND, 1.0 if shape == "cylinder" else _ROUND)
+    round_ends, round_sides = (
+        (1.0, 1.0) if shape == "box" else (_ROUND, 1.0 if shape == "cylinder" else _ROUND)
+    )
     area = (
         4.0 * round_ends * half[1] * half[2],
         4.0 * round_sides * half[0] * half[2],
@@ -163,7 +206,9 @@ def geom_element(
     mujoco.mju_mulQuat(axes, model.geom_quat[number], np.array(turn))
     return Element(
         body=model.body(body := int(model.geom_bodyid[number])).name or str(body),
-        position=_three(model.geom_pos[number] + from_quaternion(*model.geom_quat[number]) @ middle),
+        position=_three(
+            model.geom_pos[number] + from_quaternion(*model.geom_quat[number]) @ middle
+        ),
         orientation=(axes[0], axes[1], axes[2], axes[3]),
         drag=_three(c),
         torque_linear=_three(spread * _about(i, c, half, 2) / 3.0 for i in range(3)),
@@ -182,9 +227,9 @@ def geom_elements(
 ) -> tuple[Element, ...]:
     """Return elements for all geoms that displace water: the default of `attach`.
 
-    Excluded are geoms of bodies that cannot move; planes and height fields; if a body has geoms that can collide, those
-    that cannot, as they are visual; and, both with a warning, geoms that lie mostly in larger ones of their body, or
-    that have no volume.
+    Excluded are geoms of bodies that cannot move; planes and height fields; if a body has geoms
+    that can collide, those that cannot, as they are visual; and, both with a warning, geoms that
+    lie mostly in larger ones of their body, or that have no volume.
 
     Args:
         model: A `mujoco.MjModel`.
@@ -224,9 +269,15 @@ def _apart(pieces: list[tuple[str, Element]]) -> list[Element]:
         inside = np.array([_contains(other, points) for _, other in kept]).reshape(-1, len(points))
         share = float(np.any(inside, axis=0).mean())
         if share > 0.1:
-            others = ", ".join(f"`{other}`" for (other, _), within in zip(kept, inside, strict=True) if np.any(within))
+            others = ", ".join(
+                f"`{other}`"
+                for (other, _), within in zip(kept, inside, strict=True)
+                if np.any(within)
+            )
             what = "is left out of the water" if share > 0.5 else "displaces that much water twice"
-            warnings.warn(f"geom `{name}` overlaps {others} by {100 * share:.0f} %: it {what}", stacklevel=4)
+            warnings.warn(
+                f"geom `{name}` overlaps {others} by {100 * share:.0f} %: it {what}", stacklevel=4
+            )
         if share <= 0.5:
             kept.append((name, element))
     return [element for _, element in kept]
@@ -269,7 +320,12 @@ def _fitted(model: Any, number: int) -> tuple[str, Shape, Three, float, np.ndarr
     kind = _kind(model, number)
     x, y, z = _three(model.geom_size[number])
     straight = (1.0, 0.0, 0.0, 0.0)
-    along_z = (_HALF_TURN, 0.0, -_HALF_TURN, 0.0)  # MuJoCo's cylinders have their axis along z, ours along x
+    along_z = (
+        _HALF_TURN,
+        0.0,
+        -_HALF_TURN,
+        0.0,
+    )  # MuJoCo's cylinders have their axis along z, ours along x
     ball = math.pi / 6.0
     fitted: dict[str, tuple[Shape, Three, float, Quaternion]] = {
         "sphere": ("ellipsoid", (x, x, x), ball, straight),
@@ -287,7 +343,9 @@ def _fitted(model: Any, number: int) -> tuple[str, Shape, Three, float, np.ndarr
         )
     shape, half, share, turn = fitted[kind]
     if not min(half) > 0.0:
-        raise BadArgument("geom", f"must have a volume, got `{_name(model, number)}`, whose size is {[x, y, z]}")
+        raise BadArgument(
+            "geom", f"must have a volume, got `{_name(model, number)}`, whose size is {[x, y, z]}"
+        )
     return kind, shape, half, share, np.zeros(3), turn
 
 
@@ -300,15 +358,27 @@ def _mesh(model: Any, number: int) -> tuple[str, Shape, Three, float, np.ndarray
     share: np.ndarray = np.linalg.det(corners) / 6.0
     volume, total = float(share.sum()), corners.sum(axis=1)
     if not volume > 1e-6 * math.prod(np.ptp(points, axis=0).tolist()):
-        raise BadArgument("geom", f"must have a volume, got `{_name(model, number)}`, whose mesh has {volume:g} m^3")
+        raise BadArgument(
+            "geom",
+            f"must have a volume, got `{_name(model, number)}`, whose mesh has {volume:g} m^3",
+        )
     middle = share @ total / 4.0 / volume
-    second = np.einsum("n,ni,nj->ij", share, total, total) + np.einsum("n,nki,nkj->ij", share, corners, corners)
+    second = np.einsum("n,ni,nj->ij", share, total, total) + np.einsum(
+        "n,nki,nkj->ij", share, corners, corners
+    )
     spread, axes = np.linalg.eigh(second / 20.0 / volume - np.outer(middle, middle))
     axes = axes[:, ::-1] * np.linalg.det(axes[:, ::-1])  # the longest first, and right-handed
     half = _three(np.sqrt(5.0 * spread[::-1]))
     turn = np.zeros(4)
     load_mujoco().mju_mat2Quat(turn, axes.ravel())
-    return "mesh", "ellipsoid", half, volume / (8.0 * math.prod(half)), middle, (turn[0], turn[1], turn[2], turn[3])
+    return (
+        "mesh",
+        "ellipsoid",
+        half,
+        volume / (8.0 * math.prod(half)),
+        middle,
+        (turn[0], turn[1], turn[2], turn[3]),
+    )
 
 
 def _about(i: int, c: Sequence[float], half: Three, power: int) -> float:

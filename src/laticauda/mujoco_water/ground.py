@@ -1,13 +1,15 @@
 """Ground contact of an element: normal force from penetration depth, and anisotropic friction proportional to it.
 
-MuJoCo's friction has its axes in the contact frame, which turns with the body only for a capsule on a plane, and hence
-not on a ramp. Here friction acts along and across the element wherever it lies, by `fluid.laws` with the normal force N
-in place of a weight. An element touches the ground at the lowest point of its elliptic section at either end:
+MuJoCo's friction has its axes in the contact frame, which turns with the body only for a capsule on
+a plane, and hence not on a ramp. Here friction acts along and across the element wherever it lies,
+by `fluid.laws` with the normal force N in place of a weight. An element touches the ground at the
+lowest point of its elliptic section at either end:
 
     N = k d max(0, 1 + beta d')        f = -mu N v / sqrt(v^2 + eps^2), or -mu N v for viscous ground
 
-d is the penetration depth of the point. An element lying flat under its own weight should sink in by SINK; beta damps
-its bounce. Plain scalar functions, and the load on one element, which the kernels compile from them.
+d is the penetration depth of the point. An element lying flat under its own weight should sink in
+by SINK; beta damps its bounce. Plain scalar functions, and the load on one element, which the
+kernels compile from them.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -22,7 +24,17 @@ import numpy as np
 from laticauda.compiling import compiled, kernel
 from laticauda.fluid.laws import dry
 from laticauda.mujoco_water.table import *
-from laticauda.mujoco_water.vectors import cross, field, numbers, plus, scaled, three, times, to_own, to_world
+from laticauda.mujoco_water.vectors import (
+    cross,
+    field,
+    numbers,
+    plus,
+    scaled,
+    three,
+    times,
+    to_own,
+    to_world,
+)
 
 SINK = 1e-3  # [m]
 ROLL = 3.5  # how much faster friction stops the lowest point of a section than its center, as it may also roll [-]
@@ -96,7 +108,9 @@ def stable_step(contacts: list[Contact], gravity: float) -> float:
     return 1.0 / rate
 
 
-def terrain(x: float, height: float, edge: float, slope: float, floor: float) -> tuple[float, float]:
+def terrain(
+    x: float, height: float, edge: float, slope: float, floor: float
+) -> tuple[float, float]:
     """Return the height of the ground at x [m] and its downward slope along x [-]; arguments as in `Terrain`."""
     if slope == 0.0 or x <= edge:
         return height, 0.0
@@ -110,7 +124,8 @@ def uneven(x: float, y: float, nodes: np.ndarray) -> tuple[float, float, float]:
     Args:
         x: World x coordinate [m].
         y: World y coordinate [m].
-        nodes: Corner, cell and numbers of nodes of the grid along x and y, then their heights, as in `Terrain.nodes`.
+        nodes: Corner, cell and numbers of nodes of the grid along x and y, then their heights, as
+            in `Terrain.nodes`.
     """
     n, m = int(nodes[4]), int(nodes[5])
     u, v = (x - nodes[0]) / nodes[2], (y - nodes[1]) / nodes[3]
@@ -118,15 +133,29 @@ def uneven(x: float, y: float, nodes: np.ndarray) -> tuple[float, float, float]:
     u, v = min(max(u, 0.0), n - 1.0), min(max(v, 0.0), m - 1.0)
     i, j = min(int(u), n - 2), min(int(v), m - 2)
     a, b, k = u - i, v - j, 6 + i * m + j
-    low, high = nodes[k] + b * (nodes[k + 1] - nodes[k]), nodes[k + m] + b * (nodes[k + m + 1] - nodes[k + m])
-    left, right = nodes[k] + a * (nodes[k + m] - nodes[k]), nodes[k + 1] + a * (nodes[k + m + 1] - nodes[k + 1])
+    low, high = (
+        nodes[k] + b * (nodes[k + 1] - nodes[k]),
+        nodes[k + m] + b * (nodes[k + m + 1] - nodes[k + m]),
+    )
+    left, right = (
+        nodes[k] + a * (nodes[k + m] - nodes[k]),
+        nodes[k + 1] + a * (nodes[k + m + 1] - nodes[k + 1]),
+    )
     fall_x = (low - high) / nodes[2] if in_x else 0.0
     fall_y = (left - right) / nodes[3] if in_y else 0.0
     return low + a * (high - low), fall_x, fall_y
 
 
 def touch(
-    depth: float, rate: float, v_t: float, v_n: float, k: float, beta: float, along: float, across: float, eps: float
+    depth: float,
+    rate: float,
+    v_t: float,
+    v_n: float,
+    k: float,
+    beta: float,
+    along: float,
+    across: float,
+    eps: float,
 ) -> tuple[float, float, float]:
     """Return the forces of the ground on a point: along the piece, across it, and normal to the ground [N].
 
@@ -200,7 +229,9 @@ def ground_at(T, P, x, y):
 def lowest_point(T, E, o, P, R, place, sign):
     """Return the lowest point of one end section, relative to the element's center, and the ground's normal there."""
     half = three(E, o + HALF)
-    _, fall, aside = ground_at(T, P, place[0] + sign * half[0] * R[0], place[1] + sign * half[0] * R[3])
+    _, fall, aside = ground_at(
+        T, P, place[0] + sign * half[0] * R[0], place[1] + sign * half[0] * R[3]
+    )
     steep = (1.0 + fall * fall + aside * aside) ** -0.5
     normal = (fall * steep, aside * steep, steep)
     up = to_own(R, normal)
@@ -218,7 +249,9 @@ def push_of(E, o, R, depth, v, normal):
     aside = scaled(1.0 / (length(aside) + 1e-12), aside)
     ahead = cross(aside, normal)
     c = o + CONTACT
-    f_t, f_n, f_z = _touch(depth, -dot(v, normal), dot(v, ahead), dot(v, aside), *three(E, c), E[c + 3], E[c + 4])
+    f_t, f_n, f_z = _touch(
+        depth, -dot(v, normal), dot(v, ahead), dot(v, aside), *three(E, c), E[c + 3], E[c + 4]
+    )
     return plus(plus(scaled(f_t, ahead), scaled(f_n, aside)), scaled(f_z, normal))
 
 

@@ -1,12 +1,14 @@
 """Submerged share of a body and its center of buoyancy, for a flat surface.
 
-Plain functions of numbers and of triples along axes, compiled by the kernels. Lengths are in the element's own axes,
-`up` is the world's upward direction in these axes, and `depth` is that of the element's center below the surface. All
-return the submerged share of the volume and the centroid of that part.
+Plain functions of numbers and of triples along axes, compiled by the kernels. Lengths are in the
+element's own axes, `up` is the world's upward direction in these axes, and `depth` is that of the
+element's center below the surface. All return the submerged share of the volume and the centroid of
+that part.
 
-Ellipsoids, cylinders (elliptic, along x) and boxes are cut in closed form at any attitude. For a level side the
-formulas of the latter two are 0/0, so the rise of each side is limited to at least _LEVEL times that of the body: an
-error of 1e-5 of the volume, and no jump in value or slope at any attitude.
+Ellipsoids, cylinders (elliptic, along x) and boxes are cut in closed form at any attitude. For a
+level side the formulas of the latter two are 0/0, so the rise of each side is limited to at least
+_LEVEL times that of the body: an error of 1e-5 of the volume, and no jump in value or slope at any
+attitude.
 """
 
 import math
@@ -36,7 +38,14 @@ def wetted(shape: float, half: Three, up: Three, depth: float) -> Four:
 
 
 def wetting(
-    share: float, shape: float, half: Three, up: Three, depth: float, turning: Three, sinking: float, t: float
+    share: float,
+    shape: float,
+    half: Three,
+    up: Three,
+    depth: float,
+    turning: Three,
+    sinking: float,
+    t: float,
 ) -> float:
     """Return the growth rate of the submerged share over the time ahead, at constant motion of the body [1/s].
 
@@ -70,7 +79,12 @@ def _ellipsoid(half: Three, up: Three, depth: float) -> Four:
     if s <= -1.0:
         return 0.0, 0.0, 0.0, 0.0
     down = -0.75 * (1.0 - s) * (1.0 - s) / (2.0 - s) / height
-    return 0.25 * (1.0 + s) * (1.0 + s) * (2.0 - s), down * half_x * p_x, down * half_y * p_y, down * half_z * p_z
+    return (
+        0.25 * (1.0 + s) * (1.0 + s) * (2.0 - s),
+        down * half_x * p_x,
+        down * half_y * p_y,
+        down * half_z * p_z,
+    )
 
 
 def _cylinder(half: Three, up: Three, depth: float) -> Four:
@@ -118,7 +132,9 @@ def _box(half: Three, up: Three, depth: float) -> Four:
     share, x, y, z = 0.0, 0.0, 0.0, 0.0
     for corner in range(8):
         e_x, e_y, e_z = 2 * (corner & 1) - 1, (corner & 2) - 1, (corner & 4) // 2 - 1
-        under = e_x * a_x + e_y * a_y + e_z * a_z - abs(depth)  # the dry part if at least half of the box is submerged
+        under = (
+            e_x * a_x + e_y * a_y + e_z * a_z - abs(depth)
+        )  # the dry part if at least half of the box is submerged
         if under > 0.0:
             cube = e_x * e_y * e_z * under * under * under / (48.0 * a_x * a_y * a_z)
             share += cube
@@ -128,5 +144,9 @@ def _box(half: Three, up: Three, depth: float) -> Four:
     share = share if depth < 0.0 else 1.0 - share
     if share < _TINY:
         return 0.0, 0.0, 0.0, 0.0
-    x, y, z = x * half_x * p_x / (a_x * a_x), y * half_y * p_y / (a_y * a_y), z * half_z * p_z / (a_z * a_z)
+    x, y, z = (
+        x * half_x * p_x / (a_x * a_x),
+        y * half_y * p_y / (a_y * a_y),
+        z * half_z * p_z / (a_z * a_z),
+    )
     return share, x / share, y / share, z / share

@@ -1,7 +1,8 @@
 """Entry point of one drag law or flow for the water's callback: a function of two addresses, cached on disk.
 
-This is a template (see `compiling.templates`). The first address holds the law's inputs, followed by its loads; or
-position and time, followed by the flow felt there. The second holds the parameters of the law, or of the flow's parts.
+This is a template (see `compiling.templates`). The first address holds the law's inputs, followed
+by its loads; or position and time, followed by the flow felt there. The second holds the parameters
+of the law, or of the flow's parts.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -22,7 +23,11 @@ _names = bindings(__name__)
 _formula, _flow = _names.get("law"), summed(_names.get("flow", ()), len(Motion._fields))
 _felt, _any = compiled(felt), 1 << 40  # as many numbers at an address as needed
 if _formula is not None:
-    _law, _given, _own = in_numbers(_formula, Element, MOTION), rows_from(0, LOADS), rows_from(0, len(_formula.fields))
+    _law, _given, _own = (
+        in_numbers(_formula, Element, MOTION),
+        rows_from(0, LOADS),
+        rows_from(0, len(_formula.fields)),
+    )
 
 
 def _load(moving, numbers):
@@ -32,7 +37,9 @@ def _load(moving, numbers):
 
 def _motion(place, numbers):
     a = carray(place, (_any,), np.float64)
-    for k, one in enumerate(_felt(_flow(carray(numbers, (_any,), np.float64), 0, a[0], a[1], a[2], a[3]))):
+    for k, one in enumerate(
+        _felt(_flow(carray(numbers, (_any,), np.float64), 0, a[0], a[1], a[2], a[3]))
+    ):
         a[PLACE + k] = one
 
 

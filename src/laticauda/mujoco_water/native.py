@@ -1,9 +1,10 @@
 """MuJoCo below Python: the memory layout of its structures, and calls of its functions from compiled code.
 
-Compiled callbacks receive two plain addresses, of the model and of the data. They find what they need from the data by
-the fields' offsets in the structure, which are the same for all data of one build of MuJoCo; `offsets` measures them on
-a small model instead of relying on a header. MuJoCo's functions are called by name and others by address, passed as a
-number, so that compiled code can be cached on disk.
+Compiled callbacks receive two plain addresses, of the model and of the data. They find what they
+need from the data by the fields' offsets in the structure, which are the same for all data of one
+build of MuJoCo; `offsets` measures them on a small model instead of relying on a header. MuJoCo's
+functions are called by name and others by address, passed as a number, so that compiled code can be
+cached on disk.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -49,7 +50,16 @@ forward_skip = _function("mj_forwardSkip", types.void, _word, _word, _flag, _fla
 integrate_positions = _function("mj_integratePos", types.void, _word, _word, _word, types.float64)
 forces_after = _function("mj_rnePostConstraint", types.void, _word, _word)
 stop = _function("mju_error", types.void, _word)
-_FUNCTIONS = (factor_inertia, mark_stack, free_stack, allocate, forward_skip, integrate_positions, forces_after, stop)
+_FUNCTIONS = (
+    factor_inertia,
+    mark_stack,
+    free_stack,
+    allocate,
+    forward_skip,
+    integrate_positions,
+    forces_after,
+    stop,
+)
 
 
 @cache
@@ -57,11 +67,19 @@ def library() -> ctypes.CDLL:
     """Return the shared library that the module `mujoco` uses; once it is open, compiled code finds its functions.
 
     Raises:
-        OSError: If the loaded library is not that of the module: packages have overwritten each other.
+        OSError: If the loaded library is not that of the module: packages have overwritten each
+            other.
     """
     mujoco = load_mujoco()
-    folder, running = Path(mujoco.__file__).parent, getattr(os, "RTLD_NOLOAD", 0)  # Windows opens it only once anyway
-    for path in (p for pattern in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco*.dll") for p in folder.glob(pattern)):
+    folder, running = (
+        Path(mujoco.__file__).parent,
+        getattr(os, "RTLD_NOLOAD", 0),
+    )  # Windows opens it only once anyway
+    for path in (
+        p
+        for pattern in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco*.dll")
+        for p in folder.glob(pattern)
+    ):
         try:
             opened = ctypes.CDLL(str(path), mode=ctypes.DEFAULT_MODE | running)
         except OSError:
@@ -89,7 +107,11 @@ def offsets() -> list[int]:
     words = _words(data._address, np.uint64(data.signature), "data")  # located after all pointers
     found: list[int] = []
     for name in AT._fields:
-        value = np.float64(_RARE).view(np.uint64) if name == "time" else np.uint64(getattr(data, name).ctypes.data)
+        value = (
+            np.float64(_RARE).view(np.uint64)
+            if name == "time"
+            else np.uint64(getattr(data, name).ctypes.data)
+        )
         found.append(_last(words, value, name))
     return found
 
@@ -127,7 +149,9 @@ def _last(words: np.ndarray, value: Any, name: str, size: int = 8) -> int:
     places = np.flatnonzero(words == value)
     if places.size == 0:
         raise OSError(f"`{name}` was not found in this build of MuJoCo")
-    return int(places[-1]) * size  # empty arrays before it, and the buffer's own pointer, have the same address
+    return (
+        int(places[-1]) * size
+    )  # empty arrays before it, and the buffer's own pointer, have the same address
 
 
 @intrinsic

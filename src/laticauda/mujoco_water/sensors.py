@@ -1,12 +1,14 @@
 """Force and torque sensors of a model in water, with the readings of real ones.
 
-MuJoCo computes the load between a body and its parent after it has solved for the accelerations, from the inertia of
-the bodies and the forces known to it, which exclude passive forces. The water's load on a body is a passive force, and
-that of its added mass is known only then. The force and torque sensors of a model with water are therefore converted to
-user sensors, which MuJoCo leaves to a callback at that stage: the callback subtracts the water's load on a sensor's
-body and all its descendants from MuJoCo's result.
+MuJoCo computes the load between a body and its parent after it has solved for the accelerations,
+from the inertia of the bodies and the forces known to it, which exclude passive forces. The water's
+load on a body is a passive force, and that of its added mass is known only then. The force and
+torque sensors of a model with water are therefore converted to user sensors, which MuJoCo leaves to
+a callback at that stage: the callback subtracts the water's load on a sensor's body and all its
+descendants from MuJoCo's result.
 
-A sensor's original type is kept in its `refid`, unused by these two types, so copies and files of the model have it.
+A sensor's original type is kept in its `refid`, unused by these two types, so copies and files of
+the model have it.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -24,10 +26,27 @@ from numba import types
 from laticauda.compiling import for_c, kernel
 from laticauda.compiling.templates import named_after, sources_digest
 from laticauda.errors import load_mujoco
-from laticauda.mujoco_water.callback import REGISTRY_SIZE, SCRATCH, collect, registry, registry_address, table_of
+from laticauda.mujoco_water.callback import (
+    REGISTRY_SIZE,
+    SCRATCH,
+    collect,
+    registry,
+    registry_address,
+    table_of,
+)
 from laticauda.mujoco_water.native import allocate, call_3, free_stack, library, mark_stack
 from laticauda.mujoco_water.table import *
-from laticauda.mujoco_water.vectors import cross, field, integers, nine, numbers, plus, scaled, three, to_own
+from laticauda.mujoco_water.vectors import (
+    cross,
+    field,
+    integers,
+    nine,
+    numbers,
+    plus,
+    scaled,
+    three,
+    to_own,
+)
 
 ACCELERATIONS = 3  # MuJoCo's stage, mjSTAGE_ACC
 _KINDS = {"FORCE": -2, "TORQUE": -3}  # by type name: `refid` of the user sensor that replaces it
@@ -43,19 +62,28 @@ def take_over(model: Any) -> np.ndarray:
         Per sensor: index of its data, its site, the site's body, and 1 if it senses force, else 0.
     """
     kinds, found = load_mujoco().mjtSensor, np.zeros((0, 4), dtype=np.int64)
-    history = np.reshape(getattr(model, "sensor_history", np.zeros(2 * model.nsensor)), (-1, 2))[:, 0]
+    history = np.reshape(getattr(model, "sensor_history", np.zeros(2 * model.nsensor)), (-1, 2))[
+        :, 0
+    ]
     for name, sign in _KINDS.items():
         plain = (model.sensor_type == int(getattr(kinds, f"mjSENS_{name}"))) & (history == 0)
         own = np.flatnonzero(plain | _taken(model, sign))
         model.sensor_type[own], model.sensor_refid[own] = int(kinds.mjSENS_USER), sign
         site = model.sensor_objid[own]
-        rows = (model.sensor_adr[own], site, model.site_bodyid[site], np.full(own.size, name == "FORCE"))
+        rows = (
+            model.sensor_adr[own],
+            site,
+            model.site_bodyid[site],
+            np.full(own.size, name == "FORCE"),
+        )
         found = np.vstack([found, np.column_stack(rows)])
     return found.ravel()
 
 
 def _taken(model: Any, sign: int) -> np.ndarray:
-    return (model.sensor_type == int(load_mujoco().mjtSensor.mjSENS_USER)) & (model.sensor_refid == sign)
+    return (model.sensor_type == int(load_mujoco().mjtSensor.mjSENS_USER)) & (
+        model.sensor_refid == sign
+    )
 
 
 def give_back(model: Any) -> None:
@@ -66,7 +94,10 @@ def give_back(model: Any) -> None:
     """
     for name, sign in _KINDS.items():
         own = _taken(model, sign)
-        model.sensor_type[own], model.sensor_refid[own] = int(getattr(load_mujoco().mjtSensor, f"mjSENS_{name}")), -1
+        model.sensor_type[own], model.sensor_refid[own] = (
+            int(getattr(load_mujoco().mjtSensor, f"mjSENS_{name}")),
+            -1,
+        )
 
 
 def install() -> None:
@@ -85,13 +116,21 @@ def water_below(T, data, S):
     for b in range(n - 1, 0, -1):
         F, A = 6 * (n + b), 12 * n + 21 * b
         a = S[6 * b : 6 * b + 6]
-        for k in range(6):  # the part due to joint accelerations; MuJoCo's start from the world's, which is -g
+        for k in range(
+            6
+        ):  # the part due to joint accelerations; MuJoCo's start from the world's, which is -g
             a[k] = cacc[6 * b + k] - cacc[k] - a[k]
         for row in range(3):
             for column in range(3):
-                K = A + (row * (5 - row)) // 2 + column if row <= column else A + (column * (5 - column)) // 2 + row
+                K = (
+                    A + (row * (5 - row)) // 2 + column
+                    if row <= column
+                    else A + (column * (5 - column)) // 2 + row
+                )
                 S[F + row] -= S[K] * a[column] + S[A + 6 + 3 * row + column] * a[3 + column]
-                S[F + 3 + row] -= S[A + 6 + 3 * column + row] * a[column] + S[K + 15] * a[3 + column]
+                S[F + 3 + row] -= (
+                    S[A + 6 + 3 * column + row] * a[column] + S[K + 15] * a[3 + column]
+                )
         if parent[b] > 0:
             for k in range(6):
                 S[6 * (n + parent[b]) + k] += S[F + k]
@@ -118,7 +157,9 @@ def sense(model, data, table):
         found = force
         if sensors[4 * i + 3] == 0:
             torque = plus(three(inner, 6 * body), scaled(-1.0, three(S, 6 * (n + body))))
-            found = plus(torque, cross(force, plus(place, scaled(-1.0, three(com, 3 * root[body])))))
+            found = plus(
+                torque, cross(force, plus(place, scaled(-1.0, three(com, 3 * root[body]))))
+            )
         x, y, z = to_own(nine(R, 9 * site), found)
         readings = field(data, T[AT.sensordata], at + 3)
         readings[at], readings[at + 1], readings[at + 2] = x, y, z
@@ -137,4 +178,7 @@ def _sensors(model, data, stage):
 @cache
 def callback() -> Any:
     """Return the sensor callback for all models with water: a compiled function of model, data and stage."""
-    return for_c(types.void(types.int64, types.int64, types.int32), named_after(sources_digest(__name__), _sensors))
+    return for_c(
+        types.void(types.int64, types.int64, types.int32),
+        named_after(sources_digest(__name__), _sensors),
+    )

@@ -9,15 +9,18 @@ from pathlib import Path
 from laticauda.fluid.laws import MOTION, Element
 from laticauda.formulas import MOST_NUMBERS
 
-# --- The table of one model: 64-bit integers -----------------------------------------------------------------------
-# It begins with the offsets of MuJoCo's fields [bytes]: in the data, as in all setups of kernels that read it, and in
-# the model, where `o_friction` holds four numbers of our own: velocity of the water [m/s], or 0 and its flow's number.
+# --- The table of one model: 64-bit integers ------------------------------------------------------
+# It begins with the offsets of MuJoCo's fields [bytes]: in the data, as in all setups of kernels
+# that read it, and in the model, where `o_friction` holds four numbers of our own: velocity of the
+# water [m/s], or 0 and its flow's number.
 AT = namedtuple(
     "AT",
     "qpos qvel qacc xpos xmat xipos subtree_com cdof cdof_dot cvel crb M qfrc_passive qfrc_fluid time cacc cfrc_int "
     "cfrc_ext site_xpos site_xmat sensordata",
 )(*range(21))
-IN_MODEL = namedtuple("IN_MODEL", "gravity disableflags o_friction timestep dof_armature")(*range(21, 26))
+IN_MODEL = namedtuple("IN_MODEL", "gravity disableflags o_friction timestep dof_armature")(
+    *range(21, 26)
+)
 (
     N_BODIES,
     N_DOFS,
@@ -54,10 +57,25 @@ IN_MODEL = namedtuple("IN_MODEL", "gravity disableflags o_friction timestep dof_
 (DENSITY, LEVEL, OWN_VELOCITY, KIRCHHOFF, TERRAIN, WATER_SIZE) = (*range(5), 8)
 
 # --- One record of numbers per element: start of each field
-RECORD: dict[str, int] = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+RECORD: dict[str, int] = tomllib.loads(
+    Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")
+)
 PLACES = (*accumulate(RECORD.values(), initial=0),)
-(POSITION, ROTATION, DRAG, TORQUE_LINEAR, TORQUE_QUADRATIC, MASS, INERTIA, HALF, THRUST) = PLACES[:9]
-(PULL, VOLUME, TETHER_DRAG, WAKE_MASS, SHAPE, PLATE, CONTACT, OWN_MASS, OWN_INERTIA, LAW_NUMBERS) = PLACES[9:]
+(POSITION, ROTATION, DRAG, TORQUE_LINEAR, TORQUE_QUADRATIC, MASS, INERTIA, HALF, THRUST) = PLACES[
+    :9
+]
+(
+    PULL,
+    VOLUME,
+    TETHER_DRAG,
+    WAKE_MASS,
+    SHAPE,
+    PLATE,
+    CONTACT,
+    OWN_MASS,
+    OWN_INERTIA,
+    LAW_NUMBERS,
+) = PLACES[9:]
 ELEMENT_SIZE = LAW_NUMBERS + MOST_NUMBERS
 # A record ends with the drag law's own numbers, in the order of its fields.
 OUT_SIZE = 13  # drag, added mass (its velocity part), buoyancy, effectors [N] in world axes, submerged share [-]

@@ -1,8 +1,8 @@
 """Water attached to a MuJoCo model.
 
-The loads are computed by one compiled passive callback. Callbacks belong to the whole process, so one serves all
-models: it looks up the model and ignores those without water. It can run in threads (`mujoco.rollout`, `mujoco.batch`),
-because its scratch memory is the data's own stack.
+The loads are computed by one compiled passive callback. Callbacks belong to the whole process, so
+one serves all models: it looks up the model and ignores those without water. It can run in threads
+(`mujoco.rollout`, `mujoco.batch`), because its scratch memory is the data's own stack.
 """
 
 import copyreg
@@ -27,7 +27,9 @@ from laticauda.mujoco_water.checks import body_of, check_model, make_room, pose,
 from laticauda.mujoco_water.elements import Element, geom_elements
 from laticauda.mujoco_water.ground import Terrain
 
-Current: TypeAlias = Flow | Callable[[float, float, float, float], tuple[float, ...]] | Sequence[float]
+Current: TypeAlias = (
+    Flow | Callable[[float, float, float, float], tuple[float, ...]] | Sequence[float]
+)
 FORMS = ("relative", "kirchhoff", "classic")
 _lock = Lock()  # one evaluation of forces at a time: their destination is in the table
 
@@ -62,11 +64,13 @@ class Water:
         """Set the motion of the water of this model, and of copies made of it later.
 
         Args:
-            current: Velocity, world axes [m/s], a flow, or a function of x, y, z [m] and t [s] like one; None: as
-                attached. A water keeps the last 64 flows that it was given; a copy whose flow is no longer among them
-                is rejected.
+            current: Velocity, world axes [m/s], a flow, or a function of x, y, z [m] and t [s] like
+                one; None: as attached. A water keeps the last 64 flows that it was given; a copy
+                whose flow is no longer among them is rejected.
         """
-        self._live().opt.o_friction[:4] = _motion(self.numbers, self.options["current"] if current is None else current)
+        self._live().opt.o_friction[:4] = _motion(
+            self.numbers, self.options["current"] if current is None else current
+        )
 
     @property
     def current(self) -> Current:
@@ -81,9 +85,9 @@ class Water:
             data: A `mujoco.MjData` of the model.
 
         Returns:
-            Arrays of shape (n_elements, 3), world axes: `drag`, `added_mass` (with the force of accelerating water on
-            the displaced volume), `buoyancy` and `effector` (thrust, tether, wake, plate) [N]. `added_mass` is that for
-            the accelerations in `data` after the call.
+            Arrays of shape (n_elements, 3), world axes: `drag`, `added_mass` (with the force of
+            accelerating water on the displaced volume), `buoyancy` and `effector` (thrust, tether,
+            wake, plate) [N]. `added_mass` is that for the accelerations in `data` after the call.
         """
         out = np.zeros((len(self.elements), rows.OUT_SIZE))
         model = self._live()
@@ -129,22 +133,25 @@ def attach(
 ) -> Water:
     """Attach water to a model, replacing any water attached before.
 
-    A copy of the model has the water too, with its own current (see `attached`), and so does a pickled model when it is
-    loaded. An MJB file contains only the mark of the water: stepping a model loaded from it is rejected.
+    A copy of the model has the water too, with its own current (see `attached`), and so does a
+    pickled model when it is loaded. An MJB file contains only the mark of the water: stepping a
+    model loaded from it is rejected.
 
     Args:
-        model: A `mujoco.MjModel` from `mujoco` or `compiled`, or an object that holds one as `ptr`, as in dm_control.
+        model: A `mujoco.MjModel` from `mujoco` or `compiled`, or an object that holds one as `ptr`,
+            as in dm_control.
         elements: Elements on which the water acts; None: `geom_elements`.
         density: Density rho, for the buoyancy [kg/m^3].
-        current: Motion of the water: its velocity, world axes [m/s]; or a flow (`laticauda.fluid.flow.Flow`), or a
-            function of x, y, z [m] and t [s] like one, which returns the velocity or the 16 numbers of a `Motion`. Its
-            z is relative to the mean surface; its elevation of the surface affects buoyancy and wetting.
+        current: Motion of the water: its velocity, world axes [m/s]; or a flow
+            (`laticauda.fluid.flow.Flow`), or a function of x, y, z [m] and t [s] like one, which
+            returns the velocity or the 16 numbers of a `Motion`. Its z is relative to the mean
+            surface; its elevation of the surface affects buoyancy and wetting.
         surface: Mean height of the surface [m]; None: everything is submerged.
-        form: Velocity terms of the added mass: `kirchhoff` for the complete ones, `relative` without the Munk moment,
-            or `classic` for the acceleration alone.
-        implicit_drag: Include the drag's slope in the inertia of the step. Stable at any step, and of first order in
-            it; for the integrators Euler and implicitfast only. The accelerations in the data are then those of the
-            step, and no longer forces over inertia.
+        form: Velocity terms of the added mass: `kirchhoff` for the complete ones, `relative`
+            without the Munk moment, or `classic` for the acceleration alone.
+        implicit_drag: Include the drag's slope in the inertia of the step. Stable at any step, and
+            of first order in it; for the integrators Euler and implicitfast only. The accelerations
+            in the data are then those of the step, and no longer forces over inertia.
         usual_speed: Speed at which the step is checked against the drag [m/s].
         terrain: Ground for elements with a `contact`; None: flat at height 0.
 
@@ -161,7 +168,9 @@ def attach(
     make_room(model)
     elements = geom_elements(model, density=density) if elements is None else tuple(elements)
     if not elements or not all(isinstance(e, Element) for e in elements):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise BadArgument("elements", f"must hold at least one Element, and nothing else, got {elements!r:.60}")
+        raise BadArgument(
+            "elements", f"must hold at least one Element, and nothing else, got {elements!r:.60}"
+        )
     options = {"density": density, "current": current, "surface": surface, "form": form}
     water = _put(model, elements, {**options, "implicit_drag": implicit_drag, "terrain": terrain})
     warn_of(model, water, None if implicit_drag else usual_speed, fitted)
@@ -183,8 +192,13 @@ def _put(model: Any, elements: tuple[Element, ...], options: dict[str, Any]) -> 
     one_of("form", options["form"], FORMS)
     water = np.zeros(rows.WATER_SIZE)
     water[rows.DENSITY] = positive("density", options["density"], "kg/m^3")
-    water[rows.LEVEL] = 0.0 if options["surface"] is None else finite("surface", options["surface"], "m")
-    water[rows.OWN_VELOCITY], water[rows.KIRCHHOFF] = options["form"] != "classic", options["form"] == "kirchhoff"
+    water[rows.LEVEL] = (
+        0.0 if options["surface"] is None else finite("surface", options["surface"], "m")
+    )
+    water[rows.OWN_VELOCITY], water[rows.KIRCHHOFF] = (
+        options["form"] != "classic",
+        options["form"] == "kirchhoff",
+    )
     terrain = options["terrain"] or Terrain()
     water[rows.TERRAIN : rows.TERRAIN + 4] = terrain.profile
     bodies = np.array([body_of(model, element.body) for element in elements])
@@ -201,12 +215,17 @@ def _put(model: Any, elements: tuple[Element, ...], options: dict[str, Any]) -> 
     table[rows.FLOWS], table[rows.FLOW_LOST] = numbers["flows"].ctypes.data, callback.LOST_FLOW
     moving = _motion(numbers, options["current"])
     numbers["sensors"] = sensors.take_over(model)
-    table[rows.SENSORS], table[rows.N_SENSORS] = numbers["sensors"].ctypes.data, numbers["sensors"].size // 4
+    table[rows.SENSORS], table[rows.N_SENSORS] = (
+        numbers["sensors"].ctypes.data,
+        numbers["sensors"].size // 4,
+    )
     if numbers["sensors"].size:
         sensors.install()
     callback.install()
     copyreg.pickle(load_mujoco().MjModel, _reduced)
-    handle = Water(model=weakref.ref(model), elements=elements, options=options, table=table, numbers=numbers)
+    handle = Water(
+        model=weakref.ref(model), elements=elements, options=options, table=table, numbers=numbers
+    )
     callback.enter(model, handle)
     model.opt.o_friction[:4] = moving
     return handle
@@ -244,7 +263,9 @@ def _reduced(model: Any) -> Any:
     return _restored, (model.__getstate__(), water.elements, water.options, current)
 
 
-def _restored(state: bytes, elements: tuple[Element, ...], options: dict[str, Any], current: Current) -> Any:
+def _restored(
+    state: bytes, elements: tuple[Element, ...], options: dict[str, Any], current: Current
+) -> Any:
     model = load_mujoco().MjModel.__new__(load_mujoco().MjModel)
     model.__setstate__(state)
     _put(model, elements, options).set_current(current)
@@ -254,8 +275,9 @@ def _restored(state: bytes, elements: tuple[Element, ...], options: dict[str, An
 def compiled(spec: Any) -> Any:
     """Compile a `mujoco.MjSpec` so that every body can have added mass.
 
-    MuJoCo stores only the diagonal of the inertia of a free body whose frame is its inertial frame. Added mass needs
-    the whole matrix, so the inertial frame is moved aside while the model is compiled, and restored afterward.
+    MuJoCo stores only the diagonal of the inertia of a free body whose frame is its inertial frame.
+    Added mass needs the whole matrix, so the inertial frame is moved aside while the model is
+    compiled, and restored afterward.
 
     Args:
         spec: A model; it is not modified.
@@ -273,7 +295,10 @@ def compiled(spec: Any) -> Any:
         body = spec.bodies[b]
         body.explicitinertial = True
         body.mass, body.inertia = model.body_mass[b], model.body_inertia[b]
-        body.iquat, body.ipos = model.body_iquat[b], model.body_ipos[b] + np.array([1e-3, 2e-3, 3e-3])
+        body.iquat, body.ipos = (
+            model.body_iquat[b],
+            model.body_ipos[b] + np.array([1e-3, 2e-3, 3e-3]),
+        )
     full = spec.compile()
     for name in ("body_ipos", "body_iquat", "body_inertia", "body_mass"):
         getattr(full, name)[:] = getattr(model, name)
@@ -298,12 +323,20 @@ def _table(
         "element_body": bodies.astype(np.int64),
         "elements": np.concatenate([_record(element) for element in elements]),
         "water": water,
-        "laws": np.array([_entry(e.law, [e.law.formula], law=e.law.formula).address for e in elements], dtype=np.int64),
+        "laws": np.array(
+            [_entry(e.law, [e.law.formula], law=e.law.formula).address for e in elements],
+            dtype=np.int64,
+        ),
     }
     records = arrays["elements"].reshape(-1, rows.ELEMENT_SIZE)
     rigid = model.body_weldid  # bodies without a joint between them are one rigid body
-    loaded = np.bincount(rigid[bodies], records[:, rows.MASS : rows.INERTIA + 3].any(axis=1), model.nbody)
-    own = [np.bincount(rigid, x, model.nbody) for x in (model.body_mass, model.body_inertia.min(axis=1))]
+    loaded = np.bincount(
+        rigid[bodies], records[:, rows.MASS : rows.INERTIA + 3].any(axis=1), model.nbody
+    )
+    own = [
+        np.bincount(rigid, x, model.nbody)
+        for x in (model.body_mass, model.body_inertia.min(axis=1))
+    ]
     records[:, [rows.OWN_MASS, rows.OWN_INERTIA]] = (own / np.maximum(loaded, 1.0)).T[rigid[bodies]]
     table = np.zeros(rows.TABLE_SIZE, dtype=np.int64)
     table[[rows.N_BODIES, rows.N_DOFS, rows.N_ELEMENTS]] = model.nbody, model.nv, len(elements)
@@ -327,7 +360,7 @@ def _record(element: Element) -> np.ndarray:
     return record
 
 
-# ---- laws and flows as functions that the callback calls by their address --------------------------------------------
+# ---- laws and flows as functions that the callback calls by their address ------------------------
 
 _entries: dict[str, Any] = {}
 
@@ -335,11 +368,15 @@ _entries: dict[str, Any] = {}
 def _entry(law: DragLaw | Flow, formulas: Sequence[Formula], /, **names: Any) -> Any:
     """Return a cfunc of two addresses, for a law or flow, which is checked unless its formulas are known.
 
-    The first address holds the `table.LOADS` numbers that a law takes, followed by its loads; or position and time,
-    followed by the flow felt there. The second holds the law's own numbers, or those of a flow's parts. `names` are the
-    bindings of law_entry.py.
+    The first address holds the `table.LOADS` numbers that a law takes, followed by its loads; or
+    position and time, followed by the flow felt there. The second holds the law's own numbers, or
+    those of a flow's parts. `names` are the bindings of law_entry.py.
     """
-    made_of = [*names, *map(digest_of, formulas), sources_digest("laticauda.mujoco_water.law_entry")]
+    made_of = [
+        *names,
+        *map(digest_of, formulas),
+        sources_digest("laticauda.mujoco_water.law_entry"),
+    ]
     key = hashlib.sha256(" ".join(made_of).encode()).hexdigest()[:16]
     if key not in _entries:
         law.check()

@@ -8,13 +8,33 @@ from typing import TYPE_CHECKING
 from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
-    from laticauda.operate.recording.entries import Decision as Decision, Event as Event, Header as Header
-    from laticauda.operate.recording.entries import PowerReading as PowerReading, punctuality as punctuality
-    from laticauda.operate.recording.log import OperationLog as OperationLog, read_operation as read_operation
-    from laticauda.operate.recording.log import OperationRecorder as OperationRecorder, Rerun as Rerun
+    from laticauda.operate.recording.entries import (
+        Decision as Decision,
+        Event as Event,
+        Header as Header,
+    )
+    from laticauda.operate.recording.entries import (
+        PowerReading as PowerReading,
+        punctuality as punctuality,
+    )
+    from laticauda.operate.recording.log import (
+        OperationLog as OperationLog,
+        read_operation as read_operation,
+    )
+    from laticauda.operate.recording.log import (
+        OperationRecorder as OperationRecorder,
+        Rerun as Rerun,
+    )
     from laticauda.operate.recording.log import rerun_learner as rerun_learner
-    from laticauda.operate.recording.log import rerun_controller as rerun_controller, rerun_estimator as rerun_estimator
+    from laticauda.operate.recording.log import (
+        rerun_controller as rerun_controller,
+        rerun_estimator as rerun_estimator,
+    )
     from laticauda.operate.recording.to_trial import trial_of as trial_of
-    from laticauda.operate.verdict import Verdict as Verdict, spoken as spoken, verdict_of as verdict_of
+    from laticauda.operate.verdict import (
+        Verdict as Verdict,
+        spoken as spoken,
+        verdict_of as verdict_of,
+    )
 
 __getattr__, __dir__, __all__ = lazy_exports()

@@ -1,7 +1,8 @@
 """The loop of an operation: reads the devices, ticks, and sends the outputs, at a fixed rate.
 
-The loop depends neither on the kind of clock nor on the kind of devices: it operates a robot over wires as well as
-something that is stepped, such as `laticauda.lab.Tank`, without threads and as fast as possible.
+The loop depends neither on the kind of clock nor on the kind of devices: it operates a robot over
+wires as well as something that is stepped, such as `laticauda.lab.Tank`, without threads and as
+fast as possible.
 """
 
 import math
@@ -21,7 +22,9 @@ from laticauda.operate.recording import entries, log, writer
 from laticauda.operate.settings import Connection
 from laticauda.protocol.meter import DISPLAYED, LineReader, decode_displayed
 
-MOST_TICKS = 200_000  # ticks whose times are kept, half an hour at 100 Hz; then the oldest are overwritten
+MOST_TICKS = (
+    200_000  # ticks whose times are kept, half an hour at 100 Hz; then the oldest are overwritten
+)
 MOST_ERRORS = 3  # consecutive errors of the tick after which the operation is given up
 Show = Callable[[OperatorState, Outputs], None]
 """Function that is called with every tick; must be fast."""
@@ -49,9 +52,15 @@ class Devices:
             ours: Why our own events are there, by event; "" means that one is not.
         """
         frames, stops = self.bus.receive(), () if self.stop is None else self.stop.receive()
-        events = {"bus_off": self.bus.bus_off, "emergency_input": next(filter(None, stops), ""), **ours}
+        events = {
+            "bus_off": self.bus.bus_off,
+            "emergency_input": next(filter(None, stops), ""),
+            **ours,
+        }
         inputs = Inputs(
-            messages=tuple((frame.time, frame.message) for frame in frames if frame.message is not None),
+            messages=tuple(
+                (frame.time, frame.message) for frame in frames if frame.message is not None
+            ),
             frames=self.mocap.receive(),
             readings=() if self.meter is None else self.meter.receive(),
             events={event: why for event, why in events.items() if why},
@@ -73,7 +82,10 @@ def connected(connection: Connection, clock: Clock) -> Generator[Devices]:
     """
     with ExitStack() as stack:
         there = (kind for kind in KINDS if connection.of(kind)[1])
-        yield Devices(clock=clock, **{kind: stack.enter_context(connection.opened(kind, clock)) for kind in there})
+        yield Devices(
+            clock=clock,
+            **{kind: stack.enter_context(connection.opened(kind, clock)) for kind in there},
+        )
 
 
 def run_loop(
@@ -99,11 +111,14 @@ def run_loop(
         The last state, and the punctuality of the loop; None if its clock is not real.
 
     Raises:
-        RuntimeError: If the operation is not done by then, or the operator's program fails repeatedly.
+        RuntimeError: If the operation is not done by then, or the operator's program fails
+            repeatedly.
     """
     clock, interval = devices.clock, 1.0 / operator.operation.rate
     state, errors, error = operator.init(), 0, ""
-    ticks: Any = np.empty((MOST_TICKS if clock.is_real else 0, 3))  # allocated once: nothing grows in the loop
+    ticks: Any = np.empty(
+        (MOST_TICKS if clock.is_real else 0, 3)
+    )  # allocated once: nothing grows in the loop
     n_ticks = count = 0
     with clock.undisturbed() as granted:
         begun = origin = clock.now()
@@ -113,7 +128,11 @@ def run_loop(
                 raise RuntimeError(f"the operation is not done after {longest:g} s: {state.phase}")
             clock.wait_until(due)
             now = clock.now()
-            ours = {**keys(now), "recorder_failed": sink.trouble if sink else "", "program_error": error}
+            ours = {
+                **keys(now),
+                "recorder_failed": sink.trouble if sink else "",
+                "program_error": error,
+            }
             inputs, received = devices.receive(ours)
             try:
                 state, outputs = operator.tick(state, now, inputs)
@@ -122,14 +141,18 @@ def run_loop(
                 errors, error, outputs = errors + 1, f"{type(failed).__name__}: {failed}", Outputs()
                 if errors >= MOST_ERRORS:
                     devices.bus.send((protocol.EmergencyStop(reason=2),))
-                    raise RuntimeError(f"The operation was aborted with an emergency stop: {error}") from failed
+                    raise RuntimeError(
+                        f"The operation was aborted with an emergency stop: {error}"
+                    ) from failed
             sent = devices.bus.send(outputs.messages)
             if devices.meter is not None and any(event.kind == "start" for event in outputs.events):
                 devices.meter.restart()  # its averages start over
             if clock.is_real:
                 tick = entries.Tick(due, now, clock.now())
                 ticks[n_ticks % MOST_TICKS] = tick.due, tick.began, tick.sent
-                said = (entries.Event(time=now, kind="loop", message=granted),) if n_ticks == 0 else ()
+                said = (
+                    (entries.Event(time=now, kind="loop", message=granted),) if n_ticks == 0 else ()
+                )
                 outputs = replace(outputs, entries=(tick, *said, *outputs.entries))
                 n_ticks += 1
             if sink is not None:
@@ -139,7 +162,9 @@ def run_loop(
             count += 1
             if now > origin + (count + 1) * interval:  # missed ticks are not made up for
                 origin, count = now, 1
-    return state, entries.Timing(times=np.sort(ticks[:n_ticks], axis=0), interval=interval) if clock.is_real else None
+    return state, entries.Timing(
+        times=np.sort(ticks[:n_ticks], axis=0), interval=interval
+    ) if clock.is_real else None
 
 
 METER_INTERVAL = 0.2  # time between two queries of the meter [s]
@@ -194,12 +219,18 @@ class TankBus(TankDriver):
     def receive(self) -> tuple[Frame, ...]:
         """Return the frames that the modules sent since the last call."""
         now = self._clock.now()
-        return tuple(Frame(now, *wire, is_ours=False, message=protocol.decode(*wire)) for wire in self._tank.sent())
+        return tuple(
+            Frame(now, *wire, is_ours=False, message=protocol.decode(*wire))
+            for wire in self._tank.sent()
+        )
 
     def send(self, messages: tuple[protocol.CanMessage, ...]) -> tuple[Frame, ...]:
         """Deliver `messages` to the modules in this order; return the frames that carry them."""
         now = self._clock.now()
-        frames = tuple(Frame(now, *protocol.encode(message), is_ours=True, message=message) for message in messages)
+        frames = tuple(
+            Frame(now, *protocol.encode(message), is_ours=True, message=message)
+            for message in messages
+        )
         for frame in frames:
             self._tank.receive(frame.identifier, frame.data, now)
         return frames
@@ -211,7 +242,10 @@ class TankCameras(TankDriver):
     def receive(self) -> tuple[tuple[float, estimation.PoseSample], ...]:
         """Return what the cameras saw since the last call, with the times of arrival."""
         now, captured = self._clock.now(), self._tank.captured()
-        return tuple((now, pose_sample(one.timestamp, one.bodies[0] if one.bodies else None)) for one in captured)
+        return tuple(
+            (now, pose_sample(one.timestamp, one.bodies[0] if one.bodies else None))
+            for one in captured
+        )
 
 
 class TankMeter(TankDriver):
@@ -244,7 +278,11 @@ class TankDevices(Devices):
         clock: Clock of the tank; None: a new one.
     """
 
-    def __init__(self, tank: lab.Tank, *, has_meter: bool = True, clock: TankTime | None = None) -> None:
+    def __init__(
+        self, tank: lab.Tank, *, has_meter: bool = True, clock: TankTime | None = None
+    ) -> None:
         wires = tank, clock or TankTime(tank)
         meter = TankMeter(*wires) if has_meter else None
-        super().__init__(clock=wires[1], bus=TankBus(*wires), mocap=TankCameras(*wires), meter=meter)
+        super().__init__(
+            clock=wires[1], bus=TankBus(*wires), mocap=TankCameras(*wires), meter=meter
+        )

@@ -16,7 +16,9 @@ from laticauda.operate.settings import Operation, SeriesFile
 
 COLUMNS = ("gait", "config", "alpha_deg", "omega_deg_s", "delta_deg", "v_m_s", "P_avg_W")
 KINDS = {"lateral_undulation": "LU", "eel_like": "EEL"}
-FIGURES: dict[str, tuple[str, int, int] | None] = {name: one or None for name, one in TOLD["series"].items()}
+FIGURES: dict[str, tuple[str, int, int] | None] = {
+    name: one or None for name, one in TOLD["series"].items()
+}
 """Figures of a setting, with title, width and digits of their column in the table; None: not in the table."""
 Run = Callable[[Operation, Path], Result]
 Place = Callable[[Operation, int], None]
@@ -34,7 +36,9 @@ class Repeats:
     @property
     def accepted(self) -> tuple[Result, ...]:
         """Results of the runs that count."""
-        return tuple(result for result in self.results if result.accepted and result.trial is not None)
+        return tuple(
+            result for result in self.results if result.accepted and result.trial is not None
+        )
 
     def figure(self, name: str) -> tuple[float, float | None] | None:
         """Return mean and standard deviation of a figure; one run has no deviation, and no runs give None.
@@ -42,7 +46,9 @@ class Repeats:
         Args:
             name: Name of a figure in `Result.summary`, such as `forward_velocity`.
         """
-        known = [value for result in self.accepted if (value := result.summary().get(name)) is not None]
+        known = [
+            value for result in self.accepted if (value := result.summary().get(name)) is not None
+        ]
         return mean_and_deviation(known) if known else None
 
 
@@ -61,7 +67,9 @@ class Series:
     def is_complete(self) -> bool:
         """Whether every setting has all its repeats."""
         repeats = [len(setting.accepted) for setting in self.settings]
-        return len(repeats) == len(self.file.trials) and all(n >= self.file.repeats for n in repeats)
+        return len(repeats) == len(self.file.trials) and all(
+            n >= self.file.repeats for n in repeats
+        )
 
     def summary(self) -> dict[str, Any]:
         """Return everything by name, ready for JSON."""
@@ -84,9 +92,15 @@ class Series:
     def table(self) -> str:
         """Return a table of mean and scatter per setting, and the reasons why runs were rejected."""
         shown = [(name, *column) for name, column in FIGURES.items() if column is not None]
-        lines = [f"{'setting':<34}{'runs':>5}" + "".join(f"{title:>{width}}" for _, title, width, _ in shown)]
+        lines = [
+            f"{'setting':<34}{'runs':>5}"
+            + "".join(f"{title:>{width}}" for _, title, width, _ in shown)
+        ]
         for setting in self.settings:
-            figures = (f"{_shown(setting.figure(name), digits):>{width}}" for name, _, width, digits in shown)
+            figures = (
+                f"{_shown(setting.figure(name), digits):>{width}}"
+                for name, _, width, digits in shown
+            )
             runs = f"{len(setting.accepted)}/{self.file.repeats}"
             lines.append(f"{setting.operation.name:<34}{runs:>5}" + "".join(figures))
         for result in (result for setting in self.settings for result in setting.results):
@@ -101,29 +115,36 @@ def mean_and_deviation(values: Sequence[float]) -> tuple[float, float | None]:
     return statistics.fmean(values), statistics.stdev(values) if len(values) > 1 else None
 
 
-def run_series(series: SeriesFile, folder: Path, run: Run, *, place: Place = lambda _, number: None) -> Series:
+def run_series(
+    series: SeriesFile, folder: Path, run: Run, *, place: Place = lambda _, number: None
+) -> Series:
     """Run every setting until it has all its repeats, or has been rejected too often.
 
-    The folder holds the trial (``.nc``) and the recording (``.mcap``) of every run, and ``repeats.csv``, which is
-    updated after every run. A series that was stopped, rejected or killed is continued: runs in the folder count as
-    they ended, including a recording whose program was killed before it made a trial of it, and further runs take the
-    next number.
+    The folder holds the trial (``.nc``) and the recording (``.mcap``) of every run, and
+    ``repeats.csv``, which is updated after every run. A series that was stopped, rejected or killed
+    is continued: runs in the folder count as they ended, including a recording whose program was
+    killed before it made a trial of it, and further runs take the next number.
 
     Args:
         series: Series to run.
         folder: Folder for all files.
         run: Function that operates once and writes into a folder.
-        place: Called before every run with the setting and the number of the run, so that the robot can be placed.
+        place: Called before every run with the setting and the number of the run, so that the robot
+            can be placed.
 
     Returns:
-        The outcome. The series ends early if the operator presses a key to stop, even after a run (`Result.stopped`).
+        The outcome. The series ends early if the operator presses a key to stop, even after a run
+        (`Result.stopped`).
 
     Raises:
         StorageFailed: If the table cannot be written.
     """
     settings: list[Repeats] = []
     for operation in series.trials:
-        earlier = {number: _stored(operation, number, folder) for number in _numbers(operation.name, folder)}
+        earlier = {
+            number: _stored(operation, number, folder)
+            for number in _numbers(operation.name, folder)
+        }
         setting = Repeats(operation=operation, results=tuple(earlier.values()))
         first = max(earlier, default=0) + 1
         last = first + series.repeats - len(setting.accepted) + series.retries
@@ -161,7 +182,9 @@ def _stored(operation: Operation, number: int, folder: Path) -> Result:
     except TrialFileError as error:
         return Result(name=path.stem, accepted=False, reason=str(error), trial=None)
     noted = {name: trial.settings.get(name) for name in ("idle_current", "supply_voltage")}
-    electric: dict[str, Any] = {name: float(one) for name, one in noted.items() if isinstance(one, float | int)}
+    electric: dict[str, Any] = {
+        name: float(one) for name, one in noted.items() if isinstance(one, float | int)
+    }
     return Result(
         name=path.stem,
         accepted=trial.succeeded,
@@ -178,8 +201,13 @@ def _write_repeats(folder: Path, settings: list[Repeats]) -> None:
         gait = setting.operation.gait
         if gait.kind not in KINDS:
             continue
-        config = "fin" if robot.load_robot(setting.operation.robot).caudal_fin is not None else "nofin"
-        angles = [round(math.degrees(value), 9) for value in (gait.amplitude, gait.frequency, gait.phase_shift)]
+        config = (
+            "fin" if robot.load_robot(setting.operation.robot).caudal_fin is not None else "nofin"
+        )
+        angles = [
+            round(math.degrees(value), 9)
+            for value in (gait.amplitude, gait.frequency, gait.phase_shift)
+        ]
         for result in setting.accepted:
             summary = result.summary()
             figures = summary["forward_velocity"], summary.get("electrical_power")

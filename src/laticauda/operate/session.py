@@ -65,7 +65,11 @@ class Result:
 
     def summary(self) -> dict[str, Any]:
         """Return the figures of the run by name, ready for JSON."""
-        found: dict[str, Any] = {"name": self.name, "accepted": self.accepted, "reason": self.reason}
+        found: dict[str, Any] = {
+            "name": self.name,
+            "accepted": self.accepted,
+            "reason": self.reason,
+        }
         if self.start is not None:
             found |= {"initial_cross_track_error": self.start[1], "initial_heading": self.start[2]}
         found["idle_current"], trial = self.idle_current, self.trial
@@ -73,18 +77,26 @@ class Result:
             found |= {"duration": trial.duration, "forward_velocity": trial.forward_velocity}
             has_power = trial.electrical_work is not None and not self.notes
             found["electrical_power"] = trial.electrical_power if has_power else None
-            idle = 0.0 if self.idle_current is None else (self.supply_voltage or 0.0) * self.idle_current
+            idle = (
+                0.0
+                if self.idle_current is None
+                else (self.supply_voltage or 0.0) * self.idle_current
+            )
             found["total_power"] = trial.electrical_power + idle if has_power else None
             error = trial.signals.get("cross_track_error")
             if error is not None:
                 found["final_cross_track_error"] = float(error[-1])
                 reached = following.summary(trial)
-                found |= {name: reached[name] for name in ("convergence_time", "steady_error", "ripple")}
+                found |= {
+                    name: reached[name] for name in ("convergence_time", "steady_error", "ripple")
+                }
         parts = {"timing": self.timing, "verdict": self.verdict}
         found |= {"notes": list(self.notes), "aftermath": self.aftermath}
         found["learned"] = None if trial is None else trial.settings.get("learned")
         found["recording"] = None if self.recording is None else str(self.recording)
-        return found | {name: None if part is None else part.summary() for name, part in parts.items()}
+        return found | {
+            name: None if part is None else part.summary() for name, part in parts.items()
+        }
 
 
 def header_of(operator: Operator, text: str = "") -> Header:
@@ -129,17 +141,19 @@ def operate(
 
     Args:
         operation: Operation to run.
-        folder: Folder for the recording, ``NAME.mcap``, and the trial, ``NAME.nc``; ``NAME-2`` and so on if there is
+        folder: Folder for the recording, ``NAME.mcap``, and the trial, ``NAME.nc``; ``NAME-2`` and
+            so on if there is
             one already. None: nothing is kept.
         clock: Clock of the operation; None: real time.
-        tank: Tank to operate instead: stepped, without wires and as fast as possible; `operation` need not give its
-            addresses, only whether there is a power meter.
+        tank: Tank to operate instead: stepped, without wires and as fast as possible; `operation`
+            need not give its addresses, only whether there is a power meter.
         keys: What the operator presses, entered; None: nothing.
         show: Function that is called with every tick; must be fast.
         clears: Whether to clear faults of the modules first.
         check_only: Whether to stop before anything moves.
         text: The trial file as it was read.
-        twin: Simulated robot that serves as the motion model of the state estimation; None: it does without.
+        twin: Simulated robot that serves as the motion model of the state estimation; None: it does
+            without.
         frames: Whether the raw frames of the bus are also recorded.
 
     Returns:
@@ -149,7 +163,8 @@ def operate(
         DeviceFailed: If a device cannot be reached.
         StorageFailed: If the recording cannot be written at the start.
         RuntimeError: If the operation of a tank does not end, or ticks fail again and again.
-        ValueError: If something is to be learned, but there is no `twin`, or nothing can be learned with it.
+        ValueError: If something is to be learned, but there is no `twin`, or nothing can be learned
+            with it.
     """
     if folder is not None:
         operation = replace(operation, name=_free_name(operation.name, folder))
@@ -160,7 +175,9 @@ def operate(
     with ExitStack() as stack:
         sink, longest = None, math.inf
         if tank is None:
-            devices = stack.enter_context(loop.connected(operation.connection, clock or drivers.Clock()))
+            devices = stack.enter_context(
+                loop.connected(operation.connection, clock or drivers.Clock())
+            )
         else:
             devices = loop.TankDevices(tank, has_meter=bool(operation.connection.meter_address))
             longest = operation.duration + operation.calibration.patience + LONGEST_PREPARATION
@@ -168,7 +185,9 @@ def operate(
             files.local(path).parent.mkdir(parents=True, exist_ok=True)
             epoch = time.time_ns() - round(1e9 * devices.clock.now())
             if tank is None:
-                sink = stack.enter_context(Writer(path, header, frames=frames, learner=learner, epoch=epoch))
+                sink = stack.enter_context(
+                    Writer(path, header, frames=frames, learner=learner, epoch=epoch)
+                )
             else:
                 recorder = stack.enter_context(OperationRecorder(path, header, epoch=epoch))
                 sink = Sink(recorder, frames=frames, learner=learner)
@@ -180,7 +199,14 @@ def operate(
         if path is not None and sink is not None and state.begun is not None:
             now = state.now or 0.0
             if show is not None:
-                show(state, Outputs(entries=(Event(time=now, kind="checking", message="the run, from its recording"),)))
+                show(
+                    state,
+                    Outputs(
+                        entries=(
+                            Event(time=now, kind="checking", message="the run, from its recording"),
+                        )
+                    ),
+                )
             read = _read(path)
             if read is None:
                 note = "The run has not been checked yet: `laticauda replay` does that."
@@ -191,7 +217,9 @@ def operate(
                 found = Event(time=now, kind="verdict", message=message, data=verdict.summary())
                 sink.keep(now, (found,))
                 read = replace(read, entries=(*read.entries, found))
-    return replace(result_of(operator, state, path, timing, verdict, read), stopped=bool(keys.events))
+    return replace(
+        result_of(operator, state, path, timing, verdict, read), stopped=bool(keys.events)
+    )
 
 
 def _learner(operator: Operator) -> Learner | None:
@@ -201,7 +229,9 @@ def _learner(operator: Operator) -> Learner | None:
         return None
     if twin is None:
         raise BadArgument("twin", "must be given with `learning`, got None")
-    return Learner(settings=how.learning, robot=operator.robot, plant=twin, mount=how.calibration.mount)
+    return Learner(
+        settings=how.learning, robot=operator.robot, plant=twin, mount=how.calibration.mount
+    )
 
 
 def _with_news(show: loop.Show, sink: Sink | Writer) -> loop.Show:
@@ -232,7 +262,10 @@ def kept_runs(folder: Path) -> set[str]:
 
 def _free_name(name: str, folder: Path) -> str:
     """Return a name for a run that no run in the folder has yet."""
-    names, taken = itertools.chain((name,), (f"{name}-{number}" for number in itertools.count(2))), kept_runs(folder)
+    names, taken = (
+        itertools.chain((name,), (f"{name}-{number}" for number in itertools.count(2))),
+        kept_runs(folder),
+    )
     return next(one for one in names if one not in taken)
 
 
@@ -308,7 +341,9 @@ def table(summary: Mapping[str, Any]) -> str:
     Args:
         summary: Summary of a `Result`.
     """
-    lines = [f"{summary['name']}: {'accepted' if summary['accepted'] else 'rejected'}. {summary['reason']}"]
+    lines = [
+        f"{summary['name']}: {'accepted' if summary['accepted'] else 'rejected'}. {summary['reason']}"
+    ]
     for name, (says, unit, digits) in TOLD["run"].items():
         if summary.get(name) is not None:
             lines.append(f"  {says:<24}{summary[name]:>12.{digits}f} {unit}")
@@ -316,7 +351,9 @@ def table(summary: Mapping[str, Any]) -> str:
         lines.append(f"  loop: {punctuality(summary['timing'])}")
     lines += [f"  {line}" for line in summary["verdict"]["lines"]] if summary.get("verdict") else []
     lines += [f"  learned: {summary['learned']}"] if summary.get("learned") else []
-    lines += [f"  note: {note}" for note in (*summary.get("notes", ()), summary.get("aftermath")) if note]
+    lines += [
+        f"  note: {note}" for note in (*summary.get("notes", ()), summary.get("aftermath")) if note
+    ]
     if summary.get("recording"):
         lines.append(f"  recording: {summary['recording']}")
     return "\n".join(lines)

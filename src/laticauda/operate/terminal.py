@@ -55,7 +55,9 @@ class Keys:
         """Install the signal handlers; only possible in the main thread of a program."""
         if threading.current_thread() is threading.main_thread():
             for number in (signal.SIGINT, signal.SIGTERM):
-                self._before[number] = signal.signal(number, lambda n, _: self.stop(f"by {signal.Signals(n).name}"))
+                self._before[number] = signal.signal(
+                    number, lambda n, _: self.stop(f"by {signal.Signals(n).name}")
+                )
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -68,7 +70,8 @@ class Keys:
 class Terminal(worker.Worker[None]):
     """Reader of single keys, without Enter, within a `with` block; does nothing if there is no terminal.
 
-    The terminal is restored afterwards. Ctrl-C remains a signal. A program in the background reads no keys.
+    The terminal is restored afterwards. Ctrl-C remains a signal. A program in the background reads
+    no keys.
 
     Args:
         keys: Object that registers the keys pressed.
@@ -117,15 +120,28 @@ def _in_front(number: int) -> bool:
     """Return whether this program is in the foreground of its terminal; otherwise it must not change the terminal."""
     try:
         return os.tcgetpgrp(number) == os.getpgrp()
-    except OSError:  # not the controlling terminal of this program: no other program is in its foreground
+    except (
+        OSError
+    ):  # not the controlling terminal of this program: no other program is in its foreground
         return True
 
 
 REFRESH = 0.2  # [s, wall clock]
 LAST_EVENTS = 6
 RECENT = 1000  # number of ticks whose lateness is shown
-COLORS = {"idle": "white", "ready": "cyan", "running": "green", "stopping": "yellow", "fault": "red"}
-STATE_COLORS = {NodeState.ACTIVE: "green", NodeState.HOLD: "yellow", NodeState.LIMP: "yellow", NodeState.FAULT: "red"}
+COLORS = {
+    "idle": "white",
+    "ready": "cyan",
+    "running": "green",
+    "stopping": "yellow",
+    "fault": "red",
+}
+STATE_COLORS = {
+    NodeState.ACTIVE: "green",
+    NodeState.HOLD: "yellow",
+    NodeState.LIMP: "yellow",
+    NodeState.FAULT: "red",
+}
 
 
 def print_events(state: OperatorState, outputs: Outputs) -> None:
@@ -184,7 +200,9 @@ class Dashboard:
         self._live.stop()
 
 
-def picture(operation: Operation, state: OperatorState, events: tuple[Event, ...], loop: str = "") -> Any:
+def picture(
+    operation: Operation, state: OperatorState, events: tuple[Event, ...], loop: str = ""
+) -> Any:
     """Return the dashboard as a renderable of rich.
 
     Args:
@@ -193,11 +211,19 @@ def picture(operation: Operation, state: OperatorState, events: tuple[Event, ...
         events: The latest events.
         loop: Text about the punctuality of the loop.
     """
-    columns = _rich("columns").Columns([_modules(state.modules), _pose(operation, state)], padding=(0, 2))
-    log = _rich("text").Text("\n".join(line_of(event) for event in events), style="dim", overflow="ellipsis")
+    columns = _rich("columns").Columns(
+        [_modules(state.modules), _pose(operation, state)], padding=(0, 2)
+    )
+    log = _rich("text").Text(
+        "\n".join(line_of(event) for event in events), style="dim", overflow="ellipsis"
+    )
     group = _rich("console").Group(_head(operation, state), columns, log)
     title = f"[bold]{operation.name}[/bold]   space, q, Ctrl-C: straighten and stop; again: emergency stop"
-    style = {"border_style": COLORS[state.supervisor.state], "title_align": "left", "subtitle_align": "right"}
+    style = {
+        "border_style": COLORS[state.supervisor.state],
+        "title_align": "left",
+        "subtitle_align": "right",
+    }
     return _rich("panel").Panel(group, title=title, subtitle=f"[dim]{loop}[/]", **style)
 
 
@@ -207,21 +233,33 @@ def _head(operation: Operation, state: OperatorState) -> Any:
     phase = state.phase.replace("_", " ")
     steps = f"{PHASES.index(state.phase) + 1}/{len(PHASES)}"
     color = COLORS[supervisor.state]
-    text = _rich("text").Text.from_markup(f"[bold {color}]{supervisor.state.upper():<9}[/] {phase} ({steps})")
+    text = _rich("text").Text.from_markup(
+        f"[bold {color}]{supervisor.state.upper():<9}[/] {phase} ({steps})"
+    )
     if state.begun is not None and state.now is not None:
         end = state.now if state.ended is None else state.ended
         gone, whole = end - state.begun, operation.duration
         filled = round(24 * min(gone / whole, 1.0))
         text.append(f"   {gone:5.1f} of {whole:.0f} s  [{'=' * filled}{' ' * (24 - filled)}]")
     if supervisor.cause:
-        text.append(f"   {supervisor.cause.replace('_', ' ')}: {supervisor.action.replace('_', ' ')}", style=color)
+        text.append(
+            f"   {supervisor.cause.replace('_', ' ')}: {supervisor.action.replace('_', ' ')}",
+            style=color,
+        )
     return text
 
 
 def _modules(modules: limits.Modules) -> Any:
     """Return a table with one row per module."""
     table = _rich("table").Table(box=None, pad_edge=False, header_style="bold")
-    for name, width in (("node", 4), ("state", 11), ("angle", 9), ("current", 8), ("temp.", 7), ("supply", 7)):
+    for name, width in (
+        ("node", 4),
+        ("state", 11),
+        ("angle", 9),
+        ("current", 8),
+        ("temp.", 7),
+        ("supply", 7),
+    ):
         table.add_column(name, justify="left" if name == "state" else "right", min_width=width)
     for k, beat in enumerate(modules.heartbeat):
         if beat is None:
@@ -256,7 +294,10 @@ def _pose(operation: Operation, state: OperatorState) -> Any:
             ("heading", f"{math.degrees(estimate.heading):7.1f}°"),
             ("cameras", f"{estimate.status}, {estimate.age:.2f} s"),
         ]
-        rows += [("depth", f"{-z:7.3f} m, pitch {math.degrees(estimate.pitch):.1f}° down") for z in height]
+        rows += [
+            ("depth", f"{-z:7.3f} m, pitch {math.degrees(estimate.pitch):.1f}° down")
+            for z in height
+        ]
     if state.reference.command is not None and operation.following is not None:
         rows.append(("offset", f"{math.degrees(state.reference.command.offset):7.1f}°"))
     if state.reading is not None:

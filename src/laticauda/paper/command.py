@@ -24,14 +24,21 @@ FORMAT = "{desc} {n_fmt} of {total_fmt} |{bar}| {remaining} left"
 class Reproduce(command.Command):
     """Repeat the paper's experiments in simulation, and compare them with measurements on the robot.
 
-    Locomotion efficiency (Table 1, Figs. 4 to 11), path following (Table 2, Figs. 12 to 23), and a verdict on each of
-    the claims. Figures (PNG and PDF), tables (CSV), trials (netCDF) and report.html, which needs no network, go into
-    one folder. For example: laticauda reproduce --joints prescribed --output reproduction
+    Locomotion efficiency (Table 1, Figs. 4 to 11), path following (Table 2, Figs. 12 to 23), and a
+    verdict on each of the claims. Figures (PNG and PDF), tables (CSV), trials (netCDF) and
+    report.html, which needs no network, go into one folder. For example: laticauda reproduce
+    --joints prescribed --output reproduction
     """
 
-    only: Literal["efficiency", "path-following"] | None = option("Run only this half of the paper", default=None)
-    model: Literal["planar", "spatial"] = option("Body model; `spatial` (MuJoCo) takes minutes", default="planar")
-    joints: str | None = option("Joint law; that of the parameters, or prescribed, if omitted", default=None)
+    only: Literal["efficiency", "path-following"] | None = option(
+        "Run only this half of the paper", default=None
+    )
+    model: Literal["planar", "spatial"] = option(
+        "Body model; `spatial` (MuJoCo) takes minutes", default="planar"
+    )
+    joints: str | None = option(
+        "Joint law; that of the parameters, or prescribed, if omitted", default=None
+    )
     parameters: str | None = option(
         "Preset or parameter file: its water and robots replace the paper's, which are still shown for comparison",
         default=None,
@@ -41,8 +48,12 @@ class Reproduce(command.Command):
         "figures of the efficiency study with their scatter",
         default=None,
     )
-    workers: int | None = quantity("", "Number of worker processes; one per core if omitted", ge=1, default=None)
-    output: Folder = option("Output folder, created if missing; same-named files are replaced", default="reproduction")
+    workers: int | None = quantity(
+        "", "Number of worker processes; one per core if omitted", ge=1, default=None
+    )
+    output: Folder = option(
+        "Output folder, created if missing; same-named files are replaced", default="reproduction"
+    )
 
     def run(self) -> command.Outcome:
         """Run, and write the results."""
@@ -52,7 +63,9 @@ class Reproduce(command.Command):
 
         parameters = None if self.parameters is None else load_parameters(self.parameters)
         settings = paper_experiments(parameters)
-        joints = self.joints or (parameters.joints if parameters is not None else None) or "prescribed"
+        joints = (
+            self.joints or (parameters.joints if parameters is not None else None) or "prescribed"
+        )
         repeats = () if self.repeats is None else load_repeats(self.repeats)
         scene.warn_of_compiling(load_water("paper-lateral"))
         bar = progress(FORMAT)
@@ -81,10 +94,18 @@ def facts_of(done: "Reproduction") -> dict[str, Any]:
     found: dict[str, Any] = {"status": "All runs reached their end."}
     if (study := results.get("efficiency")) is not None:
         errors = _errors(study, "numbers_fitted", "leave_one_out", "leave_one_group_out")
-        found["efficiency"] = {"settings": study.how, "n_runs": study.settings.n_runs, "errors": errors}
+        found["efficiency"] = {
+            "settings": study.how,
+            "n_runs": study.settings.n_runs,
+            "errors": errors,
+        }
     if (study := results.get("path_following")) is not None:
         errors = _errors(study, "numbers_fitted_to_table1")
-        found["path_following"] = {"settings": study.how, "errors": errors, "trials": _trials(study)}
+        found["path_following"] = {
+            "settings": study.how,
+            "errors": errors,
+            "trials": _trials(study),
+        }
     return found | {
         "claims": Counter(claim.verdict for claim in done.claims),
         "output": str(done.folder),
@@ -109,7 +130,10 @@ def as_text(done: "Reproduction") -> str:
         ]
     if (study := results.get("path_following")) is not None:
         limit = study.settings.accepted_error
-        held = sum(case.run.last_third_rms is not None and case.run.last_third_rms < limit for case in study.cases)
+        held = sum(
+            case.run.last_third_rms is not None and case.run.last_third_rms < limit
+            for case in study.cases
+        )
         parts += [
             f"Path following, {study.how['joints']} joints, {loop_in_words(study.how)}: "
             f"{held} of {len(study.cases)} trials keep\nthe mean error under {100 * limit:g} cm in their last third. "
@@ -117,12 +141,16 @@ def as_text(done: "Reproduction") -> str:
             _table(study),
         ]
     verdicts = Counter(claim.verdict for claim in done.claims)
-    parts.append(f"The paper's claims: {', '.join(f'{verdict} {count}' for verdict, count in verdicts.items())}.")
+    parts.append(
+        f"The paper's claims: {', '.join(f'{verdict} {count}' for verdict, count in verdicts.items())}."
+    )
     parts.append(f"{len(done.files)} files in {done.folder}; open {done.folder / 'report.html'}")
     return "\n\n".join(parts)
 
 
-def _errors(study: "EfficiencyStudy | PathFollowingStudy", fitted: str, *more: str) -> dict[str, Any]:
+def _errors(
+    study: "EfficiencyStudy | PathFollowingStudy", fitted: str, *more: str
+) -> dict[str, Any]:
     """Return by predictor the number of fitted parameters, and the errors."""
     from laticauda.paper.scores import scores
 
@@ -156,7 +184,10 @@ def _table(study: "EfficiencyStudy | PathFollowingStudy", left_out: str = "") ->
     """Return a table of the errors, one predictor per line."""
     from laticauda.paper.scores import scores
 
-    heads = [f"{HEADS[group.gait]}, fin" if group.has_fin else HEADS[group.gait] for group in study.settings.groups]
+    heads = [
+        f"{HEADS[group.gait]}, fin" if group.has_fin else HEADS[group.gait]
+        for group in study.settings.groups
+    ]
     rows = [["", "all rows", *heads, *(["rows left out"] if left_out else [])]]
     for score in scores(study):
         values = [score.overall, *score.by_group, *([getattr(score, left_out)] if left_out else [])]

@@ -1,10 +1,11 @@
 """The efficiency study: speed and power of the robot over amplitude, frequency and phase shift.
 
-It repeats the trials behind the paper's Figs. 4 to 11 and Table 1 in simulation, and compares the contents of the
-table, the maxima of sweeps, with the maxima of the simulated sweeps. The errors of the speeds are computed in `scores`.
+It repeats the trials behind the paper's Figs. 4 to 11 and Table 1 in simulation, and compares the
+contents of the table, the maxima of sweeps, with the maxima of the simulated sweeps. The errors of
+the speeds are computed in `scores`.
 
-Repeated trials from a user's CSV file show the scatter of measurements of the same setting. The file is a table of
-speeds (`laticauda.trial.measured`), intended to have several rows per setting.
+Repeated trials from a user's CSV file show the scatter of measurements of the same setting. The
+file is a table of speeds (`laticauda.trial.measured`), intended to have several rows per setting.
 """
 
 from collections.abc import Sequence
@@ -98,23 +99,43 @@ class EfficiencyStudy(Study[EfficiencySettings]):
                 *np.degrees([gait.amplitude, gait.frequency, gait.phase_shift])
             )
             swimmers = [
-                one.scenario(group.robot, gait, model=one.driven(runs.model), duration=settings.duration)
+                one.scenario(
+                    group.robot, gait, model=one.driven(runs.model), duration=settings.duration
+                )
                 for one in reversed(settings.models)
             ]
-            return [(f"{one.robot.name}, {gait.kind}, {setting}, {one.environment.name}", one) for one in swimmers]
+            return [
+                (f"{one.robot.name}, {gait.kind}, {setting}, {one.environment.name}", one)
+                for one in swimmers
+            ]
 
         cases: list[Case] = []
         for group, row in [(one, row) for one in settings.groups for row in one.cases]:
             trials = [runs.swim(*task) for task in tasks(group, row.gait)][::-1]
-            velocity, power = zip(*[(one.forward_velocity, one.mechanical_power) for one in trials], strict=True)
-            cases.append(Case(group=group, measured=row, forward_velocity=velocity, mechanical_power=power))
+            velocity, power = zip(
+                *[(one.forward_velocity, one.mechanical_power) for one in trials], strict=True
+            )
+            cases.append(
+                Case(group=group, measured=row, forward_velocity=velocity, mechanical_power=power)
+            )
         sweeps: list[SweepResult] = []
         for sweep in settings.sweeps:
-            points = [tasks(group, sweep.gait(group.gait, at)) for group in settings.groups for at in sweep.values]
-            found, shape = runs.figures(list(chain(*points))), (len(settings.groups), sweep.values.size, -1)
-            curves = {name: np.moveaxis(found[name].reshape(shape)[:, :, ::-1], 2, 0) for name in CURVES}
+            points = [
+                tasks(group, sweep.gait(group.gait, at))
+                for group in settings.groups
+                for at in sweep.values
+            ]
+            found, shape = (
+                runs.figures(list(chain(*points))),
+                (len(settings.groups), sweep.values.size, -1),
+            )
+            curves = {
+                name: np.moveaxis(found[name].reshape(shape)[:, :, ::-1], 2, 0) for name in CURVES
+            }
             sweeps.append(SweepResult(settings=sweep, **curves))
-        return EfficiencyStudy(settings=settings, how=runs.how, sweeps=tuple(sweeps), cases=tuple(cases))
+        return EfficiencyStudy(
+            settings=settings, how=runs.how, sweeps=tuple(sweeps), cases=tuple(cases)
+        )
 
 
 run_efficiency = EfficiencyStudy.run
@@ -145,7 +166,9 @@ class Maximum:
         Args:
             model: Index of the model.
         """
-        return np.inf if self.at_the_end[model] else abs(self.simulated_at[model] - self.measured_at)
+        return (
+            np.inf if self.at_the_end[model] else abs(self.simulated_at[model] - self.measured_at)
+        )
 
 
 def maxima(study: EfficiencyStudy) -> tuple[Maximum, ...]:
@@ -164,7 +187,11 @@ def maxima(study: EfficiencyStudy) -> tuple[Maximum, ...]:
 
 
 def _maximum(group: Group, sweep: SweepResult, star: MeasuredCase, place: int) -> Maximum:
-    curves, values, parameter = sweep.forward_velocity[:, place], sweep.values, sweep.settings.parameter
+    curves, values, parameter = (
+        sweep.forward_velocity[:, place],
+        sweep.values,
+        sweep.settings.parameter,
+    )
     best: Sequence[int] = np.argmax(curves, axis=1).tolist()
     return Maximum(
         group=group,
@@ -177,7 +204,7 @@ def _maximum(group: Group, sweep: SweepResult, star: MeasuredCase, place: int) -
     )
 
 
-# ---- repeated trials ------------------------------------------------------------------------------------------------
+# ---- repeated trials -----------------------------------------------------------------------------
 
 TABLE2 = Path(__file__).parent / "data" / "table2_series.toml"
 """Table 2 as a series file of `laticauda operate`: twelve settings, three runs each."""
@@ -219,7 +246,9 @@ def load_repeats(path: str | Path) -> tuple[Repeat, ...]:
     trials: dict[tuple[gaits.Gait, bool], list[tuple[float, float | None]]] = {}
     for one in measured.load_speeds(path):
         if one.v_m_s is not None:
-            trials.setdefault((one.motion, one.config == "fin"), []).append((one.v_m_s, one.P_avg_W))
+            trials.setdefault((one.motion, one.config == "fin"), []).append(
+                (one.v_m_s, one.P_avg_W)
+            )
     return tuple(
         Repeat(
             gait=gait,

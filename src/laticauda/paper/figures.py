@@ -1,6 +1,7 @@
 """Figures of the paper's studies: forward velocity and power over the parameters of the gait, as in Figs. 4 to 11.
 
-Also the speeds of path-following trials: measured, simulated in several ways, and predicted without physics.
+Also the speeds of path-following trials: measured, simulated in several ways, and predicted without
+physics.
 """
 
 # matplotlib's own annotations are partial; this package passes on typed figures and axes.
@@ -35,17 +36,29 @@ LABELS = {
     "frequency": "frequency $\\omega$ [deg/s]",
     "phase_shift": "phase shift $\\delta$ [deg]",
 }
-SYMBOLS = {"amplitude": "$\\alpha$ = {:g}°", "frequency": "$\\omega$ = {:g}°/s", "phase_shift": "$\\delta$ = {:g}°"}
+SYMBOLS = {
+    "amplitude": "$\\alpha$ = {:g}°",
+    "frequency": "$\\omega$ = {:g}°/s",
+    "phase_shift": "$\\delta$ = {:g}°",
+}
 VELOCITY = ("forward velocity [m/s]",)
 POWERS = ("mechanical power,\nsimulated [W]", "electrical power,\nmeasured [W]")
-SHOWN = {VELOCITY[0]: ("velocity", "forward_velocity"), POWERS[0]: ("power", ""), POWERS[1]: ("", "mean_power")}
+SHOWN = {
+    VELOCITY[0]: ("velocity", "forward_velocity"),
+    POWERS[0]: ("power", ""),
+    POWERS[1]: ("", "mean_power"),
+}
 """By axis label, the names of the data shown: of the curves of a panel, and of the fields in rows of a table."""
 REPEATS = "#007A5A"  # a green that is darker than the models' colors
 BESIDE = 0.035  # shift of repeated trials to the right of their setting, as a fraction of the axis
 MARKER = 6.5  # [pt]
 MARKS = {
-    "measured, fastest of its sweep": style.points("*", 1.5 * MARKER, markerfacecolor=style.INK, markeredgewidth=0.9),
-    "measured, another setting": style.points("o", 0.85 * MARKER, markerfacecolor="white", markeredgewidth=0.9),
+    "measured, fastest of its sweep": style.points(
+        "*", 1.5 * MARKER, markerfacecolor=style.INK, markeredgewidth=0.9
+    ),
+    "measured, another setting": style.points(
+        "o", 0.85 * MARKER, markerfacecolor="white", markeredgewidth=0.9
+    ),
 }
 """By legend label."""
 TRIAL = style.points("o", 0.4 * MARKER, REPEATS, markerfacecolor="none", markeredgewidth=0.6)
@@ -83,7 +96,7 @@ class Panel:
         return np.degrees([getattr(one.gait, self.sweep.parameter) for one in found])
 
 
-# ---- figures -------------------------------------------------------------------------------------------------------
+# ---- figures -------------------------------------------------------------------------------------
 
 
 def draw_panel(panel: Panel, ax: Axes, ylabel: str) -> Axes:
@@ -104,15 +117,23 @@ def draw_panel(panel: Panel, ax: Axes, ylabel: str) -> Axes:
     _draw_marks(panel, marks, ax)
     _draw_scatter(panel, repeated, ax)
     if np.all(np.isnan(np.concatenate([*curves, marks, *repeated]))):
-        ax.text(0.5, 0.5, "not available", transform=ax.transAxes, ha="center", fontsize=style.TICK, color=style.GRAY)
+        ax.text(
+            0.5,
+            0.5,
+            "not available",
+            transform=ax.transAxes,
+            ha="center",
+            fontsize=style.TICK,
+            color=style.GRAY,
+        )
     return _dress(panel, ax, ylabel)
 
 
 def efficiency_sheet(panels: Sequence[Panel], title: str, ylabels: Sequence[str]) -> Figure:
     """Draw one of Figs. 4 to 11: quantities over each parameter side by side, one row per quantity.
 
-    The simulated mechanical power and the measured electrical power differ by the losses of motors and electronics, so
-    each has its own axis.
+    The simulated mechanical power and the measured electrical power differ by the losses of motors
+    and electronics, so each has its own axis.
 
     Args:
         panels: One panel per parameter.
@@ -120,7 +141,9 @@ def efficiency_sheet(panels: Sequence[Panel], title: str, ylabels: Sequence[str]
         ylabels: Axis labels of the rows, from `SHOWN`.
     """
     height = PANEL_HEIGHT * (1.0 + 0.7 * (len(ylabels) - 1))
-    figure = style.new_figure(style.DOUBLE_COLUMN, height + HEAD + LEGEND_LINE * math.ceil(len(_handles(panels)) / 2))
+    figure = style.new_figure(
+        style.DOUBLE_COLUMN, height + HEAD + LEGEND_LINE * math.ceil(len(_handles(panels)) / 2)
+    )
     grid = figure.subplots(len(ylabels), len(panels), sharex="col", sharey="row", squeeze=False)
     rows: list[list[Axes]] = [[*row] for row in grid]
     for ylabel, row in zip(ylabels, rows, strict=True):
@@ -134,7 +157,7 @@ def efficiency_sheet(panels: Sequence[Panel], title: str, ylabels: Sequence[str]
     return figure
 
 
-# ---- parts ---------------------------------------------------------------------------------------------------------
+# ---- parts ---------------------------------------------------------------------------------------
 
 
 def _draw_marks(panel: Panel, quantity: Values, ax: Axes) -> None:
@@ -142,7 +165,9 @@ def _draw_marks(panel: Panel, quantity: Values, ax: Axes) -> None:
     for is_fastest, look in zip((False, True), reversed(MARKS.values()), strict=True):
         shown = ~np.isnan(quantity) & (starred == is_fastest)
         if np.any(shown):  # the layout treats an empty line that is not clipped as infinite
-            ax.plot(panel.at(panel.measured)[shown], quantity[shown], clip_on=False, zorder=3, **look)
+            ax.plot(
+                panel.at(panel.measured)[shown], quantity[shown], clip_on=False, zorder=3, **look
+            )
 
 
 def _draw_scatter(panel: Panel, quantities: Sequence[Values], ax: Axes) -> None:
@@ -179,10 +204,15 @@ def _dress(panel: Panel, ax: Axes, ylabel: str) -> Axes:
     return style.dress(ax, xlabel=LABELS[panel.sweep.parameter], ylabel=ylabel)
 
 
-def _finish(figure: Figure, rows: Sequence[Sequence[Axes]], panels: Sequence[Panel], title: str) -> None:
+def _finish(
+    figure: Figure, rows: Sequence[Sequence[Axes]], panels: Sequence[Panel], title: str
+) -> None:
     """Add what surrounds the data: letters, fixed parameters, legend and title."""
     for place, (ax, panel) in enumerate(zip(rows[0], panels, strict=True)):
-        held = [SYMBOLS[name].format(float(np.degrees(value))) for name, value in panel.sweep.fixed.items()]
+        held = [
+            SYMBOLS[name].format(float(np.degrees(value)))
+            for name, value in panel.sweep.fixed.items()
+        ]
         style.letter(ax, place, ", ".join(held), pad=6)
     for row in rows:
         for ax in row[1:]:
@@ -192,7 +222,9 @@ def _finish(figure: Figure, rows: Sequence[Sequence[Axes]], panels: Sequence[Pan
             style.light_grid(ax, "y")
     figure.align_ylabels([row[0] for row in rows])
     figure.suptitle(title, fontsize=style.LABEL, color=style.INK, x=0.01, ha="left")
-    style.outside_legend(figure, _handles(panels), "outside lower center", ncols=2, handlelength=2.6)
+    style.outside_legend(
+        figure, _handles(panels), "outside lower center", ncols=2, handlelength=2.6
+    )
 
 
 def _handles(panels: Sequence[Panel]) -> list[Line2D | ErrorbarContainer]:
@@ -208,7 +240,7 @@ def _handles(panels: Sequence[Panel]) -> list[Line2D | ErrorbarContainer]:
     return handles
 
 
-# ---- speeds of path following ---------------------------------------------------------------------------------------
+# ---- speeds of path following --------------------------------------------------------------------
 
 ROW_HEIGHT = 0.27  # [in]
 AROUND = 1.35  # height of title, labels and legend [in]
@@ -218,10 +250,17 @@ LAWS: tuple[tuple[str, str], ...] = ((style.BLUE, "o"), (style.ORANGE, "^"), (st
 SPEED_MARKS = {
     "measured": style.points("D", 6.0, markeredgecolor="white", markeredgewidth=0.6, zorder=4),
     "chosen": style.points("o", 9.5, markerfacecolor="none", markeredgewidth=0.8, zorder=5),
-    "mean": style.points("o", 5.5, style.BLUE, markerfacecolor="white", markeredgewidth=1.2, zorder=3),
+    "mean": style.points(
+        "o", 5.5, style.BLUE, markerfacecolor="white", markeredgewidth=1.2, zorder=3
+    ),
     "null": style.points("|", 13.0, style.GRAY, markeredgewidth=2.0, zorder=1),
 }
-RANGE: dict[str, Any] = {"color": "#C9DDEA", "linewidth": 5.0, "solid_capstyle": "round", "zorder": 0}
+RANGE: dict[str, Any] = {
+    "color": "#C9DDEA",
+    "linewidth": 5.0,
+    "solid_capstyle": "round",
+    "zorder": 0,
+}
 
 
 def following_speeds(rows: Sequence[FollowingCase], null: Sequence[float], ax: Axes) -> Axes:
@@ -246,7 +285,15 @@ def following_speeds(rows: Sequence[FollowingCase], null: Sequence[float], ax: A
             ax.plot([speed], [y], clip_on=False, **SPEED_MARKS[name])
     for i, (row, y) in enumerate(zip(rows, places, strict=True)):
         if i == 0 or row.group != rows[i - 1].group:
-            ax.text(0.001, y - 0.75, row.group.name, fontsize=style.TICK, color=style.INK, weight="bold", va="center")
+            ax.text(
+                0.001,
+                y - 0.75,
+                row.group.name,
+                fontsize=style.TICK,
+                color=style.INK,
+                weight="bold",
+                va="center",
+            )
     ax.set_yticks(places, [f"case {row.measured.case}" for row in rows])
     ax.set_ylim(places[-1] + 0.6, places[0] - 1.1)
     ax.set_xlim(left=0.0)
@@ -269,9 +316,15 @@ def following_speeds_sheet(
         null: Legend label of the prediction without physics, and its speeds by row [m/s].
     """
     n_groups = len({row.group.name for row in rows})
-    figure = style.new_figure(style.DOUBLE_COLUMN, AROUND + ROW_HEIGHT * (len(rows) + GAP * n_groups))
+    figure = style.new_figure(
+        style.DOUBLE_COLUMN, AROUND + ROW_HEIGHT * (len(rows) + GAP * n_groups)
+    )
     following_speeds(rows, null[1], figure.subplots())
-    words = {"measured": "measured in the tank", "chosen": chosen, "mean": "the same, cycle-mean heading"}
+    words = {
+        "measured": "measured in the tank",
+        "chosen": chosen,
+        "mean": "the same, cycle-mean heading",
+    }
     words["null"] = null[0]
     handles = [Line2D([], [], label=label, **SPEED_MARKS[name]) for name, label in words.items()]
     for (color, marker), (law, runs) in zip(LAWS, by_law(rows[0]).items(), strict=False):
@@ -279,6 +332,8 @@ def following_speeds_sheet(
         handles.append(Line2D([], [], label=label, **style.points(marker, 4.0, color)))
     band: dict[str, Any] = {**RANGE, "solid_capstyle": "butt"}
     handles.append(Line2D([], [], label="range of these", **band))
-    style.outside_legend(figure, handles, "outside lower center", ncols=2, handlelength=1.4, handletextpad=0.7)
+    style.outside_legend(
+        figure, handles, "outside lower center", ncols=2, handlelength=1.4, handletextpad=0.7
+    )
     style.head(figure, title)
     return figure

@@ -77,7 +77,10 @@ class PrintedChange:
     def misprints(self) -> Mapping[str, tuple[float, float]]:
         """Printed changes of velocity or power that do not follow from the table, with the recomputed changes [%]."""
         row = self.with_fin
-        pairs = {"velocity": (row.printed_velocity, self.velocity), "power": (row.printed_power, self.power)}
+        pairs = {
+            "velocity": (row.printed_velocity, self.velocity),
+            "power": (row.printed_power, self.power),
+        }
         return {
             name: (printed, found)
             for name, (printed, found) in pairs.items()
@@ -92,12 +95,16 @@ class Table1(MeasuredTrials):
         """Return all rows of the table, in its order."""
         return table1()
 
-    def counterpart(self, robot: Robot, gait: gaits.Gait, environment: Environment) -> MeasuredTrial | None:
+    def counterpart(
+        self, robot: Robot, gait: gaits.Gait, environment: Environment
+    ) -> MeasuredTrial | None:
         """Return the row of a setting, or None if there is none.
 
         Args:
-            robot: Robot that swims; it is Mamba, whatever its name, if its body and fin are those of one of Mamba's
-                presets. Numbers that models and fits assign to the same machine are not compared: actuators, power, the
+            robot: Robot that swims; it is Mamba, whatever its name, if its body and fin are those
+                of one of Mamba's
+                presets. Numbers that models and fits assign to the same machine are not compared:
+                    actuators, power, the
                 fin's coefficients.
             gait: Gait without steering.
             environment: Environment of the trial.
@@ -132,7 +139,9 @@ def table1() -> tuple[MeasuredCase, ...]:
 @cache
 def efficiency_trials() -> tuple[MeasuredCase, ...]:
     """Return Table 1 of the paper, in its order, without settings that were not measured."""
-    return tuple(row for row in table1() if row.forward_velocity is not None or row.mean_power is not None)
+    return tuple(
+        row for row in table1() if row.forward_velocity is not None or row.mean_power is not None
+    )
 
 
 @cache
@@ -158,7 +167,9 @@ def printed_changes(rows: Sequence[MeasuredRow]) -> tuple[PrintedChange, ...]:
     """
     bare = {(row.gait.kind, row.case): row for row in rows if not row.has_fin}
     pairs = [(bare.get((row.gait.kind, row.case)), row) for row in rows if row.has_fin]
-    return tuple(PrintedChange(without=before, with_fin=row) for before, row in pairs if before is not None)
+    return tuple(
+        PrintedChange(without=before, with_fin=row) for before, row in pairs if before is not None
+    )
 
 
 def percent_change(before: float, after: float) -> float:
@@ -175,10 +186,15 @@ def measured_trial(gait: gaits.Gait, has_fin: bool) -> MeasuredCase | None:
     """Return the paper's trial of Mamba with this gait, or None if there is none.
 
     Args:
-        gait: Gait; its kind, amplitude, frequency and phase shift must be the table's, to 1e-6, and it must not steer.
+        gait: Gait; its kind, amplitude, frequency and phase shift must be the table's, to 1e-6, and
+            it must not steer.
         has_fin: Whether the robot has the caudal fin.
     """
-    same = (trial for trial in efficiency_trials() if trial.has_fin == has_fin and _alike(trial.gait, gait))
+    same = (
+        trial
+        for trial in efficiency_trials()
+        if trial.has_fin == has_fin and _alike(trial.gait, gait)
+    )
     return next(same, None)
 
 

@@ -1,7 +1,7 @@
 """The path-following study: the 12 trials of Table 2 in all combinations of the band, and one of another publication.
 
-It repeats the trials behind the paper's Figs. 12 to 23 and Table 2. Its findings about the table are computed in
-`scores`.
+It repeats the trials behind the paper's Figs. 12 to 23 and Table 2. Its findings about the table
+are computed in `scores`.
 """
 
 from collections.abc import Iterator, Mapping
@@ -35,12 +35,18 @@ class FollowingRun:
     duration: float = quantity("s", "how long the run was")
     forward_velocity: float = quantity("m/s", "forward velocity, straight line over the whole run")
     path_speed: float = quantity("m/s", "length of the path over time")
-    steady_velocity: float | None = quantity("m/s", "forward velocity over whole gait cycles after the transient")
+    steady_velocity: float | None = quantity(
+        "m/s", "forward velocity over whole gait cycles after the transient"
+    )
     mechanical_power: float = quantity("W", "mechanical power, mean of sum |u phi'|")
     joules_per_meter: float = quantity("J/m", "mechanical power / forward velocity")
-    figures: Mapping[str, float | None] = option("By the names of `laticauda.trial.following.FIGURES`; None: undefined")
+    figures: Mapping[str, float | None] = option(
+        "By the names of `laticauda.trial.following.FIGURES`; None: undefined"
+    )
     # So that a limit cycle cannot pass as converged:
-    last_third_rms: float | None = quantity("m", "root mean square of the cycle-mean error over the last third")
+    last_third_rms: float | None = quantity(
+        "m", "root mean square of the cycle-mean error over the last third"
+    )
     last_third_largest: float | None = quantity("m", "largest cycle-mean error over the last third")
     offset_swing: float = quantity("rad", "amplitude of the offset asked for over the last third")
 
@@ -90,7 +96,11 @@ class FollowingCase:
         Args:
             run: Run of this case.
         """
-        return None if run.steady_velocity is None else percent_change(self.free_velocity, run.steady_velocity)
+        return (
+            None
+            if run.steady_velocity is None
+            else percent_change(self.free_velocity, run.steady_velocity)
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -128,7 +138,10 @@ class PathFollowingStudy(Study[PathFollowingSettings]):
     def ways(self) -> "tuple[PathFollowingStudy, ...]":
         """For each combination of the band, the study as if that were chosen; trials remain those of the chosen one."""
         ways = range(len(self.cases[0].band))
-        return tuple(replace(self, cases=tuple(replace(one, run=one.band[i]) for one in self.cases)) for i in ways)
+        return tuple(
+            replace(self, cases=tuple(replace(one, run=one.band[i]) for one in self.cases))
+            for i in ways
+        )
 
     @classmethod
     def by_runs(cls, settings: PathFollowingSettings, runs: Runs) -> "PathFollowingStudy":
@@ -154,11 +167,15 @@ class PathFollowingStudy(Study[PathFollowingSettings]):
         return replace(study, own=tuple(own))
 
     @classmethod
-    def _of(cls, settings: PathFollowingSettings, ways: list[Model], runs: Runs) -> "PathFollowingStudy":
+    def _of(
+        cls, settings: PathFollowingSettings, ways: list[Model], runs: Runs
+    ) -> "PathFollowingStudy":
         pool = _Pool(settings=settings, ways=ways, runs=runs)
         cases = [case for group in settings.groups for case in pool.cases(group)]
         how = cases[0].trial.settings
-        return PathFollowingStudy(settings=settings, how=how, cases=tuple(cases), held_out=pool.held_out())
+        return PathFollowingStudy(
+            settings=settings, how=how, cases=tuple(cases), held_out=pool.held_out()
+        )
 
 
 def by_law(case: FollowingCase) -> dict[str, list[FollowingRun]]:
@@ -222,9 +239,13 @@ class _Pool:
 
     def cases(self, group: Group) -> Iterator[FollowingCase]:
         """Run and yield all cases of a group."""
-        free = self._swim(f"{group.name}, unsteered", group.robot, group.followed[0].gait, self.runs.model)
+        free = self._swim(
+            f"{group.name}, unsteered", group.robot, group.followed[0].gait, self.runs.model
+        )
         for row, figure in zip(group.followed, group.figures, strict=True):
-            start = lc.Start(center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading)
+            start = lc.Start(
+                center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading
+            )
             task = (f"{group.name}, case {row.case}", group.robot, row.gait)
             trials = [self._swim(*task, way, start, "raw") for way in self.ways]
             band, place = [*map(self._figures, trials)], self.ways.index(self.runs.model)
@@ -242,8 +263,12 @@ class _Pool:
     def held_out(self) -> HeldOutRun:
         """Run the trial of another publication."""
         held = self.settings.held_out
-        start = lc.Start(center_of_mass=(0.0, held.initial_cross_track_error), heading=held.initial_heading)
-        trial = self._swim("The held-out trial", held.robot, held.gait, self.runs.model, start, "raw")
+        start = lc.Start(
+            center_of_mass=(0.0, held.initial_cross_track_error), heading=held.initial_heading
+        )
+        trial = self._swim(
+            "The held-out trial", held.robot, held.gait, self.runs.model, start, "raw"
+        )
         time, period, velocity = trial.time, trial.period, trial.center_of_mass_velocity
         assert period is not None
         ahead = velocity[:, 0] * np.cos(trial.heading) + velocity[:, 1] * np.sin(trial.heading)
@@ -261,7 +286,13 @@ class _Pool:
         return figures_of(trial, self.settings.distance)
 
     def _swim(
-        self, what: str, robot: str, gait: lc.Gait, way: Model, start: lc.Start | None = None, heading: str = ""
+        self,
+        what: str,
+        robot: str,
+        gait: lc.Gait,
+        way: Model,
+        start: lc.Start | None = None,
+        heading: str = "",
     ) -> Trial:
         """Return the trial of a run along the path from a start; without a start, of an unsteered run."""
         settings, name = self.settings, f"{what}, joints {name_of(type(way.joints))}, bandwidth"
@@ -269,7 +300,10 @@ class _Pool:
         name = f"{name} {way.offset_bandwidth:g} rad/s"
         if start is None:
             return self.runs.swim(name, swimmer)
-        steered, end = settings.controller(gait, heading), start.center_of_mass[0] + settings.distance
+        steered, end = (
+            settings.controller(gait, heading),
+            start.center_of_mass[0] + settings.distance,
+        )
         steered = replace(swimmer, motion=steered, start=start)
         return self.runs.swim(name, steered, until=lambda seen: bool(seen.center_of_mass[0] >= end))
 

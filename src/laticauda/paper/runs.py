@@ -47,7 +47,13 @@ class Coefficients:
             more: Further fields.
         """
         waters = {gait: parameters.water(gait) for gait in gaits.GAIT_WORDS}
-        return cls(name=parameters.name, title=parameters.title, waters=waters, parameters=parameters, **more)
+        return cls(
+            name=parameters.name,
+            title=parameters.title,
+            waters=waters,
+            parameters=parameters,
+            **more,
+        )
 
     def driven(self, model: Model) -> Model:
         """Return the model with the joints and delay of these coefficients, if they have their own.
@@ -58,7 +64,9 @@ class Coefficients:
         if self.loop_delay is None or self.parameters is None or self.parameters.joints is None:
             return model
         joints = lc.JointLaw.of(self.parameters.joints)
-        return replace(model, joints=joints, offset_bandwidth=NO_FILTER, loop_delay=self.loop_delay, dt=None)
+        return replace(
+            model, joints=joints, offset_bandwidth=NO_FILTER, loop_delay=self.loop_delay, dt=None
+        )
 
     def water(self, gait: str) -> lc.Water:
         """Return the water for a kind of gait.
@@ -103,8 +111,8 @@ class Runs:
         Args:
             name: Name of the run, for messages.
             scenario: Scenario to run.
-            until: Called at every control instant after the first; once it returns True, the run ends before its
-                duration.
+            until: Called at every control instant after the first; once it returns True, the run
+                ends before its duration.
 
         Raises:
             SimulationFailed: If the run blows up; the message says which.
@@ -140,7 +148,9 @@ class Runs:
         for (name, _), succeeded, status in zip(tasks, found.succeeded, found.status, strict=True):
             if not succeeded:
                 raise SimulationFailed(f"{name}: {status}")
-        for k in np.flatnonzero(np.isnan(found.steady_velocity)):  # a run that is too short: its trial raises the error
+        for k in np.flatnonzero(
+            np.isnan(found.steady_velocity)
+        ):  # a run that is too short: its trial raises the error
             _ = lc.swim(scenarios[k]).steady_velocity
         self.how |= settings_of(plant(scenarios[-1]).settings)
         return vars(found)
@@ -171,7 +181,8 @@ class Study(Generic[Settings]):
         """Run the study.
 
         Args:
-            settings: Settings to run; None uses those of the paper, or the defaults where it has none.
+            settings: Settings to run; None uses those of the paper, or the defaults where it has
+                none.
             model: Model, or its name.
             progress: Called after every run with the number of runs done and the total.
             changes: Differences from the model's defaults.

@@ -1,8 +1,8 @@
 """Errors of predicted speeds against the measurements of Tables 1 and 2, compared with null models without physics.
 
-The null models are fitted to Table 1 by least squares of the logarithm. There they are scored on the same rows to
-which they are fitted, so their errors are also given for rows that were left out of the fit; Table 2 is predicted
-without a further fit.
+The null models are fitted to Table 1 by least squares of the logarithm. There they are scored on
+the same rows to which they are fitted, so their errors are also given for rows that were left out
+of the fit; Table 2 is predicted without a further fit.
 The changes due to the fin, and the energy per meter, are computed here too.
 """
 
@@ -15,7 +15,12 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.paper.efficiency import Case, EfficiencyStudy
-from laticauda.paper.measured import PrintedChange, efficiency_trials, percent_change, printed_changes
+from laticauda.paper.measured import (
+    PrintedChange,
+    efficiency_trials,
+    percent_change,
+    printed_changes,
+)
 from laticauda.paper.path_following import FollowingCase, FollowingRun, PathFollowingStudy
 from laticauda.scenarios import loop_in_words
 from laticauda.trial.null_models import PREDICTORS, Values, compared, mape, predict
@@ -97,19 +102,32 @@ def scores(study: EfficiencyStudy | PathFollowingStudy) -> tuple[Score, ...]:
     Args:
         study: Result of `run_efficiency` or `run_path_following`.
     """
-    return _table1(study) if isinstance(study, EfficiencyStudy) else simulated(study) + null_predictions(study)
+    return (
+        _table1(study)
+        if isinstance(study, EfficiencyStudy)
+        else simulated(study) + null_predictions(study)
+    )
 
 
 def _table1(study: EfficiencyStudy) -> tuple[Score, ...]:
     rows = [case.measured for case in study.measured]
     found = [
-        _scored(study, one.name, one.n_fitted, np.array([case.forward_velocity[i] for case in study.measured]))
+        _scored(
+            study,
+            one.name,
+            one.n_fitted,
+            np.array([case.forward_velocity[i] for case in study.measured]),
+        )
         for i, one in enumerate(study.settings.models)
     ]
     for null in compared(rows, np.array([row.forward_velocity for row in rows], dtype=float)):
-        one, one_group = (None if math.isnan(error) else error for error in (null.left_out, null.group_left_out))
+        one, one_group = (
+            None if math.isnan(error) else error for error in (null.left_out, null.group_left_out)
+        )
         errors: dict[str, Any] = {"leave_one_out": one, "leave_one_group_out": one_group}
-        found.append(_scored(study, null.name, null.n_parameters, null.speeds, is_null=True, **errors))
+        found.append(
+            _scored(study, null.name, null.n_parameters, null.speeds, is_null=True, **errors)
+        )
     return tuple(found)
 
 
@@ -119,11 +137,16 @@ def simulated(study: PathFollowingStudy) -> tuple[Score, ...]:
     Args:
         study: Result of `run_path_following`.
     """
-    ways: list[tuple[str, int | None, list[FollowingRun]]] = [(runs[0].name, None, runs) for runs in in_all_ways(study)]
+    ways: list[tuple[str, int | None, list[FollowingRun]]] = [
+        (runs[0].name, None, runs) for runs in in_all_ways(study)
+    ]
     for one in study.own:
         model, runs = one.settings.coefficients, [case.run for case in one.cases]
         ways.append((f"{model.name}, {loop_in_words(vars(runs[0]))}", model.n_fitted, runs))
-    return tuple(_scored(study, name, n, np.array([run.forward_velocity for run in runs])) for name, n, runs in ways)
+    return tuple(
+        _scored(study, name, n, np.array([run.forward_velocity for run in runs]))
+        for name, n, runs in ways
+    )
 
 
 def in_all_ways(study: PathFollowingStudy) -> list[list[FollowingRun]]:
@@ -133,7 +156,11 @@ def in_all_ways(study: PathFollowingStudy) -> list[list[FollowingRun]]:
         study: Result of `run_path_following`.
     """
     cases, first = study.cases, study.cases[0]
-    others = [[case.band[i] for case in cases] for i, run in enumerate(first.band) if run.name != first.run.name]
+    others = [
+        [case.band[i] for case in cases]
+        for i, run in enumerate(first.band)
+        if run.name != first.run.name
+    ]
     return [[case.run for case in cases], *others, [case.cycle_mean for case in cases]]
 
 
@@ -159,7 +186,9 @@ def meter_costs(study: PathFollowingStudy) -> dict[str, Float[np.ndarray, "2 n_c
     Args:
         study: Result of `run_path_following`.
     """
-    found: dict[str, list[tuple[float, float]]] = {group.name: [] for group in study.settings.groups}
+    found: dict[str, list[tuple[float, float]]] = {
+        group.name: [] for group in study.settings.groups
+    }
     for case in study.cases:
         measured = case.measured.mean_power / case.measured.forward_velocity
         found[case.group.name].append((measured, case.run.joules_per_meter))
@@ -167,7 +196,11 @@ def meter_costs(study: PathFollowingStudy) -> dict[str, Float[np.ndarray, "2 n_c
 
 
 def _scored(
-    study: EfficiencyStudy | PathFollowingStudy, name: str, n_fitted: int | None, speeds: Values, **more: Any
+    study: EfficiencyStudy | PathFollowingStudy,
+    name: str,
+    n_fitted: int | None,
+    speeds: Values,
+    **more: Any,
 ) -> Score:
     cases = study.measured if isinstance(study, EfficiencyStudy) else study.cases
     measured = np.array([case.measured.forward_velocity for case in cases], dtype=float)

@@ -13,7 +13,12 @@ from jaxtyping import Float
 import laticauda as lc
 from laticauda import codec, files, gaits
 from laticauda.errors import BadArgument, at_least_one
-from laticauda.paper.measured import MeasuredCase, MeasuredPathFollowing, path_following_trials, table1
+from laticauda.paper.measured import (
+    MeasuredCase,
+    MeasuredPathFollowing,
+    path_following_trials,
+    table1,
+)
 from laticauda.paper.runs import Coefficients
 from laticauda.quantities import one_among, option, quantity, value
 from laticauda.trial.null_models import group_name
@@ -38,7 +43,9 @@ class SweepSettings:
         if not 0.0 < self.low <= self.high:
             raise BadArgument("low", f"must be > 0 and <= `high`, got {self.low} and {self.high}")
         if set(self.fixed) != set(PARAMETERS) - {self.parameter}:
-            raise BadArgument("fixed", f"must hold the parameters that are not swept, got {', '.join(self.fixed)}")
+            raise BadArgument(
+                "fixed", f"must hold the parameters that are not swept, got {', '.join(self.fixed)}"
+            )
 
     @property
     def values(self) -> Float[np.ndarray, " n_values"]:
@@ -71,7 +78,9 @@ class Group:
 
     gait: str = option("The gait's kind")
     robot: str = option("The robot's name (`load_robot`)")
-    figures: tuple[int, ...] = quantity("", "Numbers in the paper: of velocity and power, or by case of Table 2")
+    figures: tuple[int, ...] = quantity(
+        "", "Numbers in the paper: of velocity and power, or by case of Table 2"
+    )
 
     @property
     def has_fin(self) -> bool:
@@ -91,7 +100,9 @@ class Group:
     @property
     def followed(self) -> tuple[MeasuredPathFollowing, ...]:
         """Its cases in Table 2, one per figure."""
-        return tuple(row for row in path_following_trials() if row.group == self.name)[: len(self.figures)]
+        return tuple(row for row in path_following_trials() if row.group == self.name)[
+            : len(self.figures)
+        ]
 
 
 @value
@@ -99,7 +110,9 @@ class EfficiencySettings:
     """Settings of the efficiency study: every sweep and every case is run for every group and set of coefficients."""
 
     duration: float = quantity("s", "Duration of every trial", gt=0.0)
-    models: tuple[Coefficients, ...] = option("The curves of every figure; the first one is the paper's own")
+    models: tuple[Coefficients, ...] = option(
+        "The curves of every figure; the first one is the paper's own"
+    )
     sweeps: tuple[SweepSettings, ...] = option("One per panel of the figures")
     groups: tuple[Group, ...] = option("The parts of Table 1")
 
@@ -121,9 +134,13 @@ class HeldOut:
 
     gait: lc.Gait = option("Commanded gait, without the steering")
     robot: str = option("The robot's name (`load_robot`)")
-    initial_cross_track_error: float = quantity("m", "Initial distance from the path, positive to its left")
+    initial_cross_track_error: float = quantity(
+        "m", "Initial distance from the path, positive to its left"
+    )
     initial_heading: float = quantity("rad", "Initial heading")
-    velocity: tuple[float, float] = quantity("m/s", "Smallest and largest forward velocity that was published")
+    velocity: tuple[float, float] = quantity(
+        "m/s", "Smallest and largest forward velocity that was published"
+    )
     offset: tuple[float, float] = quantity("rad", "Smallest and largest offset that was published")
 
 
@@ -135,12 +152,18 @@ class PathFollowingSettings:
     distance: float = quantity("m", "Progress along the path after which it ends earlier", gt=0.0)
     following: lc.Following = option("How every run is steered along the x axis")
     coefficients: Coefficients = option("Water of every gait")
-    accepted_error: float = quantity("m", "Limit of the mean error over the gait cycle at the end", gt=0.0)
+    accepted_error: float = quantity(
+        "m", "Limit of the mean error over the gait cycle at the end", gt=0.0
+    )
     joint_laws: tuple[str, ...] = option("Joint laws of the band")
-    offset_bandwidths: tuple[float, ...] = quantity("rad/s", "Bandwidths of the reference generator in the band")
+    offset_bandwidths: tuple[float, ...] = quantity(
+        "rad/s", "Bandwidths of the reference generator in the band"
+    )
     groups: tuple[Group, ...] = option("The parts of Table 2")
     held_out: HeldOut = option("The trial of another publication")
-    own: tuple[Coefficients, ...] = option("Further models that run every trial, each with its own joints", default=())
+    own: tuple[Coefficients, ...] = option(
+        "Further models that run every trial, each with its own joints", default=()
+    )
 
     def __post_init__(self) -> None:
         """Check the fields."""
@@ -192,7 +215,9 @@ def efficiency_settings() -> EfficiencySettings:
     """Return the settings that come with laticauda; `dataclasses.replace` makes others."""
     table = _table("efficiency")
     for sweep in table["sweeps"]:
-        sweep["fixed"] = {name: math.radians(angle) for name, angle in sweep.pop("fixed_deg").items()}
+        sweep["fixed"] = {
+            name: math.radians(angle) for name, angle in sweep.pop("fixed_deg").items()
+        }
     settings = codec.decode(EfficiencySettings, table)
     return replace(settings, models=(*settings.models, *own_models()))
 
@@ -200,7 +225,9 @@ def efficiency_settings() -> EfficiencySettings:
 @cache
 def own_models() -> tuple[Coefficients, ...]:
     """Return the project's own models of Mamba, used in addition to the paper's coefficients."""
-    return tuple(Coefficients.of(lc.load_parameters(own.pop("parameters")), **own) for own in _table("own"))
+    return tuple(
+        Coefficients.of(lc.load_parameters(own.pop("parameters")), **own) for own in _table("own")
+    )
 
 
 @cache
@@ -209,7 +236,9 @@ def path_following_settings() -> PathFollowingSettings:
     table = _table("path_following")
     held = table["held_out"]
     held["offset"] = [math.radians(angle) for angle in held.pop("offset_deg")]
-    return codec.decode(PathFollowingSettings, {**table, "coefficients": paper_coefficients(), "own": own_models()})
+    return codec.decode(
+        PathFollowingSettings, {**table, "coefficients": paper_coefficients(), "own": own_models()}
+    )
 
 
 def paper_coefficients() -> Coefficients:

@@ -1,8 +1,9 @@
 """Side trials: the few runs that the paper's claims need in addition to the studies.
 
-They are lateral undulation over the phase shift with the joint law of the published simulations; the dependence of the
-speed on added inertia and depth; and, as the paper compares the gain due to the fin with that of a robot of twice the
-length, the gain in speed and the cost in power of twice as many links.
+They are lateral undulation over the phase shift with the joint law of the published simulations;
+the dependence of the speed on added inertia and depth; and, as the paper compares the gain due to
+the fin with that of a robot of twice the length, the gain in speed and the cost in power of twice
+as many links.
 """
 
 from collections.abc import Mapping
@@ -31,7 +32,12 @@ def _phase_shifts() -> SweepSettings:
 
 
 def _fast() -> tuple[lc.Gait, ...]:
-    found = [row.gait for group in efficiency_settings().groups for row in group.cases if not group.has_fin]
+    found = [
+        row.gait
+        for group in efficiency_settings().groups
+        for row in group.cases
+        if not group.has_fin
+    ]
     highest = max(gait.frequency for gait in found)
     return tuple(gait for gait in found if gait.frequency == highest)
 
@@ -45,12 +51,22 @@ def _held() -> tuple[lc.Gait, ...]:
 class SideSettings:
     """Settings of the side trials."""
 
-    phase_shifts: SweepSettings = option("The sweep over the phase shift", default_factory=_phase_shifts)
-    gaits: tuple[lc.Gait, ...] = option("Of sensitivities; the fastest of Table 1 if omitted", default_factory=_fast)
-    n_links: tuple[int, int] = quantity("", "Links of the shorter and the longer robot", ge=2, default=(10, 20))
-    doubled: tuple[lc.Gait, ...] = option("Gaits of the shorter robot; the paper's if omitted", default_factory=_held)
+    phase_shifts: SweepSettings = option(
+        "The sweep over the phase shift", default_factory=_phase_shifts
+    )
+    gaits: tuple[lc.Gait, ...] = option(
+        "Of sensitivities; the fastest of Table 1 if omitted", default_factory=_fast
+    )
+    n_links: tuple[int, int] = quantity(
+        "", "Links of the shorter and the longer robot", ge=2, default=(10, 20)
+    )
+    doubled: tuple[lc.Gait, ...] = option(
+        "Gaits of the shorter robot; the paper's if omitted", default_factory=_held
+    )
     duration: float = quantity("s", "Duration of every trial", gt=0.0, default=30.0)
-    coefficients: Coefficients = option("Water by gait; the paper's if omitted", default_factory=paper_coefficients)
+    coefficients: Coefficients = option(
+        "Water by gait; the paper's if omitted", default_factory=paper_coefficients
+    )
 
     def __post_init__(self) -> None:
         """Check the fields."""
@@ -107,7 +123,9 @@ class SideTrials(Study[SideSettings]):
         gaits = {gait.kind: gait for gait in settings.gaits}
         runs.n_runs = sweep.values.size + 3 * len(gaits) + 2 * len(KEPT) * len(settings.doubled)
 
-        def swum(gait: lc.Gait, how: Model = by, n_links: int | None = None, **others: Any) -> lc.Trial:
+        def swum(
+            gait: lc.Gait, how: Model = by, n_links: int | None = None, **others: Any
+        ) -> lc.Trial:
             robot = lc.load_robot(ROBOT, n_links=n_links)
             one = settings.coefficients.scenario(robot, gait, model=how, duration=settings.duration)
             one = replace(one, environment=replace(one.environment, **others))
@@ -121,10 +139,14 @@ class SideTrials(Study[SideSettings]):
             few, many = settings.n_links
             share = few / many if kept == "number of waves" else 1.0
             longer = replace(gait, phase_shift=share * gait.phase_shift)
-            return Doubling(kept=kept, shorter=swum(gait, n_links=few), longer=swum(longer, n_links=many))
+            return Doubling(
+                kept=kept, shorter=swum(gait, n_links=few), longer=swum(longer, n_links=many)
+            )
 
         pd = replace(by, joints=lc.JointLaw.of("pd"), dt=None)
-        swept = [swum(sweep.gait("lateral_undulation", at), pd).forward_velocity for at in sweep.values]
+        swept = [
+            swum(sweep.gait("lateral_undulation", at), pd).forward_velocity for at in sweep.values
+        ]
         usual = {kind: swum(gait).forward_velocity for kind, gait in gaits.items()}
         return SideTrials(
             settings=settings,

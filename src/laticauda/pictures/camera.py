@@ -16,7 +16,8 @@ from laticauda.trial import Trial
 
 Camera = Literal["follow", "side", "top", "fixed"]
 VIEW_DEG = 36.0  # vertical angle of view
-# Angle below the horizontal, and direction relative to the robot's: `follow` is to its right with the head toward us.
+# Angle below the horizontal, and direction relative to the robot's: `follow` is to its right with
+# the head toward us.
 DIRECTIONS: dict[str, tuple[float, float]] = read_toml(Path(__file__).with_suffix(".toml"))
 ROOM = 1.36  # width of the picture at the robot, in robot lengths
 BELOW = 0.07  # how far below the robot `follow` looks, in robot lengths, to show its shadow
@@ -32,13 +33,21 @@ class Film:
         ValueError: If a field is out of range.
     """
 
-    size: tuple[int, int] = quantity("", "Width and height in pixels", ge=64, le=4096, default=(1280, 720))
-    frames_per_second: float = quantity("1/s", "Frames per second of the film", gt=0.0, le=240.0, default=30.0)
+    size: tuple[int, int] = quantity(
+        "", "Width and height in pixels", ge=64, le=4096, default=(1280, 720)
+    )
+    frames_per_second: float = quantity(
+        "1/s", "Frames per second of the film", gt=0.0, le=240.0, default=30.0
+    )
     begin: float | None = quantity(
         "s", "Time in the trial at which the film begins; its start if omitted", default=None
     )
-    end: float | None = quantity("s", "Time in the trial at which the film ends; its end if omitted", default=None)
-    camera: Camera = option("`follow`, `side` and `top` turn with the robot; `fixed` sees it all", default="follow")
+    end: float | None = quantity(
+        "s", "Time in the trial at which the film ends; its end if omitted", default=None
+    )
+    camera: Camera = option(
+        "`follow`, `side` and `top` turn with the robot; `fixed` sees it all", default="follow"
+    )
 
     def span(self, trial: Trial) -> tuple[float, float]:
         """Return the times at which the film begins and ends in a trial [s].
@@ -92,7 +101,8 @@ def look(
         center: Its center of mass [m].
         heading: Heading of the robot [rad].
         aspect: Aspect ratio of the picture, width over height [-].
-        camera: `follow`, `side` (beside it) and `top` (above) turn with the robot; `fixed` stays in place.
+        camera: `follow`, `side` (beside it) and `top` (above) turn with the robot; `fixed` stays in
+            place.
         wide: Minimum width to be seen [m].
     """
     down, aside = DIRECTIONS[camera]
@@ -122,7 +132,9 @@ def middle(robot: Robot) -> float:
     return 0.5 * (robot.length - behind) - center_of_mass(robot)
 
 
-def calm(time: Float[np.ndarray, " n"], values: Float[np.ndarray, "n ..."], at: float, width: float) -> np.ndarray:
+def calm(
+    time: Float[np.ndarray, " n"], values: Float[np.ndarray, "n ..."], at: float, width: float
+) -> np.ndarray:
     """Return a signal without its ripple: the value at a moment of the best-fit straight line around it.
 
     Unlike a mean, it does not lag at the ends of the log.
@@ -136,4 +148,6 @@ def calm(time: Float[np.ndarray, " n"], values: Float[np.ndarray, "n ..."], at: 
     ago = time - at
     near = np.abs(ago) <= max(3.0 * width, 2.0 * float(np.min(np.abs(ago))))
     weight = np.exp(-0.25 * (ago[near] / width) ** 2)
-    return np.asarray(np.polyfit(ago[near], values[near], min(1, int(near.sum()) - 1), w=weight)[-1])
+    return np.asarray(
+        np.polyfit(ago[near], values[near], min(1, int(near.sum()) - 1), w=weight)[-1]
+    )

@@ -25,7 +25,9 @@ MARGIN, LARGE, SMALL = 0.045, 0.052, 0.029
 LINE = 0.0045  # thickness of the lines, in widths of the picture
 WHITE, PALE, RIM = (255, 255, 255), (200, 228, 230), (4, 30, 40)
 Color = tuple[int, int, int]
-PRESET = "veryfast"  # files a seventh smaller than with `medium` on these pictures, in half the time
+PRESET = (
+    "veryfast"  # files a seventh smaller than with `medium` on these pictures, in half the time
+)
 QUALITY = 20  # on H.264's scale, where lower is better and 18 looks like the original
 
 
@@ -64,7 +66,9 @@ def video(
     moments = [min(begin + k * step, end) for k in range(count)]
 
     def shown() -> Iterator[stage.Picture]:
-        for moment, picture in zip(moments, pictures(trial, film, moments, speed, beside), strict=True):
+        for moment, picture in zip(
+            moments, pictures(trial, film, moments, speed, beside), strict=True
+        ):
             yield picture
             progress(moment - begin)
 
@@ -95,7 +99,11 @@ def still(
 
 
 def pictures(
-    trial: Trial, film: Film, moments: Iterable[float], speed: float = 1.0, beside: Sequence[Trial] = ()
+    trial: Trial,
+    film: Film,
+    moments: Iterable[float],
+    speed: float = 1.0,
+    beside: Sequence[Trial] = (),
 ) -> Iterator[stage.Picture]:
     """Yield pictures of a trial, including text.
 
@@ -106,7 +114,9 @@ def pictures(
         speed: Playback speed as stated in the text [-].
         beside: Trials of other robots in the same scene.
     """
-    with closing(replay.studio_of(trial, others=[one.robot for one in beside], size=film.size)) as studio:
+    with closing(
+        replay.studio_of(trial, others=[one.robot for one in beside], size=film.size)
+    ) as studio:
         height, width = studio.height, LINE * film.size[0]
         path = replay.path_dashes(trial, height)
         for time in moments:
@@ -118,7 +128,10 @@ def pictures(
             camera = view(trial, time, height, film)
             posture, *others = [replay.posture_at(one, time, height) for one in (trial, *beside)]
             picture = studio.picture(posture, camera, decorate, others)
-            figures = [(f"{time - trial.time[0]:.1f}", "s"), (f"{speed_at(trial, time):.2f}", "m/s")]
+            figures = [
+                (f"{time - trial.time[0]:.1f}", "s"),
+                (f"{speed_at(trial, time):.2f}", "m/s"),
+            ]
             yield write_words(picture, figures, [*words(trial, speed), *studio.water.words])
 
 
@@ -142,20 +155,28 @@ def words(trial: Trial, speed: float = 1.0) -> list[str]:
     lines = [trial.robot.name]
     if trial.gait is not None:
         gait = trial.gait
-        a, f, shift, offset = map(math.degrees, (gait.amplitude, gait.frequency, gait.phase_shift, gait.offset))
-        numbers = f", {a:.3g}°, {f:.3g}°/s, phase shift {shift:.3g}°" if a or not gait.recorded else ""
+        a, f, shift, offset = map(
+            math.degrees, (gait.amplitude, gait.frequency, gait.phase_shift, gait.offset)
+        )
+        numbers = (
+            f", {a:.3g}°, {f:.3g}°/s, phase shift {shift:.3g}°" if a or not gait.recorded else ""
+        )
         lines.append(f"{gait.words}{numbers}{f', offset {offset:.3g}°' if offset else ''}")
         if gait.pitch is not None:
             numbers = f"{math.degrees(gait.pitch.amplitude):.0f}°, {math.degrees(gait.pitch.phase):.0f}° ahead"
             lines.append(f"pitch wave, {numbers}")
         if gait.fin is not None:
-            lines.append(f"fin, {math.degrees(gait.fin.amplitude):.0f}°, {math.degrees(gait.fin.frequency):.0f}°/s")
+            lines.append(
+                f"fin, {math.degrees(gait.fin.amplitude):.0f}°, {math.degrees(gait.fin.frequency):.0f}°/s"
+            )
     if speed != 1.0:
         lines[0] += f"  (shown at {speed:g} times its speed)"
     return lines
 
 
-def write_words(picture: stage.Picture, large: Sequence[tuple[str, str]], small: Sequence[str]) -> stage.Picture:
+def write_words(
+    picture: stage.Picture, large: Sequence[tuple[str, str]], small: Sequence[str]
+) -> stage.Picture:
     """Return the picture with text on it.
 
     Args:
@@ -197,11 +218,13 @@ def _label(words: str, size: int, font: str, color: Color) -> tuple[Any, int]:
     length = round(letters.getlength(words))
     label = Image.new("RGBA", (length + 2 * size, 3 * size), (*RIM, 0))
     rim: Any = {"stroke_width": max(1, size // 16), "stroke_fill": RIM}
-    ImageDraw.Draw(label).text((size, 2 * size), words, font=letters, fill=color, anchor="ls", **rim)
+    ImageDraw.Draw(label).text(
+        (size, 2 * size), words, font=letters, fill=color, anchor="ls", **rim
+    )
     return label, length
 
 
-# ---- an MP4 that every player plays, through the system's ffmpeg ---------------------------------------------------
+# ---- an MP4 that every player plays, through the system's ffmpeg ---------------------------------
 
 
 class VideoFailed(LaticaudaError, RuntimeError):
@@ -221,7 +244,11 @@ def ffmpeg() -> str:
 
 
 def write_video(
-    pictures: Iterable[stage.Picture], path: str | Path, *, size: tuple[int, int], frames_per_second: float
+    pictures: Iterable[stage.Picture],
+    path: str | Path,
+    *,
+    size: tuple[int, int],
+    frames_per_second: float,
 ) -> None:
     """Write pictures to an MP4 file (H.264, yuv420p); an existing file is replaced upon completion.
 
@@ -237,20 +264,44 @@ def write_video(
         StorageFailed: If the file cannot be written.
     """
     words = [ffmpeg(), "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"]
-    words += ["-s", f"{size[0]}x{size[1]}", "-r", f"{frames_per_second:g}", "-i", "-", "-an", "-c:v", "libx264"]
-    words += ["-preset", PRESET, "-crf", str(QUALITY), "-pix_fmt", "yuv420p", "-movflags", "+faststart"]
+    words += [
+        "-s",
+        f"{size[0]}x{size[1]}",
+        "-r",
+        f"{frames_per_second:g}",
+        "-i",
+        "-",
+        "-an",
+        "-c:v",
+        "libx264",
+    ]
+    words += [
+        "-preset",
+        PRESET,
+        "-crf",
+        str(QUALITY),
+        "-pix_fmt",
+        "yuv420p",
+        "-movflags",
+        "+faststart",
+    ]
 
     def encode(new: Path) -> None:
         # Its messages go to a file: a pipe that is not read could fill up and block it.
         with tempfile.TemporaryFile() as complaints:
             process = subprocess.Popen([*words, str(new)], stdin=subprocess.PIPE, stderr=complaints)
-            with suppress(BrokenPipeError), process:  # then ffmpeg has already ended; its status says why
+            with (
+                suppress(BrokenPipeError),
+                process,
+            ):  # then ffmpeg has already ended; its status says why
                 assert process.stdin is not None
                 for picture in pictures:
                     process.stdin.write(picture.tobytes())
             if process.returncode != 0:
                 complaints.seek(0)
                 lines = complaints.read().decode(errors="replace").strip().splitlines()
-                raise VideoFailed(f"ffmpeg could not write {path}: {lines[-1] if lines else 'it did not say why'}.")
+                raise VideoFailed(
+                    f"ffmpeg could not write {path}: {lines[-1] if lines else 'it did not say why'}."
+                )
 
     write(path, encode)

@@ -24,7 +24,10 @@ from laticauda.trial import Trial
 from laticauda.trial.cycles import hermite
 from laticauda.trial.following import nearest_points
 
-PICTURES_PER_SECOND, MOMENTS = 60.0, 12  # MOMENTS: number of times at which moving water is sampled for its speed
+PICTURES_PER_SECOND, MOMENTS = (
+    60.0,
+    12,
+)  # MOMENTS: number of times at which moving water is sampled for its speed
 INSTEAD = "write a film with `--video FILE.mp4` or a picture with `--still FILE.png` instead"
 
 
@@ -37,7 +40,9 @@ def studio_of(trial: Trial, **options: Any) -> Studio:
     """
     place, times = trial.center_of_mass, trial.time[:: max(trial.time.size // MOMENTS, 1)].tolist()
     way = np.array((place.min(axis=0), place.max(axis=0)))
-    return Studio(trial.robot, trial.environment, trial.scenario.model, way=way, times=times, **options)
+    return Studio(
+        trial.robot, trial.environment, trial.scenario.model, way=way, times=times, **options
+    )
 
 
 def posture_at(trial: Trial, time: float, height: float) -> Posture:
@@ -52,7 +57,9 @@ def posture_at(trial: Trial, time: float, height: float) -> Posture:
         ValueError: If a measured trial does not contain how the robot was bent.
     """
     trial.need("a picture of the robot", "joint_angle", "heading")
-    before = int(np.clip(np.searchsorted(trial.time, time, side="right") - 1, 0, max(trial.time.size - 2, 0)))
+    before = int(
+        np.clip(np.searchsorted(trial.time, time, side="right") - 1, 0, max(trial.time.size - 2, 0))
+    )
     after = min(before + 1, trial.time.size - 1)
     step = float(trial.time[after] - trial.time[before])
     share = float(np.clip((time - trial.time[before]) / step, 0.0, 1.0)) if step > 0.0 else 0.0
@@ -65,17 +72,24 @@ def posture_at(trial: Trial, time: float, height: float) -> Posture:
     joint_angle = cubic(trial.joint_angle, trial.joint_rate)
     fin_angle = cubic(trial.fin_angle, trial.fin_rate)
     if center.size == 3 and all(name in trial.signals for name in interfaces.ORIENTATION):
-        first, second = (np.array([trial.signals[name][k] for name in interfaces.ORIENTATION]) for k in (before, after))
+        first, second = (
+            np.array([trial.signals[name][k] for name in interfaces.ORIENTATION])
+            for k in (before, after)
+        )
         mixed = (1.0 - share) * first + share * (second if first @ second >= 0.0 else -second)
         return Posture(center, mixed / np.linalg.norm(mixed), joint_angle, fin_angle, time)
     if center.size == 3:
         tail = (1.0 - share) * trial.link_angle[before, 0] + share * trial.link_angle[after, 0]
     else:
-        tail = kinematics.link_angles(joint_angle, angle=float(cubic(trial.heading, trial.heading_rate)[0]))[0]
-    return flat_posture(trial.robot, center, tail, joint_angle, fin_angle, height)._replace(time=time)
+        tail = kinematics.link_angles(
+            joint_angle, angle=float(cubic(trial.heading, trial.heading_rate)[0])
+        )[0]
+    return flat_posture(trial.robot, center, tail, joint_angle, fin_angle, height)._replace(
+        time=time
+    )
 
 
-# ---- in MuJoCo's own window ----------------------------------------------------------------------------------------
+# ---- in MuJoCo's own window ----------------------------------------------------------------------
 
 
 class NoWindow(LaticaudaError, RuntimeError):
@@ -95,13 +109,17 @@ def show(trial: Trial, *, speed: float = 1.0) -> None:
     """
     speed = positive("speed", speed)
     load_mujoco()
-    if platform.system() == "Linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+    if platform.system() == "Linux" and not (
+        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    ):
         raise NoWindow(f"A window needs a screen, but there is none here; {INSTEAD}.")
     glfw: Any = import_module("glfw")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the exceptions below report it
         if not glfw.init():
-            raise NoWindow(f"A window needs a screen, but the one that is set here cannot be used; {INSTEAD}.")
+            raise NoWindow(
+                f"A window needs a screen, but the one that is set here cannot be used; {INSTEAD}."
+            )
     stage = studio_of(trial)
     began = time.monotonic()
     stage.take(posture_at(trial, float(trial.time[0]), stage.height))
@@ -109,7 +127,9 @@ def show(trial: Trial, *, speed: float = 1.0) -> None:
         stage.model, stage.data, show_left_ui=False, show_right_ui=False
     ) as window:
         with window.lock():
-            window.cam.type = load_mujoco().mjtCamera.mjCAMERA_TRACKING  # starts as in a film; the mouse moves it
+            window.cam.type = (
+                load_mujoco().mjtCamera.mjCAMERA_TRACKING
+            )  # starts as in a film; the mouse moves it
             window.cam.trackbodyid = stage.model.body("module_0").id
             first = view(trial, float(trial.time[0]), stage.height, Film())
             for name in ("lookat", "distance", "azimuth", "elevation"):
@@ -126,9 +146,13 @@ def show(trial: Trial, *, speed: float = 1.0) -> None:
             time.sleep(1.0 / PICTURES_PER_SECOND)
 
 
-# ---- lines ----------------------------------------------------------------------------------------------------------
+# ---- lines ---------------------------------------------------------------------------------------
 
-TRAIL_STEP, TRAIL_PIECES, OVER = 0.2, 400, 1.3  # [s], [-], height above the axis in half heights of the body
+TRAIL_STEP, TRAIL_PIECES, OVER = (
+    0.2,
+    400,
+    1.3,
+)  # [s], [-], height above the axis in half heights of the body
 TRAIL_COLOR = np.array((1.0, 0.85, 0.40))
 DASH, MOST_DASHES = 0.05, 1500  # in robot lengths, [-]
 PATH_COLOR = np.array((0.92, 0.97, 0.98))
@@ -138,7 +162,9 @@ Dashes = list[tuple[np.ndarray, np.ndarray]]
 
 def centers(trial: Trial, moments: Sequence[float]) -> Points:
     """Return the center of mass at these times, in as many axes as the trial has [m]."""
-    columns: list[np.ndarray] = [np.interp(moments, trial.time, column) for column in trial.center_of_mass.T]
+    columns: list[np.ndarray] = [
+        np.interp(moments, trial.time, column) for column in trial.center_of_mass.T
+    ]
     return np.stack(columns, axis=1)
 
 
@@ -203,7 +229,9 @@ def _path_heights(trial: Trial, height: float) -> Float[np.ndarray, " n_samples"
         above = trial.signals["height_error"] * np.cos(trial.signals["path_climb"])
         return trial.center_of_mass[:, 2] - above
     planar = trial.center_of_mass.shape[1] == 2
-    return np.full(trial.time.size, height if planar else float(np.mean(trial.center_of_mass[:, 2])))
+    return np.full(
+        trial.time.size, height if planar else float(np.mean(trial.center_of_mass[:, 2]))
+    )
 
 
 def draw_path(scene: Any, dashes: Dashes, width: float) -> None:

@@ -25,7 +25,10 @@ from laticauda.spatial.model import SpatialPlant
 
 PACKAGES = "libegl1 libegl-mesa0 libgl1-mesa-dri libopengl0"
 MOST_SHAPES = 4000
-MID_WATER, FLOOR = 1.0, 1.5  # depth at which a robot without one is shown, and minimum depth of the floor [m]
+MID_WATER, FLOOR = (
+    1.0,
+    1.5,
+)  # depth at which a robot without one is shown, and minimum depth of the floor [m]
 DEEP = 2.0  # depth to which a robot in space may dive above the floor, if its range is unknown [m]
 NEAR = 0.3  # distance to the surface within which the surface is shown [m]
 NEARBY = np.array(((-2.0, -2.0), (2.0, 2.0)))
@@ -57,7 +60,8 @@ class Studio:
         environment: Environment of the robot.
         model: Model whose settings define what else is there; None: nothing.
         others: Further robots in the same surroundings.
-        way: Two corners of the region of its center of mass, in space or, for a planar run, in the plane [m].
+        way: Two corners of the region of its center of mass, in space or, for a planar run, in the
+            plane [m].
         times: Some of the times at which it will be shown [s].
         size: Width and height of the pictures [pixels].
 
@@ -79,11 +83,18 @@ class Studio:
     ) -> None:
         self.robot, self.height = robot, swimming_height(robot, environment)
         scene = model.scene if isinstance(model, Spatial) else None
-        spec = mjcf.spec(robot, environment, sensors=False, scene=scene, ballast_depth=ballast_of(robot, model))
+        spec = mjcf.spec(
+            robot, environment, sensors=False, scene=scene, ballast_depth=ballast_of(robot, model)
+        )
         for k, other in enumerate(others, 1):
-            alone = mjcf.spec(other, environment, sensors=False, ballast_depth=ballast_of(other, model))
+            alone = mjcf.spec(
+                other, environment, sensors=False, ballast_depth=ballast_of(other, model)
+            )
             mjcf.add_robot(spec, alone, k)
-        on_land, (lowest, highest) = isinstance(environment, Ground), np.append(way, [[self.height]] * 2, axis=1)[:, 2]
+        on_land, (lowest, highest) = (
+            isinstance(environment, Ground),
+            np.append(way, [[self.height]] * 2, axis=1)[:, 2],
+        )
         self.floor = 0.0 if on_land else min(-FLOOR, lowest - CLEARANCE)
         """Height of the floor of the water, or of the ground [m]."""
         level = 0.0 if scene is None else scene.level
@@ -91,7 +102,9 @@ class Studio:
         """Motion of the water."""
         waves = self.water.mesh(spec)
         level = level if not on_land and (waves or highest > level - NEAR) else None
-        add_surroundings(spec, environment, floor=self.floor, length=robot.reach, level=level, waves=waves)
+        add_surroundings(
+            spec, environment, floor=self.floor, length=robot.reach, level=level, waves=waves
+        )
         picture = spec.visual.global_
         (picture.offwidth, picture.offheight), picture.fovy = size, VIEW_DEG
         self.model: Any = spec.compile()
@@ -138,22 +151,33 @@ class Studio:
         Args:
             posture: Posture of the robot.
             camera: A `MjvCamera`; None: beside the robot, always in the same direction.
-            decorate: Called with the `MjvScene` before it is drawn, to add what is not in the model.
+            decorate: Called with the `MjvScene` before it is drawn, to add what is not in the
+                model.
             others: Postures of the other robots.
         """
-        surface, renderer, flags = self.take(posture, *others), self._renderer, load_mujoco().mjtRndFlag
+        surface, renderer, flags = (
+            self.take(posture, *others),
+            self._renderer,
+            load_mujoco().mjtRndFlag,
+        )
         if surface is not None:
             renderer._gl_context.make_current()
             load_mujoco().mjr_uploadMesh(self.model, renderer._mjr_context, surface)
         aspect = renderer.width / renderer.height
-        wide = self.robot.reach + 2.0 * abs(middle(self.robot))  # the robot may face in any direction
+        wide = self.robot.reach + 2.0 * abs(
+            middle(self.robot)
+        )  # the robot may face in any direction
         camera = camera or look(self.robot, posture.center_of_mass, 0.0, aspect, wide=wide)
         # Infinite planes are placed where the camera was before.
         load_mujoco().mjv_updateCamera(self.model, self.data, camera, renderer.scene)
         renderer.update_scene(self.data, camera)
         scene = renderer.scene
-        scene.flags[flags.mjRND_FOG] = camera.distance < 0.5 * self.model.vis.map.fogend  # else it hides the robot
-        scene.flags[flags.mjRND_HAZE] = scene.flags[flags.mjRND_SHADOW] = scene.flags[flags.mjRND_REFLECTION] = False
+        scene.flags[flags.mjRND_FOG] = (
+            camera.distance < 0.5 * self.model.vis.map.fogend
+        )  # else it hides the robot
+        scene.flags[flags.mjRND_HAZE] = scene.flags[flags.mjRND_SHADOW] = scene.flags[
+            flags.mjRND_REFLECTION
+        ] = False
         draw_shadows(scene, self.model, self.data, self._casters)
         self.water.draw(scene, posture.center_of_mass, posture.time)
         if decorate is not None:
@@ -177,23 +201,33 @@ def posture_of(plant: Plant[Any], state: PlantState) -> Posture:
     if isinstance(plant, SpatialPlant):
         qpos = plant.data(state).qpos
         turned = upright(float(qpos[2])) if plant.settings.root == "planar" else qpos[3:7]
-        first = 3 if plant.settings.root == "planar" else 7  # moving parts of its scene may follow the robot's
+        first = (
+            3 if plant.settings.root == "planar" else 7
+        )  # moving parts of its scene may follow the robot's
         angles, n = qpos[first:][: len(robot.joints) + len(robot.fin_joints)], robot.n_joints
         return Posture(seen.center_of_mass, turned, angles[:n], angles[n:], float(seen.time))
     assert isinstance(plant, PlanarPlant)
     fin = [state.values[rows.LOG_STATE + plant.layout.tail_link - 1 - k] for k in robot.fin_joints]
     height = swimming_height(robot, plant.environment)
-    flat = flat_posture(robot, seen.center_of_mass, seen.link_angle[0], seen.joint_angle, np.array(fin), height)
+    flat = flat_posture(
+        robot, seen.center_of_mass, seen.link_angle[0], seen.joint_angle, np.array(fin), height
+    )
     return flat._replace(time=float(seen.time))
 
 
 def flat_posture(
-    robot: Robot, center: np.ndarray, tail: float, joint_angle: np.ndarray, fin_angle: np.ndarray, height: float
+    robot: Robot,
+    center: np.ndarray,
+    tail: float,
+    joint_angle: np.ndarray,
+    fin_angle: np.ndarray,
+    height: float,
 ) -> Posture:
     """Return the posture of an upright robot.
 
     Args:
-        robot: The robot with all its joints; if only angles of its yaw joints are known, the others are straight.
+        robot: The robot with all its joints; if only angles of its yaw joints are known, the others
+            are straight.
         center: Center of mass, in the plane or in space [m].
         tail: Angle of its tail link [rad].
         joint_angle: Angles of all joints, or of the yaw joints only [rad].
@@ -201,7 +235,10 @@ def flat_posture(
         height: Its height if `center` is planar [m].
     """
     if joint_angle.size < robot.n_joints:
-        yaw, joint_angle = joint_angle, np.zeros(robot.n_joints)  # the planar model holds the others straight
+        yaw, joint_angle = (
+            joint_angle,
+            np.zeros(robot.n_joints),
+        )  # the planar model holds the others straight
         joint_angle[[i for i, joint in enumerate(robot.joints) if joint.axis == "yaw"]] = yaw
     return Posture(in_space(center, height), upright(tail), joint_angle, fin_angle)
 
@@ -228,8 +265,8 @@ def check_offscreen() -> None:
 def renderer_of(model: Any) -> Any:
     """Return MuJoCo's renderer of a model, as large as its off-screen buffer.
 
-    If the environment variable `MUJOCO_GL` is not set, it draws with EGL on Linux, which needs no screen; MuJoCo's own
-    choice, made when it was imported, may need one.
+    If the environment variable `MUJOCO_GL` is not set, it draws with EGL on Linux, which needs no
+    screen; MuJoCo's own choice, made when it was imported, may need one.
     """
     mujoco = load_mujoco()
     optional_import("Rendering", "PyOpenGL", "spatial", "OpenGL")
@@ -244,5 +281,8 @@ def renderer_of(model: Any) -> Any:
         finally:
             contexts.GLContext = usual
     except Exception as error:
-        # Depending on what is missing, PyOpenGL raises an AttributeError, an ImportError or an error of its own.
-        raise MissingProgram("Rendering without a screen", "EGL with a driver (Mesa's will do)", PACKAGES) from error
+        # Depending on what is missing, PyOpenGL raises an AttributeError, an ImportError or an
+        # error of its own.
+        raise MissingProgram(
+            "Rendering without a screen", "EGL with a driver (Mesa's will do)", PACKAGES
+        ) from error

@@ -25,13 +25,23 @@ SURFACE, CLEARNESS = (0.16, 0.45, 0.52), 0.32  # of the water, whose surface is 
 WHITE = (1.0, 1.0, 1.0)
 LINES = (0.55, 0.85, 0.9)  # on a moving surface, which is also drawn twice
 UNDER = 0.01  # how far the floor is below a terrain's lowest place [m]
-GLINTS, GRAINS = 0.002, 0.25  # share of the surface that glitters, to make it visible, and of sand that is darker
+GLINTS, GRAINS = (
+    0.002,
+    0.25,
+)  # share of the surface that glitters, to make it visible, and of sand that is darker
 SUN = np.array((0.14, 0.10, -1.0))
 SHADE = 0.42  # brightness of a shadow relative to the ground
-THIN, ABOVE = 2e-3, 3e-3  # share of a shape's height that is left in its shadow, and the height of the shadow [-], [m]
-CASTS_ON = np.array([1, 0, 0, 0, 0, 0], np.uint8)  # groups of shapes that receive shadows: the surroundings
+THIN, ABOVE = (
+    2e-3,
+    3e-3,
+)  # share of a shape's height that is left in its shadow, and the height of the shadow [-], [m]
+CASTS_ON = np.array(
+    [1, 0, 0, 0, 0, 0], np.uint8
+)  # groups of shapes that receive shadows: the surroundings
 WATERY = 2  # group of shapes that receive none
-CLEAR = 0.5  # the fog distances of `Look` hold for a robot of 2 m and increase for longer ones [1/m]
+CLEAR = (
+    0.5  # the fog distances of `Look` hold for a robot of 2 m and increase for longer ones [1/m]
+)
 Color = tuple[float, float, float]
 
 
@@ -53,11 +63,19 @@ class Look:
     """Ambient light."""
 
 
-WATER, AIR, LAND = (codec.decode(Look, one) for one in read_toml(Path(__file__).with_name("looks.toml")).values())
+WATER, AIR, LAND = (
+    codec.decode(Look, one) for one in read_toml(Path(__file__).with_name("looks.toml")).values()
+)
 
 
 def add_surroundings(
-    model: Any, environment: Environment, *, floor: float, length: float, level: float | None, waves: str | None = None
+    model: Any,
+    environment: Environment,
+    *,
+    floor: float,
+    length: float,
+    level: float | None,
+    waves: str | None = None,
 ) -> None:
     """Add floor, light and background to a `MjSpec`.
 
@@ -81,7 +99,9 @@ def add_surroundings(
         if material.name == "sand":
             _mark(model, material, WHITE, (0.93, 0.92, 0.91), 0.7, flecks=GRAINS)
     if level is not None:
-        clear = model.add_material(name="surface", specular=0.6, shininess=0.9, rgba=(*WHITE, CLEARNESS))
+        clear = model.add_material(
+            name="surface", specular=0.6, shininess=0.9, rgba=(*WHITE, CLEARNESS)
+        )
         plane = _add_plane(model, "surface", level)
         plane.material, plane.group = "surface", WATERY
         if waves is None:
@@ -96,7 +116,9 @@ def _add_light(model: Any, look: Look, length: float) -> None:
     kind = load_mujoco()
     model.stat.extent = 1.0  # so that the lengths below are in meters
     visual = model.visual
-    visual.map.fogstart, visual.map.fogend = (max(1.0, CLEAR * length) * distance for distance in look.fog)
+    visual.map.fogstart, visual.map.fogend = (
+        max(1.0, CLEAR * length) * distance for distance in look.fog
+    )
     visual.map.znear, visual.map.zfar = 0.02 * length, 30.0 * max(length, 2.0)
     visual.rgba.fog = (*look.far, 1.0)
     visual.quality.offsamples, visual.quality.shadowsize = SAMPLES, 0
@@ -105,7 +127,9 @@ def _add_light(model: Any, look: Look, length: float) -> None:
     visual.headlight.diffuse = (0.20, 0.24, 0.24)
     visual.headlight.specular = (0.06, 0.06, 0.06)
     gradient = {"builtin": kind.mjtBuiltin.mjBUILTIN_GRADIENT, "rgb1": look.above, "rgb2": look.far}
-    model.add_texture(name="far", type=kind.mjtTexture.mjTEXTURE_SKYBOX, width=256, height=256, **gradient)
+    model.add_texture(
+        name="far", type=kind.mjtTexture.mjTEXTURE_SKYBOX, width=256, height=256, **gradient
+    )
     sun = model.worldbody.add_light(name="sun", type=kind.mjtLightType.mjLIGHT_DIRECTIONAL, dir=SUN)
     sun.diffuse, sun.specular = (0.84, 0.86, 0.83), (0.45, 0.50, 0.50)
 
@@ -120,7 +144,15 @@ def _add_floor(model: Any, look: Look, height: float) -> None:
         plane.material = "floor"
 
 
-def _mark(model: Any, material: Any, color: Color, mark: Color, repeat: float, *, flecks: float | None = None) -> None:
+def _mark(
+    model: Any,
+    material: Any,
+    color: Color,
+    mark: Color,
+    repeat: float,
+    *,
+    flecks: float | None = None,
+) -> None:
     """Add a pattern to a material to make it visible: a grid, or flecks.
 
     Args:
@@ -132,7 +164,9 @@ def _mark(model: Any, material: Any, color: Color, mark: Color, repeat: float, *
         flecks: Share of flecks in the material; None: a grid [-].
     """
     kinds, name, size = load_mujoco(), material.name, COARSE if flecks is None else FINE
-    texture = model.add_texture(name=name, type=kinds.mjtTexture.mjTEXTURE_2D, width=size, height=size)
+    texture = model.add_texture(
+        name=name, type=kinds.mjtTexture.mjTEXTURE_2D, width=size, height=size
+    )
     texture.builtin, texture.rgb1, texture.markrgb = kinds.mjtBuiltin.mjBUILTIN_FLAT, color, mark
     texture.mark = kinds.mjtMark.mjMARK_EDGE if flecks is None else kinds.mjtMark.mjMARK_RANDOM
     texture.random = flecks or 0.0
@@ -160,13 +194,16 @@ def casters(model: Any) -> Int[np.ndarray, " n"]:
     body, group, box = model.geom_bodyid, model.geom_group, load_mujoco().mjtGeom.mjGEOM_BOX
     is_simple = np.array((group == HULL) | (model.geom_type == box))
     has_hull = np.isin(body, body[group == HULL])
-    return np.flatnonzero((model.body_weldid[body] > 0) & (is_simple | ~has_hull) & (is_simple | (group < HULL)))
+    return np.flatnonzero(
+        (model.body_weldid[body] > 0) & (is_simple | ~has_hull) & (is_simple | (group < HULL))
+    )
 
 
 def draw_shadows(scene: Any, model: Any, data: Any, casters: Int[np.ndarray, " n"]) -> None:
     """Draw the shadows of shapes in the sun, each flattened onto what is beneath it.
 
-    In software rendering, a shadow map would cost more than everything else, and its edges are ragged.
+    In software rendering, a shadow map would cost more than everything else, and its edges are
+    ragged.
 
     Args:
         scene: A `MjvScene` that is about to be drawn.
@@ -182,12 +219,19 @@ def draw_shadows(scene: Any, model: Any, data: Any, casters: Int[np.ndarray, " n
             flat, shift, color = ground
             mat, pos = flat @ data.geom_xmat[k].reshape(3, 3), flat @ data.geom_xpos[k] + shift
             shadow = shapes[scene.ngeom]
-            load_mujoco().mjv_initGeom(shadow, model.geom_type[k], model.geom_size[k], pos, mat.ravel(), color)
-            shadow.dataid, shadow.specular = 2 * model.geom_dataid[k], 0.0  # of a mesh: each has two display lists
+            load_mujoco().mjv_initGeom(
+                shadow, model.geom_type[k], model.geom_size[k], pos, mat.ravel(), color
+            )
+            shadow.dataid, shadow.specular = (
+                2 * model.geom_dataid[k],
+                0.0,
+            )  # of a mesh: each has two display lists
             scene.ngeom += 1
 
 
-def _ground_below(model: Any, data: Any, body: int) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+def _ground_below(
+    model: Any, data: Any, body: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     """Return a body's shadow as a flattening matrix, a shift to add, and a color; None if it falls on nothing."""
     geom, normal = np.zeros((1, 1), np.int32), np.zeros((3, 1))
     middle = data.xipos[body]
@@ -203,17 +247,21 @@ def _ground_below(model: Any, data: Any, body: int) -> tuple[np.ndarray, np.ndar
     return flat, (1.0 - THIN) * height * along + ABOVE * n, color
 
 
-def add_piece(scene: Any, one: np.ndarray, other: np.ndarray, width: float, color: np.ndarray, kind: str) -> None:
+def add_piece(
+    scene: Any, one: np.ndarray, other: np.ndarray, width: float, color: np.ndarray, kind: str
+) -> None:
     """Add a piece of a `LINE` [pixels], or an `ARROW` [m], to a scene that is about to be drawn."""
     if scene.ngeom < scene.maxgeom:
         mujoco, geom, zero = load_mujoco(), scene.geoms[scene.ngeom], np.zeros(3)
         shape = getattr(mujoco.mjtGeom, f"mjGEOM_{kind}")
-        mujoco.mjv_initGeom(geom, shape, zero, zero, np.zeros(9), np.append(color, 1.0).astype(np.float32))
+        mujoco.mjv_initGeom(
+            geom, shape, zero, zero, np.zeros(9), np.append(color, 1.0).astype(np.float32)
+        )
         mujoco.mjv_connector(geom, shape, width, one, other)
         scene.ngeom += 1
 
 
-# ---- water that moves ------------------------------------------------------------------------------------------------
+# ---- water that moves ----------------------------------------------------------------------------
 
 SHAFT = 0.004  # width of an arrow, in robot lengths
 FAINT = 0.05  # length below which an arrow is omitted, relative to the spacing of arrows [-]
@@ -228,11 +276,14 @@ class MovingWater:
     Args:
         environment: Environment of the robot.
         length: Length of the robot [m].
-        way: Two corners of the region in which it will be shown, in the plane or in space, world axes [m].
+        way: Two corners of the region in which it will be shown, in the plane or in space, world
+            axes [m].
         times: Times at which it is shown [s].
     """
 
-    def __init__(self, environment: Environment, length: float, way: np.ndarray, times: Sequence[float]) -> None:
+    def __init__(
+        self, environment: Environment, length: float, way: np.ndarray, times: Sequence[float]
+    ) -> None:
         self._length, self._arrows, flow = length, None, None
         if isinstance(environment, Water):
             flow = environment.flow
@@ -248,11 +299,14 @@ class MovingWater:
         """Add the surface's mesh, shaped by `move`, to a `MjSpec`; return its name, or None if the surface is level."""
         if self.surface is None:
             return None
-        # Upright and oblong at first, so that its principal axes, which MuJoCo adopts as its own, are the world's.
+        # Upright and oblong at first, so that its principal axes, which MuJoCo adopts as its own,
+        # are the world's.
         x, y = grid(self.surface.line, self.surface.line).T
         faces, inertia = self.surface.faces, load_mujoco().mjtMeshInertia.mjMESH_INERTIA_SHELL
         upright = np.column_stack((0.0 * x, x, 2.0 * y)).ravel()
-        model.add_mesh(name=NAME, uservert=upright, userface=np.append(faces, faces[:, ::-1]), inertia=inertia)
+        model.add_mesh(
+            name=NAME, uservert=upright, userface=np.append(faces, faces[:, ::-1]), inertia=inertia
+        )
         return NAME
 
     def move(self, model: Any, center: np.ndarray, t: float) -> int | None:
@@ -272,7 +326,10 @@ class MovingWater:
         slopes = np.gradient(corners[:, 2].reshape(CORNERS, CORNERS), line, line)
         normal = np.column_stack((-slopes[0].ravel(), -slopes[1].ravel(), np.ones(len(corners))))
         own = slice(mesh.vertadr[0], mesh.vertadr[0] + len(corners))
-        model.mesh_vert[own], model.mesh_normal[own] = corners, normal / np.linalg.norm(normal, axis=1, keepdims=True)
+        model.mesh_vert[own], model.mesh_normal[own] = (
+            corners,
+            normal / np.linalg.norm(normal, axis=1, keepdims=True),
+        )
         return int(mesh.id)
 
     def draw(self, scene: Any, center: np.ndarray, t: float) -> None:

@@ -1,10 +1,10 @@
 """Many planar runs at once: eight side by side in the processor's vector registers, and blocks of eight on all cores.
 
-The kernels are those of a single run, compiled for more lanes; the results of a run do not depend on its neighbors, on
-the order, or on the number of threads.
+The kernels are those of a single run, compiled for more lanes; the results of a run do not depend
+on its neighbors, on the order, or on the number of threads.
 
-Runs may carry derivatives. Every number of a block is then complex, and its imaginary part is `STEP` times the
-derivative with respect to the run's parameter.
+Runs may carry derivatives. Every number of a block is then complex, and its imaginary part is
+`STEP` times the derivative with respect to the run's parameter.
 """
 
 from collections import deque
@@ -28,18 +28,22 @@ from laticauda.planar.model import PlanarPlant
 
 Result = TypeVar("Result")
 
-# Fills an AVX-512 register; processors without AVX-512 use two or four registers for the same numbers, and 16 lanes are
-# no faster.
+# Fills an AVX-512 register; processors without AVX-512 use two or four registers for the same
+# numbers, and 16 lanes are no faster.
 WIDTH = 8
-# Rows of a wave's parameters (`TOLD`), and the rows of the initial state that hold the first of them.
+# Rows of a wave's parameters (`TOLD`), and the rows of the initial state that hold the first of
+# them.
 COMMAND = slice(rows.AMPLITUDE, rows.OFFSET + 1)
 BEGUN = [rows.AMPLITUDE_NOW, rows.FREQUENCY_NOW, rows.PHASE_SHIFT_NOW]
-# Maximum number of blocks that one thread takes at a time, and of samples that are logged at a time.
+# Maximum number of blocks that one thread takes at a time, and of samples that are logged at a
+# time.
 _BLOCKS = 8
 _SAMPLES = 2000
-# Step of the derivatives: far below rounding, and a power of two, so that scaling by it changes no digits.
+# Step of the derivatives: far below rounding, and a power of two, so that scaling by it changes no
+# digits.
 STEP = 2.0**-100
-# The log holds the header's state rows from TIME to VY: few enough to stay in the processor's cache.
+# The log holds the header's state rows from TIME to VY: few enough to stay in the processor's
+# cache.
 _X, _VX = rows.X - rows.TIME, rows.VX - rows.TIME
 PATH_ROWS = _VX + 2
 
@@ -123,15 +127,23 @@ def march_many(
 
     def work(task: np.ndarray) -> list[Result]:
         alike = [runs[int(i)] for i in task]
-        first, columns = alike[0].plant, columns_of(alike)  # kernel and rows are the same for all runs of a kind
+        first, columns = (
+            alike[0].plant,
+            columns_of(alike),
+        )  # kernel and rows are the same for all runs of a kind
         n_rows = rows.LOG_STATE + 4 * (first.layout.n_bodies - 1) if with_joints else PATH_ROWS
-        log = aligned((1 + min(n_intervals, _SAMPLES), n_rows, WIDTH), float if runs[0].slope is None else complex)
+        log = aligned(
+            (1 + min(n_intervals, _SAMPLES), n_rows, WIDTH),
+            float if runs[0].slope is None else complex,
+        )
         blocks = [slice(i, i + WIDTH) for i in range(0, len(alike), WIDTH)]
         states = ((task[one], _side_by_side(columns[:, one], alike[one])) for one in blocks)
         return [use(_march(first, index, S, duration, n_intervals, log)) for index, S in states]
 
     with ThreadPoolExecutor(n_threads) as pool:
-        waiting = deque[Future[list[Result]]](pool.submit(work, task) for task in islice(tasks, 2 * n_threads))
+        waiting = deque[Future[list[Result]]](
+            pool.submit(work, task) for task in islice(tasks, 2 * n_threads)
+        )
         try:
             while waiting:
                 done = waiting.popleft().result()
@@ -159,11 +171,22 @@ def kinds_of(runs: Sequence[Run], interval: float) -> Iterable[list[int]]:
         plant = run.plant
         if id(plant) not in of_plant:
             flow = plant.flow
-            law = type(plant.law), getattr(plant.law, "function", None), type(plant.joints), flow.parts, flow.counts
+            law = (
+                type(plant.law),
+                getattr(plant.law, "function", None),
+                type(plant.joints),
+                flow.parts,
+                flow.counts,
+            )
             if law not in of_law:
                 own = plant.joints.own
-                moving = [digest_of(formula) for formula in flow.kinds], [part[2] for part in flow.parts]
-                of_law[law] = f"{digest_of(plant.law.formula)} {own and digest_of(own)} {moving} {flow.counts}"
+                moving = (
+                    [digest_of(formula) for formula in flow.kinds],
+                    [part[2] for part in flow.parts],
+                )
+                of_law[law] = (
+                    f"{digest_of(plant.law.formula)} {own and digest_of(own)} {moving} {flow.counts}"
+                )
             of_plant[id(plant)] = _kind(plant, interval, of_law[law])
         recorded = run.command.gait.recorded  # lanes share its times, not its angles
         kinds.setdefault((of_plant[id(plant)], recorded and recorded.time), []).append(i)
@@ -173,12 +196,24 @@ def kinds_of(runs: Sequence[Run], interval: float) -> Iterable[list[int]]:
 def _kind(plant: PlanarPlant, interval: float, law_digest: str) -> object:
     """Return what runs side by side must have in common: the chain's shape, the laws, the number of steps."""
     a: Layout = plant.layout
-    shape = (a.n_bodies, a.first_strip.tobytes(), a.first_plate.tobytes(), a.law.tobytes(), a.tail_link, a.has_extras)
+    shape = (
+        a.n_bodies,
+        a.first_strip.tobytes(),
+        a.first_plate.tobytes(),
+        a.law.tobytes(),
+        a.tail_link,
+        a.has_extras,
+    )
     return shape, plant.steps_in(interval), law_digest
 
 
 def _march(
-    plant: PlanarPlant, index: np.ndarray, S: np.ndarray, duration: float, n_intervals: int, log: np.ndarray
+    plant: PlanarPlant,
+    index: np.ndarray,
+    S: np.ndarray,
+    duration: float,
+    n_intervals: int,
+    log: np.ndarray,
 ) -> Block:
     """Simulate up to WIDTH runs of one kind side by side, starting from their rows."""
     every = plant.steps_in(duration / n_intervals)
@@ -188,7 +223,9 @@ def _march(
     for first in range(0, n_intervals, _SAMPLES):
         count = min(_SAMPLES, n_intervals - first)
         part = log[: count + 1]
-        plant.kernels_of(WIDTH).run(S, *plant.layout.chain, plant.is_implicit, count * every, dt, every, part)
+        plant.kernels_of(WIDTH).run(
+            S, *plant.layout.chain, plant.is_implicit, count * every, dt, every, part
+        )
         here = np.real(_numbers(S[rows.SAMPLES])).astype(int)
         n_samples += well * (here if first == 0 else np.maximum(here - 1, 0))
         well &= here == count + 1
@@ -230,7 +267,9 @@ def _side_by_side(columns: np.ndarray, runs: Sequence[Run]) -> np.ndarray:
 
 def columns_of(runs: Sequence[Run]) -> np.ndarray:
     """Return the rows of several runs, one column per run."""
-    return np.concatenate([_columns(list(of_one)) for _, of_one in groupby(runs, lambda run: id(run.plant))], axis=1)
+    return np.concatenate(
+        [_columns(list(of_one)) for _, of_one in groupby(runs, lambda run: id(run.plant))], axis=1
+    )
 
 
 def _columns(runs: Sequence[Run]) -> np.ndarray:

@@ -1,7 +1,8 @@
 """Drives of the joints: the reference generator, the joint laws, and the work of the joints.
 
-A template (see `templates`): `S` is the flat array of `rows`; the scalar laws come from `gaits.reference` and
-`actuation.laws`. The joint law is identified by `law`, one number per joint (LOCKED ... OWN_DRIVEN).
+A template (see `templates`): `S` is the flat array of `rows`; the scalar laws come from
+`gaits.reference` and `actuation.laws`. The joint law is identified by `law`, one number per joint
+(LOCKED ... OWN_DRIVEN).
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -96,7 +97,8 @@ def set_reference(S, n, law, tail_link):
             b = HEADER_ROWS + i * BODY_ROWS
             s, c = S[SIN_PHASE], S[COS_PHASE]
             take_reference(S, b, law[i], wave_reference(s, c, S[b + ENVELOPE], k, motion))
-            # Rotate to the next joint; stored in rows, so that the compiler rounds the products one at a time.
+            # Rotate to the next joint; stored in rows, so that the compiler rounds the products one
+            # at a time.
             S[SIN_PHASE] = s * S[COS_SHIFT] + c * S[SIN_SHIFT]
             S[COS_PHASE] = c * S[COS_SHIFT] - s * S[SIN_SHIFT]
             k += 1.0
@@ -114,7 +116,11 @@ def add_recorded(S, n, law, tail_link):
         j, r = 2 * (i - tail_link) - 1, HEADER_ROWS + i * BODY_ROWS
         knots = S[a], S[b], S[a + j], S[a + j + 1], S[b + j], S[b + j + 1]
         angle, rate, acceleration = between_knots(S[TIME], *knots)
-        reference = S[r + REFERENCE] + angle, S[r + REFERENCE_1] + rate, S[r + REFERENCE_2] + acceleration
+        reference = (
+            S[r + REFERENCE] + angle,
+            S[r + REFERENCE_1] + rate,
+            S[r + REFERENCE_2] + acceleration,
+        )
         take_reference(S, r, law[i], reference)
 
 

@@ -40,7 +40,14 @@ class Layout:
     @cached_property
     def chain(self) -> tuple[object, ...]:
         """Shape of the chain, as the kernels take it."""
-        return self.n_bodies, self.first_strip, self.first_plate, self.law, self.tail_link, self.has_extras
+        return (
+            self.n_bodies,
+            self.first_strip,
+            self.first_plate,
+            self.law,
+            self.tail_link,
+            self.has_extras,
+        )
 
 
 class _Part(NamedTuple):
@@ -96,11 +103,16 @@ def layout(
     records = S[rows.HEADER_ROWS : rows.HEADER_ROWS + n * rows.BODY_ROWS].reshape(n, rows.BODY_ROWS)
     strips = S[rows.HEADER_ROWS + records.size : size].reshape(-1, rows.STRIP_ROWS)
     _write_bodies(records, bodies, coefficients, environment)
-    records[:, rows.HEADING_SHARE] = [(len(links) - max(i - len(fin), 0)) / len(links) for i in range(n)]
+    records[:, rows.HEADING_SHARE] = [
+        (len(links) - max(i - len(fin), 0)) / len(links) for i in range(n)
+    ]
     for i, body in enumerate(bodies):
         if body.strips is not None:
             own = strips[first_strip[i] : first_strip[i + 1]]
-            own[:, 0], own[:, 1 : rows.STRIP_DISPLACED + 1] = body.strips.position, _loads(body.strips).T
+            own[:, 0], own[:, 1 : rows.STRIP_DISPLACED + 1] = (
+                body.strips.position,
+                _loads(body.strips).T,
+            )
     law = _write_joints(records, robot, fin, joints)
     write_effectors(S, robot, environment, first_link=len(fin))
     flow = flow_rows(environment).numbers
@@ -124,9 +136,13 @@ def _links_and_fin(
     robot: robots.Robot, coefficients: Coefficients, joints: JointLaw
 ) -> tuple[list[_Body], list[_Body]]:
     """Return the bodies of the links and of a movable fin, root first; a rigid fin is part of the tail link."""
-    # A batch of an identification lays out one robot per run: what modules or joints share is computed only once.
+    # A batch of an identification lays out one robot per run: what modules or joints share is
+    # computed only once.
     modules = {id(m): m for m in robot.modules}
-    part = {key: _Part(m.mass, m.length / 2.0 + m.center, m.moment_of_inertia) for key, m in modules.items()}
+    part = {
+        key: _Part(m.mass, m.length / 2.0 + m.center, m.moment_of_inertia)
+        for key, m in modules.items()
+    }
     known = {key: _Body(m.length, (part[key],)) for key, m in modules.items()}
     links = [known[id(m)] for m in robot.modules]
     if robot.caudal_fin is None or coefficients.fin is None:
@@ -158,7 +174,11 @@ def _fin_bodies(fin: robots.CaudalFin, strips: Coefficients, joints: int) -> lis
 
 def _moved(strips: Coefficients, own: np.ndarray, end: float) -> Coefficients:
     """Return the strips selected by `own`, with positions measured from `end` behind the root."""
-    taken = {field.name: getattr(strips, field.name)[own] for field in fields(strips) if field.name != "fin"}
+    taken = {
+        field.name: getattr(strips, field.name)[own]
+        for field in fields(strips)
+        if field.name != "fin"
+    }
     return Coefficients(**{**taken, "position": taken["position"] + end})
 
 
@@ -166,16 +186,26 @@ def _fold(tail: _Body, piece: _Body) -> _Body:
     """Return the tail link with a fin of one rigid piece as part of it."""
     part, strips = piece.parts[0], cast(Coefficients, piece.strips)
     parts = *tail.parts, part._replace(position=-part.position)
-    return tail._replace(parts=parts, strips=replace(strips, position=strips.position - piece.length))
+    return tail._replace(
+        parts=parts, strips=replace(strips, position=strips.position - piece.length)
+    )
 
 
 def _write_environment(
-    S: np.ndarray, environment: robots.Environment, robot: robots.Robot, joints: JointLaw, *, folded: bool
+    S: np.ndarray,
+    environment: robots.Environment,
+    robot: robots.Robot,
+    joints: JointLaw,
+    *,
+    folded: bool,
 ) -> None:
     S[rows.OWN_VELOCITY] = 1.0
     S[rows.BANDWIDTH] = 1.0
     S[rows.ACTIVE_POWER] = robot.active_power or 0.0
-    for first, numbers in ((rows.LAW, robots.law_of(environment).numbers), (rows.JOINT_LAW, joints.numbers)):
+    for first, numbers in (
+        (rows.LAW, robots.law_of(environment).numbers),
+        (rows.JOINT_LAW, joints.numbers),
+    ):
         S[first : first + len(numbers)] = numbers
     if isinstance(environment, robots.Ground):
         return
@@ -206,7 +236,9 @@ def _write_bodies(
     centripetal = moment + moment_t if classic else moment
     inertia = rigid + added, moment + moment_n, centripetal
     masses = mass + mu_t, mass + mu_n, mu_t, mu_n, moment_t, moment_n, mass / total, moment / total
-    records[:, rows.LENGTH : rows.CENTER + 1] = np.array((length, *inertia, *masses, length / 2.0)).T
+    records[:, rows.LENGTH : rows.CENTER + 1] = np.array(
+        (length, *inertia, *masses, length / 2.0)
+    ).T
     records[-w.mass.size :, rows.C_T : rows.DISPLACED + 1] = _loads(w).T
 
 
@@ -246,11 +278,19 @@ def _added_mass(bodies: Sequence[_Body], w: Coefficients, x: np.ndarray) -> np.n
     for i, body in enumerate(bodies):
         if (strips := body.strips) is not None:
             at, (mu_t, mu_n) = strips.position, (strips.mu_t, strips.mu_n)
-            found[:, i] += mu_t.sum(), mu_n.sum(), mu_t @ at, mu_n @ at, strips.lambda_1.sum() + mu_n @ (at * at)
+            found[:, i] += (
+                mu_t.sum(),
+                mu_n.sum(),
+                mu_t @ at,
+                mu_n @ at,
+                strips.lambda_1.sum() + mu_n @ (at * at),
+            )
     return found
 
 
-def write_effectors(S: np.ndarray, robot: robots.Robot, environment: robots.Environment, *, first_link: int) -> None:
+def write_effectors(
+    S: np.ndarray, robot: robots.Robot, environment: robots.Environment, *, first_link: int
+) -> None:
     """Write the rows of thrusters and pectoral fins.
 
     Args:
@@ -266,7 +306,9 @@ def write_effectors(S: np.ndarray, robot: robots.Robot, environment: robots.Envi
         for i, one in enumerate(getattr(robot, group)):
             for name in ("elevation", "roll"):
                 if getattr(one, name) != 0.0:
-                    rule = "must be 0 unless `model` is `spatial`, since it acts out of the plane, got"
+                    rule = (
+                        "must be 0 unless `model` is `spatial`, since it acts out of the plane, got"
+                    )
                     raise BadArgument(f"{group}[{i}].{name}", f"{rule} {getattr(one, name)}")
     records = S[rows.HEADER_ROWS :][first_link * rows.BODY_ROWS :][: robot.n_links * rows.BODY_ROWS]
     records = records.reshape(-1, rows.BODY_ROWS)
@@ -280,8 +322,13 @@ def write_effectors(S: np.ndarray, robot: robots.Robot, environment: robots.Envi
         record[: rows.PLATE_WATER] = _plate_numbers(plate, robot.modules[plate.link], half_density)
 
 
-def _add_thruster(record: np.ndarray, robot: robots.Robot, link: int, thruster: robots.Thruster) -> None:
-    along, across = thruster.thrust * np.cos(thruster.angle), thruster.thrust * np.sin(thruster.angle)
+def _add_thruster(
+    record: np.ndarray, robot: robots.Robot, link: int, thruster: robots.Thruster
+) -> None:
+    along, across = (
+        thruster.thrust * np.cos(thruster.angle),
+        thruster.thrust * np.sin(thruster.angle),
+    )
     x = robot.modules[link].length / 2.0 + thruster.x
     record[[rows.THRUST_T, rows.THRUST_N]] += along, across
     record[rows.THRUST_MOMENT] += x * across - thruster.y * along
@@ -295,14 +342,18 @@ def _write_joints(
     records[len(fin) + 1 :, : rows.JOINT_ROWS] = table[: robot.n_joints]
     law, of_fin = np.full(len(records), joints.code), iter(table[robot.n_joints :])
     law[0] = rows.LOCKED
-    for i, piece in zip(range(len(fin), 0, -1), fin, strict=True):  # its hinge is at the tail end of the body ahead
+    for i, piece in zip(
+        range(len(fin), 0, -1), fin, strict=True
+    ):  # its hinge is at the tail end of the body ahead
         law[i] = piece.law
         if piece.is_hinged:
             records[i, : rows.JOINT_ROWS] = next(of_fin)
     return law
 
 
-def _plate_numbers(plate: robots.PectoralFin, module: robots.Module, half_density: float) -> tuple[float, ...]:
+def _plate_numbers(
+    plate: robots.PectoralFin, module: robots.Module, half_density: float
+) -> tuple[float, ...]:
     """Return the rows of a pectoral fin."""
     place = plate.x + module.length / 2.0, plate.y, plate.angle + plate.deflection
     shape = plate.lift_slope, plate.stall_angle, plate.stall_sharpness, plate.parasitic_drag

@@ -1,7 +1,7 @@
 """Loads of the water (or the ground) and the effectors on the bodies of the chain.
 
-Forces are in link axes, moments about the link's tail end. A template (see `templates`): `S` is the flat array of
-`rows`, `b` the first row of a body's record.
+Forces are in link axes, moments about the link's tail end. A template (see `templates`): `S` is the
+flat array of `rows`, `b` the first row of a body's record.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -36,8 +36,15 @@ def water_around(S, n, first_strip, first_plate, tail_link, has_extras):
         places(S, n)
         for i in range(n):
             b = HEADER_ROWS + i * BODY_ROWS
-            strips, plates = first_strip[i + 1] - first_strip[i], first_plate[i + 1] - first_plate[i]
-            for k in range(3 + strips + plates if has_extras and (i == 0 or i == tail_link) else 1 + strips + plates):
+            strips, plates = (
+                first_strip[i + 1] - first_strip[i],
+                first_plate[i + 1] - first_plate[i],
+            )
+            for k in range(
+                3 + strips + plates
+                if has_extras and (i == 0 or i == tail_link)
+                else 1 + strips + plates
+            ):
                 x, y, found = S[b + CENTER], 0.0 * S[b + CENTER], b + WATER_T
                 if 0 < k <= strips:
                     e = HEADER_ROWS + n * BODY_ROWS + (first_strip[i] + k - 1) * STRIP_ROWS
@@ -78,7 +85,9 @@ def put_water(S, b, x, y, found):
     c, s = S[b + COS], S[b + SIN]
     first = int(first_lane(S[FLOW].real))  # first row of the flow, the same in all lanes
     place_x, place_y = S[b + PX] + c * x - s * y, S[b + PY] + s * x + c * y
-    u, v, _, a_x, a_y, _, _, _, spin, _ = felt(motion(S, first, place_x, place_y, S[HEIGHT], S[TIME]))
+    u, v, _, a_x, a_y, _, _, _, spin, _ = felt(
+        motion(S, first, place_x, place_y, S[HEIGHT], S[TIME])
+    )
     S[found] = c * u + s * v
     S[found + 1] = c * v - s * u
     S[found + 2] = c * a_x + s * a_y
@@ -99,12 +108,15 @@ def through_water(S, b, x, water):
 def element_drag(S, b, e):
     """Return the drag of one element rigidly attached to body b, link axes, and its moment about the tail end of b.
 
-    `e` is the first row of the element: its distance from the tail end, c_t, c_n, lambda_2, lambda_3. The rows of a
-    body's own element (from CENTER on) and of a strip (from STRIP_POSITION on) have the same order.
+    `e` is the first row of the element: its distance from the tail end, c_t, c_n, lambda_2,
+    lambda_3. The rows of a body's own element (from CENTER on) and of a strip (from STRIP_POSITION
+    on) have the same order.
     """
     x = S[e]
     v_t, v_n, rate = through_water(S, b, x, e + WATER_OF)
-    f_t, f_n, tau = law(v_t, v_n, magnitude(v_n), rate, S[e + 1], S[e + 2], S[e + 3], S[e + 4], *law_numbers(S))
+    f_t, f_n, tau = law(
+        v_t, v_n, magnitude(v_n), rate, S[e + 1], S[e + 2], S[e + 3], S[e + 4], *law_numbers(S)
+    )
     return f_t, f_n, tau + x * f_n
 
 
@@ -138,13 +150,15 @@ def added_mass_velocity_terms(S, b):
 def element_inertia(S, b, e):
     """Return the inertial load of moving water on one element, without terms of tail-end or angular acceleration.
 
-    The laws are those of `fluid.inertia`, plus the force that accelerates the displaced water itself.
+    The laws are those of `fluid.inertia`, plus the force that accelerates the displaced water
+    itself.
     """
     x, rate, own = S[e], S[b + LINK_RATE], S[OWN_VELOCITY]
     u_t, u_n, turning = through_water(S, b, x, e + WATER_OF)
     mu_t, mu_n, displaced = S[e + MU_T_OF], S[e + MU_N_OF], S[e + DISPLACED_OF]
     V_t, V_n, flow_t, flow_n, spin = water_numbers(S, e + WATER_OF)
-    # Seen from the tail end, whose axes rotate; the x rate^2 part of the classic form is in CENTRIPETAL.
+    # Seen from the tail end, whose axes rotate; the x rate^2 part of the classic form is in
+    # CENTRIPETAL.
     rate_t = rate * (own * S[b + V_N] - V_n) - carried(flow_t, 0.0, spin, u_n, 0.0)
     rate_n = -rate * (own * S[b + V_T] - V_t) - carried(flow_n, spin, 0.0, 0.0, u_t)
     f_t = load(S[KIRCHHOFF], mu_t, rate_t, -turning * mu_n * u_n) + displaced * flow_t
@@ -224,19 +238,24 @@ def trailing_edge(S):
 def body_forces(S, n, first_strip, force):
     """Store drag, added-mass and effector force on every body, world axes, once the accelerations are known.
 
-    `force` holds two rows per body, x and y: first the drag on all bodies, then the added-mass force (including the
-    force of accelerating water on the displaced volume), then the effector force.
+    `force` holds two rows per body, x and y: first the drag on all bodies, then the added-mass
+    force (including the force of accelerating water on the displaced volume), then the effector
+    force.
     """
     for i in range(n):
         b = HEADER_ROWS + i * BODY_ROWS
         drag, added_mass, effector = 2 * i, 2 * (n + i), 2 * (2 * n + i)
         extra_t, extra_n = S[b + EXTRA_T], S[b + EXTRA_N]
-        # Strips add to the extra loads: collect their loads separately, and move them from effectors to drag and added
-        # mass.
+        # Strips add to the extra loads: collect their loads separately, and move them from
+        # effectors to drag and added mass.
         S[b + EXTRA_T] = 0.0
         S[b + EXTRA_N] = 0.0
         for e in range(first_strip[i], first_strip[i + 1]):
-            add_extra(S, b, element_drag(S, b, HEADER_ROWS + n * BODY_ROWS + e * STRIP_ROWS + STRIP_POSITION))
+            add_extra(
+                S,
+                b,
+                element_drag(S, b, HEADER_ROWS + n * BODY_ROWS + e * STRIP_ROWS + STRIP_POSITION),
+            )
         f_t, f_n, _ = element_drag(S, b, b + CENTER)
         put_force(S, b, force, drag, f_t + S[b + EXTRA_T], f_n + S[b + EXTRA_N])
         extra_t -= S[b + EXTRA_T]

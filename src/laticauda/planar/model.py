@@ -46,16 +46,23 @@ def specialize(
 
     Args:
         width: Number of trials that run side by side in one set of vector registers.
-        law: Drag law to compile: its formula with all functions that it calls, but not its numbers. None: polynomial.
+        law: Drag law to compile: its formula with all functions that it calls, but not its numbers.
+            None: polynomial.
         joints: Joint law to compile in addition to the built-in ones, unless it is one of them.
-        flow: Kinds of parts of the water's flow (`fluid.flow.rows_of`); empty: uniform, constant current or none.
+        flow: Kinds of parts of the water's flow (`fluid.flow.rows_of`); empty: uniform, constant
+            current or none.
         target: What to compile for; None: this machine's processor.
 
     Returns:
         The module `laticauda.planar.stepping`, compiled for these arguments on first call.
     """
     own = None if joints is None else joints.own
-    names = {"WIDTH": width, "law": (law or PolynomialDrag()).formula, "joint_law": own, "flow": flow}
+    names = {
+        "WIDTH": width,
+        "law": (law or PolynomialDrag()).formula,
+        "joint_law": own,
+        "flow": flow,
+    }
     return specialized("laticauda.planar", TEMPLATES, names, target)
 
 
@@ -63,8 +70,9 @@ def specialize(
 class PlanarPlant(Plant[Planar]):
     """A robot in the plane: n links, joints prescribed or driven by a law; pitch joints are omitted.
 
-    The default steps converge the paper's trials to 1e-6 of the distance with prescribed joints (RK5), 1e-4 with driven
-    joints (ROS2) and 1e-5 with an elastic fin behind prescribed joints (ROS2): see `benchmarks/convergence.py`.
+    The default steps converge the paper's trials to 1e-6 of the distance with prescribed joints
+    (RK5), 1e-4 with driven joints (ROS2) and 1e-5 with an elastic fin behind prescribed joints
+    (ROS2): see `benchmarks/convergence.py`.
     """
 
     settings: Planar = Planar()  # noqa: RUF009 - frozen
@@ -93,7 +101,9 @@ class PlanarPlant(Plant[Planar]):
     @cached_property
     def layout(self) -> Layout:
         """The robot in the kernels' form."""
-        return layout(self.robot, self.environment, joints=self.joints, coefficients=self.coefficients)
+        return layout(
+            self.robot, self.environment, joints=self.joints, coefficients=self.coefficients
+        )
 
     def kernels_of(self, width: int) -> Any:
         """Return the compiled kernels for `width` trials side by side."""
@@ -103,13 +113,19 @@ class PlanarPlant(Plant[Planar]):
     def _envelope(self) -> np.ndarray:
         """Rows of the envelope of the body's joints."""
         a = self.layout
-        return rows.HEADER_ROWS + np.arange(a.tail_link + 1, a.n_bodies) * rows.BODY_ROWS + rows.ENVELOPE
+        return (
+            rows.HEADER_ROWS
+            + np.arange(a.tail_link + 1, a.n_bodies) * rows.BODY_ROWS
+            + rows.ENVELOPE
+        )
 
     @cached_property
     def _state(self) -> np.ndarray:
         """Rows that make up a state vector."""
         joints = rows.HEADER_ROWS + np.arange(1, self.layout.n_bodies) * rows.BODY_ROWS
-        return np.concatenate((rows.TIME + np.arange(rows.LOG_STATE), joints + rows.ANGLE, joints + rows.RATE))
+        return np.concatenate(
+            (rows.TIME + np.arange(rows.LOG_STATE), joints + rows.ANGLE, joints + rows.RATE)
+        )
 
     @cached_property
     def _kernels(self) -> Any:
@@ -155,7 +171,9 @@ class PlanarPlant(Plant[Planar]):
                 "must be None unless `model` is `spatial`: the planar model has no pitch joints, got "
                 f"{'a pitch offset' if gait.pitch is None else gait.pitch}",
             )
-        is_plain = command.references is command.enabled is command.thrusts is command.deflections is None
+        is_plain = (
+            command.references is command.enabled is command.thrusts is command.deflections is None
+        )
         if kept is not gait or not is_plain:
             asked = self._asked(command)
             vars(self)["_kept"] = gait if is_plain else None, asked
@@ -178,10 +196,19 @@ class PlanarPlant(Plant[Planar]):
         S[rows.AMPLITUDE : rows.RAMP + 1] = *wave, *loop
         S[self._envelope] *= command.gait.joint_envelope(self.robot.n_links)
         if (robot := command.effectors(self.robot)) is not self.robot:
-            write_effectors(S[: S.size - self.flow.numbers.size], robot, self.environment, first_link=a.tail_link)
+            write_effectors(
+                S[: S.size - self.flow.numbers.size],
+                robot,
+                self.environment,
+                first_link=a.tail_link,
+            )
         if command.references is not None or command.enabled is not None:
-            body = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(-1, rows.BODY_ROWS)
-            driven = [*range(a.tail_link + 1, a.n_bodies), a.tail_link][: len(self.robot.driven_joints)]
+            body = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(
+                -1, rows.BODY_ROWS
+            )
+            driven = [*range(a.tail_link + 1, a.n_bodies), a.tail_link][
+                : len(self.robot.driven_joints)
+            ]
             joints = body[driven, : rows.JOINT_ROWS]
             self._hold(joints, command)
             body[driven, : rows.JOINT_ROWS] = joints
@@ -200,17 +227,26 @@ class PlanarPlant(Plant[Planar]):
             angle: Angle from the direction of tow to the heading, counter-clockwise [rad].
 
         Returns:
-            Force along the body, force across it to the left [N], yaw moment about the middle of its links [N m].
+            Force along the body, force across it to the left [N], yaw moment about the middle of
+            its links [N m].
         """
         if self.flow.kinds:
-            return replace(self, environment=replace(self.environment, current=(0.0, 0.0))).towing_load(speed, angle)
+            return replace(
+                self, environment=replace(self.environment, current=(0.0, 0.0))
+            ).towing_load(speed, angle)
         a, S = self.layout, self.layout.template.copy()
         S[rows.VX] = S[rows.CURRENT_X] + speed * math.cos(angle)
         S[rows.VY] = S[rows.CURRENT_Y] - speed * math.sin(angle)
         locked = np.zeros(a.n_bodies, dtype=bool)
-        self._kernels.evaluate(S, a.n_bodies, a.first_strip, a.first_plate, locked, a.tail_link, a.has_extras)
-        bodies = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(-1, rows.BODY_ROWS)
-        moment, along, across = (-bodies[0, [rows.P0, rows.P1, rows.P2]]).tolist()  # all bodies, about the tail end
+        self._kernels.evaluate(
+            S, a.n_bodies, a.first_strip, a.first_plate, locked, a.tail_link, a.has_extras
+        )
+        bodies = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(
+            -1, rows.BODY_ROWS
+        )
+        moment, along, across = (
+            -bodies[0, [rows.P0, rows.P1, rows.P2]]
+        ).tolist()  # all bodies, about the tail end
         length = bodies[:, rows.LENGTH]
         middle = float(np.sum(length[: a.tail_link]) + 0.5 * np.sum(length[a.tail_link :]))
         return along, across, moment - middle * across
@@ -224,7 +260,9 @@ class PlanarPlant(Plant[Planar]):
         along, across = self.law.steepest(1.0)  # links of a swimming robot are slower
         c, fin = self.coefficients, self.robot.caudal_fin
         free = [c] if c.fin is None or fin is None or not fin.hinges else [c, c.fin]
-        pairs = [((across * e.c_n, e.mass + e.mu_n), (along * e.c_t, e.mass + e.mu_t)) for e in free]
+        pairs = [
+            ((across * e.c_n, e.mass + e.mu_n), (along * e.c_t, e.mass + e.mu_t)) for e in free
+        ]
         return [one for pair in pairs for one in pair]
 
     def _stable_step(self) -> float:
@@ -243,13 +281,17 @@ class PlanarPlant(Plant[Planar]):
     ) -> tuple[np.ndarray, np.ndarray]:
         raw = np.empty((1 + n_intervals, rows.LOG_STATE + 4 * (self.layout.n_bodies - 1), 1))
         S, chain = self.rows(state, command), self.layout.chain
-        written = self._kernels.run(S, *chain, self.is_implicit, n_intervals * every, dt, every, raw)
+        written = self._kernels.run(
+            S, *chain, self.is_implicit, n_intervals * every, dt, every, raw
+        )
         samples = raw[:written, :, 0]
         return (samples[-1, : self._size].copy() if written else state.values), samples
 
     def _sample_of(self, state: PlantState, command: Command) -> np.ndarray:
         raw = np.empty((1, rows.LOG_STATE + 4 * (self.layout.n_bodies - 1), 1))
-        self._kernels.run(self.rows(state, command), *self.layout.chain, self.is_implicit, 0, 1.0, 1, raw)
+        self._kernels.run(
+            self.rows(state, command), *self.layout.chain, self.is_implicit, 0, 1.0, 1, raw
+        )
         return np.nan_to_num(raw[:, :, 0], nan=0.0, posinf=0.0, neginf=0.0)
 
     def _link_forces(
@@ -257,9 +299,13 @@ class PlanarPlant(Plant[Planar]):
     ) -> np.ndarray:
         a = self.layout
         force = np.empty((len(samples), 3, a.n_bodies, 2, 1))
-        self._kernels.link_forces(self.rows(state, command), *a.chain, samples[:, :, np.newaxis], force)
+        self._kernels.link_forces(
+            self.rows(state, command), *a.chain, samples[:, :, np.newaxis], force
+        )
         body = np.moveaxis(force[..., 0], 1, 0)
-        body[:, :, a.tail_link] += body[:, :, : a.tail_link].sum(axis=2)  # fin bodies belong to the tail link
+        body[:, :, a.tail_link] += body[:, :, : a.tail_link].sum(
+            axis=2
+        )  # fin bodies belong to the tail link
         return body[:, :, a.tail_link :]
 
     @cached_property
@@ -306,7 +352,8 @@ class _Seen(Observation):
 
 def _links(heading: Any, joint_angle: np.ndarray) -> np.ndarray:
     """Return link angles from their mean and the joint angles (last axis), for one or many samples [rad]."""
-    # Sum one by one: NumPy's cumulative sums and matrix products may round differently depending on the sample count.
+    # Sum one by one: NumPy's cumulative sums and matrix products may round differently depending on
+    # the sample count.
     relative = [*accumulate(joint_angle.T, initial=0.0 * heading)]  # to the tail link
     *_, total = accumulate(relative)
     return (np.array(relative) + (heading - total / len(relative))).T

@@ -1,13 +1,15 @@
 """O(n) recursion for the accelerations of a chain of bodies in water, each joint prescribed or free.
 
-Articulated-body algorithm (Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 7 and sec. 9.2) in planar spatial
-vectors (one rotation, two translations) in world axes, with each body's vectors taken at its tail end, where its joint
-is. The 3x3 inertia of a body includes its anisotropic added mass. A prescribed joint passes on its child's full inertia
-and known acceleration; a free joint passes on what remains after the joint has yielded. Body 0, the tail-most, floats:
-its acceleration is the final 3x3 solve. With all joints prescribed this is exactly the model with three degrees of
+Articulated-body algorithm (Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 7 and sec. 9.2)
+in planar spatial vectors (one rotation, two translations) in world axes, with each body's vectors
+taken at its tail end, where its joint is. The 3x3 inertia of a body includes its anisotropic added
+mass. A prescribed joint passes on its child's full inertia and known acceleration; a free joint
+passes on what remains after the joint has yielded. Body 0, the tail-most, floats: its acceleration
+is the final 3x3 solve. With all joints prescribed this is exactly the model with three degrees of
 freedom.
 
-A template (see `templates`). `S` is the flat array of `rows`; `n` the number of bodies. No function allocates.
+A template (see `templates`). `S` is the flat array of `rows`; `n` the number of bodies. No function
+allocates.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -97,7 +99,17 @@ def plus(own, carried):
     """Return the sum of a body's own inertia and bias force and those of the bodies attached to it."""
     a00, a01, a02, a11, a12, a22, p0, p1, p2 = own
     c00, c01, c02, c11, c12, c22, q0, q1, q2 = carried
-    return a00 + c00, a01 + c01, a02 + c02, a11 + c11, a12 + c12, a22 + c22, p0 + q0, p1 + q1, p2 + q2
+    return (
+        a00 + c00,
+        a01 + c01,
+        a02 + c02,
+        a11 + c11,
+        a12 + c12,
+        a22 + c22,
+        p0 + q0,
+        p1 + q1,
+        p2 + q2,
+    )
 
 
 @kernel
@@ -115,7 +127,14 @@ def own_inertia(S, b):
     mass_t, mass_n = S[b + MASS_T], S[b + MASS_N]
     coupling = S[b + COUPLING]
     across = (mass_n - mass_t) * s
-    return S[b + INERTIA], -s * coupling, c * coupling, mass_t + across * s, -across * c, mass_n - across * s
+    return (
+        S[b + INERTIA],
+        -s * coupling,
+        c * coupling,
+        mass_t + across * s,
+        -across * c,
+        mass_n - across * s,
+    )
 
 
 @kernel
@@ -154,7 +173,9 @@ def through_joint(S, j, joint_is_free, articulated):
     b02 = a02 + arm_x * a12 + arm_y * a22
     b00 = w0 + arm_x * b01 + arm_y * b02
     swing = S[j + REFERENCE_2]
-    if joint_is_free:  # a rank-1 correction for its yielding, applied last because it waits for the division
+    if (
+        joint_is_free
+    ):  # a rank-1 correction for its yielding, applied last because it waits for the division
         give = 1.0 / (a00 + S[j + IMPLICIT])
         swing = (S[j + TOTAL_TORQUE] - p0) * give
         g0, g1, g2 = w0 * give, a01 * give, a02 * give

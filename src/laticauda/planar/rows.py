@@ -1,9 +1,9 @@
 """Positions of all numbers of a planar run in the single flat array that the kernels work on.
 
-The array is a list of *rows*; a row holds one number per lane, one lane per trial, and ``S[q]`` is row `q` of all
-lanes (see `lanes`). First come the header rows, then one record of ``BODY_ROWS`` rows per body (tail first), then one
-record of ``STRIP_ROWS`` rows per fin strip and one of ``PLATE_ROWS`` rows per pectoral fin, then the numbers of a flow
-and of a recording, if any.
+The array is a list of *rows*; a row holds one number per lane, one lane per trial, and ``S[q]`` is
+row `q` of all lanes (see `lanes`). First come the header rows, then one record of ``BODY_ROWS``
+rows per body (tail first), then one record of ``STRIP_ROWS`` rows per fin strip and one of
+``PLATE_ROWS`` rows per pectoral fin, then the numbers of a flow and of a recording, if any.
 """
 
 from laticauda.actuation.laws import (
@@ -16,7 +16,7 @@ from laticauda.actuation.laws import (
 from laticauda.formulas import MOST_NUMBERS
 from laticauda.gaits.reference import WaveState
 
-# --- Header: parameters -------------------------------------------------------------------------------------------
+# --- Header: parameters ---------------------------------------------------------------------------
 (
     CURRENT_X,  # V_x [m/s]
     CURRENT_Y,  # V_y [m/s]
@@ -43,7 +43,7 @@ from laticauda.gaits.reference import WaveState
     N_KNOTS,  # number of its knots, each with the time, then angle and rate of every joint
     FLOW,  # row where the numbers of the water's flow begin (`fluid.flow.rows_of`), if it has one
     HEIGHT,  # height of the body's axis above the mean surface, for the flow [m]
-    # --- Header: state --------------------------------------------------------------------------------------------
+    # --- Header: state ----------------------------------------------------------------------------
     TIME,  # [s]
     TIME_REST,  # accumulated rounding error of TIME (Kahan summation) [s]
     HEADING,  # mean angle of the body's links [rad]
@@ -54,15 +54,19 @@ from laticauda.gaits.reference import WaveState
     VY,
     PHASE,  # phase of the wave of the body's joints [rad], then the other fields of gaits.reference.WaveState
 ) = range(33)
-AMPLITUDE_NOW, FREQUENCY_NOW, PHASE_SHIFT_NOW, OFFSET_NOW, OFFSET_RATE = (PHASE + k for k in (1, 3, 5, 7, 8))
+AMPLITUDE_NOW, FREQUENCY_NOW, PHASE_SHIFT_NOW, OFFSET_NOW, OFFSET_RATE = (
+    PHASE + k for k in (1, 3, 5, 7, 8)
+)
 FIN_PHASE = PHASE + len(WaveState._fields)  # the same for a driven fin, which has no phase shift
-FIN_AMPLITUDE_NOW, FIN_FREQUENCY_NOW, FIN_OFFSET_NOW, FIN_OFFSET_RATE = (FIN_PHASE + k for k in (1, 3, 5, 6))
+FIN_AMPLITUDE_NOW, FIN_FREQUENCY_NOW, FIN_OFFSET_NOW, FIN_OFFSET_RATE = (
+    FIN_PHASE + k for k in (1, 3, 5, 6)
+)
 (
     WORK_ABSOLUTE,  # integral of sum |u phi'| [J]
     WORK_NET,  # integral of sum u phi' [J]
     WORK_POSITIVE,  # integral of sum max(u phi', 0) [J]
     WORK_ELECTRICAL,  # integral of the supply power above idle [J]
-    # --- Header: scratch ------------------------------------------------------------------------------------------
+    # --- Header: scratch --------------------------------------------------------------------------
     HEADING_ACCELERATION,
     AX,
     AY,
@@ -81,7 +85,9 @@ FIN_AMPLITUDE_NOW, FIN_FREQUENCY_NOW, FIN_OFFSET_NOW, FIN_OFFSET_RATE = (FIN_PHA
     SAVED,  # six rows: the base's state at the start of a step, from HEADING to VY
 ) = range(FIN_OFFSET_RATE + 1, FIN_OFFSET_RATE + 21)
 SLOPES = SAVED + 6  # six rows for each of the six stages of a step: the slopes of the base's state
-TETHER_WATER = SLOPES + 36  # five rows each: motion of the water at tether and trailing edge, as from WATER_T on
+TETHER_WATER = (
+    SLOPES + 36
+)  # five rows each: motion of the water at tether and trailing edge, as from WATER_T on
 WAKE_WATER = TETHER_WATER + 5
 LAW = WAKE_WATER + 5  # numbers of the drag law, in the order of its fields
 JOINT_LAW = LAW + MOST_NUMBERS  # numbers of the joint law, if it is user-defined
@@ -90,7 +96,7 @@ HEADER_ROWS = JOINT_LAW + MOST_NUMBERS
 # --- The log: the state rows of the header (TIME ... WORK_ELECTRICAL), then four numbers per joint
 LOG_STATE = HEADING_ACCELERATION - TIME
 
-# --- One record per body, beginning with the joint at the body's tail end --------------------------------------------
+# --- One record per body, beginning with the joint at the body's tail end -------------------------
 ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, JOINT_ROWS = JOINT
 (
     LENGTH,  # 2l [m]
@@ -167,10 +173,12 @@ ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, JOINT_ROWS = JOINT
     BODY_ROWS,
 ) = range(JOINT_ROWS, 81)
 
-# --- One record per fin strip: the rows of an element, from CENTER on -------------------------------------------------
-(MU_T_OF, MU_N_OF, DISPLACED_OF, WATER_OF) = (row - CENTER for row in (OWN_MU_T, OWN_MU_N, DISPLACED, WATER_T))
+# --- One record per fin strip: the rows of an element, from CENTER on -----------------------------
+(MU_T_OF, MU_N_OF, DISPLACED_OF, WATER_OF) = (
+    row - CENTER for row in (OWN_MU_T, OWN_MU_N, DISPLACED, WATER_T)
+)
 (STRIP_POSITION, STRIP_LAMBDA_3, STRIP_DISPLACED, STRIP_ROWS) = (0, 4, 7, 13)
 
-# --- One record per pectoral fin: its position from the tail end of its body [m], five numbers of fluid.laws.plate,
-# and the water's motion there, as from WATER_T on
+# --- One record per pectoral fin: its position from the tail end of its body [m], five numbers of
+# fluid.laws.plate, and the water's motion there, as from WATER_T on
 (PLATE_X, PLATE_Y, PLATE_ANGLE, PLATE_LAW, PLATE_WATER, PLATE_ROWS) = (*range(4), 8, 13)

@@ -20,7 +20,17 @@ from laticauda.robot import Water, has_power_model
 STATE = slice(rows.TIME, rows.TIME + rows.LOG_STATE)
 NOW = (rows.AMPLITUDE_NOW, rows.FREQUENCY_NOW, rows.PHASE_SHIFT_NOW, rows.OFFSET_NOW)
 # In the order of the fields of `Motion`; the work comes last.
-SEEN = (rows.TIME, rows.X, rows.Y, rows.VX, rows.VY, rows.HEADING, rows.HEADING_RATE, rows.PHASE, *NOW)
+SEEN = (
+    rows.TIME,
+    rows.X,
+    rows.Y,
+    rows.VX,
+    rows.VY,
+    rows.HEADING,
+    rows.HEADING_RATE,
+    rows.PHASE,
+    *NOW,
+)
 
 
 class School(school.School[PlanarPlant]):
@@ -30,14 +40,18 @@ class School(school.School[PlanarPlant]):
 
     def _begin(self, threads: int) -> Sequence[np.ndarray]:
         plant, n = self.plant, self.n
-        # One robot is faster in a one-lane kernel, with identical results; not so with a flow, whose formulas use other
-        # sines there, so that the results agree only to rounding.
+        # One robot is faster in a one-lane kernel, with identical results; not so with a flow,
+        # whose formulas use other sines there, so that the results agree only to rounding.
         self._width = 1 if n == 1 and not plant.flow.kinds else WIDTH
         n_blocks = -(-n // self._width)
         self._start = plant.rows(plant.init(Start(), self.command), self.command)
         self._lanes = aligned((n_blocks, self._start.size, self._width), float)
         self._lanes[:] = self._start[:, np.newaxis]
-        work = rows.WORK_ELECTRICAL if has_power_model(plant.robot, plant.joints) else rows.WORK_ABSOLUTE
+        work = (
+            rows.WORK_ELECTRICAL
+            if has_power_model(plant.robot, plant.joints)
+            else rows.WORK_ABSOLUTE
+        )
         self._seen = np.array((*SEEN, work)) - rows.TIME
         kernel: Any = plant.kernels_of(self._width).run
         self._kernel, self._shape = kernel, plant.layout.chain
@@ -48,10 +62,16 @@ class School(school.School[PlanarPlant]):
         block, lane = divmod(which, self._width)
         values = self._lanes[block, :, lane]
         n_bodies = self.plant.layout.n_bodies
-        body = values[rows.HEADER_ROWS : rows.HEADER_ROWS + n_bodies * rows.BODY_ROWS].reshape(-1, rows.BODY_ROWS)
-        return PlantState(values=np.concatenate((values[STATE], body[1:, rows.ANGLE], body[1:, rows.RATE])))
+        body = values[rows.HEADER_ROWS : rows.HEADER_ROWS + n_bodies * rows.BODY_ROWS].reshape(
+            -1, rows.BODY_ROWS
+        )
+        return PlantState(
+            values=np.concatenate((values[STATE], body[1:, rows.ANGLE], body[1:, rows.RATE]))
+        )
 
-    def _place(self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: Currents) -> None:
+    def _place(
+        self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: Currents
+    ) -> None:
         block, lane = np.divmod(which, self._width)
         self._lanes[block, :, lane] = self._start
         self._lanes[block, rows.X, lane], self._lanes[block, rows.Y, lane] = center_of_mass.T
@@ -61,7 +81,10 @@ class School(school.School[PlanarPlant]):
             now, S = replace(water, current=one), self._lanes[here, :, there]
             flow = flow_rows(now)
             if (flow.parts, flow.counts) != (own.parts, own.counts):
-                raise BadArgument("current", "must have the same parts as the plant's current; only numbers may differ")
+                raise BadArgument(
+                    "current",
+                    "must have the same parts as the plant's current; only numbers may differ",
+                )
             S[rows.CURRENT_X], S[rows.CURRENT_Y] = now.uniform[:2]
             S[int(S[rows.FLOW]) :][: flow.numbers.size] = flow.numbers
 
@@ -75,7 +98,9 @@ class School(school.School[PlanarPlant]):
         return self._of_each(self._lanes[:, rows.WELL : rows.WELL + 1])[0] > 0.0
 
     def _run(self, blocks: np.ndarray, how: tuple[bool, int, float, int]) -> None:
-        sample = np.empty((2, 1, self._width))  # the kernel's log; unused, because the lanes hold all that is needed
+        sample = np.empty(
+            (2, 1, self._width)
+        )  # the kernel's log; unused, because the lanes hold all that is needed
         for block in blocks:
             lanes = self._lanes[block] if self._width > 1 else self._lanes[block, :, 0]
             self._kernel(lanes, *self._shape, *how, sample)

@@ -1,9 +1,11 @@
 """Integrate a planar run in time with two fixed-step methods.
 
-- Prescribed joints: Butcher's Runge-Kutta method of order 5 for the three remaining degrees of freedom. Its six stages
-  lie at quarters of the step, so the reference is needed only four times per step; at an error of 1e-6 it takes three
-  quarters of the evaluations of the classic method of order 4.
-- Any free joint (pd, servo, hinge): ROS2, of order 2 and linearly implicit (`laticauda.dynamics.stages`).
+- Prescribed joints: Butcher's Runge-Kutta method of order 5 for the three remaining degrees of
+  freedom. Its six stages lie at quarters of the step, so the reference is needed only four times
+  per step; at an error of 1e-6 it takes three quarters of the evaluations of the classic method of
+  order 4.
+- Any free joint (pd, servo, hinge): ROS2, of order 2 and linearly implicit
+  (`laticauda.dynamics.stages`).
 
 A template (see `templates`); Python calls its entry points.
 """
@@ -25,7 +27,8 @@ loads, recursion, drives = _names["loads"], _names["recursion"], _names["drives"
 
 combined = compiled(stages.combined)
 BASE_ROWS = 6  # HEADING ... VY are contiguous
-# Weights of the slopes for each further stage, and for the end (J. C. Butcher, J. Aust. Math. Soc. 4, 1964).
+# Weights of the slopes for each further stage, and for the end (J. C. Butcher, J. Aust. Math. Soc.
+# 4, 1964).
 WEIGHTS = (
     (1 / 4, 0.0, 0.0, 0.0, 0.0, 0.0),
     (1 / 8, 1 / 8, 0.0, 0.0, 0.0, 0.0),
@@ -37,12 +40,15 @@ WEIGHTS = (
 
 
 @entry
-def run(flat, n, first_strip, first_plate, law, tail_link, has_extras, implicit, steps, dt, every, log):
+def run(
+    flat, n, first_strip, first_plate, law, tail_link, has_extras, implicit, steps, dt, every, log
+):
     """Advance the lanes in `flat` by `steps` steps of `dt`; log every `every`-th step, including the first and last.
 
-    `log` has shape (1 + steps // every, LOG_STATE + 4 joints, lanes); with fewer rows, only the first ones are logged.
-    A lane whose numbers leave the finite range stops counting its SAMPLES at that point; the others are unaffected.
-    Returns the largest number of samples that any lane counted.
+    `log` has shape (1 + steps // every, LOG_STATE + 4 joints, lanes); with fewer rows, only the
+    first ones are logged. A lane whose numbers leave the finite range stops counting its SAMPLES at
+    that point; the others are unaffected. Returns the largest number of samples that any lane
+    counted.
     """
     S = rows_of(flat)
     is_free = free_joints(law)
@@ -55,7 +61,9 @@ def run(flat, n, first_strip, first_plate, law, tail_link, has_extras, implicit,
     for step in range(steps + 1):
         if implicit:
             drives.joint_torques(S, n, law, 0.0 if two_ways else GAMMA * dt)
-        recursion.accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, True)
+        recursion.accelerations(
+            S, n, first_strip, first_plate, is_free, tail_link, has_extras, True
+        )
         recursion.holding_torques(S, n, is_free)
         drives.count_work(S, n, law, 0.0 if step == 0 else dt if implicit else 0.5 * dt)
         if step % every == 0:
@@ -67,9 +75,13 @@ def run(flat, n, first_strip, first_plate, law, tail_link, has_extras, implicit,
             written += 1
         if step == steps:
             break
-        if two_ways:  # the torques above follow from accelerations, which must not include implicit terms
+        if (
+            two_ways
+        ):  # the torques above follow from accelerations, which must not include implicit terms
             drives.joint_torques(S, n, law, GAMMA * dt)
-            recursion.accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, False)
+            recursion.accelerations(
+                S, n, first_strip, first_plate, is_free, tail_link, has_extras, False
+            )
         if implicit:
             finish_ros2(S, n, first_strip, first_plate, law, is_free, tail_link, has_extras, dt)
         else:
@@ -97,7 +109,9 @@ def link_forces(flat, n, first_strip, first_plate, law, tail_link, has_extras, l
         read_sample(S, n, rows_of(log[sample]))
         drives.set_reference(S, n, law, tail_link)
         drives.joint_torques(S, n, law, 0.0)
-        recursion.accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, True)
+        recursion.accelerations(
+            S, n, first_strip, first_plate, is_free, tail_link, has_extras, True
+        )
         loads.body_forces(S, n, first_strip, rows_of(force[sample]))
 
 
@@ -127,7 +141,9 @@ def finish_rk5(S, n, first_strip, first_plate, law, is_free, tail_link, has_extr
         step_ahead(S, dt, WEIGHTS[stage], stage + 1)
         if stage != 1:
             drives.advance_reference(S, n, law, tail_link, 0.25 * dt)
-        recursion.accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, stage == 2)
+        recursion.accelerations(
+            S, n, first_strip, first_plate, is_free, tail_link, has_extras, stage == 2
+        )
         if stage == 2:  # the midpoint of the step, where work is counted
             recursion.holding_torques(S, n, is_free)
             drives.count_work(S, n, law, 0.5 * dt)
@@ -163,7 +179,9 @@ def finish_ros2(S, n, first_strip, first_plate, law, is_free, tail_link, has_ext
     recursion.accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, False)
     for r in range(3):
         first_rate, first = S[SLOPES + r], S[SLOPES + 3 + r]
-        slope = combined(S[HEADING_RATE + r], S[HEADING_ACCELERATION + r], first_rate, first, gamma_dt)
+        slope = combined(
+            S[HEADING_RATE + r], S[HEADING_ACCELERATION + r], first_rate, first, gamma_dt
+        )
         S[HEADING + r] = S[SAVED + r] + dt * slope[0]
         S[HEADING_RATE + r] = S[SAVED + 3 + r] + dt * slope[1]
     for i in range(1, n):
@@ -232,5 +250,9 @@ def finite(S, n):
         well = well & (magnitude(S[HEADING + r]).real < FARTHEST)
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
-        well = well & (magnitude(S[b + RATE]).real < FARTHEST) & (magnitude(S[b + TORQUE]).real < STRONGEST)
+        well = (
+            well
+            & (magnitude(S[b + RATE]).real < FARTHEST)
+            & (magnitude(S[b + TORQUE]).real < STRONGEST)
+        )
     return well

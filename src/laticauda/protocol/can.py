@@ -1,11 +1,14 @@
 """The robot's CAN bus: conversion between messages and frames, and the address of a python-can bus.
 
-Frames are those of `mamba.dbc`, which `tests/mamba_dbc.py` writes; `to_frame` and `open_bus` load python-can.
+Frames are those of `mamba.dbc`, which `tests/mamba_dbc.py` writes; `to_frame` and `open_bus` load
+python-can.
 
-Three thousand frames come and go every second, so they are packed here, by the layouts from which the file is written;
-the tests check that cantools, given only the file, converts them to the same bytes and numbers.
+Three thousand frames come and go every second, so they are packed here, by the layouts from which
+the file is written; the tests check that cantools, given only the file, converts them to the same
+bytes and numbers.
 
-Data from a bus are not trusted: `decode` returns None for anything that is not one of our frames, and never raises.
+Data from a bus are not trusted: `decode` returns None for anything that is not one of our frames,
+and never raises.
 """
 
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
@@ -64,7 +67,14 @@ class Layout:
     @cached_property
     def number(self) -> str:
         """Field that identifies the frame; "" if there is only one."""
-        return next((name for name, hint in get_type_hints(self.kind, include_extras=True).items() if hint is int), "")
+        return next(
+            (
+                name
+                for name, hint in get_type_hints(self.kind, include_extras=True).items()
+                if hint is int
+            ),
+            "",
+        )
 
     @property
     def numbers(self) -> range:
@@ -94,7 +104,11 @@ class Layout:
 
 def _numbers(field: str, hint: Any, start: int) -> Iterator[Number]:
     """Yield the numbers of one field, starting at a given bit."""
-    kind, how = get_args(hint) if get_origin(hint) is Annotated else (hint, Signal(1 if hint is bool else 8))
+    kind, how = (
+        get_args(hint)
+        if get_origin(hint) is Annotated
+        else (hint, Signal(1 if hint is bool else 8))
+    )
     top = 2 ** (how.bits - how.signed)
     low = -top + (type(None) not in get_args(kind)) if how.signed else 0
     is_word = isinstance(kind, type) and issubclass(kind, bool | IntEnum)
@@ -106,9 +120,17 @@ def _numbers(field: str, hint: Any, start: int) -> Iterator[Number]:
 LAYOUTS = (
     Layout(messages.EmergencyStop, 0x001, "All motors off until cleared."),
     Layout(messages.NodeCommand, 0x010, "A command to one node or to all."),
-    Layout(messages.References, 0x100, "Reference angles of four joints; in force from the next Sync on."),
+    Layout(
+        messages.References,
+        0x100,
+        "Reference angles of four joints; in force from the next Sync on.",
+    ),
     # After the references: with a higher priority, it could overtake those to which it applies.
-    Layout(messages.Sync, 0x180, "References are in force from here on; every node measures and answers."),
+    Layout(
+        messages.Sync,
+        0x180,
+        "References are in force from here on; every node measures and answers.",
+    ),
     Layout(messages.JointState, 0x200, "The answer to every Sync."),
     Layout(messages.Loads, 0x280, "The force/torque sensor."),
     Layout(messages.Acceleration, 0x300, "The accelerometer."),
@@ -117,14 +139,16 @@ LAYOUTS = (
 )
 
 
-# ---- packing ---------------------------------------------------------------------------------------------------------
+# ---- packing -------------------------------------------------------------------------------------
 
 NOT_AVAILABLE = -32768
 """Lowest number of a signed word, sent for a sensor that has no value."""
 
 
 LAYOUT_OF: dict[type[Any], Layout] = {layout.kind: layout for layout in LAYOUTS}
-_BY_IDENTIFIER = {layout.identifier + number: (layout, number) for layout in LAYOUTS for number in layout.numbers}
+_BY_IDENTIFIER = {
+    layout.identifier + number: (layout, number) for layout in LAYOUTS for number in layout.numbers
+}
 _FIRST_ANSWER = LAYOUT_OF[messages.JointState].identifier
 
 
@@ -153,11 +177,19 @@ def encode(message: messages.CanMessage) -> tuple[int, bytes]:
     whole = 0
     for field, numbers in layout.fields.items():
         value: Any = getattr(message, field)
-        values = (value,) if len(numbers) == 1 else (None,) * len(numbers) if value is None else value
+        values = (
+            (value,) if len(numbers) == 1 else (None,) * len(numbers) if value is None else value
+        )
         for one, value in zip(numbers, values, strict=True):
             least = max(one.low, 1 + NOT_AVAILABLE)  # the lowest means that the value is unknown
-            sound = value if value is None or math.isfinite(value) else finite(one.name, value)  # which rejects it
-            raw = NOT_AVAILABLE if sound is None else round(min(max(sound / one.scale, least), one.high))
+            sound = (
+                value if value is None or math.isfinite(value) else finite(one.name, value)
+            )  # which rejects it
+            raw = (
+                NOT_AVAILABLE
+                if sound is None
+                else round(min(max(sound / one.scale, least), one.high))
+            )
             whole |= (raw & (1 << one.signal.bits) - 1) << one.start
     return layout.identifier + number, whole.to_bytes(layout.length, "little")
 
@@ -219,12 +251,17 @@ def from_frame(frame: Any) -> messages.CanMessage | None:
     Args:
         frame: A `can.Message`, as received from a bus.
     """
-    if getattr(frame, "is_extended_id", True) or frame.is_remote_frame or frame.is_error_frame or frame.is_fd:
+    if (
+        getattr(frame, "is_extended_id", True)
+        or frame.is_remote_frame
+        or frame.is_error_frame
+        or frame.is_fd
+    ):
         return None
     return decode(frame.arbitration_id, bytes(frame.data))
 
 
-# ---- addresses of buses, and how they are opened ---------------------------------------------------------------------
+# ---- addresses of buses, and how they are opened -------------------------------------------------
 
 
 GROUP, PORT = "239.74.163.2", 43113
@@ -242,16 +279,21 @@ class BusAddress:
     """Address of a CAN bus.
 
     - `virtual`: within one process; the channel is any name.
-    - `udp_multicast`: between processes; the channel is an IPv4 multicast group, with a port. It is joined by loopback
-      only, where no other computer can send or receive, unless `hops` allows it. Members also receive their own frames.
-    - `socketcan`: a CAN interface of Linux; the channel is its name, such as can0, and the operating system has set it
-      to 1 Mbit/s.
+    - `udp_multicast`: between processes; the channel is an IPv4 multicast group, with a port. It is
+      joined by loopback only, where no other computer can send or receive, unless `hops` allows it.
+      Members also receive their own frames.
+    - `socketcan`: a CAN interface of Linux; the channel is its name, such as can0, and the
+      operating system has set it to 1 Mbit/s.
     """
 
-    interface: Literal["virtual", "udp_multicast", "socketcan"] = option("see above", default="udp_multicast")
+    interface: Literal["virtual", "udp_multicast", "socketcan"] = option(
+        "see above", default="udp_multicast"
+    )
     channel: str = option("see above; empty: a group of our own, or `mamba`, or `can0`", default="")
     port: int = quantity("", "of udp_multicast", ge=1, le=65535, default=PORT)
-    hops: int = quantity("", "routers that frames of udp_multicast may pass", ge=0, le=255, default=0)
+    hops: int = quantity(
+        "", "routers that frames of udp_multicast may pass", ge=0, le=255, default=0
+    )
 
     def __post_init__(self) -> None:
         """Fill in the channel, and reject anything that is not a multicast group."""
@@ -287,7 +329,9 @@ def bus_address(text: str, *, hops: int = 0) -> BusAddress:
     channel, _, port = rest.partition(":")
     if port and not (port.isascii() and port.isdigit()):
         raise BadArgument("port", f"must be a whole number, got {port!r}")
-    return BusAddress(interface="udp_multicast", channel=channel, port=int(port) if port else PORT, hops=hops)
+    return BusAddress(
+        interface="udp_multicast", channel=channel, port=int(port) if port else PORT, hops=hops
+    )
 
 
 def open_bus(address: BusAddress) -> Any:
@@ -306,9 +350,15 @@ def open_bus(address: BusAddress) -> Any:
         optional_import("The CAN bus", "msgpack", "hardware")
         settings |= {"port": address.port, "hop_limit": address.hops, "fd": False}
     try:
-        return can.Bus(**settings) if address.interface != "udp_multicast" or address.hops else _local_bus(settings)
+        return (
+            can.Bus(**settings)
+            if address.interface != "udp_multicast" or address.hops
+            else _local_bus(settings)
+        )
     except (can.CanError, OSError) as error:
-        raise BusFailed(f"The CAN bus {address} cannot be opened: {error.__cause__ or error}.") from error
+        raise BusFailed(
+            f"The CAN bus {address} cannot be opened: {error.__cause__ or error}."
+        ) from error
 
 
 def _local_bus(settings: Mapping[str, Any]) -> Any:
@@ -323,7 +373,10 @@ def _local_bus(settings: Mapping[str, Any]) -> Any:
     class LocalBus(module.UdpMulticastBus):
         def __init__(self, *, channel: str, port: int, hop_limit: int, fd: bool) -> None:
             module.BusABC.__init__(self, channel)
-            self._multicast, self._can_protocol = Wire(channel, port, hop_limit), module.CanProtocol.CAN_20
+            self._multicast, self._can_protocol = (
+                Wire(channel, port, hop_limit),
+                module.CanProtocol.CAN_20,
+            )
 
     return LocalBus(**{name: one for name, one in settings.items() if name != "interface"})
 
@@ -334,16 +387,22 @@ def _local_socket(group: str, port: int) -> socket.socket:
     Raises:
         OSError: If the system does not support this.
     """
-    found, loopback = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), socket.inet_aton("127.0.0.1")
+    found, loopback = (
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM),
+        socket.inet_aton("127.0.0.1"),
+    )
     try:
         for name in ("SO_REUSEADDR", "SO_REUSEPORT"):
             if hasattr(socket, name):
                 found.setsockopt(socket.SOL_SOCKET, getattr(socket, name), 1)
         found.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
         found.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, loopback)
-        # Data sent to one of this computer's addresses in the network are not for members of the group.
+        # Data sent to one of this computer's addresses in the network are not for members of the
+        # group.
         found.bind(("127.0.0.1" if sys.platform == "win32" else group, port))
-        found.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(group) + loopback)
+        found.setsockopt(
+            socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(group) + loopback
+        )
         if sys.platform == "linux":  # else it would receive what others here have joined elsewhere
             found.setsockopt(socket.IPPROTO_IP, IP_MULTICAST_ALL, 0)
             with contextlib.suppress(OSError):  # an older kernel, where this requires root

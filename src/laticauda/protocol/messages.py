@@ -1,7 +1,7 @@
 """Messages on the robot's CAN bus, as values: one class per message of `mamba.dbc`, with its signals.
 
-Nodes are the joint modules. Node 1 is the joint nearest the tail, so node i drives joint i - 1 of the code; the node
-after the last one moves a driven fin.
+Nodes are the joint modules. Node 1 is the joint nearest the tail, so node i drives joint i - 1 of
+the code; the node after the last one moves a driven fin.
 """
 
 from collections.abc import Sequence
@@ -25,7 +25,8 @@ class ProtocolError(LaticaudaError, ValueError):
 class Signal:
     """Encoding of a field on the bus, least significant byte first.
 
-    Without a signal, a flag has 1 bit and a word 8, and an integer says which of several frames it is.
+    Without a signal, a flag has 1 bit and a word 8, and an integer says which of several frames it
+    is.
     """
 
     bits: int
@@ -109,7 +110,9 @@ class NodeCommand:
     """Number of the node; 0: all nodes [-]."""
     order: Order
     """The order [-]."""
-    angle: Annotated[float, _number("0.0001", "rad", "SET_ZERO: what the present joint angle is to read")] = 0.0
+    angle: Annotated[
+        float, _number("0.0001", "rad", "SET_ZERO: what the present joint angle is to read")
+    ] = 0.0
     """For SET_ZERO: value that the present joint angle shall read [rad]."""
 
 
@@ -158,7 +161,14 @@ class Loads:
     """Number of the node [-]."""
     force: Annotated[
         tuple[float, float, float] | None,
-        _number("0.01", "N", "force/torque sensor; -32768: not available", "ForceAlong", "ForceLeft", "ForceUp"),
+        _number(
+            "0.01",
+            "N",
+            "force/torque sensor; -32768: not available",
+            "ForceAlong",
+            "ForceLeft",
+            "ForceUp",
+        ),
     ]
     """Force along, to the left, up; None if the sensor provides none [N]."""
     torque: Annotated[float, _number("0.001", "Nm", "force/torque sensor, about the joint's axis")]
@@ -236,7 +246,15 @@ class CommandReply:
 
 
 CanMessage: TypeAlias = (
-    EmergencyStop | NodeCommand | Sync | References | JointState | Loads | Acceleration | Heartbeat | CommandReply
+    EmergencyStop
+    | NodeCommand
+    | Sync
+    | References
+    | JointState
+    | Loads
+    | Acceleration
+    | Heartbeat
+    | CommandReply
 )
 
 
@@ -244,17 +262,21 @@ def references(angles: Sequence[float]) -> tuple[References, ...]:
     """Return the frames that carry the references of all joints.
 
     Args:
-        angles: phi_ref of every joint, tail first, then of a driven fin [rad]; 1 to 19 of them. Places beyond the last
-            one are zero.
+        angles: phi_ref of every joint, tail first, then of a driven fin [rad]; 1 to 19 of them.
+            Places beyond the last one are zero.
 
     Raises:
         ValueError: If there are more joints than nodes, or none.
     """
     if not 1 <= len(angles) <= N_NODES:
-        raise BadArgument("angles", f"must be 1 to {N_NODES} numbers, one per joint, got {len(angles)}")
+        raise BadArgument(
+            "angles", f"must be 1 to {N_NODES} numbers, one per joint, got {len(angles)}"
+        )
     padded = [float(angle) for angle in angles]
     padded += [0.0] * (-len(padded) % PER_FRAME)
     return tuple(
-        References(group=k // PER_FRAME, angles=(padded[k], padded[k + 1], padded[k + 2], padded[k + 3]))
+        References(
+            group=k // PER_FRAME, angles=(padded[k], padded[k + 1], padded[k + 2], padded[k + 3])
+        )
         for k in range(0, len(padded), PER_FRAME)
     )

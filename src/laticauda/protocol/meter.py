@@ -1,10 +1,11 @@
 """Serial interface of Fluke 287 and 289 multimeters: one line of ASCII as the question, one or two as the answer.
 
-A question ends with a carriage return. The answer begins with a line of one digit: 0 success, 1 syntax error,
-2 execution error, 5 no data; a 0 is followed by a line of data, if there is any. 115200 baud, 8N1.
+A question ends with a carriage return. The answer begins with a line of one digit: 0 success, 1
+syntax error, 2 execution error, 5 no data; a 0 is followed by a line of data, if there is any.
+115200 baud, 8N1.
 
-Fluke documents ID, QM and QDDA among others. `PRESS MINMAX`, which presses that button, is known only from other
-programs; here it restarts the record of minimum, average and maximum.
+Fluke documents ID, QM and QDDA among others. `PRESS MINMAX`, which presses that button, is known
+only from other programs; here it restarts the record of minimum, average and maximum.
 
 References:
     Fluke, "Fluke 289/287 Remote Interface Specification" (remote_spec28X); N0ury/dmm_util for the fields' names.
@@ -67,7 +68,9 @@ def encode_question(word: str) -> bytes:
     return word.encode("ascii") + END
 
 
-def encode_answer(data: str | None = None, acknowledgment: Acknowledgment = Acknowledgment.WELL) -> bytes:
+def encode_answer(
+    data: str | None = None, acknowledgment: Acknowledgment = Acknowledgment.WELL
+) -> bytes:
     """Encode an answer for transmission.
 
     Args:
@@ -86,9 +89,9 @@ def live_text(current: float) -> str:
 def displayed_text(reading: MeterReading, now: float = 0.0) -> str:
     """Return the data of the answer to QDDA.
 
-    It contains primary and secondary function, range, unit, range number, multiplier, the lightning bolt, start time of
-    the record, the number of modes and their names, the number of readings, and nine fields for each: name, value,
-    unit, multiplier, decimals, digits, state, attribute, time.
+    It contains primary and secondary function, range, unit, range number, multiplier, the lightning
+    bolt, start time of the record, the number of modes and their names, the number of readings, and
+    nine fields for each: name, value, unit, multiplier, decimals, digits, state, attribute, time.
 
     Args:
         reading: Reading that the meter shows.
@@ -101,7 +104,18 @@ def displayed_text(reading: MeterReading, now: float = 0.0) -> str:
         modes, began = ("MIN_MAX_AVG",), now - (reading.duration or 0.0)
         values = (reading.live, reading.maximum, reading.average, reading.minimum)
         readings |= dict(zip(("PRIMARY", "MAXIMUM", "AVERAGE", "MINIMUM"), values, strict=True))
-    words = ["A_DC", "NONE", "AUTO", "ADC", "10", "0", "OFF", f"{began:.3f}", str(len(modes)), *modes]
+    words = [
+        "A_DC",
+        "NONE",
+        "AUTO",
+        "ADC",
+        "10",
+        "0",
+        "OFF",
+        f"{began:.3f}",
+        str(len(modes)),
+        *modes,
+    ]
     words.append(str(len(readings)))
     for name, value in readings.items():
         words += [name, f"{value:.6E}", "ADC", "0", "4", "5", "NORMAL", "NONE", f"{now:.3f}"]
@@ -118,7 +132,9 @@ def decode_displayed(text: str) -> MeterReading:
     try:
         began, n_modes = float(words[7]), int(words[8])
         if words[3] != "ADC" or not 0 <= n_modes < len(words):
-            raise ProtocolError(f"the meter must show a direct current, its answer to QDDA is {text!r:.80}")
+            raise ProtocolError(
+                f"the meter must show a direct current, its answer to QDDA is {text!r:.80}"
+            )
         count = int(words[9 + n_modes])
         rest = words[10 + n_modes :]
         if len(rest) != count * READING_FIELDS:
@@ -132,10 +148,16 @@ def decode_displayed(text: str) -> MeterReading:
         raise ProtocolError(f"the meter's answer to QDDA is invalid: {text!r:.80}") from None
     live, duration = values.get("LIVE", values.get("PRIMARY")), now - began
     if live is None:
-        raise ProtocolError(f"the meter must show a direct current, its answer to QDDA is {text!r:.80}")
-    record = {name.lower(): values[name] for name in ("AVERAGE", "MINIMUM", "MAXIMUM") if name in values}
+        raise ProtocolError(
+            f"the meter must show a direct current, its answer to QDDA is {text!r:.80}"
+        )
+    record = {
+        name.lower(): values[name] for name in ("AVERAGE", "MINIMUM", "MAXIMUM") if name in values
+    }
     is_kept = len(record) == 3 and math.isfinite(duration)
-    return MeterReading(live=live, **record, duration=duration) if is_kept else MeterReading(live=live)
+    return (
+        MeterReading(live=live, **record, duration=duration) if is_kept else MeterReading(live=live)
+    )
 
 
 def _current(word: str) -> float:

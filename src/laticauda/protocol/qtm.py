@@ -1,8 +1,8 @@
 """Packets of the real-time protocol of Qualisys Track Manager (QTM), version 1.25, which the tank's cameras use.
 
-A packet consists of its size and its type, each four bytes, least significant first, and its payload. Positions are in
-mm on the wire and in m here; rotation matrices are sent column by column. A body that is not seen has nan in all its
-numbers on the wire, and is None here.
+A packet consists of its size and its type, each four bytes, least significant first, and its
+payload. Positions are in mm on the wire and in m here; rotation matrices are sent column by column.
+A body that is not seen has nan in all its numbers on the wire, and is None here.
 
 References:
     Qualisys AB, "QTM Real-time Server Protocol Documentation", version 1.25; qualisys/qualisys_python_sdk.
@@ -61,7 +61,9 @@ class Component(IntEnum):
     SKELETONS = 18
 
 
-COMPONENTS: dict[str, Component] = dict(zip(("6d", "3dres", "6dres", "skeleton"), Component, strict=True))
+COMPONENTS: dict[str, Component] = dict(
+    zip(("6d", "3dres", "6dres", "skeleton"), Component, strict=True)
+)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -113,7 +115,8 @@ class PacketReader:
         """Yield type and payload of every packet completed by `data`.
 
         Raises:
-            ProtocolError: If a packet states an impossible size; the stream is unusable from there on.
+            ProtocolError: If a packet states an impossible size; the stream is unusable from there
+                on.
         """
         self._waiting += data
         while len(self._waiting) >= HEADER.size:
@@ -132,7 +135,9 @@ def decode_text(payload: bytes) -> str:
 
 
 def encode_frame(
-    frame: MocapFrame, components: Sequence[Component] = (Component.BODIES_RESIDUAL,), points: Sequence[Point] = ()
+    frame: MocapFrame,
+    components: Sequence[Component] = (Component.BODIES_RESIDUAL,),
+    points: Sequence[Point] = (),
 ) -> bytes:
     """Encode the data packet of a frame.
 
@@ -141,12 +146,18 @@ def encode_frame(
         components: Components to send; as a skeleton, every body has one segment.
         points: Positions of the markers of every body in its own axes [m].
     """
-    parts = [DATA_HEADER.pack(round(frame.timestamp * 1e6), frame.number & 0xFFFFFFFF, len(components))]
+    parts = [
+        DATA_HEADER.pack(round(frame.timestamp * 1e6), frame.number & 0xFFFFFFFF, len(components))
+    ]
     for component in components:
         body = b"".join(_body_bytes(body, component, points) for body in frame.bodies)
         count = len(frame.bodies) * (len(points) if component == Component.MARKERS else 1)
         head = BODIES_HEADER.pack(count, 0, 0)[: 4 if component == Component.SKELETONS else None]
-        parts += [COMPONENT_HEADER.pack(COMPONENT_HEADER.size + len(head + body), component), head, body]
+        parts += [
+            COMPONENT_HEADER.pack(COMPONENT_HEADER.size + len(head + body), component),
+            head,
+            body,
+        ]
     return encode_packet(PacketType.DATA, b"".join(parts))
 
 
@@ -156,14 +167,20 @@ def parameters(frequency: float, bodies: Mapping[str, Sequence[Point]], asked: S
     Args:
         frequency: Frames per second [Hz].
         bodies: Positions of the markers of every body in its own axes, by its name [m].
-        asked: Any of `general`, `6d`, `3d` (the labels of all markers) and `skeleton` (one of one segment per body).
+        asked: Any of `general`, `6d`, `3d` (the labels of all markers) and `skeleton` (one of one
+            segment per body).
     """
     said = f"<General><Frequency>{frequency:g}</Frequency></General>" if "general" in asked else ""
     if "3d" in asked:
-        labels = (f"{escape(name)}-{k}" for name, points in bodies.items() for k in range(len(points)))
+        labels = (
+            f"{escape(name)}-{k}" for name, points in bodies.items() for k in range(len(points))
+        )
         said += f"<The_3D>{''.join(f'<Label><Name>{label}</Name></Label>' for label in labels)}</The_3D>"
     if "skeleton" in asked:
-        skeletons = (f'<Skeleton Name={quoteattr(name)}><Segment Name="body" ID="1"/></Skeleton>' for name in bodies)
+        skeletons = (
+            f'<Skeleton Name={quoteattr(name)}><Segment Name="body" ID="1"/></Skeleton>'
+            for name in bodies
+        )
         said += f"<Skeletons>{''.join(skeletons)}</Skeletons>"
     listed = "".join(
         f"<Body><Name>{escape(name)}</Name><Enabled>True</Enabled><Points>"
@@ -181,10 +198,16 @@ def parameters(frequency: float, bodies: Mapping[str, Sequence[Point]], asked: S
 def _body_bytes(body: BodyPose | None, component: Component, points: Sequence[Point]) -> bytes:
     """Encode a body's numbers as one component."""
     if component == Component.MARKERS:
-        at = np.full((len(points), 3), np.nan) if body is None else body.position + np.array(points) @ body.rotation.T
+        at = (
+            np.full((len(points), 3), np.nan)
+            if body is None
+            else body.position + np.array(points) @ body.rotation.T
+        )
         return b"".join(struct.pack("<4f", *(1e3 * place).tolist(), 0.0) for place in at)
     if component == Component.SKELETONS:
-        place, (w, *xyz) = (body.position, to_quaternion(body.rotation)) if body else (LOST, [math.nan] * 4)
+        place, (w, *xyz) = (
+            (body.position, to_quaternion(body.rotation)) if body else (LOST, [math.nan] * 4)
+        )
         return struct.pack("<ii7f", 1, 1, *(1e3 * place).tolist(), *xyz, w)
     n = 12 + (component == Component.BODIES_RESIDUAL)
     if body is None:
@@ -197,7 +220,8 @@ def body_pose(numbers: Sequence[float]) -> BodyPose | None:
     """Return the pose given by a body's numbers: position [mm], rotation by columns, and perhaps the residual [mm].
 
     Returns:
-        The pose, or None if a number of its position or rotation is not finite: the body was not seen.
+        The pose, or None if a number of its position or rotation is not finite: the body was not
+            seen.
     """
     if not all(math.isfinite(number) for number in numbers[:12]):
         return None

@@ -86,7 +86,9 @@ class Worker(Generic[T]):
                 self._trouble = ""
             except Exception as error:
                 ours = isinstance(error, LaticaudaError)
-                self._trouble = str(error) if ours else f"{type(error).__name__}: {error}".removesuffix(": ")
+                self._trouble = (
+                    str(error) if ours else f"{type(error).__name__}: {error}".removesuffix(": ")
+                )
                 self._ended.wait(RETRY)
 
     def __enter__(self) -> Self:
@@ -100,8 +102,12 @@ class Worker(Generic[T]):
 
 NAME = "laticauda-"
 DEVICES, LOOP = 10, 20  # real-time priorities
-PRESENT = 1 | 4  # MCL_CURRENT and MCL_ONFAULT: pages in memory stay there, and no others are loaded for it
-SWITCH_INTERVAL = 0.0005  # between threads of this program; Python's default of 5 ms is half a period [s]
+PRESENT = (
+    1 | 4
+)  # MCL_CURRENT and MCL_ONFAULT: pages in memory stay there, and no others are loaded for it
+SWITCH_INTERVAL = (
+    0.0005  # between threads of this program; Python's default of 5 ms is half a period [s]
+)
 
 
 class Clock:
@@ -158,10 +164,11 @@ class Clock:
 def urgent() -> Generator[str]:
     """Give this thread priority over those of all `Worker`, and these over other programs; lock memory.
 
-    With it they share one core: only one of them runs at a time anyway (Python's lock), and on two cores the others
-    would take turns with this one, which doubles the time of a tick.
+    With it they share one core: only one of them runs at a time anyway (Python's lock), and on two
+    cores the others would take turns with this one, which doubles the time of a tick.
 
-    This is done as far as the system allows: Linux does for root, and for users permitted by `ulimit -r` and `-l`.
+    This is done as far as the system allows: Linux does for root, and for users permitted by
+    `ulimit -r` and `-l`.
 
     Yields:
         What the system allowed, in a sentence.
@@ -169,7 +176,9 @@ def urgent() -> Generator[str]:
     workers = [thread.native_id for thread in threading.enumerate() if thread.name.startswith(NAME)]
     urgency = {**{number: DEVICES for number in workers if number}, threading.get_native_id(): LOOP}
     fixed, cores = False, list[int]()
-    with suppress(AttributeError, OSError, TypeError):  # TypeError: on Windows, a library must have a name
+    with suppress(
+        AttributeError, OSError, TypeError
+    ):  # TypeError: on Windows, a library must have a name
         fixed = ctypes.CDLL(None).mlockall(PRESENT) == 0
     with suppress(AttributeError, OSError):
         for number, priority in urgency.items():
@@ -178,7 +187,9 @@ def urgent() -> Generator[str]:
         for number in urgency:
             os.sched_setaffinity(number, {core})
     try:
-        granted = "real-time priority" if cores else "normal priority, as the system allows no other"
+        granted = (
+            "real-time priority" if cores else "normal priority, as the system allows no other"
+        )
         yield f"The loop has {granted}, and memory that {'stays in place' if fixed else 'may be swapped out'}."
     finally:
         for number in urgency:

@@ -1,8 +1,9 @@
 """A chapter of a report: the tables, figures and trials that go into a folder, and the template that presents them.
 
-Sentences are in a Jinja2 template, the values that they contain come with the chapter. A page extends "page.html" and
-sets `title`, the block `introduction`, and `chapters` (names, titles, texts); tables and pictures are macros of
-"parts.html". `templates/identify.html` uses all of these. A package with its own templates passes them on:
+Sentences are in a Jinja2 template, the values that they contain come with the chapter. A page
+extends "page.html" and sets `title`, the block `introduction`, and `chapters` (names, titles,
+texts); tables and pictures are macros of "parts.html". `templates/identify.html` uses all of these.
+A package with its own templates passes them on:
 
     mine = partial(templates, "my.package")
     chapter = Chapter(name="speeds", values={"n": 3}, tables={"speeds": rows}, templates=mine)
@@ -42,7 +43,8 @@ def templates(package: str = "laticauda.reports") -> Any:
     """Return the Jinja2 environment for a package's templates: texts are escaped, and a missing value is an error.
 
     Args:
-        package: Package whose folder `templates` holds them; "page.html" and "parts.html" are available to all.
+        package: Package whose folder `templates` holds them; "page.html" and "parts.html" are
+            available to all.
 
     Raises:
         MissingExtra: If Jinja2 is not installed.
@@ -115,7 +117,9 @@ def writable_folder(folder: str | Path) -> Path:
             pass
     except OSError as error:
         why = (error.strerror or str(error)).lower()
-        raise BadArgument("folder", f"must be a folder that can be written, got {folder}: {why}") from error
+        raise BadArgument(
+            "folder", f"must be a folder that can be written, got {folder}: {why}"
+        ) from error
     return path
 
 
@@ -138,7 +142,10 @@ def write_chapter(
         trial.save(folder / f"{name}.nc")
     for name, rows in chapter.tables.items():
         write(folder / f"{name}.csv", as_csv(rows))
-    files = [*(f"{name}.nc" for name in chapter.trials), *(f"{name}.csv" for name in chapter.tables)]
+    files = [
+        *(f"{name}.nc" for name in chapter.trials),
+        *(f"{name}.csv" for name in chapter.tables),
+    ]
     pictures: dict[str, tuple[str, bytes]] = {}
     for name, caption, figure in chapter.figures():
         paths = [folder / f"{name}{suffix}" for suffix in (".png", ".pdf")]
@@ -159,7 +166,7 @@ def _for_the_page(path: Path) -> bytes:
     return content.getvalue()
 
 
-# ---- numbers and tables ---------------------------------------------------------------------------------------------
+# ---- numbers and tables --------------------------------------------------------------------------
 
 
 def in_digits(value: float, form: str = "") -> str:
@@ -179,7 +186,8 @@ def shown(cell: Any, form: str = "") -> str:
     """Format a cell of a table for a page.
 
     Args:
-        cell: Text, number, truth value or None; None and values that are not finite are shown as NA.
+        cell: Text, number, truth value or None; None and values that are not finite are shown as
+            NA.
         form: Format of a number, as Python's `format` takes it.
     """
     if cell is None or (isinstance(cell, float) and not math.isfinite(cell)):
@@ -206,7 +214,9 @@ def form_of(column: str, forms: Mapping[str, str]) -> str:
         column: Name of the column.
         forms: Formats by the end of a column's name, as Python's `format` takes them.
     """
-    return max(((len(end), form) for end, form in forms.items() if column.endswith(end)), default=(0, ""))[1]
+    return max(
+        ((len(end), form) for end, form in forms.items() if column.endswith(end)), default=(0, "")
+    )[1]
 
 
 def span(values: Iterable[float], form: str = "") -> str:
@@ -228,7 +238,13 @@ def share(part: int, whole: int) -> str:
         part: Number of items in the part.
         whole: Total number.
     """
-    return f"all {whole}" if part == whole else f"none of the {whole}" if part == 0 else f"{part} of the {whole}"
+    return (
+        f"all {whole}"
+        if part == whole
+        else f"none of the {whole}"
+        if part == 0
+        else f"{part} of the {whole}"
+    )
 
 
 def as_csv(rows: Sequence[Row]) -> str:

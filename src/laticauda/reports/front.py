@@ -26,12 +26,22 @@ Curve = tuple[Float[np.ndarray, " _"], Float[np.ndarray, " _"]]
 Points = Float[np.ndarray, "n_corners 2"]
 
 N_MARKS = 5
-SYMBOLS = {"amplitude": "$\\alpha$", "frequency": "$\\omega$", "phase shift": "$\\delta$", "n links": "$n$"}
+SYMBOLS = {
+    "amplitude": "$\\alpha$",
+    "frequency": "$\\omega$",
+    "phase shift": "$\\delta$",
+    "n links": "$n$",
+}
 MOST = 34  # characters per line below a body
 # By gait, distinguished by the shape of the marks as well.
 KINDS = ((style.BLUE, "o"), (style.ORANGE, "s"))
 DOT = 4.0  # size of a marked point [pt]
-LETTER: Any = {"fontsize": 6.5, "color": "white", "ha": "center", "va": "center"}  # next to the point
+LETTER: Any = {
+    "fontsize": 6.5,
+    "color": "white",
+    "ha": "center",
+    "va": "center",
+}  # next to the point
 AWAY = 8.0  # distance from the point to its letter, in either direction [pt]
 OTHER: Any = {"linestyle": "", "marker": "D", "markersize": 4.0, "markerfacecolor": "white"}
 SHEET_HEIGHT = 3.9  # [in]
@@ -100,7 +110,11 @@ def marked(front: Front) -> list[int]:
 def _waters(fronts: Sequence[Front]) -> str:
     names = list(dict.fromkeys(front.optimization.scenario.environment.name for front in fronts))
     word = place(fronts[0].optimization.scenario.environment)
-    return f"{word} {names[0]}" if len(names) == 1 else f"each gait with its own {word}: {' and '.join(names)}"
+    return (
+        f"{word} {names[0]}"
+        if len(names) == 1
+        else f"each gait with its own {word}: {' and '.join(names)}"
+    )
 
 
 def measured_points(front: Front) -> np.ndarray:
@@ -123,7 +137,12 @@ def _measured(front: Front) -> list[MeasuredTrial]:
     """Return the published trials of this robot with this kind of gait."""
     base = front.optimization.scenario
     wanted = base.gait.kind, base.robot.name
-    return [trial for one in all_measured() for trial in one.trials() if (trial.gait.kind, trial.robot) == wanted]
+    return [
+        trial
+        for one in all_measured()
+        for trial in one.trials()
+        if (trial.gait.kind, trial.robot) == wanted
+    ]
 
 
 def _numbers(front: Front, i: int) -> str:
@@ -132,8 +151,14 @@ def _numbers(front: Front, i: int) -> str:
     words: list[tuple[str, str]] = []
     for name, value in zip(front.optimization.names, front.values[i], strict=True):
         unit, angle = known[name].unit, known[name].unit.startswith("rad")
-        number = f"{math.degrees(value):.0f}°{unit.removeprefix('rad')}" if angle else f"{value:.3g} {unit}".strip()
-        words.append((_words(name.split(".", 1)[1]).replace(".", " ").removeprefix("caudal "), number))
+        number = (
+            f"{math.degrees(value):.0f}°{unit.removeprefix('rad')}"
+            if angle
+            else f"{value:.3g} {unit}".strip()
+        )
+        words.append(
+            (_words(name.split(".", 1)[1]).replace(".", " ").removeprefix("caudal "), number)
+        )
     lines: list[str] = []
     room = 0
     for word, number in sorted(words, key=lambda pair: pair[0] not in SYMBOLS):
@@ -150,7 +175,7 @@ def _words(name: str) -> str:
     return name.replace("_", " ")
 
 
-# ---- the figure ----------------------------------------------------------------------------------------------------
+# ---- the figure ----------------------------------------------------------------------------------
 
 
 def front(fronts: Sequence[Front], ax: Axes) -> Axes:
@@ -160,20 +185,33 @@ def front(fronts: Sequence[Front], ax: Axes) -> Axes:
         fronts: Fronts with the same two objectives.
         ax: Axes to draw on.
     """
-    letters, curves, others = iter(LETTERS), [_curve(one) for one in fronts], [measured_points(one) for one in fronts]
+    letters, curves, others = (
+        iter(LETTERS),
+        [_curve(one) for one in fronts],
+        [measured_points(one) for one in fronts],
+    )
     for one, (x, y), points, (color, shape) in zip(fronts, curves, others, KINDS, strict=False):
-        ax.plot(x, y, color=color, linewidth=1.6, label=one.optimization.scenario.gait.words, zorder=3)
+        ax.plot(
+            x, y, color=color, linewidth=1.6, label=one.optimization.scenario.gait.words, zorder=3
+        )
         ax.plot(*points.T, color=color, **OTHER, zorder=4)
         side = _side((x, y), curves)
         shift = side[0] * AWAY, side[1] * AWAY
-        badge = {"boxstyle": "circle,pad=0.25", "facecolor": color, "edgecolor": "white", "linewidth": 0.5}
+        badge = {
+            "boxstyle": "circle,pad=0.25",
+            "facecolor": color,
+            "edgecolor": "white",
+            "linewidth": 0.5,
+        }
         for at in zip(x[marked(one)].tolist(), y[marked(one)].tolist(), strict=True):
             ax.plot(*at, shape, color=color, markersize=DOT, clip_on=False, zorder=5)
             style.note(ax, next(letters), at, shift, bbox=badge, zorder=6, **LETTER)
     if any(map(len, others)):
         sources = " and ".join(dict.fromkeys(trial.source for trial in _measured(fronts[0])))
         ax.plot([], [], color=style.GRAY, **OTHER, label=f"{sources}'s gaits, simulated alike")
-    xs, ys = np.concatenate([*(np.stack(curve) for curve in curves), *(points.T for points in others)], axis=1)
+    xs, ys = np.concatenate(
+        [*(np.stack(curve) for curve in curves), *(points.T for points in others)], axis=1
+    )
     ax.set_xlim(min(0.0, float(xs.min())) - LEFT * float(np.ptp(xs)), ROOM * float(xs.max()))
     ax.set_ylim(min(0.0, float(ys.min())), ROOM * float(ys.max()))
     ax.xaxis.set_major_locator(MaxNLocator(6))
@@ -203,7 +241,9 @@ def _side(curve: Curve, curves: Sequence[Curve]) -> tuple[int, int]:
     return better
 
 
-def bodies(front: Front, texts: Sequence[str], letters: Iterator[str], color: str, ax: Axes) -> Axes:
+def bodies(
+    front: Front, texts: Sequence[str], letters: Iterator[str], color: str, ax: Axes
+) -> Axes:
     """Draw the marked bodies one below the other on one scale, each in the middle of its wave, with its parameters.
 
     Args:
@@ -223,8 +263,24 @@ def bodies(front: Front, texts: Sequence[str], letters: Iterator[str], color: st
         height = float(high[1] - low[1]) + THICK * longest
         path.draw_posture(ax, one.robot.planar(), shape - middle + (0.0, top - 0.5 * height), 0.0)
         lines = text.count("\n") + 1
-        ax.text(-0.66 * longest, top - height / 2, next(letters), color=color, fontweight="bold", **_TEXT, va="center")
-        ax.text(-0.56 * longest, top - height, text, color=style.INK, **_TEXT, va="top", linespacing=1.05)
+        ax.text(
+            -0.66 * longest,
+            top - height / 2,
+            next(letters),
+            color=color,
+            fontweight="bold",
+            **_TEXT,
+            va="center",
+        )
+        ax.text(
+            -0.56 * longest,
+            top - height,
+            text,
+            color=style.INK,
+            **_TEXT,
+            va="top",
+            linespacing=1.05,
+        )
         top -= height + (TEXT * lines + GAP) * longest
     ax.set_xlim(-0.68 * longest, 0.6 * longest)
     ax.set_ylim(top, 0.02 * longest)

@@ -52,7 +52,9 @@ def identification_chapter(done: Validation, command: str = "") -> chapter.Chapt
     from laticauda.reports.identify_figures import figures_of
 
     values, tables = {"done": done, **as_dict(done, command)}, identification_tables(done)
-    return chapter.Chapter(name="identify", values=values, tables=tables, figures=lambda: figures_of(done))
+    return chapter.Chapter(
+        name="identify", values=values, tables=tables, figures=lambda: figures_of(done)
+    )
 
 
 def as_dict(done: Validation, command: str = "") -> dict[str, Any]:
@@ -69,7 +71,8 @@ def as_dict(done: Validation, command: str = "") -> dict[str, Any]:
         "profiles": {**done.profiles},
         "correlations": {"names": found.problem.names, "matrix": found.correlations.tolist()},
         "directions": [
-            {"name": one.name, "sigma": one.sigma, "is_seen": one.is_seen} for one in found.identifiability.directions
+            {"name": one.name, "sigma": one.sigma, "is_seen": one.is_seen}
+            for one in found.identifiability.directions
         ],
         "chi2": found.chi2,
         "noise_factor": found.noise_factor,
@@ -112,7 +115,7 @@ def sources_of(task: Task) -> dict[str, str]:
     return {path.name: hashlib.sha256(path.read_bytes()).hexdigest()[:16] for path in task.sources}
 
 
-# ---- tables --------------------------------------------------------------------------------------------------------
+# ---- tables --------------------------------------------------------------------------------------
 
 
 def identification_tables(done: Validation) -> dict[str, list[Row]]:
@@ -143,10 +146,17 @@ def _parameters(done: Validation) -> list[Row]:
         low, high = estimate.interval or (None, None)
         tied = ", ".join(f"{name}^{power:g}" for name, power in unknown.tied.items())
         notes = (estimate.note.replace("`", ""), f"changes with it: {tied}" if tied else "")
-        row = _value_of(estimate) | {f"{100 * found.method.confidence:g} % interval, low": low, "high": high}
+        row = _value_of(estimate) | {
+            f"{100 * found.method.confidence:g} % interval, low": low,
+            "high": high,
+        }
         if done.profiles:
-            row |= dict(zip(("profile, low", "profile, high"), done.profiles[estimate.name], strict=True))
-        row["prior"] = "none" if unknown.prior is None else f"{unknown.prior[0]:.4g} ± {unknown.prior[1]:.2g}"
+            row |= dict(
+                zip(("profile, low", "profile, high"), done.profiles[estimate.name], strict=True)
+            )
+        row["prior"] = (
+            "none" if unknown.prior is None else f"{unknown.prior[0]:.4g} ± {unknown.prior[1]:.2g}"
+        )
         row["range"] = f"{_end(unknown.lower)} to {_end(unknown.upper)}"
         row["note"] = "; ".join(filter(None, notes)) or "-"
         rows.append(row)
@@ -155,7 +165,12 @@ def _parameters(done: Validation) -> list[Row]:
 
 def _value_of(one: ParameterEstimate) -> Row:
     value = one.value if one.is_identified else None
-    return {"parameter": one.name, "value": value, "unit": one.unit or "-", "standard deviation": one.sigma}
+    return {
+        "parameter": one.name,
+        "value": value,
+        "unit": one.unit or "-",
+        "standard deviation": one.sigma,
+    }
 
 
 def _end(value: float) -> str:
@@ -172,7 +187,11 @@ def _directions(done: Validation) -> list[Row]:
     """Return how well the measurements determine combinations of parameters."""
     shown = done.found.problem.of_interest
     return [
-        {"combination": one.name.replace("`", ""), "standard deviation [-]": one.sigma, "seen": one.is_seen}
+        {
+            "combination": one.name.replace("`", ""),
+            "standard deviation [-]": one.sigma,
+            "seen": one.is_seen,
+        }
         for one in done.found.identifiability.directions
         if np.max(np.abs(one.weights[shown]), initial=0.0) > _PART
     ]
@@ -183,7 +202,10 @@ def _residuals(done: Validation) -> list[Row]:
     problem, rows = done.found.problem, list[Row]()
     for row, place in zip(done.found.residuals, problem.places, strict=True):
         without = None if place.is_series else float(done.left_out[place.at.start])
-        first = {name: row[name] for name in ("group", "measurement", "what", "unit", "measured", "predicted")}
+        first = {
+            name: row[name]
+            for name in ("group", "measurement", "what", "unit", "measured", "predicted")
+        }
         rows.append(first | {"left out": without} | row)
     return sorted(rows, key=lambda row: problem.groups.index(row["group"]))
 
@@ -192,7 +214,9 @@ def _groups(done: Validation) -> list[Row]:
     """Return the errors by group."""
     rows: list[Row] = []
     residuals = done.found.residuals
-    for group, what in dict.fromkeys((group, row["what"]) for group in done.found.problem.groups for row in residuals):
+    for group, what in dict.fromkeys(
+        (group, row["what"]) for group in done.found.problem.groups for row in residuals
+    ):
         mine = [row for row in residuals if (row["group"], row["what"]) == (group, what)]
         shares = [row["off [%]"] for row in mine if row["measured"]]
         if mine:
@@ -217,7 +241,14 @@ def errors_of(every: Mapping[str, Validation]) -> list[Row]:
     for null in first.null_models:
         errors = [getattr(null, name) for name in first.errors]
         models.append((f"null model: {null.name}", null.n_parameters, None, *errors))
-    heads = ("model", "numbers fitted", "chi^2", "fitted [%]", "measurement left out [%]", "group left out [%]")
+    heads = (
+        "model",
+        "numbers fitted",
+        "chi^2",
+        "fitted [%]",
+        "measurement left out [%]",
+        "group left out [%]",
+    )
     return [dict(zip(heads, model, strict=True)) for model in models]
 
 
@@ -227,7 +258,9 @@ def _starts(done: Validation) -> list[Row]:
     return [
         {"start": i + 1, "sum of squares": one.cost, "ended by itself": one.converged}
         | {
-            f"{problem.names[k]}, {word} [{done.found.estimates[k].unit or '-'}]": problem.values_of(x)[k]
+            f"{problem.names[k]}, {word} [{done.found.estimates[k].unit or '-'}]": problem.values_of(
+                x
+            )[k]
             for k in problem.of_interest
             for word, x in (("from", one.start), ("to", one.end))
         }

@@ -1,6 +1,7 @@
 """Figures of the report on an identification: predicted over measured, residuals, intervals, correlations.
 
-Also the benefit of further trials. A function without an underscore takes data and axes, and returns the axes.
+Also the benefit of further trials. A function without an underscore takes data and axes, and
+returns the axes.
 """
 
 # matplotlib's own annotations are partial; this package passes on typed figures and axes.
@@ -25,7 +26,9 @@ from laticauda.simulate.numbers import UNITS
 _DROPPED = ("robot.joint.actuator.", "robot.joint.", "robot.", "water.")
 _MOST_BARS = 60
 
-MARKS = tuple(zip((style.BLUE, style.ORANGE, style.AMBER, style.INK, style.GRAY), "osD^v", strict=True))
+MARKS = tuple(
+    zip((style.BLUE, style.ORANGE, style.AMBER, style.INK, style.GRAY), "osD^v", strict=True)
+)
 """Color and marker by group; they repeat."""
 
 Ends = Float[np.ndarray, "2"]
@@ -64,7 +67,9 @@ def _short(name: str) -> str:
     for part in _DROPPED:
         scope, found, rest = name.partition(part)
         if found:
-            return (f"{scope.rstrip('.')}: " if scope else "").replace("_", " ") + rest.replace("_", " ")
+            return (f"{scope.rstrip('.')}: " if scope else "").replace("_", " ") + rest.replace(
+                "_", " "
+            )
     return name.replace("_", " ")
 
 
@@ -101,11 +106,15 @@ def _by_what(found: Fit) -> dict[str, dict[str, np.ndarray]]:
 
 
 def _residuals(found: Fit) -> Figure:
-    rows = sorted(found.residuals, key=lambda row: found.problem.groups.index(row["group"]))[:_MOST_BARS]
+    rows = sorted(found.residuals, key=lambda row: found.problem.groups.index(row["group"]))[
+        :_MOST_BARS
+    ]
     names = [row["measurement"].removeprefix(f"{row['group']}, ") for row in rows]
     if len({row["what"] for row in rows}) > 1:
         names = [f"{name}: {row['what']}" for name, row in zip(names, rows, strict=True)]
-    figure = new_figure(style.DOUBLE_COLUMN, 0.8 + 0.17 * len(rows) + 0.18 * len(set(found.problem.groups)))
+    figure = new_figure(
+        style.DOUBLE_COLUMN, 0.8 + 0.17 * len(rows) + 0.18 * len(set(found.problem.groups))
+    )
     ax = residuals(
         names,
         [row["in standard deviations [-]"] for row in rows],
@@ -123,7 +132,10 @@ def _intervals(done: Validation) -> Figure:
     for k, label in zip(shown, short_names([found.problem.names[k] for k in shown]), strict=True):
         estimate = found.estimates[k]
         best = estimate.value or 1.0
-        plain, profile = estimate.interval if best >= 0.0 else None, done.profiles.get(estimate.name)
+        plain, profile = (
+            estimate.interval if best >= 0.0 else None,
+            done.profiles.get(estimate.name),
+        )
         rows[label] = _share(plain, best), _share(profile, best)
     figure = new_figure(style.DOUBLE_COLUMN, 1.3 + 0.35 * len(rows))
     ax = intervals(rows, figure.subplots(), confidence=found.method.confidence)
@@ -143,14 +155,15 @@ def _correlations(found: Fit) -> Figure:
     return figure
 
 
-# ---- on axes --------------------------------------------------------------------------------------------------------
+# ---- on axes -------------------------------------------------------------------------------------
 
 
 def parity(groups: Mapping[str, Float[np.ndarray, "2 n"]], ax: Axes, *, what: str) -> Axes:
     """Draw predicted over measured numbers, with the line of equality and a band of 10 % about it.
 
     Args:
-        groups: By legend label, the measured numbers and the predicted ones, in the unit of the axes.
+        groups: By legend label, the measured numbers and the predicted ones, in the unit of the
+            axes.
         ax: Axes to draw on.
         what: Quantity with its unit, for both labels.
 
@@ -162,10 +175,14 @@ def parity(groups: Mapping[str, Float[np.ndarray, "2 n"]], ax: Axes, *, what: st
     pad = 0.06 * (high - low or abs(high) or 1.0)
     ends = np.array([max(low - pad, 0.0) if low >= 0.0 else low - pad, high + pad])
     if low >= 0.0:
-        ax.fill_between(ends, 0.9 * ends, 1.1 * ends, color=style.GRAY, alpha=0.15, linewidth=0, label="±10 %")
+        ax.fill_between(
+            ends, 0.9 * ends, 1.1 * ends, color=style.GRAY, alpha=0.15, linewidth=0, label="±10 %"
+        )
     ax.plot(ends, ends, color=style.GRAY, linewidth=style.THIN)
     size = 1.5 if every.shape[1] > 200 else 4.0
-    for (label, (measured, predicted)), (color, marker) in zip(groups.items(), cycle(MARKS), strict=False):
+    for (label, (measured, predicted)), (color, marker) in zip(
+        groups.items(), cycle(MARKS), strict=False
+    ):
         ax.plot(measured, predicted, marker, color=color, markersize=size, label=label)
     style.dress(ax, xlabel=f"measured {what}", ylabel=f"predicted {what}")
     ax.set(xlim=ends, ylim=ends)
@@ -175,7 +192,9 @@ def parity(groups: Mapping[str, Float[np.ndarray, "2 n"]], ax: Axes, *, what: st
     return ax
 
 
-def residuals(names: Sequence[str], in_sigmas: Sequence[float], groups: Sequence[str], ax: Axes, *, label: str) -> Axes:
+def residuals(
+    names: Sequence[str], in_sigmas: Sequence[float], groups: Sequence[str], ax: Axes, *, label: str
+) -> Axes:
     """Draw the error of the prediction as one bar per measurement, colored by group.
 
     Args:
@@ -220,7 +239,11 @@ def correlations(names: Sequence[str], matrix: Float[np.ndarray, "n n"], ax: Axe
         for j, value in enumerate(row):
             if i == j:
                 continue
-            text = f"{value:.2f}".replace("-", "\N{MINUS SIGN}") if np.isfinite(value) else "\N{EN DASH}"
+            text = (
+                f"{value:.2f}".replace("-", "\N{MINUS SIGN}")
+                if np.isfinite(value)
+                else "\N{EN DASH}"
+            )
             color = "white" if np.isfinite(value) and abs(value) > 0.6 else style.INK
             ax.text(j, i, text, ha="center", va="center", fontsize=style.TICK, color=color)
     style.dress(ax, xlabel="", ylabel="")
@@ -232,12 +255,14 @@ def correlations(names: Sequence[str], matrix: Float[np.ndarray, "n n"], ax: Axe
     return ax
 
 
-def intervals(rows: Mapping[str, tuple[Ends | None, Ends | None]], ax: Axes, *, confidence: float) -> Axes:
+def intervals(
+    rows: Mapping[str, tuple[Ends | None, Ends | None]], ax: Axes, *, confidence: float
+) -> Axes:
     """Draw confidence intervals of parameters, relative to their values.
 
     Args:
-        rows: By parameter, from the top: the interval from the covariance, None if it is not identified, and that from
-            the likelihood itself, None if it was not computed [-].
+        rows: By parameter, from the top: the interval from the covariance, None if it is not
+            identified, and that from the likelihood itself, None if it was not computed [-].
         ax: Axes to draw on.
         confidence: Confidence level of the intervals [-].
 
@@ -245,7 +270,10 @@ def intervals(rows: Mapping[str, tuple[Ends | None, Ends | None]], ax: Axes, *, 
         `ax`.
     """
     ends = [pair for pairs in rows.values() for pair in pairs if pair is not None]
-    low, high = np.nanmin([0.8, *(0.97 * np.ravel(ends))]), np.nanmax([1.25, *(1.03 * np.ravel(ends))])
+    low, high = (
+        np.nanmin([0.8, *(0.97 * np.ravel(ends))]),
+        np.nanmax([1.25, *(1.03 * np.ravel(ends))]),
+    )
     for i, (plain, profile) in enumerate(rows.values()):
         if plain is not None:
             ax.plot(plain, (i, i), color=style.BLUE, linewidth=3.0, solid_capstyle="butt")
@@ -255,9 +283,21 @@ def intervals(rows: Mapping[str, tuple[Ends | None, Ends | None]], ax: Axes, *, 
         if profile is not None:
             shown, at = np.where(np.isnan(profile), (low, high), profile), (i + 0.22, i + 0.22)
             ax.plot(shown, at, color=style.ORANGE, linewidth=1.6, solid_capstyle="butt")
-    ax.plot([], [], color=style.BLUE, linewidth=3.0, label=f"{100 * confidence:g} % interval, from the covariance")
+    ax.plot(
+        [],
+        [],
+        color=style.BLUE,
+        linewidth=3.0,
+        label=f"{100 * confidence:g} % interval, from the covariance",
+    )
     if any(profile is not None for _, profile in rows.values()):
-        ax.plot([], [], color=style.ORANGE, linewidth=1.6, label="from the profile likelihood (open ends: to the edge)")
+        ax.plot(
+            [],
+            [],
+            color=style.ORANGE,
+            linewidth=1.6,
+            label="from the profile likelihood (open ends: to the edge)",
+        )
     ax.axvline(1.0, color=style.GRAY, linewidth=style.THIN)
     style.dress(ax, xlabel="value / best value [-]", ylabel="")
     ax.set_yticks(range(len(rows)), [*rows])
@@ -267,13 +307,19 @@ def intervals(rows: Mapping[str, tuple[Ends | None, Ends | None]], ax: Axes, *, 
 
 
 def shrinking(
-    labels: Sequence[str], sigma: Float[np.ndarray, "n_steps n_parameters"], ax: Axes, *, ylabel: str, limit: float
+    labels: Sequence[str],
+    sigma: Float[np.ndarray, "n_steps n_parameters"],
+    ax: Axes,
+    *,
+    ylabel: str,
+    limit: float,
 ) -> Axes:
     """Draw expected standard deviations over the number of further trials.
 
     Args:
         labels: Labels of the parameters.
-        sigma: Standard deviations, one row per number of trials, from zero; inf where nothing is known [-].
+        sigma: Standard deviations, one row per number of trials, from zero; inf where nothing is
+            known [-].
         ax: Axes to draw on.
         ylabel: Label of the axis.
         limit: Limit above which a parameter counts as not identified [-].
@@ -289,7 +335,14 @@ def shrinking(
         style_of = {"color": color, "marker": marker, "markersize": 4.0, "linewidth": style.LINE}
         ax.semilogy(n, np.minimum(mine, top), linestyle=dashes, label=label, **style_of)
         beyond = n[~(mine < top)]
-        ax.semilogy(beyond, np.full(beyond.size, top), marker, color=color, markerfacecolor="white", markersize=4.0)
+        ax.semilogy(
+            beyond,
+            np.full(beyond.size, top),
+            marker,
+            color=color,
+            markerfacecolor="white",
+            markersize=4.0,
+        )
     ax.axhline(limit, color=style.GRAY, linewidth=style.THIN, linestyle=(0, (5, 2)))
     at_right: Any = {"xycoords": ("axes fraction", "data"), "ha": "right"}
     style.note(ax, "not identified above", (1.0, limit), (-2, 2), va="bottom", **at_right)

@@ -16,38 +16,55 @@ from laticauda.quantities import option, quantity, value
 class Actuator:
     """Actuator of a joint: gains of the `pd` law, and the motor, gear and supply of the `servo` law.
 
-    The servo's defaults are those of the Hitec HSR-5990TG, the servo of Mamba's joints, at 7.4 V. Hitec's figures, from
-    a 2007 table of its robot servos [1], are 24 / 30 kg cm and 0.17 / 0.14 s per 60 deg at 6.0 / 7.4 V, hence
-    30 kg cm = 2.94 N m and 60 deg / 0.14 s = 7.48 rad/s. They apply at the output shaft, so they already include the
-    gear's losses at stall and at full speed; the friction given here is added to them and is 0 by default.
+    The servo's defaults are those of the Hitec HSR-5990TG, the servo of Mamba's joints, at 7.4 V.
+    Hitec's figures, from a 2007 table of its robot servos [1], are 24 / 30 kg cm and 0.17 / 0.14 s
+    per 60 deg at 6.0 / 7.4 V, hence 30 kg cm = 2.94 N m and 60 deg / 0.14 s = 7.48 rad/s. They
+    apply at the output shaft, so they already include the gear's losses at stall and at full speed;
+    the friction given here is added to them and is 0 by default.
 
-    For a robot whose motors are not known, `stated` is false: the numbers are then Mamba's, and no run of the robot is
-    judged by them (`Trial.feasibility`).
+    For a robot whose motors are not known, `stated` is false: the numbers are then Mamba's, and no
+    run of the robot is judged by them (`Trial.feasibility`).
 
-    `tracking` is the fraction of its reference, without the offset, that a `prescribed` joint reaches. Joints under
-    `pd` control or with `servo`s lose amplitude by themselves and ignore it.
+    `tracking` is the fraction of its reference, without the offset, that a `prescribed` joint
+    reaches. Joints under `pd` control or with `servo`s lose amplitude by themselves and ignore it.
 
-    Two defaults are not published figures. `stall_current` follows from 1.6 ohm, measured across the motor of the
-    sister model HSR-5995TG [2]: 7.4 V / 1.6 ohm = 4.6 A, which makes the gear 64 % efficient. `servo_gain` is an
-    assumption: full duty at an error of 10 deg.
+    Two defaults are not published figures. `stall_current` follows from 1.6 ohm, measured across
+    the motor of the sister model HSR-5995TG [2]: 7.4 V / 1.6 ohm = 4.6 A, which makes the gear 64 %
+    efficient. `servo_gain` is an assumption: full duty at an error of 10 deg.
 
     References:
         [1] "HSR Serial Communication", table "Hitec Robot Servos" of 2007-09-23, scribd.com/document/317975179.
         [2] RoboSavvy forum, topic 440, post by i-Bot of 2006-07-29.
     """
 
-    stated: bool = option("Whether the motor data are the robot's own and not Mamba's", default=True)
+    stated: bool = option(
+        "Whether the motor data are the robot's own and not Mamba's", default=True
+    )
     proportional_gain: float = quantity("N m/rad", "k_p of the `pd` law", ge=0.0, default=20.0)
     derivative_gain: float = quantity("N m s/rad", "k_d of the `pd` law", ge=0.0, default=5.0)
-    stall_torque: float = quantity("N m", "Torque of the servo at full duty and standstill", gt=0.0, default=2.9)
-    no_load_speed: float = quantity("rad/s", "Speed of the servo at full duty and no torque", gt=0.0, default=7.5)
+    stall_torque: float = quantity(
+        "N m", "Torque of the servo at full duty and standstill", gt=0.0, default=2.9
+    )
+    no_load_speed: float = quantity(
+        "rad/s", "Speed of the servo at full duty and no torque", gt=0.0, default=7.5
+    )
     servo_gain: float = quantity("1/rad", "Duty of the servo per angle error", gt=0.0, default=5.7)
-    friction_torque: float = quantity("N m", "Dry friction of the gear, on top of the motor data", ge=0.0, default=0.0)
-    viscous_friction: float = quantity("N m s/rad", "Viscous friction of the gear, likewise", ge=0.0, default=0.0)
+    friction_torque: float = quantity(
+        "N m", "Dry friction of the gear, on top of the motor data", ge=0.0, default=0.0
+    )
+    viscous_friction: float = quantity(
+        "N m s/rad", "Viscous friction of the gear, likewise", ge=0.0, default=0.0
+    )
     voltage: float = quantity("V", "Supply voltage of the servo", gt=0.0, default=7.4)
-    stall_current: float = quantity("A", "Current of the servo at full duty and standstill", gt=0.0, default=4.6)
-    idle_current: float = quantity("A", "Current of the servo at rest without load", ge=0.0, default=0.0)
-    tracking: float = quantity("", "Ratio of a `prescribed` joint's angle to the gait's", gt=0.0, le=1.5, default=1.0)
+    stall_current: float = quantity(
+        "A", "Current of the servo at full duty and standstill", gt=0.0, default=4.6
+    )
+    idle_current: float = quantity(
+        "A", "Current of the servo at rest without load", ge=0.0, default=0.0
+    )
+    tracking: float = quantity(
+        "", "Ratio of a `prescribed` joint's angle to the gait's", gt=0.0, le=1.5, default=1.0
+    )
 
     @property
     def stall_power(self) -> float:
@@ -68,8 +85,12 @@ class Joint:
     """
 
     counted = ("axis",)  # keys that may be lists in a file entry with a `count`
-    axis: Literal["yaw", "pitch"] = option("`yaw` bends the body in the plane, `pitch` out of it", default="yaw")
-    limit: float = quantity("rad", "Largest angle, to either side", gt=0.0, le=math.pi, default=math.pi / 2.0)
+    axis: Literal["yaw", "pitch"] = option(
+        "`yaw` bends the body in the plane, `pitch` out of it", default="yaw"
+    )
+    limit: float = quantity(
+        "rad", "Largest angle, to either side", gt=0.0, le=math.pi, default=math.pi / 2.0
+    )
     actuator: Actuator = option("Actuator that drives it", default_factory=Actuator)
     stiffness: float = quantity("N m/rad", "k_s of the skin", ge=0.0, default=0.0)
     damping: float = quantity("N m s/rad", "d_s of the skin", ge=0.0, default=0.0)
@@ -79,9 +100,15 @@ class Joint:
 class Section:
     """Cross-section of a module, an ellipse unless it is a box."""
 
-    half_height: float = quantity("m", "a, vertical half-axis, across the swimming plane", gt=0.0, le=100.0)
-    half_width: float = quantity("m", "b, lateral half-axis, in the swimming plane", gt=0.0, le=100.0)
-    shape: Literal["ellipse", "box"] = option("Shape, for the volume and the textbook water", default="ellipse")
+    half_height: float = quantity(
+        "m", "a, vertical half-axis, across the swimming plane", gt=0.0, le=100.0
+    )
+    half_width: float = quantity(
+        "m", "b, lateral half-axis, in the swimming plane", gt=0.0, le=100.0
+    )
+    shape: Literal["ellipse", "box"] = option(
+        "Shape, for the volume and the textbook water", default="ellipse"
+    )
 
     @property
     def area(self) -> float:
@@ -101,19 +128,26 @@ class Section:
 class Module:
     """Rigid piece of the body with constant cross-section.
 
-    A fluid coefficient of None means the water's; a number overrides the water's on this module only.
+    A fluid coefficient of None means the water's; a number overrides the water's on this module
+    only.
     """
 
     counted = ()  # keys that may be lists in a file entry with a `count`
     length: float = quantity("m", "Full length 2l", gt=0.0, le=100.0)
     mass: float = quantity("kg", "Mass m", gt=0.0)
     section: Section = option("Cross-section")
-    tangential_friction: float | None = quantity("", "C_f, or None for the water's", ge=0.0, default=None)
+    tangential_friction: float | None = quantity(
+        "", "C_f, or None for the water's", ge=0.0, default=None
+    )
     normal_drag: float | None = quantity("", "C_D, or None for the water's", ge=0.0, default=None)
     added_mass: float | None = quantity("", "C_A, or None for the water's", ge=0.0, default=None)
     added_inertia: float | None = quantity("", "C_M, or None for the water's", ge=0.0, default=None)
-    center: float = quantity("m", "Center of mass, measured from mid-length towards the head", default=0.0)
-    inertia: float | None = quantity("kg m^2", "Yaw inertia about center of mass; None: a rod's", gt=0.0, default=None)
+    center: float = quantity(
+        "m", "Center of mass, measured from mid-length towards the head", default=0.0
+    )
+    inertia: float | None = quantity(
+        "kg m^2", "Yaw inertia about center of mass; None: a rod's", gt=0.0, default=None
+    )
 
     def __post_init__(self) -> None:
         if abs(self.center) > self.half_length:
@@ -152,8 +186,9 @@ def reduce_to_plane(modules: Sequence[Module], joints: Sequence[Joint]) -> Reduc
     """Merge modules joined by pitch joints, which are held at 0.
 
     Raises:
-        ValueError: If modules to be merged differ in section or fluid coefficients. No single section has the drag and
-            the added mass of two different ones, so no correct replacement exists.
+        ValueError: If modules to be merged differ in section or fluid coefficients. No single
+            section has the drag and the added mass of two different ones, so no correct replacement
+            exists.
     """
     groups: list[list[int]] = [[0]]
     for i, joint in enumerate(joints, start=1):

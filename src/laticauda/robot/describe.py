@@ -41,7 +41,10 @@ def describe(thing: Robot | environment.Water | environment.Ground | Flow) -> st
     if isinstance(thing, Robot):
         rows = [*_robot_rows(thing)]
     elif isinstance(thing, Flow):
-        units = {name: f"{one.text} [{one.unit or '-'}]" for name, one in quantities_of(type(thing)).items()}
+        units = {
+            name: f"{one.text} [{one.unit or '-'}]"
+            for name, one in quantities_of(type(thing)).items()
+        }
         rows = [("current", thing.words), *units.items()]
     else:
         kind = "water" if isinstance(thing, environment.Water) else "ground"
@@ -58,8 +61,14 @@ def coefficients(thing: environment.Environment) -> dict[str, str]:
     """
     if isinstance(thing, environment.Water):
         depth = "far below the surface" if thing.depth is None else f"{thing.depth:g} m"
-        return {**told(thing, "name", "density"), "depth": depth, "density": f"{thing.density:g} kg/m^3"}
-    unit, unused = ("of the weight", ()) if thing.friction.of_weight else ("N s/m per link", ("gravity",))
+        return {
+            **told(thing, "name", "density"),
+            "depth": depth,
+            "density": f"{thing.density:g} kg/m^3",
+        }
+    unit, unused = (
+        ("of the weight", ()) if thing.friction.of_weight else ("N s/m per link", ("gravity",))
+    )
     friction = {name: f"{getattr(thing, name):g} {unit}" for name in ("tangential", "normal")}
     return told(thing, "name", *unused) | friction
 
@@ -86,7 +95,9 @@ def _robot_rows(robot: Robot) -> Iterator[Row]:
         yield f"modules {place}", in_a_line(told(module))
     if robot.joints:
         yield "axes", _axes(robot.joints)
-    for place, joint in _runs([replace(joint, axis="yaw", actuator=body.Actuator()) for joint in robot.joints]):
+    for place, joint in _runs(
+        [replace(joint, axis="yaw", actuator=body.Actuator()) for joint in robot.joints]
+    ):
         yield f"joints {place}", in_a_line(told(joint, "axis", "actuator"))
     for place, actuator in _runs([joint.actuator for joint in robot.joints]):
         stated = "" if actuator.stated else "not stated; with Mamba's servo: "
@@ -104,7 +115,10 @@ def _robot_rows(robot: Robot) -> Iterator[Row]:
     book = textbook.textbook_water(robot)
     for name, (low, high) in book.intervals.items():
         number, last = attrgetter(name.removeprefix("water."))(book.water), name.rpartition(".")[2]
-        yield "textbook water", f"{last} {number:.3g} ({low:.3g} to {high:.3g}): {book.sources[name]}"
+        yield (
+            "textbook water",
+            f"{last} {number:.3g} ({low:.3g} to {high:.3g}): {book.sources[name]}",
+        )
     if robot.idle_power:
         yield "power at rest", f"{robot.idle_power:g} W"
     if robot.active_power is not None:

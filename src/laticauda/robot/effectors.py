@@ -2,15 +2,16 @@
 
 Links are counted from the tail, starting at 0, here and in the files.
 
-Hinges represent the bending of a fin. Their positions and stiffnesses follow from the bending energy: a plate that is
-clamped at its root and free at its end stores, with the bending moment M,
+Hinges represent the bending of a fin. Their positions and stiffnesses follow from the bending
+energy: a plate that is clamped at its root and free at its end stores, with the bending moment M,
 
     U = integral of M(s)^2 / (2 E I) ds,        s = 0 at the root, 1 at the free end.
 
-Rigid pieces with a hinge at each s_j store sum of M(s_j)^2 D_j / (2 E I) if hinge j has the stiffness E I / D_j: they
-approximate the plate as a quadrature rule approximates the integral. At a free end, moment and shear force vanish, so M
-behaves as (1 - s)^2 there for any load, and the integrand as (1 - s)^4. The matching rule is the Gauss-Jacobi rule of
-weight (1 - s)^4: exact for (1 - s)^4 times any polynomial up to degree 2 m - 1, with m hinges.
+Rigid pieces with a hinge at each s_j store sum of M(s_j)^2 D_j / (2 E I) if hinge j has the
+stiffness E I / D_j: they approximate the plate as a quadrature rule approximates the integral. At a
+free end, moment and shear force vanish, so M behaves as (1 - s)^2 there for any load, and the
+integrand as (1 - s)^4. The matching rule is the Gauss-Jacobi rule of weight (1 - s)^4: exact for (1
+- s)^4 times any polynomial up to degree 2 m - 1, with m hinges.
 """
 
 from dataclasses import dataclass
@@ -65,8 +66,9 @@ class Piece:
 def hinge_rule(n: int) -> tuple[tuple[float, float], ...]:
     """Return the position of each of n hinges and the length it represents, relative to the plate's, root first.
 
-    Golub and Welsch, Math. Comput. 23, 1969: the nodes are the eigenvalues of a symmetric matrix built from the
-    recurrence of the polynomials, here the Jacobi polynomials with the parameters 4 and 0.
+    Golub and Welsch, Math. Comput. 23, 1969: the nodes are the eigenvalues of a symmetric matrix
+    built from the recurrence of the polynomials, here the Jacobi polynomials with the parameters 4
+    and 0.
 
     Args:
         n: Number of hinges.
@@ -85,35 +87,71 @@ def hinge_rule(n: int) -> tuple[tuple[float, float], ...]:
 class CaudalFin:
     """Flat, thin, upright plate behind the tail end of link 0: rigid, flexible, or driven about its root.
 
-    The models cut it into strips. Near its root there may be an opening, which has mass but no area. A coefficient of
-    None means the water's. The defaults describe Mamba's fin, treated as rigid.
+    The models cut it into strips. Near its root there may be an opening, which has mass but no
+    area. A coefficient of None means the water's. The defaults describe Mamba's fin, treated as
+    rigid.
 
-    With `n_hinges` the plate bends and is represented by rigid pieces between passive hinges. With a `joint` it turns
-    about its root according to `Gait.fin`. Neither counts as a link or a joint of the body.
+    With `n_hinges` the plate bends and is represented by rigid pieces between passive hinges. With
+    a `joint` it turns about its root according to `Gait.fin`. Neither counts as a link or a joint
+    of the body.
     """
 
-    length: float = quantity("m", "Length from root to trailing edge, opening included", gt=0.0, le=100.0, default=0.5)
-    height: float = quantity("m", "Height h across the swimming plane", gt=0.0, le=100.0, default=0.09)
-    opening_length: float = quantity("m", "Length of the opening, which begins at the root", ge=0.0, default=0.12)
-    opening: Literal["open", "closed"] = option("`closed`: the plate reaches to the root", default="open")
-    thickness: float = quantity("m", "Thickness, used only for the mass", gt=0.0, le=10.0, default=0.005)
-    n_strips: int = quantity("", "Equal strips behind the opening, even if it is closed", ge=1, le=1000, default=8)
-    tangential_friction: float | None = quantity("", "C_f,fin, both faces; None for the water's", ge=0.0, default=None)
-    normal_drag: float | None = quantity("", "C_D,fin, or None for the water's", ge=0.0, default=None)
-    added_mass: float | None = quantity("", "C_A,fin, or None for the water's", ge=0.0, default=None)
-    density: float = quantity("kg/m^3", "Density; neutrally buoyant in fresh water if omitted", gt=0.0, default=1000.0)
-    n_hinges: int = quantity("", "Passive hinges that represent bending; 0: rigid", ge=0, le=MOST_HINGES, default=0)
-    flexural_rigidity: float | None = quantity("N m^2", "E I = E h t^3 / 12; needed with hinges", gt=0.0, default=None)
-    bending_damping: float = quantity("N m^2 s", "eta I of the plate, with its viscosity eta", ge=0.0, default=0.0)
+    length: float = quantity(
+        "m", "Length from root to trailing edge, opening included", gt=0.0, le=100.0, default=0.5
+    )
+    height: float = quantity(
+        "m", "Height h across the swimming plane", gt=0.0, le=100.0, default=0.09
+    )
+    opening_length: float = quantity(
+        "m", "Length of the opening, which begins at the root", ge=0.0, default=0.12
+    )
+    opening: Literal["open", "closed"] = option(
+        "`closed`: the plate reaches to the root", default="open"
+    )
+    thickness: float = quantity(
+        "m", "Thickness, used only for the mass", gt=0.0, le=10.0, default=0.005
+    )
+    n_strips: int = quantity(
+        "", "Equal strips behind the opening, even if it is closed", ge=1, le=1000, default=8
+    )
+    tangential_friction: float | None = quantity(
+        "", "C_f,fin, both faces; None for the water's", ge=0.0, default=None
+    )
+    normal_drag: float | None = quantity(
+        "", "C_D,fin, or None for the water's", ge=0.0, default=None
+    )
+    added_mass: float | None = quantity(
+        "", "C_A,fin, or None for the water's", ge=0.0, default=None
+    )
+    density: float = quantity(
+        "kg/m^3", "Density; neutrally buoyant in fresh water if omitted", gt=0.0, default=1000.0
+    )
+    n_hinges: int = quantity(
+        "", "Passive hinges that represent bending; 0: rigid", ge=0, le=MOST_HINGES, default=0
+    )
+    flexural_rigidity: float | None = quantity(
+        "N m^2", "E I = E h t^3 / 12; needed with hinges", gt=0.0, default=None
+    )
+    bending_damping: float = quantity(
+        "N m^2 s", "eta I of the plate, with its viscosity eta", ge=0.0, default=0.0
+    )
     joint: Joint | None = option("A driven hinge at the root, or None", default=None)
 
     def __post_init__(self) -> None:
         if self.opening_length >= self.length:
-            raise BadArgument("opening_length", f"must be < {self.length:g} m, the `length`, got {self.opening_length}")
+            raise BadArgument(
+                "opening_length",
+                f"must be < {self.length:g} m, the `length`, got {self.opening_length}",
+            )
         if self.n_hinges and self.flexural_rigidity is None:
-            raise BadArgument("flexural_rigidity", "must be given in N m^2 for a fin with `n_hinges` > 0, got None")
+            raise BadArgument(
+                "flexural_rigidity",
+                "must be given in N m^2 for a fin with `n_hinges` > 0, got None",
+            )
         if self.joint is not None and self.joint.axis != "yaw":
-            raise BadArgument("joint.axis", f"must be `yaw`: the fin is upright, got `{self.joint.axis}`")
+            raise BadArgument(
+                "joint.axis", f"must be `yaw`: the fin is upright, got `{self.joint.axis}`"
+            )
 
     @property
     def hinges(self) -> tuple[Hinge, ...]:
@@ -159,12 +197,22 @@ class Mounted:
     """
 
     link: int = quantity("", "Link that carries it, counted from 0 at the tail", ge=0)
-    x: float = quantity("m", "Position of the mount along the link, from mid-length toward the head", default=0.0)
-    y: float = quantity("m", "Position of the mount across the link, from its axis to the left", default=0.0)
+    x: float = quantity(
+        "m", "Position of the mount along the link, from mid-length toward the head", default=0.0
+    )
+    y: float = quantity(
+        "m", "Position of the mount across the link, from its axis to the left", default=0.0
+    )
     z: float = quantity("m", "Height of the mount above the link's axis", default=0.0)
-    angle: float = quantity("rad", "beta, from the link's x axis to its own, counter-clockwise", default=0.0)
-    elevation: float = quantity("rad", "Elevation of its x axis above the link's plane; in space only", default=0.0)
-    roll: float = quantity("rad", "Roll about its x axis; positive lifts its left side; in space only", default=0.0)
+    angle: float = quantity(
+        "rad", "beta, from the link's x axis to its own, counter-clockwise", default=0.0
+    )
+    elevation: float = quantity(
+        "rad", "Elevation of its x axis above the link's plane; in space only", default=0.0
+    )
+    roll: float = quantity(
+        "rad", "Roll about its x axis; positive lifts its left side; in space only", default=0.0
+    )
 
     @property
     def position(self) -> tuple[float, float, float]:
@@ -177,27 +225,36 @@ class Thruster(Mounted):
     """Thruster along its x axis: constant, or driven by the command (`Command.thrusts`) if it has a `max_thrust`."""
 
     thrust: float = quantity("N", "Thrust T unless commanded; negative pushes backward")
-    max_thrust: float | None = quantity("N", "Limit of commanded thrust in either direction", ge=0.0, default=None)
+    max_thrust: float | None = quantity(
+        "N", "Limit of commanded thrust in either direction", ge=0.0, default=None
+    )
 
 
 @value
 class PectoralFin(Mounted):
     """Flat plate with lift, drag and stall, its chord along its x axis: upright, or rolled to form a dive plane.
 
-    The lift blends the linear law with that of a flat plate in separated flow, as in Beard and McLain, Small Unmanned
-    Aircraft, Princeton 2012, eqs. (4.9) and (4.10); their Aerosonde has a stall angle of 27 deg and a sharpness of 50.
-    A slender-wing theory gives the slope 2 pi R / (R + 2) for the aspect ratio R.
+    The lift blends the linear law with that of a flat plate in separated flow, as in Beard and
+    McLain, Small Unmanned Aircraft, Princeton 2012, eqs. (4.9) and (4.10); their Aerosonde has a
+    stall angle of 27 deg and a sharpness of 50. A slender-wing theory gives the slope 2 pi R / (R +
+    2) for the aspect ratio R.
 
     With a `max_deflection` the fin is driven by the command (`Command.deflections`).
     """
 
     area: float = quantity("m^2", "Area of one face", gt=0.0, le=1e4)
     lift_slope: float = quantity("1/rad", "Slope of the lift coefficient before stall", ge=0.0)
-    stall_angle: float = quantity("rad", "Angle of attack at which the flow separates", gt=0.0, le=np.pi / 2.0)
+    stall_angle: float = quantity(
+        "rad", "Angle of attack at which the flow separates", gt=0.0, le=np.pi / 2.0
+    )
     stall_sharpness: float = quantity("", "Sharpness of the stall", gt=0.0, default=50.0)
     parasitic_drag: float = quantity("", "Drag coefficient at zero lift", ge=0.0, default=0.0)
-    deflection: float = quantity("rad", "Rotation of the chord about its z axis unless commanded", default=0.0)
-    max_deflection: float | None = quantity("rad", "Limit of commanded deflection to either side", ge=0.0, default=None)
+    deflection: float = quantity(
+        "rad", "Rotation of the chord about its z axis unless commanded", default=0.0
+    )
+    max_deflection: float | None = quantity(
+        "rad", "Limit of commanded deflection to either side", ge=0.0, default=None
+    )
 
 
 @value

@@ -22,7 +22,8 @@ Current: TypeAlias = tuple[float, float] | tuple[float, float, float] | Flow
 class Water:
     """Still or moving water, with the coefficients and the form of its loads.
 
-    The coefficients apply to every module and to the fin, except those with coefficients of their own.
+    The coefficients apply to every module and to the fin, except those with coefficients of their
+    own.
     """
 
     name: str = option("Name used in messages and stored trials", default="custom", check=label)
@@ -30,32 +31,57 @@ class Water:
     tangential_friction: float = quantity("", "C_f, drag along the body", ge=0.0)
     normal_drag: float = quantity("", "C_D, drag across the body", ge=0.0)
     added_mass: float = quantity("", "C_A, added mass across the body", ge=0.0)
-    added_inertia: float = quantity("", "C_M, added moment of inertia; unused with `strip`", ge=0.0, default=1.0)
-    tangential_added_mass: float = quantity("", "Added mass along the body per displaced mass", ge=0.0, default=0.0)
-    friction_taper: float = quantity(
-        "", "C_f is 1 + taper times as large at the tail end, 1 - taper at the head end", ge=-1.0, le=1.0, default=0.0
+    added_inertia: float = quantity(
+        "", "C_M, added moment of inertia; unused with `strip`", ge=0.0, default=1.0
     )
-    drag: DragLaw = option("Drag as a function of speed: a law with its own parameters", default=PolynomialDrag())
+    tangential_added_mass: float = quantity(
+        "", "Added mass along the body per displaced mass", ge=0.0, default=0.0
+    )
+    friction_taper: float = quantity(
+        "",
+        "C_f is 1 + taper times as large at the tail end, 1 - taper at the head end",
+        ge=-1.0,
+        le=1.0,
+        default=0.0,
+    )
+    drag: DragLaw = option(
+        "Drag as a function of speed: a law with its own parameters", default=PolynomialDrag()
+    )
     added_mass_form: Literal["relative", "kirchhoff", "classic"] = option(
-        "`relative`: as in the paper; `kirchhoff`: conserves energy; `classic`: for comparison only", default="relative"
+        "`relative`: as in the paper; `kirchhoff`: conserves energy; `classic`: for comparison only",
+        default="relative",
     )
     rotational: Literal["paper", "strip"] = option(
-        "Torque on a link: from the `paper`'s coefficients, or from normal loads along it (`strip`)", default="paper"
+        "Torque on a link: from the `paper`'s coefficients, or from normal loads along it (`strip`)",
+        default="paper",
     )
     trailing_edge: Literal["none", "elongated"] = option(
-        "`elongated` adds Lighthill's wake force at the end of the fin or tail; requires `kirchhoff`", default="none"
+        "`elongated` adds Lighthill's wake force at the end of the fin or tail; requires `kirchhoff`",
+        default="none",
     )
-    current: Current = quantity("m/s", "V, velocity of the water in world axes, or a flow", default=(0.0, 0.0))
-    depth: float | None = quantity("m", "Depth of the axis; None: deep, flows as at the surface", gt=0.0, default=None)
+    current: Current = quantity(
+        "m/s", "V, velocity of the water in world axes, or a flow", default=(0.0, 0.0)
+    )
+    depth: float | None = quantity(
+        "m", "Depth of the axis; None: deep, flows as at the surface", gt=0.0, default=None
+    )
 
     def __post_init__(self) -> None:
-        current = self.current if not isinstance(self.current, Flow) else self.current.constant or self.current
+        current = (
+            self.current
+            if not isinstance(self.current, Flow)
+            else self.current.constant or self.current
+        )
         if not isinstance(current, Flow) and current[2:] == (0.0,):
             current = current[:2]
         object.__setattr__(self, "current", current)
-        bed = min(getattr(one, "depth", None) or math.inf for one in getattr(current, "flows", (current,)))
+        bed = min(
+            getattr(one, "depth", None) or math.inf for one in getattr(current, "flows", (current,))
+        )
         if (self.depth or 0.0) > bed:
-            raise BadArgument("depth", f"must be <= {bed:g} m, the bed depth of its flow, got {self.depth:g}")
+            raise BadArgument(
+                "depth", f"must be <= {bed:g} m, the bed depth of its flow, got {self.depth:g}"
+            )
         if self.trailing_edge == "elongated" and self.added_mass_form != "kirchhoff":
             raise BadArgument(
                 "trailing_edge",
@@ -90,7 +116,8 @@ class Water:
         """Return the velocity of the water at many points.
 
         Args:
-            points: Points in space, or x and y in the plane at height `-depth`, or at the surface; world axes [m].
+            points: Points in space, or x and y in the plane at height `-depth`, or at the surface;
+                world axes [m].
             t: Time since the start of the run, one for all points or one for each [s].
 
         Returns:
@@ -110,7 +137,9 @@ class Ground:
 
     name: str = option("Name used in messages and stored trials", default="custom", check=label)
     friction: DragLaw = option("Friction law: `viscous` or `coulomb`")
-    tangential: float = quantity("", "Coefficient along a link: N s/m, or fraction of its weight", ge=0.0)
+    tangential: float = quantity(
+        "", "Coefficient along a link: N s/m, or fraction of its weight", ge=0.0
+    )
     normal: float = quantity("", "Coefficient across a link, likewise", ge=0.0)
     gravity: float = quantity("m/s^2", "g; not used by `viscous`", ge=0.0, default=9.81)
 
@@ -122,9 +151,11 @@ Environment: TypeAlias = Water | Ground
 class Scene(Extensible, group="scenes"):
     """Surroundings of a robot in space: obstacles, walls, terrain. Custom scenes subclass this class.
 
-    This class is the `open` scene: only water or flat ground, where robots can touch only each other.
+    This class is the `open` scene: only water or flat ground, where robots can touch only each
+    other.
 
-    World axes: z is up, and 0 is the height of the ground or, unless `level` says otherwise, of the water's surface.
+    World axes: z is up, and 0 is the height of the ground or, unless `level` says otherwise, of the
+    water's surface.
     """
 
     called: ClassVar[str] = "open"
@@ -133,7 +164,9 @@ class Scene(Extensible, group="scenes"):
     wet: ClassVar[bool] = False
     """Whether the scene requires water."""
     level: float = quantity("m", "Height of the water's surface", default=0.0)
-    ground: Ground | None = option("Friction of its ground on the robot; MuJoCo's if omitted", default=None)
+    ground: Ground | None = option(
+        "Friction of its ground on the robot; MuJoCo's if omitted", default=None
+    )
 
     def __call__(self, spec: Any) -> None:
         """Add the scene to a `mujoco.MjSpec` that already contains the robots."""
@@ -151,14 +184,17 @@ class Scene(Extensible, group="scenes"):
         """
         if self.wet and isinstance(environment, Ground):
             word = name_of(type(self))
-            raise BadArgument("scene", f"must not be `{word}` without water, got the ground `{environment.name}`")
+            raise BadArgument(
+                "scene", f"must not be `{word}` without water, got the ground `{environment.name}`"
+            )
 
     @classmethod
     def of(cls, given: "Scene | Callable[[Any], None] | str | None") -> "Scene | None":
         """Return a scene, `given` by its name, as an MJCF file, or as a function that edits a `mujoco.MjSpec`.
 
         Args:
-            given: The scene, its name, an MJCF file that ends in .xml, or the function; None for no scene.
+            given: The scene, its name, an MJCF file that ends in .xml, or the function; None for no
+                scene.
 
         Raises:
             ValueError: If there is no scene of that name.
@@ -193,7 +229,9 @@ def check_fits(robot: Robot, environment: Environment) -> None:
     """
     if isinstance(environment, Ground) or environment.depth is None:
         return
-    highest = max((module.section.half_height, f"modules[{i}]") for i, module in enumerate(robot.modules))
+    highest = max(
+        (module.section.half_height, f"modules[{i}]") for i, module in enumerate(robot.modules)
+    )
     if robot.caudal_fin is not None:
         highest = max(highest, (0.5 * robot.caudal_fin.height, "caudal_fin"))
     half_height, owner = highest

@@ -1,15 +1,15 @@
 """TOML files of robots, waters, grounds and currents, and the presets that come with laticauda.
 
 A file first states its kind: ``kind = "robot"``, ``"water"``, ``"ground"``, or the kind of a flow
-(`laticauda.fluid.flow`), which is a current. The other keys are the fields of the class of that name, in the same units
-(lengths in m, angles in rad). Four features keep a file short:
+(`laticauda.fluid.flow`), which is a current. The other keys are the fields of the class of that
+name, in the same units (lengths in m, angles in rad). Four features keep a file short:
 
 - an angle may be given in degrees under its name with ``_deg``: ``limit_deg = 90``;
 - an entry of ``modules`` or ``joints`` may have a ``count``;
 - the ``axis`` of a joint entry may be a list, which its joints cycle through: ``count = 18`` and
   ``axis = ["yaw", "pitch"]`` give 18 joints about the two axes in turn;
-- ``extends = "mamba"`` takes every top-level key that the file lacks, except ``name`` and ``description``, from a
-  preset or from another file (a path relative to this one).
+- ``extends = "mamba"`` takes every top-level key that the file lacks, except ``name`` and
+  ``description``, from a preset or from another file (a path relative to this one).
 
 The ``current`` of a water may also be a preset's name or such a path.
 """
@@ -28,7 +28,11 @@ from laticauda.robot.robot import Robot
 Described: TypeAlias = Robot | environment.Water | environment.Ground | Flow
 Kind = TypeVar("Kind", Robot, environment.Water, environment.Ground, Flow)
 
-KINDS: dict[str, type[Described]] = {"robot": Robot, "water": environment.Water, "ground": environment.Ground}
+KINDS: dict[str, type[Described]] = {
+    "robot": Robot,
+    "water": environment.Water,
+    "ground": environment.Ground,
+}
 PRESETS = Path(__file__).parent / "presets"
 FOLDERS = {word: f"{word}s" for word in (*KINDS, "current", "parameter", "motion")}
 
@@ -58,7 +62,9 @@ def to_toml(thing: Described) -> str:
     import tomli_w
 
     if not isinstance(thing, (*KINDS.values(), Flow)):
-        raise BadArgument("thing", f"must be a Robot, Water, Ground or Flow, got {type(thing).__name__}")
+        raise BadArgument(
+            "thing", f"must be a Robot, Water, Ground or Flow, got {type(thing).__name__}"
+        )
     return tomli_w.dumps(stamped(extensions.name_of(type(thing)), encode(thing)))
 
 
@@ -71,14 +77,18 @@ def from_toml(source: str | Path, kind: type[Any] | None = None) -> Any:
 
     Args:
         source: The text itself, or a path.
-        kind: `Robot`, `Water`, `Ground` or `Flow`, to reject anything else; None accepts all of them.
+        kind: `Robot`, `Water`, `Ground` or `Flow`, to reject anything else; None accepts all of
+            them.
 
     Raises:
-        RobotFileError: If the source is invalid; the message names the file, the key, the rule and the value.
+        RobotFileError: If the source is invalid; the message names the file, the key, the rule and
+            the value.
     """
     path = source if isinstance(source, Path) else None
     shown = "<text>" if path is None else str(path)
-    table = files.parse_toml(str(source), shown, RobotFileError) if path is None else read_table(path)
+    table = (
+        files.parse_toml(str(source), shown, RobotFileError) if path is None else read_table(path)
+    )
     return _build(*_complete(table, shown, path, kind, ()), shown)
 
 
@@ -111,11 +121,15 @@ def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Pat
         RobotNotFound: If it does not exist; the message lists the presets and suggests the nearest.
     """
     if not isinstance(name_or_path, str | Path):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise BadArgument("name_or_path", f"must be a preset's name or a path, got {name_or_path!r}")
+        raise BadArgument(
+            "name_or_path", f"must be a preset's name or a path, got {name_or_path!r}"
+        )
     names, given = preset_names(kind), str(name_or_path)
     listed = f"{FOLDERS[kind]}: {', '.join(names)}"
     ending = ".csv" if kind == "motion" else ".toml"
-    is_path = isinstance(name_or_path, Path) or given.endswith(ending) or "/" in given or sep in given
+    is_path = (
+        isinstance(name_or_path, Path) or given.endswith(ending) or "/" in given or sep in given
+    )
     if not is_path:
         if given in names:
             return PRESETS / FOLDERS[kind] / f"{given}{ending}"
@@ -128,19 +142,27 @@ def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Pat
     except (OSError, ValueError):  # an over-long name, a null byte: reading reports it
         there = True
     if not there:
-        raise RobotNotFound(f"{path if folder else given}: no such file{nearest(path.stem, names)} ({listed})")
+        raise RobotNotFound(
+            f"{path if folder else given}: no such file{nearest(path.stem, names)} ({listed})"
+        )
     return path
 
 
 def _complete(
-    table: Table, shown: str, path: Path | None, kind: type[Described] | None, parents: tuple[Path, ...]
+    table: Table,
+    shown: str,
+    path: Path | None,
+    kind: type[Described] | None,
+    parents: tuple[Path, ...],
 ) -> tuple[type[Described], Table]:
     """Return the class that a file describes, and its keys with those of the file it extends."""
     with keys_of(shown, RobotFileError):
         is_flow = kind is Flow or (kind is None and table.get("kind") in Flow.names())
         word = take_kind(table, *(Flow.names() if is_flow else KINDS))
         if kind not in (None, KINDS.get(word, Flow)):
-            raise BadKey("kind", f'must be "{extensions.name_of(cast(type, kind))}" here, got {word!r}')
+            raise BadKey(
+                "kind", f'must be "{extensions.name_of(cast(type, kind))}" here, got {word!r}'
+            )
     base = table.pop("extends", None)
     if base is not None:
         table = {**_inherited(base, shown, path, "current" if is_flow else word, parents), **table}
@@ -151,10 +173,14 @@ def _complete(
     return KINDS[word], table
 
 
-def _inherited(base: object, shown: str, path: Path | None, word: str, parents: tuple[Path, ...]) -> Table:
+def _inherited(
+    base: object, shown: str, path: Path | None, word: str, parents: tuple[Path, ...]
+) -> Table:
     """Return the keys that a file takes from the file it extends, which must be valid by itself."""
     if not isinstance(base, str):
-        raise RobotFileError(f"{shown}: key `extends`: must be the name of a preset or a path, got {base!r}")
+        raise RobotFileError(
+            f"{shown}: key `extends`: must be the name of a preset or a path, got {base!r}"
+        )
     try:
         other = find(base, word, None if path is None else path.parent)
         found = read_table(other)
@@ -162,7 +188,9 @@ def _inherited(base: object, shown: str, path: Path | None, word: str, parents: 
         raise type(error)(f"{shown}: key `extends`: {error}") from None
     chain = parents if path is None else (*parents, path.resolve())
     if other.resolve() in chain:
-        raise RobotFileError(f"{shown}: key `extends`: must not lead back to a file that extends it, got {base!r}")
+        raise RobotFileError(
+            f"{shown}: key `extends`: must not lead back to a file that extends it, got {base!r}"
+        )
     kind, table = _complete(found, str(other), other, KINDS.get(word, Flow), chain)
     _build(kind, table, str(other))
     return {key: value for key, value in table.items() if key not in ("name", "description")}
@@ -193,7 +221,8 @@ def load_robot(name_or_path: str | Path, n_links: int | None = None) -> Robot:
 
     Args:
         name_or_path: A preset's name (`robot_names` lists them), or the path of a TOML file.
-        n_links: Number of links instead of the file's; only for robots whose modules and joints are all identical.
+        n_links: Number of links instead of the file's; only for robots whose modules and joints are
+            all identical.
 
     Raises:
         RobotFileError: If there is no such robot (`RobotNotFound`), or its file is invalid.
@@ -213,7 +242,8 @@ def load_water(name_or_path: str | Path, robot: Robot | None = None) -> environm
     """Load water.
 
     Args:
-        name_or_path: A preset's name (`water_names` lists them), the path of a TOML file, or ``textbook``.
+        name_or_path: A preset's name (`water_names` lists them), the path of a TOML file, or
+            ``textbook``.
         robot: Robot whose shape determines the textbook water.
 
     Raises:
@@ -261,8 +291,8 @@ def current_of(given: Any, folder: Path | None = None) -> Any:
     """Resolve a current: return the flow of a preset's name or a path, and anything else unchanged.
 
     Args:
-        given: As given by a file or a caller; the name of a flow alone means that flow with its defaults. In a table,
-            the flows of a sum may also be names, and a source is a path.
+        given: As given by a file or a caller; the name of a flow alone means that flow with its
+            defaults. In a table, the flows of a sum may also be names, and a source is a path.
         folder: Base of relative paths; None for the working directory.
 
     Raises:
@@ -272,7 +302,10 @@ def current_of(given: Any, folder: Path | None = None) -> Any:
         return [current_of(one, folder) for one in cast("list[Any]", given)]
     if isinstance(given, dict):
         table = cast("Table", given)
-        flows, source = current_of(table.get("flows"), folder), str((folder or Path()) / str(table.get("source")))
+        flows, source = (
+            current_of(table.get("flows"), folder),
+            str((folder or Path()) / str(table.get("source"))),
+        )
         return {key: {"flows": flows, "source": source}.get(key, one) for key, one in table.items()}
     is_name = isinstance(given, str) and (given in current_names() or given not in Flow.names())
     return from_toml(find(given, "current", folder), Flow) if is_name else given
@@ -282,7 +315,8 @@ def load_joint_angles(name_or_path: str | Path, folder: Path | None = None) -> g
     """Load a recorded motion.
 
     Args:
-        name_or_path: A preset's name, such as `amphibot-1`, or the path of a CSV file (`JointAngles.read`).
+        name_or_path: A preset's name, such as `amphibot-1`, or the path of a CSV file
+            (`JointAngles.read`).
         folder: Base of relative paths; None for the working directory.
 
     Raises:

@@ -16,8 +16,8 @@
     [eel_like.water]           # for this gait: replaces what differs; same for `lateral_undulation`
     tangential_friction = 0.17
 
-Only `[water]` is required. Like robot files, parameter files are read strictly: unknown, missing or out-of-range
-entries are rejected with their keys.
+Only `[water]` is required. Like robot files, parameter files are read strictly: unknown, missing or
+out-of-range entries are rejected with their keys.
 """
 
 from collections.abc import Mapping
@@ -40,9 +40,17 @@ from laticauda.robot.robot import Robot
 Adjustments: TypeAlias = Mapping[str, Mapping[str, Any]]
 """Values that replace the robot's own, by table and field."""
 
-SECTIONS: dict[str, type[Any]] = {"joint": Joint, "actuator": Actuator, "caudal_fin": CaudalFin, "tether": Tether}
+SECTIONS: dict[str, type[Any]] = {
+    "joint": Joint,
+    "actuator": Actuator,
+    "caudal_fin": CaudalFin,
+    "tether": Tether,
+}
 OF_ROBOT = ("active_power", "electronics_power")
-REFUSED = {"axis": "a parameter file cannot change the axes of joints", "actuator": "use the separate table `actuator`"}
+REFUSED = {
+    "axis": "a parameter file cannot change the axes of joints",
+    "actuator": "use the separate table `actuator`",
+}
 NAMES = (*SECTIONS, "robot")
 
 
@@ -59,7 +67,10 @@ def read_adjustments(tables: Mapping[str, object], path: str = "") -> dict[str, 
     Raises:
         BadKey: If a key is unknown, or its value is of the wrong type or out of range.
     """
-    return {name: _read(name, table, f"{path}.{name}" if path else name) for name, table in tables.items()}
+    return {
+        name: _read(name, table, f"{path}.{name}" if path else name)
+        for name, table in tables.items()
+    }
 
 
 def adjusted(robot: Robot, adjustments: Adjustments) -> Robot:
@@ -92,11 +103,15 @@ def _read(name: str, table: object, path: str) -> dict[str, Any]:
     values = codec.table_of(table, path)
     for key, given in values.items():
         if given is None:
-            raise codec.BadKey(f"{path}.{key}", "must be left out to keep the robot's own value, got None")
+            raise codec.BadKey(
+                f"{path}.{key}", "must be left out to keep the robot's own value, got None"
+            )
     if name == "robot":
         codec.check_keys(values, OF_ROBOT, path)
         with codec.arguments_of(path):
-            return {key: quantities_of(Robot)[key].checked(key, value) for key, value in values.items()}
+            return {
+                key: quantities_of(Robot)[key].checked(key, value) for key, value in values.items()
+            }
     for key in sorted(REFUSED.keys() & values if name == "joint" else ()):
         raise codec.BadKey(f"{path}.{key}", f"must not be given: {REFUSED[key]}")
     read = codec.decode(SECTIONS[name], values, path)
@@ -104,7 +119,7 @@ def _read(name: str, table: object, path: str) -> dict[str, Any]:
     return {field: getattr(read, field) for field in fields}
 
 
-# ---- parameters and their file ---------------------------------------------------------------------------------------
+# ---- parameters and their file -------------------------------------------------------------------
 
 KIND = "parameters"
 GAITS = kinds()
@@ -121,8 +136,13 @@ def _checked(name: str, changes: Adjustments) -> dict[str, dict[str, Any]]:
     return {table: values for table, values in read.items() if values}
 
 
-def _checked_by_gait(name: str, changes: Mapping[str, Adjustments]) -> dict[str, dict[str, dict[str, Any]]]:
-    own = {one_of(name, gait, GAITS): _checked(f"{name}.{gait}", tables) for gait, tables in changes.items()}
+def _checked_by_gait(
+    name: str, changes: Mapping[str, Adjustments]
+) -> dict[str, dict[str, dict[str, Any]]]:
+    own = {
+        one_of(name, gait, GAITS): _checked(f"{name}.{gait}", tables)
+        for gait, tables in changes.items()
+    }
     return {gait: tables for gait, tables in own.items() if tables}
 
 
@@ -134,14 +154,22 @@ class Parameters:
         ValueError: If a parameter is unknown or out of range.
     """
 
-    name: str = option("Name used in files and stored trials; the waters are named after it", check=label)
+    name: str = option(
+        "Name used in files and stored trials; the waters are named after it", check=label
+    )
     title: str = option("Label in legends", check=label)
-    joints: JointLaw | str | None = option("Joint law they belong to, by name or with parameters", default=None)
+    joints: JointLaw | str | None = option(
+        "Joint law they belong to, by name or with parameters", default=None
+    )
     every_gait: Water = option("Water for the gaits without their own")
     own: Mapping[str, Water] = option("Water by kind of gait", default_factory=dict[str, Water])
-    changes: Adjustments = option("Robot changes, by table", default_factory=dict[str, dict[str, Any]], check=_checked)
+    changes: Adjustments = option(
+        "Robot changes, by table", default_factory=dict[str, dict[str, Any]], check=_checked
+    )
     own_changes: Mapping[str, Adjustments] = option(
-        "Further changes, by kind of gait", default_factory=dict[str, Adjustments], check=_checked_by_gait
+        "Further changes, by kind of gait",
+        default_factory=dict[str, Adjustments],
+        check=_checked_by_gait,
     )
 
     def __post_init__(self) -> None:
@@ -150,7 +178,9 @@ class Parameters:
         for gait, water in self.own.items():
             one_of("own", gait, GAITS)
             instance(f"own[{gait}]", water, Water)
-        named = {gait: replace(water, name=f"{self.name}, {gait}") for gait, water in self.own.items()}
+        named = {
+            gait: replace(water, name=f"{self.name}, {gait}") for gait, water in self.own.items()
+        }
         object.__setattr__(self, "own", named)
         object.__setattr__(self, "every_gait", replace(self.every_gait, name=self.name))
 
@@ -158,7 +188,8 @@ class Parameters:
         """Return the water for a kind of gait.
 
         Args:
-            gait_kind: Its name, such as `eel_like`; a gait without its own water uses the water of every gait.
+            gait_kind: Its name, such as `eel_like`; a gait without its own water uses the water of
+                every gait.
         """
         return self.own.get(gait_kind, self.every_gait)
 
@@ -178,14 +209,17 @@ class Parameters:
         """Return the file's text, which `load_parameters` reads back to equal parameters.
 
         Raises:
-            ValueError: If a gait's water has None where that of every gait has a number; TOML cannot express this.
+            ValueError: If a gait's water has None where that of every gait has a number; TOML
+                cannot express this.
         """
         import tomli_w
 
         table: codec.Table = codec.stamped(KIND, {"name": self.name, "title": self.title})
         if self.joints is not None:
             table["joints"] = codec.encode(self.joints, JointLaw)
-        water = {key: value for key, value in codec.encode(self.every_gait).items() if key != "name"}
+        water = {
+            key: value for key, value in codec.encode(self.every_gait).items() if key != "name"
+        }
         table |= {"water": water, **codec.encode(self.changes)}
         for gait in GAITS:
             entries: codec.Table = codec.encode(self.own_changes.get(gait, {}))
@@ -222,8 +256,8 @@ def load_parameters(name_or_path: str | Path) -> Parameters:
         The checked parameters.
 
     Raises:
-        RobotFileError: If there is no such file (`RobotNotFound`), or its contents are invalid; the message names the
-            file, the key, the rule and the value.
+        RobotFileError: If there is no such file (`RobotNotFound`), or its contents are invalid; the
+            message names the file, the key, the rule and the value.
 
     Example:
         >>> load_parameters("paper").water("eel_like").tangential_friction
@@ -240,7 +274,10 @@ def _parameters(table: codec.Table) -> Parameters:
     for key in ("name", "title", "water"):
         if key not in table:
             raise codec.BadKey(key, "is missing; every parameter file needs it")
-    joints, every_gait = table.get("joints"), codec.decode(Water, _water_table(table["water"], "water"), "water")
+    joints, every_gait = (
+        table.get("joints"),
+        codec.decode(Water, _water_table(table["water"], "water"), "water"),
+    )
     own: dict[str, Water] = {}
     own_changes: dict[str, Adjustments] = {}
     for gait in (gait for gait in GAITS if gait in table):
@@ -249,12 +286,16 @@ def _parameters(table: codec.Table) -> Parameters:
         if "water" in entries:
             where = f"{gait}.water"
             own[gait] = codec.updated(every_gait, _water_table(entries["water"], where), where)
-        own_changes[gait] = read_adjustments({key: entries[key] for key in NAMES if key in entries}, gait)
+        own_changes[gait] = read_adjustments(
+            {key: entries[key] for key in NAMES if key in entries}, gait
+        )
     with codec.arguments_of(""):
         return Parameters(
             name=table["name"],
             title=table["title"],
-            joints=joints if joints is None or isinstance(joints, str) else codec.decode(JointLaw, joints, "joints"),
+            joints=joints
+            if joints is None or isinstance(joints, str)
+            else codec.decode(JointLaw, joints, "joints"),
             every_gait=every_gait,
             own=own,
             changes=read_adjustments({key: table[key] for key in NAMES if key in table}),
@@ -270,7 +311,9 @@ def _differences(own: Any, usual: Any) -> codec.Table:
         if one.name == "name" or mine == its:
             continue
         if mine is None:
-            raise BadArgument(one.name, "must be a number, as it is for every gait; a file cannot remove it")
+            raise BadArgument(
+                one.name, "must be a number, as it is for every gait; a file cannot remove it"
+            )
         hint = hints_of(own.__class__)[one.name]
         is_same_law = isinstance(mine, DragLaw) and mine.__class__ is its.__class__
         table[one.name] = _differences(mine, its) if is_same_law else codec.encode(mine, hint)
@@ -280,5 +323,7 @@ def _differences(own: Any, usual: Any) -> codec.Table:
 def _water_table(value: object, path: str) -> codec.Table:
     table = codec.table_of(value, path)
     if "name" in table:
-        raise codec.BadKey(f"{path}.name", "must not be given: the water takes the name of the file")
+        raise codec.BadKey(
+            f"{path}.name", "must not be given: the water takes the name of the file"
+        )
     return codec.with_new_names(Water, table)

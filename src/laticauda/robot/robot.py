@@ -24,23 +24,34 @@ End: TypeAlias = Literal["faired", "round", "blunt"]
 class Robot:
     """Chain of modules and joints, tail first, with the parts mounted on it.
 
-    For a sweep, use `dataclasses.replace`; every copy is validated again. With an `active_power`, a trial has an
-    electrical power under any joint law; without it, only with `servo` joints, where it counts as 0.
+    For a sweep, use `dataclasses.replace`; every copy is validated again. With an `active_power`, a
+    trial has an electrical power under any joint law; without it, only with `servo` joints, where
+    it counts as 0.
     """
 
     name: str = option("Name used in messages and stored trials", check=label)
     description: str = option("One-line description", default="")
     modules: tuple[body.Module, ...] = option("The rigid pieces, from tail to head")
     joints: tuple[body.Joint, ...] = option("Joint i connects modules i and i + 1", default=())
-    caudal_fin: effectors.CaudalFin | None = option("The fin behind module 0, or None", default=None)
+    caudal_fin: effectors.CaudalFin | None = option(
+        "The fin behind module 0, or None", default=None
+    )
     thrusters: tuple[effectors.Thruster, ...] = option("Thrusters, in any order", default=())
-    pectoral_fins: tuple[effectors.PectoralFin, ...] = option("Pectoral fins, in any order", default=())
+    pectoral_fins: tuple[effectors.PectoralFin, ...] = option(
+        "Pectoral fins, in any order", default=()
+    )
     tether: effectors.Tether = option("The cable at the tail end", default_factory=effectors.Tether)
-    surface: Surface = option("Surface: smooth, with gaps at the joints, or with a loose skin", default="jointed")
+    surface: Surface = option(
+        "Surface: smooth, with gaps at the joints, or with a loose skin", default="jointed"
+    )
     nose: End = option("Shape of the body's head end", default="round")
     tail: End = option("Shape of the body's tail end", default="round")
-    electronics_power: float = quantity("W", "Power at rest, excluding the actuators' idle power", ge=0.0, default=0.0)
-    active_power: float | None = quantity("W", "Additional power of electronics while swimming", ge=0.0, default=None)
+    electronics_power: float = quantity(
+        "W", "Power at rest, excluding the actuators' idle power", ge=0.0, default=0.0
+    )
+    active_power: float | None = quantity(
+        "W", "Additional power of electronics while swimming", ge=0.0, default=None
+    )
 
     def __post_init__(self) -> None:
         n = len(self.modules)
@@ -52,7 +63,10 @@ class Robot:
         for group in ("thrusters", "pectoral_fins"):
             for i, effector in enumerate(getattr(self, group)):
                 if effector.link >= n:
-                    raise BadArgument(f"{group}[{i}].link", f"must be 0 (tail) to {n - 1} (head), got {effector.link}")
+                    raise BadArgument(
+                        f"{group}[{i}].link",
+                        f"must be 0 (tail) to {n - 1} (head), got {effector.link}",
+                    )
 
     @property
     def words(self) -> str:
@@ -111,13 +125,16 @@ class Robot:
     @property
     def idle_power(self) -> float:
         """Power drawn at rest by electronics and idle actuators [W]."""
-        return self.electronics_power + sum(joint.actuator.idle_power for joint in self.driven_joints)
+        return self.electronics_power + sum(
+            joint.actuator.idle_power for joint in self.driven_joints
+        )
 
     def planar(self) -> "Robot":
         """Return the robot of the planar model: pitch joints are held at 0, and the modules they join are merged.
 
-        Lengths and masses add, moments of inertia add by the parallel-axis theorem, effectors keep their positions on
-        the body, and the idle power is unchanged. A robot without pitch joints is returned unchanged.
+        Lengths and masses add, moments of inertia add by the parallel-axis theorem, effectors keep
+        their positions on the body, and the idle power is unchanged. A robot without pitch joints
+        is returned unchanged.
 
         Raises:
             ValueError: If modules that would merge differ in section or fluid coefficients.
@@ -132,7 +149,8 @@ class Robot:
             joints=tuple(joint for joint in self.joints if joint.axis == "yaw"),
             thrusters=tuple(_moved(thruster, reduction) for thruster in self.thrusters),
             pectoral_fins=tuple(_moved(fin, reduction) for fin in self.pectoral_fins),
-            electronics_power=self.electronics_power + sum(joint.actuator.idle_power for joint in held),
+            electronics_power=self.electronics_power
+            + sum(joint.actuator.idle_power for joint in held),
         )
 
     def yaw_joints(self, name: str, values: Numbers) -> Numbers:
@@ -140,7 +158,8 @@ class Robot:
 
         Args:
             name: Name of `values` in the error message.
-            values: One value per joint or per yaw joint; after one per joint, the value of a driven fin may follow.
+            values: One value per joint or per yaw joint; after one per joint, the value of a driven
+                fin may follow.
 
         Raises:
             ValueError: If the number of values does not match.
@@ -150,7 +169,9 @@ class Robot:
             return values[: len(is_yaw)][is_yaw]
         if values.size == sum(is_yaw):
             return values
-        raise BadArgument(name, f"must hold {len(is_yaw)} numbers, one per joint of the robot, got {values.size}")
+        raise BadArgument(
+            name, f"must hold {len(is_yaw)} numbers, one per joint of the robot, got {values.size}"
+        )
 
     def with_links(self, n_links: int) -> "Robot":
         """Return the same robot with a different number of links.
@@ -159,7 +180,8 @@ class Robot:
             n_links: New number of links; effectors stay on their links.
 
         Raises:
-            ValueError: If the modules or joints are not all identical, or `n_links` is not from 1 to 10 000.
+            ValueError: If the modules or joints are not all identical, or `n_links` is not from 1
+                to 10 000.
         """
         n = whole("n_links", n_links, 1, MOST_LINKS)
         if n == self.n_links:
@@ -174,7 +196,8 @@ def has_power_model(robot: Robot, joints: JointLaw) -> bool:
     """Return whether a run has an electrical power, which is then `mean_power`: with servos or an `active_power`.
 
     Args:
-        robot: Robot that swims; with an `active_power`, it has an electrical power under any joint law.
+        robot: Robot that swims; with an `active_power`, it has an electrical power under any joint
+            law.
         joints: Law by which its joints follow their references.
     """
     return joints.powered or robot.active_power is not None

@@ -1,12 +1,14 @@
 """Water for a custom robot from its dimensions: coefficients from tables, each with an interval and a source.
 
-The resistance of a straight robot is an area times rho v^2 / 2: skin friction C_F on the wetted surface, form drag of
-both ends, gaps at the joints. This area divided by the reference area of C_f (`laticauda.hydrodynamics`) is C_f:
+The resistance of a straight robot is an area times rho v^2 / 2: skin friction C_F on the wetted
+surface, form drag of both ends, gaps at the joints. This area divided by the reference area of C_f
+(`laticauda.hydrodynamics`) is C_f:
 
     C_f = (C_F S + C_e A + C_g sum A_j) / (sum pi (a + b)/2 2l + 2 h L)      C_F = .075 / (log10 Re - 2)^2
 
-with S the wetted surface, A the largest section, A_j the section at a joint, h and L of the fin, and Re based on the
-length. Drag and added mass across the body come from tables of sections by their ratio of width to height.
+with S the wetted surface, A the largest section, A_j the section at a joint, h and L of the fin,
+and Re based on the length. Drag and added mass across the body come from tables of sections by
+their ratio of width to height.
 
 References:
     [1] A. Morrall, 1957 ITTC Model-Ship Correlation Line, National Physical Laboratory, Ship Report 142, 1970: C_F, and
@@ -43,7 +45,12 @@ VISCOSITY = 1.14e-6
 BODY_LENGTHS = 0.5
 """Default speed in body lengths [1/s]: C_f changes by 8 % for twice the speed."""
 
-SEEN = {"swimming": (-0.08, 0.16), "gliding": (-0.15, 0.20), "turning": (-0.01, 0.44), "starting": (-0.29, -0.19)}
+SEEN = {
+    "swimming": (-0.08, 0.16),
+    "gliding": (-0.15, 0.20),
+    "turning": (-0.01, 0.44),
+    "starting": (-0.29, -0.19),
+}
 """Simulated / measured - 1 on AmphiBot: speeds, angle, distance. `tendon-fish` with its broad fin is off far more."""
 
 Range = tuple[float, float, float]
@@ -64,7 +71,9 @@ class Textbook:
     """Source of each parameter, by name."""
 
 
-def textbook_water(robot: Robot, *, speed: float | None = None, surface: Surface | None = None) -> Textbook:
+def textbook_water(
+    robot: Robot, *, speed: float | None = None, surface: Surface | None = None
+) -> Textbook:
     """Return the water from tables for a robot's lengths, sections, ends and surface.
 
     Args:
@@ -90,7 +99,10 @@ def textbook_water(robot: Robot, *, speed: float | None = None, surface: Surface
     friction, of_friction = _friction(body, v)
     drag = _across(robot, _TOLD["drag"], 1)
     mass = _across(robot, _TOLD["mass"], 2)
-    spread = [_across(robot, {name: ((1.0, pair[i]),) for name, pair in _TOLD["spread"].items()}, 1) for i in (0, 1)]
+    spread = [
+        _across(robot, {name: ((1.0, pair[i]),) for name, pair in _TOLD["spread"].items()}, 1)
+        for i in (0, 1)
+    ]
     water = Water(
         name=TEXTBOOK,
         tangential_friction=friction[0],
@@ -151,7 +163,8 @@ def _friction(robot: Robot, speed: float) -> tuple[Range, str]:
     plate = 2.0 * fin.height * (fin.length - hole) if fin else 0.0
     wetted = sum(module.section.perimeter * module.length for module in robot.modules) + plate
     reference = plate + 0.5 * math.pi * sum(
-        (module.section.half_height + module.section.half_width) * module.length for module in robot.modules
+        (module.section.half_height + module.section.half_width) * module.length
+        for module in robot.modules
     )
     end = max(section.area for section in sections)
     joints = sum(min(one.area, other.area) for one, other in pairwise(sections))
@@ -166,7 +179,9 @@ def _friction(robot: Robot, speed: float) -> tuple[Range, str]:
     less, more = (math.hypot(*(area * (one[i] - one[0]) for area, one in parts)) for i in (1, 2))
     high = _SKINNED * value if robot.surface == "skinned" else value + more
     names = "skin (ITTC-57 [1])", f"{robot.nose} nose and {robot.tail} tail [2, 3]", "gaps"
-    shown = ", ".join(f"{name} {1e4 * area * one[0]:.3g}" for name, (area, one) in zip(names, parts, strict=True))
+    shown = ", ".join(
+        f"{name} {1e4 * area * one[0]:.3g}" for name, (area, one) in zip(names, parts, strict=True)
+    )
     text = f"drag areas in cm^2 at {speed:.3g} m/s, {robot.surface}: {shown}; interval: judgment"
     return (value / reference, (value - less) / reference, high / reference), text
 

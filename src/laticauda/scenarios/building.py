@@ -40,8 +40,9 @@ class ModelChanges(TypedDict, total=False):
 class Changes(ModelChanges, total=False):
     """Settings of a scenario that may differ from its defaults: its fields and those of its model, see `ModelChanges`.
 
-    An environment or a current may be given by preset name or path, a model as ``"planar"`` or ``"spatial"``. The
-    default environment is `default_water` of robot and gait; a current replaces that of the water.
+    An environment or a current may be given by preset name or path, a model as ``"planar"`` or
+    ``"spatial"``. The default environment is `default_water` of robot and gait; a current replaces
+    that of the water.
     """
 
     environment: robots.Environment | str | Path | None
@@ -52,7 +53,10 @@ class Changes(ModelChanges, total=False):
 
 
 def scenario(
-    robot: robots.Robot | str | Path, motion: Motion, duration: float = 30.0, **changes: Unpack[Changes]
+    robot: robots.Robot | str | Path,
+    motion: Motion,
+    duration: float = 30.0,
+    **changes: Unpack[Changes],
 ) -> Scenario:
     """Make a scenario from a robot, a motion and deviations from the defaults.
 
@@ -60,8 +64,10 @@ def scenario(
         robot: The robot, the name of a preset, or the path of a file.
         motion: The gait, or the controller.
         duration: Duration of the run [s].
-        changes: Other deviations from the defaults: `environment`, `current`, `model`, `start`, `sample_interval` [s],
-            or settings of the model: `joints`, `dt` [s] and the other fields of `laticauda.scenarios.ModelChanges`.
+        changes: Other deviations from the defaults: `environment`, `current`, `model`, `start`,
+            `sample_interval` [s],
+            or settings of the model: `joints`, `dt` [s] and the other fields of
+                `laticauda.scenarios.ModelChanges`.
 
     Raises:
         ValueError: If an argument is out of its range, or arguments are incompatible.
@@ -73,7 +79,9 @@ def scenario(
         'paper-lateral'
     """
     given = {name: one for name, one in changes.items() if one is not None}
-    own: dict[str, Any] = {name: given.pop(name) for name in ("start", "sample_interval") if name in given}
+    own: dict[str, Any] = {
+        name: given.pop(name) for name in ("start", "sample_interval") if name in given
+    }
     environment, kind = given.pop("environment", None), cast(Any, given.pop("model", "planar"))
     moving = {"current": robots.current_of(given.pop("current"))} if "current" in given else {}
     instance("gait", motion, Gait, Controller)
@@ -112,7 +120,9 @@ def model_of(model: Model | str, **changes: Any) -> Model:
             continue
         if name in {field.name for field in fields(Spatial)}:
             raise BadArgument(name, f"must be left out unless `model` is `spatial`, got {given!r}")
-        raise TypeError(f"There is no argument `{name}`{nearest(name, [*Changes.__annotations__])}.")
+        raise TypeError(
+            f"There is no argument `{name}`{nearest(name, [*Changes.__annotations__])}."
+        )
     if "joints" in changes:
         changes["joints"] = JointLaw.of(changes["joints"])
     return replace(base, **changes) if changes else base
@@ -123,13 +133,15 @@ def default_water(robot: robots.Robot, gait: Gait | None = None) -> robots.Water
 
     Args:
         robot: The robot; it is Mamba if its name is one of `MAMBA`.
-        gait: Gait of its joints; the paper identified coefficients for each kind, and None selects those of lateral
-            undulation.
+        gait: Gait of its joints; the paper identified coefficients for each kind, and None selects
+            those of lateral undulation.
     """
     instance("robot", robot, robots.Robot)
     if robot.name not in MAMBA:
         return robots.textbook_of(robot)
-    return preset_water("paper-eel" if gait is not None and isinstance(gait.envelope, EelLike) else "paper-lateral")
+    return preset_water(
+        "paper-eel" if gait is not None and isinstance(gait.envelope, EelLike) else "paper-lateral"
+    )
 
 
 def water_for(robot: robots.Robot, name: str | None, gait: Gait | None = None) -> robots.Water:
@@ -138,7 +150,8 @@ def water_for(robot: robots.Robot, name: str | None, gait: Gait | None = None) -
     Args:
         robot: The robot.
         name: Name of a preset or a file, or ``textbook``; None: `default_water`.
-        gait: Gait of its joints, which selects the coefficients of Mamba's default water; None: lateral undulation.
+        gait: Gait of its joints, which selects the coefficients of Mamba's default water; None:
+            lateral undulation.
 
     Raises:
         RobotFileError: If there is no water of that name, or its file is wrong.
@@ -170,7 +183,9 @@ def environment_of(given: object, robot: robots.Robot, gait: Gait | None = None)
 
 MAMBA = ("mamba", "mamba-fin", "mamba-modules", "mamba-modules-fin")
 """The robots whose trials were used to identify the paper's waters."""
-ORIGINS: dict[str, str] = dict.fromkeys(("eel_like", "anguilliform"), "the paper's for eel-like motion")
+ORIGINS: dict[str, str] = dict.fromkeys(
+    ("eel_like", "anguilliform"), "the paper's for eel-like motion"
+)
 ORIGINS["lateral_undulation"] = "the paper's for lateral undulation"
 
 
@@ -191,30 +206,39 @@ class Chosen(NamedTuple):
 class Choice:
     """Choice of robot, environment and model, by name.
 
-    The numbers for water, joints, fin and power in a parameter file replace those of the paper and the robot. Its joint
-    law is used if `joints` is omitted; without one, joints are prescribed. `pd` is the law of the published
-    simulations, `servo` that of the real robot, `speed-servo` one that controls its speed.
+    The numbers for water, joints, fin and power in a parameter file replace those of the paper and
+    the robot. Its joint law is used if `joints` is omitted; without one, joints are prescribed.
+    `pd` is the law of the published simulations, `servo` that of the real robot, `speed-servo` one
+    that controls its speed.
 
     Raises:
         ValueError: If incompatible names are given.
     """
 
     robot: str = option("A preset (`laticauda robots` lists them) or a TOML file", default="mamba")
-    n_links: int | None = quantity("", "Another number of links, if all links are alike", ge=1, default=None)
-    water: str | None = option("A preset, a TOML file or textbook; None: see `default_water`", default=None)
+    n_links: int | None = quantity(
+        "", "Another number of links, if all links are alike", ge=1, default=None
+    )
+    water: str | None = option(
+        "A preset, a TOML file or textbook; None: see `default_water`", default=None
+    )
     ground: str | None = option("A preset or a TOML file: crawl on land instead", default=None)
     parameters: str | None = option(
         "A preset or a parameter file: its numbers for water, joints, fin and power instead of the paper's and the "
         "robot's (not with a water)",
         default=None,
     )
-    model: Literal["planar", "spatial"] = option("The closed form in the plane, or MuJoCo in space", default="planar")
+    model: Literal["planar", "spatial"] = option(
+        "The closed form in the plane, or MuJoCo in space", default="planar"
+    )
     joints: str | None = option(
         "How the joints follow the gait: prescribed (exactly), pd (the published simulations' law), servo (the real "
         "robot's), speed-servo (with speed control) or a law of your own; if omitted, the parameters' or prescribed",
         default=None,
     )
-    scene: str | None = option("Surroundings in space, e.g. pegs, slope, pipe, shore, tank, MJCF file", default=None)
+    scene: str | None = option(
+        "Surroundings in space, e.g. pegs, slope, pipe, shore, tank, MJCF file", default=None
+    )
 
     def __post_init__(self) -> None:
         """Reject options that specify the same thing twice."""
@@ -224,7 +248,9 @@ class Choice:
             if self.ground is not None and getattr(self, name) is not None:
                 raise BadArgument(name, "must not be given with `ground`: it applies to water only")
 
-    def resolved(self, gait: Gait, find_robot: Callable[[str, int | None], robots.Robot] = robots.load_robot) -> Chosen:
+    def resolved(
+        self, gait: Gait, find_robot: Callable[[str, int | None], robots.Robot] = robots.load_robot
+    ) -> Chosen:
         """Resolve the names.
 
         Args:
@@ -265,7 +291,9 @@ def named_after(changed: robots.Water, before: robots.Water) -> robots.Water:
         changed: The changed water, with the same name as the earlier one.
         before: The earlier water.
     """
-    listed = ", ".join(f"{name} {_plain(one)}" for name, one in _differences(changed, before).items())
+    listed = ", ".join(
+        f"{name} {_plain(one)}" for name, one in _differences(changed, before).items()
+    )
     return replace(changed, name=f"{before.name} with {listed}") if listed else before
 
 
@@ -275,7 +303,11 @@ def _differences(changed: Any, before: Any) -> Mapping[str, Any]:
         new, old = getattr(changed, field.name), getattr(before, field.name, None)
         if new == old:
             continue
-        found |= _differences(new, old) if is_dataclass(new) and type(new) is type(old) else {field.name: new}
+        found |= (
+            _differences(new, old)
+            if is_dataclass(new) and type(new) is type(old)
+            else {field.name: new}
+        )
     return found
 
 

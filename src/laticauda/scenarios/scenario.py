@@ -23,18 +23,27 @@ class _Model:
     """Common fields of both models."""
 
     joints: JointLaw = option("How the joints follow their references", default=Prescribed())
-    dt: float | None = quantity("s", "Largest time step; a converged one if omitted", default=None, ge=1e-7, le=1e3)
+    dt: float | None = quantity(
+        "s", "Largest time step; a converged one if omitted", default=None, ge=1e-7, le=1e3
+    )
     offset_bandwidth: float = quantity(
         "1/s", "Bandwidth of the gait's filters; 1e6: none", default=10.0, gt=0.0, le=NO_FILTER
     )
     loop_delay: float = quantity(
-        "s", "Delay from a controller's observation to its command at the joints", default=0.0, ge=0.0
+        "s",
+        "Delay from a controller's observation to its command at the joints",
+        default=0.0,
+        ge=0.0,
     )
-    ramp: float | None = quantity("s", "Smooth start; if omitted, 1 s if prescribed, else 0", default=None, ge=0.0)
+    ramp: float | None = quantity(
+        "s", "Smooth start; if omitted, 1 s if prescribed, else 0", default=None, ge=0.0
+    )
 
     def __post_init__(self) -> None:
         """Reject references that jump unless the joints can follow jumps."""
-        if self.offset_bandwidth == NO_FILTER and not (self.joints.takes_jumps or isinstance(self.joints, Unknown)):
+        if self.offset_bandwidth == NO_FILTER and not (
+            self.joints.takes_jumps or isinstance(self.joints, Unknown)
+        ):
             rule = f"must be < {NO_FILTER:g} 1/s, unless the joint law takes references that jump, as `servo` does"
             raise BadArgument("offset_bandwidth", f"{rule}, got {self.offset_bandwidth:g}")
 
@@ -52,16 +61,20 @@ class Planar(_Model):
 class Spatial(_Model):
     """MuJoCo in space, with laticauda's hydrodynamic loads; it needs the extra `spatial`.
 
-    A planar root has fixed height and tilt. Without some ballast, nothing keeps a robot with a free root upright;
-    Mamba's ballast is not known, and the default is an assumption. A scene may be a `Scene`, its name, an MJCF file, or
-    a function that edits a `mujoco.MjSpec`.
+    A planar root has fixed height and tilt. Without some ballast, nothing keeps a robot with a free
+    root upright; Mamba's ballast is not known, and the default is an assumption. A scene may be a
+    `Scene`, its name, an MJCF file, or a function that edits a `mujoco.MjSpec`.
 
     Raises:
         ValueError: If a field is out of its range.
     """
 
-    root: Literal["free", "planar"] | None = option("Tail module's joint; None: planar if all joints yaw", default=None)
-    gravity: bool = option("Whether there is weight and buoyancy; they do nothing to a planar root", default=True)
+    root: Literal["free", "planar"] | None = option(
+        "Tail module's joint; None: planar if all joints yaw", default=None
+    )
+    gravity: bool = option(
+        "Whether there is weight and buoyancy; they do nothing to a planar root", default=True
+    )
     ballast_depth: float = quantity(
         "m",
         "How far the modules' centers of mass lie below their axes, which keeps a free robot upright; an assumption",
@@ -74,7 +87,9 @@ class Spatial(_Model):
         check=lambda _, given: Scene.of(given),
     )
 
-    rays: tuple[float, ...] = quantity("rad", "Directions of the head's range sensors, positive left", default=())
+    rays: tuple[float, ...] = quantity(
+        "rad", "Directions of the head's range sensors, positive left", default=()
+    )
 
 
 Model: TypeAlias = Planar | Spatial
@@ -86,7 +101,8 @@ def loop_in_words(settings: Mapping[str, Any]) -> str:
     """Describe what lies between a controller and the joints: bandwidth and delay.
 
     Args:
-        settings: Settings with `offset_bandwidth`, and `loop_delay` unless they come from an older version.
+        settings: Settings with `offset_bandwidth`, and `loop_delay` unless they come from an older
+            version.
     """
     bandwidth = settings["offset_bandwidth"]
     words = "no filter" if bandwidth >= NO_FILTER else f"bandwidth {bandwidth:g} rad/s"
@@ -100,7 +116,8 @@ def settings_of(model: Model) -> dict[str, str | float | bool | None]:
         model: The model.
     """
     words = {
-        name: name_of(type(one)) if isinstance(one, JointLaw | Scene) else one for name, one in vars(model).items()
+        name: name_of(type(one)) if isinstance(one, JointLaw | Scene) else one
+        for name, one in vars(model).items()
     }
     return {"model": name_of(type(model)), **words}
 
@@ -109,18 +126,23 @@ def settings_of(model: Model) -> dict[str, str | float | bool | None]:
 class Scenario:
     """Everything that determines a run: the same scenario always gives the same trial (`laticauda.swim`).
 
-    Use `dataclasses.replace` to make a modified copy; unchanged parts remain the same objects. The sample interval is
-    adjusted so that it divides the time between two control instants, and the duration.
+    Use `dataclasses.replace` to make a modified copy; unchanged parts remain the same objects. The
+    sample interval is adjusted so that it divides the time between two control instants, and the
+    duration.
 
     Raises:
         ValueError: If a field is out of its range.
     """
 
     robot: Robot = option("What swims")
-    motion: Gait | Controller[Any] = option("Motion of the joints: a gait, or a controller that steers one")
+    motion: Gait | Controller[Any] = option(
+        "Motion of the joints: a gait, or a controller that steers one"
+    )
     environment: Environment = option("The water it swims in or the ground it crawls on")
     model: Model = option("The model that computes the run", default=Planar())
-    start: Start | Resumed = option("Start of the run: straight, or where another run ended", default=Start())
+    start: Start | Resumed = option(
+        "Start of the run: straight, or where another run ended", default=Start()
+    )
     duration: float = quantity("s", "Duration of the run", default=30.0, gt=0.0, le=1e6)
     sample_interval: float = quantity(
         "s",
@@ -143,7 +165,11 @@ class Scenario:
     @property
     def controller(self) -> Controller[Any]:
         """The controller; for a gait, a controller that holds it."""
-        return OpenLoop(command=Command(gait=self.motion)) if isinstance(self.motion, Gait) else self.motion
+        return (
+            OpenLoop(command=Command(gait=self.motion))
+            if isinstance(self.motion, Gait)
+            else self.motion
+        )
 
     @property
     def settings(self) -> Mapping[str, str | float | bool | None]:
@@ -171,7 +197,9 @@ class Experiment:
     gait: Gait | None = option("Commanded gait; None if there was none", default=None)
     environment: Environment = option("The water it swam in or the ground it crawled on")
     model: Model | None = option("Model by which it was simulated; None: it was not", default=None)
-    notes: Mapping[str, Any] = option("What else is known about it: texts and numbers", default_factory=dict[str, Any])
+    notes: Mapping[str, Any] = option(
+        "What else is known about it: texts and numbers", default_factory=dict[str, Any]
+    )
 
     def __post_init__(self) -> None:
         """Check what the types do not express."""
@@ -187,7 +215,11 @@ class Experiment:
     @property
     def lacks(self) -> str:
         """What a scenario has and this experiment lacks, in words."""
-        missing = ["what decided its commands", "where it began", *(["a model"] if self.model is None else [])]
+        missing = [
+            "what decided its commands",
+            "where it began",
+            *(["a model"] if self.model is None else []),
+        ]
         return f"{', '.join(missing[:-1])} and {missing[-1]}"
 
 
@@ -197,5 +229,7 @@ def _plain(name: str, note: Any) -> str | float:
     if isinstance(plain, float) and math.isnan(plain):
         raise BadArgument(f"notes[{name!r}]", "must not be nan")
     if not isinstance(plain, str | float | int):
-        raise BadArgument(f"notes[{name!r}]", f"must be a text, number or truth value, got {type(plain).__name__}")
+        raise BadArgument(
+            f"notes[{name!r}]", f"must be a text, number or truth value, got {type(plain).__name__}"
+        )
     return plain

@@ -15,10 +15,12 @@
     kind = "spatial"
     joints = "servo"
 
-A water or ground may be a table that changes a few numbers of another one: ``extends = "paper-eel"``.
+A water or ground may be a table that changes a few numbers of another one: ``extends =
+"paper-eel"``.
 
-A law or controller named in a text but not defined here is kept as a stand-in: its trial loads, and only running it
-again is rejected. Nothing that a text names is imported. Experiments are stored as text in the same way.
+A law or controller named in a text but not defined here is kept as a stand-in: its trial loads, and
+only running it again is rejected. Nothing that a text names is imported. Experiments are stored as
+text in the same way.
 """
 
 import warnings
@@ -44,8 +46,8 @@ def load_scenario(path: str | Path) -> Scenario:
         path: Path of the TOML file; paths in the file are relative to its folder.
 
     Raises:
-        RobotFileError: If the file cannot be read, or anything in it is wrong; the message gives the file, the key, the
-            rule and the value.
+        RobotFileError: If the file cannot be read, or anything in it is wrong; the message gives
+            the file, the key, the rule and the value.
     """
     with codec.keys_of(path, RobotFileError):
         return scenario_from_table(files.read_toml(path, RobotFileError), Path(path).parent)
@@ -82,10 +84,14 @@ def scenario_from_table(table: codec.Table, folder: Path | None = None) -> Scena
     has_parameters = "parameters" in table
     chosen = take_chosen(table, gait, folder)
     table.setdefault("robot", chosen.robot)
-    places = [name for name in ("water", "ground", "environment") if isinstance(table.get(name), Mapping)]
+    places = [
+        name for name in ("water", "ground", "environment") if isinstance(table.get(name), Mapping)
+    ]
     if len(places) > 1:
         raise codec.BadKey(places[1], f"must not be given together with `{places[0]}`")
-    where = {"kind": places[0], **table[places[0]]} if places and places[0] != "environment" else None
+    where = (
+        {"kind": places[0], **table[places[0]]} if places and places[0] != "environment" else None
+    )
     if where is not None and "current" in where:
         where["current"] = robot.current_of(where["current"], folder)
     table.setdefault("environment", chosen.environment if where is None else where)
@@ -106,22 +112,34 @@ def take_chosen(table: codec.Table, gait: gaits.Gait, folder: Path | None) -> bu
     """Remove the entries `NAMES` from a table, and return what they stand for.
 
     Args:
-        table: Table of a file; tables in place of names stay in it, that of a robot converted to the robot.
+        table: Table of a file; tables in place of names stay in it, that of a robot converted to
+            the robot.
         gait: Determines the water, if none is named.
         folder: Folder in which named files are searched for first, before the working directory.
 
     Raises:
         BadKey: If a name is unknown, or names are incompatible.
     """
-    named = {name: table.pop(name) for name in NAMES if name in table and not isinstance(table[name], Mapping)}
+    named = {
+        name: table.pop(name)
+        for name in NAMES
+        if name in table and not isinstance(table[name], Mapping)
+    }
     for name, one in named.items():
-        if isinstance(one, str) and one.endswith(".toml") and folder is not None and (folder / one).is_file():
+        if (
+            isinstance(one, str)
+            and one.endswith(".toml")
+            and folder is not None
+            and (folder / one).is_file()
+        ):
             named[name] = str(folder / one)
     with codec.arguments_of(""):
         if "robot" in table:
             table["robot"] = described(table["robot"])
         own: robot.Robot | None = table.get("robot")
-        return building.Choice(**named).resolved(gait, lambda name, n: own or robot.load_robot(name, n))
+        return building.Choice(**named).resolved(
+            gait, lambda name, n: own or robot.load_robot(name, n)
+        )
 
 
 def _with_recorded(table: codec.Table, folder: Path | None) -> codec.Table:
@@ -133,17 +151,25 @@ def _with_recorded(table: codec.Table, folder: Path | None) -> codec.Table:
     else:
         angles = codec.decode(gaits.JointAngles, given, "gait.recorded")
     usual = {"amplitude": 0.0, "frequency": angles.frequency, "phase_shift": 0.0}
-    left = {name: one for name, one in usual.items() if not any(key.startswith(name + "_deg") for key in table)}
+    left = {
+        name: one
+        for name, one in usual.items()
+        if not any(key.startswith(name + "_deg") for key in table)
+    }
     return {**left, **table, "recorded": angles}
 
 
-KINDS: dict[str, type[Scenario] | type[Experiment]] = {"scenario": Scenario, "experiment": Experiment}
+KINDS: dict[str, type[Scenario] | type[Experiment]] = {
+    "scenario": Scenario,
+    "experiment": Experiment,
+}
 
 
 def run_to_toml(run: Scenario | Experiment) -> str:
     """Convert a scenario or experiment to text, from which `run_from_toml` restores an equal one.
 
-    A function in it, such as a law that is not a class, cannot be stored: only its name is, with a warning.
+    A function in it, such as a law that is not a class, cannot be stored: only its name is, with a
+    warning.
 
     Args:
         run: The scenario or experiment.
@@ -170,7 +196,8 @@ def run_from_toml(text: str) -> Scenario | Experiment:
 
     Raises:
         BadKey: If a key is unknown, missing or out of range.
-        RobotFileError: If robot or environment is wrong, or the text is not TOML, or is nested too deeply.
+        RobotFileError: If robot or environment is wrong, or the text is not TOML, or is nested too
+            deeply.
     """
     return run_from_table(files.parse_toml(text, "scenario", RobotFileError))
 
@@ -195,7 +222,9 @@ def run_from_table(table: codec.Table) -> Scenario | Experiment:
             if name in ("robot", "environment"):
                 values[name] = described(given)
             elif name not in motion:
-                values[name] = codec.decode(hints[name], given, name, kind.__dataclass_fields__[name].default)
+                values[name] = codec.decode(
+                    hints[name], given, name, kind.__dataclass_fields__[name].default
+                )
         return kind(**values)
 
 
@@ -215,7 +244,10 @@ def unknown_in(thing: object) -> Iterator[extensions.Unknown]:
 def _stored(controller: Controller[Any]) -> Any:
     if is_dataclass(controller) or isinstance(controller, extensions.Unknown):
         return codec.encode(controller, Controller)
-    return {"kind": extensions.name_of(type(controller)), "gait": codec.encode(cast(Any, controller).gait)}
+    return {
+        "kind": extensions.name_of(type(controller)),
+        "gait": codec.encode(cast(Any, controller).gait),
+    }
 
 
 def motion_of(table: Mapping[str, Any]) -> gaits.Gait | Controller[Any]:
@@ -234,7 +266,9 @@ def motion_of(table: Mapping[str, Any]) -> gaits.Gait | Controller[Any]:
     with codec.keeping_unknown():
         controller: Any = codec.decode(cast(Any, Controller), table["controller"], "controller")
     if isinstance(controller, extensions.Unknown):
-        vars(controller)["gait"] = codec.decode(gaits.Gait, controller.table.get("gait"), "controller.gait")
+        vars(controller)["gait"] = codec.decode(
+            gaits.Gait, controller.table.get("gait"), "controller.gait"
+        )
     return cast("Controller[Any]", controller)
 
 
@@ -264,7 +298,11 @@ def _without_functions(table: Mapping[str, Any], at: str) -> codec.Table:
         if isinstance(value, Mapping):
             found[name] = _without_functions(cast("Mapping[str, Any]", value), f"{at}{name}.")
         elif callable(value) or isinstance(value, Grid):
-            called = f"function {getattr(value, '__name__', value)}" if callable(value) else "Dataset in memory"
+            called = (
+                f"function {getattr(value, '__name__', value)}"
+                if callable(value)
+                else "Dataset in memory"
+            )
             text = f"`{at}{name}` is a {called}, which cannot be stored, so the run cannot be repeated."
             warnings.warn(f"{text} Use a law that is a class, or a file.", stacklevel=2)
             return {"kind": called}

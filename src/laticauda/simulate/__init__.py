@@ -5,8 +5,15 @@ from typing import TYPE_CHECKING
 from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
-    from laticauda.simulate.certainty import intervals_of as intervals_of, spread as spread, stated as stated
-    from laticauda.simulate.derivatives import Sensitivities as Sensitivities, sensitivities as sensitivities
+    from laticauda.simulate.certainty import (
+        intervals_of as intervals_of,
+        spread as spread,
+        stated as stated,
+    )
+    from laticauda.simulate.derivatives import (
+        Sensitivities as Sensitivities,
+        sensitivities as sensitivities,
+    )
     from laticauda.simulate.many import Swims as Swims, swim_many as swim_many
     from laticauda.simulate.numbers import Parameter as Parameter, parameters as parameters
     from laticauda.simulate.plants import needs_compiling as needs_compiling, plant as plant

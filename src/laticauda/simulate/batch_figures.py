@@ -43,8 +43,8 @@ class Steady(NamedTuple):
         return cls(start, np.clip(before, 0, time.size - 2), time)
 
 
-# Kept of a run: position at the start and at the end, position and velocity around the start of its steady part,
-# heading and work at the end.
+# Kept of a run: position at the start and at the end, position and velocity around the start of its
+# steady part, heading and work at the end.
 _PATH = [rows.X - rows.TIME, rows.Y - rows.TIME, rows.VX - rows.TIME, rows.VY - rows.TIME]
 KEPT = 2 + 2 + 4 + 4 + 1 + 4
 
@@ -58,10 +58,14 @@ def kept(block: Block, before: np.ndarray) -> np.ndarray:
     """
     k, p = np.arange(before.size), block.center_of_mass
     around = block.log[before, :PATH_ROWS, k], block.log[before + 1, :PATH_ROWS, k]
-    return np.concatenate((p[0], p[-1], *(one[:, _PATH].T for one in around), block.heading[np.newaxis], block.work))
+    return np.concatenate(
+        (p[0], p[-1], *(one[:, _PATH].T for one in around), block.heading[np.newaxis], block.work)
+    )
 
 
-def figures(runs: Sequence[Run], weight: np.ndarray, left: np.ndarray, steady: Steady) -> dict[str, np.ndarray]:
+def figures(
+    runs: Sequence[Run], weight: np.ndarray, left: np.ndarray, steady: Steady
+) -> dict[str, np.ndarray]:
     """Compute the figures of all runs from the kept numbers; the results are meaningless where a run diverged.
 
     Args:
@@ -77,7 +81,9 @@ def figures(runs: Sequence[Run], weight: np.ndarray, left: np.ndarray, steady: S
     step = steady.time[steady.before + 1] - at
     with np.errstate(all="ignore"):
         speed, power = _size(end - start) / duration, work / duration
-        mean = cast(np.ndarray, np.where([powered[id(run.plant)] for run in runs], power[3], power[0]))
+        mean = cast(
+            np.ndarray, np.where([powered[id(run.plant)] for run in runs], power[3], power[0])
+        )
         begin = cycles.hermite((steady.start - at) / step, step, (a, c), (b, d))
         found = {
             "forward_velocity": speed,
@@ -86,7 +92,9 @@ def figures(runs: Sequence[Run], weight: np.ndarray, left: np.ndarray, steady: S
             "net_power": power[1],
             "positive_power": power[2],
             "mean_power": mean,
-            "cost_of_transport": np.where(speed.real > metrics.STILL, mean / (weight * speed), np.nan),
+            "cost_of_transport": np.where(
+                speed.real > metrics.STILL, mean / (weight * speed), np.nan
+            ),
             "x": end[0],
             "y": end[1],
             "heading": heading,
@@ -102,7 +110,9 @@ def _size(vector: np.ndarray) -> np.ndarray:
 def _steady_start(time: np.ndarray, gait: Gait) -> float:
     """Return the start of the steady part [s]; nan if there is none."""
     try:
-        return cycles.steady_part(time, 2.0 * np.pi / gait.frequency if gait.frequency > 0.0 else None).start
+        return cycles.steady_part(
+            time, 2.0 * np.pi / gait.frequency if gait.frequency > 0.0 else None
+        ).start
     except ValueError:
         return np.nan
 
@@ -119,7 +129,12 @@ def joint_peaks(runs: Sequence[Run], block: Block) -> dict[str, Figure]:
     log = block.log[:, rows.LOG_STATE :].reshape(block.time.size, 4, n_joints, len(runs))
     if len(robots[0].driven_joints) > robots[0].n_joints:
         log = np.concatenate((log, log[:, :, tail - 1 : tail]), axis=2)
-    periods = [2.0 * np.pi / run.command.gait.frequency if run.command.gait.frequency > 0.0 else None for run in runs]
+    periods = [
+        2.0 * np.pi / run.command.gait.frequency if run.command.gait.frequency > 0.0 else None
+        for run in runs
+    ]
     counts = np.stack([feasibility.settled(block.time, period) for period in periods], axis=1)
     with np.errstate(all="ignore"):
-        return feasibility.peaks(robots, log[:, 0, tail:], log[:, 1, tail:], log[:, 3, tail:], counts)
+        return feasibility.peaks(
+            robots, log[:, 0, tail:], log[:, 1, tail:], log[:, 3, tail:], counts
+        )

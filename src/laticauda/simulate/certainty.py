@@ -32,7 +32,9 @@ def intervals_of(scenario: scenarios.Scenario) -> Mapping[str, Interval]:
             if number(water) == number(book.water):
                 found[name] = interval
     if not found:
-        raise BadArgument("water", f"must be the textbook's, whose numbers have intervals, got {water.name!r}")
+        raise BadArgument(
+            "water", f"must be the textbook's, whose numbers have intervals, got {water.name!r}"
+        )
     return found
 
 
@@ -41,14 +43,17 @@ def spread(
 ) -> dict[str, Interval]:
     """Compute the range of a run's figures if the numbers of its scenario may lie anywhere in their intervals.
 
-    Each number is set to either end while the others stay unchanged; the resulting changes are added in quadrature,
-    upward and downward changes separately. This is valid if the numbers are independent and act nearly linearly, and
-    says nothing about what the model itself omits (see the theory page on textbook water).
+    Each number is set to either end while the others stay unchanged; the resulting changes are
+    added in quadrature, upward and downward changes separately. This is valid if the numbers are
+    independent and act nearly linearly, and says nothing about what the model itself omits (see the
+    theory page on textbook water).
 
     Args:
         trial: A simulated run; it is repeated twice for each interval.
-        intervals: Intervals by parameter name, as in `parameters`; None: `intervals_of` its scenario.
-        figures: Custom figures: a function from a trial to numbers by name; None: those of `Trial.figures`.
+        intervals: Intervals by parameter name, as in `parameters`; None: `intervals_of` its
+            scenario.
+        figures: Custom figures: a function from a trial to numbers by name; None: those of
+            `Trial.figures`.
 
     Returns:
         Lower and upper bound by name, for all figures that are numbers in every run.
@@ -59,14 +64,21 @@ def spread(
     """
     scenario: Any = trial.scenario
     if not isinstance(scenario, scenarios.Scenario):
-        raise BadArgument("trial", "must be a simulated run, which can be run again with other coefficients")
+        raise BadArgument(
+            "trial", "must be a simulated run, which can be run again with other coefficients"
+        )
     ends, of = intervals_of(scenario) if intervals is None else intervals, figures or _figures
-    runs = [[of(swim(changed(scenario, {name: end}), throw=True)) for end in pair] for name, pair in ends.items()]
+    runs = [
+        [of(swim(changed(scenario, {name: end}), throw=True)) for end in pair]
+        for name, pair in ends.items()
+    ]
     found: dict[str, Interval] = {}
     for name, value in of(trial).items():
         if all(name in run for pair in runs for run in pair):
             steps = [[run[name] - value for run in pair] for pair in runs]
-            less, more = (math.hypot(*(choose(0.0, *pair) for pair in steps)) for choose in (min, max))
+            less, more = (
+                math.hypot(*(choose(0.0, *pair) for pair in steps)) for choose in (min, max)
+            )
             found[name] = value - less, value + more
     return found
 

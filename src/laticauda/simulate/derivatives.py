@@ -1,8 +1,9 @@
 """Derivatives of the figures of trials with respect to the parameters of the trials.
 
-The runs themselves are differentiated exactly: the kernels compute with a complex step (`laticauda.compiling.duals`).
-How a parameter enters the kernels' rows is given by a few short formulas, whose slope is computed by eighth-order
-differences, which are exact for polynomials of that degree: to about 1e-13 for everything in a robot.
+The runs themselves are differentiated exactly: the kernels compute with a complex step
+(`laticauda.compiling.duals`). How a parameter enters the kernels' rows is given by a few short
+formulas, whose slope is computed by eighth-order differences, which are exact for polynomials of
+that degree: to about 1e-13 for everything in a robot.
 """
 
 import functools
@@ -23,12 +24,23 @@ from laticauda.simulate import many, runner
 from laticauda.simulate.numbers import UNITS, Parameter, changed, look_up, parameters, value_of
 from laticauda.trial import metrics
 
-# Points of the differences, in steps, and their weights: eighth order; fourth order at an end of the allowed range.
-_MIDDLE = {1: 4 / 5, -1: -4 / 5, 2: -1 / 5, -2: 1 / 5, 3: 4 / 105, -3: -4 / 105, 4: -1 / 280, -4: 1 / 280}
+# Points of the differences, in steps, and their weights: eighth order; fourth order at an end of
+# the allowed range.
+_MIDDLE = {
+    1: 4 / 5,
+    -1: -4 / 5,
+    2: -1 / 5,
+    -2: 1 / 5,
+    3: 4 / 105,
+    -3: -4 / 105,
+    4: -1 / 280,
+    -4: 1 / 280,
+}
 _AHEAD = {0: -25 / 12, 1: 4.0, 2: -3.0, 3: 4 / 3, 4: -1 / 4}
 _BEHIND = {-point: -weight for point, weight in _AHEAD.items()}
 _LINE = {1: 1 / 2, -1: -1 / 2}  # the numbers of a gait and of a start are rows themselves
-# The step as a share of the number. The smaller ones are for numbers near the end of the allowed range.
+# The step as a share of the number. The smaller ones are for numbers near the end of the allowed
+# range.
 _SHARES = (2.0**-7, 2.0**-10, 2.0**-13)
 
 
@@ -88,31 +100,38 @@ def sensitivities(
 ) -> Sensitivities:
     """Compute derivatives of the figures of one or many trials with respect to numbers of robot, gait and environment.
 
-    The derivatives are those of the kernels' results, at the time step of the trial, exact to rounding: the kernels
-    carry each number with its derivative (a complex step). Trials and parameters are computed side by side; each
-    pair costs as much as three to four trials of a batch. Where a figure has a kink (|u phi'| at u phi' = 0 in a power,
-    saturation of a servo), it is differentiated on either side; over a whole trial, this is not visible.
+    The derivatives are those of the kernels' results, at the time step of the trial, exact to
+    rounding: the kernels carry each number with its derivative (a complex step). Trials and
+    parameters are computed side by side; each pair costs as much as three to four trials of a
+    batch. Where a figure has a kink (|u phi'| at u phi' = 0 in a power, saturation of a servo), it
+    is differentiated on either side; over a whole trial, this is not visible.
 
     Args:
-        robots: The scenarios, all planar, with one duration and sample interval and without controllers; or the robots,
-            together with their gaits. Time steps do not change with a parameter.
+        robots: The scenarios, all planar, with one duration and sample interval and without
+            controllers; or the robots, together with their gaits. Time steps do not change with a
+            parameter.
         gaits: The commanded gaits, one for all or one for each; omitted with scenarios.
         duration: Duration of every trial [s].
-        names: Dotted names of the parameters: `gait.amplitude`, `water.normal_drag`, `robot.caudal_fin.length`,
-            `robot.module.mass` (of all modules alike); see `laticauda.simulate.numbers`.
-        environments: Waters or grounds, one for all or one for each; None uses `default_water` of each robot and gait.
+        names: Dotted names of the parameters: `gait.amplitude`, `water.normal_drag`,
+            `robot.caudal_fin.length`, `robot.module.mass` (of all modules alike); see
+            `laticauda.simulate.numbers`.
+        environments: Waters or grounds, one for all or one for each; None uses `default_water` of
+            each robot and gait.
         starts: Start of each trial; None: at the origin, along x.
-        sample_interval: Sample interval of the logs used for the figures; the logs are not kept [s].
+        sample_interval: Sample interval of the logs used for the figures; the logs are not kept
+            [s].
         threads: Number of threads; None uses all cores that this process may use.
         progress: Called repeatedly with the completed share, from 0 to 1.
-        changes: Settings of the model: `joints` (prescribed, pd, servo, or a joint law), `dt` [s] and the other fields
-            of `laticauda.scenarios.ModelChanges`. A fluid law that branches is differentiated on the branch taken.
+        changes: Settings of the model: `joints` (prescribed, pd, servo, or a joint law), `dt` [s]
+            and the other fields of `laticauda.scenarios.ModelChanges`. A fluid law that branches is
+            differentiated on the branch taken.
 
     Returns:
         Figures and derivatives, as arrays.
 
     Raises:
-        ValueError: If an argument is out of its range, or a parameter does not exist, is a count, or cannot change.
+        ValueError: If an argument is out of its range, or a parameter does not exist, is a count,
+            or cannot change.
 
     Example:
         >>> import laticauda as lc
@@ -123,18 +142,32 @@ def sensitivities(
     """
     if isinstance(names, str) or not names:
         raise BadArgument("names", f"must hold at least one name of a parameter, got {names!r}")
-    scenarios = many.batch_of(robots, gaits, environments, starts, duration, sample_interval, **changes)
+    scenarios = many.batch_of(
+        robots, gaits, environments, starts, duration, sample_interval, **changes
+    )
     runs = many.runs_of(scenarios)
     duration, sample_interval = scenarios[0].duration, scenarios[0].sample_interval
     chosen = [_chosen(names, one) for one in scenarios]
     point = [[value_of(parameter.name, one) for parameter in chosen[0]] for one in scenarios]
     numbers = [
-        Number(name=parameter.name, scenario=one, value=value, change=functools.partial(_moved, one, parameter.name))
+        Number(
+            name=parameter.name,
+            scenario=one,
+            value=value,
+            change=functools.partial(_moved, one, parameter.name),
+        )
         for one, known, values in zip(scenarios, chosen, point, strict=True)
         for parameter, value in zip(known, values, strict=True)
     ]
     pairs = [run for run in runs for _ in names]
-    found = slopes(pairs, numbers, duration, sample_interval=sample_interval, threads=threads, progress=progress)
+    found = slopes(
+        pairs,
+        numbers,
+        duration,
+        sample_interval=sample_interval,
+        threads=threads,
+        progress=progress,
+    )
     shape = len(runs), len(names)
     figures = np.stack([found.figures[name].reshape(shape) for name in UNITS], axis=1)
     return Sensitivities(
@@ -158,7 +191,10 @@ def _chosen(names: Sequence[str], scenario: Scenario) -> tuple[Parameter, ...]:
     found = tuple(look_up(name, known, "names") for name in names)
     for parameter in found:
         if parameter.is_whole:
-            raise BadArgument("names", f"must be of numbers that can vary slightly, got `{parameter.name}`, a count")
+            raise BadArgument(
+                "names",
+                f"must be of numbers that can vary slightly, got `{parameter.name}`, a count",
+            )
     return found
 
 
@@ -207,15 +243,17 @@ def slopes(
         runs: Runs from `laticauda.simulate.many.runs_of`; their time steps remain unchanged.
         numbers: The number with respect to which each run is differentiated.
         duration: Duration of every trial [s].
-        sample_interval: Sample interval of the logs used for the figures; the logs are not kept [s].
+        sample_interval: Sample interval of the logs used for the figures; the logs are not kept
+            [s].
         threads: Number of threads; None uses all cores that this process may use.
         progress: Called repeatedly with the completed share, from 0 to 1.
-        look: Called once per block, in the computing threads, before the next block overwrites its log; all numbers
-            there are complex, see `laticauda.planar.batch`.
+        look: Called once per block, in the computing threads, before the next block overwrites its
+            log; all numbers there are complex, see `laticauda.planar.batch`.
         with_joints: Whether the log that `look` receives includes the motion of the joints.
 
     Raises:
-        ValueError: If a number cannot change to either side, or another argument is out of its range.
+        ValueError: If a number cannot change to either side, or another argument is out of its
+            range.
     """
     derived: list[batch.Run] = []
     weights = np.empty(len(runs), dtype=complex)
@@ -224,7 +262,10 @@ def slopes(
     for i, (run, number) in enumerate(zip(runs, numbers, strict=True)):
         key = id(run.plant), number.name, id(run.command.gait.recorded)
         if (entry := known.get(key)) is None:
-            of_gait = number.start is not None or number.change(number.value).gait is not number.scenario.gait
+            of_gait = (
+                number.start is not None
+                or number.change(number.value).gait is not number.scenario.gait
+            )
             entry = _entry(run, number, (_LINE if of_gait else _MIDDLE, _AHEAD, _BEHIND))
             if not of_gait:  # the same for all gaits
                 known[key] = entry
@@ -232,11 +273,16 @@ def slopes(
         if entry.has_extras and not plant.layout.has_extras:
             plant = extra_plants.setdefault(id(plant), _with_extras(plant))
         derived.append(replace(run, plant=plant, slope=entry.rows))
-        weights[i] = metrics.carried_weight(plant.robot, plant.environment) + 1j * batch.STEP * entry.weight
+        weights[i] = (
+            metrics.carried_weight(plant.robot, plant.environment) + 1j * batch.STEP * entry.weight
+        )
     how = duration, sample_interval, threads, progress
     found = many.collected(derived, *how, weights=weights, look=look, with_joints=with_joints)
     undefined = complex(math.nan, math.nan)
-    return replace(found, figures={name: np.where(np.isnan(f), undefined, f) for name, f in found.figures.items()})
+    return replace(
+        found,
+        figures={name: np.where(np.isnan(f), undefined, f) for name, f in found.figures.items()},
+    )
 
 
 def _entry(run: batch.Run, number: Number, differences: Sequence[Mapping[int, float]]) -> _Entry:
@@ -251,10 +297,18 @@ def _entry(run: batch.Run, number: Number, differences: Sequence[Mapping[int, fl
             except ValueError as err:
                 refused = err
                 continue
-            if len({entry.rows.size for entry in near.values()}) == 1 and near[max(near)].rows.size == run.rows.size:
+            if (
+                len({entry.rows.size for entry in near.values()}) == 1
+                and near[max(near)].rows.size == run.rows.size
+            ):
                 return _Entry(
-                    rows=np.sum([weight / step * near[point].rows for point, weight in points.items()], axis=0),
-                    weight=sum(weight / step * near[point].weight for point, weight in points.items()),
+                    rows=np.sum(
+                        [weight / step * near[point].rows for point, weight in points.items()],
+                        axis=0,
+                    ),
+                    weight=sum(
+                        weight / step * near[point].weight for point, weight in points.items()
+                    ),
                     has_extras=any(entry.has_extras for entry in near.values()),
                 )
     reason = f": {refused}" if refused else ", but the number of fin strips depends on it there."
@@ -267,11 +321,16 @@ def _changed(run: batch.Run, number: Number, by: float) -> _Entry:
     plant = run.plant
     after, before = number.change(number.value + by), number.scenario
     start = run.start if number.start is None else number.start(number.value + by)
-    if any(getattr(after, name) is not getattr(before, name) for name in ("robot", "environment", "model")):
+    if any(
+        getattr(after, name) is not getattr(before, name)
+        for name in ("robot", "environment", "model")
+    ):
         settings = replace(plant.settings, joints=after.model.joints)
         plant = replace(plant, robot=after.robot, environment=after.environment, settings=settings)
     return _Entry(
-        rows=replace(run, plant=plant, command=interfaces.Command(gait=after.gait), start=start).rows,
+        rows=replace(
+            run, plant=plant, command=interfaces.Command(gait=after.gait), start=start
+        ).rows,
         weight=metrics.carried_weight(plant.robot, plant.environment),
         has_extras=plant.layout.has_extras,
     )
@@ -280,5 +339,7 @@ def _changed(run: batch.Run, number: Number, by: float) -> _Entry:
 def _with_extras(plant: model.PlanarPlant) -> model.PlanarPlant:
     """Return the plant with kernels that also compute loads that are 0 now, because their derivatives are not."""
     wider = replace(plant)
-    vars(wider)["layout"] = replace(plant.layout, has_extras=True)  # where the cached property would store it
+    vars(wider)["layout"] = replace(
+        plant.layout, has_extras=True
+    )  # where the cached property would store it
     return wider

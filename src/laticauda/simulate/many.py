@@ -37,8 +37,9 @@ Look = Callable[[Sequence[Run], Block], None]
 class Swims:
     """Figures of many trials, in the order of the arguments; each is defined as in a `Trial`.
 
-    A figure is nan where a trial has none: all figures where the trial diverged, `steady_velocity` also where the trial
-    is too short for its gait, `cost_of_transport` where the robot did not move.
+    A figure is nan where a trial has none: all figures where the trial diverged, `steady_velocity`
+    also where the trial is too short for its gait, `cost_of_transport` where the robot did not
+    move.
     """
 
     forward_velocity: Figure
@@ -71,7 +72,8 @@ class Swims:
     def to_dataset(self) -> "xarray.Dataset":
         """Convert to an xarray Dataset with the dimension `trial`, labeled like the results of a sweep.
 
-        Add varied parameters with `assign_coords`; an amplitude, for instance, with `amplitude=("trial", amplitudes)`.
+        Add varied parameters with `assign_coords`; an amplitude, for instance, with
+        `amplitude=("trial", amplitudes)`.
         """
         import xarray
 
@@ -98,32 +100,38 @@ def swim_many(
 ) -> Swims:
     """Run many scenarios of one model, or let many robots swim, each starting straight and at rest.
 
-    Trial i is the result of `swim` for the i-th element of every argument; where a single value is given instead of a
-    sequence, all trials share it. Planar robots of equal shape are computed eight at a time, so a sweep over gaits,
-    waters or sizes gains most; any mixture is allowed, and the figures agree with those of `swim` to rounding. Spatial
-    robots run one by one on every thread, and their figures are those of `swim` to the last bit. Neither depends on
-    what else is in the batch, nor on the number of threads.
+    Trial i is the result of `swim` for the i-th element of every argument; where a single value is
+    given instead of a sequence, all trials share it. Planar robots of equal shape are computed
+    eight at a time, so a sweep over gaits, waters or sizes gains most; any mixture is allowed, and
+    the figures agree with those of `swim` to rounding. Spatial robots run one by one on every
+    thread, and their figures are those of `swim` to the last bit. Neither depends on what else is
+    in the batch, nor on the number of threads.
 
     Args:
-        robots: The scenarios, all planar or all spatial; planar ones have no controllers, and share duration and sample
-            interval. Or the robots, together with their gaits; one robot may be given by preset name or file path.
+        robots: The scenarios, all planar or all spatial; planar ones have no controllers, and share
+            duration and sample interval. Or the robots, together with their gaits; one robot may be
+            given by preset name or file path.
         gaits: The commanded gaits.
         duration: Duration of every trial [s].
         environments: Waters or grounds; None uses `default_water` of each robot and gait.
         starts: Start of each trial; None: at the origin, along x.
-        sample_interval: Sample interval of the logs used for the figures; the logs are not kept [s].
+        sample_interval: Sample interval of the logs used for the figures; the logs are not kept
+            [s].
         threads: Number of threads; None uses all cores that this process may use.
-        device: cpu, or a device provided by an installed package: cuda for a GPU, with `laticauda-cuda` (experimental),
-            one planar trial per GPU thread. It pays off for thousands of trials.
+        device: cpu, or a device provided by an installed package: cuda for a GPU, with
+            `laticauda-cuda` (experimental), one planar trial per GPU thread. It pays off for
+            thousands of trials.
         progress: Called repeatedly with the completed share, from 0 to 1.
-        changes: Settings of the model: `joints` (prescribed, pd, servo, or a joint law), `dt` [s] and the other fields
-            of `laticauda.scenarios.ModelChanges`. A fluid law that branches with `if` works, but lane by lane.
+        changes: Settings of the model: `joints` (prescribed, pd, servo, or a joint law), `dt` [s]
+            and the other fields of `laticauda.scenarios.ModelChanges`. A fluid law that branches
+            with `if` works, but lane by lane.
 
     Returns:
         The figures, as arrays.
 
     Raises:
-        ValueError: If an argument is out of its range, or sequences differ in length, or there is no GPU.
+        ValueError: If an argument is out of its range, or sequences differ in length, or there is
+            no GPU.
 
     Example:
         >>> import laticauda as lc
@@ -137,24 +145,39 @@ def swim_many(
         found = swum(scenarios, threads, progress)
     else:
         runs = runs_of(scenarios)
-        found = collected(runs, scenarios[0].duration, scenarios[0].sample_interval, threads, progress, device=device)
+        found = collected(
+            runs,
+            scenarios[0].duration,
+            scenarios[0].sample_interval,
+            threads,
+            progress,
+            device=device,
+        )
     named = dict(found.figures)
     end = np.stack([named.pop(axis) for axis in "xyz" if axis in named], axis=1)
     return Swims(**named, center_of_mass=end, succeeded=found.succeeded, status=found.status)
 
 
-def swum(scenarios: Sequence[Scenario], threads: int | None, progress: runner.Progress) -> "Collected":
+def swum(
+    scenarios: Sequence[Scenario], threads: int | None, progress: runner.Progress
+) -> "Collected":
     """Compute the figures of spatial scenarios, and `z`; arguments as for `swim_many`."""
     names = (*UNITS, "z")
 
     def figures(trial: Trial) -> tuple[list[float | None], bool, str]:
         known = trial.figures()[0] | {"heading": trial.heading[-1]}
         known |= dict(zip("xyz", trial.center_of_mass[-1], strict=True))
-        return [known.get(name) if trial.succeeded else None for name in names], trial.succeeded, trial.status
+        return (
+            [known.get(name) if trial.succeeded else None for name in names],
+            trial.succeeded,
+            trial.status,
+        )
 
     for i, one in enumerate(scenarios):
         instance(f"scenarios[{i}].model", one.model, Spatial)
-    numbers, succeeded, status = zip(*swim_each(scenarios, figures, threads=threads, progress=progress), strict=True)
+    numbers, succeeded, status = zip(
+        *swim_each(scenarios, figures, threads=threads, progress=progress), strict=True
+    )
     by_name = dict(zip(names, np.array(numbers, dtype=float).T, strict=True))
     return Collected(figures=by_name, succeeded=np.array(succeeded), status=status)
 
@@ -171,7 +194,12 @@ def batch_of(
     """Return the scenarios of a batch; arguments as for `swim_many`."""
     swimming = load_robot(robots) if isinstance(robots, str | Path) else robots
     if gaits is None:
-        return _each("robots", cast("Sequence[Scenario]", instance("robots", swimming, Sequence)), 0, Scenario)
+        return _each(
+            "robots",
+            cast("Sequence[Scenario]", instance("robots", swimming, Sequence)),
+            0,
+            Scenario,
+        )
     given = {"robots": swimming, "gaits": gaits, "environments": environments, "starts": starts}
     n = _common_length(given)
     every_robot = _each("robots", cast("Robot | Sequence[Robot]", swimming), n, Robot)
@@ -181,7 +209,9 @@ def batch_of(
         every_environment: Sequence[Environment] = list(map(default_water, every_robot, every_gait))
     else:
         every_environment = _each("environments", environments, n, Water, Ground)
-    base = scenario(every_robot[0], every_gait[0], duration, sample_interval=sample_interval, **changes)
+    base = scenario(
+        every_robot[0], every_gait[0], duration, sample_interval=sample_interval, **changes
+    )
     parts = zip(every_robot, every_gait, every_environment, every_start, strict=True)
     return [replace(base, robot=r, motion=g, environment=e, start=s) for r, g, e, s in parts]
 
@@ -206,7 +236,9 @@ def runs_of(scenarios: Sequence[Scenario]) -> list[Run]:
             plants[key] = cast(PlanarPlant, plant(one))
         if (one.duration, one.sample_interval) != common:
             name = "duration" if one.duration != common[0] else "sample_interval"
-            raise BadArgument(name, f"must be the same in all scenarios, also got {getattr(one, name):g} s")
+            raise BadArgument(
+                name, f"must be the same in all scenarios, also got {getattr(one, name):g} s"
+            )
         motion = instance(f"scenarios[{i}].motion", one.motion, Gait, OpenLoop)
         command = motion.command if isinstance(motion, OpenLoop) else Command(gait=one.gait)
         start = cast(Start, instance(f"scenarios[{i}].start", one.start, Start))
@@ -243,12 +275,15 @@ def collected(
     Args:
         runs: The runs of the batch.
         duration: Duration of every trial [s].
-        sample_interval: Sample interval of the logs used for the figures; the logs are not kept [s].
+        sample_interval: Sample interval of the logs used for the figures; the logs are not kept
+            [s].
         threads: Number of threads; None uses all cores that this process may use.
         progress: Called repeatedly with the completed share, from 0 to 1.
-        weights: Weights of the robots, see `carried_weight` [N]; complex if their runs carry derivatives.
+        weights: Weights of the robots, see `carried_weight` [N]; complex if their runs carry
+            derivatives.
         device: cpu, or a device provided by an installed package, such as cuda.
-        look: Called once per block, in the computing threads, before the next block overwrites its log; cpu only.
+        look: Called once per block, in the computing threads, before the next block overwrites its
+            log; cpu only.
         with_joints: Whether the log that `look` receives includes the motion of the joints.
     """
     check_size(duration, sample_interval)
@@ -259,7 +294,9 @@ def collected(
     n, carried = len(runs), weights
     if carried is None:
         plants: dict[int, PlanarPlant] = {id(run.plant): run.plant for run in runs}
-        weight = {key: metrics.carried_weight(one.robot, one.environment) for key, one in plants.items()}
+        weight = {
+            key: metrics.carried_weight(one.robot, one.environment) for key, one in plants.items()
+        }
         carried = np.array([weight[id(run.plant)] for run in runs])
     n_intervals = max(1, round(duration / sample_interval))
     steady = batch_figures.Steady.of(runs, np.linspace(0.0, duration, n_intervals + 1))
@@ -275,7 +312,9 @@ def collected(
         return block.index
 
     finished = 0
-    for index in march(runs, duration, sample_interval, keep, threads=threads, with_joints=with_joints):
+    for index in march(
+        runs, duration, sample_interval, keep, threads=threads, with_joints=with_joints
+    ):
         finished += index.size
         progress(finished / n)
     found = batch_figures.figures(runs, carried, left, steady)
@@ -285,7 +324,11 @@ def collected(
 
 def _common_length(given: Mapping[str, object]) -> int:
     """Return the number of trials implied by the sequences among the arguments."""
-    lengths = {name: len(cast(Sequence[object], value)) for name, value in given.items() if isinstance(value, Sequence)}
+    lengths = {
+        name: len(cast(Sequence[object], value))
+        for name, value in given.items()
+        if isinstance(value, Sequence)
+    }
     if len(set(lengths.values())) > 1:
         listed = ", ".join(f"{length} {name}" for name, length in lengths.items())
         raise ValueError(f"`{'`, `'.join(lengths)}` must be of equal length, got {listed}.")

@@ -1,9 +1,10 @@
 """Parameters that can be swept: every number in robot, gait, environment and joint law, by a dotted name.
 
-A name is the path to the field: `gait.amplitude`, `water.normal_drag`, `robot.caudal_fin.length`. The singular of a
-plural field addresses all of its items alike: `robot.module.mass`, `robot.joint.actuator.servo_gain`. A pair of numbers
-is two parameters: `water.current_x`, `water.current_y`; a flow has each of its numbers: `water.current.height`, and a
-sum of flows those of each flow: `water.current.flow[0].height`. `robot.n_links` is the number of links; `joints` has
+A name is the path to the field: `gait.amplitude`, `water.normal_drag`, `robot.caudal_fin.length`.
+The singular of a plural field addresses all of its items alike: `robot.module.mass`,
+`robot.joint.actuator.servo_gain`. A pair of numbers is two parameters: `water.current_x`,
+`water.current_y`; a flow has each of its numbers: `water.current.height`, and a sum of flows those
+of each flow: `water.current.flow[0].height`. `robot.n_links` is the number of links; `joints` has
 the numbers of a custom joint law. Units are those of the fields: SI and radians.
 """
 
@@ -26,10 +27,19 @@ from laticauda.trial import Trial
 Changes = dict[str, Any]
 
 _FIGURES = "forward_velocity steady_velocity mechanical_power net_power positive_power mean_power cost_of_transport"
-UNITS = {name: getattr(Trial, name).unit for name in _FIGURES.split()} | {"x": "m", "y": "m", "heading": "rad"}
+UNITS = {name: getattr(Trial, name).unit for name in _FIGURES.split()} | {
+    "x": "m",
+    "y": "m",
+    "heading": "rad",
+}
 """Figures of a trial that depend on its parameters, with their units."""
 
-_SINGULAR = {"modules": "module", "joints": "joint", "thrusters": "thruster", "pectoral_fins": "pectoral_fin"}
+_SINGULAR = {
+    "modules": "module",
+    "joints": "joint",
+    "thrusters": "thruster",
+    "pectoral_fins": "pectoral_fin",
+}
 _EACH = {"flows": "flow"}  # items whose numbers are never addressed together
 _PLURAL = {one: several for several, one in (_SINGULAR | _EACH).items()}
 _ENDS = ("_x", "_y", "_z")
@@ -95,10 +105,12 @@ def of_figure(name: str) -> dict[str, str]:
 def parameters(scenario: Scenario, *, each: bool = False) -> dict[str, Parameter]:
     """Return the parameters that can be swept, by name.
 
-    Fins, thrusters and tether drag can be swept if the robot has them; coefficients that are still None can be swept.
+    Fins, thrusters and tether drag can be swept if the robot has them; coefficients that are still
+    None can be swept.
 
     Args:
-        scenario: The scenario; names of its environment's parameters begin with `water` or `ground`.
+        scenario: The scenario; names of its environment's parameters begin with `water` or
+            `ground`.
         each: Whether to list the numbers of every single module and joint as well.
     """
     robot, environment = scenario.robot, scenario.environment
@@ -164,7 +176,9 @@ def changed(scenario: Scenario, values: Mapping[str, float]) -> Scenario:
         robot=_applied(robot, body),
         motion=_applied(scenario.gait, wanted["gait"]) if "gait" in wanted else scenario.motion,
         environment=_applied(environment, wanted.get(place(environment), {})),
-        model=_applied(scenario.model, {"joints": wanted["joints"]}) if "joints" in wanted else scenario.model,
+        model=_applied(scenario.model, {"joints": wanted["joints"]})
+        if "joints" in wanted
+        else scenario.model,
     )
 
 
@@ -180,7 +194,9 @@ def _applied(thing: Any, wanted: Changes) -> Any:
             new[name] = _other(held, value)
         else:
             several = list(held)
-            made = {id(one): _other(one, value) for one in several[some]}  # items that were the same object remain so
+            made = {
+                id(one): _other(one, value) for one in several[some]
+            }  # items that were the same object remain so
             several[some] = [made[id(one)] for one in several[some]]
             new[name] = tuple(several)
     whole = {name: int(new[name]) for name in new.keys() & _whole_fields(thing.__class__)}
@@ -270,7 +286,9 @@ def value_of(name: str, scenario: Scenario, argument: str = "names") -> float:
         rule = f"must be of numbers that are the same in all parts, got `{name}`, {sorted(set(things))}"
         raise BadArgument(argument, rule)
     if things[0] is None:
-        raise BadArgument(argument, f"must be of numbers that the trial has, got `{name}`, which is None")
+        raise BadArgument(
+            argument, f"must be of numbers that the trial has, got `{name}`, which is None"
+        )
     return float(things[0])
 
 

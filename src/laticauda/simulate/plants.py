@@ -21,9 +21,10 @@ def plant(
     """Make the plant of a scenario, which can be stepped.
 
     Args:
-        robot: The scenario, also that of a trial (`Trial.scenario`); or a robot alone, with its environment: a
-            `Robot`, the name of a preset, or the path of a file.
-        environment: With a robot: where it swims, also by name or path; None: `laticauda.scenarios.default_water`.
+        robot: The scenario, also that of a trial (`Trial.scenario`); or a robot alone, with its
+            environment: a `Robot`, the name of a preset, or the path of a file.
+        environment: With a robot: where it swims, also by name or path; None:
+            `laticauda.scenarios.default_water`.
         model: With a robot: the model or its name.
         changes: With a robot: the model's settings; see `laticauda.scenarios.ModelChanges`.
 
@@ -35,14 +36,26 @@ def plant(
         MissingExtra: If the model needs a package that is not installed.
     """
     if isinstance(robot, Experiment):
-        raise BadArgument("scenario", f"must be that of a simulated run to be run again; this one lacks {robot.lacks}")
+        raise BadArgument(
+            "scenario",
+            f"must be that of a simulated run to be run again; this one lacks {robot.lacks}",
+        )
     if isinstance(robot, Scenario):
         for one in scenarios.unknown_in(robot):
             advice = "import the module that defines it, or install its package"
-            raise BadArgument("scenario", f"cannot be run here: its `{one.kind}` is not defined; {advice}")
+            raise BadArgument(
+                "scenario", f"cannot be run here: its `{one.kind}` is not defined; {advice}"
+            )
         return _plant(robot.robot, robot.environment, robot.model)
-    body = load_robot(robot) if isinstance(robot, str | Path) else cast(Robot, instance("robot", robot, Robot))
-    where = cast(Environment, instance("environment", scenarios.environment_of(environment, body), Water, Ground))
+    body = (
+        load_robot(robot)
+        if isinstance(robot, str | Path)
+        else cast(Robot, instance("robot", robot, Robot))
+    )
+    where = cast(
+        Environment,
+        instance("environment", scenarios.environment_of(environment, body), Water, Ground),
+    )
     given = {name: one for name, one in changes.items() if one is not None}
     return _plant(body, where, scenarios.model_of(model, **given))
 
@@ -59,7 +72,9 @@ def _plant(robot: Robot, environment: Environment, model: Model) -> Plant[Any]:
     return SpatialPlant(robot=robot, environment=environment, settings=model)
 
 
-def school_of(plant: Plant[Any], command: Command, n: int, interval: float, *, threads: int | None) -> School[Any]:
+def school_of(
+    plant: Plant[Any], command: Command, n: int, interval: float, *, threads: int | None
+) -> School[Any]:
     """Make a `School` of many copies of a plant's robot; arguments as for the `School` of its model."""
     if isinstance(plant.settings, Planar):
         from laticauda.planar import school

@@ -65,20 +65,23 @@ def run(
 ) -> Trial:
     """Run a plant under a controller, starting straight and at rest.
 
-    A command takes effect the plant's `loop_delay` after the observation from which it was computed; until the first
-    one does, the controller's gait acts. `OpenLoop` ignores observations, and acts at once.
+    A command takes effect the plant's `loop_delay` after the observation from which it was
+    computed; until the first one does, the controller's gait acts. `OpenLoop` ignores observations,
+    and acts at once.
 
     Args:
         plant: The plant to run; see `plant`.
-        controller: Computes the command at every control instant; `OpenLoop` holds one. Its signals are stored in the
-            trial.
+        controller: Computes the command at every control instant; `OpenLoop` holds one. Its signals
+            are stored in the trial.
         duration: Duration of the run [s].
         start: Start of the run; None: at the origin, along x.
-        sample_interval: Time between two samples of the log [s]; adjusted so that it divides the time between two
-            control instants, and the duration.
+        sample_interval: Time between two samples of the log [s]; adjusted so that it divides the
+            time between two control instants, and the duration.
         link_forces: Whether to log the force on every link as well.
-        until: Called at every control instant after the first; when it returns True, the run ends early.
-        throw: Whether to raise an error when the run blows up, instead of returning a trial that says so.
+        until: Called at every control instant after the first; when it returns True, the run ends
+            early.
+        throw: Whether to raise an error when the run blows up, instead of returning a trial that
+            says so.
         progress: Called repeatedly with the time reached [s].
 
     Returns:
@@ -97,7 +100,9 @@ def run(
         duration=duration,
         sample_interval=sample_interval,
     )
-    return run_scenario(scenario, plant, link_forces=link_forces, until=until, throw=throw, progress=progress)
+    return run_scenario(
+        scenario, plant, link_forces=link_forces, until=until, throw=throw, progress=progress
+    )
 
 
 def run_scenario(scenario: Scenario, plant: Plant[Any], **how: Unpack[Watching]) -> Trial:
@@ -106,19 +111,26 @@ def run_scenario(scenario: Scenario, plant: Plant[Any], **how: Unpack[Watching])
     Args:
         scenario: Everything that determines the run.
         plant: The plant made from the scenario.
-        how: `link_forces`: log the force on every link as well; `until`: called at every control instant, ends the run
-            when it returns True; `throw`: raise an error when the run blows up; `progress`: called repeatedly with the
-            time reached [s].
+        how: `link_forces`: log the force on every link as well; `until`: called at every control
+            instant, ends the run when it returns True; `throw`: raise an error when the run blows
+            up; `progress`: called repeatedly with the time reached [s].
     """
-    # Record the robot that actually swims, such as its planar form, and what the scenario leaves open, such as dt.
+    # Record the robot that actually swims, such as its planar form, and what the scenario leaves
+    # open, such as dt.
     scenario = replace(scenario, robot=plant.robot, model=plant.settings)
     link_forces = how.get("link_forces", False)
 
-    def march(states: States, commands: Sequence[Command], share: float, interval: float) -> Marched:
-        state, stretch, failure = plant.advance(states[0], commands[0], share, interval, link_forces=link_forces)
+    def march(
+        states: States, commands: Sequence[Command], share: float, interval: float
+    ) -> Marched:
+        state, stretch, failure = plant.advance(
+            states[0], commands[0], share, interval, link_forces=link_forces
+        )
         return [state], [stretch], failure
 
-    (trial,) = run_all([scenario], [plant], march, until=how.get("until"), progress=how.get("progress", silent))
+    (trial,) = run_all(
+        [scenario], [plant], march, until=how.get("until"), progress=how.get("progress", silent)
+    )
     if how.get("throw") and not trial.succeeded:
         raise SimulationFailed(trial.status)
     return trial
@@ -150,7 +162,9 @@ def run_all(
     check_size(duration, sample_interval)
     for one, body in zip(scenarios, plants, strict=True):
         one.controller.check(body.robot)
-    swimmers = [_Swimmer(plant=body, scenario=one) for body, one in zip(plants, scenarios, strict=True)]
+    swimmers = [
+        _Swimmer(plant=body, scenario=one) for body, one in zip(plants, scenarios, strict=True)
+    ]
     check([one.state for one in swimmers])
     pace = min(one.controller.interval for one in swimmers)
     failure: str | None = None
@@ -183,7 +197,8 @@ class _Swimmer:
         self.state = _begun(plant, scenario.start, scenario.gait)
         self.mind = self.controller.init()
         self.delay = _delay(plant, self.controller, scenario.start)
-        # The delay line between controller and joints: when each command takes effect [s]; the first one already has.
+        # The delay line between controller and joints: when each command takes effect [s]; the
+        # first one already has.
         self.line = [(0.0, Command(gait=self.controller.gait))]
         self.log: list[Stretch] = []
         self.signals: list[Mapping[str, float]] = []
@@ -204,11 +219,18 @@ class _Swimmer:
     def trial(self, duration: float, failure: str | None) -> Trial:
         """Return the trial of a run of the given duration [s], which may have ended with a failure."""
         log, scenario = self.plant.log(self.log), self.scenario
-        self.counts[-1] += 1  # a sample at a control instant has its signals, but the very last one those before it
-        said = {name: np.repeat([one[name] for one in self.signals], self.counts) for name in self.signals[0]}
+        self.counts[-1] += (
+            1  # a sample at a control instant has its signals, but the very last one those before it
+        )
+        said = {
+            name: np.repeat([one[name] for one in self.signals], self.counts)
+            for name in self.signals[0]
+        }
         return Trial(
             **vars(replace(log, signals={**said, **log.signals})),
-            scenario=scenario if duration == scenario.duration else replace(scenario, duration=duration),
+            scenario=scenario
+            if duration == scenario.duration
+            else replace(scenario, duration=duration),
             version=packaging.__version__,
             status=failure or "The run reached its end.",
             succeeded=failure is None,
@@ -216,7 +238,9 @@ class _Swimmer:
         )
 
 
-def _march_on(swimmers: Sequence[_Swimmer], march: March, now: float, share: float, count: int) -> str | None:
+def _march_on(
+    swimmers: Sequence[_Swimmer], march: March, now: float, share: float, count: int
+) -> str | None:
     """Advance by a stretch of time, split where a command takes effect; return the failure message, if any."""
     interval = share / count
     turns = [due - now for one in swimmers for due, _ in one.line[1:] if due < now + share - CLOSE]
@@ -226,9 +250,14 @@ def _march_on(swimmers: Sequence[_Swimmer], march: March, now: float, share: flo
         between = {turn for turn in turns if min(abs(turn - sample) for sample in samples) > CLOSE}
         moments = sorted([*samples, *between])
     for begin, end in pairwise(moments):
-        acting = [[command for due, command in one.line if due - now <= begin + CLOSE][-1] for one in swimmers]
+        acting = [
+            [command for due, command in one.line if due - now <= begin + CLOSE][-1]
+            for one in swimmers
+        ]
         length = end - begin
-        states, found, failure = march([one.state for one in swimmers], acting, length, length if turns else interval)
+        states, found, failure = march(
+            [one.state for one in swimmers], acting, length, length if turns else interval
+        )
         for one, state, stretch in zip(swimmers, states, found):  # noqa: B905
             one.state = state
             one.log.append(stretch if not turns or end in samples else stretch.at(slice(None, -1)))
@@ -242,7 +271,9 @@ def _delay(plant: Plant[Any], controller: Controller[Any], start: Start | Resume
     """Return the delay after which commands take effect [s]."""
     delay = 0.0 if isinstance(controller, OpenLoop) else plant.settings.loop_delay
     if delay and isinstance(start, Resumed):
-        rule = "must be 0 to continue from the end of a trial, which does not store delayed commands"
+        rule = (
+            "must be 0 to continue from the end of a trial, which does not store delayed commands"
+        )
         raise BadArgument("loop_delay", f"{rule}, got {delay:g}")
     return delay
 
@@ -268,24 +299,28 @@ def resume(
         plant: The plant of the trial (`laticauda.plant` of its scenario).
         trial: A trial that ran to its end.
         duration: Duration of the continuation [s].
-        controller: The controller, which starts from its own initial state; None continues with the trial's gait.
-        how: `link_forces`: log the force on every link as well; `until`: called at every control instant, ends the run
-            when it returns True; `throw`: raise an error when the run blows up; `progress`: called repeatedly with the
-            time reached [s];
+        controller: The controller, which starts from its own initial state; None continues with the
+            trial's gait.
+        how: `link_forces`: log the force on every link as well; `until`: called at every control
+            instant, ends the run when it returns True; `throw`: raise an error when the run blows
+            up; `progress`: called repeatedly with the time reached [s];
             `sample_interval`: time between two samples of the log [s].
 
     Returns:
         The trial of the second part; `laticauda.joined` joins the two.
 
     Raises:
-        ValueError: If the trial has no state to continue from, or a state that does not belong to this plant.
+        ValueError: If the trial has no state to continue from, or a state that does not belong to
+            this plant.
         SimulationFailed: If the run blows up and `throw` is set.
     """
     steered = getattr(trial.scenario, "motion", None)  # an experiment has none
     if isinstance(steered, Controller):
         _delay(plant, cast("Controller[Any]", steered), Resumed(state={}))
     if not trial.succeeded or not trial.state:
-        raise ValueError(f"`trial` must have run to its end and hold its final state; its status: {trial.status}")
+        raise ValueError(
+            f"`trial` must have run to its end and hold its final state; its status: {trial.status}"
+        )
     if controller is None:
         if trial.gait is None:
             raise BadArgument("controller", "must be given to continue a trial that has no gait")
@@ -296,7 +331,9 @@ def resume(
 def _motion(controller: Controller[Any]) -> Motion:
     """Return the gait if the controller only holds one, otherwise the controller."""
     instance("controller", controller, Controller)
-    held = isinstance(controller, OpenLoop) and controller == OpenLoop(command=Command(gait=controller.gait))
+    held = isinstance(controller, OpenLoop) and controller == OpenLoop(
+        command=Command(gait=controller.gait)
+    )
     return controller.gait if held else controller
 
 
@@ -308,7 +345,9 @@ def _cut(duration: float, interval: float, n_reached: int) -> float:
     return next((duration for duration in around if duration / n_reached == length), cut)
 
 
-def _stretches(duration: float, sample_interval: float, control_interval: float) -> Iterator[tuple[float, int, float]]:
+def _stretches(
+    duration: float, sample_interval: float, control_interval: float
+) -> Iterator[tuple[float, int, float]]:
     """Split a run at its control instants, and split long stretches so that `progress` is called often enough.
 
     Yields:
@@ -336,18 +375,21 @@ def swim(
     """Run a scenario, or simulate a robot that swims a gait, starting straight and at rest.
 
     Args:
-        robot: The scenario, also that of a trial (`Trial.scenario`); or a robot (`load_robot`), together with its gait.
-        gait: The commanded gait (`lateral_undulation`, `eel_like`, `custom_gait`), or a controller; omitted with a
-            scenario.
+        robot: The scenario, also that of a trial (`Trial.scenario`); or a robot (`load_robot`),
+            together with its gait.
+        gait: The commanded gait (`lateral_undulation`, `eel_like`, `custom_gait`), or a controller;
+            omitted with a scenario.
         duration: With a robot: duration of the run [s].
         link_forces: Whether to log the force on every link as well.
-        throw: Whether to raise an error when the run blows up, instead of returning a trial that says so.
+        throw: Whether to raise an error when the run blows up, instead of returning a trial that
+            says so.
         progress: Called repeatedly with the time reached [s].
-        changes: With a robot: other deviations from the defaults, such as `environment`, `model`, `joints` and `dt`;
-            see `laticauda.scenarios.Changes`.
+        changes: With a robot: other deviations from the defaults, such as `environment`, `model`,
+            `joints` and `dt`; see `laticauda.scenarios.Changes`.
 
     Returns:
-        The trial; a run that blows up also returns one, whose `status` says when it did and what to try.
+        The trial; a run that blows up also returns one, whose `status` says when it did and what to
+        try.
 
     Raises:
         ValueError: If an argument is out of its range.

@@ -30,8 +30,8 @@ def swim_each(
     """Run every scenario, several at a time; the results are those of `swim`, whatever the number of threads.
 
     Args:
-        scenarios: Scenarios of any model; those with the same robot, environment and model should be adjacent, because
-            a thread keeps the last plant that it made.
+        scenarios: Scenarios of any model; those with the same robot, environment and model should
+            be adjacent, because a thread keeps the last plant that it made.
         use: Called with every trial, in the thread that ran it; only its return value is kept.
         threads: Number of threads; None uses all cores that this process may use.
         progress: Called after every trial with the completed share, from 0 to 1.
@@ -40,7 +40,8 @@ def swim_each(
         Return values of `use`, in the order of the scenarios.
 
     Raises:
-        BadArgument: If a scenario cannot be run; the argument's name gives its index, and the others are abandoned.
+        BadArgument: If a scenario cannot be run; the argument's name gives its index, and the
+            others are abandoned.
     """
     own, is_over, results = local(), Event(), list[Result]()
 
@@ -53,7 +54,10 @@ def swim_each(
         try:
             instance("", one, Scenario)
             parts = one.robot, one.environment, one.model
-            if not all(part is kept for part, kept in zip(parts, getattr(own, "parts", [None] * 3), strict=True)):
+            if not all(
+                part is kept
+                for part, kept in zip(parts, getattr(own, "parts", [None] * 3), strict=True)
+            ):
                 own.plant, own.parts = plants.plant(one), parts
             return use(runner.run_scenario(one, own.plant, progress=watch))
         except BadArgument as bad:
@@ -75,16 +79,18 @@ def swim_each(
 def swim_together(scenarios: Sequence[Scenario], *, progress: Progress = silent) -> list[Trial]:
     """Run several robots in one scene.
 
-    All scenarios share one environment, one scene (`open` contains nothing else), one duration and one sample interval;
-    robots, gaits, controllers, joint laws and starts may differ. The names of the second robot's bodies are prefixed
-    with `robot_1_`, and so on, so that all robots may be the same.
+    All scenarios share one environment, one scene (`open` contains nothing else), one duration and
+    one sample interval; robots, gaits, controllers, joint laws and starts may differ. The names of
+    the second robot's bodies are prefixed with `robot_1_`, and so on, so that all robots may be the
+    same.
 
     Args:
         scenarios: One for each robot, with the spatial model.
         progress: Called repeatedly with the time reached [s].
 
     Returns:
-        A trial for each robot; contacts with other robots are among its contact forces. Rays do not see other robots.
+        A trial for each robot; contacts with other robots are among its contact forces. Rays do not
+        see other robots.
 
     Raises:
         ValueError: If the robots cannot share one scene, or overlap at the start.
@@ -108,9 +114,14 @@ def swim_together(scenarios: Sequence[Scenario], *, progress: Progress = silent)
     bodies = [cast(Any, plants.plant(one)) for one in scenarios]
     for name in ("environment", "duration", "sample_interval", "scene", "gravity", "root"):
         of_all = zip(scenarios, bodies, strict=True)
-        if len({repr(getattr(one, name, getattr(body.settings, name, 0))) for one, body in of_all}) != 1:
+        if (
+            len({repr(getattr(one, name, getattr(body.settings, name, 0))) for one, body in of_all})
+            != 1
+        ):
             raise BadArgument(name, "must be the same for all robots in one scene")
     if len({one.controller.interval for one in scenarios} - {math.inf}) > 1:
         raise BadArgument("interval", "must be the same for all controllers in one scene")
     together = Together(bodies)
-    return runner.run_all(scenarios, bodies, together.march, check=together.check, progress=progress)
+    return runner.run_all(
+        scenarios, bodies, together.march, check=together.check, progress=progress
+    )

@@ -1,6 +1,7 @@
 """Shapes on the bodies of a robot, for display and for collision.
 
-Shapes are massless; the bodies carry the mass. Collision shapes are in group 3, hidden in MuJoCo's viewer by default.
+Shapes are massless; the bodies carry the mass. Collision shapes are in group 3, hidden in MuJoCo's
+viewer by default.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -24,11 +25,17 @@ SHORTEST = 1e-3  # minimum length of a shape [m]
 SUFFIXES = (".stl", ".obj")
 PITCH = 1.64  # length of one housing in half heights, as on Mamba's modules
 GAP = 0.012  # gap between two housings, filled by the bellows [m]
-CORE, BELLOWS, PROUD = 0.84, 0.87, 1.012  # sizes of parts inside and outside a housing, relative to the housing
+CORE, BELLOWS, PROUD = (
+    0.84,
+    0.87,
+    1.012,
+)  # sizes of parts inside and outside a housing, relative to the housing
 AROUND = 20  # vertices around a section, enough to look smooth
 NOSE = 1.5  # length of the rounded front, in half heights
 _MATERIALS = read_toml(Path(__file__).with_suffix(".toml"))
-MATERIALS: dict[str, Any] = {name: (tuple(color), shine) for name, (color, shine) in _MATERIALS.items()}
+MATERIALS: dict[str, Any] = {
+    name: (tuple(color), shine) for name, (color, shine) in _MATERIALS.items()
+}
 """Red, green, blue and opacity, and the shine, of each material."""
 
 
@@ -81,7 +88,9 @@ def checked(meshes: Iterable[str | Path], n_links: int) -> list[Path]:
     """
     files = [Path(file) for file in meshes]
     if files and len(files) != n_links:
-        raise BadArgument("meshes", f"must be one file per module ({n_links}) or none, got {len(files)}")
+        raise BadArgument(
+            "meshes", f"must be one file per module ({n_links}) or none, got {len(files)}"
+        )
     for file in files:
         if file.suffix.lower() not in SUFFIXES or not file.is_file():
             raise BadArgument("meshes", f"must be existing .stl or .obj files, got {file}")
@@ -126,17 +135,30 @@ def add_shapes(model: Any, robot: Robot, files: list[Path], *, visuals: bool) ->
     for i, module in enumerate(robot.modules):
         body, is_head = model.body(f"module_{i}"), i == robot.n_links - 1
         mesh = library.file(files[i]) if files else library.made("hull", module, hull)
-        body.add_geom(name=f"module_{i}_hull", type=kind.mjGEOM_MESH, meshname=mesh, group=HULL, **TOUCHES_WORLD)
+        body.add_geom(
+            name=f"module_{i}_hull",
+            type=kind.mjGEOM_MESH,
+            meshname=mesh,
+            group=HULL,
+            **TOUCHES_WORLD,
+        )
         if not visuals:
             continue
         looks = {"head" if is_head else "housing": mesh}
         if not files:
-            looks = {what: library.made(what, module, build) for what, build in parts(is_head=is_head).items()}
+            looks = {
+                what: library.made(what, module, build)
+                for what, build in parts(is_head=is_head).items()
+            }
         for material, mesh in looks.items():
             body.add_geom(type=kind.mjGEOM_MESH, meshname=mesh, material=material, **UNTOUCHED)
         if i and not files:  # the bellows over the joint on the tail side
-            high, wide = (BELLOWS * half for half in (module.section.half_height, module.section.half_width))
-            body.add_geom(type=kind.mjGEOM_ELLIPSOID, size=(wide, wide, high), material="bellows", **UNTOUCHED)
+            high, wide = (
+                BELLOWS * half for half in (module.section.half_height, module.section.half_width)
+            )
+            body.add_geom(
+                type=kind.mjGEOM_ELLIPSOID, size=(wide, wide, high), material="bellows", **UNTOUCHED
+            )
     if robot.caudal_fin is not None:
         _add_fin(model, robot.caudal_fin, visuals=visuals)
 
@@ -183,13 +205,22 @@ def housing(module: Module) -> Mesh:
     rings: list[tuple[float, float]] = []
     for start, stop in _housings(module):
         bevel = 0.08 * (stop - start)
-        rings += [(start, CORE), (start, 0.9), (start + bevel, 1.0), (stop - bevel, 1.0), (stop, 0.9), (stop, CORE)]
+        rings += [
+            (start, CORE),
+            (start, 0.9),
+            (start + bevel, 1.0),
+            (stop - bevel, 1.0),
+            (stop, 0.9),
+            (stop, CORE),
+        ]
     return _around(module, rings)
 
 
 def bands(module: Module) -> Mesh:
     """Return a band around every housing."""
-    return joined(*(_band(module, start, stop - start, 0.40, 0.62) for start, stop in _housings(module)))
+    return joined(
+        *(_band(module, start, stop - start, 0.40, 0.62) for start, stop in _housings(module))
+    )
 
 
 def head(module: Module) -> Mesh:
@@ -197,7 +228,10 @@ def head(module: Module) -> Mesh:
     start, stop = 0.5 * min(GAP, 0.2 * module.length), module.length
     nose = min(NOSE * module.section.half_height, 0.75 * (stop - start))
     turns = np.linspace(0.0, 0.5 * np.pi, 15)
-    front = [(stop - nose * (1.0 - float(np.sin(turn))), max(float(np.cos(turn)), 0.0) ** 0.8) for turn in turns]
+    front = [
+        (stop - nose * (1.0 - float(np.sin(turn))), max(float(np.cos(turn)), 0.0) ** 0.8)
+        for turn in turns
+    ]
     return _around(module, [(start, 0.9), (start + 0.06 * (stop - start), 1.0), *front])
 
 
@@ -244,7 +278,11 @@ def plate(fin: CaudalFin, piece: Piece) -> Box | None:
 def rods(fin: CaudalFin, piece: Piece) -> list[Box]:
     """Return a piece's part of the two rods that hold the plate, above and below the opening."""
     end = min(_opening(fin), piece.end)
-    return [_box(fin, piece, piece.begin, end, 0.4 * sign, 0.06) for sign in (-1.0, 1.0) if piece.begin < end]
+    return [
+        _box(fin, piece, piece.begin, end, 0.4 * sign, 0.06)
+        for sign in (-1.0, 1.0)
+        if piece.begin < end
+    ]
 
 
 def _opening(fin: CaudalFin) -> float:
@@ -264,7 +302,9 @@ def _add_fin(model: Any, fin: CaudalFin, *, visuals: bool) -> None:
         there, behind = model.body(body.name), plate(fin, piece)
         if behind is not None:
             size, pos = behind
-            there.add_geom(name=f"{body.name}_hull", group=HULL, type=box, size=size, pos=pos, **TOUCHES_WORLD)
+            there.add_geom(
+                name=f"{body.name}_hull", group=HULL, type=box, size=size, pos=pos, **TOUCHES_WORLD
+            )
             if visuals:
                 name = f"{body.name}_shape"
                 there.add_geom(name=name, material="fin", type=box, size=size, pos=pos, **UNTOUCHED)

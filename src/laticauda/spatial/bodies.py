@@ -1,12 +1,13 @@
 """The bodies of a robot, as used in all models and pictures: frames, joints, masses and mounted effectors.
 
-Bodies are `module_0` (tail) to `module_{n-1}` (head). A module's frame has its origin at the tail end, with x toward
-the head, y to the left and z up. `joint_i` is at the head end of module i and turns module i + 1 about z (yaw) or y
-(pitch), so joint angles and all numbering are those of `Robot`: a positive yaw angle turns the head side left, a
-positive pitch angle turns it down. The fin is the body `caudal_fin`, fixed to module 0, or on `fin_joint` if it is
-driven. If it bends, its piece k is the body `caudal_fin_k` on the passive hinge `fin_hinge_k`, counted from the root.
-The frame of each piece is at its head end, with x toward the head. Fin angles have the same sign convention as those of
-the body: positive angles turn the part behind the hinge to the right.
+Bodies are `module_0` (tail) to `module_{n-1}` (head). A module's frame has its origin at the tail
+end, with x toward the head, y to the left and z up. `joint_i` is at the head end of module i and
+turns module i + 1 about z (yaw) or y (pitch), so joint angles and all numbering are those of
+`Robot`: a positive yaw angle turns the head side left, a positive pitch angle turns it down. The
+fin is the body `caudal_fin`, fixed to module 0, or on `fin_joint` if it is driven. If it bends, its
+piece k is the body `caudal_fin_k` on the passive hinge `fin_hinge_k`, counted from the root. The
+frame of each piece is at its head end, with x toward the head. Fin angles have the same sign
+convention as those of the body: positive angles turn the part behind the hinge to the right.
 """
 
 from typing import NamedTuple
@@ -138,16 +139,19 @@ def ballast_of(robot: Robot, model: Model | None) -> float:
     """
     if not isinstance(model, Spatial) or not model.gravity:
         return 0.0
-    is_free = model.root == "free" or (model.root is None and any(joint.axis == "pitch" for joint in robot.joints))
+    is_free = model.root == "free" or (
+        model.root is None and any(joint.axis == "pitch" for joint in robot.joints)
+    )
     return model.ballast_depth if is_free else 0.0
 
 
 def moments(vertical: float, across: float, above: float) -> Three:
     """Return the moments of inertia of a body about x, y and z, of which the last is exact [kg m^2].
 
-    With the second moments s_x, s_y, s_z of the mass, I_z = s_x + s_y and so on. Here I_z is the robot's own value, s_y
-    and s_z are those of the body's section, and s_x is the remainder. A robot with planar parameters (thin rods) thus
-    still has the roll and pitch inertia of its section, and no combination of values gives an impossible body.
+    With the second moments s_x, s_y, s_z of the mass, I_z = s_x + s_y and so on. Here I_z is the
+    robot's own value, s_y and s_z are those of the body's section, and s_x is the remainder. A
+    robot with planar parameters (thin rods) thus still has the roll and pitch inertia of its
+    section, and no combination of values gives an impossible body.
 
     Args:
         vertical: I_z [kg m^2].

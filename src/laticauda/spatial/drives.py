@@ -1,7 +1,8 @@
 """Joint drives of a robot in MuJoCo: the reference generator, the joint laws, and the work that they do.
 
-The laws are those of the planar model (`gaits.reference`, `actuation.laws`). Arrays: X state, C command, J joints, R
-reference with its two derivatives, U torques; `rows` defines their layout. This is a template (see `templates`).
+The laws are those of the planar model (`gaits.reference`, `actuation.laws`). Arrays: X state, C
+command, J joints, R reference with its two derivatives, U torques; `rows` defines their layout.
+This is a template (see `templates`).
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -40,7 +41,11 @@ def advance_reference(X, C, J, R, dt):
     """Advance the generator by dt and set the reference."""
     w = C[BANDWIDTH]
     decay = np.exp(-w * dt)
-    for G, A in ((X[:PITCH], C[:PITCH_COMMAND]), (X[SECOND:], C[PITCH_COMMAND:]), (X[THIRD:], C[FIN_COMMAND:])):
+    for G, A in (
+        (X[:PITCH], C[:PITCH_COMMAND]),
+        (X[SECOND:], C[PITCH_COMMAND:]),
+        (X[THIRD:], C[FIN_COMMAND:]),
+    ):
         for row, value in enumerate(advance_wave(wave_of(G), target_of(A), w, decay, dt)):
             G[PHASE + row] = value
     X[TIME], X[TIME_REST] = advance_time(X[TIME], X[TIME_REST], dt)
@@ -87,7 +92,9 @@ def set_wave(X, C, w, ramp, wave, J, R):
     for i in range(J.shape[0]):
         if J[i, WAVE] == wave:
             psi = X[PHASE] + k * X[PHASE_SHIFT_NOW] + C[AHEAD]
-            R[0, i], R[1, i], R[2, i] = wave_reference(np.sin(psi), np.cos(psi), J[i, ENVELOPE], k, motion)
+            R[0, i], R[1, i], R[2, i] = wave_reference(
+                np.sin(psi), np.cos(psi), J[i, ENVELOPE], k, motion
+            )
             k += 1.0
 
 

@@ -1,7 +1,7 @@
 """The links of a robot as frames, as in ROS: their names in the URDF and their poses.
 
-The frames form the same tree as the links of the URDF, with `module_0` in the world; `spatial.bodies` defines their
-origins. Viewers draw the robot from the URDF and the poses.
+The frames form the same tree as the links of the URDF, with `module_0` in the world;
+`spatial.bodies` defines their origins. Viewers draw the robot from the URDF and the poses.
 """
 
 from typing import TypeAlias
@@ -32,8 +32,14 @@ class Frames:
     def __init__(self, robot: Robot, model: Model | None = None) -> None:
         self.robot, self.description, self._ballast = robot, urdf(robot), ballast_of(robot, model)
         self._bodies = bodies(robot)
-        still = {one.name: (one.parent, one.position, UNTURNED) for one in self._bodies if not one.joint and one.parent}
-        self.fixed = still | {one.name: (one.body, one.position, one.orientation) for one in mounts(robot)}
+        still = {
+            one.name: (one.parent, one.position, UNTURNED)
+            for one in self._bodies
+            if not one.joint and one.parent
+        }
+        self.fixed = still | {
+            one.name: (one.body, one.position, one.orientation) for one in mounts(robot)
+        }
         """Frames that are fixed to their parent: a fin without a joint, thrusters, pectoral fins."""
 
     def moving(
@@ -46,14 +52,18 @@ class Frames:
         """Return all other frames at the given samples.
 
         Args:
-            center_of_mass: Center of mass of the robot with its fin; a planar one is at the height 0 [m].
+            center_of_mass: Center of mass of the robot with its fin; a planar one is at the height
+                0 [m].
             orientation: Orientation of the tail module, as a quaternion [-].
-            joint_angle: Angles of all joints, or of the yaw joints only if the others are straight [rad].
+            joint_angle: Angles of all joints, or of the yaw joints only if the others are straight
+                [rad].
             fin_angle: Angles of the fin's joints, starting at its root [rad].
         """
         robot, n = self.robot, len(center_of_mass)
         is_whole = joint_angle.shape[1] == robot.n_joints
-        names = [f"joint_{i}" for i, joint in enumerate(robot.joints) if is_whole or joint.axis == "yaw"]
+        names = [
+            f"joint_{i}" for i, joint in enumerate(robot.joints) if is_whole or joint.axis == "yaw"
+        ]
         names += [f"fin_hinge_{k}" if k else "fin_joint" for k in robot.fin_joints]
         angles = dict(zip(names, np.hstack((joint_angle, fin_angle)).T, strict=True))
         found: dict[str, tuple[str, Places, Turns]] = {}

@@ -1,9 +1,10 @@
 """A Robot as a MuJoCo model: modules as bodies, joints, sensors, servos, and the surroundings.
 
-Bodies and joints are those of `spatial.bodies`, with exactly the masses and parameters of the robot.
+Bodies and joints are those of `spatial.bodies`, with exactly the masses and parameters of the
+robot.
 
-World axes: z = 0 is the surface in water, and the ground on land. In both cases the robot starts straight along x with
-its tail end at x = y = 0.
+World axes: z = 0 is the surface in water, and the ground on land. In both cases the robot starts
+straight along x with its tail end at x = y = 0.
 """
 
 from collections.abc import Iterable
@@ -38,26 +39,27 @@ def spec(
 ) -> Any:
     """Return a robot and its surroundings as a MuJoCo model to compile, modify or write to a file.
 
-    The water's loads are not included: MuJoCo's own fluid model is off; see `laticauda.mujoco_water`. The skin of the
-    joints is included as their stiffness and damping.
+    The water's loads are not included: MuJoCo's own fluid model is off; see
+    `laticauda.mujoco_water`. The skin of the joints is included as their stiffness and damping.
 
     Args:
         robot: The robot.
         environment: The water it swims in or the ground it crawls on.
-        root: How module 0 is held: `free` (joint `root`), or `planar`, with fixed height and tilt (joints `root_x`,
-            `root_y` and `root_yaw`).
-        actuators: `servo` adds an actuator `servo_i` to every joint, with the desired angle [rad] as its input, and
-            `fin_servo` to the joint of a driven fin.
-        sensors: Whether to add the sensors of the real robot: `joint_angle_i` and `joint_rate_i`; `acceleration_i` per
-            module, and `force_i` and `torque_i` between the module and its neighbor on the tail side; `fin_angle` and
-            `fin_rate` of a driven fin.
+        root: How module 0 is held: `free` (joint `root`), or `planar`, with fixed height and tilt
+            (joints `root_x`, `root_y` and `root_yaw`).
+        actuators: `servo` adds an actuator `servo_i` to every joint, with the desired angle [rad]
+            as its input, and `fin_servo` to the joint of a driven fin.
+        sensors: Whether to add the sensors of the real robot: `joint_angle_i` and `joint_rate_i`;
+            `acceleration_i` per module, and `force_i` and `torque_i` between the module and its
+            neighbor on the tail side; `fin_angle` and `fin_rate` of a driven fin.
         visuals: Whether to add shapes and colors of the robot, beyond the collision shapes.
-        scene: Surroundings of the robot; see `Scene.of`. None: flat ground at z = 0 if the environment is ground, else
-            nothing.
-        ballast_depth: How far the modules' centers of mass lie below their axes [m]; None: as in a simulation
-            (`Spatial.ballast_depth`) for a free root, else 0.
-        meshes: One file (STL or OBJ) per module, tail first, in the module's frame and in meters, for display and, as
-            its convex hull, for collision; if empty, the shapes provided by laticauda are used.
+        scene: Surroundings of the robot; see `Scene.of`. None: flat ground at z = 0 if the
+            environment is ground, else nothing.
+        ballast_depth: How far the modules' centers of mass lie below their axes [m]; None: as in a
+            simulation (`Spatial.ballast_depth`) for a free root, else 0.
+        meshes: One file (STL or OBJ) per module, tail first, in the module's frame and in meters,
+            for display and, as its convex hull, for collision; if empty, the shapes provided by
+            laticauda are used.
 
     Returns:
         A `mujoco.MjSpec`.
@@ -90,7 +92,12 @@ def spec(
 
 
 def write_mjcf(
-    path: str | Path, robot: Robot, environment: Environment, *, meshes: Iterable[str | Path] = (), **options: Any
+    path: str | Path,
+    robot: Robot,
+    environment: Environment,
+    *,
+    meshes: Iterable[str | Path] = (),
+    **options: Any,
 ) -> None:
     """Write a robot and its surroundings as an MJCF file for plain MuJoCo, with copies of mesh files next to it.
 
@@ -98,8 +105,8 @@ def write_mjcf(
         path: The file (.xml); an existing file is replaced.
         robot: The robot.
         environment: The water it swims in or the ground it crawls on.
-        meshes: One file (STL or OBJ) per module, tail first, in the module's frame and in meters; if empty, the shapes
-            provided by laticauda are used.
+        meshes: One file (STL or OBJ) per module, tail first, in the module's frame and in meters;
+            if empty, the shapes provided by laticauda are used.
         options: Further arguments of `spec`.
 
     Raises:
@@ -136,10 +143,13 @@ def add_robot(model: Any, alone: Any, k: int) -> None:
     model.worldbody.add_frame().attach_body(alone.body("module_0"), prefix(k), "")
 
 
-def start_height(robot: Robot, environment: Environment, scene: Scene | None = None, root: str = "free") -> float:
+def start_height(
+    robot: Robot, environment: Environment, scene: Scene | None = None, root: str = "free"
+) -> float:
     """Return the robot's initial height in the model [m]: with its axis at the water's depth, or on the ground.
 
-    In a flow, a robot with a planar root is at the surface if the water specifies no depth, as in the planar model.
+    In a flow, a robot with a planar root is at the surface if the water specifies no depth, as in
+    the planar model.
 
     Args:
         robot: The robot.
@@ -149,7 +159,9 @@ def start_height(robot: Robot, environment: Environment, scene: Scene | None = N
     """
     if isinstance(environment, Water) and (scene is None or scene.ground is None):
         deep = 0.0 if root == "planar" and environment.flow else DEPTH
-        return (0.0 if scene is None else scene.level) - (deep if environment.depth is None else environment.depth)
+        return (0.0 if scene is None else scene.level) - (
+            deep if environment.depth is None else environment.depth
+        )
     heights = [module.section.half_height for module in robot.modules]
     fin = robot.caudal_fin
     highest = max([*heights, 0.5 * fin.height] if fin else heights)
@@ -172,7 +184,9 @@ def _add_bodies(model: Any, robot: Robot, height: float, root: str, ballast: flo
     kind = load_mujoco().mjtJoint
     for one in bodies(robot):
         parent = model.body(one.parent) if one.parent else model.worldbody
-        body = parent.add_body(name=one.name, pos=one.position if one.parent else (0.0, 0.0, height))
+        body = parent.add_body(
+            name=one.name, pos=one.position if one.parent else (0.0, 0.0, height)
+        )
         body.mass, body.inertia, body.explicitinertial = one.mass, one.inertia, True
         body.ipos = (one.center, 0.0, -ballast if isinstance(one.part, Module) else 0.0)
         if not one.parent:
@@ -215,9 +229,17 @@ def _add_sensors(model: Any, robot: Robot) -> None:
     for i in range(robot.n_links):
         found = [("acceleration", sensor.mjSENS_ACCELEROMETER, "center")]
         if i:
-            found += [("force", sensor.mjSENS_FORCE, "tail"), ("torque", sensor.mjSENS_TORQUE, "tail")]
+            found += [
+                ("force", sensor.mjSENS_FORCE, "tail"),
+                ("torque", sensor.mjSENS_TORQUE, "tail"),
+            ]
         for name, kind, site in found:
-            model.add_sensor(name=f"{name}_{i}", type=kind, objtype=thing.mjOBJ_SITE, objname=f"module_{i}_{site}")
+            model.add_sensor(
+                name=f"{name}_{i}",
+                type=kind,
+                objtype=thing.mjOBJ_SITE,
+                objname=f"module_{i}_{site}",
+            )
 
 
 def _add_servo(model: Any, name: str, target: str, joint: Joint) -> None:
@@ -234,7 +256,9 @@ def _add_servo(model: Any, name: str, target: str, joint: Joint) -> None:
     actuator.ctrllimited = True
     actuator.ctrlrange = (-joint.limit, joint.limit)
     hinge = model.joint(target)
-    hinge.damping = _linear(joint.damping + motor.stall_torque / motor.no_load_speed + motor.viscous_friction)
+    hinge.damping = _linear(
+        joint.damping + motor.stall_torque / motor.no_load_speed + motor.viscous_friction
+    )
     hinge.frictionloss = motor.friction_torque
 
 

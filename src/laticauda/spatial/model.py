@@ -22,7 +22,9 @@ from laticauda.spatial import rows, water_robot
 from laticauda.spatial.scene import check_free
 from laticauda.spatial.twin import Twin, land_of
 
-CONTACT_SHARE = 2.0  # step in settling times of the stiffest contact; Runge-Kutta is stable up to 2.8
+CONTACT_SHARE = (
+    2.0  # step in settling times of the stiffest contact; Runge-Kutta is stable up to 2.8
+)
 Given = tuple[np.ndarray, np.ndarray, list[Element]]
 NO_STEP = 1e-9  # s; at so small a step the joint laws are not implicit
 
@@ -31,7 +33,8 @@ NO_STEP = 1e-9  # s; at so small a step the joint laws are not implicit
 class SpatialPlant(Plant[Spatial]):
     """A robot in MuJoCo: three-dimensional modules, with joints prescribed or driven by a law.
 
-    Yaw joints follow the gait, pitch joints its second wave (`Gait.pitch`); without that wave they are held straight.
+    Yaw joints follow the gait, pitch joints its second wave (`Gait.pitch`); without that wave they
+    are held straight.
 
     Raises:
         MissingExtra: If MuJoCo is not installed.
@@ -56,11 +59,15 @@ class SpatialPlant(Plant[Spatial]):
             settings = replace(settings, root=root)
             object.__setattr__(self, "settings", settings)
         if on_ground and settings.root == "free" and not settings.gravity:
-            raise BadArgument("root", "must be `planar` on the ground without `gravity`, got 'free'")
+            raise BadArgument(
+                "root", "must be `planar` on the ground without `gravity`, got 'free'"
+            )
         scene = settings.scene or Scene()
         scene.check(self.environment)
         if scene.ground is not None and not (settings.root == "free" and settings.gravity):
-            raise BadArgument("root", "must be `free`, with `gravity`, for a robot that lies on a scene's ground")
+            raise BadArgument(
+                "root", "must be `free`, with `gravity`, for a robot that lies on a scene's ground"
+            )
         super().__post_init__()
 
     @property
@@ -95,7 +102,10 @@ class SpatialPlant(Plant[Spatial]):
             speed[:2] = start.velocity * axes[:2, 0]
         else:
             qpos[:2] = start.center_of_mass[0] - x, start.center_of_mass[1] - y
-            qpos[2:7] = self._level(start, *qpos[:2]) - axes[2, 0] * twin.center[0], *to_quaternion(axes)
+            qpos[2:7] = (
+                self._level(start, *qpos[:2]) - axes[2, 0] * twin.center[0],
+                *to_quaternion(axes),
+            )
             speed[:3] = start.velocity * axes[:, 0]
         values[rows.STATE_ROWS + twin.n_qpos + twin.n_qvel :][: self.robot.n_links] = start.heading
         state = PlantState(values=values)
@@ -121,7 +131,9 @@ class SpatialPlant(Plant[Spatial]):
         pitch = float(sample[0, rows.STATE_ROWS + rows.MEAN_PITCH])
         seen = {name: value[0] for name, value in self._seen(sample).items()}
         contact = None if self.settings.scene is None else self._contact(sample)[0]
-        ranges = self._twin.ranges(self.data(state), self.settings.rays) if self.settings.rays else None
+        ranges = (
+            self._twin.ranges(self.data(state), self.settings.rays) if self.settings.rays else None
+        )
         return Observation(**seen, pitch=pitch, contact_force=contact, ranges=ranges)
 
     def in_current(self, current: Sequence[float] | Flow) -> "SpatialPlant":
@@ -148,7 +160,9 @@ class SpatialPlant(Plant[Spatial]):
     @property
     def _size(self) -> int:
         per_link = 1 if self.settings.scene is None else 4
-        return rows.STATE_ROWS + self._twin.n_qpos + self._twin.n_qvel + per_link * self.robot.n_links
+        return (
+            rows.STATE_ROWS + self._twin.n_qpos + self._twin.n_qvel + per_link * self.robot.n_links
+        )
 
     @property
     def _words(self) -> str:
@@ -161,7 +175,10 @@ class SpatialPlant(Plant[Spatial]):
             limit = 0.5 * water.stable_step(self._twin.model, self._twin.water.elements, 0.5)
         contacts = [e.contact for e in self._twin.water.elements if e.contact is not None]
         if contacts:
-            limit = min(limit, CONTACT_SHARE * ground.stable_step(contacts, -float(self.model.opt.gravity[2])))
+            limit = min(
+                limit,
+                CONTACT_SHARE * ground.stable_step(contacts, -float(self.model.opt.gravity[2])),
+            )
         if self.settings.scene is not None:
             limit = min(limit, self.settings.scene.dt)
         return min(limit, ELASTIC_DT) if self.is_implicit else limit
@@ -183,7 +200,9 @@ class SpatialPlant(Plant[Spatial]):
         joints[turned, rows.ENVELOPE] *= command.gait.joint_envelope(int(turned.sum()) + 1)
         if command.gait.pitch is not None:
             turned = joints[:, rows.WAVE] == rows.PITCH_WAVE
-            joints[turned, rows.ENVELOPE] *= command.gait.pitch.envelope.joints(int(turned.sum()) + 1)
+            joints[turned, rows.ENVELOPE] *= command.gait.pitch.envelope.joints(
+                int(turned.sum()) + 1
+            )
         self._hold(joints, command)
         if table is not None:
             given[rows.N_KNOTS] = len(table)
@@ -196,7 +215,11 @@ class SpatialPlant(Plant[Spatial]):
         given[rows.BANDWIDTH], given[rows.RAMP] = self.settings.offset_bandwidth, self.ramp
         numbers = self.joints.numbers
         given[rows.JOINT_LAW : rows.JOINT_LAW + len(numbers)] = numbers
-        return given, self._twin.joints.copy(), water_robot.mounted_elements(self.robot, self.environment)
+        return (
+            given,
+            self._twin.joints.copy(),
+            water_robot.mounted_elements(self.robot, self.environment),
+        )
 
     def _check(self, command: Command) -> None:
         """Reject a command that the robot cannot follow."""
@@ -208,9 +231,13 @@ class SpatialPlant(Plant[Spatial]):
     def _run(
         self, state: PlantState, command: Command, n_intervals: int, every: int, dt: float
     ) -> tuple[np.ndarray, np.ndarray]:
-        return self._go(self._begun(state, command), self._rows(command), n_intervals * every, dt, every)
+        return self._go(
+            self._begun(state, command), self._rows(command), n_intervals * every, dt, every
+        )
 
-    def _go(self, values: np.ndarray, given: Given, steps: int, dt: float, every: int) -> tuple[np.ndarray, np.ndarray]:
+    def _go(
+        self, values: np.ndarray, given: Given, steps: int, dt: float, every: int
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Advance a copy of a state vector and log it."""
         values = values.copy()
         return values, self._twin.run([values], [given], steps, dt, every, self.environment)
@@ -265,7 +292,12 @@ class SpatialPlant(Plant[Spatial]):
             offset=samples[:, [wave + rows.OFFSET_NOW for wave in waves]],
             torque=samples[:, first + n - 1 : first + 2 * n - 2],
             work=samples[:, rows.WORK_ABSOLUTE : rows.PITCH],
-            fin=tuple(np.moveaxis(samples[:, first + 2 * n - 2 : last].reshape(len(samples), 4, -1), 1, 0)),
+            fin=tuple(
+                np.moveaxis(samples[:, first + 2 * n - 2 : last].reshape(len(samples), 4, -1), 1, 0)
+            ),
             link_force=None if self.settings.scene is None else {"contact": self._contact(samples)},
-            signals={name: samples[:, o + rows.ORIENTATION + k] for k, name in enumerate((*ORIENTATION, "pitch"))},
+            signals={
+                name: samples[:, o + rows.ORIENTATION + k]
+                for k, name in enumerate((*ORIENTATION, "pitch"))
+            },
         )

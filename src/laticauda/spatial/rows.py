@@ -1,7 +1,7 @@
 """Layout of the kernels' arrays: state, command, setup, joints, and a sample of the log.
 
-A state is one flat array: the rows below, then qpos, qvel, the link angles and, in a scene, the contact forces on every
-link.
+A state is one flat array: the rows below, then qpos, qvel, the link angles and, in a scene, the
+contact forces on every link.
 """
 
 from laticauda.actuation.laws import JOINT, PASSIVE as PASSIVE, PRESCRIBED as PRESCRIBED
@@ -10,7 +10,9 @@ from laticauda.gaits.reference import WaveState
 from laticauda.mujoco_water.table import AT
 
 # --- Rows of a state
-TIME, TIME_REST, PHASE = range(3)  # wave of the yaw joints, with the other fields of gaits.reference.WaveState
+TIME, TIME_REST, PHASE = range(
+    3
+)  # wave of the yaw joints, with the other fields of gaits.reference.WaveState
 PHASE_SHIFT_NOW, OFFSET_NOW = PHASE + 5, PHASE + 7
 WORK_ABSOLUTE = PHASE + len(WaveState._fields)  # followed by the net, positive and electrical work
 PITCH = WORK_ABSOLUTE + 4  # wave of the pitch joints
@@ -51,13 +53,32 @@ COMMAND_ROWS = JOINT_LAW + MOST_NUMBERS
 ) = range(len(AT), len(AT) + 13)
 
 # --- Start of each robot's part in the arrays of all robots in one scene; a last row holds the ends
-(FIRST_STATE, FIRST_GIVEN, FIRST_JOINT, FIRST_BODY, FIRST_COLUMN, FIRST_QPOS, FIRST_QVEL, PLACES) = range(8)
+(
+    FIRST_STATE,
+    FIRST_GIVEN,
+    FIRST_JOINT,
+    FIRST_BODY,
+    FIRST_COLUMN,
+    FIRST_QPOS,
+    FIRST_QVEL,
+    PLACES,
+) = range(8)
 
 # --- One row of joint parameters: the joint's numbers, its law, and the wave that moves it
 ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, LAW = JOINT
 WAVE = LAW + 1
 YAW_WAVE, PITCH_WAVE, FIN_WAVE, NO_WAVE = range(4)
 
-# --- One sample of the log: the state's rows, then these, then links, then angle, rate, reference, torque of the
-# --- body's joints, then the same for the fin's joints and, in a scene, the contact forces on every link
-(COM, COM_RATE, HEADING, HEADING_RATE, ORIENTATION, MEAN_PITCH, SAMPLE_HEADER) = (0, 3, 6, 7, 8, 12, 13)
+# --- One sample of the log: the state's rows, then these, then links, then angle, rate, reference,
+# torque of the
+# --- body's joints, then the same for the fin's joints and, in a scene, the contact forces on every
+# link
+(COM, COM_RATE, HEADING, HEADING_RATE, ORIENTATION, MEAN_PITCH, SAMPLE_HEADER) = (
+    0,
+    3,
+    6,
+    7,
+    8,
+    12,
+    13,
+)

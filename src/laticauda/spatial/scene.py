@@ -1,9 +1,10 @@
 """Surroundings of the robot: the scenes provided by the package, and how a scene is added to a model.
 
-A scene is a value (`laticauda.robot.Scene`) that edits a MuJoCo model. The robot touches its objects through MuJoCo's
-contacts. Only the ground acts on the robot's elements instead (`laticauda.mujoco_water.ground`) where a `Ground`, that
-of the scene or the environment, defines the friction along and across the robot. The ground of a scene consists of its
-geoms with the names in `GROUNDS`.
+A scene is a value (`laticauda.robot.Scene`) that edits a MuJoCo model. The robot touches its
+objects through MuJoCo's contacts. Only the ground acts on the robot's elements instead
+(`laticauda.mujoco_water.ground`) where a `Ground`, that of the scene or the environment, defines
+the friction along and across the robot. The ground of a scene consists of its geoms with the names
+in `GROUNDS`.
 """
 
 import math
@@ -31,9 +32,15 @@ FAR = 12.0  # length of ground that is not bounded otherwise [m]
 STAVES = 24  # number of staves of a pipe
 SURFACE = "water"  # visual only
 GROUNDS = ("ground", "shore", "ramp", "floor", "terrain")
-SKIN = Ground(name="skin", friction=CoulombFriction(regularization_speed=1e-2), tangential=0.1, normal=0.5)
+SKIN = Ground(
+    name="skin", friction=CoulombFriction(regularization_speed=1e-2), tangential=0.1, normal=0.5
+)
 # Red, green, blue and opacity, by prefix of the name.
-COLORS = {"water": (0.30, 0.65, 0.75, 0.22), "wall": (0.80, 0.88, 0.90, 0.25), "peg": (0.85, 0.78, 0.35, 1.0)}
+COLORS = {
+    "water": (0.30, 0.65, 0.75, 0.22),
+    "wall": (0.80, 0.88, 0.90, 0.25),
+    "peg": (0.85, 0.78, 0.35, 1.0),
+}
 SAND = (0.66, 0.60, 0.48, 1.0)
 
 
@@ -46,7 +53,9 @@ class Pegs(Scene):
     stagger: float = quantity("m", "Shift of every other row", default=0.0)
     radius: float = quantity("m", "Radius of a peg", gt=0.0, default=0.04)
     rows: int = quantity("", "Number of rows, both sides together", ge=1, default=4)
-    field: tuple[float, float] = quantity("m", "Range along x in which they stand", default=(-2.0, 6.0))
+    field: tuple[float, float] = quantity(
+        "m", "Range along x in which they stand", default=(-2.0, 6.0)
+    )
     slip: float = quantity("", "Friction coefficient of the pegs in MuJoCo", ge=0.0, default=0.05)
 
     def __call__(self, spec: Any) -> None:
@@ -66,18 +75,26 @@ class Slope(Scene):
 
     height: float = quantity("m", "Height of the flat ground", default=0.0)
     edge: float = quantity("m", "x at which the slope begins", default=1.5)
-    angle: float = quantity("rad", "Angle of the slope, positive uphill", ge=-1.0, le=1.0, default=math.radians(10.0))
-    bottom: float = quantity("m", "Height of the floor at the foot of a slope that leads down", default=-TANK_DEPTH)
+    angle: float = quantity(
+        "rad", "Angle of the slope, positive uphill", ge=-1.0, le=1.0, default=math.radians(10.0)
+    )
+    bottom: float = quantity(
+        "m", "Height of the floor at the foot of a slope that leads down", default=-TANK_DEPTH
+    )
 
     def __post_init__(self) -> None:
         """Reject a floor that is not below the ground from which the slope leads down."""
         if self.angle < 0.0 and self.bottom >= self.height:
-            raise BadArgument("bottom", f"must be < `height` = {self.height:g} m, got {self.bottom:g}")
+            raise BadArgument(
+                "bottom", f"must be < `height` = {self.height:g} m, got {self.bottom:g}"
+            )
 
     @property
     def terrain(self) -> Terrain:
         """See `Scene`."""
-        return Terrain(height=self.height, edge=self.edge, slope=-math.tan(self.angle), floor=self.bottom)
+        return Terrain(
+            height=self.height, edge=self.edge, slope=-math.tan(self.angle), floor=self.bottom
+        )
 
     def __call__(self, spec: Any) -> None:
         """See `Scene`."""
@@ -85,7 +102,10 @@ class Slope(Scene):
         length = (self.bottom - self.height) / sin if sin < 0.0 else FAR
         flat = (self.edge - 0.5 * FAR, 0.0, self.height - THICK)
         # From the middle of the slope's face, half a thickness into the ground.
-        x, z = self.edge + 0.5 * length * cos + THICK * sin, self.height + 0.5 * length * sin - THICK * cos
+        x, z = (
+            self.edge + 0.5 * length * cos + THICK * sin,
+            self.height + 0.5 * length * sin - THICK * cos,
+        )
         turned = (math.cos(0.5 * self.angle), 0.0, -math.sin(0.5 * self.angle), 0.0)
         solid(spec, "shore", "BOX", (0.5 * FAR, width, THICK), flat)
         solid(spec, "ramp", "BOX", (0.5 * length, width, THICK), (x, 0.0, z), turned)
@@ -99,8 +119,12 @@ class Shore(Slope):
 
     height: float = quantity("m", "Height of the flat ground", default=0.10)
     edge: float = quantity("m", "x at which the slope begins", default=2.5)
-    angle: float = quantity("rad", "Angle of the slope, positive uphill", ge=-1.0, le=1.0, default=math.radians(-12.0))
-    ground: Ground | None = option("Friction of its ground along and across the robot", default=SKIN)
+    angle: float = quantity(
+        "rad", "Angle of the slope, positive uphill", ge=-1.0, le=1.0, default=math.radians(-12.0)
+    )
+    ground: Ground | None = option(
+        "Friction of its ground along and across the robot", default=SKIN
+    )
 
     wet: ClassVar[bool] = True
 
@@ -109,17 +133,24 @@ class Shore(Slope):
 class HeightField(Scene):
     """Uneven ground: heights at the nodes of a grid, or waves in both directions."""
 
-    heights: tuple[tuple[float, ...], ...] | None = quantity("m", "One row along y per x; None: waves", default=None)
+    heights: tuple[tuple[float, ...], ...] | None = quantity(
+        "m", "One row along y per x; None: waves", default=None
+    )
     amplitude: float = quantity("m", "Amplitude of the waves", ge=0.0, default=0.03)
     wavelength: float = quantity("m", "Wavelength of the waves", gt=0.0, default=1.0)
-    extent: tuple[float, float] = quantity("m", "Size along x and y; level ground beyond", gt=0.0, default=(12.0, 6.0))
+    extent: tuple[float, float] = quantity(
+        "m", "Size along x and y; level ground beyond", gt=0.0, default=(12.0, 6.0)
+    )
     middle: tuple[float, float] = quantity("m", "x and y of its middle", default=(3.0, 0.0))
 
     def __post_init__(self) -> None:
         """Reject heights that do not form a grid."""
         rows = self.heights or ((0.0, 0.0),) * 2
         if len(rows) < 2 or len({len(row) for row in rows} - {0, 1}) != 1:
-            raise BadArgument("heights", "must have at least two rows of at least two numbers, all of the same length")
+            raise BadArgument(
+                "heights",
+                "must have at least two rows of at least two numbers, all of the same length",
+            )
 
     @property
     def terrain(self) -> Terrain:
@@ -132,7 +163,10 @@ class HeightField(Scene):
     def _nodes(self) -> np.ndarray:
         if self.heights is not None:
             return np.array(self.heights)
-        x, y = (np.linspace(-0.5 * one, 0.5 * one, round(16.0 * one / self.wavelength) + 1) for one in self.extent)
+        x, y = (
+            np.linspace(-0.5 * one, 0.5 * one, round(16.0 * one / self.wavelength) + 1)
+            for one in self.extent
+        )
         k = 2.0 * math.pi / self.wavelength
         return self.amplitude * np.outer(np.cos(k * x), np.cos(k * y))
 
@@ -142,7 +176,13 @@ class HeightField(Scene):
         low, rise = float(nodes.min()), max(float(np.ptp(nodes)), 1e-3)
         size = (0.5 * self.extent[0], 0.5 * self.extent[1], rise, THICK)
         rows, columns = nodes.T.shape
-        spec.add_hfield(name="terrain", nrow=rows, ncol=columns, size=size, userdata=(nodes.T - low).ravel().tolist())
+        spec.add_hfield(
+            name="terrain",
+            nrow=rows,
+            ncol=columns,
+            size=size,
+            userdata=(nodes.T - low).ravel().tolist(),
+        )
         ground = solid(spec, "terrain", "HFIELD", (0.0, 0.0, 0.0), (*self.middle, low))
         ground.hfieldname = "terrain"
 
@@ -154,7 +194,9 @@ class Pipe(Scene):
     bore: float = quantity("m", "Its inner radius", gt=0.0, default=0.35)
     length: float = quantity("m", "From end to end", gt=0.0, default=8.0)
     center: tuple[float, float, float] = quantity("m", "Its middle", default=(2.0, 0.0, -0.5))
-    tilt: float = quantity("rad", "Tilt, positive nose up; 90 degrees: upright", ge=-2.0, le=2.0, default=0.0)
+    tilt: float = quantity(
+        "rad", "Tilt, positive nose up; 90 degrees: upright", ge=-2.0, le=2.0, default=0.0
+    )
 
     def __call__(self, spec: Any) -> None:
         """See `Scene`."""
@@ -194,7 +236,9 @@ class Mjcf(Scene):
 
     def __call__(self, spec: Any) -> None:
         """See `Scene`."""
-        spec.attach(load_mujoco().MjSpec.from_file(self.file), frame=spec.worldbody.add_frame(), prefix="")
+        spec.attach(
+            load_mujoco().MjSpec.from_file(self.file), frame=spec.worldbody.add_frame(), prefix=""
+        )
 
 
 @value
@@ -206,7 +250,9 @@ class Edited(Scene):
     def check(self, environment: Environment) -> None:
         """See `Scene`."""
         if not callable(self.edit):
-            raise BadArgument("scene", "must be given again: a file stores only the name of a function")
+            raise BadArgument(
+                "scene", "must be given again: a file stores only the name of a function"
+            )
 
     def __call__(self, spec: Any) -> None:
         """See `Scene`."""
@@ -227,12 +273,21 @@ def add(model: Any, environment: Environment, scene: Scene | None, *, visuals: b
     with blamed():
         scene(model)
     if visuals and not isinstance(environment, Ground):
-        size = (0.5 * TANK_LENGTH, 0.5 * (TANK_WIDTH if isinstance(scene, Tank) else TANK_LENGTH), 1.0)
+        size = (
+            0.5 * TANK_LENGTH,
+            0.5 * (TANK_WIDTH if isinstance(scene, Tank) else TANK_LENGTH),
+            1.0,
+        )
         solid(model, SURFACE, "PLANE", size, (0.0, 0.0, scene.level)).conaffinity = 0
 
 
 def solid(
-    where: Any, name: str, kind: str, size: Three, pos: Three = (0.0, 0.0, 0.0), quat: Quaternion = (1.0, 0.0, 0.0, 0.0)
+    where: Any,
+    name: str,
+    kind: str,
+    size: Three,
+    pos: Three = (0.0, 0.0, 0.0),
+    quat: Quaternion = (1.0, 0.0, 0.0, 0.0),
 ) -> Any:
     """Add a geom that the robot can touch.
 
@@ -247,7 +302,9 @@ def solid(
     body = getattr(where, "worldbody", where)
     shape = getattr(load_mujoco().mjtGeom, f"mjGEOM_{kind}")
     color = COLORS.get(name.partition("_")[0], SAND)
-    return body.add_geom(name=name, type=shape, size=size, pos=pos, quat=quat, rgba=color, contype=0, conaffinity=1)
+    return body.add_geom(
+        name=name, type=shape, size=size, pos=pos, quat=quat, rgba=color, contype=0, conaffinity=1
+    )
 
 
 @contextmanager
@@ -257,7 +314,9 @@ def blamed() -> Generator[None]:
         yield
     except ValueError as error:
         said = " ".join(str(error).removeprefix("Error: ").split())
-        raise BadArgument("scene", f"must compile in MuJoCo together with the robot; MuJoCo says: {said}") from error
+        raise BadArgument(
+            "scene", f"must compile in MuJoCo together with the robot; MuJoCo says: {said}"
+        ) from error
 
 
 def check_free(model: Any, data: Any, robots: Collection[int]) -> None:
@@ -270,8 +329,12 @@ def check_free(model: Any, data: Any, robots: Collection[int]) -> None:
     """
     load_mujoco().mj_collision(model, data)
     for touch in data.contact[: data.ncon]:
-        link, other = sorted(map(int, touch.geom), key=lambda geom: int(model.geom_bodyid[geom]) not in robots)
+        link, other = sorted(
+            map(int, touch.geom), key=lambda geom: int(model.geom_bodyid[geom]) not in robots
+        )
         if touch.dist < -DEEPEST and int(model.geom_bodyid[link]) in robots:
             depth = f"{model.geom(link).name.removesuffix('_hull')} is {-1e3 * touch.dist:.0f} mm deep in it"
             name = model.geom(other).name or model.body(int(model.geom_bodyid[other])).name
-            raise BadArgument("start", f"must not put the robot into `{name}` of the scene, but {depth}")
+            raise BadArgument(
+                "start", f"must not put the robot into `{name}` of the scene, but {depth}"
+            )

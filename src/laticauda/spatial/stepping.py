@@ -1,16 +1,17 @@
 """Advance a robot in MuJoCo through time with two fixed-step integrators.
 
-MuJoCo evaluates the dynamics (`mj_forward`: kinematics, inertia with the water's callback, contacts, accelerations);
-with free joints, the steps are those of the planar model:
+MuJoCo evaluates the dynamics (`mj_forward`: kinematics, inertia with the water's callback,
+contacts, accelerations); with free joints, the steps are those of the planar model:
 
-- All joints prescribed: classic Runge-Kutta of order 4. At every stage the joints are exactly on the reference. Each of
-  them is held by an inertia so large (HOLD) that it accelerates as the reference does, whatever acts on it; the
-  residual of its acceleration times that inertia is the joint's torque.
-- Any joint free (pd, servo, the hinges of a fin that bends): ROS2 (see `dynamics.stages`), linearly implicit in the
-  joint law, in M + A.
+- All joints prescribed: classic Runge-Kutta of order 4. At every stage the joints are exactly on
+  the reference. Each of them is held by an inertia so large (HOLD) that it accelerates as the
+  reference does, whatever acts on it; the residual of its acceleration times that inertia is the
+  joint's torque.
+- Any joint free (pd, servo, the hinges of a fin that bends): ROS2 (see `dynamics.stages`), linearly
+  implicit in the joint law, in M + A.
 
-`rows` defines the layout of the arrays; `drives` defines what moves the joints. This is a template (see
-`compiling.templates`).
+`rows` defines the layout of the arrays; `drives` defines what moves the joints. This is a template
+(see `compiling.templates`).
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -86,7 +87,9 @@ def second_stage(N, qpos, qvel, C, J, R, hold, K, first, slope, gamma_dt):
             continue
         torque, _, _ = actuator(C, J, i, qpos[nq + i], qvel[nv + i], R)
         k = nv + i
-        hold[total + k] = second_torque(torque, K[0, i], K[1, i], qvel[k], slope[k], first[k], gamma_dt)
+        hold[total + k] = second_torque(
+            torque, K[0, i], K[1, i], qvel[k], slope[k], first[k], gamma_dt
+        )
 
 
 @kernel
@@ -180,7 +183,8 @@ def finish_ros2(W, hold, qpos, qvel, qacc, B, dt):
         second_stage(M, qpos[q:], qvel[v:], C, J, R, hold[v:], K, first[v:], slope[v:], gamma_dt)
     evaluate(N)
     for i in range(n):
-        # As `stages.combined`; a call to it would be contracted differently here and change the last digit.
+        # As `stages.combined`; a call to it would be contracted differently here and change the
+        # last digit.
         second = qacc[i] - 2.0 * first[i]
         second_slope = qvel[i] - 2.0 * slope[i] + gamma_dt * second
         total[i] = W_1 * slope[i] + W_2 * second_slope
@@ -232,10 +236,14 @@ def sum_contacts(N, order, forces):
 def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, forces, sample):
     """Write one sample of the log.
 
-    `mass` is that of every body, 0 for those that are not the robot's; `order` holds the body of each link.
+    `mass` is that of every body, 0 for those that are not the robot's; `order` holds the body of
+    each link.
     """
     n, bodies = N[N_LINKS], N[N_BODIES]
-    com, cvel = field(N[DATA], N[AT.subtree_com], 3 * bodies), field(N[DATA], N[AT.cvel], 6 * bodies)
+    com, cvel = (
+        field(N[DATA], N[AT.subtree_com], 3 * bodies),
+        field(N[DATA], N[AT.cvel], 6 * bodies),
+    )
     xipos, xmat = field(N[DATA], N[AT.xipos], 3 * bodies), field(N[DATA], N[AT.xmat], 9 * bodies)
     copy(X, sample[:STATE_ROWS])
     o, c = STATE_ROWS, 3 * order[0]
@@ -244,7 +252,11 @@ def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, forces, sample):
         sample[o + COM + k] = com[c + k]
         sample[o + COM_RATE + k] = 0.0
     for b in range(1, bodies):
-        rx, ry, rz = xipos[3 * b] - com[c], xipos[3 * b + 1] - com[c + 1], xipos[3 * b + 2] - com[c + 2]
+        rx, ry, rz = (
+            xipos[3 * b] - com[c],
+            xipos[3 * b + 1] - com[c + 1],
+            xipos[3 * b + 2] - com[c + 2],
+        )
         wx, wy, wz = cvel[6 * b], cvel[6 * b + 1], cvel[6 * b + 2]
         sample[o + COM_RATE] += mass[b] * (cvel[6 * b + 3] + wy * rz - wz * ry)
         sample[o + COM_RATE + 1] += mass[b] * (cvel[6 * b + 4] + wz * rx - wx * rz)
@@ -266,7 +278,10 @@ def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, forces, sample):
     sample[o + HEADING_RATE] = heading_rate / n
     sample[o + MEAN_PITCH] = pitch / n
     if N[IS_PLANAR]:
-        sample[o + ORIENTATION], sample[o + ORIENTATION + 3] = np.cos(0.5 * links[0]), np.sin(0.5 * links[0])
+        sample[o + ORIENTATION], sample[o + ORIENTATION + 3] = (
+            np.cos(0.5 * links[0]),
+            np.sin(0.5 * links[0]),
+        )
         sample[o + ORIENTATION + 1], sample[o + ORIENTATION + 2] = 0.0, 0.0
     else:
         for k in range(4):
@@ -289,7 +304,8 @@ def log_robot(W, r, mass, order, qpos, qvel, qacc, P, dt, sample):
     led, nv, links = C[IS_LED] != 0.0, v + n[N_BASE_QVEL], y[STATE_ROWS : STATE_ROWS + n[N_LINKS]]
     for i in range(J.shape[0]):
         if led and J[i, LAW] == PRESCRIBED:
-            # The resistance of the joint's skin is in MuJoCo's passive forces, so the actuator has to overcome it.
+            # The resistance of the joint's skin is in MuJoCo's passive forces, so the actuator has
+            # to overcome it.
             U[i] = HOLD * (R[2, i] - qacc[nv + i])
     follow_links(n, order, qpos[q:], links)
     count_work(n, y, C, J, U, P, qvel[v:], dt)
@@ -306,9 +322,10 @@ def log_robot(W, r, mass, order, qpos, qvel, qacc, P, dt, sample):
 def run(N, S, Y, moving, C, J, mass, order, hold, steps, dt, every, log):
     """Advance all robots of a model by `steps` steps of `dt` and log every `every`-th one, first and last included.
 
-    N has a row of integers per robot; S holds the start of each robot's part in Y (rows, link angles, forces), C, J,
-    order and the log's columns; `moving` is qpos and qvel of all. Returns the number of samples written: fewer than
-    requested if numbers left the finite range. The trapezoidal rule for the work starts from the powers at the start.
+    N has a row of integers per robot; S holds the start of each robot's part in Y (rows, link
+    angles, forces), C, J, order and the log's columns; `moving` is qpos and qvel of all. Returns
+    the number of samples written: fewer than requested if numbers left the finite range. The
+    trapezoidal rule for the work starts from the powers at the start.
     """
     M, n_robots = N[0], len(N)
     n_q, n_v = M[N_QPOS], M[N_QVEL]
@@ -334,9 +351,14 @@ def run(N, S, Y, moving, C, J, mass, order, hold, steps, dt, every, log):
             first_of_all(W, qpos, qvel, hold, GAMMA * dt if implicit and not two_ways else 0.0)
         evaluate(M)
         for r in range(n_robots):
-            a, b = S[r, FIRST_COLUMN], S[r + 1, FIRST_COLUMN] if step % every == 0 else S[r, FIRST_COLUMN]
+            a, b = (
+                S[r, FIRST_COLUMN],
+                S[r + 1, FIRST_COLUMN] if step % every == 0 else S[r, FIRST_COLUMN],
+            )
             bodies, sample = order[S[r, FIRST_BODY] : S[r + 1, FIRST_BODY]], log[step // every, a:b]
-            if not log_robot(W, r, mass[r], bodies, qpos, qvel, qacc, P[r], dt if step > 0 else 0.0, sample):
+            if not log_robot(
+                W, r, mass[r], bodies, qpos, qvel, qacc, P[r], dt if step > 0 else 0.0, sample
+            ):
                 return written
         written += step % every == 0
         if step == steps:

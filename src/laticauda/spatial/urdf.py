@@ -1,8 +1,9 @@
 """A Robot as URDF, for ROS and any other tool that reads it.
 
-Links and joints have the names, frames and parameters of `spatial.bodies`; URDF has no ellipses, so links are shown as
-round cylinders of the same volume. The water is not included: URDF cannot describe it. The modules' centers of mass lie
-as far below their axes as in a simulation (`Spatial.ballast_depth`).
+Links and joints have the names, frames and parameters of `spatial.bodies`; URDF has no ellipses, so
+links are shown as round cylinders of the same volume. The water is not included: URDF cannot
+describe it. The modules' centers of mass lie as far below their axes as in a simulation
+(`Spatial.ballast_depth`).
 """
 
 import math
@@ -27,13 +28,16 @@ def urdf(robot: Robot, meshes: Sequence[str] = ()) -> str:
 
     Args:
         robot: The robot.
-        meshes: File name of each module's mesh (STL or OBJ) in the URDF, tail first; if empty, cylinders are used.
+        meshes: File name of each module's mesh (STL or OBJ) in the URDF, tail first; if empty,
+            cylinders are used.
 
     Raises:
         ValueError: If there are meshes, but not one per module.
     """
     if meshes and len(meshes) != robot.n_links:
-        raise BadArgument("meshes", f"must be one file per module ({robot.n_links}) or none, got {len(meshes)}")
+        raise BadArgument(
+            "meshes", f"must be one file per module ({robot.n_links}) or none, got {len(meshes)}"
+        )
     root = ET.Element("robot", name=robot.name)
     _add(_add(root, "mujoco"), "compiler", **MUJOCO)
     for name in SHOWN:
@@ -47,8 +51,15 @@ def urdf(robot: Robot, meshes: Sequence[str] = ()) -> str:
         _add(inertial, "inertia", ixx=ixx, iyy=iyy, izz=izz, ixy=0.0, ixz=0.0, iyz=0.0)
         if isinstance(body.part, Module):
             i = int(body.name.removeprefix("module_"))
-            _add_module(link, body.part, meshes[i] if meshes else None, "head" if i == robot.n_links - 1 else "housing")
-        elif robot.caudal_fin is not None and (box := plate(robot.caudal_fin, body.part)) is not None:
+            _add_module(
+                link,
+                body.part,
+                meshes[i] if meshes else None,
+                "head" if i == robot.n_links - 1 else "housing",
+            )
+        elif (
+            robot.caudal_fin is not None and (box := plate(robot.caudal_fin, body.part)) is not None
+        ):
             size = tuple(2.0 * half for half in box.half_size)
             _add_shape(link, "fin", {"xyz": box.position}, "box", size=size)
         if body.parent:
@@ -56,7 +67,9 @@ def urdf(robot: Robot, meshes: Sequence[str] = ()) -> str:
     for mount in mounts(robot):
         _add(root, "link", name=mount.name)
         element = _connect(root, f"{mount.name}_mount", "fixed", mount.body, mount.name)
-        (ahead, _, _), (left, _, _), (up, y, z) = angles.from_quaternion(*mount.orientation).tolist()
+        (ahead, _, _), (left, _, _), (up, y, z) = angles.from_quaternion(
+            *mount.orientation
+        ).tolist()
         rpy = math.atan2(y, z), math.atan2(-up, math.hypot(ahead, left)), math.atan2(left, ahead)
         _add(element, "origin", xyz=mount.position, rpy=rpy)
     _add_control(root, robot)
@@ -70,8 +83,8 @@ def write_urdf(path: str | Path, robot: Robot, *, meshes: Iterable[str | Path] =
     Args:
         path: The file (.urdf); an existing file is replaced.
         robot: The robot.
-        meshes: One file (STL or OBJ) per module, tail first, in the module's frame and in meters; if empty, modules are
-            drawn as cylinders.
+        meshes: One file (STL or OBJ) per module, tail first, in the module's frame and in meters;
+            if empty, modules are drawn as cylinders.
 
     Raises:
         ValueError: If an argument is out of range.
@@ -86,11 +99,15 @@ def _add_module(link: ET.Element, module: Module, mesh: str | None, material: st
         _add_shape(link, material, {}, "mesh", filename=mesh)
         return
     origin = {"xyz": (module.half_length, 0.0, 0.0), "rpy": (0.0, 0.5 * math.pi, 0.0)}
-    radius = math.sqrt(module.section.half_height * module.section.half_width)  # the axis of URDF's cylinders is z
+    radius = math.sqrt(
+        module.section.half_height * module.section.half_width
+    )  # the axis of URDF's cylinders is z
     _add_shape(link, material, origin, "cylinder", radius=radius, length=module.length)
 
 
-def _add_shape(link: ET.Element, material: str, origin: Mapping[str, Given], kind: str, **size: Given) -> None:
+def _add_shape(
+    link: ET.Element, material: str, origin: Mapping[str, Given], kind: str, **size: Given
+) -> None:
     """Add the same shape for display and for collision."""
     for use in ("visual", "collision"):
         shape = _add(link, use)
@@ -109,21 +126,36 @@ def _add_joint(root: ET.Element, body: Body) -> None:
         _add(element, "origin", xyz=body.position, rpy=(0.0, 0.0, 0.0))
         return
     is_driven = isinstance(joint, Joint)
-    element = _connect(root, body.joint_name, "revolute" if is_driven else "continuous", body.parent, body.name)
+    element = _connect(
+        root, body.joint_name, "revolute" if is_driven else "continuous", body.parent, body.name
+    )
     _add(element, "origin", xyz=body.position)
     _add(element, "axis", xyz=body.axis)
     if not is_driven:
         _add(element, "dynamics", damping=joint.damping)
         return
     motor, most = joint.actuator, joint.limit
-    _add(element, "limit", lower=-most, upper=most, effort=motor.stall_torque, velocity=motor.no_load_speed)
-    _add(element, "dynamics", damping=joint.damping + motor.viscous_friction, friction=motor.friction_torque)
+    _add(
+        element,
+        "limit",
+        lower=-most,
+        upper=most,
+        effort=motor.stall_torque,
+        velocity=motor.no_load_speed,
+    )
+    _add(
+        element,
+        "dynamics",
+        damping=joint.damping + motor.viscous_friction,
+        friction=motor.friction_torque,
+    )
 
 
 def _add_control(root: ET.Element, robot: Robot) -> None:
     """Add the ros2_control section: every driven joint takes an angle within its limit and reports its state.
 
-    Its plugin represents a robot that is exactly where it is commanded to be; replace it to use another one.
+    Its plugin represents a robot that is exactly where it is commanded to be; replace it to use
+    another one.
     """
     control = _add(root, "ros2_control", name=robot.name, type="system")
     _add(_add(control, "hardware"), "plugin").text = "mock_components/GenericSystem"

@@ -1,16 +1,17 @@
 """Hydrodynamic elements of a robot: one per module and per fin strip, with the planar model's coefficients.
 
-In the swimming plane the coefficients are those of `laticauda.hydrodynamics.link_coefficients`. Normal to it they
-follow by turning the ellipse by 90 degrees, with a and b its vertical and lateral half-axes, l half the module's
-length:
+In the swimming plane the coefficients are those of `laticauda.hydrodynamics.link_coefficients`.
+Normal to it they follow by turning the ellipse by 90 degrees, with a and b its vertical and lateral
+half-axes, l half the module's length:
 
     c_z = 1/2 rho C_D 2b 2l          mu_z = rho pi C_A b^2 2l
     about y, `paper`: as about z;    `strip`: c_z l^2 / 3, c_z l^3 / 4, mu_z l^2 / 3
     about x: added inertia rho pi C_M (a^2 - b^2)^2 / 8 2l of the ellipse (Newman, Marine Hydrodynamics, 1977, table
     4.3), and the friction c_t at the lever arm r = (a + b) / 2: c_t r^2 (linear) and c_t r^3 (quadratic)
 
-A fin strip of length d and height h is a thin plate: no normal load across its edge, c_z = c_t; about x the normal drag
-is spread over its height, c_n (h/2)^2 / 3 and c_n (h/2)^3 / 4, with the added inertia rho pi C_A (h/2)^4 / 8 d.
+A fin strip of length d and height h is a thin plate: no normal load across its edge, c_z = c_t;
+about x the normal drag is spread over its height, c_n (h/2)^2 / 3 and c_n (h/2)^3 / 4, with the
+added inertia rho pi C_A (h/2)^4 / 8 d.
 """
 
 import math
@@ -28,14 +29,16 @@ from laticauda.robot import CaudalFin, Environment, Ground, Module, Robot, Water
 from laticauda.spatial.bodies import fin_bodies, mounts
 
 
-def robot_elements(robot: Robot, environment: Environment, *, floats: bool = True) -> tuple[Element, ...]:
+def robot_elements(
+    robot: Robot, environment: Environment, *, floats: bool = True
+) -> tuple[Element, ...]:
     """Return the elements of a robot, on the bodies named in `spatial.bodies`.
 
     Args:
         robot: The robot.
         environment: The water it swims in, or the ground it crawls on in the plane.
-        floats: Whether it has weight and buoyancy. Otherwise the volumes, which accelerating water carries along, are
-            distributed as in the planar model.
+        floats: Whether it has weight and buoyancy. Otherwise the volumes, which accelerating water
+            carries along, are distributed as in the planar model.
     """
     c = link_coefficients(robot, environment)
     found = [_module(i, module, c, environment) for i, module in enumerate(robot.modules)]
@@ -46,7 +49,9 @@ def robot_elements(robot: Robot, environment: Environment, *, floats: bool = Tru
     return tuple(found)
 
 
-def on_ground(elements: tuple[Element, ...], robot: Robot, ground: Ground, *, wet: bool) -> tuple[Element, ...]:
+def on_ground(
+    elements: tuple[Element, ...], robot: Robot, ground: Ground, *, wet: bool
+) -> tuple[Element, ...]:
     """Return the elements of a robot that lies on the ground with its weight.
 
     Args:
@@ -56,12 +61,22 @@ def on_ground(elements: tuple[Element, ...], robot: Robot, ground: Ground, *, we
         wet: Whether there may be water above the ground; if not, drag and volume are set to zero.
     """
     found: list[Element] = []
-    plates = [k for k, e in enumerate(elements) if e.shape == "box" and e.volume > 0.0]  # a strip has no volume
+    plates = [
+        k for k, e in enumerate(elements) if e.shape == "box" and e.volume > 0.0
+    ]  # a strip has no volume
     for k, e in enumerate(elements):
         if not wet:
-            e = replace(e, drag=(0.0, 0.0, 0.0), torque_linear=(0.0,) * 3, torque_quadratic=(0.0,) * 3, volume=0.0)
+            e = replace(
+                e,
+                drag=(0.0, 0.0, 0.0),
+                torque_linear=(0.0,) * 3,
+                torque_quadratic=(0.0,) * 3,
+                volume=0.0,
+            )
         if e.body.startswith("module_") and e.shape == "cylinder":
-            e = replace(e, contact=contact(robot.modules[int(e.body.removeprefix("module_"))].mass, ground))
+            e = replace(
+                e, contact=contact(robot.modules[int(e.body.removeprefix("module_"))].mass, ground)
+            )
         elif k in plates and robot.caudal_fin is not None:
             fin = robot.caudal_fin
             e = replace(e, contact=contact(fin.mass * 2.0 * e.half_size[0] / fin.length, ground))
@@ -74,12 +89,16 @@ def contact(mass: float, ground: Ground) -> Contact:
 
     Args:
         mass: Mass of the piece [kg].
-        ground: The ground with its friction; viscous coefficients hold for a piece that lies flat under its own weight.
+        ground: The ground with its friction; viscous coefficients hold for a piece that lies flat
+            under its own weight.
     """
     weight = mass * ground.gravity
     law = ground.friction
     if not isinstance(law, CoulombFriction | ViscousFriction):
-        raise BadArgument("friction", f"must be coulomb or viscous if the robot's weight rests on it, got {law.words}")
+        raise BadArgument(
+            "friction",
+            f"must be coulomb or viscous if the robot's weight rests on it, got {law.words}",
+        )
     dry = law.of_weight
     return Contact(
         stiffness=0.5 * weight / SINK,
@@ -123,8 +142,15 @@ def _fin(fin: CaudalFin, c: Coefficients, environment: Environment, floats: bool
     found: list[Element] = []
     bodies = [(body.name, piece) for body, piece in zip(fin_bodies(fin), fin.pieces, strict=True)]
     for k in range(c.mass.size):
-        body, piece = next((body, piece) for body, piece in bodies if -float(c.position[k]) < piece.end)
-        c_t, c_n, mu_n, d = float(c.c_t[k]), float(c.c_n[k]), float(c.mu_n[k]), 2.0 * float(c.half_length[k])
+        body, piece = next(
+            (body, piece) for body, piece in bodies if -float(c.position[k]) < piece.end
+        )
+        c_t, c_n, mu_n, d = (
+            float(c.c_t[k]),
+            float(c.c_n[k]),
+            float(c.mu_n[k]),
+            2.0 * float(c.half_length[k]),
+        )
         found.append(
             Element(
                 body=body,
@@ -144,7 +170,12 @@ def _fin(fin: CaudalFin, c: Coefficients, environment: Environment, floats: bool
     for body, piece in bodies:
         half = (0.5 * piece.length, 0.5 * fin.thickness, h)
         volume = fin.volume * piece.length / fin.length if floats else 0.0
-        place: dict[str, Any] = {"body": body, "position": (-half[0], 0.0, 0.0), "shape": "box", "half_size": half}
+        place: dict[str, Any] = {
+            "body": body,
+            "position": (-half[0], 0.0, 0.0),
+            "shape": "box",
+            "half_size": half,
+        }
         found.append(Element(**place, volume=volume, law=law_of(environment)))
     return found
 
@@ -159,7 +190,11 @@ def _ends(robot: Robot, environment: Water) -> list[Element]:
         body, behind = "module_0", 0.0
         if fin := robot.caudal_fin:
             body, behind = fin_bodies(fin)[-1].name, fin.pieces[-1].length
-        found.append(Element(body=body, position=(-behind, 0.0, 0.0), wake_mass=wake_mass(robot, environment)))
+        found.append(
+            Element(
+                body=body, position=(-behind, 0.0, 0.0), wake_mass=wake_mass(robot, environment)
+            )
+        )
     return found
 
 

@@ -9,6 +9,10 @@ from laticauda.studies.optimize import optimize as optimize
 from laticauda.studies.sampling import Grid as Grid, Rows as Rows, Samples as Samples
 from laticauda.studies.store import open_sweep as open_sweep
 from laticauda.studies.sweep import Sweep as Sweep
-from laticauda.studies.store import best as best, count_failed as count_failed, run_sweep as run_sweep
+from laticauda.studies.store import (
+    best as best,
+    count_failed as count_failed,
+    run_sweep as run_sweep,
+)
 
 __getattr__, __dir__, __all__ = lazy_exports()

@@ -24,9 +24,11 @@ def averaged_model(
     """Learn how a gait moves a robot, from trials at several frequencies whose offset rises and falls in steps.
 
     Args:
-        plant: The robot in its water; a flow that is not uniform and constant is replaced by still water.
+        plant: The robot in its water; a flow that is not uniform and constant is replaced by still
+            water.
         gait: Gait of the trials.
-        frequency_limits: Lowest and highest frequency of the trials; None: a third below and above the gait's [rad/s].
+        frequency_limits: Lowest and highest frequency of the trials; None: a third below and above
+            the gait's [rad/s].
         n_trials: Number of trials.
         progress: Called periodically with the finished fraction.
 
@@ -41,11 +43,18 @@ def averaged_model(
         0.13
     """
     whole("n_trials", n_trials, 3)
-    low, high = frequency_limits or ((1.0 - AROUND) * gait.frequency, (1.0 + AROUND) * gait.frequency)
+    low, high = frequency_limits or (
+        (1.0 - AROUND) * gait.frequency,
+        (1.0 + AROUND) * gait.frequency,
+    )
     if not 0.0 < low < high:
-        raise BadArgument("frequency_limits", f"must be 0 < smallest < largest in rad/s, got {low:g} and {high:g}")
+        raise BadArgument(
+            "frequency_limits", f"must be 0 < smallest < largest in rad/s, got {low:g} and {high:g}"
+        )
     frequencies = [low + (high - low) * k / (n_trials - 1) for k in range(n_trials)]
-    turns = [control.OffsetSteps(gait=replace(gait, frequency=frequency)) for frequency in frequencies]
+    turns = [
+        control.OffsetSteps(gait=replace(gait, frequency=frequency)) for frequency in frequencies
+    ]
     water, trials = plant.environment, list[lc.Trial]()
     if isinstance(water, lc.Water) and water.flow is not None:
         plant = replace(plant, environment=water.still)

@@ -1,12 +1,13 @@
 """Run a sweep on a Dask cluster; all use of dask is in this module.
 
-Each region is one task: about a second of work, compared with a few milliseconds of scheduler overhead per task. Only a
-few tasks per thread are in flight at a time, so neither the scheduler nor this process ever holds the whole sweep.
-Results return to this process, which alone writes the folder: workers need no shared disk, nothing is written twice,
-and a worker that dies leaves nothing behind. Results are small, about fifty bytes per trial.
+Each region is one task: about a second of work, compared with a few milliseconds of scheduler
+overhead per task. Only a few tasks per thread are in flight at a time, so neither the scheduler nor
+this process ever holds the whole sweep. Results return to this process, which alone writes the
+folder: workers need no shared disk, nothing is written twice, and a worker that dies leaves nothing
+behind. Results are small, about fifty bytes per trial.
 
-If a worker dies, the scheduler reassigns its tasks to others. If the scheduler goes away, the sweep ends with an error;
-stored results are kept, and the next call continues from there.
+If a worker dies, the scheduler reassigns its tasks to others. If the scheduler goes away, the sweep
+ends with an error; stored results are kept, and the next call continues from there.
 """
 
 import logging
@@ -50,7 +51,9 @@ def connect(address: str) -> Any:
         socket.create_connection(host, timeout=CONNECTING).close()
         return distributed.Client(address, timeout=CONNECTING, set_as_default=False)
     except (OSError, ValueError, RuntimeError) as error:
-        raise ClusterFailed(f"no Dask scheduler answers at {address}; is it running, and is it reachable?") from error
+        raise ClusterFailed(
+            f"no Dask scheduler answers at {address}; is it running, and is it reachable?"
+        ) from error
 
 
 @contextmanager
@@ -58,8 +61,8 @@ def connected(address: str | None) -> Generator[Any]:
     """Provide a client of a cluster while it is needed.
 
     Args:
-        address: Address of the scheduler as printed by `dask scheduler`, such as tcp://host:8786; None: there is no
-            cluster, and None is provided instead of a client.
+        address: Address of the scheduler as printed by `dask scheduler`, such as tcp://host:8786;
+            None: there is no cluster, and None is provided instead of a client.
     """
     if address is None:
         yield None
@@ -74,7 +77,10 @@ def connected(address: str | None) -> Generator[Any]:
 
 
 def swim_on(
-    client: Any, scenario: scenarios.Scenario, names: tuple[str, ...], tables: Iterator[tuple[int, Table]]
+    client: Any,
+    scenario: scenarios.Scenario,
+    names: tuple[str, ...],
+    tables: Iterator[tuple[int, Table]],
 ) -> Iterator[Found]:
     """Simulate the points of some regions on the workers of a cluster.
 
@@ -88,8 +94,8 @@ def swim_on(
         Index, points and results of a region, in order of completion.
 
     Raises:
-        ClusterFailed: If the scheduler goes away, there is no worker for a minute, a region kills one worker after
-            another, or workers have a different version of laticauda.
+        ClusterFailed: If the scheduler goes away, there is no worker for a minute, a region kills
+            one worker after another, or workers have a different version of laticauda.
     """
     distributed = _distributed()
     under_way: dict[Any, tuple[int, Table, int]] = {}
@@ -136,7 +142,9 @@ def swim_on(
     except (OSError, distributed.CancelledError, RuntimeError) as error:
         raise ClusterFailed(f"the Dask scheduler went away. {GO_ON}") from error
     except ImportError as error:
-        raise ClusterFailed(f"the workers need laticauda {__version__}: {error}. {GO_ON}") from error
+        raise ClusterFailed(
+            f"the workers need laticauda {__version__}: {error}. {GO_ON}"
+        ) from error
     finally:
         if under_way and client.status == "running":
             client.cancel(list(under_way), force=True)
@@ -149,15 +157,21 @@ def _counted(client: Any) -> Iterator[int]:
         n_threads, now = sum(client.nthreads().values()), time.monotonic()
         seen = now if n_threads else seen
         if now - seen > PATIENCE:
-            raise ClusterFailed(f"the cluster had no worker for {PATIENCE:g} s; start some with `dask worker`. {GO_ON}")
+            raise ClusterFailed(
+                f"the cluster had no worker for {PATIENCE:g} s; start some with `dask worker`. {GO_ON}"
+            )
         yield n_threads
     raise ClusterFailed(f"the Dask scheduler went away. {GO_ON}")
 
 
-def _swim(version: str, scenario: scenarios.Scenario, names: tuple[str, ...], table: Table) -> dict[str, Column]:
+def _swim(
+    version: str, scenario: scenarios.Scenario, names: tuple[str, ...], table: Table
+) -> dict[str, Column]:
     """Simulate points on a worker, with one thread per task: a worker runs as many tasks as it has threads."""
     if version != __version__:
-        raise ClusterFailed(f"the workers must have laticauda {version}, as this process does, got {__version__}.")
+        raise ClusterFailed(
+            f"the workers must have laticauda {version}, as this process does, got {__version__}."
+        )
     return swim_points(scenario, names, table, threads=1)
 
 

@@ -1,8 +1,8 @@
 """Folder of a job that may be stopped at any moment and resumed there: to which job it belongs, and who writes to it.
 
-A job is everything that its results depend on, recorded in one of its files. A resumed job is compared with that
-record, so that a folder never holds results of two jobs. While a process works there, it holds the folder's lock, which
-is released when the process ends, however it ends.
+A job is everything that its results depend on, recorded in one of its files. A resumed job is
+compared with that record, so that a folder never holds results of two jobs. While a process works
+there, it holds the folder's lock, which is released when the process ends, however it ends.
 """
 
 import json
@@ -17,7 +17,9 @@ from laticauda.files import is_full, local, locked
 FORMAT = 2
 """Format of the definitions; format 1, which was not numbered, held no scenario."""
 MOST_DIFFERENCES = 3
-_UNFINISHED = ".[0-9]*-*"  # files that `laticauda.files.write` had not moved into place when it was killed
+_UNFINISHED = (
+    ".[0-9]*-*"  # files that `laticauda.files.write` had not moved into place when it was killed
+)
 
 
 def as_stored(definition: Mapping[str, Any]) -> dict[str, Any]:
@@ -57,7 +59,9 @@ def check_same(path: Path, job: str, stored: Mapping[str, Any], wanted: Mapping[
     if found:
         more = f" and {len(found) - MOST_DIFFERENCES} more" if len(found) > MOST_DIFFERENCES else ""
         listed = "; ".join(found[:MOST_DIFFERENCES]) + more
-        raise BadArgument("folder", f"must be empty, or hold this {job}, got {path} with another one: {listed}")
+        raise BadArgument(
+            "folder", f"must be empty, or hold this {job}, got {path} with another one: {listed}"
+        )
 
 
 @contextmanager
@@ -80,13 +84,19 @@ def owned(path: Path, job: str, mark: str) -> Generator[None]:
     if not (path / mark).exists():
         others = sorted(file.name for file in path.iterdir() if not file.match(_UNFINISHED))
         if others:
-            listed = ", ".join(others[:MOST_DIFFERENCES]) + (", ..." if len(others) > MOST_DIFFERENCES else "")
-            raise BadArgument("folder", f"must be empty, or hold this {job}, got {path} with {listed}")
+            listed = ", ".join(others[:MOST_DIFFERENCES]) + (
+                ", ..." if len(others) > MOST_DIFFERENCES else ""
+            )
+            raise BadArgument(
+                "folder", f"must be empty, or hold this {job}, got {path} with {listed}"
+            )
     with ExitStack() as held:
         try:
             held.enter_context(locked(path, wait=False))
         except BlockingIOError as error:
-            raise BadArgument("folder", f"must be one that no other process is writing to, got {path}") from error
+            raise BadArgument(
+                "folder", f"must be one that no other process is writing to, got {path}"
+            ) from error
         # Zarr files have another name until they are complete.
         for left in (*path.glob(_UNFINISHED), *path.rglob("*.partial")):
             left.unlink(missing_ok=True)
@@ -134,7 +144,9 @@ def readable(path: Path, file: str) -> Generator[None]:
     except Exception as error:
         if isinstance(error, BadArgument) and error.name == "folder":
             raise
-        raise BadArgument("folder", f"must hold a readable `{file}`, got {path}: {str(error).rstrip('.')}") from error
+        raise BadArgument(
+            "folder", f"must hold a readable `{file}`, got {path}: {str(error).rstrip('.')}"
+        ) from error
 
 
 def _differences(there: Any, here: Any, name: str = "") -> Iterator[str]:

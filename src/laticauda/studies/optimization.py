@@ -18,19 +18,36 @@ from laticauda.logs.tabular import csv_text
 from laticauda.quantities import option, quantity, value
 from laticauda.simulate.numbers import parameters
 from laticauda.studies import sampling, sweep
-from laticauda.studies.sweep import COSTS, FIGURES, QUANTITIES, Column, Table, attributes_of, labels_of, scenarios_at
+from laticauda.studies.sweep import (
+    COSTS,
+    FIGURES,
+    QUANTITIES,
+    Column,
+    Table,
+    attributes_of,
+    labels_of,
+    scenarios_at,
+)
 from laticauda.trial.feasibility import ROUNDING
 
 if TYPE_CHECKING:
     import xarray
 
-OBJECTIVES = ("forward_velocity", "steady_velocity", "mechanical_power", "mean_power", "cost_of_transport")
+OBJECTIVES = (
+    "forward_velocity",
+    "steady_velocity",
+    "mechanical_power",
+    "mean_power",
+    "cost_of_transport",
+)
 """What can be optimized: speeds are maximized, powers and the cost of transport minimized."""
 SPEED_POWER = ("forward_velocity", "mechanical_power")
 VIOLATION = "violation"
 AT_BOUND = 0.005
 """Distance from an end of its range within which a number counts as at that end, as a fraction of the range."""
-FAILED = 1e3  # violation of a run that diverged: larger than that of any gait whose swing is too wide
+FAILED = (
+    1e3  # violation of a run that diverged: larger than that of any gait whose swing is too wide
+)
 
 
 def _objectives(name: str, given: str | Sequence[str]) -> tuple[str, ...]:
@@ -38,7 +55,9 @@ def _objectives(name: str, given: str | Sequence[str]) -> tuple[str, ...]:
     for one in wanted:
         one_of(name, one, OBJECTIVES)
     if len(set(wanted)) != len(wanted) or len(wanted) not in (1, 2):
-        raise BadArgument(name, f"must be one, or two different ones, got {', '.join(wanted) or 'none'}")
+        raise BadArgument(
+            name, f"must be one, or two different ones, got {', '.join(wanted) or 'none'}"
+        )
     return wanted
 
 
@@ -46,23 +65,32 @@ def _objectives(name: str, given: str | Sequence[str]) -> tuple[str, ...]:
 class Limits:
     """Limits that a point must respect, besides those of the joints, to be feasible."""
 
-    joint_rate_limit: float | None = quantity("rad/s", "Largest joint rate a gait may demand", gt=0.0, default=None)
-    least_velocity: float | None = quantity(
-        "m/s", "Smallest acceptable velocity; without it, the cheapest gait hardly moves", gt=0.0, default=None
+    joint_rate_limit: float | None = quantity(
+        "rad/s", "Largest joint rate a gait may demand", gt=0.0, default=None
     )
-    beyond_actuators: bool = option("Allow gaits that overload actuators, or whose links overlap", default=False)
+    least_velocity: float | None = quantity(
+        "m/s",
+        "Smallest acceptable velocity; without it, the cheapest gait hardly moves",
+        gt=0.0,
+        default=None,
+    )
+    beyond_actuators: bool = option(
+        "Allow gaits that overload actuators, or whose links overlap", default=False
+    )
 
 
 @value
 class Optimization(Limits):
     """A scenario, those of its numbers that may change, and which figures are maximized or minimized.
 
-    A point is feasible if the gait keeps every joint within its `limit` (and below `joint_rate_limit`), the run demands
-    no more than joints and actuators provide and no links overlap (its `utilization` is at most 1), it reaches its end,
-    it is fast enough for `least_velocity`, and every objective has a value.
+    A point is feasible if the gait keeps every joint within its `limit` (and below
+    `joint_rate_limit`), the run demands no more than joints and actuators provide and no links
+    overlap (its `utilization` is at most 1), it reaches its end, it is fast enough for
+    `least_velocity`, and every objective has a value.
 
     Raises:
-        ValueError: If a field is out of its range, or a parameter does not exist (the message has the nearest names).
+        ValueError: If a field is out of its range, or a parameter does not exist (the message has
+            the nearest names).
 
     Example:
         >>> import laticauda as lc
@@ -77,9 +105,12 @@ class Optimization(Limits):
 
     scenario: lc.Scenario = option("Scenario shared by all trials; of the planar model")
     bounds: Mapping[str, tuple[float, float]] = option(
-        "Smallest and largest value by name of parameter, as for a sweep (SI, radians)", check=sampling.checked_ranges
+        "Smallest and largest value by name of parameter, as for a sweep (SI, radians)",
+        check=sampling.checked_ranges,
     )
-    objectives: Sequence[str] = option("One of `OBJECTIVES`, two for a front", default=SPEED_POWER, check=_objectives)
+    objectives: Sequence[str] = option(
+        "One of `OBJECTIVES`, two for a front", default=SPEED_POWER, check=_objectives
+    )
 
     def __post_init__(self) -> None:
         """Check the fields against each other."""
@@ -121,7 +152,9 @@ class Optimization(Limits):
         return np.array([known[name].is_whole for name in self.names])
 
 
-def evaluate(optimization: Optimization, table: Table, threads: int | None = None) -> dict[str, Column]:
+def evaluate(
+    optimization: Optimization, table: Table, threads: int | None = None
+) -> dict[str, Column]:
     """Evaluate points; those beyond the limits are not simulated.
 
     Args:
@@ -130,7 +163,8 @@ def evaluate(optimization: Optimization, table: Table, threads: int | None = Non
         threads: Number of threads; None uses all cores available to this process.
 
     Returns:
-        By name, one value per point: every quantity of a sweep, nan where there is none, and `violation`: 0 for
+        By name, one value per point: every quantity of a sweep, nan where there is none, and
+            `violation`: 0 for
         feasible points, otherwise how far they are from being feasible, relative to the limit.
     """
     scenario, names = optimization.scenario, optimization.names
@@ -176,7 +210,7 @@ def _beyond(scenario: lc.Scenario, joint_rate_limit: float | None) -> float:
     return max(0.0, widest - 1.0)
 
 
-# ---- results --------------------------------------------------------------------------------------------------------
+# ---- results -------------------------------------------------------------------------------------
 
 Losses = Float[np.ndarray, "n_points n_objectives"]
 POINT = "point"
@@ -230,22 +264,29 @@ class Front:
             point: Index of the point.
         """
         figures = {name: float(self.figures[name][point]) for name in FIGURES}
-        return dict(zip(self.optimization.names, self.values[point].tolist(), strict=True)) | figures
+        return (
+            dict(zip(self.optimization.names, self.values[point].tolist(), strict=True)) | figures
+        )
 
     def at_bounds(self) -> list[dict[str, Any]]:
         """Return where points lie at an end of a range: the range, rather than the robot, may make them the best.
 
         Returns:
-            One row for every end with points within `AT_BOUND` of it: `name` of the parameter, `end` ("least" or
+            One row for every end with points within `AT_BOUND` of it: `name` of the parameter,
+                `end` ("least" or
             "greatest"), its `value` (SI, radians), and the number of points, `n_points`.
         """
         rows: list[dict[str, Any]] = []
-        for (name, ends), column in zip(self.optimization.bounds.items(), self.values.T, strict=True):
+        for (name, ends), column in zip(
+            self.optimization.bounds.items(), self.values.T, strict=True
+        ):
             near = AT_BOUND * (ends[1] - ends[0])
             for end, bound in zip(("least", "greatest"), ends, strict=True):
                 count = int(np.count_nonzero(np.abs(column - bound) <= near))
                 if count:
-                    rows.append({"name": name, "end": end, "value": float(bound), "n_points": count})
+                    rows.append(
+                        {"name": name, "end": end, "value": float(bound), "n_points": count}
+                    )
         return rows
 
     def spread(self, count: int) -> list[int]:
@@ -296,8 +337,13 @@ class Front:
         """
         found: Any = self.to_dataset()
         columns: dict[str, Any] = {**found.coords, **found.data_vars}
-        units = {name: "-" if column.units == "1" else column.units for name, column in columns.items()}
-        write(path, csv_text([(name, units[name], column.to_numpy()) for name, column in columns.items()]))
+        units = {
+            name: "-" if column.units == "1" else column.units for name, column in columns.items()
+        }
+        write(
+            path,
+            csv_text([(name, units[name], column.to_numpy()) for name, column in columns.items()]),
+        )
 
 
 def unbeaten(losses: Losses) -> Bool[np.ndarray, " n_points"]:
@@ -310,7 +356,8 @@ def unbeaten(losses: Losses) -> Bool[np.ndarray, " n_points"]:
     """
     kept = np.zeros(len(losses), dtype=bool)
     least = np.inf
-    # In ascending order of the first objective, a point is dominated unless it is the best so far in the last one.
+    # In ascending order of the first objective, a point is dominated unless it is the best so far
+    # in the last one.
     for i in np.lexsort((np.arange(len(losses)), losses[:, -1], losses[:, 0])):
         if losses[i, -1] < least:
             kept[i], least = True, losses[i, -1]

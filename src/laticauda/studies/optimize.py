@@ -1,14 +1,16 @@
 """Optimization: the gait, fin or number of links with the best speed, power or cost, or the front between two.
 
-A search is determined by its bounds, its seed and the figures returned to it, and a trial by its point. Therefore only
-the points and their figures are stored, in one file, and none of the search's state: a search that was stopped is
-replayed with the figures in the file and then continues as if it had not been stopped, bit for bit. Nothing in the file
-is executed. It is written under another name and then moved into place, so it always holds whole generations.
+A search is determined by its bounds, its seed and the figures returned to it, and a trial by its
+point. Therefore only the points and their figures are stored, in one file, and none of the search's
+state: a search that was stopped is replayed with the figures in the file and then continues as if
+it had not been stopped, bit for bit. Nothing in the file is executed. It is written under another
+name and then moved into place, so it always holds whole generations.
 
-Two objectives: NSGA-II (Deb et al., IEEE Trans. Evol. Comput. 6, 2002), whose generations spread over the whole front
-at once. One objective: differential evolution, DE/rand/1/bin (Storn and Price, J. Global Optim. 11, 1997): it needs no
-derivatives and no scaling of the parameters, respects the bounds, and its generations are batches for the kernel. Its
-control parameters are fixed, because pymoo's adaptation draws from a generator that cannot be seeded.
+Two objectives: NSGA-II (Deb et al., IEEE Trans. Evol. Comput. 6, 2002), whose generations spread
+over the whole front at once. One objective: differential evolution, DE/rand/1/bin (Storn and Price,
+J. Global Optim. 11, 1997): it needs no derivatives and no scaling of the parameters, respects the
+bounds, and its generations are batches for the kernel. Its control parameters are fixed, because
+pymoo's adaptation draws from a generator that cannot be seeded.
 """
 
 import io
@@ -25,7 +27,14 @@ from laticauda import files
 from laticauda.errors import BadArgument, optional_import, whole
 from laticauda.simulate.runner import silent
 from laticauda.studies.folder import as_stored, check_same, owned, readable, storage
-from laticauda.studies.optimization import VIOLATION, Front, Optimization, evaluate, losses, unbeaten
+from laticauda.studies.optimization import (
+    VIOLATION,
+    Front,
+    Optimization,
+    evaluate,
+    losses,
+    unbeaten,
+)
 from laticauda.studies.sweep import QUANTITIES, Progress, Table
 
 CHECKPOINT, JOB = "checkpoint.npz", "optimization"
@@ -51,13 +60,16 @@ class Checkpoint:
         self.definition, self.folder = definition, folder
         self.tried: Columns = {POINTS: np.empty((0, n_names))}
         """The points as requested by the search, one per row, and their results, by name."""
-        self.tried |= {name: np.empty(0, dtype=bool if name == "succeeded" else float) for name in COLUMNS}
+        self.tried |= {
+            name: np.empty(0, dtype=bool if name == "succeeded" else float) for name in COLUMNS
+        }
 
     def load(self) -> None:
         """Load the stored points, if any.
 
         Raises:
-            ValueError: If the folder holds something else or another optimization; the message names the differences.
+            ValueError: If the folder holds something else or another optimization; the message
+                names the differences.
         """
         if self.folder is None or not (self.folder / CHECKPOINT).exists():
             return
@@ -90,7 +102,9 @@ class Checkpoint:
             return
         arrays: Any = {DEFINITION: np.array(json.dumps(self.definition)), **self.tried}
         with storage(self.folder, f"{before} trials are stored"):
-            files.write(self.folder / CHECKPOINT, lambda path: np.savez(path, allow_pickle=False, **arrays))
+            files.write(
+                self.folder / CHECKPOINT, lambda path: np.savez(path, allow_pickle=False, **arrays)
+            )
 
 
 POPULATION = {1: 40, 2: 100}
@@ -122,7 +136,9 @@ class Search:
         seed: int,
     ) -> None:
         core = _pymoo("core.problem")
-        self._problem = core.Problem(n_var=low.size, n_obj=n_objectives, n_ieq_constr=1, xl=low, xu=high)
+        self._problem = core.Problem(
+            n_var=low.size, n_obj=n_objectives, n_ieq_constr=1, xl=low, xu=high
+        )
         self._algorithm = _algorithm(n_objectives, population)
         forever = _pymoo("core.termination").NoTermination()
         self._algorithm.setup(self._problem, termination=forever, seed=seed, verbose=False)
@@ -135,7 +151,9 @@ class Search:
             return np.empty((0, self._problem.n_var))
         return np.array(self._generation.get("X"), dtype=float)
 
-    def tell(self, losses: Float[np.ndarray, "n n_objectives"], violation: Float[np.ndarray, " n"]) -> None:
+    def tell(
+        self, losses: Float[np.ndarray, "n n_objectives"], violation: Float[np.ndarray, " n"]
+    ) -> None:
         """Report the results of the points of the last generation.
 
         Args:
@@ -182,26 +200,28 @@ def optimize(
 ) -> Front:
     """Search for the best points: by NSGA-II for two objectives, by differential evolution for one.
 
-    Every generation is one batch of `swim_many`. With a folder, every generation is stored there; an optimization that
-    was stopped or killed continues from there, and ends bit-for-bit the same as one that was not. So does one that is
-    called again with a larger budget.
+    Every generation is one batch of `swim_many`. With a folder, every generation is stored there;
+    an optimization that was stopped or killed continues from there, and ends bit-for-bit the same
+    as one that was not. So does one that is called again with a larger budget.
 
     Args:
         optimization: What may change, and which figures are maximized or minimized.
-        folder: Folder for the checkpoint; created if needed. It must be empty or hold this same optimization. None
-            stores nothing.
+        folder: Folder for the checkpoint; created if needed. It must be empty or hold this same
+            optimization. None stores nothing.
         budget: Number of points to try.
         population: Points in a generation; None takes 100 for two objectives, 40 for one.
         seed: Seed of all random numbers; another seed takes another path.
-        progress: Called at the start and after every generation with the number of points tried and the total.
-        threads: Number of threads; None uses all cores available to this process. The result does not depend on it.
+        progress: Called at the start and after every generation with the number of points tried and
+            the total.
+        threads: Number of threads; None uses all cores available to this process. The result does
+            not depend on it.
 
     Returns:
         The nondominated points of all that were tried.
 
     Raises:
-        ValueError: If an argument is out of its range, or the folder holds something else or another optimization; the
-            message names the differences.
+        ValueError: If an argument is out of its range, or the folder holds something else or
+            another optimization; the message names the differences.
         StorageFailed: If the checkpoint cannot be written. Nothing that was stored is lost.
         MissingExtra: If pymoo is not installed.
     """
@@ -212,18 +232,29 @@ def optimize(
     if threads is not None:
         whole("threads", threads, 1)
     low, high = optimization.box()
-    search = Search(low, high, n_objectives=len(optimization.objectives), population=population, seed=seed)
+    search = Search(
+        low, high, n_objectives=len(optimization.objectives), population=population, seed=seed
+    )
     path = None if folder is None else Path(folder)
-    definition = as_stored({**optimization.definition(), "population": population, "seed": seed, **versions()})
+    definition = as_stored(
+        {**optimization.definition(), "population": population, "seed": seed, **versions()}
+    )
     memory = Checkpoint(definition, len(optimization.names), path)
     with nullcontext() if path is None else owned(path, JOB, CHECKPOINT):
         memory.load()
         _search(optimization, search, memory, budget, progress, threads)
-    return _front(optimization, {name: column[:budget] for name, column in memory.tried.items()}, seed)
+    return _front(
+        optimization, {name: column[:budget] for name, column in memory.tried.items()}, seed
+    )
 
 
 def _search(
-    optimization: Optimization, search: Search, memory: Checkpoint, budget: int, progress: Progress, threads: int | None
+    optimization: Optimization,
+    search: Search,
+    memory: Checkpoint,
+    budget: int,
+    progress: Progress,
+    threads: int | None,
 ) -> None:
     """Let the search try points until the budget is spent; remembered points are not simulated again."""
     remembered, n_done = memory.tried, 0
@@ -233,7 +264,9 @@ def _search(
         n_points = min(len(generation), budget - n_done)
         if n_points == 0:
             return
-        known = {name: column[n_done : n_done + len(generation)] for name, column in remembered.items()}
+        known = {
+            name: column[n_done : n_done + len(generation)] for name, column in remembered.items()
+        }
         n_known = len(known[POINTS])
         if not np.array_equal(known[POINTS], generation[:n_known]):
             raise BadArgument(

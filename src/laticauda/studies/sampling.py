@@ -1,7 +1,7 @@
 """Points of a sweep: a grid, rows of a list, or low-discrepancy samples.
 
-The points are generated region by region from their indices, never all at once, so ten million points take no more
-memory than one region.
+The points are generated region by region from their indices, never all at once, so ten million
+points take no more memory than one region.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -41,14 +41,17 @@ class _Values:
     @property
     def ranges(self) -> dict[str, tuple[float, float]]:
         """Smallest and largest value of each parameter."""
-        return {name: (float(np.min(some)), float(np.max(some))) for name, some in self.values.items()}
+        return {
+            name: (float(np.min(some)), float(np.max(some))) for name, some in self.values.items()
+        }
 
 
 class Grid(_Values):
     """Every combination of the given values of the parameters.
 
     Raises:
-        ValueError: If there is no parameter, or one has no values, a repeated value, or a value that is not finite.
+        ValueError: If there is no parameter, or one has no values, a repeated value, or a value
+            that is not finite.
 
     Example:
         >>> Grid(values={"gait.amplitude": [0.2, 0.4, 0.6], "gait.frequency": [1.0, 2.0]}).shape
@@ -60,7 +63,9 @@ class Grid(_Values):
         super().__post_init__()
         for name, values in self.values.items():
             if len(set(values)) < len(values):
-                raise BadArgument(name, "must have different values in a grid, got one of them twice")
+                raise BadArgument(
+                    name, "must have different values in a grid, got one of them twice"
+                )
 
     @property
     def dims(self) -> tuple[str, ...]:
@@ -77,23 +82,30 @@ class Grid(_Values):
 
         Args:
             blocks: Blocks with one slice per dimension.
-            counts: Names of parameters that take whole numbers only; ignored, as the values of a grid are given.
+            counts: Names of parameters that take whole numbers only; ignored, as the values of a
+                grid are given.
         """
         for block in blocks:
-            axes = [np.asarray(values)[part] for values, part in zip(self.values.values(), block, strict=True)]
+            axes = [
+                np.asarray(values)[part]
+                for values, part in zip(self.values.values(), block, strict=True)
+            ]
             yield np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
 
     def definition(self) -> dict[str, Any]:
         """Return the definition of the points for a file."""
-        return {"kind": "grid", "values": {name: np.asarray(values).tolist() for name, values in self.values.items()}}
+        return {
+            "kind": "grid",
+            "values": {name: np.asarray(values).tolist() for name, values in self.values.items()},
+        }
 
 
 class Rows(_Values):
     """A list of points: row i takes value i of every parameter.
 
     Raises:
-        ValueError: If there is no parameter, one has no values or a value that is not finite, or they have different
-            numbers of values.
+        ValueError: If there is no parameter, one has no values or a value that is not finite, or
+            they have different numbers of values.
     """
 
     dims: ClassVar[tuple[str, ...]] = (TRIAL,)
@@ -105,7 +117,9 @@ class Rows(_Values):
         lengths = {name: len(values) for name, values in self.values.items()}
         if len(set(lengths.values())) > 1:
             listed = ", ".join(f"{length} of {name}" for name, length in lengths.items())
-            raise BadArgument("values", f"must have equally many values of every parameter, got {listed}")
+            raise BadArgument(
+                "values", f"must have equally many values of every parameter, got {listed}"
+            )
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -117,7 +131,8 @@ class Rows(_Values):
 
         Args:
             blocks: Blocks of one slice each.
-            counts: Names of parameters that take whole numbers only; ignored, as the values of a list are given.
+            counts: Names of parameters that take whole numbers only; ignored, as the values of a
+                list are given.
         """
         for (rows,) in blocks:
             yield np.stack([np.asarray(values)[rows] for values in self.values.values()], axis=1)
@@ -126,7 +141,10 @@ class Rows(_Values):
         """Return the definition of the points for a file: digests, as a list may be long."""
         import hashlib
 
-        digests = {name: hashlib.sha256(np.asarray(values).tobytes()) for name, values in self.values.items()}
+        digests = {
+            name: hashlib.sha256(np.asarray(values).tobytes())
+            for name, values in self.values.items()
+        }
         return {
             "kind": "rows",
             "n_points": self.shape[0],
@@ -134,7 +152,9 @@ class Rows(_Values):
         }
 
 
-def checked_ranges(argument: str, ranges: Mapping[str, Sequence[float]]) -> dict[str, tuple[float, float]]:
+def checked_ranges(
+    argument: str, ranges: Mapping[str, Sequence[float]]
+) -> dict[str, tuple[float, float]]:
     """Check ranges, and return the smallest and largest value of each parameter.
 
     Args:
@@ -148,10 +168,14 @@ def checked_ranges(argument: str, ranges: Mapping[str, Sequence[float]]) -> dict
     found: dict[str, tuple[float, float]] = {}
     for name, ends in ranges.items():
         if len(ends) != 2:
-            raise BadArgument(argument, f"must be a low and a high value of `{name}`, got {len(ends)} numbers")
+            raise BadArgument(
+                argument, f"must be a low and a high value of `{name}`, got {len(ends)} numbers"
+            )
         low, high = finite(name, ends[0]), finite(name, ends[1])
         if not low < high:
-            raise BadArgument(argument, f"must have low < high, got {low:g} and {high:g} for `{name}`")
+            raise BadArgument(
+                argument, f"must have low < high, got {low:g} and {high:g} for `{name}`"
+            )
         found[name] = low, high
     return found
 
@@ -160,21 +184,26 @@ def checked_ranges(argument: str, ranges: Mapping[str, Sequence[float]]) -> dict
 class Samples:
     """Points that fill a box evenly: the scrambled Halton sequence.
 
-    Unlike random numbers, they leave no gaps; unlike a grid, they sample every parameter at as many values as there are
-    points. The first half of them is as even as the whole.
+    Unlike random numbers, they leave no gaps; unlike a grid, they sample every parameter at as many
+    values as there are points. The first half of them is as even as the whole.
 
     References:
         A. B. Owen, A randomized Halton algorithm in R, arXiv:1706.02808, 2017; as in scipy.stats.qmc.
 
     Raises:
-        ValueError: If there is no parameter, or a range, the number of points or the seed is invalid.
+        ValueError: If there is no parameter, or a range, the number of points or the seed is
+            invalid.
     """
 
     dims: ClassVar[tuple[str, ...]] = (TRIAL,)
     """The only dimension of the result."""
-    ranges: Mapping[str, tuple[float, float]] = option("Smallest and largest value by name (SI)", check=checked_ranges)
+    ranges: Mapping[str, tuple[float, float]] = option(
+        "Smallest and largest value by name (SI)", check=checked_ranges
+    )
     n_points: int = quantity("", "Number of points", ge=1)
-    seed: int = quantity("", "Seed of the scrambling; another one gives other points", ge=0, default=0)
+    seed: int = quantity(
+        "", "Seed of the scrambling; another one gives other points", ge=0, default=0
+    )
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -190,7 +219,8 @@ class Samples:
         """Yield the points of each block, one per row.
 
         Args:
-            blocks: Blocks of one slice each, in ascending order: going back would require starting over.
+            blocks: Blocks of one slice each, in ascending order: going back would require starting
+                over.
             counts: Names of parameters that take whole numbers only.
         """
         qmc = optional_import("A sweep over samples", "scipy", "scale", "scipy.stats.qmc")

@@ -4,10 +4,11 @@
     results.zarr    the Dataset; a region of the sweep is one chunk of every array, hence one file
     regions.done    one byte per region, 1 once all of it is stored
 
-A zarr file is written under another name and then renamed, so a chunk exists either completely or not at all; a region
-is marked once all its chunks exist. The mark is one byte in a file that has its full length from the start: it is never
-half written, and a full disk does not prevent it. A region interrupted in between is simply computed again, to the same
-bits. (This holds for killed programs; after a power failure it depends on the file system.)
+A zarr file is written under another name and then renamed, so a chunk exists either completely or
+not at all; a region is marked once all its chunks exist. The mark is one byte in a file that has
+its full length from the start: it is never half written, and a full disk does not prevent it. A
+region interrupted in between is simply computed again, to the same bits. (This holds for killed
+programs; after a power failure it depends on the file system.)
 """
 
 import json
@@ -79,23 +80,29 @@ class Store:
 
 
 @contextmanager
-def opened(folder: str | Path, sweep: Sweep, *, region_size: int | None, resume: bool) -> Generator[Store]:
+def opened(
+    folder: str | Path, sweep: Sweep, *, region_size: int | None, resume: bool
+) -> Generator[Store]:
     """Open the folder of a sweep, and create it if there is none.
 
     Args:
         folder: Path of the folder.
         sweep: Sweep that it is to hold.
-        region_size: Maximum number of trials in a region of a new folder; None chooses what suits the sweep.
+        region_size: Maximum number of trials in a region of a new folder; None chooses what suits
+            the sweep.
         resume: Whether it may already hold results.
 
     Raises:
-        ValueError: If it holds something else or results that are not allowed, or another process writes to it.
+        ValueError: If it holds something else or results that are not allowed, or another process
+            writes to it.
         StorageFailed: If it cannot be created.
     """
     zarr, path = _zarr(), Path(folder)
     with ExitStack() as held:
         held.enter_context(owned(path, "sweep", DEFINITION))
-        with storage(path, "0 trials are stored"):  # for a new folder, the only kind written to here
+        with storage(
+            path, "0 trials are stored"
+        ):  # for a new folder, the only kind written to here
             regions = _claim(path, sweep, region_size)
             if not (path / DONE).exists():
                 _make(zarr, path, sweep, regions)
@@ -105,20 +112,33 @@ def opened(folder: str | Path, sweep: Sweep, *, region_size: int | None, resume:
                 arrays = {name: group[name] for name in _by_region(sweep)}
                 for name, array in arrays.items():
                     if (array.shape, array.chunks) != (regions.shape, regions.block):
-                        raise BadArgument(name, f"must have shape {regions.shape}, got {array.shape}")
+                        raise BadArgument(
+                            name, f"must have shape {regions.shape}, got {array.shape}"
+                        )
         done = _done(path, regions)
         if done.any() and not resume:
-            raise BadArgument("folder", f"must have no results yet unless `resume` is set, got {path}")
+            raise BadArgument(
+                "folder", f"must have no results yet unless `resume` is set, got {path}"
+            )
         n_done = sum(map(regions.n_points, np.flatnonzero(done).tolist()))
-        yield Store(folder=path, sweep=sweep, regions=regions, done=done, n_done=n_done, arrays=arrays, marks=marks)
+        yield Store(
+            folder=path,
+            sweep=sweep,
+            regions=regions,
+            done=done,
+            n_done=n_done,
+            arrays=arrays,
+            marks=marks,
+        )
 
 
 def open_sweep(folder: str | Path) -> "xarray.Dataset":
     """Open the results of a sweep, finished or not; they are read when they are used.
 
-    A grid has one dimension per parameter, with the parameter's values; lists and samples have the dimension `trial`,
-    with the parameters as coordinates along it. Points not yet computed are nan and have not `succeeded`; the
-    attributes `n_trials` and `n_finished` count all points and the finished ones.
+    A grid has one dimension per parameter, with the parameter's values; lists and samples have the
+    dimension `trial`, with the parameters as coordinates along it. Points not yet computed are nan
+    and have not `succeeded`; the attributes `n_trials` and `n_finished` count all points and the
+    finished ones.
 
     Args:
         folder: Where the sweep is stored.
@@ -136,7 +156,9 @@ def open_sweep(folder: str | Path) -> "xarray.Dataset":
     done = _done(path, regions)
     with readable(path, RESULTS):
         dataset = xarray.open_zarr(str(path / RESULTS), consolidated=False, chunks=None)
-        dataset = dataset[[name for name in sweeps.QUANTITIES if name in dataset]]  # in our order; older have fewer
+        dataset = dataset[
+            [name for name in sweeps.QUANTITIES if name in dataset]
+        ]  # in our order; older have fewer
         if any(one.shape != regions.shape for one in dataset.values()):
             raise BadArgument(RESULTS, f"must have shape {regions.shape}")
         for name in _parameters(path):
@@ -145,7 +167,9 @@ def open_sweep(folder: str | Path) -> "xarray.Dataset":
     for one in dataset.coords.values():
         one.encoding["_FillValue"] = None  # for a netCDF file of it: no coordinate value is missing
     n_finished = sum(map(regions.n_points, np.flatnonzero(done).tolist()))
-    return dataset.assign_attrs(n_trials=int(np.prod(regions.shape, dtype=np.int64)), n_finished=n_finished)
+    return dataset.assign_attrs(
+        n_trials=int(np.prod(regions.shape, dtype=np.int64)), n_finished=n_finished
+    )
 
 
 def _claim(path: Path, sweep: Sweep, region_size: int | None) -> Regions:
@@ -186,7 +210,9 @@ def _done(path: Path, regions: Regions) -> np.ndarray:
     """Return whether each region is stored, according to the marks."""
     done = np.array(bytearray((path / DONE).read_bytes()), dtype=bool)
     if done.size != regions.count:
-        raise BadArgument("folder", f"must hold intact files, got a `{DONE}` of {done.size} bytes in {path}")
+        raise BadArgument(
+            "folder", f"must hold intact files, got a `{DONE}` of {done.size} bytes in {path}"
+        )
     return done
 
 
@@ -197,7 +223,9 @@ def _definition(path: Path) -> dict[str, Any] | None:
     with readable(path, DEFINITION):
         found = json.loads(read_text(file))
     if not isinstance(found, dict) or "shape" not in found or BLOCK not in found:
-        raise BadArgument("folder", f"must hold a `{DEFINITION}` of a sweep, got {path} with another one")
+        raise BadArgument(
+            "folder", f"must hold a `{DEFINITION}` of a sweep, got {path} with another one"
+        )
     return cast("dict[str, Any]", found)
 
 
@@ -233,15 +261,19 @@ def _make(zarr: Any, path: Path, sweep: Sweep, regions: Regions) -> None:
         )
     if isinstance(sweep.points, Grid):
         for name, values in sweep.points.values.items():
-            group.create_array(name, data=np.asarray(values), dimension_names=(name,), attributes=labels[name])
-    write(path / DONE, bytes(regions.count))  # if the disk has no room for the marks, this fails now
+            group.create_array(
+                name, data=np.asarray(values), dimension_names=(name,), attributes=labels[name]
+            )
+    write(
+        path / DONE, bytes(regions.count)
+    )  # if the disk has no room for the marks, this fails now
 
 
 def _zarr() -> Any:
     return optional_import("A sweep", "zarr", "scale")
 
 
-# ---- running a sweep in a folder, and reading its results ------------------------------------------------------------
+# ---- running a sweep in a folder, and reading its results ----------------------------------------
 
 
 def run_sweep(
@@ -256,28 +288,33 @@ def run_sweep(
 ) -> "xarray.Dataset":
     """Run a sweep, or the rest of it, and store the results in a folder.
 
-    Work and storage proceed region by region: a region is marked as done once all of it is stored. The run may be
-    killed at any moment, even by SIGKILL, and called again: it continues, and the results are bit-for-bit the same as
-    if it had never stopped (on processors of one kind). Memory does not grow with the number of trials.
+    Work and storage proceed region by region: a region is marked as done once all of it is stored.
+    The run may be killed at any moment, even by SIGKILL, and called again: it continues, and the
+    results are bit-for-bit the same as if it had never stopped (on processors of one kind). Memory
+    does not grow with the number of trials.
 
     Args:
         sweep: Sweep to run.
         folder: Folder for the results; created if needed. It must be empty or hold this same sweep.
-        progress: Called at the start and after every region with the number of trials done and the total.
-        client: A `dask.distributed.Client`: the trials run on its cluster. None runs them in this process.
-        threads: Number of threads in this process; None uses one per core. A cluster uses every thread of a worker.
-        region_size: Maximum number of trials in a region of a new folder; None takes about a second of work. The
-            results depend on it only through rounding.
+        progress: Called at the start and after every region with the number of trials done and the
+            total.
+        client: A `dask.distributed.Client`: the trials run on its cluster. None runs them in this
+            process.
+        threads: Number of threads in this process; None uses one per core. A cluster uses every
+            thread of a worker.
+        region_size: Maximum number of trials in a region of a new folder; None takes about a second
+            of work. The results depend on it only through rounding.
         resume: False rejects a folder that already has results.
 
     Returns:
         The whole sweep, read from the folder when it is used; see `open_sweep`.
 
     Raises:
-        ValueError: If an argument is out of its range, or the folder holds something else or another sweep; the
-            message names the differences.
+        ValueError: If an argument is out of its range, or the folder holds something else or
+            another sweep; the message names the differences.
         StorageFailed: If the results cannot be written. Nothing that was stored is lost.
-        ClusterFailed: If the cluster's scheduler goes away, or workers die repeatedly. Nothing that was stored is lost.
+        ClusterFailed: If the cluster's scheduler goes away, or workers die repeatedly. Nothing that
+            was stored is lost.
         MissingExtra: If zarr is not installed, or scipy for samples.
     """
     if threads is not None:
@@ -292,13 +329,16 @@ def run_sweep(
     return open_sweep(folder)
 
 
-def best(folder: str | Path, quantity: str = "forward_velocity", count: int = 5) -> list[dict[str, float]]:
+def best(
+    folder: str | Path, quantity: str = "forward_velocity", count: int = 5
+) -> list[dict[str, float]]:
     """Return the points of a sweep with the highest speed, or the lowest power or cost of transport, best first.
 
     Args:
         folder: Folder of a sweep, finished or not.
         quantity: Quantity by which the points are ranked.
-        count: Maximum number of points; runs that diverged and points not yet computed are excluded.
+        count: Maximum number of points; runs that diverged and points not yet computed are
+            excluded.
 
     Returns:
         The parameters and all quantities of each point by name.
@@ -334,7 +374,10 @@ def count_failed(folder: str | Path) -> int:
     dataset, regions = open_sweep(folder), regions_of(folder)
     succeeded = dataset["succeeded"].variable
     with readable(Path(folder), RESULTS):
-        n_good = sum(int(succeeded[block].to_numpy().sum()) for block in map(regions.at, range(regions.count)))
+        n_good = sum(
+            int(succeeded[block].to_numpy().sum())
+            for block in map(regions.at, range(regions.count))
+        )
     return int(dataset.attrs["n_finished"]) - n_good
 
 
@@ -345,7 +388,11 @@ def _results(
     tables = zip(pending, sweep.tables(map(regions.at, pending)), strict=True)
     if client is None:
         for index, table in tables:
-            yield index, table, sweeps.swim_points(sweep.scenario, sweep.points.names, table, threads)
+            yield (
+                index,
+                table,
+                sweeps.swim_points(sweep.scenario, sweep.points.names, table, threads),
+            )
     else:
         from laticauda.studies.cluster import swim_on
 
@@ -354,4 +401,6 @@ def _results(
 
 def _point(dataset: Any, place: tuple[int, ...]) -> dict[str, float]:
     point = dataset.isel(dict(zip(dataset[sweeps.FIGURES[0]].dims, place, strict=True)))
-    return {str(name): float(point[name]) for name in (*point.coords, *sweeps.FIGURES) if name in point}
+    return {
+        str(name): float(point[name]) for name in (*point.coords, *sweeps.FIGURES) if name in point
+    }

@@ -18,7 +18,15 @@ from laticauda.errors import BadArgument, instance, whole
 from laticauda.quantities import option, quantity, value
 from laticauda.simulate.batch_figures import Block, Run, joint_peaks
 from laticauda.simulate.many import collected, runs_of
-from laticauda.simulate.numbers import UNITS, changed, check_whole, described, look_up, of_figure, parameters
+from laticauda.simulate.numbers import (
+    UNITS,
+    changed,
+    check_whole,
+    described,
+    look_up,
+    of_figure,
+    parameters,
+)
 from laticauda.simulate.runner import silent
 from laticauda.studies import sampling
 from laticauda.studies.sampling import Table
@@ -32,20 +40,23 @@ FIGURES = (*(name for name in UNITS if name not in ("positive_power", "x", "y", 
 """Figures kept for every trial."""
 QUANTITIES = (*FIGURES, "succeeded")
 """Quantities kept for every trial."""
-LABELS = {name: f"{name.replace('_', ' ')} [{getattr(lc.Trial, name).unit or '-'}]" for name in FIGURES}
+LABELS = {
+    name: f"{name.replace('_', ' ')} [{getattr(lc.Trial, name).unit or '-'}]" for name in FIGURES
+}
 """The figures in words, with their units, as shown in tables and on axes."""
 # For these, the smallest is best; for the others, the largest.
 COSTS = ("mechanical_power", "net_power", "mean_power", "cost_of_transport")
 _ROOTS = {"robot": "robot", "gait": "motion", "water": "environment", "ground": "environment"}
 # More corners than this are not worth the time: the ends of every range are tried in any case.
 MOST_CORNERS = 256
-# Target time of a region on one core, and approximate time there of a trial of ten links and 30 s [s].
+# Target time of a region on one core, and approximate time there of a trial of ten links and 30 s
+# [s].
 REGION_TIME = 1.5
 TRIAL_TIME, DRIVEN_TIME = 0.35e-3, 5e-3
 LEAST_SIZE, MOST_SIZE = 64, 16384
 
 
-# ---- trials ----------------------------------------------------------------------------------------------------------
+# ---- trials --------------------------------------------------------------------------------------
 
 
 def check_scenario(scenario: lc.Scenario) -> None:
@@ -85,10 +96,13 @@ def labels_of(scenario: lc.Scenario) -> dict[str, dict[str, str]]:
     return known | {name: of_figure(name) for name in QUANTITIES}
 
 
-def check_ranges(scenario: lc.Scenario, ranges: Mapping[str, tuple[float, float]], argument: str = "points") -> None:
+def check_ranges(
+    scenario: lc.Scenario, ranges: Mapping[str, tuple[float, float]], argument: str = "points"
+) -> None:
     """Reject ranges that cannot be swept, before any work is done.
 
-    The ends of all ranges are tried, alone and together: fields have bounds, and some fields bound others.
+    The ends of all ranges are tried, alone and together: fields have bounds, and some fields bound
+    others.
 
     Args:
         scenario: What all trials share.
@@ -96,7 +110,8 @@ def check_ranges(scenario: lc.Scenario, ranges: Mapping[str, tuple[float, float]
         argument: Name of the argument that they come from, for messages.
 
     Raises:
-        ValueError: If there is no such parameter, or a value is out of its range; the message has its name.
+        ValueError: If there is no such parameter, or a value is out of its range; the message has
+            its name.
     """
     known = parameters(scenario)
     for name, ends in ranges.items():
@@ -129,7 +144,8 @@ def swim_points(
         threads: Number of threads; None uses all cores available to this process.
 
     Returns:
-        One value per point of every quantity in `QUANTITIES`; nan where a run diverged, or where there is none.
+        One value per point of every quantity in `QUANTITIES`; nan where a run diverged, or where
+        there is none.
     """
     runs = runs_of(scenarios_at(scenario, names, table))
     joints = {name: np.full(len(runs), np.nan) for name in NEEDS}
@@ -139,9 +155,18 @@ def swim_points(
             joints[name][block.index] = values
 
     interval = scenario.sample_interval
-    found = collected(runs, scenario.duration, interval, threads, silent, look=look, with_joints=True)
-    kept = {name: np.where(found.succeeded & np.isfinite(values), values, np.nan) for name, values in joints.items()}
-    return {**{name: found.figures[name] for name in FIGURES if name not in kept}, **kept, "succeeded": found.succeeded}
+    found = collected(
+        runs, scenario.duration, interval, threads, silent, look=look, with_joints=True
+    )
+    kept = {
+        name: np.where(found.succeeded & np.isfinite(values), values, np.nan)
+        for name, values in joints.items()
+    }
+    return {
+        **{name: found.figures[name] for name in FIGURES if name not in kept},
+        **kept,
+        "succeeded": found.succeeded,
+    }
 
 
 def scenarios_at(scenario: lc.Scenario, names: tuple[str, ...], table: Table) -> list[lc.Scenario]:
@@ -152,7 +177,9 @@ def scenarios_at(scenario: lc.Scenario, names: tuple[str, ...], table: Table) ->
         names: Names of the parameters, one per column of the table.
         table: The points, one per row.
     """
-    roots = {root: [i for i, name in enumerate(names) if name.split(".")[0] == root] for root in _ROOTS}
+    roots = {
+        root: [i for i, name in enumerate(names) if name.split(".")[0] == root] for root in _ROOTS
+    }
     made: dict[tuple[str, tuple[float, ...]], Any] = {}
 
     def part(root: str, row: tuple[float, ...]) -> Any:
@@ -167,7 +194,7 @@ def scenarios_at(scenario: lc.Scenario, names: tuple[str, ...], table: Table) ->
     return [replace(scenario, **{_ROOTS[root]: part(root, row) for root in used}) for row in rows]
 
 
-# ---- sweeps ----------------------------------------------------------------------------------------------------------
+# ---- sweeps --------------------------------------------------------------------------------------
 
 
 @value
@@ -175,8 +202,8 @@ class Sweep:
     """A scenario to sweep, and the points at which its numbers change.
 
     Raises:
-        ValueError: If a field is out of its range, a parameter does not exist (the message has the nearest names), or
-            a value is out of the parameter's range.
+        ValueError: If a field is out of its range, a parameter does not exist (the message has the
+            nearest names), or a value is out of the parameter's range.
 
     Example:
         >>> import laticauda as lc
@@ -227,7 +254,9 @@ class Sweep:
             blocks: Blocks of the regions, in ascending order.
         """
         known = parameters(self.scenario)
-        return self.points.tables(blocks, [name for name in self.points.names if known[name].is_whole])
+        return self.points.tables(
+            blocks, [name for name in self.points.names if known[name].is_whole]
+        )
 
     def definition(self) -> dict[str, Any]:
         """Return everything that its results depend on, for a file."""
@@ -239,7 +268,9 @@ class Regions:
     """All regions of a sweep; they are the chunks of its stored arrays."""
 
     shape: tuple[int, ...] = quantity("", "Shape of the sweep's points", ge=1)
-    block: tuple[int, ...] = quantity("", "Size of a region; those at the far ends may be smaller", ge=1)
+    block: tuple[int, ...] = quantity(
+        "", "Size of a region; those at the far ends may be smaller", ge=1
+    )
 
     @property
     def grid(self) -> tuple[int, ...]:

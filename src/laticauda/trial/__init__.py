@@ -4,10 +4,20 @@ from laticauda.packaging import lazy_exports
 from laticauda.trial.contents import FORCE_COMPONENTS as FORCE_COMPONENTS
 from laticauda.trial.cycles import CycleMean as CycleMean
 from laticauda.trial.dataset import Format as Format
-from laticauda.trial.measured import MeasuredTrial as MeasuredTrial, MeasuredTrials as MeasuredTrials
-from laticauda.trial.measured import all_measured as all_measured, measured_counterpart as measured_counterpart
+from laticauda.trial.measured import (
+    MeasuredTrial as MeasuredTrial,
+    MeasuredTrials as MeasuredTrials,
+)
+from laticauda.trial.measured import (
+    all_measured as all_measured,
+    measured_counterpart as measured_counterpart,
+)
 from laticauda.trial.measured import measured_setting as measured_setting
-from laticauda.trial.several import ComparedFigure as ComparedFigure, compare as compare, joined as joined
+from laticauda.trial.several import (
+    ComparedFigure as ComparedFigure,
+    compare as compare,
+    joined as joined,
+)
 from laticauda.trial.trial import FIGURES as FIGURES, Figure as Figure, Trial as Trial
 
 __getattr__, __dir__, __all__ = lazy_exports()

@@ -9,7 +9,8 @@ from jaxtyping import Float, Shaped
 from laticauda.errors import BadArgument, instance, one_of
 from laticauda.series import numbers
 
-# Shapes of a trial's arrays. `Trial` imports them from here and checks the arrays itself, whatever it is given.
+# Shapes of a trial's arrays. `Trial` imports them from here and checks the arrays itself, whatever
+# it is given.
 Samples: TypeAlias = Float[np.ndarray, " n_samples"]
 FinJoints: TypeAlias = Float[np.ndarray, "n_samples n_fin_joints"]
 Setting: TypeAlias = str | float | bool | None
@@ -19,7 +20,9 @@ AnyArray: TypeAlias = Shaped[np.ndarray, "..."]
 def floats(name: str, values: object, shape: tuple[int | None, ...]) -> Float[np.ndarray, "..."]:
     """Return `values` as a read-only float64 array of the given shape; None stands for any length."""
     array = numbers(name, values)
-    if array.ndim != len(shape) or any(n not in (None, size) for n, size in zip(shape, array.shape, strict=True)):
+    if array.ndim != len(shape) or any(
+        n not in (None, size) for n, size in zip(shape, array.shape, strict=True)
+    ):
         wanted = ", ".join("any" if n is None else str(n) for n in shape)
         raise BadArgument(name, f"must have shape ({wanted}), got {array.shape}")
     if not np.isfinite(array).all():
@@ -42,7 +45,9 @@ def times(name: str, values: object) -> Samples:
 
 def each(name: str, value: object, shape: tuple[int, ...]) -> dict[str, Float[np.ndarray, "..."]]:
     """Return every value of a mapping as a read-only array of the given shape."""
-    return {key: floats(f"{name}[{key!r}]", one, shape) for key, one in mapping(name, value).items()}
+    return {
+        key: floats(f"{name}[{key!r}]", one, shape) for key, one in mapping(name, value).items()
+    }
 
 
 def mapping(name: str, value: object) -> Mapping[str, object]:
@@ -50,7 +55,9 @@ def mapping(name: str, value: object) -> Mapping[str, object]:
     items = cast("Mapping[object, object]", instance(name, value, Mapping))
     for key in items:
         if not isinstance(key, str) or not key.isidentifier():
-            raise BadArgument(name, f"must have names of letters, digits and underscores as keys, got {key!r}")
+            raise BadArgument(
+                name, f"must have names of letters, digits and underscores as keys, got {key!r}"
+            )
     return cast("Mapping[str, object]", items)
 
 
@@ -58,7 +65,9 @@ def state_array(name: str, value: object) -> AnyArray:
     """Return `value` as a read-only array of its own dtype, in native byte order."""
     array = np.asarray(value)
     if array.dtype.kind not in "biuf" or array.dtype.itemsize > 8 or array.dtype == np.float16:
-        raise ValueError(f"`state[{name!r}]` must be an array of numbers or truth values, got {array.dtype}.")
+        raise ValueError(
+            f"`state[{name!r}]` must be an array of numbers or truth values, got {array.dtype}."
+        )
     return _read_only(np.asarray(array, dtype=array.dtype.newbyteorder("="), order="C"), value)
 
 
@@ -84,7 +93,8 @@ def same(one: object, other: object) -> bool:
 
 
 def _read_only(array: AnyArray, value: object) -> AnyArray:
-    # The caller must neither be able to change it later nor find it locked. Copy what is not fresh, unless locked.
+    # The caller must neither be able to change it later nor find it locked. Copy what is not fresh,
+    # unless locked.
     is_fresh = array is not value and array.flags.owndata
     is_locked = not array.flags.writeable and array.flags.owndata
     if not (is_fresh or is_locked):

@@ -35,13 +35,13 @@ def shapes_of(robot: Robot, n_samples: int, n_axes: int) -> dict[str, tuple[int,
 class Contents(series.Log):
     """What a trial holds, a log and its origin, validated; `Trial` adds what is derived from it.
 
-    All arrays are float64, finite and read-only. A log in the plane has one column per link of `robot.planar()`, a log
-    in space (three columns in `center_of_mass`) one per module of `robot`. A trial is immutable: use
-    `dataclasses.replace` to make a modified copy.
+    All arrays are float64, finite and read-only. A log in the plane has one column per link of
+    `robot.planar()`, a log in space (three columns in `center_of_mass`) one per module of `robot`.
+    A trial is immutable: use `dataclasses.replace` to make a modified copy.
 
     Raises:
-        ValueError: If an array has the wrong shape, holds anything other than finite numbers, or time does not
-            increase.
+        ValueError: If an array has the wrong shape, holds anything other than finite numbers, or
+            time does not increase.
     """
 
     scenario: scenarios.Scenario | scenarios.Experiment
@@ -49,7 +49,9 @@ class Contents(series.Log):
     states what is known of a run that was measured, or steered by hand."""
     version: str
     """Version of laticauda that made the run."""
-    created: str = dataclasses.field(default_factory=lambda: datetime.now(UTC).isoformat(timespec="seconds"))
+    created: str = dataclasses.field(
+        default_factory=lambda: datetime.now(UTC).isoformat(timespec="seconds")
+    )
     """Creation date and time of day with time zone, ISO 8601."""
     status: str = "The run reached its end."
     """How the run ended: a sentence, with advice if it failed."""
@@ -68,7 +70,9 @@ class Contents(series.Log):
             text(name, getattr(self, name))
         for name, value in self._clean().items():
             object.__setattr__(self, name, value)
-        object.__setattr__(self, "not_measured", arrays.names("not_measured", self.not_measured, NOT_NEEDED))
+        object.__setattr__(
+            self, "not_measured", arrays.names("not_measured", self.not_measured, NOT_NEEDED)
+        )
 
     @property
     def robot(self) -> Robot:
@@ -93,7 +97,11 @@ class Contents(series.Log):
     @property
     def period(self) -> float | None:
         """Period of the gait, 2 pi / frequency [s]; None without a gait, or if the gait stands still."""
-        return 2.0 * np.pi / self.gait.frequency if self.gait is not None and self.gait.frequency > 0.0 else None
+        return (
+            2.0 * np.pi / self.gait.frequency
+            if self.gait is not None and self.gait.frequency > 0.0
+            else None
+        )
 
     @property
     def chain(self) -> Robot:
@@ -112,7 +120,11 @@ class Contents(series.Log):
 
     def _of_fin(self, name: str) -> FinJoints:
         joints, nothing = self.robot.fin_joints, np.zeros(self.time.size)
-        return np.array([self.signals.get(f"{name}_{k}", nothing) for k in joints]).reshape(-1, self.time.size).T
+        return (
+            np.array([self.signals.get(f"{name}_{k}", nothing) for k in joints])
+            .reshape(-1, self.time.size)
+            .T
+        )
 
     def _clean(self) -> dict[str, object]:
         """Return the arrays and mappings as they are stored."""
@@ -126,7 +138,9 @@ class Contents(series.Log):
             if name != "time" and getattr(self, name) is not None:
                 clean[name] = arrays.floats(name, getattr(self, name), shape)
         if self.link_force is not None:
-            clean["link_force"] = arrays.each("link_force", self.link_force, (*shapes["link_angle"], n_axes))
+            clean["link_force"] = arrays.each(
+                "link_force", self.link_force, (*shapes["link_angle"], n_axes)
+            )
         clean["signals"] = arrays.each("signals", self.signals, (len(self.time),))
         state = arrays.mapping("state", self.state)
         clean["state"] = {key: arrays.state_array(key, value) for key, value in state.items()}
@@ -151,4 +165,6 @@ class Contents(series.Log):
         """
         for name in names:
             if name in self.not_measured:
-                raise ValueError(f"The trial must have a measured `{name}` for {purpose}, and it has none.")
+                raise ValueError(
+                    f"The trial must have a measured `{name}` for {purpose}, and it has none."
+                )

@@ -1,7 +1,8 @@
 """Whole gait cycles of a log: their positions, values between samples, means over one cycle.
 
-A swimming snake's path and heading carry the ripple of its gait; a mean over exactly one cycle is free of it. Nothing
-here knows about robots: signals in, signals out. A signal may have further axes after the time axis.
+A swimming snake's path and heading carry the ripple of its gait; a mean over exactly one cycle is
+free of it. Nothing here knows about robots: signals in, signals out. A signal may have further axes
+after the time axis.
 """
 
 from typing import Any, NamedTuple
@@ -59,18 +60,25 @@ def steady_part(time: Time, period: float | None) -> SteadyPart:
     rest = duration - max(duration / 3.0, TRANSIENT)
     if period is None:
         if rest <= 0.0:
-            raise BadArgument("time", f"must span more than {TRANSIENT:g} s for a steady part, got {duration:.6g} s")
+            raise BadArgument(
+                "time",
+                f"must span more than {TRANSIENT:g} s for a steady part, got {duration:.6g} s",
+            )
         return SteadyPart(stop - rest, stop, None)
     _refuse_coarse(time, period)
     n_cycles = int(np.floor(rest / period + _ROUNDING)) if rest > 0.0 else 0
     if n_cycles < 1:
         least = max(TRANSIENT + period, 1.5 * period)
         rule = f"must span at least {least:.4g} s for a steady part: a transient of {TRANSIENT:g} s or a third"
-        raise BadArgument("time", f"{rule}, then one whole cycle of {period:.4g} s; got {duration:.6g} s")
+        raise BadArgument(
+            "time", f"{rule}, then one whole cycle of {period:.4g} s; got {duration:.6g} s"
+        )
     return SteadyPart(max(stop - n_cycles * period, start), stop, n_cycles)
 
 
-def interpolated(time: Time, signal: Signal, rate: Signal, at: Float[np.ndarray, " n_points"]) -> Points:
+def interpolated(
+    time: Time, signal: Signal, rate: Signal, at: Float[np.ndarray, " n_points"]
+) -> Points:
     """Interpolate a signal between its samples by cubic Hermite polynomials, using its known rate (error ~ step^4).
 
     Args:
@@ -90,7 +98,9 @@ def interpolated(time: Time, signal: Signal, rate: Signal, at: Float[np.ndarray,
     return hermite(s, step, (signal[i], signal[i + 1]), (rate[i], rate[i + 1]))
 
 
-def hermite(s: Any, step: Any, signal: tuple[AnyPoints, AnyPoints], rate: tuple[AnyPoints, AnyPoints]) -> AnyPoints:
+def hermite(
+    s: Any, step: Any, signal: tuple[AnyPoints, AnyPoints], rate: tuple[AnyPoints, AnyPoints]
+) -> AnyPoints:
     """Evaluate the cubic polynomial between two samples.
 
     Args:
@@ -121,11 +131,14 @@ def cycle_mean(time: Time, signal: Signal, rate: Signal, period: float) -> Cycle
     """
     middle = cycle_middles(time, period)
     step = np.diff(time)[(..., *(np.newaxis,) * (signal.ndim - 1))]
-    # The end correction of the trapezoidal rule makes the integral as accurate as the interpolation.
+    # The end correction of the trapezoidal rule makes the integral as accurate as the
+    # interpolation.
     piece = 0.5 * step * (signal[:-1] + signal[1:]) + step**2 / 12.0 * (rate[:-1] - rate[1:])
     integral = np.concatenate((np.zeros_like(signal[:1]), np.cumsum(piece, axis=0)))
     before, after = middle - 0.5 * period, middle + 0.5 * period
-    whole = interpolated(time, integral, signal, after) - interpolated(time, integral, signal, before)
+    whole = interpolated(time, integral, signal, after) - interpolated(
+        time, integral, signal, before
+    )
     return CycleMean(middle, whole / period)
 
 
@@ -165,12 +178,16 @@ def cycle_middles(time: Time, period: float) -> Middles:
     _refuse_coarse(time, period)
     # A log of exactly one cycle has one middle, whatever the last digits of its times are.
     slack = _ROUNDING * period
-    middle = time[(time - time[0] >= 0.5 * period - slack) & (time[-1] - time >= 0.5 * period - slack)]
+    middle = time[
+        (time - time[0] >= 0.5 * period - slack) & (time[-1] - time >= 0.5 * period - slack)
+    ]
     span = float(time[-1] - time[0])
     if not middle.size and span >= period - slack:
         middle = np.array([0.5 * (time[0] + time[-1])])
     if not middle.size:
-        raise BadArgument("time", f"must span at least one gait cycle of {period:.4g} s, got {span:.6g} s")
+        raise BadArgument(
+            "time", f"must span at least one gait cycle of {period:.4g} s, got {span:.6g} s"
+        )
     return middle
 
 

@@ -1,10 +1,11 @@
 """Conversion of a trial to an xarray Dataset and back, and the file formats that store it.
 
-Every time series is a variable with its dimensions, unit and long name. Everything else is an attribute: a text (TOML
-or JSON, which keep all digits of floats) or a number, so that any tool can display it.
+Every time series is a variable with its dimensions, unit and long name. Everything else is an
+attribute: a text (TOML or JSON, which keep all digits of floats) or a number, so that any tool can
+display it.
 
-A format is one class in one module, selected by the file extension. A file is written completely or not at all, and
-replaces an older file of the same name: see `laticauda.files.write`.
+A format is one class in one module, selected by the file extension. A file is written completely or
+not at all, and replaces an older file of the same name: see `laticauda.files.write`.
 """
 
 import base64
@@ -32,7 +33,11 @@ FORMAT = 2
 MARK = "laticauda_trial"
 """The attribute that makes a Dataset a trial; its value is `FORMAT`."""
 AXES = ("x", "y", "z")
-INDEX = {"link": "number of the link, 0 is the tail", "joint": "number of the joint, tail first", "axis": "world axis"}
+INDEX = {
+    "link": "number of the link, 0 is the tail",
+    "joint": "number of the joint, tail first",
+    "axis": "world axis",
+}
 """Meaning of the values of every dimension except time."""
 TEXTS = ("version", "created", "status")
 
@@ -65,7 +70,9 @@ def variable(name: str) -> Series:
     """
     if name.startswith(LINK_FORCE):
         words = name.removeprefix(LINK_FORCE).replace("_", " ")
-        return Series("N", f"force of the {words} on each link, world axes", ("time", "link", "axis"))
+        return Series(
+            "N", f"force of the {words} on each link, world axes", ("time", "link", "axis")
+        )
     if name.startswith(SIGNAL):
         signal = name.removeprefix(SIGNAL)
         return Series(*signals().get(signal, ("SI", f"signal {signal} of the controller")))
@@ -75,8 +82,9 @@ def variable(name: str) -> Series:
 def epoch(attributes: Mapping[str, Any]) -> int:
     """Return the wall-clock time of a trial's time 0, for files that must state it [ns since 1970].
 
-    An operated run records when it began; a simulated run is taken to have begun when it was created, so that the same
-    trial always gives the same file; a run without this information begins in 1970.
+    An operated run records when it began; a simulated run is taken to have begun when it was
+    created, so that the same trial always gives the same file; a run without this information
+    begins in 1970.
 
     Args:
         attributes: Attributes of the trial's Dataset.
@@ -86,7 +94,11 @@ def epoch(attributes: Mapping[str, Any]) -> int:
     except ValueError:
         return 0
     moment = moment if moment.tzinfo else moment.replace(tzinfo=datetime.UTC)
-    return (moment - datetime.datetime.fromtimestamp(0, datetime.UTC)) // datetime.timedelta(microseconds=1) * 1000
+    return (
+        (moment - datetime.datetime.fromtimestamp(0, datetime.UTC))
+        // datetime.timedelta(microseconds=1)
+        * 1000
+    )
 
 
 def to_dataset(trial: Contents) -> "xarray.Dataset":
@@ -149,7 +161,9 @@ def fields_of(dataset: "xarray.Dataset") -> dict[str, Any]:
         ValueError: If anything differs from what was written.
     """
     attributes: dict[str, Any] = {str(name): one for name, one in dataset.attrs.items()}
-    arrays: dict[str, AnyArray] = {name: dataset.variables[name].values for name in _names(attributes)}
+    arrays: dict[str, AnyArray] = {
+        name: dataset.variables[name].values for name in _names(attributes)
+    }
     log = log_of({**arrays, "work": np.stack([arrays[name] for name in WORK], axis=1)})
     with codec.keys_of("scenario", ValueError):
         scenario = scenarios.run_from_toml(attributes["scenario"])
@@ -219,7 +233,7 @@ def _state(attributes: Mapping[str, Any]) -> dict[str, AnyArray]:
     }
 
 
-# ---- files ---------------------------------------------------------------------------------------------------------
+# ---- files ---------------------------------------------------------------------------------------
 
 
 class Format(Extensible, group="formats"):

@@ -1,7 +1,8 @@
 """Figures of path following: how soon and how closely a run reached its path, each with a single meaning.
 
-Pure functions of the distance from the path over time, like `metrics`. All but the last use its mean over the gait
-cycle: the center of mass of a swimming snake swings across its course, and that swing is the ripple, not an error.
+Pure functions of the distance from the path over time, like `metrics`. All but the last use its
+mean over the gait cycle: the center of mass of a swimming snake swings across its course, and that
+swing is the ripple, not an error.
 """
 
 from pathlib import Path
@@ -43,7 +44,11 @@ def mean_error(time: Time, cross_track_error: Time, period: float) -> CycleMean:
 
 
 def convergence(
-    time: Time, cross_track_error: Time, along_track_distance: Time, period: float, tolerance: float = TOLERANCE
+    time: Time,
+    cross_track_error: Time,
+    along_track_distance: Time,
+    period: float,
+    tolerance: float = TOLERANCE,
 ) -> Convergence | None:
     """Find when the cycle-mean error came within the tolerance and stayed there for a whole cycle.
 
@@ -63,7 +68,8 @@ def convergence(
     positive("tolerance", tolerance, "m")
     middle, error = mean_error(time, cross_track_error, period)
     outside = np.flatnonzero(np.abs(error) > tolerance)
-    # The error is inside between two excursions, before the first and after the last: take the first span long enough.
+    # The error is inside between two excursions, before the first and after the last: take the
+    # first span long enough.
     entries = np.concatenate(([0], outside + 1))
     exits = np.concatenate((outside, [middle.size]))
     for entry, leave in zip(entries, exits, strict=True):
@@ -89,7 +95,9 @@ def overshoot(time: Time, cross_track_error: Time, period: float) -> float:
     return max(0.0, float(np.max(-np.sign(cross_track_error[0]) * error)))
 
 
-def steady_error(time: Time, cross_track_error: Time, period: float, start: float, stop: float = np.inf) -> float:
+def steady_error(
+    time: Time, cross_track_error: Time, period: float, start: float, stop: float = np.inf
+) -> float:
     """Compute the root mean square of the cycle-mean error from `start` on and before `stop` [m].
 
     Args:
@@ -157,13 +165,16 @@ def saturated_share(time: Time, is_saturated: Time) -> float:
 
     Args:
         time: Times of the samples [s].
-        is_saturated: 1 where it was at the limit, 0 where not; each value holds until the next sample.
+        is_saturated: 1 where it was at the limit, 0 where not; each value holds until the next
+            sample.
 
     Raises:
         ValueError: If there are fewer than two samples.
     """
     if time.size < 2:
-        raise BadArgument("time", f"must have at least 2 samples for a share of time, got {time.size}")
+        raise BadArgument(
+            "time", f"must have at least 2 samples for a share of time, got {time.size}"
+        )
     return float(np.sum(is_saturated[:-1] * np.diff(time)) / (time[-1] - time[0]))
 
 
@@ -181,12 +192,16 @@ def summary(trial: Trial) -> dict[str, float | None]:
         ValueError: If the trial lacks these signals.
     """
     if "cross_track_error" not in trial.signals:
-        raise BadArgument("trial", "must be a run that followed a path: it has no signal `cross_track_error`")
+        raise BadArgument(
+            "trial", "must be a run that followed a path: it has no signal `cross_track_error`"
+        )
     found: dict[str, float | None] = dict.fromkeys(FIGURES)
     time, error = trial.time, trial.signals["cross_track_error"]
     period, end = trial.period, getattr(path_of(trial), "lengths", (np.inf,))[-1]
     if trial.signals["along_track_distance"][-1] >= end:
-        found["end_time"] = float(time[np.argmax(trial.signals["along_track_distance"] >= end)] - time[0])
+        found["end_time"] = float(
+            time[np.argmax(trial.signals["along_track_distance"] >= end)] - time[0]
+        )
     if time.size > 1:
         found["saturated_share"] = saturated_share(time, trial.signals["is_saturated"])
     if period is None or time[-1] - time[0] < 1.5 * period:
@@ -194,7 +209,9 @@ def summary(trial: Trial) -> dict[str, float | None]:
     found["overshoot"] = overshoot(time, error, period)
     found["last_third_error"] = last_third_error(time, error, period)
     if "height_error" in trial.signals:
-        found["last_third_height_error"] = last_third_error(time, trial.signals["height_error"], period)
+        found["last_third_height_error"] = last_third_error(
+            time, trial.signals["height_error"], period
+        )
     reached = convergence(time, error, trial.signals["along_track_distance"], period)
     if reached is not None:
         found["convergence_time"], found["convergence_distance"] = reached
@@ -221,7 +238,9 @@ def nearest_points(trial: Trial) -> Float[np.ndarray, "n_samples 2"]:
 
 def _rate(time: Time, signal: Time) -> Time:
     if time.size < 3:
-        raise BadArgument("time", f"must have at least 3 samples for a mean over a cycle, got {time.size}")
+        raise BadArgument(
+            "time", f"must have at least 3 samples for a mean over a cycle, got {time.size}"
+        )
     return np.asarray(np.gradient(signal, time), dtype=np.float64)
 
 
@@ -230,7 +249,10 @@ def _since(begin: float, middle: Middles, start: float) -> Bool[np.ndarray, " n_
     inside = middle - begin >= start
     if not np.any(inside):
         last = float(middle[-1] - begin)
-        raise BadArgument("start", f"must be <= {last:.6g} s, the middle of the last gait cycle, got {start:.6g} s")
+        raise BadArgument(
+            "start",
+            f"must be <= {last:.6g} s, the middle of the last gait cycle, got {start:.6g} s",
+        )
     return inside
 
 

@@ -37,10 +37,14 @@ class Track:
         names = [name.removesuffix("_x_m") for name in columns if name.endswith("_x_m")]
         wanted = ["time_s", *(f"{name}_{axis}_m" for name in names for axis in "xy")]
         try:
-            table = np.array([[float(cell or "nan") for cell in columns[name]] for name in wanted]).T
+            table = np.array(
+                [[float(cell or "nan") for cell in columns[name]] for name in wanted]
+            ).T
             return cls(time=table[:, 0], place=table[:, 1:].reshape(len(table), -1, 2))
         except (KeyError, ValueError) as error:
-            raise TrialFileError(f"{path}: must have columns `time_s`, `NAME_x_m`, `NAME_y_m`: {error}") from None
+            raise TrialFileError(
+                f"{path}: must have columns `time_s`, `NAME_x_m`, `NAME_y_m`: {error}"
+            ) from None
 
 
 def marker_places(trial: Trial, along: Sequence[float]) -> Places:
@@ -51,7 +55,9 @@ def marker_places(trial: Trial, along: Sequence[float]) -> Places:
         along: Distance of each marker from the tail end along the straight body [m].
     """
     robot = trial.chain
-    ends = kinematics.Posture(robot, trial.center_of_mass[:, :2], trial.link_angle, fin_angle=trial.fin_angle).link_ends
+    ends = kinematics.Posture(
+        robot, trial.center_of_mass[:, :2], trial.link_angle, fin_angle=trial.fin_angle
+    ).link_ends
     begin = np.cumsum([0.0, *(module.length for module in robot.modules)])
     link = np.clip(np.searchsorted(begin, along, side="right") - 1, 0, robot.n_links - 1)
     angle = trial.link_angle[:, link]
@@ -64,8 +70,9 @@ def marker_distance(
 ) -> tuple[Float[np.ndarray, " n_times"], Float[np.ndarray, " n_times"]]:
     """Compute the distance between the markers of a trial and those of a track, after aligning the start of both.
 
-    The trial is rotated and translated as a rigid body for the best fit (least squares) in a span of time. After that
-    span, the remaining distances show where the trial swims elsewhere, turns differently, or bends into another shape.
+    The trial is rotated and translated as a rigid body for the best fit (least squares) in a span
+    of time. After that span, the remaining distances show where the trial swims elsewhere, turns
+    differently, or bends into another shape.
 
     Args:
         trial: The trial, for instance a simulated one.
@@ -74,17 +81,22 @@ def marker_distance(
         fitted: The span of time used for the fit [s].
 
     Returns:
-        The times of the track within the trial [s], and the root mean square distance at these times [m].
+        The times of the track within the trial [s], and the root mean square distance at these
+        times [m].
 
     Raises:
         ValueError: If the track has a different number of markers, or none in the span.
     """
     if track.place.shape[1] != len(along):
-        raise BadArgument("along", f"must have one distance per marker, {track.place.shape[1]}, got {len(along)}")
+        raise BadArgument(
+            "along", f"must have one distance per marker, {track.place.shape[1]}, got {len(along)}"
+        )
     within = (track.time >= trial.time[0]) & (track.time <= trial.time[-1])
     time, seen = track.time[within], track.place[within]
     flat = marker_places(trial, along).reshape(trial.time.size, -1)
-    here = np.stack([np.interp(time, trial.time, column) for column in flat.T], axis=1).reshape(seen.shape)
+    here = np.stack([np.interp(time, trial.time, column) for column in flat.T], axis=1).reshape(
+        seen.shape
+    )
     known = (time >= fitted[0]) & (time <= fitted[1])
     known = known[:, np.newaxis] & np.isfinite(seen).all(axis=-1)
     if not known.any():

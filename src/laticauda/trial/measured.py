@@ -1,18 +1,19 @@
 """Measurements to compare with runs: published trials, and tables of speeds.
 
-Published trials are found by the setting of a run. To add measurements, add a class: an installed package provides
-its trials through an entry point of the group ``laticauda.measured_trials``.
+Published trials are found by the setting of a run. To add measurements, add a class: an installed
+package provides its trials through an entry point of the group ``laticauda.measured_trials``.
 
-A table of measured speeds, the most common data of a swimming lab, is a CSV file with one row per trial. The first row
-has the column names, in any order:
+A table of measured speeds, the most common data of a swimming lab, is a CSV file with one row per
+trial. The first row has the column names, in any order:
 
     gait,config,alpha_deg,omega_deg_s,delta_deg,v_m_s,P_avg_W
     LU,nofin,30,130,40,0.1514,106.63
     LU,nofin,30,130,40,0.1498,105.10
 
-`gait` is LU (lateral undulation) or EEL (eel-like), `config` nofin or fin, v_m_s the forward velocity (5). A speed
-may be missing; the column P_avg_W, the electrical power above idle, may be missing too, and so may every column for
-which `SpeedTrial` has a default. Column names state the unit; numbers that can only be in another unit are rejected.
+`gait` is LU (lateral undulation) or EEL (eel-like), `config` nofin or fin, v_m_s the forward
+velocity (5). A speed may be missing; the column P_avg_W, the electrical power above idle, may be
+missing too, and so may every column for which `SpeedTrial` has a default. Column names state the
+unit; numbers that can only be in another unit are rejected.
 """
 
 import math
@@ -61,7 +62,9 @@ class MeasuredTrials(extensions.Extensible, group="measured_trials"):
         """Return all measured settings, including those published without a number."""
 
     @abstractmethod
-    def counterpart(self, robot: Robot, gait: gaits.Gait, environment: Environment) -> MeasuredTrial | None:
+    def counterpart(
+        self, robot: Robot, gait: gaits.Gait, environment: Environment
+    ) -> MeasuredTrial | None:
         """Return the measurement in exactly this setting, or None.
 
         Args:
@@ -76,7 +79,9 @@ def all_measured() -> list[MeasuredTrials]:
     return [MeasuredTrials.named(name)() for name in MeasuredTrials.names()]
 
 
-def measured_setting(robot: Robot, gait: gaits.Gait | None, environment: Environment) -> MeasuredTrial | None:
+def measured_setting(
+    robot: Robot, gait: gaits.Gait | None, environment: Environment
+) -> MeasuredTrial | None:
     """Return the measurement in a given setting, or None.
 
     Args:
@@ -99,7 +104,7 @@ def measured_counterpart(trial: Trial) -> MeasuredTrial | None:
     return measured_setting(trial.robot, trial.gait, trial.environment)
 
 
-# ---- tables of speeds -----------------------------------------------------------------------------------------------
+# ---- tables of speeds ----------------------------------------------------------------------------
 
 KINDS = {"LU": "lateral_undulation", "EEL": "eel_like"}
 """Gait abbreviations used in tables."""
@@ -111,17 +116,25 @@ class SpeedTrial:
     """A row of a table of speeds."""
 
     gait: Literal["LU", "EEL"] = option("Kind of the gait")
-    config: Literal["nofin", "fin"] | None = option("With or without caudal fin; as the robot if omitted", default=None)
+    config: Literal["nofin", "fin"] | None = option(
+        "With or without caudal fin; as the robot if omitted", default=None
+    )
     alpha_deg: float = quantity("deg", "Amplitude", ge=0.0)
     omega_deg_s: float = quantity("deg/s", "Frequency", gt=0.0)
     delta_deg: float = quantity("deg", "Phase shift")
-    v_m_s: float | None = quantity("m/s", "Forward velocity; empty: not available", gt=0.0, default=None)
+    v_m_s: float | None = quantity(
+        "m/s", "Forward velocity; empty: not available", gt=0.0, default=None
+    )
     P_avg_W: float | None = quantity("W", "Electrical power above idle", gt=0.0, default=None)
     robot: str | None = option("Robot that swam, a preset or a TOML file", default=None)
     duration_s: float = quantity("s", "Duration of the trial, from rest", gt=0.0, default=30.0)
-    v_sigma_m_s: float | None = quantity("m/s", "Standard deviation of the speed's noise", gt=0.0, default=None)
+    v_sigma_m_s: float | None = quantity(
+        "m/s", "Standard deviation of the speed's noise", gt=0.0, default=None
+    )
     P_sigma_W: float | None = quantity("W", "The same for the power", gt=0.0, default=None)
-    selected_from: int = quantity("", "Number of about equally good settings of which it is the best", ge=1, default=1)
+    selected_from: int = quantity(
+        "", "Number of about equally good settings of which it is the best", ge=1, default=1
+    )
 
     def __post_init__(self) -> None:
         """Reject values that do not form a valid gait."""
@@ -143,7 +156,9 @@ def gait_in_table(kind: str, alpha_deg: float, omega_deg_s: float, delta_deg: fl
         delta_deg: Phase shift [deg].
     """
     alpha, omega, delta = map(math.radians, (alpha_deg, omega_deg_s, delta_deg))
-    return gaits.Gait(envelope=gaits.envelope_of(KINDS[kind]), amplitude=alpha, frequency=omega, phase_shift=delta)
+    return gaits.Gait(
+        envelope=gaits.envelope_of(KINDS[kind]), amplitude=alpha, frequency=omega, phase_shift=delta
+    )
 
 
 _COLUMNS = tuple(SpeedTrial.__dataclass_fields__)
@@ -157,15 +172,19 @@ def load_speeds(path: str | Path) -> tuple[SpeedTrial, ...]:
         path: Path of the file; its columns are those described at the top of this module.
 
     Raises:
-        TrialFileError: If the file cannot be read, or anything in it is wrong; the message gives the row, counted as in
-            a spreadsheet, with the header as row 1.
+        TrialFileError: If the file cannot be read, or anything in it is wrong; the message gives
+            the row, counted as in a spreadsheet, with the header as row 1.
     """
     names, rows = files.read_rows(path, TrialFileError)
     _check_columns(path, names)
     found: list[SpeedTrial] = []
     for number, row in rows:
         try:
-            cells = {name: _cell(name, text) for name, text in row.items() if text or name in _NEEDED[:-1]}
+            cells = {
+                name: _cell(name, text)
+                for name, text in row.items()
+                if text or name in _NEEDED[:-1]
+            }
             found.append(SpeedTrial(**cells))
         except ValueError as error:
             raise TrialFileError(f"{path}: row {number}: {error}") from None
@@ -174,7 +193,9 @@ def load_speeds(path: str | Path) -> tuple[SpeedTrial, ...]:
     for name in ("alpha_deg", "delta_deg"):
         most = max(abs(getattr(one, name)) for one in found)
         if 0.0 < most < _RADIANS:
-            raise TrialFileError(f"{path}: column `{name}` only reaches {most:g}, too little for deg; is it in rad?")
+            raise TrialFileError(
+                f"{path}: column `{name}` only reaches {most:g}, too little for deg; is it in rad?"
+            )
     return tuple(found)
 
 

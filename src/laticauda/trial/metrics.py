@@ -1,8 +1,9 @@
 """Figures of a run, each with a single meaning that is the same for a simulation and for the robot in the tank.
 
-Figures of arrays and plain numbers can be used without a trial; figures of a trial are its properties. Where a figure
-has no meaning, such as a cost per meter of a robot that stood still or a steady velocity of a run of two seconds, the
-function raises a `ValueError` that states the reason; none returns nan.
+Figures of arrays and plain numbers can be used without a trial; figures of a trial are its
+properties. Where a figure has no meaning, such as a cost per meter of a robot that stood still or a
+steady velocity of a run of two seconds, the function raises a `ValueError` that states the reason;
+none returns nan.
 """
 
 import numpy as np
@@ -23,7 +24,7 @@ STANDARD_GRAVITY = 9.81  # [m/s2]
 STILL = 1e-9  # a speed below this is rounding error [m/s]
 
 
-# ---- figures of arrays and numbers ---------------------------------------------------------------------------------
+# ---- figures of arrays and numbers ---------------------------------------------------------------
 
 
 def duration(time: Time) -> float:
@@ -33,7 +34,9 @@ def duration(time: Time) -> float:
         ValueError: If it has fewer than two samples.
     """
     if time.size < 2:
-        raise BadArgument("time", f"must have at least 2 samples for a mean over time, got {time.size}")
+        raise BadArgument(
+            "time", f"must have at least 2 samples for a mean over time, got {time.size}"
+        )
     return float(time[-1] - time[0])
 
 
@@ -45,7 +48,8 @@ def mean_velocity(time: Time, center_of_mass: Path) -> Float[np.ndarray, " n_axe
 def forward_velocity(time: Time, center_of_mass: Path) -> float:
     """Compute the straight-line displacement of the center of mass over the whole run / its duration [m/s].
 
-    Equation (5) of the paper. It includes the start, and on a curved run it is smaller than `path_speed`.
+    Equation (5) of the paper. It includes the start, and on a curved run it is smaller than
+    `path_speed`.
 
     Args:
         time: Times of the samples [s].
@@ -137,8 +141,8 @@ def cost_of_transport(power: float, weight: float, speed: float) -> float:
 def carried_weight(robot: Robot, environment: Water | Ground) -> float:
     """Return the weight used in the cost of transport [N].
 
-    In water it is the weight of the displaced water, rho V g: published masses of swimming robots are ambiguous by a
-    factor of two, the volume is not. On ground it is m g.
+    In water it is the weight of the displaced water, rho V g: published masses of swimming robots
+    are ambiguous by a factor of two, the volume is not. On ground it is m g.
     """
     if isinstance(environment, Ground):
         return robot.mass * environment.gravity
@@ -159,7 +163,9 @@ def linear_drag_share(water: Water, speed: float) -> float:
     """
     total, near = -_along(water, speed), 1e-300  # a speed at which only the linear part remains
     if total <= 0.0:
-        raise ValueError("The water must have drag, and the robot a speed, for a share of the linear drag.")
+        raise ValueError(
+            "The water must have drag, and the robot a speed, for a share of the linear drag."
+        )
     return -_along(water, near) / near * speed / total
 
 
@@ -186,7 +192,9 @@ def towing_drag(robot: Robot, water: Water, speed: float) -> float:
 
 def _moving(speed: float) -> float:
     if not speed > STILL:
-        raise ValueError(f"The robot must move for a cost per distance: its speed is {speed:.1e} m/s.")
+        raise ValueError(
+            f"The robot must move for a cost per distance: its speed is {speed:.1e} m/s."
+        )
     return speed
 
 
@@ -195,7 +203,7 @@ def _along(water: Water, speed: float) -> float:
     return water.drag(speed, 0.0, 0.0, 0.0, Element(1.0, 0.0, 0.0, 0.0))[0]
 
 
-# ---- figures of a trial --------------------------------------------------------------------------------------------
+# ---- figures of a trial --------------------------------------------------------------------------
 
 
 def work_power(trial: Contents, kind: int) -> float:
@@ -224,15 +232,20 @@ def speed_through_water(trial: Contents) -> float:
     velocity = mean_velocity(trial.time, trial.center_of_mass)
     if isinstance(water := trial.environment, Water):
         around = water.velocity(trial.center_of_mass, trial.time)
-        velocity -= around[0] if water.flow is None else integral(trial.time, around)[-1] / np.ptp(trial.time)
+        velocity -= (
+            around[0]
+            if water.flow is None
+            else integral(trial.time, around)[-1] / np.ptp(trial.time)
+        )
     return float(np.linalg.norm(velocity))
 
 
 def steady_velocity(trial: Contents) -> float:
     """Compute the `forward_velocity` over the steady part of a trial only [m/s]; a ValueError if the run is too short.
 
-    The steady part is as many whole gait cycles as fit after the first third of the run and after 10 s, counted back
-    from the end; without a gait, all of that time. It therefore includes neither the start nor the gait's ripple.
+    The steady part is as many whole gait cycles as fit after the first third of the run and after
+    10 s, counted back from the end; without a gait, all of that time. It therefore includes neither
+    the start nor the gait's ripple.
     """
     part = cycles.steady_part(trial.time, trial.period)
     return float(np.linalg.norm(_displacement(trial, part))) / (part.stop - part.start)
@@ -256,17 +269,21 @@ def heading_mean(trial: Contents) -> CycleMean:
 def sideslip(trial: Contents) -> float:
     """Compute course minus heading of a trial, both as cycle means, averaged over the steady part [rad].
 
-    Positive when the robot travels to the left of its heading. Raises a ValueError if the trial is too short or the
-    robot stands still.
+    Positive when the robot travels to the left of its heading. Raises a ValueError if the trial is
+    too short or the robot stands still.
     """
     trial.need("a sideslip", "heading")
     time, period = trial.time, _period(trial)
     inside = _in_steady_part(time, period)
-    traveled = cycles.course_cycle_mean(time, trial.center_of_mass, trial.center_of_mass_velocity, period).value
+    traveled = cycles.course_cycle_mean(
+        time, trial.center_of_mass, trial.center_of_mass_velocity, period
+    ).value
     pointed = heading_mean(trial).value
     if not np.any(inside):
         rule = "must hold the middle of a whole gait cycle after the transient for a sideslip"
-        raise BadArgument("time", f"{rule}: make it at least one sample longer than {time[-1] - time[0]:.4g} s")
+        raise BadArgument(
+            "time", f"{rule}: make it at least one sample longer than {time[-1] - time[0]:.4g} s"
+        )
     angle = (traveled - pointed)[inside]
     # Average directions, not numbers: course and heading may be unwrapped whole turns apart.
     return float(np.angle(np.mean(np.exp(1j * angle))))
@@ -275,14 +292,17 @@ def sideslip(trial: Contents) -> float:
 def turning_rate(trial: Contents) -> float:
     """Compute the least-squares slope of the heading's cycle mean over the steady part; positive to the left [rad/s].
 
-    Raises a ValueError if the steady part of the trial is shorter than two cycles: a single mean has no slope.
+    Raises a ValueError if the steady part of the trial is shorter than two cycles: a single mean
+    has no slope.
     """
     trial.need("a turning rate", "heading")
     period = _period(trial)
     part, inside = cycles.steady_part(trial.time, period), _in_steady_part(trial.time, period)
     if part.n_cycles is None or part.n_cycles < 2 or np.count_nonzero(inside) < 2:
         rule = "must span at least two gait cycles after the transient for a turning rate"
-        raise BadArgument("time", f"{rule}; got {part.stop - part.start:.4g} s, and a cycle takes {period:.4g} s")
+        raise BadArgument(
+            "time", f"{rule}; got {part.stop - part.start:.4g} s, and a cycle takes {period:.4g} s"
+        )
     mean = heading_mean(trial)
     t, value = mean.time[inside], mean.value[inside]
     t = t - np.mean(t)
@@ -292,16 +312,18 @@ def turning_rate(trial: Contents) -> float:
 def strouhal_number(trial: Contents) -> float:
     """Compute the Strouhal number f A / U of the tail of a trial [-].
 
-    f = 1 / period, U the steady velocity, A the peak-to-peak excursion of the fin's trailing edge (without a fin, of
-    the tail end) across the course. A is computed for each cycle of the steady part, across the course of that cycle,
-    and averaged: on a straight path this is the excursion over the whole steady part; on a curved path the curve itself
-    does not count. Eels swim at about 0.32 (Tytell 2004). Raises a ValueError if the trial is too short or the
-    robot stands still.
+    f = 1 / period, U the steady velocity, A the peak-to-peak excursion of the fin's trailing edge
+    (without a fin, of the tail end) across the course. A is computed for each cycle of the steady
+    part, across the course of that cycle, and averaged: on a straight path this is the excursion
+    over the whole steady part; on a curved path the curve itself does not count. Eels swim at about
+    0.32 (Tytell 2004). Raises a ValueError if the trial is too short or the robot stands still.
     """
     trial.need("a Strouhal number", "link_angle")
     time, place, period = trial.time, trial.center_of_mass, _period(trial)
     part = cycles.steady_part(time, period)
-    edge = Posture(trial.chain, place[:, :2], trial.link_angle, fin_angle=trial.fin_angle).trailing_edge
+    edge = Posture(
+        trial.chain, place[:, :2], trial.link_angle, fin_angle=trial.fin_angle
+    ).trailing_edge
     bounds = np.linspace(part.start, part.stop, (part.n_cycles or 1) + 1)
     steps = np.diff(cycles.interpolated(time, place, trial.center_of_mass_velocity, bounds), axis=0)
     excursion = 0.0
@@ -314,9 +336,10 @@ def strouhal_number(trial: Contents) -> float:
 def quasi_propulsive_efficiency(trial: Contents) -> float:
     """Compute the towing power of the straight robot at the speed of a trial / mechanical power of its joints [-].
 
-    The efficiency compares the swimmer with the same body under tow, so unlike a propeller's efficiency it is not
-    bounded by 1. A "Froude efficiency" is not defined for a self-propelled body: thrust and drag are one force. Raises
-    a ValueError on ground, or if the joints did no work.
+    The efficiency compares the swimmer with the same body under tow, so unlike a propeller's
+    efficiency it is not bounded by 1. A "Froude efficiency" is not defined for a self-propelled
+    body: thrust and drag are one force. Raises a ValueError on ground, or if the joints did no
+    work.
     """
     speed = speed_through_water(trial)
     drag = towing_drag(trial.chain, _water(trial, "a towing drag"), speed)
@@ -328,12 +351,16 @@ def quasi_propulsive_efficiency(trial: Contents) -> float:
 
 def drag_share(trial: Contents) -> float:
     """Compute `linear_drag_share` at a trial's speed through the water [-]; a ValueError on ground, or without drag."""
-    return linear_drag_share(_water(trial, "a share of the linear drag"), speed_through_water(trial))
+    return linear_drag_share(
+        _water(trial, "a share of the linear drag"), speed_through_water(trial)
+    )
 
 
 def _period(trial: Contents) -> float:
     if trial.period is None:
-        raise ValueError("The trial must have a gait that moves for a figure over whole gait cycles.")
+        raise ValueError(
+            "The trial must have a gait that moves for a figure over whole gait cycles."
+        )
     return trial.period
 
 
@@ -354,4 +381,6 @@ def _in_steady_part(time: Time, period: float) -> Bool[np.ndarray, " n_middles"]
     middle = cycles.cycle_middles(time, period)
     part = cycles.steady_part(time, period)
     slack = 1e-9 * period
-    return (middle >= part.start + 0.5 * period - slack) & (middle <= part.stop - 0.5 * period + slack)
+    return (middle >= part.start + 0.5 * period - slack) & (
+        middle <= part.stop - 0.5 * period + slack
+    )

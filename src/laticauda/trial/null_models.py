@@ -79,11 +79,18 @@ def _fitted(
     """Predict other rows by least squares; also return the number of fitted parameters and whether the rows suffice."""
     groups = sorted({row.group for row in (*rows, *others)})
     known, asked = form.columns(rows, groups), form.columns(others, groups)
-    units = [np.array([row.gait.frequency if form.is_stride else 1.0 for row in some]) for some in (rows, others)]
+    units = [
+        np.array([row.gait.frequency if form.is_stride else 1.0 for row in some])
+        for some in (rows, others)
+    ]
     speeds = measured / units[0]
     numbers, _, rank, _ = np.linalg.lstsq(known, np.log(speeds) if form.is_log else speeds)
     found = asked @ numbers
-    return (np.exp(found) if form.is_log else found) * units[1], int(rank), bool(rank == known.shape[1])
+    return (
+        (np.exp(found) if form.is_log else found) * units[1],
+        int(rank),
+        bool(rank == known.shape[1]),
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -116,20 +123,30 @@ def compared(rows: Sequence[Row], measured: Values) -> tuple[NullModel, ...]:
     for name, form in NULL_MODELS.items():
         speeds, n_parameters, _ = _fitted(form, rows, measured, rows)
         others = [_left_out(form, rows, measured, by) for by in (np.arange(len(rows)), groups)]
-        errors = [np.nan if np.any(np.isnan(values)) else mape(measured, values) for values in others]
-        how: Any = {"fitted": mape(measured, speeds), "left_out": errors[0], "group_left_out": errors[1]}
+        errors = [
+            np.nan if np.any(np.isnan(values)) else mape(measured, values) for values in others
+        ]
+        how: Any = {
+            "fitted": mape(measured, speeds),
+            "left_out": errors[0],
+            "group_left_out": errors[1],
+        }
         found.append(NullModel(name=name, n_parameters=n_parameters, speeds=speeds, **how))
     return tuple(found)
 
 
-def _left_out(form: _Form, rows: Sequence[Row], measured: Values, by: Int[np.ndarray, " n_rows"]) -> Values:
+def _left_out(
+    form: _Form, rows: Sequence[Row], measured: Values, by: Int[np.ndarray, " n_rows"]
+) -> Values:
     """Predict each speed from the rows with another number in `by`; nan where they do not suffice."""
     found = np.full(measured.size, np.nan)
     for number in np.unique(by):
         out = by == number
         if out.all():  # no rows are left to predict it from
             break
-        kept, asked = ([row for row, mine in zip(rows, some, strict=True) if mine] for some in (~out, out))
+        kept, asked = (
+            [row for row, mine in zip(rows, some, strict=True) if mine] for some in (~out, out)
+        )
         speeds, _, suffices = _fitted(form, kept, measured[~out], asked)
         if suffices:
             found[out] = speeds
@@ -155,7 +172,9 @@ def predict(
     """
     unknown = sorted({row.group for row in others} - {row.group for row in rows})
     if unknown:
-        raise BadArgument("rows", f"must hold every group of `others`, got none of {', '.join(unknown)}")
+        raise BadArgument(
+            "rows", f"must hold every group of `others`, got none of {', '.join(unknown)}"
+        )
     speeds, n_fitted, _ = _fitted(PREDICTORS[name], rows, measured, others)
     return speeds, n_fitted
 
@@ -168,10 +187,13 @@ def mape(measured: Float[np.ndarray, " _"], predicted: Float[np.ndarray, " _"]) 
         predicted: Predicted values, in the same unit.
 
     Raises:
-        ValueError: If there are no values, the numbers of values differ, or a measured value is not > 0.
+        ValueError: If there are no values, the numbers of values differ, or a measured value is not
+            > 0.
     """
     if measured.size == 0 or measured.shape != predicted.shape:
-        raise BadArgument("predicted", f"must have {measured.size} values, at least 1, got {predicted.size}")
+        raise BadArgument(
+            "predicted", f"must have {measured.size} values, at least 1, got {predicted.size}"
+        )
     if not np.all(measured > 0.0):
         raise BadArgument("measured", f"must be > 0, got {np.min(measured)}")
     return 100.0 * float(np.mean(np.abs(predicted - measured) / measured))

@@ -1,6 +1,7 @@
 """The log of one run, simulated or real: the output of everything that swims, and the input of every analysis.
 
-The sampled data are defined in `contents`; the figures of the run are declared here and computed in `metrics`.
+The sampled data are defined in `contents`; the figures of the run are declared here and computed in
+`metrics`.
 """
 
 from collections.abc import Callable, Mapping
@@ -28,7 +29,8 @@ class Figure:
     Args:
         unit: Unit of the figure; "" for a pure number.
         title: Title, in a few words.
-        of: Function that computes the figure of a trial; it raises a ValueError that states why there is none.
+        of: Function that computes the figure of a trial; it raises a ValueError that states why
+            there is none.
 
     Access to a figure that is not finite raises an error.
     """
@@ -51,7 +53,9 @@ class Figure:
         with np.errstate(all="ignore"):
             found = float(self._of(trial))
         if not np.isfinite(found):
-            raise BadArgument(self.name, f"must be a finite number, but this run's samples give {found}")
+            raise BadArgument(
+                self.name, f"must be a finite number, but this run's samples give {found}"
+            )
         vars(trial)[self.name] = found  # from now on, access finds it there
         return found
 
@@ -59,7 +63,7 @@ class Figure:
 class Trial(contents.Contents):
     """The time-stamped log of one run, with its robot, its gait and how it ended: see `Contents`."""
 
-    # ---- figures: unit, title, definition; in the order of a table ----------------------------------------------
+    # ---- figures: unit, title, definition; in the order of a table -------------------------------
 
     duration = Figure("s", "duration", lambda t: metrics.duration(t.time))
     forward_velocity = Figure(
@@ -69,10 +73,14 @@ class Trial(contents.Contents):
     )
     """Straight-line displacement / time over the whole run (5) [m/s]."""
     steady_velocity = Figure(
-        "m/s", "steady velocity, over whole gait cycles after the transient", metrics.steady_velocity
+        "m/s",
+        "steady velocity, over whole gait cycles after the transient",
+        metrics.steady_velocity,
     )
     """`forward_velocity` over whole gait cycles after the first third of the run and 10 s [m/s]."""
-    path_speed = Figure("m/s", "path length over time", lambda t: metrics.path_speed(t.time, t.center_of_mass))
+    path_speed = Figure(
+        "m/s", "path length over time", lambda t: metrics.path_speed(t.time, t.center_of_mass)
+    )
     """Length of the center of mass's path / time [m/s]."""
     mean_power = Figure(
         "W",
@@ -80,14 +88,20 @@ class Trial(contents.Contents):
         lambda t: t.mechanical_power if t.electrical_work is None else t.electrical_power,
     )
     """The electrical power, or the mechanical power if there is no power model: see `mean_power_kind` [W]."""
-    mechanical_power = Figure("W", "mechanical power, mean of sum |u phi'|", lambda t: metrics.work_power(t, 0))
+    mechanical_power = Figure(
+        "W", "mechanical power, mean of sum |u phi'|", lambda t: metrics.work_power(t, 0)
+    )
     net_power = Figure("W", "mechanical power, net", lambda t: metrics.work_power(t, 1))
     """Mean of sum u phi': braking joints return their power [W]."""
-    positive_power = Figure("W", "mechanical power, positive work only", lambda t: metrics.work_power(t, 2))
+    positive_power = Figure(
+        "W", "mechanical power, positive work only", lambda t: metrics.work_power(t, 2)
+    )
     """Mean of sum max(u phi', 0): braking joints cost nothing [W]."""
     electrical_power = Figure("W", "electrical power above idle", metrics.electrical_power)
     """Mean electrical power above idle (4) [W]; raises an error if the run has no power model."""
-    total_power = Figure("W", "electrical power with idle", lambda t: t.electrical_power + t.robot.idle_power)
+    total_power = Figure(
+        "W", "electrical power with idle", lambda t: t.electrical_power + t.robot.idle_power
+    )
     """`electrical_power` plus what the robot draws at rest, `robot.idle_power` (Mamba: V I_0 = 41.3 W) [W]."""
     cost_of_transport = Figure(
         "",
@@ -99,11 +113,15 @@ class Trial(contents.Contents):
     """`mean_power` / (W v) with W the weight of the displaced water, on ground the robot's own [-]; raises an error if
     the robot did not move."""
     joules_per_meter = Figure(
-        "J/m", "energy per meter, from mean power", lambda t: metrics.joules_per_meter(t.mean_power, t.forward_velocity)
+        "J/m",
+        "energy per meter, from mean power",
+        lambda t: metrics.joules_per_meter(t.mean_power, t.forward_velocity),
     )
     """`mean_power` / `forward_velocity` [J/m]; raises an error if the robot did not move."""
     quasi_propulsive_efficiency = Figure(
-        "", "towing power of the straight robot / mechanical power", metrics.quasi_propulsive_efficiency
+        "",
+        "towing power of the straight robot / mechanical power",
+        metrics.quasi_propulsive_efficiency,
     )
     """Towing power of the straight robot at its speed through the water / mechanical power [-]; raises an error on
     ground, or if the joints did no work."""
@@ -120,13 +138,17 @@ class Trial(contents.Contents):
     strouhal_number = Figure("", "Strouhal number of the trailing edge", metrics.strouhal_number)
     """Strouhal number f A / U of the trailing edge over the steady part [-]."""
 
-    peak_joint_angle = Figure("rad", "largest joint angle, first cycle left out", peak("peak_joint_angle"))
+    peak_joint_angle = Figure(
+        "rad", "largest joint angle, first cycle left out", peak("peak_joint_angle")
+    )
     """Largest |phi| of a joint; this and the next three figures exclude the first gait cycle [rad]."""
     peak_joint_rate = Figure("rad/s", "largest joint rate", peak("peak_joint_rate"))
     """Largest |phi'| of a joint [rad/s]."""
     peak_joint_torque = Figure("N m", "largest joint torque", peak("peak_joint_torque"))
     """Largest |u| of a joint [N m]."""
-    utilization = Figure("", "largest share used of joints, actuators and room between links", peak("utilization"))
+    utilization = Figure(
+        "", "largest share used of joints, actuators and room between links", peak("utilization")
+    )
     """Largest used share of a joint's limit, of an actuator's speed or duty, or of the room between links; above 1 the
     robot cannot do it: see `feasibility` [-]."""
 
@@ -166,7 +188,7 @@ class Trial(contents.Contents):
                 reasons[figure.name] = str(reason)
         return values, reasons
 
-    # ---- pictures -----------------------------------------------------------------------------------------------
+    # ---- pictures --------------------------------------------------------------------------------
 
     def plot(self) -> "figure.Figure":
         """Plot the run in one figure: path, speed, joint angles and torques; or, if it followed a path, how well.
@@ -183,10 +205,13 @@ class Trial(contents.Contents):
         """
         return above("path_strip")(self, ax)
 
-    def animate(self, *, speed: float = 1.0, frames_per_second: float = 15.0) -> "animation.FuncAnimation":
+    def animate(
+        self, *, speed: float = 1.0, frames_per_second: float = 15.0
+    ) -> "animation.FuncAnimation":
         """Animate the run, seen from above.
 
-        A notebook displays it; `trial.animate().save("run.gif")` writes a file, as do .webp, and .mp4 with ffmpeg.
+        A notebook displays it; `trial.animate().save("run.gif")` writes a file, as do .webp, and
+        .mp4 with ffmpeg.
 
         Args:
             speed: Playback speed relative to real time [-].
@@ -194,14 +219,16 @@ class Trial(contents.Contents):
         """
         return above("swim_film")(self, speed=speed, frames_per_second=frames_per_second)
 
-    # ---- files and tables ----------------------------------------------------------------------------------------
+    # ---- files and tables ------------------------------------------------------------------------
 
     def summary(self) -> dict[str, object]:
         """Return all figures of the run and how it ended, ready for JSON; also for a failed run.
 
         Returns:
-            In this order: `status`, `succeeded`, `robot`, `gait` and `environment` by name, `mean_power_kind`, every
-            figure of `FIGURES` in SI units, None where it has no meaning for this run, and `not_available`: the reason
+            In this order: `status`, `succeeded`, `robot`, `gait` and `environment` by name,
+                `mean_power_kind`, every
+            figure of `FIGURES` in SI units, None where it has no meaning for this run, and
+                `not_available`: the reason
             for each None.
         """
         values, reasons = self.figures()
@@ -219,8 +246,9 @@ class Trial(contents.Contents):
     def save(self, path: str | Path) -> None:
         """Write the trial to a file, from which `load_trial` restores an equal one.
 
-        The extension sets the format, see `Format`; any unknown one means netCDF. A CSV file holds the time series
-        only. An older file of the same name is replaced, but not before the new one is complete.
+        The extension sets the format, see `Format`; any unknown one means netCDF. A CSV file holds
+        the time series only. An older file of the same name is replaced, but not before the new one
+        is complete.
 
         Args:
             path: The file.
@@ -248,10 +276,17 @@ class Trial(contents.Contents):
         """
         found = {name: values for name, values in series.items() if values is not None}
         if "work" not in found and "joint_torque" in found and "joint_rate" in found:
-            found["work"] = metrics.joint_work(found["time"], found["joint_torque"], found["joint_rate"])
+            found["work"] = metrics.joint_work(
+                found["time"], found["joint_torque"], found["joint_rate"]
+            )
         shapes = contents.shapes_of(more["scenario"].robot, *np.shape(found["center_of_mass"]))
         missing = tuple(name for name in contents.NOT_NEEDED if name not in found)
-        return cls(**found, **{name: np.zeros(shapes[name]) for name in missing}, not_measured=missing, **more)
+        return cls(
+            **found,
+            **{name: np.zeros(shapes[name]) for name in missing},
+            not_measured=missing,
+            **more,
+        )
 
     @classmethod
     def from_dataset(cls, dataset: "xarray.Dataset") -> Self:
@@ -270,12 +305,19 @@ class Trial(contents.Contents):
         """Return one line: who swam what for how long, and how it ended."""
         gait = "no gait" if self.gait is None else self.gait.kind
         span = f"{self.time[-1] - self.time[0]:g} s in {self.time.size} samples"
-        speed = f", {self.forward_velocity:.3g} m/s" if self.succeeded and self.time.size > 1 else ""
+        speed = (
+            f", {self.forward_velocity:.3g} m/s" if self.succeeded and self.time.size > 1 else ""
+        )
         return f"<Trial of {self.robot.name}: {gait}, {span}{speed}; {self.status}>"
 
     def _repr_html_(self) -> str:
-        known = {getattr(Trial, name): one for name, one in self.figures()[0].items() if one is not None}
-        rows = {f.title: in_words(one, Quantity(unit=f.unit, text="")) or "0" for f, one in known.items()}
+        known = {
+            getattr(Trial, name): one for name, one in self.figures()[0].items() if one is not None
+        }
+        rows = {
+            f.title: in_words(one, Quantity(unit=f.unit, text="")) or "0"
+            for f, one in known.items()
+        }
         return html_table(repr(self)[1:-1], rows)
 
 

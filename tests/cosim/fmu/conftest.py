@@ -15,7 +15,9 @@ from laticauda.cosim import export_fmu
 fmpy = pytest.importorskip("fmpy", exc_type=ImportError)
 fmi2 = pytest.importorskip("fmpy.fmi2", exc_type=ImportError)
 
-GAIT = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(130), phase_shift=math.radians(40))
+GAIT = lc.lateral_undulation(
+    amplitude=math.radians(30), frequency=math.radians(130), phase_shift=math.radians(40)
+)
 
 
 class Slave:
@@ -59,7 +61,13 @@ class Slave:
         return np.array(self.fmu.getReal([self.number[name] for name in names]))
 
     def all(self, stem: str) -> np.ndarray:
-        return self.get(*(name for name in self.number if name.startswith(f"{stem}[") or name.startswith(f"{stem}.")))
+        return self.get(
+            *(
+                name
+                for name in self.number
+                if name.startswith(f"{stem}[") or name.startswith(f"{stem}.")
+            )
+        )
 
     def everything(self) -> bytes:
         return self.get(*self.number).tobytes()

@@ -25,8 +25,15 @@ from laticauda.simulate import plant
 
 fmpy = pytest.importorskip("fmpy", exc_type=ImportError)
 
-GAIT = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(130), phase_shift=math.radians(40))
-EEL = lc.eel_like(amplitude=math.radians(35), frequency=math.radians(110), phase_shift=math.radians(35), offset=0.05)
+GAIT = lc.lateral_undulation(
+    amplitude=math.radians(30), frequency=math.radians(130), phase_shift=math.radians(40)
+)
+EEL = lc.eel_like(
+    amplitude=math.radians(35),
+    frequency=math.radians(110),
+    phase_shift=math.radians(35),
+    offset=0.05,
+)
 GUSTS = replace(lc.load_current("turbulence"), modes=6)
 # What Python's fused multiply-adds and the FMU's lack of them make of rounding in some seconds.
 ROUNDING = 1e-9
@@ -36,14 +43,19 @@ def driven_fin() -> tuple[Robot, lc.Gait]:
     robot = lc.load_robot("mamba-fin")
     assert robot.caudal_fin is not None
     fin = replace(robot.caudal_fin, joint=Joint())
-    return replace(robot, caudal_fin=fin), replace(GAIT, fin=lc.Wave(amplitude=0.3, frequency=3.0, phase=0.5))
+    return replace(robot, caudal_fin=fin), replace(
+        GAIT, fin=lc.Wave(amplitude=0.3, frequency=3.0, phase=0.5)
+    )
 
 
 def bent_fin() -> Robot:
     robot = lc.load_robot("mamba-fin")
     assert robot.caudal_fin is not None
     return replace(
-        robot, caudal_fin=replace(robot.caudal_fin, n_hinges=2, flexural_rigidity=0.05, bending_damping=0.002)
+        robot,
+        caudal_fin=replace(
+            robot.caudal_fin, n_hinges=2, flexural_rigidity=0.05, bending_damping=0.002
+        ),
     )
 
 
@@ -66,11 +78,19 @@ KINDS: dict[str, dict[str, Any]] = {
     "kirchhoff": {
         "gait": EEL,
         "environment": replace(
-            lc.load_water("paper-eel"), added_mass_form="kirchhoff", rotational="strip", trailing_edge="elongated"
+            lc.load_water("paper-eel"),
+            added_mass_form="kirchhoff",
+            rotational="strip",
+            trailing_edge="elongated",
         ),
     },
-    "gusts": {"environment": replace(lc.load_water("paper-lateral"), current=replace(GUSTS, seed=2))},
-    "late start": {"start": Start(center_of_mass=(1.0, -2.0), heading=0.7, velocity=0.1), "robot": "mamba"},
+    "gusts": {
+        "environment": replace(lc.load_water("paper-lateral"), current=replace(GUSTS, seed=2))
+    },
+    "late start": {
+        "start": Start(center_of_mass=(1.0, -2.0), heading=0.7, velocity=0.1),
+        "robot": "mamba",
+    },
 }
 
 
@@ -80,22 +100,35 @@ def in_python(robot: Any = "mamba-fin", gait: Any = GAIT, **settings: Any) -> tu
     usual = lc.load_water("paper-eel" if gait.kind == "eel_like" else "paper-lateral")
     water = settings.pop("environment", usual)
     body = plant(lc.load_robot(robot) if isinstance(robot, str) else robot, water, **settings)
-    command = Command(gait=gait, references=(0.0,) * len(body.robot.driven_joints) if inputs == "references" else None)
+    command = Command(
+        gait=gait,
+        references=(0.0,) * len(body.robot.driven_joints) if inputs == "references" else None,
+    )
     return body, command, body.init(start, command)
 
 
 def check_equal(slave: Any, body: Any, state: Any, log: Any, tolerance: float = ROUNDING) -> None:
     seen = body.observe(state)
     assert slave.get("time") == pytest.approx(seen.time, abs=1e-12)
-    for name in ("center_of_mass", "center_of_mass_velocity", "link_angle", "joint_angle", "joint_rate"):
+    for name in (
+        "center_of_mass",
+        "center_of_mass_velocity",
+        "link_angle",
+        "joint_angle",
+        "joint_rate",
+    ):
         assert slave.all(name) == pytest.approx(getattr(seen, name), abs=tolerance), name
-    assert slave.get("heading", "heading_rate") == pytest.approx([seen.heading, seen.heading_rate], abs=tolerance)
+    assert slave.get("heading", "heading_rate") == pytest.approx(
+        [seen.heading, seen.heading_rate], abs=tolerance
+    )
     for name in ("joint_torque", "joint_angle_ref"):
         assert slave.all(name) == pytest.approx(getattr(log, name)[-1], abs=10 * tolerance), name
     work = slave.get("mechanical_work", "net_work", "positive_work")
     assert work == pytest.approx(log.work[-1], abs=100 * tolerance)
     if log.electrical_work is not None:
-        assert slave.get("electrical_work") == pytest.approx(log.electrical_work[-1], abs=100 * tolerance)
+        assert slave.get("electrical_work") == pytest.approx(
+            log.electrical_work[-1], abs=100 * tolerance
+        )
     for name in [key for key in log.signals if key.startswith("fin_angle") and key[-1].isdigit()]:
         k = name.rsplit("_", 1)[-1]
         assert slave.get(f"fin_angle[{k}]") == pytest.approx(log.signals[name][-1], abs=tolerance)
@@ -132,7 +165,9 @@ def test_30_s_in_fmpy_are_those_of_a_swim(make, joints, fmi):
         ("joint_torque", joints_of),
     ):
         assert columns(name, parts) == pytest.approx(getattr(trial, name), abs=1e-8), name
-    assert columns("", ("mechanical_work", "net_work", "positive_work")) == pytest.approx(trial.work, abs=1e-6)
+    assert columns("", ("mechanical_work", "net_work", "positive_work")) == pytest.approx(
+        trial.work, abs=1e-6
+    )
     power = np.sum(np.abs(trial.joint_torque * trial.joint_rate), axis=1)
     assert seen["mechanical_power"] == pytest.approx(power, abs=1e-7)
 
@@ -154,9 +189,16 @@ def test_inputs_that_change_act_as_a_command_that_changes(make, slave):
     water = lc.load_water("paper-lateral")
     body, _, state = in_python()
     for k in range(60):
-        gait = replace(GAIT, amplitude=0.4 + 0.003 * k, frequency=2.0 + 0.02 * k, offset=0.1 * math.sin(0.2 * k))
+        gait = replace(
+            GAIT,
+            amplitude=0.4 + 0.003 * k,
+            frequency=2.0 + 0.02 * k,
+            offset=0.1 * math.sin(0.2 * k),
+        )
         current = (0.05 * math.sin(0.1 * k), -0.002 * k)
-        one.set(gait__amplitude=gait.amplitude, gait__frequency=gait.frequency, gait__offset=gait.offset)
+        one.set(
+            gait__amplitude=gait.amplitude, gait__frequency=gait.frequency, gait__offset=gait.offset
+        )
         one.set(current__x=current[0], current__y=current[1])
         moved = plant(body.robot, replace(water, current=current), dt=body.dt)
         state, log, _ = moved.march(state, Command(gait=gait), 0.05, 0.05)
@@ -170,7 +212,9 @@ def test_a_driven_fins_reference_acts_as_one_more_does_in_python(make, slave):
     for k, angle in enumerate((0.2, 0.3, 0.4)):
         one.put("fin.reference", angle)
         one.steps([0.05], time=0.05 * k)
-        state, log, _ = body.march(state, replace(command, references=(0.0,) * 8 + (angle,)), 0.05, 0.05)
+        state, log, _ = body.march(
+            state, replace(command, references=(0.0,) * 8 + (angle,)), 0.05, 0.05
+        )
         check_equal(one, body, state, log)
     assert one.get("fin_angle[0]").item() > 0.01
 
@@ -191,7 +235,11 @@ def test_references_that_change_act_as_references_in_python(make, slave):
     "kind",
     [
         {},
-        {"environment": replace(lc.load_water("paper-eel"), rotational="strip", added_mass_form="classic")},
+        {
+            "environment": replace(
+                lc.load_water("paper-eel"), rotational="strip", added_mass_form="classic"
+            )
+        },
         {
             "environment": replace(
                 lc.load_water("paper-eel"),
@@ -206,7 +254,11 @@ def test_references_that_change_act_as_references_in_python(make, slave):
 def test_parameters_make_of_an_fmu_that_of_another_water_gait_and_start(make, slave, kind):
     water = kind.get("environment", lc.load_water("paper-lateral"))
     polynomial = isinstance(water.drag, PolynomialDrag)
-    law = {"reference_speed": 0.8, "sway_friction": 0.3} if polynomial else {"beta": 0.2, "gamma": 0.7}
+    law = (
+        {"reference_speed": 0.8, "sway_friction": 0.3}
+        if polynomial
+        else {"beta": 0.2, "gamma": 0.7}
+    )
     other = replace(
         water,
         density=1025.0,
@@ -219,10 +271,16 @@ def test_parameters_make_of_an_fmu_that_of_another_water_gait_and_start(make, sl
         current=(0.02, -0.03),
     )
     gait = lc.custom_gait(
-        envelope=[0.2 + 0.1 * i for i in range(8)], amplitude=0.7, frequency=1.7, phase_shift=0.5, offset=0.1
+        envelope=[0.2 + 0.1 * i for i in range(8)],
+        amplitude=0.7,
+        frequency=1.7,
+        phase_shift=0.5,
+        offset=0.1,
     )
     start = Start(center_of_mass=(0.3, -0.4), heading=2.0, velocity=0.05)
-    body, command, state = in_python(gait=gait, environment=other, start=start, dt=0.02, ramp=2.0, offset_bandwidth=5.0)
+    body, command, state = in_python(
+        gait=gait, environment=other, start=start, dt=0.02, ramp=2.0, offset_bandwidth=5.0
+    )
     one = slave(make(**kind))
     for name in ("density", "tangential_friction", "normal_drag", "added_mass", "added_inertia"):
         one.put(f"water.{name}", getattr(other, name))
@@ -278,7 +336,9 @@ def test_time_begins_where_it_is_told_and_changes_nothing_else(make, slave):
     one, other = slave(fmu).begin(), slave(fmu).begin(start_time=1000.0)
     one.steps([0.05] * 20)
     other.steps([0.05] * 20, time=1000.0)
-    assert one.get("time", "center_of_mass.x") == pytest.approx(other.get("time", "center_of_mass.x") - [1000.0, 0.0])
+    assert one.get("time", "center_of_mass.x") == pytest.approx(
+        other.get("time", "center_of_mass.x") - [1000.0, 0.0]
+    )
 
 
 def test_instances_side_by_side_do_not_notice_each_other(make, slave):
@@ -344,7 +404,9 @@ def test_the_state_of_another_robot_is_refused(make, slave):
         ("time", 1.0, "`time` must not be set: it is neither an input nor a parameter."),
     ],
 )
-def test_a_wrong_value_is_an_error_with_a_message_and_changes_nothing(make, slave, name, value, message):
+def test_a_wrong_value_is_an_error_with_a_message_and_changes_nothing(
+    make, slave, name, value, message
+):
     one = slave(make())
     before = one.everything()
     with pytest.raises(Exception, match="fmi2SetReal failed with status 3"):
@@ -357,7 +419,9 @@ def test_a_parameter_is_refused_once_the_robot_swims(make, slave):
     one = slave(make()).begin()
     with pytest.raises(Exception, match="status 3"):
         one.put("water.density", 900.0)
-    assert one.messages == ["`water.density` must be set before the initialization ends: it is a parameter."]
+    assert one.messages == [
+        "`water.density` must be set before the initialization ends: it is a parameter."
+    ]
     one.put("gait.amplitude", 0.3)
 
 
@@ -400,7 +464,10 @@ def test_a_motion_that_diverges_is_an_error_and_the_numbers_stay_those_before_it
     assert np.all(np.isfinite(one.get(*one.number)))
     with pytest.raises(Exception, match="status 3"):
         one.steps([0.05], time=float(one.get("time")[0]))
-    assert one.messages[1] == "A step is no longer possible: the motion diverged. Reset the instance first."
+    assert (
+        one.messages[1]
+        == "A step is no longer possible: the motion diverged. Reset the instance first."
+    )
     one.fmu.reset()
     one.begin().steps([0.05] * 20)
 
@@ -413,9 +480,14 @@ def test_fmi_3_keeps_states_and_tells_errors_too(make):
     number = {v.name: v.valueReference for v in told.modelVariables}
     messages: list[bytes] = []
     one = FMU3Slave(
-        guid=told.guid, unzipDirectory=folder, modelIdentifier=told.coSimulation.modelIdentifier, instanceName="snake"
+        guid=told.guid,
+        unzipDirectory=folder,
+        modelIdentifier=told.coSimulation.modelIdentifier,
+        instanceName="snake",
     )
-    one.instantiate(logMessage=lambda environment, status, category, message: messages.append(message))
+    one.instantiate(
+        logMessage=lambda environment, status, category, message: messages.append(message)
+    )
     one.enterInitializationMode(startTime=5.0)
     one.exitInitializationMode()
 
@@ -480,7 +552,16 @@ def test_the_library_runs_where_there_is_no_laticauda(make, slave):
     library = f"{fmu.folder}/binaries/linux64/snake.so"
     # -I -S: this Python sees nothing but its own standard library.
     done = subprocess.run(
-        [sys.executable, "-I", "-S", "-c", ALONE, library, guid, str(one.number["center_of_mass.x"])],
+        [
+            sys.executable,
+            "-I",
+            "-S",
+            "-c",
+            ALONE,
+            library,
+            guid,
+            str(one.number["center_of_mass.x"]),
+        ],
         capture_output=True,
         text=True,
         env={},
@@ -493,12 +574,17 @@ def test_the_library_runs_where_there_is_no_laticauda(make, slave):
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_library_asks_for_the_c_library_only_and_offers_fmi_only(make, kind):
     library = f"{make(**KINDS[kind]).folder}/binaries/linux64/snake.so"
-    listed = subprocess.run(["nm", "-D", library], capture_output=True, text=True, check=True).stdout
+    listed = subprocess.run(
+        ["nm", "-D", library], capture_output=True, text=True, check=True
+    ).stdout
     entries = [line.split()[-2:] for line in listed.splitlines()]
     foreign = {name.split("@")[0] for letter, name in entries if letter == "U"}
     texts = {"memcpy", "memset", "strcmp", "strcpy", "strlen", "vsnprintf", "__vsnprintf_chk"}
     # sincos is not of the standard, but both C libraries of Linux have it.
-    maths, memory = {"ceil", "cos", "sin", "sincos", "tanh"}, {"calloc", "free", "malloc", "__stack_chk_fail"}
+    maths, memory = (
+        {"ceil", "cos", "sin", "sincos", "tanh"},
+        {"calloc", "free", "malloc", "__stack_chk_fail"},
+    )
     assert foreign <= maths | memory | texts
     assert {name[:4] for letter, name in entries if letter == "T"} == {"fmi2"}
 
@@ -518,21 +604,44 @@ def test_the_same_robot_makes_the_same_file_but_for_its_date(make, tmp_path, mon
 @pytest.mark.parametrize(
     ("fmi", "names", "folders"),
     [
-        ("2.0", ("linux64", "darwin"), {"linux64": b"\x7fELF", "darwin64": b"\xca\xfe\xba\xbe\0\0\0\2"}),
-        ("3.0", ("darwin",), {"aarch64-darwin": b"\xcf\xfa\xed\xfe\x0c", "x86_64-darwin": b"\xcf\xfa\xed\xfe\x07"}),
+        (
+            "2.0",
+            ("linux64", "darwin"),
+            {"linux64": b"\x7fELF", "darwin64": b"\xca\xfe\xba\xbe\0\0\0\2"},
+        ),
+        (
+            "3.0",
+            ("darwin",),
+            {"aarch64-darwin": b"\xcf\xfa\xed\xfe\x0c", "x86_64-darwin": b"\xcf\xfa\xed\xfe\x07"},
+        ),
     ],
 )
 def test_an_fmu_holds_a_library_for_each_platform(tmp_path, fmi, names, folders):
     from fmpy.validation import validate_fmu
 
     file = tmp_path / "snake.fmu"
-    export_fmu(file, "mamba", GAIT, fmi=fmi, platform=names, author="A. Snake", model_version="1.2", license="CC0")
+    export_fmu(
+        file,
+        "mamba",
+        GAIT,
+        fmi=fmi,
+        platform=names,
+        author="A. Snake",
+        model_version="1.2",
+        license="CC0",
+    )
     assert validate_fmu(str(file)) == []
-    assert set(fmpy.supported_platforms(str(file))) == ({"linux64", "darwin64"} if fmi == "2.0" else {"darwin64"})
+    assert set(fmpy.supported_platforms(str(file))) == (
+        {"linux64", "darwin64"} if fmi == "2.0" else {"darwin64"}
+    )
     told = fmpy.read_model_description(str(file))
     assert (told.author, told.version, told.license) == ("A. Snake", "1.2", "CC0")
     with zipfile.ZipFile(file) as archive:
-        found = {Path(name).parent.name: archive.read(name) for name in archive.namelist() if "binaries" in name}
+        found = {
+            Path(name).parent.name: archive.read(name)
+            for name in archive.namelist()
+            if "binaries" in name
+        }
         icon = archive.read("model.png" if fmi == "2.0" else "terminalsAndIcons/icon.png")
         license = archive.read("documentation/licenses/license.txt").decode()
     assert icon.startswith(b"\x89PNG")
@@ -540,7 +649,9 @@ def test_an_fmu_holds_a_library_for_each_platform(tmp_path, fmi, names, folders)
     assert found.keys() == folders.keys()
     for folder, beginning in folders.items():
         assert found[folder].startswith(beginning)
-    if fmi == "2.0":  # both kinds of Mac in one library, each part where the head says, and no longer than that
+    if (
+        fmi == "2.0"
+    ):  # both kinds of Mac in one library, each part where the head says, and no longer than that
         for k, kind in enumerate((b"\x0c", b"\x07")):
             at, size = struct.unpack(">2I", found["darwin64"][8 + 20 * k + 8 :][:8])
             assert found["darwin64"][at:].startswith(b"\xcf\xfa\xed\xfe" + kind)
@@ -557,20 +668,34 @@ def test_the_name_of_the_file_becomes_one_that_c_allows(tmp_path):
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"inputs": "references"}, "`inputs` must be 'gait' for prescribed joints, .* got 'references'."),
+        (
+            {"inputs": "references"},
+            "`inputs` must be 'gait' for prescribed joints, .* got 'references'.",
+        ),
         ({"fmi": "1.0"}, "`fmi` must be one of `2.0`, `3.0`, got '1.0'."),
-        ({"platform": ("linux32",)}, "`platform` must be one of `linux64`, .*`darwin`, got 'linux32'."),
+        (
+            {"platform": ("linux32",)},
+            "`platform` must be one of `linux64`, .*`darwin`, got 'linux32'.",
+        ),
         ({"platform": ("wasm32",)}, "`platform` must be one of `linux64`, .* got 'wasm32'."),
         ({"inputs": "torques"}, "`inputs` must be one of `gait`, `references`, got 'torques'."),
-        ({"environment": lc.load_ground("coulomb")}, "`environment` must be of class Water, got Ground."),
+        (
+            {"environment": lc.load_ground("coulomb")},
+            "`environment` must be of class Water, got Ground.",
+        ),
         ({"path": "snake.zip"}, "`path` must be a file that ends in .fmu, got snake.zip."),
-        ({"gait": replace(GAIT, pitch=lc.Wave(amplitude=0.1, frequency=1.0))}, "`gait.pitch` must be None"),
+        (
+            {"gait": replace(GAIT, pitch=lc.Wave(amplitude=0.1, frequency=1.0))},
+            "`gait.pitch` must be None",
+        ),
     ],
 )
 def test_what_cannot_be_exported_is_refused_by_name(tmp_path, monkeypatch, settings, message):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(ValueError, match=message):
-        export_fmu(**{"path": "snake.fmu", "robot": lc.load_robot("mamba"), "gait": GAIT} | settings)
+        export_fmu(
+            **{"path": "snake.fmu", "robot": lc.load_robot("mamba"), "gait": GAIT} | settings
+        )
     assert list(tmp_path.iterdir()) == []
 
 
@@ -579,11 +704,14 @@ def test_without_a_c_compiler_it_says_what_to_install(tmp_path, monkeypatch):
     monkeypatch.delenv("CC", raising=False)
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     with pytest.raises(
-        MissingProgram, match=r"^A library of machine code needs a C compiler; .*`apt-get install gcc libc6-dev`.$"
+        MissingProgram,
+        match=r"^A library of machine code needs a C compiler; .*`apt-get install gcc libc6-dev`.$",
     ):
         export_fmu(tmp_path / "snake.fmu", lc.load_robot("mamba"), GAIT)
     monkeypatch.setenv("CC", "none-such -m64")
-    with pytest.raises(MissingProgram, match=r"`none-such` \(the environment says CC=none-such -m64\)"):
+    with pytest.raises(
+        MissingProgram, match=r"`none-such` \(the environment says CC=none-such -m64\)"
+    ):
         export_fmu(tmp_path / "snake.fmu", lc.load_robot("mamba"), GAIT)
     assert list(tmp_path.iterdir()) == []
 
@@ -594,11 +722,17 @@ def test_the_numbers_of_a_flow_of_one_formula_are_parameters_and_water_that_move
         found = variables_of(body, GAIT, Start(), inputs="gait")
         template = body.layout.template
         for one in found:  # each stands in the row that has its value
-            assert all(template[row] == one.start for row, _ in one.rows if one.name.startswith("current."))
-        return {one.name: (one.causality, one.start) for one in found if one.name.startswith("current.")}
+            assert all(
+                template[row] == one.start for row, _ in one.rows if one.name.startswith("current.")
+            )
+        return {
+            one.name: (one.causality, one.start) for one in found if one.name.startswith("current.")
+        }
 
     assert names((0.1, 0.2)) == {"current.x": ("input", 0.1), "current.y": ("input", 0.2)}
     vortex = lc.load_current("vortex")
-    expected = {f"current.{name}": ("parameter", getattr(vortex, name)) for name in vortex.formula.fields}
+    expected = {
+        f"current.{name}": ("parameter", getattr(vortex, name)) for name in vortex.formula.fields
+    }
     assert names(vortex) == expected
     assert names(GUSTS) == {}

@@ -16,9 +16,17 @@ from laticauda.errors import MissingExtra
 from laticauda.fluid.laws import FunctionDrag, PolynomialDrag
 from laticauda.planar.layout import flow_rows
 
-needs_zig = pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="ziglang is not installed")
+needs_zig = pytest.mark.skipif(
+    importlib.util.find_spec("ziglang") is None, reason="ziglang is not installed"
+)
 # How files begin: of machine code, and of what is linked of it.
-ELF, COFF, MACHO, WASM, PE = b"\x7fELF\x02\x01", b"\x64\x86", b"\xcf\xfa\xed\xfe", b"\0asm\1\0\0\0", b"MZ"
+ELF, COFF, MACHO, WASM, PE = (
+    b"\x7fELF\x02\x01",
+    b"\x64\x86",
+    b"\xcf\xfa\xed\xfe",
+    b"\0asm\1\0\0\0",
+    b"MZ",
+)
 X86_64, AARCH64 = (62).to_bytes(2, "little"), (183).to_bytes(2, "little")  # in the header of ELF
 
 
@@ -28,7 +36,10 @@ def code_for(name: str) -> bytes:
 
 def test_the_machine_code_is_kept_for_the_next_time(monkeypatch):
     first = code_for("linux64")
-    monkeypatch.setattr("laticauda.cosim.native.platforms.bitcode", lambda *laws: pytest.fail("it was compiled again"))
+    monkeypatch.setattr(
+        "laticauda.cosim.native.platforms.bitcode",
+        lambda *laws: pytest.fail("it was compiled again"),
+    )
     assert code_for("linux64") == first
     assert b"laticauda_move" in first
 
@@ -63,14 +74,20 @@ def test_a_water_that_is_not_the_papers_needs_no_new_machine_code():
 
 @needs_zig
 def test_a_library_for_a_mac_is_linked_on_any_machine(tmp_path):
-    # Something that is offered has to need the kernels: of an object that nobody needs, Zig's linker for macOS dies.
+    # Something that is offered has to need the kernels: of an object that nobody needs, Zig's
+    # linker for macOS dies.
     text = """
 #include "one.h"
 extern long laticauda_move(void);
 __attribute__((visibility("default"))) long one(void) { return ONE + laticauda_move(); }
 """
     (tmp_path / "one.c").write_text(text)
-    code = linked(code_for("darwin-arm64"), PLATFORMS["darwin-arm64"], [tmp_path / "one.c"], {"one.h": "#define ONE 1"})
+    code = linked(
+        code_for("darwin-arm64"),
+        PLATFORMS["darwin-arm64"],
+        [tmp_path / "one.c"],
+        {"one.h": "#define ONE 1"},
+    )
     assert code.startswith(MACHO + b"\x0c\0\0\1")
     assert code[12] == 6  # a dynamic library
 
@@ -128,7 +145,9 @@ def test_a_browser_needs_nothing_but_the_module_and_swims_as_python_does(tmp_pat
 
 def test_an_unknown_machine_has_to_choose_a_platform(monkeypatch):
     monkeypatch.setattr(platforms, "machine", lambda: "riscv64")
-    with pytest.raises(ValueError, match=r"`platform` must be given on \w+ on riscv64, which is none of them"):
+    with pytest.raises(
+        ValueError, match=r"`platform` must be given on \w+ on riscv64, which is none of them"
+    ):
         platform_of()
     assert platform_of("win64").pair == "x86_64-windows"
     assert [one.name for one in platforms.platforms_of(("darwin", "linux64"))] == [
@@ -140,7 +159,11 @@ def test_an_unknown_machine_has_to_choose_a_platform(monkeypatch):
 
 @pytest.mark.parametrize(
     ("system", "machine", "name"),
-    [("linux", "x86_64", "linux64"), ("win32", "AMD64", "win64"), ("darwin", "arm64", "darwin-arm64")],
+    [
+        ("linux", "x86_64", "linux64"),
+        ("win32", "AMD64", "win64"),
+        ("darwin", "arm64", "darwin-arm64"),
+    ],
 )
 def test_this_machine_is_known_by_what_python_says_of_it(monkeypatch, system, machine, name):
     monkeypatch.setattr("sys.platform", system)
@@ -151,13 +174,17 @@ def test_this_machine_is_known_by_what_python_says_of_it(monkeypatch, system, ma
 def test_without_zig_another_platform_says_what_to_install(monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     monkeypatch.setattr(platforms, "here", lambda: PLATFORMS["linux64"])
-    with pytest.raises(MissingExtra, match=r'x86_64-windows needs ziglang; run `pip install "laticauda\[export\]"`'):
+    with pytest.raises(
+        MissingExtra, match=r'x86_64-windows needs ziglang; run `pip install "laticauda\[export\]"`'
+    ):
         linked(b"", PLATFORMS["win64"])
 
 
 def test_what_cannot_be_linked_says_what_the_compiler_said(tmp_path):
     (tmp_path / "wrong.c").write_text("this is no C\n")
-    with pytest.raises(platforms.LinkingFailed, match=r"(?s)cannot make a library for .* It says:.*wrong.c"):
+    with pytest.raises(
+        platforms.LinkingFailed, match=r"(?s)cannot make a library for .* It says:.*wrong.c"
+    ):
         linked(code_for(platform_of().name), platform_of(), [tmp_path / "wrong.c"])
 
 

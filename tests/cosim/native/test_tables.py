@@ -14,7 +14,13 @@ from laticauda.robot import Water
 from laticauda.simulate import plant
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
-COEFFICIENTS = ("tangential_friction", "normal_drag", "added_mass", "added_inertia", "tangential_added_mass")
+COEFFICIENTS = (
+    "tangential_friction",
+    "normal_drag",
+    "added_mass",
+    "added_inertia",
+    "tangential_added_mass",
+)
 POSITIVE = st.just(0.0) | st.floats(1e-9, 5.0)  # of smaller ones, a product may have no digits
 
 
@@ -36,7 +42,9 @@ def rows_in(told: Tables, water: Water) -> np.ndarray:
     change = now - real[at : at + n]
     where, factors, count = whole[entry.SLOPES : entry.SLOPES + 3]
     for (term, row), slope in zip(
-        whole[where : where + 2 * count].reshape(count, 2), real[factors : factors + count], strict=True
+        whole[where : where + 2 * count].reshape(count, 2),
+        real[factors : factors + count],
+        strict=True,
     ):
         template[row] += slope * change[term]
     return template
@@ -45,8 +53,14 @@ def rows_in(told: Tables, water: Water) -> np.ndarray:
 @pytest.mark.parametrize("form", ["relative", "kirchhoff", "classic"])
 @pytest.mark.parametrize("rotational", ["paper", "strip"])
 @settings(max_examples=10)
-@given(density=st.floats(1.0, 2000.0), coefficients=st.tuples(*[POSITIVE] * 5), taper=st.floats(-1.0, 1.0))
-def test_rows_of_another_water_are_those_of_its_own_layout(form, rotational, density, coefficients, taper):
+@given(
+    density=st.floats(1.0, 2000.0),
+    coefficients=st.tuples(*[POSITIVE] * 5),
+    taper=st.floats(-1.0, 1.0),
+)
+def test_rows_of_another_water_are_those_of_its_own_layout(
+    form, rotational, density, coefficients, taper
+):
     trailing = "elongated" if form == "kirchhoff" else "none"
     here = replace(
         lc.load_water("paper-eel"),
@@ -76,7 +90,9 @@ def rows_of_others(water: Water) -> np.ndarray:
 def test_modules_with_coefficients_of_their_own_do_not_follow_the_waters():
     water = lc.load_water("paper-lateral")
     robot = lc.load_robot("mamba")
-    own = replace(robot, modules=tuple(replace(module, normal_drag=1.0) for module in robot.modules))
+    own = replace(
+        robot, modules=tuple(replace(module, normal_drag=1.0) for module in robot.modules)
+    )
     told = tables_of(plant(own, water), GAIT, Start(), inputs="gait")
     there = replace(water, normal_drag=3.0)
     assert rows_in(told, there) == pytest.approx(told.real[: told.n_rows], abs=0.0)

@@ -18,12 +18,16 @@ from laticauda.cosim.native.tables import header_of, tables_for
 from laticauda.interfaces import Command, Start
 
 PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "c-library.md"
-GAIT = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40))
+GAIT = lc.lateral_undulation(
+    amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40)
+)
 needs_cc = pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
 
 
 def program() -> str:
-    (code,) = re.findall(r'^```c title="main.c"\n(.*?)^```$', PAGE.read_text(), re.MULTILINE | re.DOTALL)
+    (code,) = re.findall(
+        r'^```c title="main.c"\n(.*?)^```$', PAGE.read_text(), re.MULTILINE | re.DOTALL
+    )
     return code
 
 
@@ -41,8 +45,12 @@ def in_python() -> list[float]:
 
 def output(folder: Path, *command: str) -> list[str]:
     (folder / "main.c").write_text(program())
-    subprocess.run([*command, "-std=c11", "-Wall", "-Wextra", "-Werror", "-o", "main"], cwd=folder, check=True)
-    return subprocess.run(["./main"], cwd=folder, capture_output=True, text=True, check=True).stdout.split()
+    subprocess.run(
+        [*command, "-std=c11", "-Wall", "-Wextra", "-Werror", "-o", "main"], cwd=folder, check=True
+    )
+    return subprocess.run(
+        ["./main"], cwd=folder, capture_output=True, text=True, check=True
+    ).stdout.split()
 
 
 @needs_cc
@@ -62,7 +70,9 @@ def test_a_static_library_for_a_robots_own_computer_is_written_here(tmp_path):
     assert archive.startswith(b"!<arch>\n")
     assert archive.count(b"\x7fELF") == 2  # the kernels, and what is around them
     first = archive.index(b"\x7fELF")
-    assert archive[first + 18 : first + 20] == (183).to_bytes(2, "little")  # the processor, as ELF has it
+    assert archive[first + 18 : first + 20] == (183).to_bytes(
+        2, "little"
+    )  # the processor, as ELF has it
     assert b"snake_step" in archive
 
 
@@ -116,13 +126,22 @@ def test_what_is_out_of_its_range_or_diverges_is_refused_by_name_and_changes_not
     (tmp_path / "main.c").write_text(MISUSE)
     subprocess.run(["cc", "main.c", "libsnake.a", "-lm", "-o", "main"], cwd=tmp_path, check=True)
     done = subprocess.run(["./main"], cwd=tmp_path, capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines() == ["water.density", "0", "-2 -2 -2", "gait.amplitude", "-1 0", "0 []"]
+    assert done.stdout.splitlines() == [
+        "water.density",
+        "0",
+        "-2 -2 -2",
+        "gait.amplitude",
+        "-1 0",
+        "0 []",
+    ]
 
 
 def test_the_header_names_every_variable_with_its_unit_and_range():
     tables = tables_for("mamba-fin", GAIT, joints="servo", inputs="references")
     header = header_of(tables, "snake")
-    members = re.findall(r"^    double \w+(?:\[(\d+)\])?; /\* (?!of the kernels)", header, re.MULTILINE)
+    members = re.findall(
+        r"^    double \w+(?:\[(\d+)\])?; /\* (?!of the kernels)", header, re.MULTILINE
+    )
     counts = [int(count or 1) for count in members]
     assert sum(counts) == len(tables.variables)
     for line in (
@@ -145,7 +164,9 @@ def test_a_robots_name_ends_no_comment():
 def test_members_of_a_fin_have_names_of_their_own(hinges):
     robot = lc.load_robot("mamba-fin")
     assert robot.caudal_fin is not None
-    bending = {"n_hinges": hinges, "flexural_rigidity": 0.05, "bending_damping": 0.002} if hinges else {}
+    bending = (
+        {"n_hinges": hinges, "flexural_rigidity": 0.05, "bending_damping": 0.002} if hinges else {}
+    )
     fin = replace(robot.caudal_fin, **bending)
     header = header_of(tables_for(replace(robot, caudal_fin=fin), GAIT), "snake")
     names = re.findall(r"^    double (\w+)", header, re.MULTILINE)
@@ -159,7 +180,10 @@ def test_members_of_a_fin_have_names_of_their_own(hinges):
         ({"path": "snake.c"}, "`path` must be a file that ends in .h, got snake.c."),
         ({"platform": "wasm32"}, "`platform` must be one of `linux64`, .*got 'wasm32'."),
         ({"platform": "vax"}, "`platform` must be one of `linux64`, .*got 'vax'."),
-        ({"environment": lc.load_ground("coulomb")}, "`environment` must be of class Water, got Ground."),
+        (
+            {"environment": lc.load_ground("coulomb")},
+            "`environment` must be of class Water, got Ground.",
+        ),
     ],
 )
 def test_what_cannot_be_exported_is_refused_by_name(tmp_path, monkeypatch, settings, message):

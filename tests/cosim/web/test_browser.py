@@ -13,7 +13,9 @@ import laticauda as lc
 
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="ziglang is not installed"),
+    pytest.mark.skipif(
+        importlib.util.find_spec("ziglang") is None, reason="ziglang is not installed"
+    ),
 ]
 DESK, PHONE = {"width": 1366, "height": 768}, {"width": 390, "height": 844}
 
@@ -53,7 +55,9 @@ def test_a_robot_swims_from_a_disk_and_what_is_set_is_in_the_link(chromium, fold
     page.locator("#gait").select_option("eel_like")
     page.locator("#follow").check()
     assert page.url.endswith(page.evaluate("'#' + toLink(page.setting)"))
-    assert {"amplitude-deg=45", "normal-drag=2.5", "gait=eel_like"} <= set(page.url.partition("#")[2].split("&"))
+    assert {"amplitude-deg=45", "normal-drag=2.5", "gait=eel_like"} <= set(
+        page.url.partition("#")[2].split("&")
+    )
     assert "--amplitude-deg 45" in page.locator("#shell").inner_text()
 
     # A point of the path, taken by the mouse, goes along.
@@ -80,13 +84,17 @@ def test_a_robot_swims_from_a_disk_and_what_is_set_is_in_the_link(chromium, fold
 
 
 def test_the_table_that_the_page_hands_out_is_the_trial_that_its_python_makes(chromium, address):
-    page = opened(chromium, f"{address}#robot=mamba-fin&fin=elastic&flexural-rigidity=0.3&current-x=0.05")
+    page = opened(
+        chromium, f"{address}#robot=mamba-fin&fin=elastic&flexural-rigidity=0.3&current-x=0.05"
+    )
     with page.expect_download() as handed_out:
         page.locator("#csv").click()
     assert handed_out.value.suggested_filename == "trial.csv"
     trial = lc.swim(by_python(page.locator("#python").inner_text()))
     assert difference(handed_out.value.path().read_text(), trial) < 1e-12
-    assert until(lambda: f"{trial.forward_velocity:.4f} m/s" in page.locator("#figures").inner_text())
+    assert until(
+        lambda: f"{trial.forward_velocity:.4f} m/s" in page.locator("#figures").inner_text()
+    )
 
 
 def test_a_phone_shows_it_without_scrolling_sideways_and_fingers_pan(chromium, address, tmp_path):

@@ -14,7 +14,9 @@ from laticauda.errors import BadArgument, RobotFileError
 
 pytestmark = [
     pytest.mark.slow,
-    pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="ziglang is not installed"),
+    pytest.mark.skipif(
+        importlib.util.find_spec("ziglang") is None, reason="ziglang is not installed"
+    ),
 ]
 needs_node = pytest.mark.skipif(NODE is None, reason="node is not installed")
 
@@ -38,7 +40,9 @@ def test_a_link_that_was_read_is_written_again_and_nonsense_in_it_is_passed_over
     said = [found["link"] for found in trials(folder, links)]
     assert [found["link"] for found in trials(folder, said)] == said
     assert len(set(said)) == 5
-    (plain,) = trials(folder, ["robot=whale&fin=7&amplitude-deg=much&waypoints=1+2+x&normal-drag=1e9&other=1"])
+    (plain,) = trials(
+        folder, ["robot=whale&fin=7&amplitude-deg=much&waypoints=1+2+x&normal-drag=1e9&other=1"]
+    )
     assert plain["link"] == "normal-drag=4"  # within the slider's limits
 
 

@@ -15,10 +15,19 @@ from laticauda.gaits import Generator
 from laticauda.operate.course import preparing
 from laticauda.operate.course.operator import Operator
 from laticauda.operate.safety.supervisor import BY_EVENT
-from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Limits, Operation, Placement
+from laticauda.operate.settings import (
+    Calibration,
+    CaptureVolume,
+    Connection,
+    Limits,
+    Operation,
+    Placement,
+)
 from laticauda.protocol import EmergencyStop, NodeCommand, NodeState, Order, References, Sync
 
-GAIT = lc.lateral_undulation(amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40))
+GAIT = lc.lateral_undulation(
+    amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40)
+)
 QUICK = Calibration(idle_time=0.2, still_time=0.3)
 
 
@@ -109,7 +118,9 @@ def test_path_following_steers_towards_the_path():
 
 
 def test_pitch_joints_get_the_references_of_the_gaits_second_wave():
-    gait = replace(GAIT, pitch=lc.Wave(amplitude=0.1, frequency=2.0, phase_shift=0.6, phase=1.5, offset=0.02))
+    gait = replace(
+        GAIT, pitch=lc.Wave(amplitude=0.1, frequency=2.0, phase_shift=0.6, phase=1.5, offset=0.02)
+    )
     run = running(robot="mamba-modules", gait=gait, following=None, rate=100.0)
     begun = run.state.begun
     assert begun is not None
@@ -170,7 +181,9 @@ def test_without_a_pitch_wave_pitch_joints_are_held_at_zero():
 
 
 def test_the_clocks_are_matched_and_the_path_frame_is_placed_in_the_tank():
-    run = run_of(Operator(operation=operation(tank=CaptureVolume(path_origin=(0.5, 0.2), path_heading=0.3))))
+    run = run_of(
+        Operator(operation=operation(tank=CaptureVolume(path_origin=(0.5, 0.2), path_heading=0.3)))
+    )
     run.until("countdown")
     assert run.state.clock is not None and run.state.clock.offset == pytest.approx(CAMERAS_AHEAD)
     x, y, heading = run.state.prepared.start or (0, 0, 0)
@@ -194,7 +207,9 @@ def turned_frame(rig: Rig, yaw: float):
         seen = plain()
         c, s = math.cos(yaw), math.sin(yaw)
         assert seen.rotation is not None
-        return replace(seen, rotation=seen.rotation @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]]))
+        return replace(
+            seen, rotation=seen.rotation @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
+        )
 
     return frame
 
@@ -228,16 +243,22 @@ def test_joint_zeros_are_sent_to_the_modules_when_the_robot_lies_straight():
     assert bent.rig.is_limp
 
 
-# ---- what speaks against a run ---------------------------------------------------------------------------------------
+# ---- what speaks against a run -------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     ("rig", "message"),
     [
-        ({"dead": {4}}, r"Module 5 does not respond on udp_multicast:.*check power, cable and node"),
+        (
+            {"dead": {4}},
+            r"Module 5 does not respond on udp_multicast:.*check power, cable and node",
+        ),
         ({"hears": False}, r"No module responds"),
         ({"sees": False}, r"The motion capture at 127\.0\.0\.1:22223 does not see a body"),
-        ({"measures": False}, r"The power meter at there is silent: check that it is on and connected"),
+        (
+            {"measures": False},
+            r"The power meter at there is silent: check that it is on and connected",
+        ),
         ({"leak": {2}}, r"Module 3 reports water inside: take the robot out"),
         ({"temperature": 80.0}, r"Module 1 is at 80 degC, limit 70: let it cool"),
     ],
@@ -253,7 +274,9 @@ def test_what_is_missing_or_wrong_is_said_and_the_robot_stays_limp(rig, message)
 
 def test_another_robot_than_that_of_the_file_is_not_started():
     operator = Operator(operation=operation())
-    run = Run(operator=operator, rig=Rig(robot=lc.load_robot("mamba-modules")), state=operator.init())
+    run = Run(
+        operator=operator, rig=Rig(robot=lc.load_robot("mamba-modules")), state=operator.init()
+    )
     run.until("done")
     assert run.state.failure == "Module 18 responds, but the robot has 8: check `robot`."
     assert run.rig.is_limp
@@ -284,7 +307,7 @@ def test_faults_that_somebody_has_looked_at_are_cleared_first():
     run.until("running")
 
 
-# ---- what stops a run ------------------------------------------------------------------------------------------------
+# ---- what stops a run ----------------------------------------------------------------------------
 
 SWITCHES = {
     "leak": {"leak": {3}},
@@ -298,7 +321,9 @@ SWITCHES = {
 
 @pytest.mark.parametrize("event", SWITCHES)
 def test_what_goes_wrong_in_a_run_stops_it_within_the_stated_time(event):
-    run = running(duration=30.0, limits=Limits(straighten_time=1.0, joint_error_time=0.3, max_joint_error=0.2))
+    run = running(
+        duration=30.0, limits=Limits(straighten_time=1.0, joint_error_time=0.3, max_joint_error=0.2)
+    )
     run.tick(40)
     for name, value in SWITCHES[event].items():
         setattr(run.rig, name, value)
@@ -365,7 +390,9 @@ def test_a_silent_meter_lets_the_run_end_and_is_noted():
     assert run.state.notes and run.state.notes[0].startswith("lost_meter")
 
 
-def test_an_error_of_the_controller_or_of_the_estimation_stops_the_robot_and_not_the_program(monkeypatch):
+def test_an_error_of_the_controller_or_of_the_estimation_stops_the_robot_and_not_the_program(
+    monkeypatch,
+):
     run = running(duration=30.0)
 
     def broken(*_):
@@ -379,12 +406,19 @@ def test_an_error_of_the_controller_or_of_the_estimation_stops_the_robot_and_not
 
 
 @settings(max_examples=5)
-@given(st.lists(st.sampled_from([*SWITCHES, "hears", "tick"]), min_size=1, max_size=4), st.integers(0, 75))
+@given(
+    st.lists(st.sampled_from([*SWITCHES, "hears", "tick"]), min_size=1, max_size=4),
+    st.integers(0, 75),
+)
 def test_whatever_goes_wrong_whenever_the_robot_ends_limp_and_no_exception_comes_out(wrong, first):
-    run = run_of(Operator(operation=operation(duration=3.0, calibration=replace(QUICK, patience=5.0))))
+    run = run_of(
+        Operator(operation=operation(duration=3.0, calibration=replace(QUICK, patience=5.0)))
+    )
     run.tick(first)
     for event in wrong:
-        for name, value in SWITCHES.get(event, {"hears": False} if event == "hears" else {}).items():
+        for name, value in SWITCHES.get(
+            event, {"hears": False} if event == "hears" else {}
+        ).items():
             setattr(run.rig, name, value)
         run.tick(10)
     while not run.state.is_done:

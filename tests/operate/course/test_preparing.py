@@ -18,7 +18,10 @@ def test_joint_zeros_are_the_median_of_what_a_straight_robot_reports():
 
 
 def test_a_robot_that_is_not_straight_and_a_silent_module_are_named():
-    with pytest.raises(CalibrationFailed, match=r"module 2 reports 11\.5 deg, more than 5\.0; lay the robot straight"):
+    with pytest.raises(
+        CalibrationFailed,
+        match=r"module 2 reports 11\.5 deg, more than 5\.0; lay the robot straight",
+    ):
         joint_zeros(np.array([[0.0, 0.2]]), largest=math.radians(5))
     with pytest.raises(CalibrationFailed, match="module 1 did not report its angle"):
         joint_zeros(np.array([[np.nan, 0.0]]), largest=0.1)

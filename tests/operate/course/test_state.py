@@ -5,7 +5,9 @@ from laticauda.operate.course.state import MeanCurrent, clock_after
 
 
 @given(st.floats(-100, 100), st.lists(st.floats(0.0, 0.2), min_size=3, max_size=30))
-def test_the_clock_offset_is_never_less_than_the_truth_and_off_by_the_smallest_latency(offset, latencies):
+def test_the_clock_offset_is_never_less_than_the_truth_and_off_by_the_smallest_latency(
+    offset, latencies
+):
     state = None
     for k, latency in enumerate(latencies):
         stamp = 0.01 * k
@@ -34,7 +36,9 @@ def offsets(stamps, seconds):
 
 
 def test_a_clock_that_runs_slower_is_followed():
-    assert offsets(lambda t: t * (1.0 - 5e-5) - 3.0, 100)[-1] == pytest.approx(3.0 + 100.0 * 5e-5, abs=2e-4)
+    assert offsets(lambda t: t * (1.0 - 5e-5) - 3.0, 100)[-1] == pytest.approx(
+        3.0 + 100.0 * 5e-5, abs=2e-4
+    )
 
 
 @given(st.floats(-30.0, 30.0))

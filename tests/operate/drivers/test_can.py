@@ -72,11 +72,18 @@ def test_a_bus_that_breaks_is_told_and_no_exception_comes_out(monkeypatch):
 
 def test_a_controller_that_is_off_the_bus_says_so(other):
     with CanDriver(VIRTUAL, Clock()) as driver:
-        other.send(can.Message(is_error_frame=True, arbitration_id=0x40, dlc=8, data=bytes(8), is_extended_id=False))
+        other.send(
+            can.Message(
+                is_error_frame=True, arbitration_id=0x40, dlc=8, data=bytes(8), is_extended_id=False
+            )
+        )
         until(lambda: driver.bus_off)
         assert "bus-off state" in driver.bus_off
 
 
 def test_a_bus_that_is_not_there_says_what_to_check():
-    with pytest.raises(DeviceFailed, match=r"socketcan:nocan9 cannot be opened.*ip link set can0 up type can bitrate"):
+    with pytest.raises(
+        DeviceFailed,
+        match=r"socketcan:nocan9 cannot be opened.*ip link set can0 up type can bitrate",
+    ):
         CanDriver("socketcan:nocan9", Clock())

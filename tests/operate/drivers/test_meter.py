@@ -86,7 +86,9 @@ def test_a_meter_that_falls_silent_or_talks_nonsense_is_told_and_comes_back(mete
 
 def test_what_is_no_meter_is_refused_with_what_to_check(meter):
     meter.way = "silent"
-    with pytest.raises(DeviceFailed, match=r"does not answer .*check that it is on, that it shows A DC"):
+    with pytest.raises(
+        DeviceFailed, match=r"does not answer .*check that it is on, that it shows A DC"
+    ):
         MeterDriver(meter.path, Clock())
     with pytest.raises(DeviceFailed, match="nothing-there does not answer"):
         MeterDriver("/dev/nothing-there", Clock())

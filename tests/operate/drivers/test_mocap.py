@@ -23,7 +23,11 @@ def server():
 def published(server: QtmServer, driver: MocapDriver, n: int) -> list:
     found, end, number = [], time.monotonic() + 20.0, 0
     while len(found) < n and time.monotonic() < end:
-        pose = BodyPose(position=np.array([1.0, 2.0, -0.15]), rotation=TURN, residual=0.0007) if number % 3 else None
+        pose = (
+            BodyPose(position=np.array([1.0, 2.0, -0.15]), rotation=TURN, residual=0.0007)
+            if number % 3
+            else None
+        )
         server.publish(MocapFrame(timestamp=5.0 + 0.01 * number, number=number, bodies=(pose,)))
         number += 1
         time.sleep(0.01)
@@ -59,7 +63,9 @@ def test_markers_and_skeletons_give_the_pose_of_the_body(server, body, ahead):
     frames = [frame for _, frame in found]
     assert {frame.is_lost for frame in frames} == {False, True}
     seen = next(frame for frame in frames if not frame.is_lost)
-    assert seen.position == pytest.approx(np.array([1.0, 2.0, -0.15]) + ahead * TURN[:, 0], abs=1e-6)
+    assert seen.position == pytest.approx(
+        np.array([1.0, 2.0, -0.15]) + ahead * TURN[:, 0], abs=1e-6
+    )
     assert seen.rotation == pytest.approx(TURN, abs=1e-6)
 
 
@@ -81,7 +87,8 @@ def test_the_only_body_needs_no_name_and_an_unknown_one_is_refused_with_what_the
 def test_a_server_that_is_not_there_says_what_to_check(server):
     server.stop()
     with pytest.raises(
-        DeviceFailed, match="cannot be reached: check that QTM runs there, and that its real-time server"
+        DeviceFailed,
+        match="cannot be reached: check that QTM runs there, and that its real-time server",
     ):
         MocapDriver(f"127.0.0.1:{server.port}", Clock())
 

@@ -55,7 +55,9 @@ def test_a_line_that_is_lost_is_a_reason_and_stays_one(line):
 
 
 def test_a_port_without_modem_lines_or_none_at_all_is_refused():
-    with pytest.raises(DeviceFailed, match=r"/dev/nothing cannot be read .*check the name of the port"):
+    with pytest.raises(
+        DeviceFailed, match=r"/dev/nothing cannot be read .*check the name of the port"
+    ):
         SerialLine("/dev/nothing", Clock())
     if sys.platform == "linux":
         import os
@@ -92,4 +94,6 @@ class Nothing(Pressed):
 def test_the_loop_asks_it_in_every_tick():
     devices = Devices(clock=Clock(), bus=Nothing(), mocap=Nothing())
     assert devices.receive({})[0].events == {}
-    assert replace(devices, stop=Pressed()).receive({})[0].events == {"emergency_input": "its contact on CTS is open"}
+    assert replace(devices, stop=Pressed()).receive({})[0].events == {
+        "emergency_input": "its contact on CTS is open"
+    }

@@ -9,7 +9,14 @@ from estimation.swims import jammed, samples, swum
 
 import laticauda as lc
 from laticauda.errors import TrialFileError
-from laticauda.estimation import Estimate, KinematicEstimator, Learned, Learner, Learning, ReferenceSample
+from laticauda.estimation import (
+    Estimate,
+    KinematicEstimator,
+    Learned,
+    Learner,
+    Learning,
+    ReferenceSample,
+)
 from laticauda.interfaces import Command, Controller
 from laticauda.logs import open_recording
 from laticauda.operate import (
@@ -37,7 +44,9 @@ READING = PowerReading(time=0.2, current=1.5)
 
 
 @pytest.mark.parametrize("frames", [True, False])
-def test_a_sink_keeps_frames_if_it_is_to_and_notes_what_was_found_before_the_run(tmp_path: Path, frames):
+def test_a_sink_keeps_frames_if_it_is_to_and_notes_what_was_found_before_the_run(
+    tmp_path: Path, frames
+):
     events = [
         Event(time=0.3, kind="idle_current", message="It draws this.", data={"current": 1.25}),
         Event(time=0.4, kind="settling", message="It stands here.", data={"heading": 0.5}),
@@ -108,7 +117,9 @@ class Failing(Learner):
 
 
 def test_a_learner_that_fails_ends_no_recording_and_is_said_there_too(tmp_path: Path):
-    wrong = Failing(robot=ROBOT, plant=lc.plant(ROBOT, lc.load_water("paper-lateral"), joints="servo"))
+    wrong = Failing(
+        robot=ROBOT, plant=lc.plant(ROBOT, lc.load_water("paper-lateral"), joints="servo")
+    )
     samples = [ReferenceSample(time=0.1 * k, angle=np.zeros(8)) for k in range(3)]
     with OperationRecorder(tmp_path / "a.mcap", HEADER) as recorder:
         sink = Sink(recorder, learner=wrong)
@@ -119,11 +130,18 @@ def test_a_learner_that_fails_ends_no_recording_and_is_said_there_too(tmp_path: 
     assert (said.kind, said.message) == ("changed", "Learning has stopped: a slip")
     found = read_operation(tmp_path / "a.mcap").entries
     kinds = [type(entry).__name__ for entry in found]
-    assert kinds == ["ReferenceSample", "Event", "PowerReading", *["ReferenceSample", "PowerReading"] * 2]
+    assert kinds == [
+        "ReferenceSample",
+        "Event",
+        "PowerReading",
+        *["ReferenceSample", "PowerReading"] * 2,
+    ]
     assert found[1] == said
 
 
-def test_what_was_learnt_comes_back_bit_for_bit_and_older_recordings_say_nothing_of_it(tmp_path: Path):
+def test_what_was_learnt_comes_back_bit_for_bit_and_older_recordings_say_nothing_of_it(
+    tmp_path: Path,
+):
     names = ("normal_drag", "current_x")
     told = {"deviation": dict.fromkeys(names, 0.1), "changes": ("The fin is gone.", "It is.")}
     learned = Learned(time=1.25, value=dict.fromkeys(names, 1.0 / 3.0), **told)
@@ -144,11 +162,19 @@ def test_what_was_learnt_comes_back_bit_for_bit_and_older_recordings_say_nothing
     [
         ({"supply_voltage": None}, r"Cannot load .*a\.mcap: it has no `supply_voltage`\."),
         ({"supply_voltage": "[1"}, r"Cannot load .*a\.mcap: Expecting ',' delimiter"),
-        ({"supply_voltage": "-3.0"}, r"Cannot load .*a\.mcap: .*`supply_voltage` must be > 0 V, got -3"),
-        ({"format": "5"}, r"it has format 5, and this version of laticauda reads 4: read it with laticauda"),
+        (
+            {"supply_voltage": "-3.0"},
+            r"Cannot load .*a\.mcap: .*`supply_voltage` must be > 0 V, got -3",
+        ),
+        (
+            {"format": "5"},
+            r"it has format 5, and this version of laticauda reads 4: read it with laticauda",
+        ),
     ],
 )
-def test_a_header_with_something_wrong_in_it_is_refused_in_one_sentence(tmp_path: Path, change, says):
+def test_a_header_with_something_wrong_in_it_is_refused_in_one_sentence(
+    tmp_path: Path, change, says
+):
     texts = {name: text for name, text in (HEADER.texts() | change).items() if text is not None}
     with lc.logs.Recorder(tmp_path / "a.mcap") as recorder:
         recorder.metadata("operation", texts)
@@ -192,7 +218,9 @@ def estimate(time: float) -> Estimate:
 
 
 def log_of(*entries: object) -> OperationLog:
-    return OperationLog(path=Path("a.mcap"), header=HEADER, version="", notes={}, entries=entries, lost="")
+    return OperationLog(
+        path=Path("a.mcap"), header=HEADER, version="", notes={}, entries=entries, lost=""
+    )
 
 
 def decision(time: float, offset: float) -> Decision:
@@ -200,13 +228,18 @@ def decision(time: float, offset: float) -> Decision:
 
 
 def test_a_controller_runs_again_on_the_estimates_of_its_instants_in_the_run():
-    start, stop = Event(time=0.5, kind="start", message=""), Event(time=2.5, kind="stop", message="")
+    start, stop = (
+        Event(time=0.5, kind="start", message=""),
+        Event(time=2.5, kind="stop", message=""),
+    )
     decisions = [decision(0.0, 0.9), decision(1.0, 0.2), decision(2.0, -0.3), decision(3.0, 0.9)]
     log = log_of(start, estimate(1.0), estimate(2.0), *decisions, stop)
     rerun = rerun_controller(log, Plain())
     assert [one.time for one in rerun.recorded] == [one.time for one in rerun.again] == [1.0, 2.0]
     assert rerun.n_different == 2 and rerun.largest_difference == 0.3
-    with pytest.raises(ValueError, match=r"`estimates` must have one at every control instant, got none at 2\.0 s"):
+    with pytest.raises(
+        ValueError, match=r"`estimates` must have one at every control instant, got none at 2\.0 s"
+    ):
         rerun_controller(log, Plain(), [estimate(1.0)])
     with pytest.raises(ValueError, match="`command` must be of class Command, got str"):
         rerun_controller(log, Wrong())

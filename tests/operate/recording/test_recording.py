@@ -33,7 +33,15 @@ def test_everything_has_its_topic(file):
     topics = open_recording(file).topics
     for name in ("pose", "joints", "references", "power"):
         assert f"/sample/{name}" in topics
-    for name in ("/estimate", "/estimate/body", "/joint_states", "/mocap/body", "/command", "/events", "/can/sent"):
+    for name in (
+        "/estimate",
+        "/estimate/body",
+        "/joint_states",
+        "/mocap/body",
+        "/command",
+        "/events",
+        "/can/sent",
+    ):
         assert name in topics
     assert topics["/estimate/body"].kind == "geometry_msgs/PoseStamped"
     assert topics["/control/cross_track_error"].kind == "std_msgs/Float64"
@@ -45,13 +53,17 @@ def test_the_header_comes_back(file):
     assert log.header.run.robot == lc.load_robot("mamba")
     assert log.header.controller == follower()
     assert log.header.operation == "kind = 'operation'\n"
-    assert log.header.estimator.backlash > 0.0 and log.header.estimator.robot == log.header.run.robot
+    assert (
+        log.header.estimator.backlash > 0.0 and log.header.estimator.robot == log.header.run.robot
+    )
     assert log.notes["idle"] == {"current": repr(IDLE)}
 
 
 def test_the_ticks_of_the_loop_come_back_as_its_timing(tmp_path):
     ticks = [Tick(0.01 * k, 0.01 * k + 1e-4, 0.01 * k + 0.003) for k in range(1, 50)]
-    with OperationRecorder(tmp_path / "a.mcap", Header(run=replace(RUN, notes={"rate": 100.0}))) as recorder:
+    with OperationRecorder(
+        tmp_path / "a.mcap", Header(run=replace(RUN, notes={"rate": 100.0}))
+    ) as recorder:
         for tick in ticks:
             recorder.record(tick)
     timing = read_operation(tmp_path / "a.mcap").timing
@@ -74,7 +86,9 @@ def test_a_viewer_is_shown_the_joint_of_a_driven_fin(tmp_path):
 def test_samples_come_back_bit_for_bit_in_the_order_of_their_arrival(tmp_path):
     samples = [
         JointSample(time=0.1, angle=np.full(8, 1.0 / 3.0), rate=np.arange(8.0), torque=None),
-        PoseSample(time=0.05, position=np.array([0.1, 0.2, 0.3]), rotation=np.eye(3), residual=1e-3),
+        PoseSample(
+            time=0.05, position=np.array([0.1, 0.2, 0.3]), rotation=np.eye(3), residual=1e-3
+        ),
         PoseSample(time=0.06, position=np.full(3, np.nan)),
         ReferenceSample(time=0.11, angle=np.arange(8) / 7.0, frequency=2.2),
         PowerReading(time=0.12, current=1.5, average=1.4, since=0.02),
@@ -88,13 +102,19 @@ def test_samples_come_back_bit_for_bit_in_the_order_of_their_arrival(tmp_path):
     for one, two in zip(samples, found, strict=True):
         for name in type(one).__dataclass_fields__:
             before, after = getattr(one, name), getattr(two, name)
-            assert np.array_equal(before, after, equal_nan=True) if isinstance(before, np.ndarray) else before == after
+            assert (
+                np.array_equal(before, after, equal_nan=True)
+                if isinstance(before, np.ndarray)
+                else before == after
+            )
 
 
 def test_an_older_file_is_never_replaced(file):
     header = Header(run=RUN)
     before = file.read_bytes()
-    with pytest.raises(StorageFailed, match=r"Cannot write .*run\.mcap: file exists; name another place\."):
+    with pytest.raises(
+        StorageFailed, match=r"Cannot write .*run\.mcap: file exists; name another place\."
+    ):
         OperationRecorder(file, header)
     assert file.read_bytes() == before
 
@@ -103,7 +123,9 @@ def test_what_is_no_operation_is_refused_in_one_sentence(tmp_path):
     other = tmp_path / "other.mcap"
     with lc.logs.Recorder(other) as recorder:
         recorder.scalar("/a", 0.0, 1.0)
-    with pytest.raises(TrialFileError, match="it is not a recording of an operation, or its beginning is missing"):
+    with pytest.raises(
+        TrialFileError, match="it is not a recording of an operation, or its beginning is missing"
+    ):
         read_operation(other)
     rubbish = tmp_path / "rubbish.mcap"
     rubbish.write_bytes(b"nothing of the kind" * 20)
@@ -166,7 +188,9 @@ def test_what_comes_before_an_event_is_on_disk(tmp_path):
     header = Header(run=RUN)
     with OperationRecorder(path, header) as recorder:
         recorder.record(PowerReading(time=0.0, current=1.0))
-        recorder.record(Event(time=0.1, kind="fault", message="Water in module 3.", data={"node": 3}))
+        recorder.record(
+            Event(time=0.1, kind="fault", message="Water in module 3.", data={"node": 3})
+        )
         log = read_operation(path)
         assert [type(entry) for entry in log.entries] == [PowerReading, Event]
         assert log.entries[1].message == "Water in module 3." and log.entries[1].data == {"node": 3}
@@ -174,7 +198,11 @@ def test_what_comes_before_an_event_is_on_disk(tmp_path):
 
 
 def test_settings_that_nobody_knows_are_refused():
-    with pytest.raises(ValueError, match="`controller` must be of class Controller or NoneType, got object"):
+    with pytest.raises(
+        ValueError, match="`controller` must be of class Controller or NoneType, got object"
+    ):
         Header(run=RUN, controller=object())
-    with pytest.raises(ValueError, match="`estimator` must be of class Estimator or KinematicEstimator or NoneType"):
+    with pytest.raises(
+        ValueError, match="`estimator` must be of class Estimator or KinematicEstimator or NoneType"
+    ):
         Header(run=RUN, estimator=StateEstimator(robot=RUN.robot))

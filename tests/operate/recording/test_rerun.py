@@ -12,7 +12,15 @@ from laticauda.errors import TrialFileError
 from laticauda.estimation import Estimate, Estimator, KinematicEstimator
 from laticauda.fluid.laws import FunctionDrag
 from laticauda.logs import load_trial
-from laticauda.operate import Event, Header, PowerReading, read_operation, rerun_controller, rerun_estimator, trial_of
+from laticauda.operate import (
+    Event,
+    Header,
+    PowerReading,
+    read_operation,
+    rerun_controller,
+    rerun_estimator,
+    trial_of,
+)
 from laticauda.operate.recording.entries import content_of, header_from_texts
 from laticauda.scenarios import Experiment
 
@@ -53,10 +61,14 @@ def test_power_is_4_and_speed_is_5(recorded):
 def test_without_averages_the_meters_readings_count(recorded):
     _, log, _ = recorded
     live = tuple(
-        PowerReading(time=entry.time, current=entry.current) if isinstance(entry, PowerReading) else entry
+        PowerReading(time=entry.time, current=entry.current)
+        if isinstance(entry, PowerReading)
+        else entry
         for entry in log.entries
     )
-    assert trial_of(replace(log, entries=live)).electrical_power == pytest.approx(35.0 * (2.0 - IDLE))
+    assert trial_of(replace(log, entries=live)).electrical_power == pytest.approx(
+        35.0 * (2.0 - IDLE)
+    )
     without = tuple(entry for entry in log.entries if not isinstance(entry, PowerReading))
     assert trial_of(replace(log, entries=without)).electrical_work is None
 
@@ -144,19 +156,27 @@ def test_torques_that_nobody_measured_are_not_made_up(tmp_path):
 
 def test_a_recording_without_a_run_is_refused(recorded):
     _, log, _ = recorded
-    with pytest.raises(TrialFileError, match=r"Cannot replay .*: it holds no run with at least two estimates\."):
+    with pytest.raises(
+        TrialFileError, match=r"Cannot replay .*: it holds no run with at least two estimates\."
+    ):
         trial_of(replace(log, entries=()))
     bare = replace(log, header=replace(log.header, estimator=None, controller=None))
-    with pytest.raises(ValueError, match="`estimator` must be given: the recording holds none, got None"):
+    with pytest.raises(
+        ValueError, match="`estimator` must be given: the recording holds none, got None"
+    ):
         rerun_estimator(bare)
-    with pytest.raises(ValueError, match="`controller` must be given: the recording holds none, got None"):
+    with pytest.raises(
+        ValueError, match="`controller` must be given: the recording holds none, got None"
+    ):
         rerun_controller(bare)
 
 
 TWIN = lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"), joints="servo")
 
 
-def test_a_recording_makes_the_same_twin_again_and_the_estimates_are_the_same_to_the_last_bit(tmp_path):
+def test_a_recording_makes_the_same_twin_again_and_the_estimates_are_the_same_to_the_last_bit(
+    tmp_path,
+):
     path = tmp_path / "twin.mcap"
     record(path, estimator=Estimator(robot=TWIN.robot, plant=TWIN))
     log = read_operation(path)
@@ -168,19 +188,28 @@ def test_a_recording_makes_the_same_twin_again_and_the_estimates_are_the_same_to
     )
     again = rerun_estimator(log, plant=lc.plant)
     assert len(again) > 200
-    assert all(np.array_equal(numbers(one), numbers(two)) for one, two in zip(log.of(Estimate), again, strict=True))
-    with pytest.raises(ValueError, match=r"`plant` must be `laticauda\.plant`, which rebuilds the recorded twin"):
+    assert all(
+        np.array_equal(numbers(one), numbers(two))
+        for one, two in zip(log.of(Estimate), again, strict=True)
+    )
+    with pytest.raises(
+        ValueError, match=r"`plant` must be `laticauda\.plant`, which rebuilds the recorded twin"
+    ):
         rerun_estimator(log)
 
 
 def test_a_recording_of_the_first_format_is_refused_with_what_to_do():
-    with pytest.raises(ValueError, match=r"it has format 1, and this version of laticauda reads 4: read it with"):
+    with pytest.raises(
+        ValueError, match=r"it has format 1, and this version of laticauda reads 4: read it with"
+    ):
         read_operation(ROOT / "tests" / "data" / "recordings-0.1.0" / "twin.mcap")
 
 
 def test_a_header_comes_back_from_its_texts_and_is_written_again_as_it_was():
     run = Experiment(robot=TWIN.robot, environment=TWIN.environment, notes={"rate": 100.0})
-    header = Header(run=run, controller=follower(), estimator=Estimator(robot=TWIN.robot, plant=TWIN))
+    header = Header(
+        run=run, controller=follower(), estimator=Estimator(robot=TWIN.robot, plant=TWIN)
+    )
     again = header_from_texts(header.texts())
     assert again == header
     assert again.texts() == header.texts()
@@ -189,5 +218,11 @@ def test_a_header_comes_back_from_its_texts_and_is_written_again_as_it_was():
 def test_a_twin_whose_law_no_file_can_name_is_refused_at_the_start():
     water = replace(TWIN.environment, drag=FunctionDrag(function=lambda *_: (0.0, 0.0, 0.0)))
     twin = lc.plant(TWIN.robot, water, joints="servo")
-    with pytest.raises(ValueError, match="`plant` must have a fluid law that is a class, and no scene, to be recorded"):
-        Header(run=Experiment(robot=TWIN.robot, environment=water), estimator=Estimator(robot=TWIN.robot, plant=twin))
+    with pytest.raises(
+        ValueError,
+        match="`plant` must have a fluid law that is a class, and no scene, to be recorded",
+    ):
+        Header(
+            run=Experiment(robot=TWIN.robot, environment=water),
+            estimator=Estimator(robot=TWIN.robot, plant=twin),
+        )

@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.estimation import Estimate, JointSample, KinematicEstimator, PoseSample, ReferenceSample
+from laticauda.estimation import (
+    Estimate,
+    JointSample,
+    KinematicEstimator,
+    PoseSample,
+    ReferenceSample,
+)
 from laticauda.kinematics import turn
 from laticauda.operate import Event, Header, OperationLog, PowerReading, trial_of
 from laticauda.operate.recording.to_trial import electrical_work, idle_current, run_of
@@ -24,7 +30,9 @@ TIMES = [0.0, 0.1, 0.2, 0.3]
 
 def log_of(robot: lc.Robot, *entries: object, **header: object) -> OperationLog:
     run = Header(run=Experiment(robot=robot, environment=WATER), **header)
-    return OperationLog(path=Path("run.mcap"), header=run, version="", notes={}, entries=entries, lost="")
+    return OperationLog(
+        path=Path("run.mcap"), header=run, version="", notes={}, entries=entries, lost=""
+    )
 
 
 def estimates(robot: lc.Robot, rate: float = 0.5) -> list[Estimate]:
@@ -46,11 +54,15 @@ def estimates(robot: lc.Robot, rate: float = 0.5) -> list[Estimate]:
     ]
 
 
-def joints(torque: float | None = 2.0, rate: float | None = 0.5, fin: float = 0.25) -> list[JointSample]:
+def joints(
+    torque: float | None = 2.0, rate: float | None = 0.5, fin: float = 0.25
+) -> list[JointSample]:
     found = []
     for time in TIMES:
         numbers = {"rate": rate, "torque": torque}
-        arrays = {name: None if one is None else np.full(N + 1, one) for name, one in numbers.items()}
+        arrays = {
+            name: None if one is None else np.full(N + 1, one) for name, one in numbers.items()
+        }
         found.append(JointSample(time=time, angle=np.append(np.full(N, 0.5 * time), fin), **arrays))
     return found
 
@@ -71,7 +83,9 @@ def test_what_a_driven_fin_does_are_signals_and_its_work_counts():
 
 def replace_fin(sample: JointSample) -> JointSample:
     """The same of a fin that says nothing."""
-    return JointSample(time=sample.time, angle=sample.angle[:N], rate=sample.rate[:N], torque=sample.torque[:N])
+    return JointSample(
+        time=sample.time, angle=sample.angle[:N], rate=sample.rate[:N], torque=sample.torque[:N]
+    )
 
 
 def test_of_a_fin_that_reports_no_rate_or_torque_the_angle_is_there_and_no_work():
@@ -80,7 +94,9 @@ def test_of_a_fin_that_reports_no_rate_or_torque_the_angle_is_there_and_no_work(
     assert not {"fin_rate_0", "fin_torque"} & trial.signals.keys()
     assert set(trial.not_measured) >= {"work", "joint_torque", "joint_angle_ref"}
     without_rate = trial_of(log_of(DRIVEN, *estimates(DRIVEN), *joints(rate=None)))
-    assert without_rate.work[-1] == pytest.approx(N * 2.0 * 0.5 * 0.3)  # the joints' rates are the estimator's
+    assert without_rate.work[-1] == pytest.approx(
+        N * 2.0 * 0.5 * 0.3
+    )  # the joints' rates are the estimator's
 
 
 def test_a_joint_whose_torque_nobody_knows_has_none_and_gaps_are_straight():
@@ -98,8 +114,12 @@ def test_in_space_a_trial_has_depth_pitch_and_all_joints():
     estimator = KinematicEstimator(robot=robot, in_space=True)
     state, entries = estimator.init(), []
     for time in TIMES:
-        sample = JointSample(time=time, angle=np.full(robot.n_joints, 0.01), torque=np.full(robot.n_joints, 0.5))
-        frame = PoseSample(time=time, position=np.array([time, 0.0, -0.4]), rotation=turn("pitch", 0.2))
+        sample = JointSample(
+            time=time, angle=np.full(robot.n_joints, 0.01), torque=np.full(robot.n_joints, 0.5)
+        )
+        frame = PoseSample(
+            time=time, position=np.array([time, 0.0, -0.4]), rotation=turn("pitch", 0.2)
+        )
         state = estimator.step(estimator.step(state, sample), frame)
         entries += [sample, frame, estimator.estimate(state)]
     trial = trial_of(log_of(robot, *entries))
@@ -112,7 +132,12 @@ def test_in_space_a_trial_has_depth_pitch_and_all_joints():
 def readings(average: bool, since: tuple[float, ...] = (0.0, 0.0, 0.0)) -> list[PowerReading]:
     """The charge by the averages is that of 3 A, by the readings of 2, 4 and 2 A."""
     return [
-        PowerReading(time=time, current=now, average=3.0 if average else None, since=begun if average else None)
+        PowerReading(
+            time=time,
+            current=now,
+            average=3.0 if average else None,
+            since=begun if average else None,
+        )
         for time, now, begun in zip((0.0, 1.0, 2.0), (2.0, 4.0, 2.0), since, strict=True)
     ]
 
@@ -127,7 +152,9 @@ def readings(average: bool, since: tuple[float, ...] = (0.0, 0.0, 0.0)) -> list[
         ([replace(one, since=None) for one in readings(average=True)], 6.0),
     ],
 )
-def test_the_charge_is_that_of_the_averages_where_one_record_goes_on_else_of_the_readings(found, charge):
+def test_the_charge_is_that_of_the_averages_where_one_record_goes_on_else_of_the_readings(
+    found, charge
+):
     log = replace(log_of(FINNED, *found, supply_voltage=10.0), notes={"idle": {"current": "0.5"}})
     work, told = electrical_work(log, np.array([0.0, 2.0]))
     assert work == pytest.approx([0.0, 10.0 * charge - 10.0 * 0.5 * 2.0])
@@ -145,20 +172,32 @@ def test_one_reading_is_no_work_and_a_noted_current_is_not_negative():
 def test_the_run_is_what_lies_between_its_last_start_and_the_stop_behind_it_each_moment_once():
     found = estimates(FINNED)
     events = [
-        Event(time=time, kind=kind, message="") for time, kind in ((0.0, "start"), (0.1, "start"), (0.05, "stop"))
+        Event(time=time, kind=kind, message="")
+        for time, kind in ((0.0, "start"), (0.1, "start"), (0.05, "stop"))
     ]
     assert [one.time for one in run_of(log_of(FINNED, *found, *events))] == [0.1, 0.2, 0.3]
     ended = log_of(FINNED, *found, *events, Event(time=0.2, kind="stop", message=""))
     assert [one.time for one in run_of(ended)] == [0.1, 0.2]
-    assert [one.time for one in run_of(ended, [found[1], found[1], found[2], found[1]])] == [0.1, 0.2]
+    assert [one.time for one in run_of(ended, [found[1], found[1], found[2], found[1]])] == [
+        0.1,
+        0.2,
+    ]
     cut = replace(log_of(FINNED, found[0]), lost="The file is not whole.")
-    with pytest.raises(lc.errors.TrialFileError, match=r"no run with at least two estimates\. The file is not whole\."):
+    with pytest.raises(
+        lc.errors.TrialFileError,
+        match=r"no run with at least two estimates\. The file is not whole\.",
+    ):
         run_of(cut)
 
 
 def test_a_run_that_was_rejected_says_why_and_one_without_an_end_has_none():
     found = estimates(FINNED)
-    verdict = Event(time=9.0, kind="verdict", message="The run failed a check: a joint.", data={"accepted": False})
+    verdict = Event(
+        time=9.0,
+        kind="verdict",
+        message="The run failed a check: a joint.",
+        data={"accepted": False},
+    )
     stop = Event(time=0.3, kind="stop", message="The end of the tank.", data={"succeeded": True})
     for entries, succeeded, status in (
         ((stop,), True, "The end of the tank."),

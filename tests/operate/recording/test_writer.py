@@ -20,7 +20,9 @@ from laticauda.scenarios import Experiment
 ROBOT = lc.load_robot("mamba")
 GAIT = lc.lateral_undulation(amplitude=0.3, frequency=2.0, phase_shift=0.7)
 HEADER = Header(
-    run=Experiment(robot=ROBOT, gait=GAIT, environment=lc.load_water("paper-lateral"), notes={"rate": 50.0}),
+    run=Experiment(
+        robot=ROBOT, gait=GAIT, environment=lc.load_water("paper-lateral"), notes={"rate": 50.0}
+    ),
     estimator=KinematicEstimator(robot=ROBOT),
 )
 
@@ -40,7 +42,9 @@ def test_what_is_kept_is_in_the_file_once_it_is_closed(tmp_path: Path):
 
 def test_what_is_learnt_in_the_writers_program_is_in_the_file_and_told(tmp_path: Path):
     water = lc.load_water("paper-lateral")
-    learner = Learner(settings=Learning(unknown=()), robot=ROBOT, plant=lc.plant(ROBOT, water, joints="servo"))
+    learner = Learner(
+        settings=Learning(unknown=()), robot=ROBOT, plant=lc.plant(ROBOT, water, joints="servo")
+    )
     given = list(samples(jammed(swum((ROBOT, water, 10.5)), begin=6.0)))
     with Writer(tmp_path / "a.mcap", HEADER, learner=learner) as writer:
         for sample in given:
@@ -99,7 +103,9 @@ def test_what_was_handed_over_before_the_loop_was_killed_is_in_the_file(tmp_path
             writer.keep(reading.time, (reading,))
         os.kill(os.getpid(), signal.SIGKILL)
     """
-    assert subprocess.run([sys.executable, "-c", textwrap.dedent(code)]).returncode == -signal.SIGKILL
+    assert (
+        subprocess.run([sys.executable, "-c", textwrap.dedent(code)]).returncode == -signal.SIGKILL
+    )
     end = time.monotonic() + 20.0
     while time.monotonic() < end:
         log = read_operation(tmp_path / "a.mcap")

@@ -24,7 +24,9 @@ from laticauda.protocol import Acceleration, Heartbeat, JointState, NodeState, S
 LIMITS = Limits()
 
 
-def modules_that(*beats: Heartbeat | None, heard: float = 0.0, measured: float = 0.0, **numbers: float) -> Modules:
+def modules_that(
+    *beats: Heartbeat | None, heard: float = 0.0, measured: float = 0.0, **numbers: float
+) -> Modules:
     """Modules of which the second has these numbers, and the others zeros."""
     n = len(beats)
     values = {name: np.zeros(n) for name in ("angle", "rate", "current", "torque")}
@@ -40,12 +42,23 @@ WELL = Heartbeat(node=1, state=NodeState.ACTIVE)
 def seen_at(now: float, *beats: Heartbeat, **measured: float) -> Reports:
     """Two modules that are asked to be straight, all numbers of which are zero unless `measured` says otherwise."""
     beats = beats or (WELL, replace(WELL, node=2))
-    numbers = {name: np.array([0.0, measured.get(name, 0.0)]) for name in ("angle", "rate", "current", "torque")}
+    numbers = {
+        name: np.array([0.0, measured.get(name, 0.0)])
+        for name in ("angle", "rate", "current", "torque")
+    }
     times = np.full(2, now)
-    modules = replace(no_reports(2), **numbers, heartbeat=beats, heartbeat_time=times, angle_time=times)
+    modules = replace(
+        no_reports(2), **numbers, heartbeat=beats, heartbeat_time=times, angle_time=times
+    )
     references = np.zeros(2)
     return Reports(
-        now=now, lateness=0.0, modules=modules, references=references, mocap_age=0.0, meter_age=None, room=1.0
+        now=now,
+        lateness=0.0,
+        modules=modules,
+        references=references,
+        mocap_age=0.0,
+        meter_age=None,
+        room=1.0,
     )
 
 
@@ -53,11 +66,25 @@ def seen_at(now: float, *beats: Heartbeat, **measured: float) -> Reports:
 @pytest.mark.parametrize(
     ("event", "name", "limit", "lasts", "says"),
     [
-        ("joint_error", "angle", "max_joint_error", "joint_error_time", ("module 2: -57 deg", "module 2: +57 deg")),
-        ("over_current", "current", "max_current", "current_time", ("module 2: 5.0 A", "module 2: -5.0 A")),
+        (
+            "joint_error",
+            "angle",
+            "max_joint_error",
+            "joint_error_time",
+            ("module 2: -57 deg", "module 2: +57 deg"),
+        ),
+        (
+            "over_current",
+            "current",
+            "max_current",
+            "current_time",
+            ("module 2: 5.0 A", "module 2: -5.0 A"),
+        ),
     ],
 )
-def test_what_is_beyond_its_limit_to_either_side_for_too_long_is_wrong(event, name, limit, lasts, says, sign):
+def test_what_is_beyond_its_limit_to_either_side_for_too_long_is_wrong(
+    event, name, limit, lasts, says, sign
+):
     limits = Limits()
     patience, value = getattr(limits, lasts), {"angle": 1.0, "current": 5.0}[name]
     assert abs(value) > getattr(limits, limit)
@@ -108,12 +135,22 @@ def test_messages_count_for_their_module_and_those_of_others_for_none():
     ]
     before = no_reports(2)
     after = updated(before, messages)
-    assert [getattr(after, name)[1] for name in ("angle", "rate", "current", "torque")] == [0.1, 0.2, 0.3, 0.4]
+    assert [getattr(after, name)[1] for name in ("angle", "rate", "current", "torque")] == [
+        0.1,
+        0.2,
+        0.3,
+        0.4,
+    ]
     assert after.angle_time.tolist() == [-math.inf, 1.0]
     assert after.heartbeat == (None, beat) and after.heartbeat_time.tolist() == [-math.inf, 2.0]
     assert np.isnan(after.angle[0])
-    assert np.isnan(before.angle).all() and before.heartbeat == (None, None)  # a value is not changed
-    last = updated(after, [(8.0, JointState(node=1, angle=-0.1, rate=0.0, current=0.0, torque=0.0))])
+    assert np.isnan(before.angle).all() and before.heartbeat == (
+        None,
+        None,
+    )  # a value is not changed
+    last = updated(
+        after, [(8.0, JointState(node=1, angle=-0.1, rate=0.0, current=0.0, torque=0.0))]
+    )
     assert last.angle.tolist() == [-0.1, 0.1] and last.angle_time.tolist() == [8.0, 1.0]
     first = updated(after, [(9.0, Heartbeat(node=1, state=NodeState.READY))])
     assert first.heartbeat_time.tolist() == [9.0, 2.0]
@@ -156,7 +193,10 @@ SOUND = Heartbeat(node=1, state=NodeState.READY, temperature=30.0, voltage=35.0)
     ("beat", "says"),
     [
         (None, ["module 2 does not respond: check its power and its bus connection"]),
-        (replace(SOUND, leak=True), ["module 2 reports water inside: take the robot out and dry it"]),
+        (
+            replace(SOUND, leak=True),
+            ["module 2 reports water inside: take the robot out and dry it"],
+        ),
         (replace(SOUND, state=NodeState.FAULT), ["module 2 is in its fault state (no flag)"]),
         (
             replace(SOUND, state=NodeState.FAULT, over_current=True, emergency_stopped=True),
@@ -186,7 +226,11 @@ def test_a_bus_with_more_modules_than_the_robot_has_joints_is_that_of_another_ro
     angles = {"angle": 0.0, "rate": 0.0, "current": 0.0, "torque": 0.0}
     modules = modules_that(SOUND, replace(SOUND, node=2))
     other = updated(modules, [(1.0, JointState(node=18, **angles)), (1.0, Sync(counter=1))])
-    assert (modules.highest, updated(modules, [(0.5, Sync(counter=1))]).highest, other.highest) == (0, 0, 18)
+    assert (modules.highest, updated(modules, [(0.5, Sync(counter=1))]).highest, other.highest) == (
+        0,
+        0,
+        18,
+    )
     assert complaints(other, max_temperature=60.0, min_voltage=28.0) == (
         "module 18 responds, but the robot has 2: check `robot`",
     )
@@ -217,12 +261,16 @@ def test_a_robot_that_is_well_and_in_time_breaks_no_limit():
 )
 def test_at_its_limit_nothing_is_wrong_and_beyond_it_one_event_is(event, field, edge, beyond, says):
     assert compare(LIMITS, within_limits(2), replace(seen_at(10.0), **{field: edge}))[1] == {}
-    assert compare(LIMITS, within_limits(2), replace(seen_at(10.0), **{field: beyond}))[1] == {event: says}
+    assert compare(LIMITS, within_limits(2), replace(seen_at(10.0), **{field: beyond}))[1] == {
+        event: says
+    }
     assert event in BY_EVENT
 
 
 def test_where_no_references_are_sent_neither_the_edge_nor_the_cameras_matter_nor_joints():
-    seen = replace(seen_at(10.0, angle=2.0), references=None, mocap_age=99.0, room=-1.0, lateness=1.0)
+    seen = replace(
+        seen_at(10.0, angle=2.0), references=None, mocap_age=99.0, room=-1.0, lateness=1.0
+    )
     state, found = compare(LIMITS, within_limits(2), seen)
     assert found == {"late_loop": "a tick came 1.000 s late"}
     assert np.isposinf(state.joint_error).all()
@@ -233,7 +281,9 @@ def test_modules_that_stay_away_are_named():
     edge = replace(seen.modules, heartbeat_time=np.full(2, 9.5), angle_time=np.full(2, 9.7))
     exact = replace(LIMITS, heartbeat_timeout=0.5, joint_timeout=10.0 - 9.7)
     assert compare(exact, within_limits(2), replace(seen, modules=edge))[1] == {}
-    late = replace(seen.modules, heartbeat_time=np.array([10.0, 9.0]), angle_time=np.array([9.0, 10.0]))
+    late = replace(
+        seen.modules, heartbeat_time=np.array([10.0, 9.0]), angle_time=np.array([9.0, 10.0])
+    )
     found = compare(LIMITS, within_limits(2), replace(seen, modules=late))[1]
     assert found == {"lost_heartbeat": "module 2", "lost_joints": "module 1"}
     both = replace(seen.modules, heartbeat_time=np.full(2, 9.0), angle_time=np.full(2, 9.0))
@@ -245,7 +295,10 @@ def test_modules_that_stay_away_are_named():
     ("changes", "found"),
     [
         ({"leak": True}, {"leak": "module 2"}),
-        ({"over_temperature": True, "temperature": 20.0}, {"over_temperature": "module 2: 20 degC"}),
+        (
+            {"over_temperature": True, "temperature": 20.0},
+            {"over_temperature": "module 2: 20 degC"},
+        ),
         ({"temperature": 70.0}, {}),
         ({"temperature": 70.5}, {"over_temperature": "module 2: 70 degC"}),
         ({"over_current": True}, {"over_current": "module 2"}),
@@ -253,7 +306,10 @@ def test_modules_that_stay_away_are_named():
         ({"voltage": 27.0}, {"low_voltage": "module 2: 27.0 V"}),
         ({"state": NodeState.FAULT}, {}),
         ({"state": NodeState.FAULT, "emergency_stopped": True}, {}),
-        ({"state": NodeState.FAULT, "stuck": True, "emergency_stopped": True}, {"module_fault": "module 2: stuck"}),
+        (
+            {"state": NodeState.FAULT, "stuck": True, "emergency_stopped": True},
+            {"module_fault": "module 2: stuck"},
+        ),
         ({"stuck": True}, {}),
         (
             {"state": NodeState.FAULT, "leak": True, "stuck": True},
@@ -313,7 +369,9 @@ def test_of_several_that_are_wrong_the_first_is_named():
             replace(
                 seen,
                 modules=replace(
-                    modules, current=np.full(2, LIMITS.max_current), angle=np.full(2, LIMITS.max_joint_error)
+                    modules,
+                    current=np.full(2, LIMITS.max_current),
+                    angle=np.full(2, LIMITS.max_joint_error),
                 ),
             ),
         )[1]
@@ -322,5 +380,7 @@ def test_of_several_that_are_wrong_the_first_is_named():
 
 
 def test_at_first_nothing_is_beyond_its_limit():
-    assert within_limits(3).current.tolist() == within_limits(3).joint_error.tolist() == [math.inf] * 3
+    assert (
+        within_limits(3).current.tolist() == within_limits(3).joint_error.tolist() == [math.inf] * 3
+    )
     assert within_limits(3).sending == math.inf

@@ -35,7 +35,8 @@ supervisor = Supervisor(straighten_time=2.0)
 
 events_at_a_tick = st.frozensets(st.sampled_from([*BY_EVENT, *REQUESTS]), max_size=3)
 noise = st.lists(
-    st.tuples(events_at_a_tick, st.booleans(), st.booleans(), st.sampled_from([TICK, 0.1, 0.5])), max_size=40
+    st.tuples(events_at_a_tick, st.booleans(), st.booleans(), st.sampled_from([TICK, 0.1, 0.5])),
+    max_size=40,
 )
 
 
@@ -49,13 +50,17 @@ def brought_to(state: str) -> SupervisorState:
     }[state]
 
 
-def step(state: SupervisorState, now: float, *events: str, straight: bool = False, limp: bool = False):
+def step(
+    state: SupervisorState, now: float, *events: str, straight: bool = False, limp: bool = False
+):
     return supervisor.step(state, now, set(events), is_straight=straight, is_limp=limp)
 
 
 def test_the_rows_name_phases_and_states_and_no_two_contradict_each_other():
     for row in TRANSITIONS:
-        assert {row.phase, row.next_phase} <= set(PHASES) and {row.state, row.next_state} <= set(STATES)
+        assert {row.phase, row.next_phase} <= set(PHASES) and {row.state, row.next_state} <= set(
+            STATES
+        )
         assert row.event not in BY_EVENT
     assert len({row[:3] for row in TRANSITIONS}) == len(TRANSITIONS)
     assert {row.event for row in TRANSITIONS} > set(REQUESTS)
@@ -101,8 +106,12 @@ def test_the_page_names_the_limits_of_every_event_that_has_some():
 
 
 @given(st.sampled_from(STATES), st.sampled_from(STOPPING), noise, noise)
-@example("ready", "over_temperature", [], [(frozenset({"emergency_key"}), False, False, 0.5)])  # what comes is graver
-def test_from_any_state_any_events_lead_to_no_references_within_the_stated_time(state, event, before, after):
+@example(
+    "ready", "over_temperature", [], [(frozenset({"emergency_key"}), False, False, 0.5)]
+)  # what comes is graver
+def test_from_any_state_any_events_lead_to_no_references_within_the_stated_time(
+    state, event, before, after
+):
     now, at = 0.0, brought_to(state)
     for events, straight, limp, dt in before:
         now += dt
@@ -115,7 +124,12 @@ def test_from_any_state_any_events_lead_to_no_references_within_the_stated_time(
         now += dt
         at, _ = supervisor.step(at, now, events - set(REQUESTS), is_straight=straight, is_limp=limp)
         assert now < end or not at.sends_references
-        over = max([over, *(now + supervisor.within(BY_EVENT[one].action) for one in events & set(STOPPING))])
+        over = max(
+            [
+                over,
+                *(now + supervisor.within(BY_EVENT[one].action) for one in events & set(STOPPING)),
+            ]
+        )
     while now < over:  # what came later has its own time to be over
         now += TICK
         at, _ = step(at, now)
@@ -134,7 +148,9 @@ def test_a_fault_is_left_by_an_acknowledgment_only_and_only_when_nothing_is_wron
         assert now < 10.0
     for events, straight, limp, dt in after:
         now += dt
-        at, _ = supervisor.step(at, now, events - {"acknowledged"}, is_straight=straight, is_limp=limp)
+        at, _ = supervisor.step(
+            at, now, events - {"acknowledged"}, is_straight=straight, is_limp=limp
+        )
         assert at.state == "fault"
     at, _ = step(at, now, event, "acknowledged", limp=True)
     assert at.state == "fault"
@@ -235,7 +251,8 @@ def test_the_rules_are_sorted_by_gravity_and_say_what_they_mean():
 
 def test_an_event_that_is_not_in_the_table_is_refused():
     with pytest.raises(
-        ValueError, match=r"`events` must hold only events of the table, got 'leek'; did you mean `leak`"
+        ValueError,
+        match=r"`events` must hold only events of the table, got 'leek'; did you mean `leak`",
     ):
         step(supervisor.init(), 0.0, "leek")
     with pytest.raises(ValueError, match=r"`straighten_time` must be > 0 s, got 0"):
@@ -245,7 +262,9 @@ def test_an_event_that_is_not_in_the_table_is_refused():
 def test_what_is_known_of_modules_and_times_is_what_the_documentation_promises():
     nodes = NodeSettings()
     assert (HOLD_AFTER, LIMP_AFTER) == (0.2, 1.2)
-    assert nodes.hold_after == HOLD_AFTER and nodes.limp_after < LIMP_AFTER  # it counts on more than they take
+    assert (
+        nodes.hold_after == HOLD_AFTER and nodes.limp_after < LIMP_AFTER
+    )  # it counts on more than they take
     assert Supervisor().straighten_time == Limits().straighten_time == 2.0
     assert [supervisor.within(action) for action in ACTIONS] == [
         math.inf,
@@ -262,7 +281,9 @@ def test_an_event_is_said_in_words_and_one_without_a_rule_by_its_name():
 
 def test_the_operation_goes_from_phase_to_phase_by_the_table():
     for row in TRANSITIONS:
-        assert phase_after(row.phase, row.event) in {other.next_phase for other in TRANSITIONS if other[:3] == row[:3]}
+        assert phase_after(row.phase, row.event) in {
+            other.next_phase for other in TRANSITIONS if other[:3] == row[:3]
+        }
     assert phase_after("connecting", "connected") == "checking"
     assert phase_with("settling", "idle", "ready") == "settling"
     assert phase_with("countdown", "ready", "running") == "running"
@@ -272,10 +293,14 @@ def test_references_are_sent_while_the_joints_are_held_or_move_or_are_straighten
     for state in STATES:
         for action in ACTIONS:
             sends = SupervisorState(state=state, action=action).sends_references
-            assert sends is (state in ("ready", "running") or (state, action) == ("stopping", "straighten"))
+            assert sends is (
+                state in ("ready", "running") or (state, action) == ("stopping", "straighten")
+            )
 
 
-def course(at: SupervisorState, *ticks: tuple[float, str, bool, bool]) -> list[tuple[str, str, str, str]]:
+def course(
+    at: SupervisorState, *ticks: tuple[float, str, bool, bool]
+) -> list[tuple[str, str, str, str]]:
     """What is logged over some ticks: time, event or "", whether straight, whether limp."""
     logged = []
     for now, event, straight, limp in ticks:
@@ -327,17 +352,33 @@ def test_straightening_ends_at_its_time_limp_at_its_time_and_an_emergency_stop_a
 
 def test_a_stop_that_nobody_confirms_is_a_fault_of_its_own():
     at, _ = step(replace(brought_to("stopping"), action="limp", cause=""), CONFIRM_TIME)
-    assert (at.state, at.action, at.cause, at.is_fault) == ("fault", "emergency_stop", "not_limp", True)
+    assert (at.state, at.action, at.cause, at.is_fault) == (
+        "fault",
+        "emergency_stop",
+        "not_limp",
+        True,
+    )
 
 
 @pytest.mark.parametrize(
-    ("event", "action"), [("leak", "emergency_stop"), ("over_current", "limp"), ("lost_mocap", "limp")]
+    ("event", "action"),
+    [("leak", "emergency_stop"), ("over_current", "limp"), ("lost_mocap", "limp")],
 )
-def test_a_robot_that_is_limp_already_is_a_fault_at_once_and_has_nothing_to_straighten(event, action):
+def test_a_robot_that_is_limp_already_is_a_fault_at_once_and_has_nothing_to_straighten(
+    event, action
+):
     at, entries = step(supervisor.init(), 3.0, event)
-    assert (at.state, at.action, at.cause, at.is_fault, at.since) == ("fault", action, event, True, 3.0)
+    assert (at.state, at.action, at.cause, at.is_fault, at.since) == (
+        "fault",
+        action,
+        event,
+        True,
+        3.0,
+    )
     assert [(entry.before, entry.after) for entry in entries] == [("idle", "fault")]
     graver, _ = step(at, 4.0, "emergency_key")
     assert (graver.state, graver.action, graver.cause) == (
-        ("fault", "emergency_stop", "emergency_key") if action == "limp" else ("fault", action, event)
+        ("fault", "emergency_stop", "emergency_key")
+        if action == "limp"
+        else ("fault", action, event)
     )

@@ -1,8 +1,9 @@
 """The planar kernels on a GPU: the same functions, compiled by numba-cuda, one thread per run.
 
-Experimental: an H100 and numba-cuda's simulator have run them. A run's rows are one column of an array, so that
-neighboring threads read neighboring numbers. sin, cos and exp are those of CUDA, and its compiler fuses multiplications
-and additions in its own way: results agree with the processor's to rounding, not to the last digit.
+Experimental: an H100 and numba-cuda's simulator have run them. A run's rows are one column of an
+array, so that neighboring threads read neighboring numbers. sin, cos and exp are those of CUDA, and
+its compiler fuses multiplications and additions in its own way: results agree with the processor's
+to rounding, not to the last digit.
 """
 
 # pyright: basic, reportMissingImports=false
@@ -48,7 +49,9 @@ class Cuda(Device):
             ValueError: If there is no GPU that it can use.
         """
         if not cuda.is_available():
-            raise BadArgument("device", "must be `cpu` on a machine without a CUDA GPU and its driver, got 'cuda'")
+            raise BadArgument(
+                "device", "must be `cpu` on a machine without a CUDA GPU and its driver, got 'cuda'"
+            )
         n_intervals = max(1, round(duration / sample_interval))
         at_a_time = max(_THREADS, _LOG_BYTES // (8 * PATH_ROWS * (n_intervals + 1)))
         for alike in kinds_of(runs, duration / n_intervals):
@@ -75,7 +78,9 @@ def _march(runs: Sequence[Run], index: np.ndarray, duration: float, n_intervals:
     march[blocks, _THREADS](states, *shape, plant.is_implicit, n_intervals * every, dt, every, log)
     end, path = states.copy_to_host(), log.copy_to_host()
     n_samples = end[rows.SAMPLES].astype(int)
-    path[:, 0, 0] = path[:, 0, np.argmax(n_samples)]  # the times of all; a run that diverges stops there
+    path[:, 0, 0] = path[
+        :, 0, np.argmax(n_samples)
+    ]  # the times of all; a run that diverges stops there
     return block_of(index, path, end, n_samples)
 
 
@@ -85,11 +90,37 @@ def _kernel(run: Any) -> Any:
 
     @cuda.jit
     @no_type_check
-    def march(flat, n, first_strip, first_plate, law, tail_link, has_extras, implicit, steps, dt, every, log):
+    def march(
+        flat,
+        n,
+        first_strip,
+        first_plate,
+        law,
+        tail_link,
+        has_extras,
+        implicit,
+        steps,
+        dt,
+        every,
+        log,
+    ):
         i = cuda.grid(1)
         if i < flat.shape[1]:
             row, own = flat[:, i], log[:, :, i]
-            run(row, n, first_strip, first_plate, law, tail_link, has_extras, implicit, steps, dt, every, own)
+            run(
+                row,
+                n,
+                first_strip,
+                first_plate,
+                law,
+                tail_link,
+                has_extras,
+                implicit,
+                steps,
+                dt,
+                every,
+                own,
+            )
 
     return march
 

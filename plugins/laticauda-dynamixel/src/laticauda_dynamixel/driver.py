@@ -1,7 +1,7 @@
 """The driver: what `laticauda operate` says to its modules becomes reads and writes of servos' registers.
 
-A servo has no states of a module, so they are kept here: it holds when references stay away, and limp a second later.
-If this program dies, the servos' bus watchdog stops them where they are.
+A servo has no states of a module, so they are kept here: it holds when references stay away, and
+limp a second later. If this program dies, the servos' bus watchdog stops them where they are.
 """
 
 import math
@@ -39,7 +39,12 @@ IDLE = 0.05  # the longest between two cycles [s, wall clock]
 BEAT = 0.1  # [s]
 HOLD_AFTER, LIMP_AFTER = 0.2, 1.2  # without references [s]
 WATCHDOG = 25  # of the servos, 0.5 s
-TORQUE = {1020: 1.78, 1030: 1.30, 1120: 2.41, 1130: 1.66}  # XM430-W350, -W210, XM540-W270, -W150 [N m/A]
+TORQUE = {
+    1020: 1.78,
+    1030: 1.30,
+    1120: 2.41,
+    1130: 1.66,
+}  # XM430-W350, -W210, XM540-W270, -W150 [N m/A]
 POSITION_MODES = (3, 5)
 PER_GROUP = 4
 
@@ -81,7 +86,9 @@ class Dynamixel(Bus):
         self._reader, self._beat_due = Reader(), 0.0
         port, baud_rate = self._parts(address)
         try:
-            self._port: Any = hardware("pyserial", "serial").Serial(port, baud_rate, timeout=0.001, write_timeout=1.0)
+            self._port: Any = hardware("pyserial", "serial").Serial(
+                port, baud_rate, timeout=0.001, write_timeout=1.0
+            )
         except (OSError, ValueError) as error:
             raise DeviceFailed(f"The servos' port {address} cannot be opened: {error}.") from error
         try:
@@ -103,7 +110,9 @@ class Dynamixel(Bus):
     @staticmethod
     def _parts(address: str) -> tuple[str, int]:
         port, _, rate = address.partition(":")
-        return port, BAUD_RATE if not rate else int(rate) if rate.isascii() and rate.isdigit() else 0
+        return port, BAUD_RATE if not rate else int(
+            rate
+        ) if rate.isascii() and rate.isdigit() else 0
 
     def _found_servos(self) -> dict[int, Servo]:
         """Who answers a ping to all."""
@@ -114,14 +123,18 @@ class Dynamixel(Bus):
                 f"No servo answers at {self._address}: check power and cable, and that the baud rate is this."
             )
         if numbers != list(range(1, len(numbers) + 1)):
-            raise DeviceFailed(f"The servos must be numbered 1, 2, ... from the tail on, got {numbers}.")
+            raise DeviceFailed(
+                f"The servos must be numbered 1, 2, ... from the tail on, got {numbers}."
+            )
         modes = self._read(Register.OPERATING_MODE, 1, numbers)
         if wrong := [number for number, mode in modes.items() if mode[0] not in POSITION_MODES]:
-            raise DeviceFailed(f"Servos {wrong} must be in a position-control mode, {POSITION_MODES}.")
+            raise DeviceFailed(
+                f"Servos {wrong} must be in a position-control mode, {POSITION_MODES}."
+            )
         models = {number: struct.unpack_from("<H", answers[number])[0] for number in numbers}
         return {number: Servo(torque=TORQUE.get(models[number], 0.0)) for number in numbers}
 
-    # ---- what the loop calls -----------------------------------------------------------------------------------------
+    # ---- what the loop calls ---------------------------------------------------------------------
 
     @property
     def bus_off(self) -> str:
@@ -144,7 +157,7 @@ class Dynamixel(Bus):
         self._wake.set()
         return tuple(found)
 
-    # ---- what the thread does ----------------------------------------------------------------------------------------
+    # ---- what the thread does --------------------------------------------------------------------
 
     def work(self) -> None:
         """One cycle: orders, references, what the servos measure; ten times a second, how they are."""
@@ -158,7 +171,10 @@ class Dynamixel(Bus):
         for number, servo in self._servos.items():
             if number in asked and servo.state.is_on:
                 servo.state, servo.referred = NodeState.ACTIVE, now
-                steps = round((asked[number] + servo.zero) * packets.TURN / (2.0 * math.pi)) + packets.MIDDLE
+                steps = (
+                    round((asked[number] + servo.zero) * packets.TURN / (2.0 * math.pi))
+                    + packets.MIDDLE
+                )
                 goals[number] = struct.pack("<i", steps)
             elif servo.state.is_on and now - servo.referred > LIMP_AFTER:
                 self._switch(number, False, NodeState.LIMP)
@@ -197,7 +213,10 @@ class Dynamixel(Bus):
     def _switch(self, number: int, on: bool, state: NodeState) -> None:
         """Torque on, from where the joint stands, or off."""
         if on:
-            steps = round(self._servos[number].position * packets.TURN / (2.0 * math.pi)) + packets.MIDDLE
+            steps = (
+                round(self._servos[number].position * packets.TURN / (2.0 * math.pi))
+                + packets.MIDDLE
+            )
             self._write(number, Register.GOAL_POSITION, struct.pack("<i", steps))
         self._write(number, Register.TORQUE_ENABLE, bytes([on]))
         self._servos[number].state = state
@@ -275,7 +294,7 @@ class Dynamixel(Bus):
             pass  # the port is gone
         self._port.close()
 
-    # ---- the line ----------------------------------------------------------------------------------------------------
+    # ---- the line --------------------------------------------------------------------------------
 
     def _write(self, number: int, register: int, data: bytes) -> None:
         packet = Packet(number, Instruction.WRITE, struct.pack("<H", register) + data)
@@ -284,7 +303,10 @@ class Dynamixel(Bus):
     def _sync_write(self, register: int, data: Mapping[int, bytes]) -> None:
         parts = b"".join(bytes([number]) + one for number, one in data.items())
         size = len(next(iter(data.values())))
-        self._asked_for(Packet(BROADCAST, Instruction.SYNC_WRITE, struct.pack("<HH", register, size) + parts), set())
+        self._asked_for(
+            Packet(BROADCAST, Instruction.SYNC_WRITE, struct.pack("<HH", register, size) + parts),
+            set(),
+        )
 
     def _read(self, register: int, size: int, numbers: Iterable[int]) -> dict[int, bytes]:
         """The same registers of several servos; those that do not answer are missing."""
@@ -292,7 +314,9 @@ class Dynamixel(Bus):
         found = self._asked_for(Packet(BROADCAST, Instruction.SYNC_READ, words), set(numbers))
         return {number: data for number, data in found.items() if len(data) == size}
 
-    def _asked_for(self, packet: Packet, who: set[int] | None, patience: float = 0.0) -> dict[int, bytes]:
+    def _asked_for(
+        self, packet: Packet, who: set[int] | None, patience: float = 0.0
+    ) -> dict[int, bytes]:
         """Send a packet, and wait for the answers of these servos, or of any (None): data without errors."""
         if self._port.in_waiting:
             self._port.reset_input_buffer()

@@ -2,8 +2,8 @@
 
     python -m laticauda_dynamixel.emulator
 
-A servo is a module of the tank whose firmware does what registers say; it knows neither heartbeats nor time-outs of
-references, only the bus watchdog.
+A servo is a module of the tank whose firmware does what registers say; it knows neither heartbeats
+nor time-outs of references, only the bus watchdog.
 """
 
 import math
@@ -58,7 +58,7 @@ class Servos(AbstractContextManager["Servos"]):
         self._reader, self._to_tank, self._unanswered = Reader(), deque[Any](), deque[Packet]()
         self._heard, self._counter = time.monotonic(), 0
 
-    # ---- as the lab sees it ------------------------------------------------------------------------------------------
+    # ---- as the lab sees it ----------------------------------------------------------------------
 
     def recv(self, timeout: float | None = None) -> Any:
         """The next frame for the modules; a read is answered after they have measured."""
@@ -87,7 +87,9 @@ class Servos(AbstractContextManager["Servos"]):
             volts, warm = round(said.voltage / packets.VOLTAGE), max(round(said.temperature), 0)
             struct.pack_into("<HB", table, Register.PRESENT_VOLTAGE, volts, warm)
             error = packets.OVERHEATING * said.over_temperature
-            table[Register.HARDWARE_ERROR] |= error | packets.OVERLOAD * (said.over_current or said.stuck)
+            table[Register.HARDWARE_ERROR] |= error | packets.OVERLOAD * (
+                said.over_current or said.stuck
+            )
             if table[Register.HARDWARE_ERROR]:
                 table[Register.TORQUE_ENABLE] = 0
 
@@ -96,12 +98,14 @@ class Servos(AbstractContextManager["Servos"]):
         for end in (self._ours, self._theirs):
             os.close(end)
 
-    # ---- as the line sees it -----------------------------------------------------------------------------------------
+    # ---- as the line sees it ---------------------------------------------------------------------
 
     def _take(self, packet: Packet) -> None:
         """An instruction."""
         number, kind, data = packet
-        named = list(self.tables) if number == BROADCAST else [number] if number in self.tables else []
+        named = (
+            list(self.tables) if number == BROADCAST else [number] if number in self.tables else []
+        )
         if kind == Instruction.PING:
             for one in named:
                 self._status(one, struct.pack("<HB", MODEL, FIRMWARE))
@@ -123,8 +127,12 @@ class Servos(AbstractContextManager["Servos"]):
             self._measure()
         elif kind == Instruction.REBOOT:
             for one in named:
-                self.tables[one][Register.TORQUE_ENABLE] = self.tables[one][Register.HARDWARE_ERROR] = 0
-                self._to_tank += [NodeCommand(order=order, node=one) for order in (Order.CLEAR, Order.DISABLE)]
+                self.tables[one][Register.TORQUE_ENABLE] = self.tables[one][
+                    Register.HARDWARE_ERROR
+                ] = 0
+                self._to_tank += [
+                    NodeCommand(order=order, node=one) for order in (Order.CLEAR, Order.DISABLE)
+                ]
                 self._status(one)
 
     def _write(self, number: int, register: int, data: bytes) -> int:
@@ -136,21 +144,32 @@ class Servos(AbstractContextManager["Servos"]):
         if is_goal and table[Register.BUS_WATCHDOG] == packets.TRIPPED:
             return ACCESS_ERROR
         if register <= Register.TORQUE_ENABLE < register + len(data):
-            on = bool(data[Register.TORQUE_ENABLE - register]) and not table[Register.HARDWARE_ERROR]
+            on = (
+                bool(data[Register.TORQUE_ENABLE - register]) and not table[Register.HARDWARE_ERROR]
+            )
             if on != bool(table[Register.TORQUE_ENABLE]):
-                self._to_tank.append(NodeCommand(order=Order.ENABLE if on else Order.DISABLE, node=number))
+                self._to_tank.append(
+                    NodeCommand(order=Order.ENABLE if on else Order.DISABLE, node=number)
+                )
             data = (
-                data[: Register.TORQUE_ENABLE - register] + bytes([on]) + data[Register.TORQUE_ENABLE - register + 1 :]
+                data[: Register.TORQUE_ENABLE - register]
+                + bytes([on])
+                + data[Register.TORQUE_ENABLE - register + 1 :]
             )
         table[register : register + len(data)] = data
         return 0
 
     def _measure(self) -> None:
         """Let the modules take up all goals, and measure."""
-        steps = [struct.unpack_from("<i", table, Register.GOAL_POSITION)[0] for table in self.tables.values()]
+        steps = [
+            struct.unpack_from("<i", table, Register.GOAL_POSITION)[0]
+            for table in self.tables.values()
+        ]
         if not steps:
             return
-        self._to_tank += references([(one - packets.MIDDLE) * 2.0 * math.pi / packets.TURN for one in steps])
+        self._to_tank += references(
+            [(one - packets.MIDDLE) * 2.0 * math.pi / packets.TURN for one in steps]
+        )
         self._to_tank.append(Sync(counter=self._counter))
         self._counter = (self._counter + 1) % 65536
 
@@ -174,13 +193,19 @@ class Servos(AbstractContextManager["Servos"]):
     def _status(self, number: int, data: bytes = b"", error: int = 0) -> None:
         error |= ALERT if self.tables[number][Register.HARDWARE_ERROR] else 0
         with suppress(OSError):  # nobody reads, and the line is full
-            os.write(self._ours, packets.encoded(Packet(number, Instruction.STATUS, bytes([error]) + data)))
+            os.write(
+                self._ours,
+                packets.encoded(Packet(number, Instruction.STATUS, bytes([error]) + data)),
+            )
 
     def _watch(self) -> None:
         """Servos that nobody has spoken to for too long stay where they are, and take no goals."""
         silent = time.monotonic() - self._heard
         for table in self.tables.values():
-            if 0 < table[Register.BUS_WATCHDOG] < 128 and silent > table[Register.BUS_WATCHDOG] * packets.WATCHDOG:
+            if (
+                0 < table[Register.BUS_WATCHDOG] < 128
+                and silent > table[Register.BUS_WATCHDOG] * packets.WATCHDOG
+            ):
                 table[Register.BUS_WATCHDOG] = packets.TRIPPED
                 here = struct.unpack_from("<i", table, Register.PRESENT_POSITION)[0]
                 struct.pack_into("<i", table, Register.GOAL_POSITION, here)
@@ -196,7 +221,12 @@ def tank_of_servos(robot: str = "mamba", seed: int = 0) -> lab.Tank:
     """
     usual = lab.LabSettings(seed=seed)
     nodes = replace(
-        usual.nodes, hold_after=FOR_EVER, limp_after=FOR_EVER, startup_time=0.0, calibration_time=0.0, zero_error=0.0
+        usual.nodes,
+        hold_after=FOR_EVER,
+        limp_after=FOR_EVER,
+        startup_time=0.0,
+        calibration_time=0.0,
+        zero_error=0.0,
     )
     what = lc.load_robot(robot)
     body = lab.VirtualRobot(what, lc.plant(what, lc.load_water("paper-lateral"), joints="servo"))

@@ -18,7 +18,10 @@ from laticauda.packaging import lazy_exports
 if TYPE_CHECKING:
     from laticauda_gym.abreast import Abreast as Abreast
     from laticauda_gym.baselines import StableBaselines as StableBaselines
-    from laticauda_gym.environments import SwimmingEnv as SwimmingEnv, SwimmingVectorEnv as SwimmingVectorEnv
+    from laticauda_gym.environments import (
+        SwimmingEnv as SwimmingEnv,
+        SwimmingVectorEnv as SwimmingVectorEnv,
+    )
     from laticauda_gym.episodes import Episodes as Episodes, Pilots as Pilots
     from laticauda_gym.swimming import (
         Range as Range,

@@ -32,13 +32,18 @@ class OneScene(School):
         self._together = Together(self._bodies)
         return shares
 
-    def _place(self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: Any) -> None:
+    def _place(
+        self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: Any
+    ) -> None:
         super()._place(which, center_of_mass, heading, current)
         self._together.plants = self._bodies  # these know the water of this episode
         self._together.check(self._states)
 
     def _swim(self, told: np.ndarray, duration: float) -> np.ndarray:
-        gaits = [replace(self.command.gait, **dict(zip(school.TOLD, one, strict=True))) for one in told.T.tolist()]
+        gaits = [
+            replace(self.command.gait, **dict(zip(school.TOLD, one, strict=True)))
+            for one in told.T.tolist()
+        ]
         commands = [replace(self.command, gait=gait, offset=0.0) for gait in gaits]
         self._states, _, failure = self._together.march(self._states, commands, duration, duration)
         return np.full(self.n, failure is None)
@@ -50,25 +55,38 @@ class Abreast(Steered):
 
         r = (x(t + h) - x(t)) / v_1 - h (ln(1 + (e/e_1)^2) + ln(1 + (d/d_1)^2) + P/P_1 + T)
 
-    e is the distance from the robot's own line, d is its lead over the mean of all robots, and T is `touch_cost` while
-    it touches something. The actions are the offset that steering adds, and the frequency.
+    e is the distance from the robot's own line, d is its lead over the mean of all robots, and T is
+    `touch_cost` while it touches something. The actions are the offset that steering adds, and the
+    frequency.
 
     Raises:
-        ValueError: If a field is out of its range, an offset could take a joint beyond its limit, or there is no scene.
+        ValueError: If a field is out of its range, an offset could take a joint beyond its limit,
+            or there is no scene.
     """
 
     scenario: Scenario = option(
-        "Robot, gait, water, duration; episodes set start and current", default_factory=partial(swimmer, model=OPEN)
+        "Robot, gait, water, duration; episodes set start and current",
+        default_factory=partial(swimmer, model=OPEN),
     )
-    frequencies: tuple[float, float] = quantity("rad/s", "Action range", ge=0.0, default=(0.0, math.radians(130.0)))
+    frequencies: tuple[float, float] = quantity(
+        "rad/s", "Action range", ge=0.0, default=(0.0, math.radians(130.0))
+    )
     spacing: float = quantity("m", "Distance between lines", gt=0.0, default=0.8)
-    max_cross_track_error: float = quantity("m", "At the start, to either side of the line", ge=0.0, default=0.1)
+    max_cross_track_error: float = quantity(
+        "m", "At the start, to either side of the line", ge=0.0, default=0.1
+    )
     max_lead: float = quantity("m", "At the start, ahead or behind", ge=0.0, default=0.5)
-    max_heading: float = quantity("rad", "At the start, to either side", ge=0.0, default=math.radians(10.0))
+    max_heading: float = quantity(
+        "rad", "At the start, to either side", ge=0.0, default=math.radians(10.0)
+    )
     cross_track_tolerance: float = quantity("m", "e_1", gt=0.0, default=0.1)
     lead_tolerance: float = quantity("m", "d_1", gt=0.0, default=0.2)
-    speed_unit: float = quantity("m/s", "v_1, speed along the line that earns 1 per second", gt=0.0, default=0.1)
-    touch_cost: float = quantity("1/s", "T, cost while a robot touches something", ge=0.0, default=10.0)
+    speed_unit: float = quantity(
+        "m/s", "v_1, speed along the line that earns 1 per second", gt=0.0, default=0.1
+    )
+    touch_cost: float = quantity(
+        "1/s", "T, cost while a robot touches something", ge=0.0, default=10.0
+    )
 
     def __post_init__(self) -> None:
         """Check that the fields fit together."""
@@ -76,7 +94,10 @@ class Abreast(Steered):
         check_ends(self, "frequencies")
         model = self.scenario.model
         if not isinstance(model, Spatial) or model.scene is None:
-            raise BadArgument("scenario.model", "must be a `Spatial` with a `scene`, e.g. `open`, for robots that meet")
+            raise BadArgument(
+                "scenario.model",
+                "must be a `Spatial` with a `scene`, e.g. `open`, for robots that meet",
+            )
 
     @property
     def actions(self) -> tuple[Range, ...]:

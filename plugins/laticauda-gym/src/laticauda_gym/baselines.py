@@ -20,15 +20,16 @@ class StableBaselines(VecEnv):
     """An environment with many lanes, as stable-baselines3 sees it.
 
     Args:
-        envs: Environment made with ``autoreset_mode="SameStep"``, the way in which stable-baselines3 goes from one
-            episode to the next.
+        envs: Environment made with ``autoreset_mode="SameStep"``, the way in which
+            stable-baselines3 goes from one episode to the next.
 
     Raises:
         ValueError: If it was made otherwise.
         NotInstalled: When this module is imported without stable-baselines3.
 
     Example:
-        ``PPO("MlpPolicy", StableBaselines(SwimmingVectorEnv(64, autoreset_mode="SameStep")), seed=0)``
+        ``PPO("MlpPolicy", StableBaselines(SwimmingVectorEnv(64, autoreset_mode="SameStep")),
+        seed=0)``
     """
 
     def __init__(self, envs: SwimmingVectorEnv) -> None:
@@ -79,13 +80,17 @@ class StableBaselines(VecEnv):
         """
         raise BadArgument(attr_name, "must be set when the environment is made: all lanes share it")
 
-    def env_method(self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any) -> list[Any]:
+    def env_method(
+        self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any
+    ) -> list[Any]:
         """Refused, for the same reason. Arguments as for `VecEnv`.
 
         Raises:
             ValueError: Always.
         """
-        raise BadArgument(method_name, "must be called on `envs`: its lanes are not separate environments")
+        raise BadArgument(
+            method_name, "must be called on `envs`: its lanes are not separate environments"
+        )
 
     def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
         """No lane is ever wrapped. Arguments as for `VecEnv`."""

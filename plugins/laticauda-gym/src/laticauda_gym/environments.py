@@ -19,7 +19,9 @@ from laticauda_gym.episodes import BOUND, Episodes
 from laticauda_gym.swimming import Swimming, swimmer
 from laticauda_gym.tasks import Efficiency, PathFollowing, StationKeeping
 
-TASKS: dict[str, type[Swimming]] = {task.__name__: task for task in (PathFollowing, Efficiency, StationKeeping)}
+TASKS: dict[str, type[Swimming]] = {
+    task.__name__: task for task in (PathFollowing, Efficiency, StationKeeping)
+}
 TaskType = TypeVar("TaskType", bound=Swimming)
 OF_SCENARIO = ("robot", "gait", "duration", *get_type_hints(scenarios.Changes))
 """Names of the scenario's arguments that may be given."""
@@ -31,14 +33,17 @@ def task_of(task: str | Swimming, settings: Mapping[str, Any]) -> Swimming:
 
     Args:
         task: The name, or the task itself.
-        settings: Fields of the task; or, in place of its scenario, the arguments from which `swimmer` makes one.
+        settings: Fields of the task; or, in place of its scenario, the arguments from which
+            `swimmer` makes one.
 
     Raises:
         ValueError: If there is no such task or field, or a field is out of its range.
     """
     if isinstance(task, Swimming):
         if settings:
-            raise BadArgument("task", f"must be a name if its fields are given, got {task} and {set(settings)}")
+            raise BadArgument(
+                "task", f"must be a name if its fields are given, got {task} and {set(settings)}"
+            )
         return task
     return decoded(TASKS[one_of("task", task, tuple(TASKS))], settings)
 
@@ -56,8 +61,12 @@ def decoded(kind: type[TaskType], settings: Mapping[str, Any]) -> TaskType:
     fields = {name: one for name, one in settings.items() if name not in OF_SCENARIO}
     if len(fields) < len(settings):
         if "scenario" in fields:
-            raise BadArgument("scenario", f"must not be given with {set(settings) & set(OF_SCENARIO)}")
-        fields["scenario"] = swimmer(**{name: one for name, one in settings.items() if name in OF_SCENARIO})
+            raise BadArgument(
+                "scenario", f"must not be given with {set(settings) & set(OF_SCENARIO)}"
+            )
+        fields["scenario"] = swimmer(
+            **{name: one for name, one in settings.items() if name in OF_SCENARIO}
+        )
     return codec.decode(kind, fields)
 
 
@@ -102,10 +111,16 @@ class _Tasked:
     render_mode: str | None
     _studio: Any = None
 
-    def _set_up(self, task: Swimming, n: int, render_mode: str | None, threads: int | None = None) -> None:
+    def _set_up(
+        self, task: Swimming, n: int, render_mode: str | None, threads: int | None = None
+    ) -> None:
         if render_mode is not None:
             one_of("render_mode", render_mode, self.metadata["render_modes"])
-        self.task, self.episodes, self.render_mode = task, Episodes(task, n, threads=threads), render_mode
+        self.task, self.episodes, self.render_mode = (
+            task,
+            Episodes(task, n, threads=threads),
+            render_mode,
+        )
         self.metadata = {**self.metadata, "render_fps": 1.0 / task.interval}
 
     def _picture(self, lane: int) -> np.ndarray | None:
@@ -131,14 +146,19 @@ class SwimmingEnv(_Tasked, gymnasium.Env):
     Args:
         task: `PathFollowing`, `Efficiency` or `StationKeeping`, or a task of your own.
         render_mode: rgb_array, or None for no pictures.
-        settings: Fields of the task; or, in place of its scenario, the arguments from which `swimmer` makes one.
+        settings: Fields of the task; or, in place of its scenario, the arguments from which
+            `swimmer` makes one.
 
     Raises:
         ValueError: If an argument is out of its range.
     """
 
     def __init__(
-        self, task: str | Swimming = "PathFollowing", *, render_mode: str | None = None, **settings: Any
+        self,
+        task: str | Swimming = "PathFollowing",
+        *,
+        render_mode: str | None = None,
+        **settings: Any,
     ) -> None:
         self._set_up(task_of(task, settings), 1, render_mode)
         self.observation_space, self.action_space = spaces(self.task)
@@ -151,7 +171,8 @@ class SwimmingEnv(_Tasked, gymnasium.Env):
 
         Args:
             seed: Seed of all draws from this episode on; None: continue the random sequence.
-            options: Values of quantities that are not to be drawn, by their names in the task's `draws` [SI].
+            options: Values of quantities that are not to be drawn, by their names in the task's
+                `draws` [SI].
 
         Returns:
             The observation, and where the robot is, in SI units.
@@ -171,7 +192,8 @@ class SwimmingEnv(_Tasked, gymnasium.Env):
             action: Action from -1 to 1 [-].
 
         Returns:
-            Observation, reward, whether the motion has diverged, whether the time is up, and where the robot is.
+            Observation, reward, whether the motion has diverged, whether the time is up, and where
+            the robot is.
 
         Raises:
             ValueError: If the action has another shape or is not finite.
@@ -180,7 +202,13 @@ class SwimmingEnv(_Tasked, gymnasium.Env):
             raise ResetNeeded(NOT_BEGUN)
         done = self.episodes.step(checked(action, self.action_space.shape or ())[np.newaxis])
         info = self._info(done.power.item())
-        return done.observation[0], done.reward.item(), done.terminated.item(), done.truncated.item(), info
+        return (
+            done.observation[0],
+            done.reward.item(),
+            done.terminated.item(),
+            done.truncated.item(),
+            info,
+        )
 
     def render(self) -> np.ndarray | None:
         """Return a picture of the robot from the side: red, green and blue per pixel; None without a `render_mode`."""
@@ -192,22 +220,30 @@ class SwimmingEnv(_Tasked, gymnasium.Env):
 
     def _info(self, power: float) -> dict[str, Any]:
         motion = self.episodes.motion
-        return {"x": motion.x.item(), "y": motion.y.item(), "heading": motion.heading.item(), "power": power}
+        return {
+            "x": motion.x.item(),
+            "y": motion.y.item(),
+            "heading": motion.heading.item(),
+            "power": power,
+        }
 
 
 class SwimmingVectorEnv(_Tasked, VectorEnv):
     """Many robots at the same task, side by side in one process.
 
-    Lane i is seeded with seed + i, as in Gymnasium's own vector environments, and does what a single environment with
-    that seed does, to the last bit.
+    Lane i is seeded with seed + i, as in Gymnasium's own vector environments, and does what a
+    single environment with that seed does, to the last bit.
 
     Args:
         num_envs: Number of robots.
         task: `PathFollowing`, `Efficiency` or `StationKeeping`, or a task of your own.
-        autoreset_mode: When the next episode replaces one that is over: `NextStep`, `SameStep` or `Disabled`.
-        threads: Number of threads that simulate them; None: one for planar robots, one per core for spatial ones.
+        autoreset_mode: When the next episode replaces one that is over: `NextStep`, `SameStep` or
+            `Disabled`.
+        threads: Number of threads that simulate them; None: one for planar robots, one per core for
+            spatial ones.
         render_mode: rgb_array, or None for no pictures.
-        settings: Fields of the task; or, in place of its scenario, the arguments from which `swimmer` makes one.
+        settings: Fields of the task; or, in place of its scenario, the arguments from which
+            `swimmer` makes one.
 
     Raises:
         ValueError: If an argument is out of its range.
@@ -224,7 +260,9 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
         **settings: Any,
     ) -> None:
         mode = autoreset_mode.value if isinstance(autoreset_mode, AutoresetMode) else autoreset_mode
-        self.autoreset_mode = AutoresetMode(one_of("autoreset_mode", mode, [each.value for each in AutoresetMode]))
+        self.autoreset_mode = AutoresetMode(
+            one_of("autoreset_mode", mode, [each.value for each in AutoresetMode])
+        )
         self.num_envs = whole("num_envs", num_envs, 1)
         self._set_up(task_of(task, settings), self.num_envs, render_mode, threads)
         self.metadata["autoreset_mode"] = self.autoreset_mode
@@ -236,14 +274,19 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
         self._is_over = np.full(self.num_envs, False)
 
     def reset(
-        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
+        options: dict[str, Any] | None = None,
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Begin an episode in every lane, or in those that ``options["reset_mask"]`` selects.
 
         Args:
-            seed: One seed, to which lane i adds i, or one seed per lane; None: continue the random sequences.
-            options: Values of quantities that are not to be drawn, by their names in the task's `draws` [SI], each one
-                number or one per lane; and `reset_mask`, one boolean per lane.
+            seed: One seed, to which lane i adds i, or one seed per lane; None: continue the random
+                sequences.
+            options: Values of quantities that are not to be drawn, by their names in the task's
+                `draws` [SI], each one number or one per lane; and `reset_mask`, one boolean per
+                lane.
 
         Returns:
             The observations, and where the robots are, in SI units.
@@ -263,7 +306,9 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
         self._begin(which, given)
         return self._observation.copy(), self._infos(np.zeros(self.num_envs))
 
-    def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+    def step(
+        self, actions: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Simulate one interval in every lane.
 
         Args:
@@ -273,15 +318,17 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
             As for `SwimmingEnv`, with one row or entry per lane.
 
         Raises:
-            ValueError: If the actions have another shape or are not finite, or an episode is over and the next one
-                has not been started.
+            ValueError: If the actions have another shape or are not finite, or an episode is over
+                and the next one has not been started.
         """
         if not self._generators:
             raise ResetNeeded(NOT_BEGUN)
         waiting = self._is_over
         if self.autoreset_mode is AutoresetMode.DISABLED and waiting.any():
             lanes = np.flatnonzero(waiting).tolist()
-            raise BadArgument("reset", f"must be called with a `reset_mask` for the lanes that are over, {lanes}")
+            raise BadArgument(
+                "reset", f"must be called with a `reset_mask` for the lanes that are over, {lanes}"
+            )
         done = self.episodes.step(checked(actions, self.action_space.shape or ()))
         self._observation, infos = done.observation, {}
         reward, terminated, truncated = done.reward, done.terminated, done.truncated
@@ -292,7 +339,9 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
                 self._begin(self._is_over, {})
         else:
             # In lanes whose episode was already over, the step does not count: it is their reset.
-            reward, terminated, truncated = (np.where(waiting, 0, each) for each in (reward, terminated, truncated))
+            reward, terminated, truncated = (
+                np.where(waiting, 0, each) for each in (reward, terminated, truncated)
+            )
             terminated, truncated = terminated.astype(bool), truncated.astype(bool)
             self._begin(waiting, {})
             self._is_over = terminated | truncated
@@ -308,7 +357,9 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
             self.episodes.begin(which, self._generators, given)
             whole_school = which.all()
             seen = self.episodes.seen
-            self._observation = seen if whole_school else np.where(which[:, np.newaxis], seen, self._observation)
+            self._observation = (
+                seen if whole_school else np.where(which[:, np.newaxis], seen, self._observation)
+            )
             self._is_over = self._is_over & ~which
 
     def _finals(self, power: np.ndarray) -> dict[str, Any]:
@@ -327,14 +378,25 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
     def _infos(self, power: np.ndarray, which: np.ndarray | None = None) -> dict[str, Any]:
         motion = self.episodes.motion
         infos: dict[str, Any] = {}
-        for name, values in (("x", motion.x), ("y", motion.y), ("heading", motion.heading), ("power", power)):
+        for name, values in (
+            ("x", motion.x),
+            ("y", motion.y),
+            ("heading", motion.heading),
+            ("power", power),
+        ):
             infos[name] = values.copy()
             infos[f"_{name}"] = np.full(self.num_envs, True) if which is None else which.copy()
         return infos
 
     def _mask(self, given: object) -> np.ndarray:
-        if not isinstance(given, np.ndarray) or given.dtype != bool or given.shape != (self.num_envs,):
-            raise BadArgument("reset_mask", f"must be an array of {self.num_envs} booleans, got {given!r}")
+        if (
+            not isinstance(given, np.ndarray)
+            or given.dtype != bool
+            or given.shape != (self.num_envs,)
+        ):
+            raise BadArgument(
+                "reset_mask", f"must be an array of {self.num_envs} booleans, got {given!r}"
+            )
         return given
 
     def _seeds(self, seed: int | Sequence[int | None] | None) -> Sequence[int | None]:
@@ -343,5 +405,7 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
         if isinstance(seed, int | np.integer):
             return [int(seed) + lane for lane in range(self.num_envs)]
         if len(seed) != self.num_envs:
-            raise BadArgument("seed", f"must be one number, or one per lane ({self.num_envs}), got {len(seed)}")
+            raise BadArgument(
+                "seed", f"must be one number, or one per lane ({self.num_envs}), got {len(seed)}"
+            )
         return seed

@@ -1,7 +1,7 @@
 """Episodes of one task in any number of lanes, and controllers that steer them; independent of Gymnasium.
 
-Every lane has its own random number generator, so what happens in it depends only on its seed and its actions: the n-th
-of many lanes does what a single lane with the same seed does.
+Every lane has its own random number generator, so what happens in it depends only on its seed and
+its actions: the n-th of many lanes does what a single lane with the same seed does.
 """
 
 from collections.abc import Mapping, Sequence
@@ -43,7 +43,8 @@ class Episodes:
     Args:
         task: Task of the robots.
         n: Number of robots.
-        threads: Number of threads that simulate them; None: one for planar robots, one per core for spatial ones.
+        threads: Number of threads that simulate them; None: one for planar robots, one per core for
+            spatial ones.
         school: Kind of school that they form; None: each is in its own water.
 
     Raises:
@@ -51,11 +52,18 @@ class Episodes:
     """
 
     def __init__(
-        self, task: Swimming, n: int, *, threads: int | None = None, school: type[School[Any]] | None = None
+        self,
+        task: Swimming,
+        n: int,
+        *,
+        threads: int | None = None,
+        school: type[School[Any]] | None = None,
     ) -> None:
         self.task = task
         make = school or school_of
-        self.school = make(task.plant, interfaces.Command(gait=task.gait), n, task.interval, threads=threads)
+        self.school = make(
+            task.plant, interfaces.Command(gait=task.gait), n, task.interval, threads=threads
+        )
         """The robots; its `plant` is the plant of each."""
         self.n = self.school.n
         """Number of lanes."""
@@ -65,7 +73,9 @@ class Episodes:
         self._units = np.array([sight.unit for sight in self._sights])
         self.middle = np.array([0.5 * (action.low + action.high) for action in task.actions])
         """What actions of 0 command; steering adds to the gait's own offset."""
-        self.middle += [task.gait.offset if action.name == "offset" else 0.0 for action in task.actions]
+        self.middle += [
+            task.gait.offset if action.name == "offset" else 0.0 for action in task.actions
+        ]
         self.half = np.array([0.5 * (action.high - action.low) for action in task.actions])
         """What actions of 1 add."""
 
@@ -95,10 +105,12 @@ class Episodes:
         Args:
             which: Whether each lane begins one.
             generators: Random number generators, one per lane.
-            given: Values of quantities that are not to be drawn, by name: one number, or one per lane [SI].
+            given: Values of quantities that are not to be drawn, by name: one number, or one per
+                lane [SI].
 
         Raises:
-            ValueError: If the task draws no quantity of such a name, or a value is not a finite number.
+            ValueError: If the task draws no quantity of such a name, or a value is not a finite
+                number.
         """
         fixed = self._fixed(given or {})
         lanes = np.flatnonzero(which)
@@ -107,7 +119,9 @@ class Episodes:
         draws = self.task.draws
         share = np.array([generators[lane].random(len(draws)) for lane in lanes.tolist()])
         for i, draw in enumerate(draws):
-            self._drawn[draw.name][lanes] = fixed[draw.name][lanes] if draw.name in fixed else draw.at(share[:, i])
+            self._drawn[draw.name][lanes] = (
+                fixed[draw.name][lanes] if draw.name in fixed else draw.at(share[:, i])
+            )
         zero = np.zeros(self.n)
         names = "x", "y", "heading", "current_speed", "current_direction"
         x, y, heading, speed, direction = (self._drawn.get(name, zero)[lanes] for name in names)
@@ -123,7 +137,11 @@ class Episodes:
 
     def _flow(self, lane: int) -> robot.Current:
         """Return the current of the water in a lane."""
-        numbers = {name: values[lane].item() for name, values in self._drawn.items() if name.startswith(FLOW)}
+        numbers = {
+            name: values[lane].item()
+            for name, values in self._drawn.items()
+            if name.startswith(FLOW)
+        }
         return self.task.current(numbers)
 
     def step(self, actions: Float[np.ndarray, "n n_actions"]) -> Outcome:
@@ -148,10 +166,16 @@ class Episodes:
         )
 
     def _step(self, before: Motion) -> Step:
-        return Step(drawn=self._drawn, before=before, after=self.motion, interval=self.task.interval)
+        return Step(
+            drawn=self._drawn, before=before, after=self.motion, interval=self.task.interval
+        )
 
     def _observed(self, step: Step) -> np.ndarray:
-        return np.clip(np.stack([sight.of(step) for sight in self._sights], axis=1) / self._units, -BOUND, BOUND)
+        return np.clip(
+            np.stack([sight.of(step) for sight in self._sights], axis=1) / self._units,
+            -BOUND,
+            BOUND,
+        )
 
     def _fixed(self, given: Mapping[str, Any]) -> dict[str, np.ndarray]:
         fixed: dict[str, np.ndarray] = {}
@@ -169,7 +193,8 @@ class Pilots:
 
     Args:
         controller: Controller of every lane; the lanes do not share its state.
-        episodes: Episodes of an environment, `env.unwrapped.episodes`; its robots are observed as in `laticauda.run`.
+        episodes: Episodes of an environment, `env.unwrapped.episodes`; its robots are observed as
+            in `laticauda.run`.
 
     Raises:
         ValueError: If the interval of the controller is not that of the task.
@@ -178,7 +203,10 @@ class Pilots:
     def __init__(self, controller: interfaces.Controller[Any], episodes: Episodes) -> None:
         interval = episodes.task.interval
         if abs(controller.interval - interval) > 1e-9:
-            raise BadArgument("controller.interval", f"must be the task's, {interval} s, got {controller.interval}")
+            raise BadArgument(
+                "controller.interval",
+                f"must be the task's, {interval} s, got {controller.interval}",
+            )
         self._controller, self._episodes = controller, episodes
         self._states = [controller.init() for _ in range(episodes.n)]
 
@@ -188,6 +216,8 @@ class Pilots:
         asked = np.zeros((episodes.n, len(episodes.task.actions)))
         for lane in range(episodes.n):
             state = self._controller.init() if time[lane] == 0.0 else self._states[lane]
-            self._states[lane], command = self._controller.step(state, episodes.school.observe(lane))
+            self._states[lane], command = self._controller.step(
+                state, episodes.school.observe(lane)
+            )
             asked[lane] = [getattr(command.steered, each.name) for each in episodes.task.actions]
         return (asked - episodes.middle) / episodes.half

@@ -1,7 +1,7 @@
 """What all tasks share: robot, water, time between actions and duration; and the definition of a step.
 
-A task is data and pure functions over arrays with one entry per robot. Rewards are rates times the interval, so a
-return is an integral over time, whatever the interval.
+A task is data and pure functions over arrays with one entry per robot. Rewards are rates times the
+interval, so a return is an integral over time, whatever the interval.
 """
 
 import math
@@ -106,11 +106,16 @@ def in_body_axes(motion: Motion, x: Numbers, y: Numbers) -> tuple[Numbers, Numbe
 FLOW = "water.current."
 """Prefix of the names of a flow's parameters, in sweeps and in the draws of episodes."""
 SEEDS = (0.0, 2.0**31 - 1.0)
-GAIT = lc.Gait(amplitude=math.radians(30.0), frequency=math.radians(90.0), phase_shift=math.radians(40.0))
+GAIT = lc.Gait(
+    amplitude=math.radians(30.0), frequency=math.radians(90.0), phase_shift=math.radians(40.0)
+)
 
 
 def swimmer(
-    robot: Robot | str | Path = "mamba-fin", gait: lc.Gait = GAIT, duration: float = 60.0, **changes: Unpack[Changes]
+    robot: Robot | str | Path = "mamba-fin",
+    gait: lc.Gait = GAIT,
+    duration: float = 60.0,
+    **changes: Unpack[Changes],
 ) -> Scenario:
     """Make the scenario of a task from a few arguments.
 
@@ -118,8 +123,10 @@ def swimmer(
         robot: The robot, the name of a preset, or the path of a file.
         gait: Gait of the robot, apart from the actions.
         duration: Duration of an episode [s].
-        changes: Other deviations from the defaults: `environment`, `current`, `model`, `start`, `sample_interval` [s],
-            or settings of the model: `joints`, `dt` [s] and the other fields of `laticauda.scenarios.ModelChanges`.
+        changes: Other deviations from the defaults: `environment`, `current`, `model`, `start`,
+            `sample_interval` [s],
+            or settings of the model: `joints`, `dt` [s] and the other fields of
+                `laticauda.scenarios.ModelChanges`.
 
     Raises:
         ValueError: If an argument is out of its range.
@@ -135,12 +142,17 @@ class Swimming(ABC):
         ValueError: If a field is out of its range.
     """
 
-    scenario: Scenario = option("Robot, gait, water, duration; episodes set start and current", default_factory=swimmer)
+    scenario: Scenario = option(
+        "Robot, gait, water, duration; episodes set start and current", default_factory=swimmer
+    )
     currents: Mapping[str, tuple[float, float]] = option(
-        "Ranges from which episodes draw numbers of the flow; seeds are drawn anyway", default_factory=dict[str, Any]
+        "Ranges from which episodes draw numbers of the flow; seeds are drawn anyway",
+        default_factory=dict[str, Any],
     )
     interval: float = quantity("s", "Time between actions", gt=0.0, default=0.2)
-    failure_reward: float = quantity("", "Reward of the last step if it diverges", ge=-1e9, le=0.0, default=-1000.0)
+    failure_reward: float = quantity(
+        "", "Reward of the last step if it diverges", ge=-1e9, le=0.0, default=-1000.0
+    )
 
     def __post_init__(self) -> None:
         """Check that the fields fit together."""
@@ -160,9 +172,13 @@ class Swimming(ABC):
         """Parameters of the flow that every episode draws."""
         known = parameters(self.scenario)
         ranges = {name: SEEDS for name in known if name.startswith(FLOW) and name.endswith("seed")}
-        ranges |= {look_up(FLOW + name, known, "currents").name: ends for name, ends in self.currents.items()}
+        ranges |= {
+            look_up(FLOW + name, known, "currents").name: ends
+            for name, ends in self.currents.items()
+        }
         return tuple(
-            Range(name=name, low=low, high=high, is_whole=known[name].is_whole) for name, (low, high) in ranges.items()
+            Range(name=name, low=low, high=high, is_whole=known[name].is_whole)
+            for name, (low, high) in ranges.items()
         )
 
     def current(self, drawn: Mapping[str, float]) -> Current:

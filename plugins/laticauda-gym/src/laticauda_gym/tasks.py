@@ -50,7 +50,9 @@ def check_ends(task: Swimming, *names: str) -> None:
     for name in names:
         (low, high), unit = getattr(task, name), quantities_of(type(task))[name].unit
         if low > high:
-            raise BadArgument(name, f"must be two numbers in {unit}, the lower one first, got {(low, high)}")
+            raise BadArgument(
+                name, f"must be two numbers in {unit}, the lower one first, got {(low, high)}"
+            )
         positive(f"{name}[1]", high, unit)
 
 
@@ -59,11 +61,16 @@ class Steered(Swimming):
     """A robot that is steered by its offset, in a current that is not observed.
 
     Raises:
-        ValueError: If a field is out of its range, or an offset could take a joint beyond its limit.
+        ValueError: If a field is out of its range, or an offset could take a joint beyond its
+            limit.
     """
 
-    max_offset: float = quantity("rad", "Largest offset to either side", gt=0.0, default=math.radians(20.0))
-    max_current: float = quantity("m/s", "Fastest current of an episode, in any direction", ge=0.0, default=0.06)
+    max_offset: float = quantity(
+        "rad", "Largest offset to either side", gt=0.0, default=math.radians(20.0)
+    )
+    max_current: float = quantity(
+        "m/s", "Fastest current of an episode, in any direction", ge=0.0, default=0.06
+    )
     power_unit: float = quantity("W", "P_1, power that costs 1 per second", gt=0.0, default=100.0)
 
     def __post_init__(self) -> None:
@@ -86,7 +93,10 @@ class Steered(Swimming):
     @property
     def sights(self) -> tuple[Sight, ...]:
         """Phase and offset of the gait."""
-        return (*PHASE, Sight(name="offset", of=lambda step: step.after.offset, unit=self.max_offset))
+        return (
+            *PHASE,
+            Sight(name="offset", of=lambda step: step.after.offset, unit=self.max_offset),
+        )
 
 
 @value
@@ -96,13 +106,20 @@ class PathFollowing(Steered):
         r = (x(t + h) - x(t)) / v_1 - h (ln(1 + (e/e_1)^2) + P/P_1)
 
     Raises:
-        ValueError: If a field is out of its range, or an offset could take a joint beyond its limit.
+        ValueError: If a field is out of its range, or an offset could take a joint beyond its
+            limit.
     """
 
-    max_cross_track_error: float = quantity("m", "At the start, to either side", ge=0.0, default=1.0)
-    max_heading: float = quantity("rad", "At the start, to either side", ge=0.0, default=math.radians(60.0))
+    max_cross_track_error: float = quantity(
+        "m", "At the start, to either side", ge=0.0, default=1.0
+    )
+    max_heading: float = quantity(
+        "rad", "At the start, to either side", ge=0.0, default=math.radians(60.0)
+    )
     cross_track_tolerance: float = quantity("m", "e_1", gt=0.0, default=0.1)
-    speed_unit: float = quantity("m/s", "v_1, speed along the path that earns 1 per second", gt=0.0, default=0.1)
+    speed_unit: float = quantity(
+        "m/s", "v_1, speed along the path that earns 1 per second", gt=0.0, default=0.1
+    )
 
     @property
     def draws(self) -> tuple[Range, ...]:
@@ -128,17 +145,29 @@ class Efficiency(Swimming):
 
         r = -h (((u - v)/v_1)^2 + P/P_1)
 
-    u is the displacement of the center of mass in the interval along the mean heading, divided by the interval.
+    u is the displacement of the center of mass in the interval along the mean heading, divided by
+    the interval.
 
     Raises:
-        ValueError: If a field is out of its range, or the amplitude could take a joint beyond its limit.
+        ValueError: If a field is out of its range, or the amplitude could take a joint beyond its
+            limit.
     """
 
-    amplitudes: tuple[float, float] = quantity("rad", "Action range", ge=0.0, default=(0.0, math.radians(45.0)))
-    frequencies: tuple[float, float] = quantity("rad/s", "Action range", ge=0.0, default=(0.0, math.radians(130.0)))
-    phase_shifts: tuple[float, float] = quantity("rad", "Its range", default=(math.radians(10.0), math.radians(70.0)))
-    speeds: tuple[float, float] = quantity("m/s", "Range from which an episode draws v", ge=0.0, default=(0.03, 0.15))
-    speed_tolerance: float = quantity("m/s", "v_1, speed error that costs 1 per second", gt=0.0, default=0.02)
+    amplitudes: tuple[float, float] = quantity(
+        "rad", "Action range", ge=0.0, default=(0.0, math.radians(45.0))
+    )
+    frequencies: tuple[float, float] = quantity(
+        "rad/s", "Action range", ge=0.0, default=(0.0, math.radians(130.0))
+    )
+    phase_shifts: tuple[float, float] = quantity(
+        "rad", "Its range", default=(math.radians(10.0), math.radians(70.0))
+    )
+    speeds: tuple[float, float] = quantity(
+        "m/s", "Range from which an episode draws v", ge=0.0, default=(0.03, 0.15)
+    )
+    speed_tolerance: float = quantity(
+        "m/s", "v_1, speed error that costs 1 per second", gt=0.0, default=0.02
+    )
     power_unit: float = quantity("W", "P_1, power that costs 1 per second", gt=0.0, default=10.0)
 
     def __post_init__(self) -> None:
@@ -146,7 +175,9 @@ class Efficiency(Swimming):
         super().__post_init__()
         check_ends(self, "amplitudes", "phase_shifts", "frequencies", "speeds")
         chain = self.scenario.robot.planar()
-        for i, (joint, g) in enumerate(zip(chain.joints, self.gait.joint_envelope(chain.n_links), strict=True)):
+        for i, (joint, g) in enumerate(
+            zip(chain.joints, self.gait.joint_envelope(chain.n_links), strict=True)
+        ):
             room = joint.limit - abs(self.gait.offset)
             if abs(g) * self.amplitudes[1] > room:
                 raise BadArgument(
@@ -158,7 +189,9 @@ class Efficiency(Swimming):
     @property
     def actions(self) -> tuple[Range, ...]:
         """Amplitude, frequency, phase shift."""
-        return ranges(amplitude=self.amplitudes, frequency=self.frequencies, phase_shift=self.phase_shifts)
+        return ranges(
+            amplitude=self.amplitudes, frequency=self.frequencies, phase_shift=self.phase_shifts
+        )
 
     @property
     def draws(self) -> tuple[Range, ...]:
@@ -200,10 +233,13 @@ class StationKeeping(Steered):
         r = -h (ln(1 + (d/d_1)^2) + P/P_1)
 
     Raises:
-        ValueError: If a field is out of its range, or an offset could take a joint beyond its limit.
+        ValueError: If a field is out of its range, or an offset could take a joint beyond its
+            limit.
     """
 
-    frequencies: tuple[float, float] = quantity("rad/s", "Action range", ge=0.0, default=(0.0, math.radians(130.0)))
+    frequencies: tuple[float, float] = quantity(
+        "rad/s", "Action range", ge=0.0, default=(0.0, math.radians(130.0))
+    )
     max_distance: float = quantity("m", "At the start, along each axis", ge=0.0, default=1.0)
     distance_tolerance: float = quantity("m", "d_1", gt=0.0, default=0.2)
 

@@ -25,13 +25,14 @@ from pettingzoo import ParallelEnv  # noqa: E402 - report a missing package firs
 class SwimmingParallelEnv(ParallelEnv):
     """Several robots that swim abreast in one scene; a PettingZoo parallel environment.
 
-    Agents are `robot_0`, the rightmost one, `robot_1` and so on. They begin and end at the same time: if one of them
-    diverges, the episode is over for all.
+    Agents are `robot_0`, the rightmost one, `robot_1` and so on. They begin and end at the same
+    time: if one of them diverges, the episode is over for all.
 
     Args:
         n_robots: Number of robots.
         task: Task of the robots; None: `Abreast` with the `settings`.
-        settings: Fields of the task; or, in place of its scenario, the arguments from which `swimmer` makes one.
+        settings: Fields of the task; or, in place of its scenario, the arguments from which
+            `swimmer` makes one.
 
     Raises:
         ValueError: If an argument is out of its range.
@@ -42,7 +43,9 @@ class SwimmingParallelEnv(ParallelEnv):
     def __init__(self, n_robots: int = 3, *, task: Abreast | None = None, **settings: Any) -> None:
         n = whole("n_robots", n_robots, 2)
         if task is not None and settings:
-            raise BadArgument("task", f"must be None if its fields are given, got {task} and {set(settings)}")
+            raise BadArgument(
+                "task", f"must be None if its fields are given, got {task} and {set(settings)}"
+            )
         scene = {} if "scenario" in settings else {"model": OPEN}
         self.task = decoded(Abreast, scene | settings) if task is None else task
         self.episodes = Episodes(self.task, n, school=OneScene)
@@ -69,8 +72,9 @@ class SwimmingParallelEnv(ParallelEnv):
 
         Args:
             seed: Seed of all draws from this episode on; None: continue the random sequence.
-            options: Values of quantities that are not to be drawn, by their names in the task's `draws`, one number or
-                one per robot [SI]; others are ignored with a warning, because PettingZoo's own test passes some.
+            options: Values of quantities that are not to be drawn, by their names in the task's
+                `draws`, one number or one per robot [SI]; others are ignored with a warning,
+                because PettingZoo's own test passes some.
 
         Returns:
             Observations, and where the robots are, in SI units; by agent.
@@ -80,12 +84,16 @@ class SwimmingParallelEnv(ParallelEnv):
         """
         if seed is not None or not self._generators:
             self._generators = np_random(seed)[0].spawn(self.episodes.n)
-        given = {draw.name: draw.at(self._generators[0].random(1)).item() for draw in self.task.shared}
+        given = {
+            draw.name: draw.at(self._generators[0].random(1)).item() for draw in self.task.shared
+        }
         for name, option in (options or {}).items():
             if name in self.episodes.drawn:
                 given[name] = option
             else:
-                warnings.warn(f"`options` has {name!r}, which no episode draws; it is ignored", stacklevel=2)
+                warnings.warn(
+                    f"`options` has {name!r}, which no episode draws; it is ignored", stacklevel=2
+                )
         self.episodes.begin(np.full(self.episodes.n, True), self._generators, given)
         self.agents = list(self.possible_agents)
         return self._by_agent(self.episodes.seen), self._infos(np.zeros(self.episodes.n))
@@ -97,8 +105,8 @@ class SwimmingParallelEnv(ParallelEnv):
             actions: Actions from -1 to 1, by agent [-].
 
         Returns:
-            Observations, rewards, whether the motion has diverged, whether the time is up, and where the robots are; by
-            agent.
+            Observations, rewards, whether the motion has diverged, whether the time is up, and
+            where the robots are; by agent.
 
         Raises:
             ValueError: If an action is missing, has another shape, or is not finite.
@@ -106,10 +114,19 @@ class SwimmingParallelEnv(ParallelEnv):
         if not self.agents:
             raise ResetNeeded(NOT_BEGUN)
         if missing := [agent for agent in self.agents if agent not in actions]:
-            raise BadArgument("actions", f"must have an action for each agent, got none for {missing}")
+            raise BadArgument(
+                "actions", f"must have an action for each agent, got none for {missing}"
+            )
         of_one = self.action_spaces[self.agents[0]].shape
-        done = self.episodes.step(np.stack([checked(actions[agent], of_one) for agent in self.agents]))
-        told = (done.observation, done.reward.tolist(), done.terminated.tolist(), done.truncated.tolist())
+        done = self.episodes.step(
+            np.stack([checked(actions[agent], of_one) for agent in self.agents])
+        )
+        told = (
+            done.observation,
+            done.reward.tolist(),
+            done.terminated.tolist(),
+            done.truncated.tolist(),
+        )
         found = (*map(self._by_agent, told), self._infos(done.power))
         if done.terminated.any() or done.truncated.any():
             self.agents = []
@@ -127,8 +144,13 @@ class SwimmingParallelEnv(ParallelEnv):
 
     def _infos(self, power: np.ndarray) -> dict[str, dict[str, Any]]:
         motion = self.episodes.motion
-        rows = zip(*(values.tolist() for values in (motion.x, motion.y, motion.heading, power)), strict=True)
-        return self._by_agent([dict(zip(("x", "y", "heading", "power"), row, strict=True)) for row in rows])
+        rows = zip(
+            *(values.tolist() for values in (motion.x, motion.y, motion.heading, power)),
+            strict=True,
+        )
+        return self._by_agent(
+            [dict(zip(("x", "y", "heading", "power"), row, strict=True)) for row in rows]
+        )
 
 
 parallel_env = SwimmingParallelEnv

@@ -1,7 +1,8 @@
 """A robot behind ros2_control as the modules' bus: `JointState` come from it, and arrays of positions go to it.
 
-ros2_control has no states of modules, so they are kept here: a joint holds when references stay away, and is limp a
-second later. It is so by a second controller, which switches the motors; without one, nothing could make it limp.
+ros2_control has no states of modules, so they are kept here: a joint holds when references stay
+away, and is limp a second later. It is so by a second controller, which switches the motors;
+without one, nothing could make it limp.
 """
 
 import math
@@ -32,7 +33,11 @@ from laticauda.protocol import (
 from laticauda_ros2 import messages
 from laticauda_ros2.node import PATIENCE, TOPIC, Node, name_and_domain, waited
 
-STATES, GOALS, MOTORS = "joint_states", "forward_position_controller/commands", "forward_motor_controller/commands"
+STATES, GOALS, MOTORS = (
+    "joint_states",
+    "forward_position_controller/commands",
+    "forward_motor_controller/commands",
+)
 IDLE = 0.05  # the longest between two cycles [s, wall clock]
 BEAT = 0.1  # [s]
 HOLD_AFTER, LIMP_AFTER = 0.2, 1.2  # without references [s]
@@ -72,7 +77,9 @@ class Ros2Control(Bus):
     def __init__(self, address: str, clock: Clock) -> None:
         super().__init__(address, clock)
         space, names, domain = self._parts(address)
-        self._states, self._goals, self._motors = (f"{space}/{name}" for name in (STATES, GOALS, MOTORS))
+        self._states, self._goals, self._motors = (
+            f"{space}/{name}" for name in (STATES, GOALS, MOTORS)
+        )
         self._joints = {name: Joint() for name in names}
         self._orders: deque[CanMessage] = deque()
         self._pending: dict[int, float] = {}  # references that no Sync followed yet
@@ -96,7 +103,8 @@ class Ros2Control(Bus):
         unique = all(names) and len(set(names)) == len(names) <= N_NODES
         if not unique or (space and not TOPIC.fullmatch(space)):
             rule = (
-                f"must be JOINT,JOINT,... with up to {N_NODES} names, tail first; NAMESPACE/ before and :DOMAIN after"
+                f"must be JOINT,JOINT,... with up to {N_NODES} names, tail first; "
+                "NAMESPACE/ before and :DOMAIN after"
             )
             raise BadArgument("address", f"{rule} are optional, got {address!r}")
 
@@ -120,11 +128,15 @@ class Ros2Control(Bus):
             return all(math.isfinite(joint.position) for joint in self._joints.values())
 
         if not waited(are_there, PATIENCE):
-            missing = ", ".join(name for name, joint in self._joints.items() if not math.isfinite(joint.position))
-            raise DeviceFailed(f"No position of {missing} arrives on {self._states} {where} the names of the joints.")
+            missing = ", ".join(
+                name for name, joint in self._joints.items() if not math.isfinite(joint.position)
+            )
+            raise DeviceFailed(
+                f"No position of {missing} arrives on {self._states} {where} the names of the joints."
+            )
         self._switch()
 
-    # ---- what the loop calls -----------------------------------------------------------------------------------------
+    # ---- what the loop calls ---------------------------------------------------------------------
 
     @property
     def bus_off(self) -> str:
@@ -151,7 +163,7 @@ class Ros2Control(Bus):
         self._node.wake()
         return tuple(found)
 
-    # ---- what the thread does ----------------------------------------------------------------------------------------
+    # ---- what the thread does --------------------------------------------------------------------
 
     def work(self) -> None:
         """One cycle: what the joints measure, orders, references; ten times a second, how they are."""
@@ -167,7 +179,11 @@ class Ros2Control(Bus):
             if not joint.state.is_on:
                 joint.goal = joint.position  # nothing jumps when it is switched on
             elif number in asked:
-                joint.state, joint.referred, joint.goal = NodeState.ACTIVE, now, asked[number] + joint.zero
+                joint.state, joint.referred, joint.goal = (
+                    NodeState.ACTIVE,
+                    now,
+                    asked[number] + joint.zero,
+                )
             elif now - joint.referred > LIMP_AFTER:
                 joint.state = NodeState.LIMP
             elif now - joint.referred > HOLD_AFTER:
@@ -175,7 +191,9 @@ class Ros2Control(Bus):
         is_due = now >= self._beat_due
         is_new = is_due or before != [joint.state.is_on for joint in self._joints.values()]
         if is_new or is_asked:
-            self._node.say(self._goals, messages.numbers(joint.goal for joint in self._joints.values()))
+            self._node.say(
+                self._goals, messages.numbers(joint.goal for joint in self._joints.values())
+            )
         if is_new:
             self._switch()
         if is_due:
@@ -189,7 +207,10 @@ class Ros2Control(Bus):
             if message is None:
                 continue
             stamp = message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec
-            columns = (_column(one, len(message.name)) for one in (message.position, message.velocity, message.effort))
+            columns = (
+                _column(one, len(message.name))
+                for one in (message.position, message.velocity, message.effort)
+            )
             measured = dict(zip(message.name, zip(*columns, strict=True), strict=True))
             for number, (name, joint) in enumerate(self._joints.items(), start=1):
                 position, rate, torque = measured.get(name, (math.nan,) * 3)
@@ -230,7 +251,9 @@ class Ros2Control(Bus):
 
     def _switch(self) -> None:
         """Motors on or off, as the joints' states are; say so, if nobody is there to do it."""
-        self._node.say(self._motors, messages.numbers(joint.state.is_on for joint in self._joints.values()))
+        self._node.say(
+            self._motors, messages.numbers(joint.state.is_on for joint in self._joints.values())
+        )
         deaf = [topic for topic in (self._goals, self._motors) if not self._node.is_heard(topic)]
         self._deaf = f"no node subscribes to {' and '.join(deaf)} any longer" if deaf else ""
 
@@ -242,7 +265,11 @@ class Ros2Control(Bus):
             lost = joint.state in (NodeState.HOLD, NodeState.LIMP)
             stopped, count = joint.is_stopped, joint.beats % 256
             said = Heartbeat(
-                node=number, state=joint.state, references_lost=lost, emergency_stopped=stopped, counter=count
+                node=number,
+                state=joint.state,
+                references_lost=lost,
+                emergency_stopped=stopped,
+                counter=count,
             )
             joint.beats += 1
             self._found.append(Frame(now, *encode(said), is_ours=False, message=said))

@@ -2,8 +2,9 @@
 
 python -m laticauda_ros2.emulator [DOMAIN [NAMESPACE]]
 
-The controllers are written to the documentation of ros2_controllers: a joint_state_broadcaster, whose names are in no
-order that means anything, and two forward_command_controllers, which take arrays of their joints' length alone.
+The controllers are written to the documentation of ros2_controllers: a joint_state_broadcaster,
+whose names are in no order that means anything, and two forward_command_controllers, which take
+arrays of their joints' length alone.
 """
 
 import math
@@ -41,7 +42,9 @@ class Controllers(AbstractContextManager["Controllers"]):
         self.names = [f"joint_{number}" for number in range(1, n + 1)]
         self.tells = ("velocity", "effort")
         """Which of the arrays that may be left out it fills."""
-        self._states, self._goals, self._motors = (f"{space}/{name}" for name in (STATES, GOALS, MOTORS))
+        self._states, self._goals, self._motors = (
+            f"{space}/{name}" for name in (STATES, GOALS, MOTORS)
+        )
         self._node = Node(domain)
         self._node.write(self._states, messages.JointState)
         for topic in (self._goals, self._motors):
@@ -60,13 +63,18 @@ class Controllers(AbstractContextManager["Controllers"]):
             self._goal = one
         for one in self._arrays(self._motors):
             changed = [
-                (number, new) for number, (old, new) in enumerate(zip(self._on, one, strict=True), 1) if old != new
+                (number, new)
+                for number, (old, new) in enumerate(zip(self._on, one, strict=True), 1)
+                if old != new
             ]
             self._to_tank += [
-                NodeCommand(order=Order.ENABLE if on else Order.DISABLE, node=number) for number, on in changed
+                NodeCommand(order=Order.ENABLE if on else Order.DISABLE, node=number)
+                for number, on in changed
             ]
             self._on = one
-        if not self._to_tank and time.monotonic() >= self._due:  # where a computer is too slow, it is less often
+        if (
+            not self._to_tank and time.monotonic() >= self._due
+        ):  # where a computer is too slow, it is less often
             self._due = max(self._due + PERIOD, time.monotonic())
             self._counter = (self._counter + 1) % 65536
             self._to_tank += [*references(self._goal), Sync(counter=self._counter)]
@@ -83,8 +91,13 @@ class Controllers(AbstractContextManager["Controllers"]):
         if isinstance(said, JointState):
             self._measured[said.node] = said
         if len(self._measured) == len(self.names):
-            found = sorted(self._measured.values(), key=lambda one: self.names[one.node - 1], reverse=True)
-            columns = {"velocity": [one.rate for one in found], "effort": [one.torque for one in found]}
+            found = sorted(
+                self._measured.values(), key=lambda one: self.names[one.node - 1], reverse=True
+            )
+            columns = {
+                "velocity": [one.rate for one in found],
+                "effort": [one.torque for one in found],
+            }
             self._measured = {}
             self._node.say(
                 self._states,
@@ -128,9 +141,14 @@ class Poses:
         pose = frame.bodies[0]
         place = [math.nan] * 3 if pose is None else pose.position.tolist()
         w, x, y, z = (1.0, 0.0, 0.0, 0.0) if pose is None else to_quaternion(pose.rotation)
-        point, turned = messages.Point(*place), messages.Quaternion(x=float(x), y=float(y), z=float(z), w=float(w))
+        point, turned = (
+            messages.Point(*place),
+            messages.Quaternion(x=float(x), y=float(y), z=float(z), w=float(w)),
+        )
         header = messages.stamped(EPOCH + frame.timestamp, "tank")
-        self._node.say(self.topic, messages.PoseStamped(header=header, pose=messages.Pose(point, turned)))
+        self._node.say(
+            self.topic, messages.PoseStamped(header=header, pose=messages.Pose(point, turned))
+        )
 
 
 def tank_behind_ros(robot: str = "mamba", seed: int = 0) -> lab.Tank:
@@ -142,7 +160,12 @@ def tank_behind_ros(robot: str = "mamba", seed: int = 0) -> lab.Tank:
     """
     usual = lab.LabSettings(seed=seed)
     nodes = replace(
-        usual.nodes, hold_after=FOR_EVER, limp_after=FOR_EVER, startup_time=0.0, calibration_time=0.0, zero_error=0.0
+        usual.nodes,
+        hold_after=FOR_EVER,
+        limp_after=FOR_EVER,
+        startup_time=0.0,
+        calibration_time=0.0,
+        zero_error=0.0,
     )
     what = lc.load_robot(robot)
     body = lab.VirtualRobot(what, lc.plant(what, lc.load_water("paper-lateral"), joints="servo"))
@@ -152,12 +175,18 @@ def tank_behind_ros(robot: str = "mamba", seed: int = 0) -> lab.Tank:
 def main(domain: str = "0", space: str = "") -> None:
     """A tank until Ctrl-C."""
     tank = tank_behind_ros()
-    controllers, poses = Controllers(len(tank.nodes), int(domain), space), Poses(int(domain), f"{space}{TOPIC}")
+    controllers, poses = (
+        Controllers(len(tank.nodes), int(domain), space),
+        Poses(int(domain), f"{space}{TOPIC}"),
+    )
     served = lab.Lab(tank, bus=controllers)
     served.server = poses
     meter = served.open().meter
     joints = f"{space and f'{space}/'}{','.join(controllers.names)}"
-    print(f"bus ros2@{joints}:{domain} | mocap ros2@{poses.topic}:{domain} | meter {meter}", flush=True)
+    print(
+        f"bus ros2@{joints}:{domain} | mocap ros2@{poses.topic}:{domain} | meter {meter}",
+        flush=True,
+    )
     try:
         served.run()
     except KeyboardInterrupt:

@@ -1,7 +1,7 @@
 """The messages of ROS 2 that are used here, as its middleware sends them over DDS.
 
-The message `pkg/msg/Kind` is the DDS type `pkg::msg::dds_::Kind_`, with the fields in the order of its definition,
-final, in plain CDR.
+The message `pkg/msg/Kind` is the DDS type `pkg::msg::dds_::Kind_`, with the fields in the order of
+its definition, final, in plain CDR.
 
 References:
     `std_msgs`, `geometry_msgs` and `sensor_msgs`: the definitions of ROS 2 Humble to Jazzy, which agree.
@@ -43,7 +43,9 @@ Float64MultiArray = _type("std_msgs/Float64MultiArray", layout=Layout, data=sequ
 
 def numbers(values: Any) -> Any:
     """A `Float64MultiArray` of these values, as `ros2 topic pub` would make it."""
-    return Float64MultiArray(layout=Layout(dim=[], data_offset=0), data=[float(one) for one in values])
+    return Float64MultiArray(
+        layout=Layout(dim=[], data_offset=0), data=[float(one) for one in values]
+    )
 
 
 def stamped(time: float, frame: str = "") -> Any:

@@ -31,7 +31,11 @@ def sample(message: Any) -> PoseSample:
     """
     if message is None:
         raise NoPose("its bytes are not those of its type")
-    stamp, position, quaternion = message.header.stamp, message.pose.position, message.pose.orientation
+    stamp, position, quaternion = (
+        message.header.stamp,
+        message.pose.position,
+        message.pose.orientation,
+    )
     if not (stamp.sec >= 0 and stamp.nanosec < 10**9 and (stamp.sec or stamp.nanosec)):
         raise NoPose(f"its stamp must be a time, got {stamp.sec} s and {stamp.nanosec} ns")
     time = stamp.sec + 1e-9 * stamp.nanosec
@@ -41,8 +45,12 @@ def sample(message: Any) -> PoseSample:
     turned = np.array([quaternion.w, quaternion.x, quaternion.y, quaternion.z])
     length = float(np.linalg.norm(turned))
     if not np.isfinite(place).all() or not abs(length - 1.0) <= 0.01:
-        raise NoPose(f"its position must be finite and its quaternion have length 1, got {place} and {length:g}")
-    return PoseSample(time=time, position=place, rotation=from_quaternion(*(turned / length).tolist()))
+        raise NoPose(
+            f"its position must be finite and its quaternion have length 1, got {place} and {length:g}"
+        )
+    return PoseSample(
+        time=time, position=place, rotation=from_quaternion(*(turned / length).tolist())
+    )
 
 
 class Ros2Poses(MotionCapture):
@@ -74,7 +82,9 @@ class Ros2Poses(MotionCapture):
     def check(cls, address: str) -> None:
         """See `laticauda.operate.drivers.base.Driver.check`."""
         if not TOPIC.fullmatch(name_and_domain(address)[0]):
-            raise BadArgument("address", f"must be TOPIC or TOPIC:DOMAIN, such as /tail/pose:0, got {address!r}")
+            raise BadArgument(
+                "address", f"must be TOPIC or TOPIC:DOMAIN, such as /tail/pose:0, got {address!r}"
+            )
 
     def _heard(self) -> bool:
         """Take what has come; whether a pose was there."""

@@ -48,7 +48,9 @@ def name_and_domain(address: str) -> tuple[str, int]:
     name, _, number = address.partition(":")
     number = number if ":" in address else os.environ.get("ROS_DOMAIN_ID", "") or "0"
     if not (number.isascii() and number.isdigit() and int(number) in DOMAINS):
-        raise BadArgument("address", f"must have a domain from {DOMAINS[0]} to {DOMAINS[-1]}, got {number!r}")
+        raise BadArgument(
+            "address", f"must have a domain from {DOMAINS[0]} to {DOMAINS[-1]}, got {number!r}"
+        )
     return name, int(number)
 
 
@@ -82,7 +84,9 @@ class Node:
             topic: As ROS 2 says it.
             kind: Of its messages.
         """
-        inner = DataReader(self._participant, Topic(self._participant, f"rt{topic}", kind), qos=HEARS)
+        inner = DataReader(
+            self._participant, Topic(self._participant, f"rt{topic}", kind), qos=HEARS
+        )
         self._ends[topic] = inner
         self._waits.attach(ReadCondition(inner, ANY))
 
@@ -97,7 +101,9 @@ class Node:
                 found = self._ends[topic].take(N=1)
             except (DDSException, KeyError):
                 raise
-            except Exception:  # whatever the decoder finds to say of bytes that are none of its type
+            except (
+                Exception
+            ):  # whatever the decoder finds to say of bytes that are none of its type
                 yield None
                 continue
             if not found:
@@ -112,7 +118,9 @@ class Node:
             topic: As ROS 2 says it.
             kind: Of its messages.
         """
-        self._ends[topic] = DataWriter(self._participant, Topic(self._participant, f"rt{topic}", kind), qos=SAYS)
+        self._ends[topic] = DataWriter(
+            self._participant, Topic(self._participant, f"rt{topic}", kind), qos=SAYS
+        )
 
     def say(self, topic: str, message: Any) -> None:
         """Publish a message.

@@ -30,10 +30,15 @@ class List(Command):
         from laticauda_swimbench.methods import NUMBERS
 
         scenarios = [challenge(name) for name in CHALLENGES]
-        lines = ["Scenarios:", *[f"  {one.name:12} version {one.version}: {one.description}" for one in scenarios]]
+        lines = [
+            "Scenarios:",
+            *[f"  {one.name:12} version {one.version}: {one.description}" for one in scenarios],
+        ]
         lines += ["Baselines:", *[f"  {name:12} {one['note']}" for name, one in NUMBERS.items()]]
         facts = {
-            "scenarios": {one.name: {"version": one.version, "sha256": one.sha256} for one in scenarios},
+            "scenarios": {
+                one.name: {"version": one.version, "sha256": one.sha256} for one in scenarios
+            },
             "baselines": list(NUMBERS),
         }
         return Outcome(facts=facts, text="\n".join(lines))
@@ -43,8 +48,9 @@ class List(Command):
 class Score(Command):
     """Score policies in the scenarios: baselines by name, .onnx and .npz files, Python callables as module:name.
 
-    Where {scenario} stands in such a name, there is one for each scenario. Without any, all baselines are scored, those
-    that plan with CasADi. Each has its score file, and they are compared in the table.
+    Where {scenario} stands in such a name, there is one for each scenario. Without any, all
+    baselines are scored, those that plan with CasADi. Each has its score file, and they are
+    compared in the table.
 
     For example: swimbench score ilos my_policy.onnx my_module:act --output scores
     """
@@ -71,7 +77,11 @@ class Score(Command):
                 missing.append(f"Not scored: {text}. {lack}")
         contents: list[dict[str, Any]] = []
         for text, each in methods.items():
-            contents.append(score(each, self.scenarios, progress(SHARE, what=f"scored {each.name}", patience=2.0)))
+            contents.append(
+                score(
+                    each, self.scenarios, progress(SHARE, what=f"scored {each.name}", patience=2.0)
+                )
+            )
             if self.output is not None:
                 folder = Path(self.output)
                 folder.mkdir(parents=True, exist_ok=True)
@@ -104,7 +114,10 @@ class Table(Command):
 
         own = sorted(RESULTS.glob("*.json")) if self.baselines or not self.files else []
         contents = [read_scores(file) for file in [*own, *self.files]]
-        facts = {one["method"]["name"]: {name: each._asdict() for name, each in row(one).items()} for one in contents}
+        facts = {
+            one["method"]["name"]: {name: each._asdict() for name, each in row(one).items()}
+            for one in contents
+        }
         return Outcome(facts=facts, text=table(contents))
 
 
@@ -119,7 +132,9 @@ class Train(Command):
     scenarios: Listed = option("Scenarios to learn in", default=CHALLENGES)
     seeds: tuple[int, ...] = quantity("", "Seeds of the runs", ge=0, default=(1, 2, 3, 4, 5))
     steps: int = quantity("", "Steps of each run", ge=1, default=1_000_000)
-    output: Folder = option("Folder for the runs and the networks, one .npz file per scenario", default="runs")
+    output: Folder = option(
+        "Folder for the runs and the networks, one .npz file per scenario", default="runs"
+    )
 
     def run(self) -> Outcome:
         """Train all runs of a seed before those of the next."""
@@ -134,7 +149,10 @@ class Train(Command):
                 said = train(self.learner, name, seed, self.steps, folder, self._tell)
                 seconds += said["seconds"]
                 collect(self.learner, name, folder, folder / f"{self.learner}-{name}.npz")
-        return Outcome(facts={"seconds": seconds}, text=f"Trained in {seconds:.0f} s; the networks are in {folder}.")
+        return Outcome(
+            facts={"seconds": seconds},
+            text=f"Trained in {seconds:.0f} s; the networks are in {folder}.",
+        )
 
     def _tell(self, line: str) -> None:
         self.announce({"told": line}, line)
@@ -152,10 +170,15 @@ class Search(Command):
         from laticauda_swimbench.search import ends, search
 
         whole("evaluations", self.evaluations, 1)
-        found = search(self.scenario, self.evaluations, lambda line: self.announce({"told": line}, line))
+        found = search(
+            self.scenario, self.evaluations, lambda line: self.announce({"told": line}, line)
+        )
         baseline, reference = ends(self.scenario, found)
         facts = {"baseline": baseline, "reference": reference, "laws": found}
-        lines = [f"{name} = {one!r}" for name, one in {"baseline": baseline, "reference": reference, **found}.items()]
+        lines = [
+            f"{name} = {one!r}"
+            for name, one in {"baseline": baseline, "reference": reference, **found}.items()
+        ]
         return Outcome(facts=facts, text="\n".join(lines))
 
 
@@ -179,8 +202,18 @@ def main(args: Sequence[str] | None = None) -> int:
     """
     words = list(sys.argv[1:] if args is None else args)
     if not words or words[0] in ("-h", "--help"):
-        lines = [f"  {name:7} {(kind.__doc__ or '').splitlines()[0]}" for name, kind in COMMANDS.items()]
-        print("\n".join([f"usage: {PROGRAM} COMMAND; `{PROGRAM} COMMAND --help` explains a command.", "", *lines]))
+        lines = [
+            f"  {name:7} {(kind.__doc__ or '').splitlines()[0]}" for name, kind in COMMANDS.items()
+        ]
+        print(
+            "\n".join(
+                [
+                    f"usage: {PROGRAM} COMMAND; `{PROGRAM} COMMAND --help` explains a command.",
+                    "",
+                    *lines,
+                ]
+            )
+        )
         return 0
     try:
         chosen = COMMANDS[one_of("command", words[0], tuple(COMMANDS))]

@@ -1,8 +1,9 @@
 """The scenarios of SwimBench: one file each, which fixes everything.
 
-A file states its `scenario_version` and its `seeds`, the fields of `Swim` under `task`, the laticauda scenario with all
-its numbers under `swims`, and the two values of J between which the score goes from 0 to 1. Any change except in
-wording makes a new version. Every score file contains the SHA-256 of the scenario file, and is compared with no other.
+A file states its `scenario_version` and its `seeds`, the fields of `Swim` under `task`, the
+laticauda scenario with all its numbers under `swims`, and the two values of J between which the
+score goes from 0 to 1. Any change except in wording makes a new version. Every score file contains
+the SHA-256 of the scenario file, and is compared with no other.
 """
 
 import hashlib
@@ -80,7 +81,10 @@ def challenge(name: str) -> Challenge:
     content = file.read_bytes().replace(b"\r\n", b"\n")
     table = parse_toml(content.decode(), file)
     swims = cast(Scenario, run_from_table(table["swims"]))
-    robots = [swims.robot, *[limp(swims.robot, joint, table["limp_damping"]) for joint in table.get("limp", ())]]
+    robots = [
+        swims.robot,
+        *[limp(swims.robot, joint, table["limp_damping"]) for joint in table.get("limp", ())],
+    ]
     scenarios = [replace(swims, robot=one) for one in (robots[1:] or robots)]
     return Challenge(
         name=name,
@@ -103,18 +107,26 @@ def limp(robot: Robot, joint: int, damping: float) -> Robot:
         joint: Index of the motor's joint, from 0 at the tail.
         damping: Damping of the joint's gear and skin when it is turned from outside [N m s/rad].
     """
-    off = replace(robot.joints[joint].actuator, stall_torque=NOTHING, stall_current=NOTHING, servo_gain=NOTHING)
+    off = replace(
+        robot.joints[joint].actuator,
+        stall_torque=NOTHING,
+        stall_current=NOTHING,
+        servo_gain=NOTHING,
+    )
     joints = list(robot.joints)
     joints[joint] = replace(joints[joint], actuator=off, damping=damping)
     return replace(robot, joints=tuple(joints))
 
 
-def make(name: str, n: int | None = None, *, variant: int = 0, **how: Any) -> SwimmingEnv | SwimmingVectorEnv:
+def make(
+    name: str, n: int | None = None, *, variant: int = 0, **how: Any
+) -> SwimmingEnv | SwimmingVectorEnv:
     """Make a Gymnasium environment of a scenario, to learn in; the seeds of its resets determine its episodes.
 
     Args:
         name: One of `CHALLENGES`.
-        n: Number of robots side by side; None: one, in an environment that is not a vector environment.
+        n: Number of robots side by side; None: one, in an environment that is not a vector
+            environment.
         variant: Index of the task in a scenario that has several: the broken joint.
         how: Arguments of `SwimmingVectorEnv` other than its task.
 

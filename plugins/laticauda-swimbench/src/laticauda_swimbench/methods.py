@@ -1,7 +1,8 @@
 """What can be scored: the baselines, and policies from outside.
 
-A method has one or several runs; for each run and scenario, its `Pilot` makes a function from the observations of all
-robots, in rows, to their actions. Laws are laticauda controllers, which are called as `laticauda.run` calls them.
+A method has one or several runs; for each run and scenario, its `Pilot` makes a function from the
+observations of all robots, in rows, to their actions. Laws are laticauda controllers, which are
+called as `laticauda.run` calls them.
 """
 
 import hashlib
@@ -56,7 +57,7 @@ def _digest(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-# ---- baselines -------------------------------------------------------------------------------------------------------
+# ---- baselines -----------------------------------------------------------------------------------
 
 
 def _open_loop(challenge: Challenge, run: int, episodes: Episodes) -> Act:
@@ -78,7 +79,9 @@ def law(gait: lc.Gait, interval: float, numbers: dict[str, float]) -> lc.PathFol
         numbers: look_ahead_distance, gain, max_offset, and integral_gain for the integral law.
     """
     given = dict(numbers)
-    shape = {name: given.pop(name) for name in ("amplitude", "frequency", "phase_shift") if name in given}
+    shape = {
+        name: given.pop(name) for name in ("amplitude", "frequency", "phase_shift") if name in given
+    }
     guidance = "integral_line_of_sight" if "integral_gain" in given else "line_of_sight"
     following: Any = {"guidance": guidance, "interval": interval, **given}
     return lc.Following(**following).controller(replace(gait, **shape))
@@ -140,13 +143,17 @@ def _baseline(name: str, scenarios: Sequence[str]) -> Method:
     kind, title, note = (said.pop(one, "") for one in ("kind", "title", "note"))
     content = repr(sorted(said.items())).encode()
     if kind == "network":
-        return replace(_each(str(HERE / "policies" / f"{name}-{SCENARIO}.npz"), scenarios), name=title, note=note)
+        return replace(
+            _each(str(HERE / "policies" / f"{name}-{SCENARIO}.npz"), scenarios),
+            name=title,
+            note=note,
+        )
     made: dict[str, Pilot] = {"open loop": _open_loop, "searched law": reference_law}
     pilot = made.get(kind) or (law_pilot(said) if kind == "law" else _plan(said))
     return Method(name=title, kind=kind, note=note, sha256=_digest(content), pilot=pilot)
 
 
-# ---- from outside ----------------------------------------------------------------------------------------------------
+# ---- from outside --------------------------------------------------------------------------------
 
 
 def _called(text: str) -> Method:
@@ -156,7 +163,9 @@ def _called(text: str) -> Method:
     try:
         module = import_module(place)
     except ImportError as error:
-        raise BadArgument("policy", f"must name a module that can be imported, got {text}: {error}") from error
+        raise BadArgument(
+            "policy", f"must name a module that can be imported, got {text}: {error}"
+        ) from error
     finally:
         sys.path.remove("")
     found: Any = getattr(module, name, None)
@@ -172,7 +181,9 @@ def _called(text: str) -> Method:
         each: list[Any] = [made() if is_class else made for _ in range(episodes.n)]
         if isinstance(each[0], lc.Controller):
             return _piloted(cast("lc.Controller[Any]", each[0]), episodes)
-        return lambda observed: np.array([one(row) for one, row in zip(each, observed, strict=True)], dtype=float)
+        return lambda observed: np.array(
+            [one(row) for one, row in zip(each, observed, strict=True)], dtype=float
+        )
 
     return Method(name=text, kind="callable", sha256=_digest(content), pilot=pilot)
 
@@ -187,10 +198,15 @@ def _onnx(file: Path) -> Method:
 
     def act(observed: np.ndarray) -> np.ndarray:
         rows = observed.astype(np.float32)
-        return np.concatenate([session.run(None, {given: row[np.newaxis]})[0] for row in rows]).astype(float)
+        return np.concatenate(
+            [session.run(None, {given: row[np.newaxis]})[0] for row in rows]
+        ).astype(float)
 
     return Method(
-        name=file.stem, kind="ONNX", sha256=_digest(file.read_bytes()), pilot=lambda challenge, run, episodes: act
+        name=file.stem,
+        kind="ONNX",
+        sha256=_digest(file.read_bytes()),
+        pilot=lambda challenge, run, episodes: act,
     )
 
 
@@ -213,7 +229,9 @@ def _each(text: str, scenarios: Sequence[str]) -> Method:
         name=Path(text).stem,
         kind=first.kind,
         sha256=_digest("".join(one.sha256 for one in parts.values()).encode()),
-        pilot=lambda challenge, run, episodes: parts[challenge.name].pilot(challenge, run, episodes),
+        pilot=lambda challenge, run, episodes: parts[challenge.name].pilot(
+            challenge, run, episodes
+        ),
         runs=min(one.runs for one in parts.values()),
     )
 
@@ -222,8 +240,8 @@ def method(text: str, scenarios: Sequence[str] = CHALLENGES) -> Method:
     """Return the method to be scored.
 
     Args:
-        text: A baseline's name, the path of an .onnx or .npz file, or `module:name` of a Python callable. If it
-            contains `{scenario}`, there is one policy per scenario.
+        text: A baseline's name, the path of an .onnx or .npz file, or `module:name` of a Python
+            callable. If it contains `{scenario}`, there is one policy per scenario.
         scenarios: Scenarios in which it is to be scored.
 
     Raises:

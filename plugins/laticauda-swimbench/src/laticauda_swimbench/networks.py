@@ -1,7 +1,8 @@
 """Trained policies without the library that trained them: layers of tanh or relu, as arrays in .npz files.
 
-A file holds weights of several runs, `w0`, `b0`, `w1`, ..., with the run as the first axis, and `activation`, a string.
-The environment clips the output at -1 and 1; `squash` says that a tanh limits it before that.
+A file holds weights of several runs, `w0`, `b0`, `w1`, ..., with the run as the first axis, and
+`activation`, a string. The environment clips the output at -1 and 1; `squash` says that a tanh
+limits it before that.
 """
 
 from collections.abc import Callable, Sequence
@@ -10,7 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
-ACTIVATIONS: dict[str, Callable[[np.ndarray], np.ndarray]] = {"tanh": np.tanh, "relu": lambda x: np.maximum(x, 0.0)}
+ACTIVATIONS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "tanh": np.tanh,
+    "relu": lambda x: np.maximum(x, 0.0),
+}
 Layers = Sequence[tuple[np.ndarray, np.ndarray]]
 
 
@@ -44,7 +48,10 @@ def load(file: Path) -> list[Network]:
     n_layers = sum(name.startswith("w") for name in held)
     return [
         Network(
-            [(held[f"w{i}"][run].astype(float), held[f"b{i}"][run].astype(float)) for i in range(n_layers)],
+            [
+                (held[f"w{i}"][run].astype(float), held[f"b{i}"][run].astype(float))
+                for i in range(n_layers)
+            ],
             str(held["activation"]),
             bool(held["squash"]),
         )

@@ -1,7 +1,7 @@
 """Score files: the results of a method in each episode of the scenarios, and what produced them.
 
-Equal inputs give equal files, to the last bit, on one machine with the same versions; only `seconds` differs, and the
-checksum leaves it out.
+Equal inputs give equal files, to the last bit, on one machine with the same versions; only
+`seconds` differs, and the checksum leaves it out.
 """
 
 import hashlib
@@ -37,7 +37,9 @@ class BadScores(LaticaudaError, ValueError):
     """A score file that cannot be used: the file and the reason."""
 
 
-def swum(challenge: Challenge, task: Swim, seeds: Sequence[int], method: Method, run: int) -> list[dict[str, Any]]:
+def swum(
+    challenge: Challenge, task: Swim, seeds: Sequence[int], method: Method, run: int
+) -> list[dict[str, Any]]:
     """Swim episodes side by side, and return the results of each.
 
     Args:
@@ -50,13 +52,19 @@ def swum(challenge: Challenge, task: Swim, seeds: Sequence[int], method: Method,
     episodes, n = Episodes(task, len(seeds)), len(seeds)
     try:
         episodes.begin(np.full(n, True), [np.random.default_rng(seed) for seed in seeds])
-        act, observed, well = method.pilot(challenge, run, episodes), episodes.seen, np.full(n, True)
+        act, observed, well = (
+            method.pilot(challenge, run, episodes),
+            episodes.seen,
+            np.full(n, True),
+        )
         worth, square, begun = np.zeros(n), np.zeros(n), episodes.motion
         for _ in range(task.n_steps):
             actions = np.asarray(act(observed), dtype=float)
             if actions.shape != (n, len(task.actions)) or not np.isfinite(actions).all():
                 rule = f"{n} rows of {len(task.actions)} finite numbers"
-                raise BadScores(f"{method.name}: returned actions of shape {actions.shape}, expected {rule}")
+                raise BadScores(
+                    f"{method.name}: returned actions of shape {actions.shape}, expected {rule}"
+                )
             done = episodes.step(actions)
             worth += np.where(well, done.reward, 0.0)
             square += episodes.motion.y**2
@@ -74,12 +82,16 @@ def swum(challenge: Challenge, task: Swim, seeds: Sequence[int], method: Method,
         "cross_track_rms": np.sqrt(square / task.n_steps),
     }
     return [
-        {"run": run, "seed": seed} | {name: float(one[i]) for name, one in found.items()} | {"failed": not well[i]}
+        {"run": run, "seed": seed}
+        | {name: float(one[i]) for name, one in found.items()}
+        | {"failed": not well[i]}
         for i, seed in enumerate(seeds)
     ]
 
 
-def results(name: str, method: Method, seeds: tuple[int, ...] | None = None) -> list[dict[str, Any]]:
+def results(
+    name: str, method: Method, seeds: tuple[int, ...] | None = None
+) -> list[dict[str, Any]]:
     """Return the results of all runs and episodes in a scenario, by run and seed.
 
     Args:
@@ -103,8 +115,8 @@ def score(
     """Score a method.
 
     Args:
-        policy: A baseline's name, the path of an .onnx or .npz file, or `module:name` of a Python callable (see
-            `method`); or the method itself.
+        policy: A baseline's name, the path of an .onnx or .npz file, or `module:name` of a Python
+            callable (see `method`); or the method itself.
         scenarios: Names of the scenarios.
         progress: Called now and then with the completed share.
 
@@ -112,7 +124,8 @@ def score(
         The content of a score file.
 
     Raises:
-        ValueError: If there is no such policy or scenario, or the policy returns something other than an action.
+        ValueError: If there is no such policy or scenario, or the policy returns something other
+            than an action.
         ImportError: If the policy needs a package that is not installed.
     """
     chosen = policy if isinstance(policy, Method) else method(policy, scenarios)
@@ -133,7 +146,9 @@ def score(
     content: dict[str, Any] = {
         "format": "swimbench-scores",
         "format_version": FORMAT,
-        "method": {name: getattr(chosen, name) for name in ("name", "kind", "sha256", "runs", "note")},
+        "method": {
+            name: getattr(chosen, name) for name in ("name", "kind", "sha256", "runs", "note")
+        },
         "versions": {
             "laticauda": __version__,
             "laticauda-swimbench": _own_version(),
@@ -153,7 +168,9 @@ def checksum(content: Mapping[str, Any]) -> str:
         content: Content of the file.
     """
     counted = {name: one for name, one in content.items() if name not in UNCHECKED}
-    return hashlib.sha256(json.dumps(counted, sort_keys=True, separators=(",", ":")).encode()).hexdigest()
+    return hashlib.sha256(
+        json.dumps(counted, sort_keys=True, separators=(",", ":")).encode()
+    ).hexdigest()
 
 
 def read_scores(path: str | Path) -> dict[str, Any]:
@@ -180,7 +197,9 @@ def read_scores(path: str | Path) -> dict[str, Any]:
     if not is_right:
         raise BadScores(f"{path}: its checksum is wrong; it was changed after it was written")
     if others:
-        raise BadScores(f"{path}: was scored in another version of {', '.join(others)}; score it again")
+        raise BadScores(
+            f"{path}: was scored in another version of {', '.join(others)}; score it again"
+        )
     return content
 
 
@@ -196,7 +215,9 @@ def text_of(content: Mapping[str, Any]) -> str:
         lines.append(json.dumps(one))
         return f"<{len(lines) - 1}>"
 
-    parts = [{**part, "results": [mark(one) for one in part["results"]]} for part in content["scenarios"]]
+    parts = [
+        {**part, "results": [mark(one) for one in part["results"]]} for part in content["scenarios"]
+    ]
     text = to_json({**content, "scenarios": parts})
     return re.sub(r'"<(\d+)>"', lambda found: lines[int(found[1])], text) + "\n"
 

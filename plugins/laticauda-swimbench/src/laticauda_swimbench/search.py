@@ -27,7 +27,10 @@ def _numbers(one: Challenge, at: np.ndarray) -> dict[str, float]:
     """Return gait and law at a point of the unit cube."""
     task = one.tasks[0]
     share = np.clip(at, 0.0, 1.0).tolist()
-    gait = {each.name: each.low + s * (each.high - each.low) for each, s in zip(task.actions[:3], share, strict=False)}
+    gait = {
+        each.name: each.low + s * (each.high - each.low)
+        for each, s in zip(task.actions[:3], share, strict=False)
+    }
     law = {
         name: math.exp(math.log(low) + s * math.log(high / low))
         for (name, (low, high)), s in zip(LAWS.items(), share[3:], strict=True)
@@ -35,7 +38,9 @@ def _numbers(one: Challenge, at: np.ndarray) -> dict[str, float]:
     return {**gait, **law, "max_offset": task.max_offset}
 
 
-def search(name: str, evaluations: int, tell: Callable[[str], None], seed: int = 1) -> dict[str, float]:
+def search(
+    name: str, evaluations: int, tell: Callable[[str], None], seed: int = 1
+) -> dict[str, float]:
     """Return the numbers with the highest mean J in the tuning episodes.
 
     Args:
@@ -61,7 +66,9 @@ def search(name: str, evaluations: int, tell: Callable[[str], None], seed: int =
     while not strategy.stop():
         points = strategy.ask()
         strategy.tell(points, [cost(np.asarray(point)) for point in points])
-        tell(f"{name}: {strategy.result.evaluations} evaluations, J = {-strategy.result.fbest:.5f} m/s")
+        tell(
+            f"{name}: {strategy.result.evaluations} evaluations, J = {-strategy.result.fbest:.5f} m/s"
+        )
     return _numbers(one, np.asarray(strategy.result.xbest))
 
 

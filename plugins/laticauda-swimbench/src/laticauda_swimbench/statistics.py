@@ -1,6 +1,7 @@
 """Summaries of many scores: means, the interquartile mean, and intervals from the stratified bootstrap.
 
-[1] R. Agarwal et al., Deep reinforcement learning at the edge of the statistical precipice, NeurIPS 2021.
+[1] R. Agarwal et al., Deep reinforcement learning at the edge of the statistical precipice, NeurIPS
+2021.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -39,7 +39,10 @@ def table(contents: Sequence[Mapping[str, Any]]) -> str:
     """
     rows = [(content["method"], row(content), energy(content)) for content in contents]
     rows.sort(key=lambda each: -each[1]["all"].value if "all" in each[1] else float("inf"))
-    lines = [f"| method | all (IQM) | {' | '.join(CHALLENGES)} | J/m |", f"|---|---|{'---|' * len(CHALLENGES)}---|"]
+    lines = [
+        f"| method | all (IQM) | {' | '.join(CHALLENGES)} | J/m |",
+        f"|---|---|{'---|' * len(CHALLENGES)}---|",
+    ]
     for method, found, joules in rows:
         runs = f", {method['runs']} runs" if method["runs"] > 1 else ""
         cells = [_short(found[name]) if name in found else "" for name in CHALLENGES]

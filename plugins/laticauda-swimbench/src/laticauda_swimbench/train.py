@@ -1,8 +1,8 @@
 """Train the learners: PPO and SAC of stable-baselines3, in episodes that are not scored. It needs stable-baselines3.
 
-Every run is saved in a folder as it proceeds, with the number of its steps: the same command continues where it
-stopped, and a larger number of steps continues from there. SAC does not save its replay buffer, so it then fills a new
-one.
+Every run is saved in a folder as it proceeds, with the number of its steps: the same command
+continues where it stopped, and a larger number of steps continues from there. SAC does not save its
+replay buffer, so it then fills a new one.
 """
 
 # pyright: reportMissingImports=false, reportUnknownVariableType=false, reportUnknownMemberType=false
@@ -23,7 +23,8 @@ from laticauda_swimbench import networks
 from laticauda_swimbench.challenges import challenge
 
 SETTINGS: dict[str, dict[str, Any]] = {
-    # Steps per robot and update, and a smaller initial spread, as in the comparison for path following.
+    # Steps per robot and update, and a smaller initial spread, as in the comparison for path
+    # following.
     "ppo": {
         "n_steps": 50,
         "batch_size": 400,
@@ -60,7 +61,8 @@ def lanes(name: str, n: int) -> Any:
 
     tasks = challenge(name).tasks
     shares = [
-        StableBaselines(SwimmingVectorEnv(n // len(tasks), task=task, autoreset_mode="SameStep")) for task in tasks
+        StableBaselines(SwimmingVectorEnv(n // len(tasks), task=task, autoreset_mode="SameStep"))
+        for task in tasks
     ]
     return shares[0] if len(shares) == 1 else _side_by_side(shares)
 
@@ -110,7 +112,9 @@ def _side_by_side(shares: Sequence[Any]) -> Any:
         def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
             raise NotImplementedError
 
-        def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> list[Any]:
+        def env_method(
+            self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any
+        ) -> list[Any]:
             raise NotImplementedError
 
         def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
@@ -147,7 +151,9 @@ def train(
     kind: Any = getattr(library, learner.upper())
     base = folder / f"{learner}-{name}-{seed}"
     notes, model_file, scale_file = (base.with_suffix(end) for end in (".json", ".zip", ".pkl"))
-    said: dict[str, float] = json.loads(notes.read_text()) if notes.exists() else {"steps": 0, "seconds": 0.0}
+    said: dict[str, float] = (
+        json.loads(notes.read_text()) if notes.exists() else {"steps": 0, "seconds": 0.0}
+    )
     if said["steps"] >= steps:
         return said
     envs = lanes(name, LANES[learner])
@@ -157,13 +163,17 @@ def train(
     else:
         scaled = VecNormalize(envs, norm_obs=False, gamma=0.99)  # rewards only
         model = kind("MlpPolicy", scaled, seed=seed, device="cpu", **SETTINGS[learner])
-    # Each run draws its own episodes, and one that is continued others than at its start. It comes last because
-    # stable-baselines3 seeds the robots with `seed` alone when it makes or loads a model.
+    # Each run draws its own episodes, and one that is continued others than at its start. It comes
+    # last because stable-baselines3 seeds the robots with `seed` alone when it makes or loads a
+    # model.
     envs.seed(1_000_000 * (1 + seed) // 10 + int(said["steps"]) // CHUNK * 100)
     while said["steps"] < steps:
         begun = time.perf_counter()
         model.learn(min(CHUNK, steps - int(said["steps"])), reset_num_timesteps=False)
-        said = {"steps": int(model.num_timesteps), "seconds": said["seconds"] + time.perf_counter() - begun}
+        said = {
+            "steps": int(model.num_timesteps),
+            "seconds": said["seconds"] + time.perf_counter() - begun,
+        }
         model.save(model_file)
         scaled.save(str(scale_file))
         notes.write_text(json.dumps(said))

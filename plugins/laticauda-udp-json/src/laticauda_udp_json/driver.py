@@ -41,8 +41,13 @@ def decoded(data: bytes) -> tuple[str, PoseSample]:
             if abs(np.linalg.norm(quaternion) - 1.0) > 0.01:
                 raise NoPose("`quaternion` must have length 1")
             rotation = from_quaternion(*(quaternion / np.linalg.norm(quaternion)).tolist())
-        when, residual = float(_numbers(said, "time")), float(_numbers(said, "residual") if "residual" in said else 0.0)
-        return str(said["body"]), PoseSample(time=when, position=position, rotation=rotation, residual=residual)
+        when, residual = (
+            float(_numbers(said, "time")),
+            float(_numbers(said, "residual") if "residual" in said else 0.0),
+        )
+        return str(said["body"]), PoseSample(
+            time=when, position=position, rotation=rotation, residual=residual
+        )
     except KeyError as error:
         raise NoPose(f"{error.args[0]!r} is missing") from None
     except (TypeError, ValueError, RecursionError, OverflowError) as error:
@@ -71,7 +76,9 @@ class UdpJson(MotionCapture):
         except OSError as error:
             self._socket.close()
             ours = isinstance(error, DeviceFailed)
-            raise error if ours else DeviceFailed(f"Cannot listen at {address}: {error}.") from error
+            raise (
+                error if ours else DeviceFailed(f"Cannot listen at {address}: {error}.")
+            ) from error
         self._start()
 
     @classmethod
@@ -90,11 +97,17 @@ class UdpJson(MotionCapture):
                 end = min(end, time.monotonic() + 5 * LISTENS)  # others may follow
         listed = ", ".join(bodies) or "none"
         if not bodies:
-            raise DeviceFailed(f"No pose arrives at {self._address}: check that its sender uses this address.")
+            raise DeviceFailed(
+                f"No pose arrives at {self._address}: check that its sender uses this address."
+            )
         if self._body and self._body not in bodies:
-            raise DeviceFailed(f"The motion capture has no body {self._body!r}; its bodies are: {listed}.")
+            raise DeviceFailed(
+                f"The motion capture has no body {self._body!r}; its bodies are: {listed}."
+            )
         if not self._body and len(bodies) > 1:
-            raise DeviceFailed(f"The body must be named by `mocap_body`: the motion capture has {listed}.")
+            raise DeviceFailed(
+                f"The body must be named by `mocap_body`: the motion capture has {listed}."
+            )
         self._body = next(iter(bodies)) if not self._body else self._body
 
     def _heard(self) -> tuple[str, PoseSample] | None:

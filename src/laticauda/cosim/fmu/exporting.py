@@ -28,7 +28,14 @@ from laticauda.errors import BadArgument, one_of
 
 HERE = Path(__file__).parent
 FOLDER = HERE / "c"
-_EPOCH = (1980, 1, 1, 0, 0, 0)  # date of all files inside, so that the same robot gives the same FMU
+_EPOCH = (
+    1980,
+    1,
+    1,
+    0,
+    0,
+    0,
+)  # date of all files inside, so that the same robot gives the same FMU
 
 
 def export_fmu(
@@ -46,32 +53,35 @@ def export_fmu(
 ) -> tuple[Variable, ...]:
     """Export a planar robot in water as an FMU for co-simulation, which runs without Python.
 
-    The FMU contains the kernels that `laticauda.swim` runs, compiled for each platform. Inputs are held constant during
-    a communication step of any length, which is divided into integration steps no longer than `dt`.
+    The FMU contains the kernels that `laticauda.swim` runs, compiled for each platform. Inputs are
+    held constant during a communication step of any length, which is divided into integration steps
+    no longer than `dt`.
 
     Args:
         path: The file (.fmu); an existing one is replaced.
         robot: The scenario, whose duration is ignored; or the robot, with its gait.
-        gait: With a robot: the gait that the joints follow unless the FMU's inputs say otherwise; for the kind custom,
-            including its envelope.
-        inputs: What drives the robot: `gait` (amplitude, frequency, phase shift, offset) or, for joints driven by pd
-            control or servos, `references` (an angle for every joint, and for a driven fin).
+        gait: With a robot: the gait that the joints follow unless the FMU's inputs say otherwise;
+            for the kind custom, including its envelope.
+        inputs: What drives the robot: `gait` (amplitude, frequency, phase shift, offset) or, for
+            joints driven by pd control or servos, `references` (an angle for every joint, and for a
+            driven fin).
         fmi: Version of the standard: 2.0, which all tools support, or 3.0.
-        platform: One or more target platforms: linux64, aarch64 (Linux), win64, darwin; if omitted, that of this
-            machine. Platforms other than this machine's require the package ziglang.
+        platform: One or more target platforms: linux64, aarch64 (Linux), win64, darwin; if omitted,
+            that of this machine. Platforms other than this machine's require the package ziglang.
         author: Author of the model, as stated in the FMU.
         model_version: Version of the model; laticauda's own if omitted.
         license: License of the model. The FMU also contains the text of the kernels' own license.
-        changes: With a robot, further changes to the defaults: `environment`, `current`, `model`, `start`,
-            `sample_interval` [s], or, for the model, `joints`, `dt` [s] and the other fields of
-            `laticauda.scenarios.ModelChanges`.
+        changes: With a robot, further changes to the defaults: `environment`, `current`, `model`,
+            `start`, `sample_interval` [s], or, for the model, `joints`, `dt` [s] and the other
+            fields of `laticauda.scenarios.ModelChanges`.
 
     Returns:
         The FMU's variables, in the order of their value references.
 
     Raises:
         ValueError: If an argument is out of range, or robot, gait and inputs are incompatible.
-        MissingProgram, MissingExtra: If there is no C compiler to link the compiled kernels into a library.
+        MissingProgram, MissingExtra: If there is no C compiler to link the compiled kernels into a
+            library.
         LinkingFailed: If the C compiler fails.
     """
     file = Path(path)
@@ -102,7 +112,9 @@ def export_fmu(
         **{name: universal(some) for name, some in libraries.items()},
         "documentation/index.html": words.page().encode(),
         "documentation/licenses/license.txt": (HERE / "license.txt").read_bytes(),
-        "model.png" if fmi == "2.0" else "terminalsAndIcons/icon.png": (HERE / "icon.png").read_bytes(),
+        "model.png" if fmi == "2.0" else "terminalsAndIcons/icon.png": (
+            HERE / "icon.png"
+        ).read_bytes(),
     }
     files.write(file, _zipped(parts))
     return tables.variables
@@ -126,7 +138,7 @@ def _zipped(content: dict[str, bytes]) -> bytes:
     return raw.getvalue()
 
 
-# ---- description of an FMU ------------------------------------------------------------------------------------------
+# ---- description of an FMU -----------------------------------------------------------------------
 
 _TOLD: Any = files.read_toml(HERE / "units.toml")
 UNITS: Mapping[str, Sequence[int]] = _TOLD["units"]
@@ -134,7 +146,12 @@ UNITS: Mapping[str, Sequence[int]] = _TOLD["units"]
 DEGREES: Mapping[str, str] = _TOLD["degrees"]
 DURATION, INTERVAL = 30.0, 0.05  # of the default experiment [s]
 VERSIONS = ("2.0", "3.0")
-VARIABILITY = {"independent": "continuous", "parameter": "fixed", "input": "continuous", "output": "continuous"}
+VARIABILITY = {
+    "independent": "continuous",
+    "parameter": "fixed",
+    "input": "continuous",
+    "output": "continuous",
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -175,18 +192,38 @@ class Description:
         )
         state = "FMUstate" if is_old else "FMUState"
         # FMI treats omitted capabilities as false.
-        can = ("canHandleVariableCommunicationStepSize", f"canGetAndSet{state}", f"canSerialize{state}")
-        SubElement(root, "CoSimulation", {"modelIdentifier": self.identifier, **dict.fromkeys(can, "true")})
+        can = (
+            "canHandleVariableCommunicationStepSize",
+            f"canGetAndSet{state}",
+            f"canSerialize{state}",
+        )
+        SubElement(
+            root, "CoSimulation", {"modelIdentifier": self.identifier, **dict.fromkeys(can, "true")}
+        )
         _add_units(root, self.tables.variables)
         categories = SubElement(root, "LogCategories")
-        SubElement(categories, "Category", name="logStatusError", description="Rejected calls, with the reasons.")
-        SubElement(root, "DefaultExperiment", startTime="0.0", stopTime=str(DURATION), stepSize=str(INTERVAL))
+        SubElement(
+            categories,
+            "Category",
+            name="logStatusError",
+            description="Rejected calls, with the reasons.",
+        )
+        SubElement(
+            root,
+            "DefaultExperiment",
+            startTime="0.0",
+            stopTime=str(DURATION),
+            stepSize=str(INTERVAL),
+        )
         listed = SubElement(root, "ModelVariables")
         for reference, variable in enumerate(self.tables.variables):
             _add_variable(listed, reference, variable, is_old)
         structure = SubElement(root, "ModelStructure")
-        outputs = [i for i, variable in enumerate(self.tables.variables) if variable.causality == "output"]
-        # Outputs are those at the end of the last step, so no input affects them before the next step.
+        outputs = [
+            i for i, variable in enumerate(self.tables.variables) if variable.causality == "output"
+        ]
+        # Outputs are those at the end of the last step, so no input affects them before the next
+        # step.
         for kind, more in (("Output", {"dependencies": ""}), ("InitialUnknown", {})):
             group = SubElement(structure, f"{kind}s") if is_old else structure
             for i in outputs:
@@ -198,7 +235,8 @@ class Description:
     def page(self) -> str:
         """Return the content of documentation/index.html."""
         facts = "\n".join(
-            f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in facts_of(self.tables)
+            f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>"
+            for name, value in facts_of(self.tables)
         )
         listed = "\n".join(_row(variable) for variable in self.tables.variables)
         return Template((HERE / "page.html").read_text(encoding="utf-8")).substitute(
@@ -217,7 +255,10 @@ def facts_of(tables: Tables) -> tuple[tuple[str, str], ...]:
     body = tables.plant
     water = cast(lc.Water, body.environment)
     return (
-        ("robot", f"{body.robot.name}: its links, sections, masses, joints, fin and other effectors"),
+        (
+            "robot",
+            f"{body.robot.name}: its links, sections, masses, joints, fin and other effectors",
+        ),
         ("joints", extensions.name_of(type(body.joints))),
         ("inputs", tables.inputs),
         ("drag", water.drag.words),
@@ -235,7 +276,11 @@ def _add_units(root: Element, variables: Sequence[Variable]) -> None:
     definitions = SubElement(root, "UnitDefinitions")
     for name, exponents in ((name, UNITS[name]) for name in UNITS if name in used):
         unit = SubElement(definitions, "Unit", name=name)
-        base = {key: str(value) for key, value in zip(("kg", "m", "s", "rad"), exponents, strict=True) if value}
+        base = {
+            key: str(value)
+            for key, value in zip(("kg", "m", "s", "rad"), exponents, strict=True)
+            if value
+        }
         SubElement(unit, "BaseUnit", base)
         if name in DEGREES:
             SubElement(unit, "DisplayUnit", name=DEGREES[name], factor=repr(180.0 / math.pi))
@@ -249,7 +294,10 @@ def _add_variable(listed: Element, reference: int, variable: Variable, is_old: b
         "causality": variable.causality,
         "variability": VARIABILITY[variable.causality],
     }
-    facts = {"unit": variable.unit if variable.unit in UNITS else "", "displayUnit": DEGREES.get(variable.unit, "")}
+    facts = {
+        "unit": variable.unit if variable.unit in UNITS else "",
+        "displayUnit": DEGREES.get(variable.unit, ""),
+    }
     if variable.causality in ("parameter", "input"):
         ends = {"min": variable.least, "max": variable.most, "start": variable.start}
         facts |= {name: repr(end) for name, end in ends.items() if math.isfinite(end)}

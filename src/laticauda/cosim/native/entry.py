@@ -1,10 +1,12 @@
 """Planar kernels without Python: one function with plain pointers, as LLVM code.
 
-The templates that `swim` runs (`laticauda.planar.model`) are compiled again, without any part of Numba's runtime;
-`laticauda.cosim.native.platforms` generates machine code from the result. The function does not depend on the robot:
-the two arrays of `laticauda.cosim.native.tables` describe the robot, and map its numbers to variables.
+The templates that `swim` runs (`laticauda.planar.model`) are compiled again, without any part of
+Numba's runtime; `laticauda.cosim.native.platforms` generates machine code from the result. The
+function does not depend on the robot: the two arrays of `laticauda.cosim.native.tables` describe
+the robot, and map its numbers to variables.
 
-This module and `laticauda.compiling.lanes` are the interface to the code generation of Numba and LLVM.
+This module and `laticauda.compiling.lanes` are the interface to the code generation of Numba and
+LLVM.
 """
 
 # pyright: basic
@@ -31,13 +33,15 @@ from laticauda.planar.rows import VX, VY
 NAME = "laticauda_move"
 """Name of the function."""
 
-# Positions in the array of integers: shape of the chain, variables, and where other arrays begin in it.
+# Positions in the array of integers: shape of the chain, variables, and where other arrays begin in
+# it.
 N_BODIES, TAIL_LINK, HAS_EXTRAS, IS_IMPLICIT, N_ROWS = range(5)
 DT, HEADING, VELOCITY = range(5, 8)
 FIRST_STRIP, FIRST_PLATE, LAW = range(8, 11)
-# A piece is three numbers: where its pairs begin in that array, where their factors begin in the array of reals, and
-# the number of pairs. Products of water coefficients, and their values in the template; how rows depend on them; rows
-# that variables set at the start; rows that they set at every step; variables that are sums of rows.
+# A piece is three numbers: where its pairs begin in that array, where their factors begin in the
+# array of reals, and the number of pairs. Products of water coefficients, and their values in the
+# template; how rows depend on them; rows that variables set at the start; rows that they set at
+# every step; variables that are sums of rows.
 TERMS, SLOPES, STARTED, HELD, SEEN, HEADER = range(11, 27, 3)
 NONE = -1  # in place of a variable: the number 1
 # After the rows: what the kernel logs at the two ends of a step, namely the time.
@@ -48,7 +52,21 @@ OWN: Any = {"_nrt": False}
 _inner = functools.partial(inlined, **OWN)
 # Functions that the C library provides.
 _ANGLES = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "hypot"}
-_POWERS = {"exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "pow", "sqrt", "cbrt", "sinh", "cosh", "tanh"}
+_POWERS = {
+    "exp",
+    "exp2",
+    "expm1",
+    "log",
+    "log2",
+    "log10",
+    "log1p",
+    "pow",
+    "sqrt",
+    "cbrt",
+    "sinh",
+    "cosh",
+    "tanh",
+}
 _OF_C = _ANGLES | _POWERS | {"erf", "fabs", "floor", "fmod", "memcpy", "memset"}
 
 
@@ -67,12 +85,16 @@ def bitcode(law: DragLaw, joints: JointLaw, flow: tuple[formulas.Formula, ...] =
     try:
         with compiling_for(target()):  # the law alone first, which is fast
             count = MOTION + len(Element._fields) + len(law.formula.fields)
-            in_numbers(law.formula, Element, MOTION).compile((types.StarArgUniTuple(types.float64, count),))
+            in_numbers(law.formula, Element, MOTION).compile(
+                (types.StarArgUniTuple(types.float64, count),)
+            )
         move = _move(specialize(1, law, joints, flow, target()).run)
     except NumbaError as err:
         raise ValueError(f"{rule} is not: {reason_of(err)}.") from err
     module = llvm.parse_assembly(move.inspect_llvm())
-    foreign = {f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")} - _OF_C
+    foreign = {
+        f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")
+    } - _OF_C
     if foreign:
         raise ValueError(f"{rule} needs {', '.join(sorted(foreign))}.")
     return exported(move, NAME)
@@ -94,7 +116,7 @@ def exported(function: Any, name: str) -> bytes:
     return module.as_bitcode()
 
 
-# ---- target of the compilation ---------------------------------------------------------------------------------------
+# ---- target of the compilation -------------------------------------------------------------------
 
 
 @intrinsic
@@ -118,7 +140,12 @@ def _log_at(typingctx, numbers):
         array = context.make_array(_LOG)(context, builder)
         one, two, size = (context.get_constant(types.intp, number) for number in (1, 2, 8))
         populate_array(
-            array, data=args[0], shape=[two, one, one], strides=[size, size, size], itemsize=size, meminfo=None
+            array,
+            data=args[0],
+            shape=[two, one, one],
+            strides=[size, size, size],
+            itemsize=size,
+            meminfo=None,
         )
         return array._getvalue()
 
@@ -131,18 +158,22 @@ def target() -> Target:
 
     @_inner
     def free_joints(law):
-        return _beyond(law, law[-1])  # the flags follow the laws, which are preceded by their number
+        return _beyond(
+            law, law[-1]
+        )  # the flags follow the laws, which are preceded by their number
 
     return Target(
         kernel=_inner,
         entry=_inner,
         in_lanes=PROCESSOR.in_lanes,
-        formulas={one: how for one, how in PROCESSOR.formulas.items() if one is not scalars.table_row},
+        formulas={
+            one: how for one, how in PROCESSOR.formulas.items() if one is not scalars.table_row
+        },
         instead={"free_joints": free_joints},
     )
 
 
-# ---- the function ----------------------------------------------------------------------------------------------------
+# ---- the function --------------------------------------------------------------------------------
 
 
 @_inner

@@ -1,7 +1,8 @@
 """Target platforms of the kernels: machine code for each, and libraries built from it.
 
-LLVM generates the machine code for any platform on any machine. A C compiler links it: for this machine the system's
-own, for others that of the package `ziglang` (the extra `export`), which includes their C libraries.
+LLVM generates the machine code for any platform on any machine. A C compiler links it: for this
+machine the system's own, for others that of the package `ziglang` (the extra `export`), which
+includes their C libraries.
 """
 
 # pyright: basic
@@ -80,7 +81,10 @@ _SYSTEMS = {
     name: System(name, llvm, zig, ending, flags.format(wasm=_WASM))
     for name, (llvm, zig, ending, flags) in _TOLD["systems"].items()
 }
-PLATFORMS = {name: Platform(name, one, _SYSTEMS[of], *more) for name, (one, of, *more) in _TOLD["platforms"].items()}
+PLATFORMS = {
+    name: Platform(name, one, _SYSTEMS[of], *more)
+    for name, (one, of, *more) in _TOLD["platforms"].items()
+}
 """Platforms by name."""
 _PAGE = 1 << 14  # memory page on a Mac; each part of a universal library begins at a page boundary
 
@@ -108,7 +112,9 @@ def platform_of(name: str = "") -> Platform:
     if name:
         return PLATFORMS[one_of("platform", name, [*PLATFORMS])]
     if (own := here()) is None:
-        raise BadArgument("platform", f"must be given on {sys.platform} on {machine()}, which is none of them")
+        raise BadArgument(
+            "platform", f"must be given on {sys.platform} on {machine()}, which is none of them"
+        )
     return own
 
 
@@ -124,23 +130,32 @@ def platforms_of(names: Sequence[str] = ()) -> list[Platform]:
     libraries = [one for one in PLATFORMS.values() if one.folder]
     for name in names:
         one_of("platform", name, [*(one.name for one in libraries), "darwin"])
-    return [one for one in libraries if one.name in names or one.system.name in names] or [platform_of()]
+    return [one for one in libraries if one.name in names or one.system.name in names] or [
+        platform_of()
+    ]
 
 
-def object_code(law: DragLaw, joints: JointLaw, flow: tuple[formulas.Formula, ...], platform: Platform) -> bytes:
+def object_code(
+    law: DragLaw, joints: JointLaw, flow: tuple[formulas.Formula, ...], platform: Platform
+) -> bytes:
     """Return the object file with the function `laticauda_move` for a platform, from the cache if possible.
 
     Args:
         law: Law of the loads on one element.
         joints: Law by which the joints follow their references.
-        flow: Kinds of parts of the water's flow (`PlanarPlant.flow.kinds`); empty for a uniform current or none.
+        flow: Kinds of parts of the water's flow (`PlanarPlant.flow.kinds`); empty for a uniform
+            current or none.
         platform: Target platform.
 
     Raises:
         ValueError: If the law is not plain arithmetic.
     """
-    whole = functools.partial(_kept, kept_at(law, joints, flow, "bc"), functools.partial(bitcode, law, joints, flow))
-    return _kept(kept_at(law, joints, flow, f"{platform.name}.o"), lambda: emitted(whole(), platform))
+    whole = functools.partial(
+        _kept, kept_at(law, joints, flow, "bc"), functools.partial(bitcode, law, joints, flow)
+    )
+    return _kept(
+        kept_at(law, joints, flow, f"{platform.name}.o"), lambda: emitted(whole(), platform)
+    )
 
 
 def object_codes(plant: PlanarPlant, platforms: Sequence[Platform]) -> list[bytes]:
@@ -158,7 +173,9 @@ def object_codes(plant: PlanarPlant, platforms: Sequence[Platform]) -> list[byte
     return [object_code(plant.law, plant.joints, plant.flow.kinds, one) for one in platforms]
 
 
-def kept_at(law: DragLaw, joints: JointLaw, flow: tuple[formulas.Formula, ...], ending: str) -> Path:
+def kept_at(
+    law: DragLaw, joints: JointLaw, flow: tuple[formulas.Formula, ...], ending: str
+) -> Path:
     """Return the path of a cached file: in Numba's cache, under a name that encodes what it was built from.
 
     Args:
@@ -167,7 +184,9 @@ def kept_at(law: DragLaw, joints: JointLaw, flow: tuple[formulas.Formula, ...], 
         flow: Kinds of parts of the water's flow.
         ending: End of the file name, from the platform on.
     """
-    run = specialize(1, law, joints, flow).run  # this does not compile; the module's name encodes sources and laws
+    run = specialize(
+        1, law, joints, flow
+    ).run  # this does not compile; the module's name encodes sources and laws
     digest = hashlib.sha256(sources_digest(__name__).encode())
     digest.update(f"{run.py_func.__module__} {numba.__version__} {llvmlite.__version__}".encode())
     digest.update(f"{llvm.get_host_cpu_name()} {sys.version}".encode())
@@ -179,7 +198,9 @@ def _kept(file: Path, make: Callable[[], bytes]) -> bytes:
         return file.read_bytes()
     except OSError:
         made = make()
-    with contextlib.suppress(OSError):  # there may be no place for it, or another process may be writing it right now
+    with contextlib.suppress(
+        OSError
+    ):  # there may be no place for it, or another process may be writing it right now
         file.parent.mkdir(parents=True, exist_ok=True)
         files.write(file, made)
     return made
@@ -213,14 +234,27 @@ def compiler(platform: Platform) -> list[str]:
         MissingProgram, MissingExtra: If there is no compiler.
     """
     wanted = shlex.split(os.environ.get("CC", "")) if platform == here() else []
-    for command in ([wanted] if wanted else [[name] for name in COMPILERS]) if platform == here() else []:
+    for command in (
+        ([wanted] if wanted else [[name] for name in COMPILERS]) if platform == here() else []
+    ):
         if shutil.which(command[0]) is not None:
             return command
     if not wanted and importlib.util.find_spec("ziglang") is not None:
-        return [sys.executable, "-m", "ziglang", "cc", "-target", f"{platform.processor}-{platform.system.zig}"]
+        return [
+            sys.executable,
+            "-m",
+            "ziglang",
+            "cc",
+            "-target",
+            f"{platform.processor}-{platform.system.zig}",
+        ]
     if platform != here():
         raise MissingExtra(f"A library for {platform.pair}", "ziglang", "export")
-    thing = f"the C compiler `{wanted[0]}` (the environment says CC={' '.join(wanted)})" if wanted else "a C compiler"
+    thing = (
+        f"the C compiler `{wanted[0]}` (the environment says CC={' '.join(wanted)})"
+        if wanted
+        else "a C compiler"
+    )
     raise MissingProgram("A library of machine code", thing, "gcc libc6-dev")
 
 
@@ -234,8 +268,9 @@ def linked(
 ) -> bytes:
     """Link a shared library or, for a browser, a WebAssembly module.
 
-    The module needs no imports. It exports `memory`, `_initialize()`, to be called first, `laticauda_reserve(bytes)`,
-    which returns the address of newly reserved memory (and may replace its buffer), and `laticauda_move`.
+    The module needs no imports. It exports `memory`, `_initialize()`, to be called first,
+    `laticauda_reserve(bytes)`, which returns the address of newly reserved memory (and may replace
+    its buffer), and `laticauda_move`.
 
     Args:
         code: Object file from `object_code`, for the same platform.
@@ -256,7 +291,14 @@ def linked(
             (folder / header).write_text(text, encoding="utf-8")
         (folder / "kernels.o").write_bytes(code)
         parts = [*shlex.split(FLAGS), "-I.", *map(str, sources)]
-        linking = [*parts, *shlex.split(platform.system.linking), "kernels.o", "-lm", "-o", "library"]
+        linking = [
+            *parts,
+            *shlex.split(platform.system.linking),
+            "kernels.o",
+            "-lm",
+            "-o",
+            "library",
+        ]
         linking += [f"-Wl,--export={name}"] if platform.system.name == "unknown" else []
         objects = ["kernels.o", *(f"{source.stem}.o" for source in sources)]
         archiver = [sys.executable, "-m", "ziglang", "ar"] if "ziglang" in chosen else ["ar"]

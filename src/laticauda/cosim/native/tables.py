@@ -1,6 +1,7 @@
 """A robot in water as two arrays of numbers for the compiled function, and the table of its variables.
 
-Both are also written in C: as numbers for an FMU, or as a plain library for onboard computers and programs that call C.
+Both are also written in C: as numbers for an FMU, or as a plain library for onboard computers and
+programs that call C.
 """
 
 import hashlib
@@ -60,12 +61,24 @@ class Tables:
 
 
 def tables_for(
-    robot: lc.Scenario | lc.Robot | str | Path, gait: lc.Gait | None = None, inputs: str = "gait", **changes: Any
+    robot: lc.Scenario | lc.Robot | str | Path,
+    gait: lc.Gait | None = None,
+    inputs: str = "gait",
+    **changes: Any,
 ) -> Tables:
     """Return the arrays of a planar scenario in water; arguments and errors as for `export_fmu`."""
     one_of("inputs", inputs, INPUTS)
-    chosen = robot if isinstance(robot, lc.Scenario) else lc.scenario(robot, cast(lc.Gait, gait), **changes)
-    for name, kind in {"environment": lc.Water, "model": lc.Planar, "motion": lc.Gait, "start": lc.Start}.items():
+    chosen = (
+        robot
+        if isinstance(robot, lc.Scenario)
+        else lc.scenario(robot, cast(lc.Gait, gait), **changes)
+    )
+    for name, kind in {
+        "environment": lc.Water,
+        "model": lc.Planar,
+        "motion": lc.Gait,
+        "start": lc.Start,
+    }.items():
         instance(name, getattr(chosen, name), kind)
     plant, gait = cast(model.PlanarPlant, lc.plant(chosen)), chosen.gait
     plant.flow.refuse_tables("an FMU or a library in C")
@@ -105,7 +118,11 @@ def tables_of(plant: model.PlanarPlant, gait: lc.Gait, start: lc.Start, *, input
     shape = n, a.tail_link, int(a.has_extras), int(plant.is_implicit), template.size
     told = (number[name] for name in ("dt", "start.heading", "start.velocity"))
     # The joint laws are preceded by their number and followed by flags of the free joints.
-    chains = packed.add(a.first_strip), packed.add(a.first_plate), packed.add([n, *a.law, *freedom]) + 1
+    chains = (
+        packed.add(a.first_strip),
+        packed.add(a.first_plate),
+        packed.add([n, *a.law, *freedom]) + 1,
+    )
     packed.header[: entry.TERMS] = *shape, *told, *chains  # in the order of `entry`
     packed.piece(entry.TERMS, terms)
     packed.piece(entry.SLOPES, slopes)
@@ -114,7 +131,14 @@ def tables_of(plant: model.PlanarPlant, gait: lc.Gait, start: lc.Start, *, input
     packed.piece(entry.HELD, _shares(variables, "input"))
     packed.piece(entry.SEEN, [(0, rows.TIME, 1.0), *_shares(variables, "output")])
     whole, real = packed.arrays
-    return Tables(variables=variables, whole=whole, real=real, n_rows=template.size, plant=plant, inputs=inputs)
+    return Tables(
+        variables=variables,
+        whole=whole,
+        real=real,
+        n_rows=template.size,
+        plant=plant,
+        inputs=inputs,
+    )
 
 
 class _Packed:
@@ -144,29 +168,38 @@ class _Packed:
 
 def _shares(variables: Sequence[Variable], causality: str) -> Triples:
     """Return variable, row and factor for all variables of a causality."""
-    mine = [(i, variable) for i, variable in enumerate(variables) if variable.causality == causality]
+    mine = [
+        (i, variable) for i, variable in enumerate(variables) if variable.causality == causality
+    ]
     return [(i, *share) for i, variable in mine for share in variable.rows]
 
 
-def _water_slopes(plant: model.PlanarPlant, variables: Sequence[Variable]) -> tuple[Triples, Triples]:
+def _water_slopes(
+    plant: model.PlanarPlant, variables: Sequence[Variable]
+) -> tuple[Triples, Triples]:
     """Compute how the rows depend on density and coefficients, from layouts of the robot in other waters.
 
-    Each row is the sum of a constant, a constant times the density, and, for each coefficient, a constant times the
-    density times that coefficient (`laticauda.hydrodynamics`); products of two coefficients do not occur. Differences
-    between layouts are therefore exact slopes, up to rounding, and not a linearization.
+    Each row is the sum of a constant, a constant times the density, and, for each coefficient, a
+    constant times the density times that coefficient (`laticauda.hydrodynamics`); products of two
+    coefficients do not occur. Differences between layouts are therefore exact slopes, up to
+    rounding, and not a linearization.
 
     Returns:
-        The terms, as coefficient (or `entry.NONE`), density, and their product in the template; and term, row and
-        slope for each row that depends on a term.
+        The terms, as coefficient (or `entry.NONE`), density, and their product in the template; and
+        term, row and slope for each row that depends on a term.
     """
     water = plant.environment
     assert isinstance(water, lc.Water)
-    fields = {variable.coefficient: i for i, variable in enumerate(variables) if variable.coefficient}
+    fields = {
+        variable.coefficient: i for i, variable in enumerate(variables) if variable.coefficient
+    }
     density = fields.pop("density")
     here = plant.layout.template
     terms: list[tuple[int, int, float]] = []
     slopes: list[tuple[int, int, float]] = []
-    left = _difference(plant, water, here, "density", water.density)  # per unit of density, at these coefficients
+    left = _difference(
+        plant, water, here, "density", water.density
+    )  # per unit of density, at these coefficients
     for name, i in fields.items():
         value: float = getattr(water, name)
         slope = _difference(plant, water, here, name, max(1.0, value)) / water.density
@@ -179,7 +212,9 @@ def _water_slopes(plant: model.PlanarPlant, variables: Sequence[Variable]) -> tu
     return terms, slopes
 
 
-def _difference(plant: model.PlanarPlant, water: lc.Water, here: np.ndarray, field: str, step: float) -> np.ndarray:
+def _difference(
+    plant: model.PlanarPlant, water: lc.Water, here: np.ndarray, field: str, step: float
+) -> np.ndarray:
     """Return the change of the rows per unit of a field of the water."""
     there: Any = {field: getattr(water, field) + step}
     other = layout(plant.robot, replace(water, **there), joints=plant.joints).template
@@ -188,7 +223,7 @@ def _difference(plant: model.PlanarPlant, water: lc.Water, here: np.ndarray, fie
     return change
 
 
-# ---- in C ------------------------------------------------------------------------------------------------------------
+# ---- in C ----------------------------------------------------------------------------------------
 
 
 def identifier(stem: str) -> str:
@@ -215,7 +250,10 @@ def tables_in_c(tables: Tables, guid: str) -> str:
         real=_reals(tables.real),
         causality=", ".join(f"'{LETTERS[variable.causality]}'" for variable in variables),
         names=", ".join(f'"{variable.name}"' for variable in variables),
-        **{name: _reals(getattr(variable, name) for variable in variables) for name in ("start", "least", "most")},
+        **{
+            name: _reals(getattr(variable, name) for variable in variables)
+            for name in ("start", "least", "most")
+        },
     )
 
 
@@ -229,7 +267,7 @@ def _real(number: float) -> str:
     return number.hex()
 
 
-# ---- as a library in C -----------------------------------------------------------------------------------------------
+# ---- as a library in C ---------------------------------------------------------------------------
 
 
 def export_c(
@@ -245,18 +283,20 @@ def export_c(
     """Export a planar robot in water as a C library, which runs without Python, and a header that describes it.
 
     Args:
-        path: The header (.h), after which the structure and the functions are named; the library is written next to
-            it. Existing files are replaced.
+        path: The header (.h), after which the structure and the functions are named; the library is
+            written next to it. Existing files are replaced.
         robot: The scenario, whose duration is ignored; or the robot, with its gait.
-        gait: With a robot: the gait that the joints follow unless the inputs say otherwise; for the kind custom,
-            including its envelope.
-        inputs: What drives the robot: `gait` (amplitude, frequency, phase shift, offset) or, for joints driven by pd
-            control or servos, `references` (an angle for every joint, and for a driven fin).
-        platform: Target platform: linux64, aarch64 (Linux), win64, darwin; that of this machine if omitted.
+        gait: With a robot: the gait that the joints follow unless the inputs say otherwise; for the
+            kind custom, including its envelope.
+        inputs: What drives the robot: `gait` (amplitude, frequency, phase shift, offset) or, for
+            joints driven by pd control or servos, `references` (an angle for every joint, and for a
+            driven fin).
+        platform: Target platform: linux64, aarch64 (Linux), win64, darwin; that of this machine if
+            omitted.
         static: Whether to write a static library instead of a shared one.
-        changes: With a robot, further changes to the defaults: `environment`, `current`, `model`, `start`,
-            `sample_interval` [s], or, for the model, `joints`, `dt` [s] and the other fields of
-            `laticauda.scenarios.ModelChanges`.
+        changes: With a robot, further changes to the defaults: `environment`, `current`, `model`,
+            `start`, `sample_interval` [s], or, for the model, `joints`, `dt` [s] and the other
+            fields of `laticauda.scenarios.ModelChanges`.
 
     Returns:
         The variables, in the order of the structure.
@@ -276,8 +316,12 @@ def export_c(
     own += [f"#define ROBOT {name}", f"#define FUNCTION(what) {name}_##what"]
     headers = {"tables.h": tables_in_c(tables, name), "header.h": "\n".join((header, *own, ""))}
     codes = zip(object_codes(tables.plant, wanted), wanted, strict=True)
-    made = universal([(code, linked(code, one, sources, headers, static=static)) for code, one in codes])
-    files.write(file.with_name(f"lib{file.stem}{'.a' if static else wanted[0].system.ending}"), made)
+    made = universal(
+        [(code, linked(code, one, sources, headers, static=static)) for code, one in codes]
+    )
+    files.write(
+        file.with_name(f"lib{file.stem}{'.a' if static else wanted[0].system.ending}"), made
+    )
     files.write(file, header.encode())
     return tables.variables
 
@@ -304,9 +348,14 @@ def _fields(variables: tuple[Variable, ...]) -> Iterator[str]:
     for stem, group in groupby(variables, key=lambda one: one.name.partition("[")[0]):
         some, plain = list(group), stem.replace(".", "_")
         if some[0].name.endswith("[0]"):
-            yield _field(f"{plain}[{len(some)}]", some[0], re.sub(r"\b0\b", "i", some[0].description))
+            yield _field(
+                f"{plain}[{len(some)}]", some[0], re.sub(r"\b0\b", "i", some[0].description)
+            )
         else:
-            yield from (_field(re.sub(r"\W+", "_", one.name).strip("_"), one, one.description) for one in some)
+            yield from (
+                _field(re.sub(r"\W+", "_", one.name).strip("_"), one, one.description)
+                for one in some
+            )
 
 
 def _field(name: str, variable: Variable, text: str) -> str:

@@ -50,7 +50,9 @@ class Variable:
     """Name of the field of `Water` that a parameter represents, if no single row holds it [-]."""
 
 
-def variables_of(plant: PlanarPlant, gait: lc.Gait, start: lc.Start, *, inputs: str) -> tuple[Variable, ...]:
+def variables_of(
+    plant: PlanarPlant, gait: lc.Gait, start: lc.Start, *, inputs: str
+) -> tuple[Variable, ...]:
     """Return all variables, in the order of their value references.
 
     Args:
@@ -84,18 +86,36 @@ def variables_of(plant: PlanarPlant, gait: lc.Gait, start: lc.Start, *, inputs: 
 
 
 def _set(
-    causality: str, name: str, unit: str, symbol: str, start: float, ends: Ends, text: str, *row: int, **more: Any
+    causality: str,
+    name: str,
+    unit: str,
+    symbol: str,
+    start: float,
+    ends: Ends,
+    text: str,
+    *row: int,
+    **more: Any,
 ) -> Variable:
     """Create a variable that is set from outside, with the row, if any, that holds its value."""
     more = {"rows": tuple((one, 1.0) for one in row), "least": ends[0], "most": ends[1], **more}
-    return Variable(name=name, causality=causality, unit=unit, symbol=symbol, start=start, description=text, **more)
+    return Variable(
+        name=name,
+        causality=causality,
+        unit=unit,
+        symbol=symbol,
+        start=start,
+        description=text,
+        **more,
+    )
 
 
 _parameter, _input = partial(_set, "parameter"), partial(_set, "input")
 
 
 def _output(name: str, unit: str, symbol: str, text: str, *shares: tuple[int, float]) -> Variable:
-    return Variable(name=name, causality="output", unit=unit, symbol=symbol, description=text, rows=shares)
+    return Variable(
+        name=name, causality="output", unit=unit, symbol=symbol, description=text, rows=shares
+    )
 
 
 def _outputs(
@@ -107,7 +127,11 @@ def _outputs(
 
 
 def _start(plant: PlanarPlant, start: lc.Start) -> Iterator[Variable]:
-    text, (x, y), anywhere = "Position of the center of mass at the start.", start.center_of_mass, (-FAR, FAR)
+    text, (x, y), anywhere = (
+        "Position of the center of mass at the start.",
+        start.center_of_mass,
+        (-FAR, FAR),
+    )
     yield _parameter("start.x", "m", "p_x", x, anywhere, text, rows.X)
     yield _parameter("start.y", "m", "p_y", y, anywhere, text, rows.Y)
     text = "Mean angle of the links at the start, counter-clockwise from the x axis."
@@ -122,7 +146,9 @@ def _start(plant: PlanarPlant, start: lc.Start) -> Iterator[Variable]:
 def _water(plant: PlanarPlant, water: lc.Water) -> Iterator[Variable]:
     for name, unit, symbol, least, text in LIKE["water"]:
         value: float = getattr(water, name)
-        yield _parameter(f"water.{name}", unit, symbol, value, (least, math.inf), text, coefficient=name)
+        yield _parameter(
+            f"water.{name}", unit, symbol, value, (least, math.inf), text, coefficient=name
+        )
     yield from _law("water.drag", water.drag, rows.LAW)
     if plant.joints.own is not None:
         yield from _law("joints", plant.joints, rows.JOINT_LAW)
@@ -134,25 +160,43 @@ def _plate(plant: PlanarPlant) -> Iterator[Variable]:
     if fin is None or fin.flexural_rigidity is None or not fin.hinges:
         return
     now, text = fin.flexural_rigidity, "Flexural rigidity of the fin that bends."
-    first = [_record(plant.layout.tail_link - k) + rows.STIFFNESS for k in plant.robot.fin_joints if k > 0]
-    shares = tuple((row, hinge.stiffness / now) for row, hinge in zip(first, fin.hinges, strict=True))
-    yield _parameter("fin.flexural_rigidity", "N.m2", "E I", now, (TINY, math.inf), text, rows=shares)
+    first = [
+        _record(plant.layout.tail_link - k) + rows.STIFFNESS
+        for k in plant.robot.fin_joints
+        if k > 0
+    ]
+    shares = tuple(
+        (row, hinge.stiffness / now) for row, hinge in zip(first, fin.hinges, strict=True)
+    )
+    yield _parameter(
+        "fin.flexural_rigidity", "N.m2", "E I", now, (TINY, math.inf), text, rows=shares
+    )
 
 
 def _law(prefix: str, law: formulas.Law, first: int) -> Iterator[Variable]:
     """Yield the parameters of a law."""
     for name, one in quantities_of(cast(type, type(law))).items():
-        text, unit = one.text[0].upper() + one.text[1:] + ".", one.unit.replace(" ", ".").replace("^", "") or "1"
+        text, unit = (
+            one.text[0].upper() + one.text[1:] + ".",
+            one.unit.replace(" ", ".").replace("^", "") or "1",
+        )
         ends, row = (max(one.least, -FAR), min(one.le, FAR)), first + law.formula.fields.index(name)
         yield _parameter(f"{prefix}.{name}", unit, "", getattr(law, name), ends, text, row)
 
 
 def _generator(plant: PlanarPlant, gait: lc.Gait) -> Iterator[Variable]:
-    text, now = "Bandwidth of the filters behind the gait's parameters.", plant.settings.offset_bandwidth
+    text, now = (
+        "Bandwidth of the filters behind the gait's parameters.",
+        plant.settings.offset_bandwidth,
+    )
     yield _parameter("offset_bandwidth", "rad/s", "", now, (TINY, 1e6), text, rows.BANDWIDTH)
-    yield _parameter("ramp", "s", "T", plant.ramp, (0.0, 1e6), "Duration of the smooth start.", rows.RAMP)
+    yield _parameter(
+        "ramp", "s", "T", plant.ramp, (0.0, 1e6), "Duration of the smooth start.", rows.RAMP
+    )
     template = plant.layout.template
-    for i, (b, g) in enumerate(zip(_records(plant), gait.joint_envelope(plant.robot.n_links), strict=True)):
+    for i, (b, g) in enumerate(
+        zip(_records(plant), gait.joint_envelope(plant.robot.n_links), strict=True)
+    ):
         name, text = f"gait.envelope[{i}]", f"Share of the amplitude that joint {i} has."
         share = ((b + rows.ENVELOPE, float(template[b + rows.ENVELOPE])),)
         yield _parameter(name, "1", "g", g, (-math.inf, math.inf), text, rows=share)
@@ -163,7 +207,16 @@ def _wave(prefix: str, wave: lc.Gait | lc.Wave | None) -> Iterator[Variable]:
     for name, unit, symbol, least, row, now, text in LIKE[prefix]:
         first = ((getattr(rows, now), 1.0),) if now else ()
         value = 0.0 if wave is None else getattr(wave, name)
-        yield _input(f"{prefix}.{name}", unit, symbol, value, (least, FAR), text, getattr(rows, row), start_rows=first)
+        yield _input(
+            f"{prefix}.{name}",
+            unit,
+            symbol,
+            value,
+            (least, FAR),
+            text,
+            getattr(rows, row),
+            start_rows=first,
+        )
 
 
 def _references(plant: PlanarPlant) -> Iterator[Variable]:
@@ -183,7 +236,9 @@ def _current(plant: PlanarPlant, water: lc.Water) -> Iterator[Variable]:
         if (kinds.parts, kinds.counts) == (((type(flow), None, None),), (1,)):
             yield from _law("current", flow, plant.layout.template.size - len(flow.numbers))
         return
-    for name, row, value in zip("xy", (rows.CURRENT_X, rows.CURRENT_Y), water.uniform[:2], strict=True):
+    for name, row, value in zip(
+        "xy", (rows.CURRENT_X, rows.CURRENT_Y), water.uniform[:2], strict=True
+    ):
         text = "Velocity of the water, world axes."
         yield _input(f"current.{name}", "m/s", f"V_{name}", value, (-100.0, 100.0), text, row)
 
@@ -198,7 +253,14 @@ def _links(plant: PlanarPlant) -> Iterator[Variable]:
     records, n = _records(plant), plant.robot.n_links
     for i in range(n):
         shares = ((b + rows.ANGLE, float(j < i) - (n - 1 - j) / n) for j, b in enumerate(records))
-        yield _output(f"link_angle[{i}]", "rad", "theta_i", f"Angle of link {i}.", (rows.HEADING, 1.0), *shares)
+        yield _output(
+            f"link_angle[{i}]",
+            "rad",
+            "theta_i",
+            f"Angle of link {i}.",
+            (rows.HEADING, 1.0),
+            *shares,
+        )
 
 
 def _joints(plant: PlanarPlant) -> Iterator[Variable]:
@@ -206,18 +268,30 @@ def _joints(plant: PlanarPlant) -> Iterator[Variable]:
     yield from _outputs("joint_angle", "rad", "phi_i", "Angle of joint {}.", rows.ANGLE, records)
     yield from _outputs("joint_rate", "rad/s", "phi'_i", "Rate of joint {}.", rows.RATE, records)
     for i, b in records:
-        # Reference of the gait; the kernel's own reference is the share of it that prescribed joints follow.
+        # Reference of the gait; the kernel's own reference is the share of it that prescribed
+        # joints follow.
         share = plant.robot.joints[i].actuator.tracking if plant.joints.prescribed else 1.0
         rest = () if share == 1.0 else ((rows.OFFSET_NOW, 1.0 - 1.0 / share),)
         text = f"Reference angle of joint {i}."
-        yield _output(f"joint_angle_ref[{i}]", "rad", "phi_i,ref", text, (b + rows.REFERENCE, 1.0 / share), *rest)
-    yield from _outputs("joint_torque", "N.m", "u_i", "Torque of the drive of joint {}.", rows.TORQUE, records)
+        yield _output(
+            f"joint_angle_ref[{i}]",
+            "rad",
+            "phi_i,ref",
+            text,
+            (b + rows.REFERENCE, 1.0 / share),
+            *rest,
+        )
+    yield from _outputs(
+        "joint_torque", "N.m", "u_i", "Torque of the drive of joint {}.", rows.TORQUE, records
+    )
 
 
 def _fin_joints(plant: PlanarPlant) -> Iterator[Variable]:
     """Yield the variables of the fin's joints, numbered as in `Robot.fin_joints`."""
     records = [(k, _record(plant.layout.tail_link - k)) for k in plant.robot.fin_joints]
-    yield from _outputs("fin_angle", "rad", "phi_j", "Angle of a joint of the fin.", rows.ANGLE, records)
+    yield from _outputs(
+        "fin_angle", "rad", "phi_j", "Angle of a joint of the fin.", rows.ANGLE, records
+    )
     yield from _outputs("fin_rate", "rad/s", "phi'_j", "Its rate.", rows.RATE, records)
     for _, b in records[:1] if 0 in plant.robot.fin_joints else ():
         yield _output("fin_torque", "N.m", "", "Torque of the fin's drive.", (b + rows.TORQUE, 1.0))
@@ -226,9 +300,13 @@ def _fin_joints(plant: PlanarPlant) -> Iterator[Variable]:
 def _power(plant: PlanarPlant) -> Iterator[Variable]:
     kinds = LIKE["power"][: 3 + robot.has_power_model(plant.robot, plant.joints)]
     for name, text, power, _ in kinds:
-        yield _output(f"{name}_power", "W", "P", f"{text}, at this moment.", (getattr(rows, power), 1.0))
+        yield _output(
+            f"{name}_power", "W", "P", f"{text}, at this moment.", (getattr(rows, power), 1.0)
+        )
     for name, text, _, work in kinds:
-        yield _output(f"{name}_work", "J", "", f"{text}, since the start.", (getattr(rows, work), 1.0))
+        yield _output(
+            f"{name}_work", "J", "", f"{text}, since the start.", (getattr(rows, work), 1.0)
+        )
 
 
 def _records(plant: PlanarPlant) -> Sequence[int]:

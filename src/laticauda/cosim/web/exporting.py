@@ -1,7 +1,7 @@
 """Export of a web page without a server: a folder of files with which robots swim in any browser.
 
-The kernels that `laticauda.swim` runs are compiled to WebAssembly; everything that differs between robots, and the
-descriptions of the sliders, is data.
+The kernels that `laticauda.swim` runs are compiled to WebAssembly; everything that differs between
+robots, and the descriptions of the sliders, is data.
 """
 
 import base64
@@ -34,7 +34,11 @@ MOTION = rows.ANGLE, rows.RATE
 LIMITS: Mapping[str, Mapping[str, Any]] = files.read_toml(Path(__file__).with_name("limits.toml"))
 """Ranges and steps of the sliders, by group."""
 WATER = LIMITS["water"]
-WORKS = {"mechanical_work": "work_absolute", "net_work": "work_net", "positive_work": "work_positive"}
+WORKS = {
+    "mechanical_work": "work_absolute",
+    "net_work": "work_net",
+    "positive_work": "work_positive",
+}
 LOGGED = ("time", "center", "heading", "link", "joint", "fin_", *WORKS, "electrical_work")
 """Prefixes of the names of variables that a trial also contains."""
 ELASTIC: Any = {"n_hinges": 3, "flexural_rigidity": 0.2}
@@ -43,12 +47,15 @@ SIZES = {"small": 0.8, "large": 1.25}
 """Factors by which the lengths of a rigid fin are multiplied; its thickness stays the same."""
 
 
-def export_web(folder: str | os.PathLike[str], robots: Sequence[str | lc.Robot] = ()) -> tuple[Path, ...]:
+def export_web(
+    folder: str | os.PathLike[str], robots: Sequence[str | lc.Robot] = ()
+) -> tuple[Path, ...]:
     """Write a web page on which robots swim without a server; its `index.html` can also be opened from disk.
 
     Args:
         folder: Output folder; the files of an older page in it are replaced.
-        robots: Robots to choose from, the first one initially selected: presets, files or robots. None: `ROBOTS`.
+        robots: Robots to choose from, the first one initially selected: presets, files or robots.
+            None: `ROBOTS`.
 
     Returns:
         Paths of the files.
@@ -61,35 +68,58 @@ def export_web(folder: str | os.PathLike[str], robots: Sequence[str | lc.Robot] 
     entries = [_entry(one) for one in robots or ROBOTS]
     plants = {fin["law"]: fin.pop("plant") for one in entries for fin in one["fins"].values()}
     browser = platforms.platform_of("wasm32")
-    made = {law: platforms.linked(platforms.object_codes(one, [browser])[0], browser) for law, one in plants.items()}
+    made = {
+        law: platforms.linked(platforms.object_codes(one, [browser])[0], browser)
+        for law, one in plants.items()
+    }
     steer = platforms.emitted(steering.bitcode(), browser)
     made["steering"] = platforms.linked(steer, browser, name=steering.NAME)
     kernels = {name: base64.b64encode(one).decode() for name, one in made.items()}
     data = {
         "version": lc.__version__,
         "interval": lc.Following().interval,  # also the sample interval
-        "choices": {name: get_args(hints_of(lc.Following)[name]) for name in ("guidance", "heading_estimate")},
-        "steering": {"numbers": steering.NUMBERS, "results": steering.RESULTS, "rounding": ROUNDING},
+        "choices": {
+            name: get_args(hints_of(lc.Following)[name])
+            for name in ("guidance", "heading_estimate")
+        },
+        "steering": {
+            "numbers": steering.NUMBERS,
+            "results": steering.RESULTS,
+            "rounding": ROUNDING,
+        },
         "sliders": _sliders(),
         "robots": entries,
     }
-    content = {path.name: path.read_text("utf-8") for path in Path(__file__).with_name("page").iterdir()}
+    content = {
+        path.name: path.read_text("utf-8") for path in Path(__file__).with_name("page").iterdir()
+    }
     content["kernels.js"] = f"const KERNELS = {json.dumps(kernels)};\n"
-    content["robots.js"] = f"const PAGE = {json.dumps(data, separators=(',', ':'), ensure_ascii=False)};\n"
+    content["robots.js"] = (
+        f"const PAGE = {json.dumps(data, separators=(',', ':'), ensure_ascii=False)};\n"
+    )
     place.mkdir(parents=True, exist_ok=True)
     for name, text in content.items():
         files.write(place / name, text)
     return tuple(place / name for name in sorted(content))
 
 
-# ---- data of a page --------------------------------------------------------------------------------------------------
+# ---- data of a page ------------------------------------------------------------------------------
 
 
 def _sliders() -> list[dict[str, Any]]:
     """Return all sliders in page order: group, kernel variable ("" for path following), flag, texts, limits."""
     of_water = dict.fromkeys(("water", "current"), lc.load_water("paper-lateral"))
-    owners = {"gait": FIRST_GAIT, "fin": robot.CaudalFin(**ELASTIC), **of_water, "path": control.Following()}
-    return [_slider(group, owners[group], *one) for group, limited in LIMITS.items() for one in limited.items()]
+    owners = {
+        "gait": FIRST_GAIT,
+        "fin": robot.CaudalFin(**ELASTIC),
+        **of_water,
+        "path": control.Following(),
+    }
+    return [
+        _slider(group, owners[group], *one)
+        for group, limited in LIMITS.items()
+        for one in limited.items()
+    ]
 
 
 def _slider(group: str, owner: object, name: str, limits: Any) -> dict[str, Any]:
@@ -117,7 +147,9 @@ def _entry(given: str | lc.Robot) -> dict[str, Any]:
     if fin is not None and not fin.n_hinges and fin.joint is None:
         fins["elastic"] = replace(own, caudal_fin=replace(fin, **ELASTIC))
         for name, times in SIZES.items():
-            sizes = {side: times * getattr(fin, side) for side in ("length", "height", "opening_length")}
+            sizes = {
+                side: times * getattr(fin, side) for side in ("length", "height", "opening_length")
+            }
             fins[name] = replace(own, caudal_fin=replace(fin, **sizes))
     return {
         "name": given if isinstance(given, str) else own.name,
@@ -127,7 +159,9 @@ def _entry(given: str | lc.Robot) -> dict[str, Any]:
 
 
 def _body(body: lc.Robot) -> dict[str, Any]:
-    plant, none, one = (cast(PlanarPlant, lc.plant(one)) for one in _in_waters(lc.scenario(body, FIRST_GAIT)))
+    plant, none, one = (
+        cast(PlanarPlant, lc.plant(one)) for one in _in_waters(lc.scenario(body, FIRST_GAIT))
+    )
     tables = tables_of(plant, FIRST_GAIT, lc.Start(), inputs="gait")
     number = {variable.name: i for i, variable in enumerate(tables.variables)}
     water = [number[f"water.{name}"] for name in WATER]
@@ -142,20 +176,31 @@ def _body(body: lc.Robot) -> dict[str, Any]:
         "n_rows": tables.n_rows + entry.SCRATCH,
         "first": [variable.start for variable in tables.variables],
         "number": number,
-        "columns": [[_column(one), i] for i, one in enumerate(tables.variables) if one.name.startswith(LOGGED)],
-        # The rows that are kept when the water's parameters change: all those that `Plant.pack` keeps.
-        "state": [*range(rows.TIME, rows.TIME + rows.LOG_STATE), *(b + row for b in bodies for row in MOTION)],
+        "columns": [
+            [_column(one), i]
+            for i, one in enumerate(tables.variables)
+            if one.name.startswith(LOGGED)
+        ],
+        # The rows that are kept when the water's parameters change: all those that `Plant.pack`
+        # keeps.
+        "state": [
+            *range(rows.TIME, rows.TIME + rows.LOG_STATE),
+            *(b + row for b in bodies for row in MOTION),
+        ],
         "angles": _angles(plant, number),
         "ends": ends.end.tolist(),
         "fin": ends.fin.tolist(),
         "width": [module.section.half_width for module in plant.robot.modules],
         "limits": [joint.limit for joint in plant.robot.joints],
         "dt": none.dt,
-        # Rate at which the drag stops each element, which limits the step: (p + q C) / (m + k C'), C and C' variables.
+        # Rate at which the drag stops each element, which limits the step: (p + q C) / (m + k C'),
+        # C and C' variables.
         "slopes": [
             row
             for (p, m), (c, mass), of in zip(none.stopping(), one.stopping(), cycle(water[1::-1]))
-            for row in np.stack(np.broadcast_arrays(p, c - p, of, m, mass - m, water[2]), axis=1).tolist()
+            for row in np.stack(
+                np.broadcast_arrays(p, c - p, of, m, mass - m, water[2]), axis=1
+            ).tolist()
         ],
         "kinds": {kind: _kind(plant, kind) for kind in ("lateral_undulation", "eel_like")},
     }
@@ -165,7 +210,9 @@ def _in_waters(given: lc.Scenario) -> Iterator[lc.Scenario]:
     """Yield the scenario in its own water, then with all coefficients 0 and 1; in between, all is linear."""
     yield given
     for value in (0.0, 1.0):
-        yield replace(given, environment=replace(cast(Any, given.environment), **dict.fromkeys(WATER, value)))
+        yield replace(
+            given, environment=replace(cast(Any, given.environment), **dict.fromkeys(WATER, value))
+        )
 
 
 def _kind(plant: PlanarPlant, kind: str) -> dict[str, Any]:
@@ -186,6 +233,9 @@ def _angles(plant: PlanarPlant, number: dict[str, int]) -> list[list[tuple[int, 
     """Return the variables and factors that sum to the angle of each fin piece, last one first, and each link."""
     tail, joints = [(number["link_angle[0]"], 1.0)], plant.robot.fin_joints
     n_pieces = kinematics.levers(plant.robot).end.shape[1] - plant.robot.n_links
-    bends = [[(number[f"fin_angle[{k}]"], -1.0) for k in joints if k <= piece] for piece in range(n_pieces)]
+    bends = [
+        [(number[f"fin_angle[{k}]"], -1.0) for k in joints if k <= piece]
+        for piece in range(n_pieces)
+    ]
     links = ([(number[f"link_angle[{i}]"], 1.0)] for i in range(plant.robot.n_links))
     return [*(tail + bent for bent in reversed(bends)), *links]

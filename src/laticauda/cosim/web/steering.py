@@ -1,7 +1,7 @@
 """Path following on a web page: one control instant as a formula, built from the functions of `laticauda.control`.
 
-It is compiled in the same way as laws. The page itself stores data of variable length: waypoints, and the headings of
-a gait cycle.
+It is compiled in the same way as laws. The page itself stores data of variable length: waypoints,
+and the headings of a gait cycle.
 """
 
 # pyright: basic
@@ -25,7 +25,8 @@ from laticauda.control.paths import Polyline, seen_from
 from laticauda.cosim.native import entry
 from laticauda.formulas import Formula
 
-# Current values; ends of the leg; first, second and last heading and start of the window; laws and their memory.
+# Current values; ends of the leg; first, second and last heading and start of the window; laws and
+# their memory.
 NUMBERS = (
     *("x", "y", "heading", "time", "x0", "y0", "x1", "y1"),
     *("t1", "heading1", "integral1", "t2", "heading2", "t3", "heading3", "integral3", "begin"),
@@ -35,7 +36,10 @@ NAME = "laticauda_steer"
 """Name of the compiled function."""
 RESULTS = "offset", "is_saturated", "integral", "error", "heading_ref", "heading_integral", "beyond"
 """Names of the results of `instant`."""
-_Legs, _Frame = namedtuple("_Legs", "waypoints"), namedtuple("_Frame", "cross_track_error path_tangential_angle")
+_Legs, _Frame = (
+    namedtuple("_Legs", "waypoints"),
+    namedtuple("_Frame", "cross_track_error path_tangential_angle"),
+)
 _angle, _aim, _turn = Polyline.angle, IntegralLineOfSight.step, HeadingController.offset
 
 

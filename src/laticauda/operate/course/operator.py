@@ -1,7 +1,7 @@
 """One operation as a pure tick: from inputs and time to outputs, without clock, bus or threads.
 
-`safety.supervisor` has the table of its phases and of the supervisor's states; `preparing` has the phases before the
-run.
+`safety.supervisor` has the table of its phases and of the supervisor's states; `preparing` has the
+phases before the run.
 """
 
 from collections.abc import Mapping
@@ -18,13 +18,22 @@ from laticauda.operate.course.reference_source import ReferenceSource
 from laticauda.operate.course.state import Inputs, OperatorState, Outputs, Prepared, take_in
 from laticauda.operate.recording.entries import Decision, Entry, Event
 from laticauda.operate.safety.limits import Reports, compare, no_reports, within_limits
-from laticauda.operate.safety.supervisor import BY_EVENT, Reaction, Supervisor, cause_of, phase_after, phase_with
+from laticauda.operate.safety.supervisor import (
+    BY_EVENT,
+    Reaction,
+    Supervisor,
+    cause_of,
+    phase_after,
+    phase_with,
+)
 from laticauda.operate.settings import Operation
 from laticauda.protocol import CanMessage, EmergencyStop, NodeCommand, Order, Sync, references
 from laticauda.robot import Robot
 
 REPEAT = 0.1  # time after which orders that are not yet obeyed are repeated [s]
-STRAIGHT_SHARE = 0.7  # share of the straightening time in which the references move; then the joints catch up
+STRAIGHT_SHARE = (
+    0.7  # share of the straightening time in which the references move; then the joints catch up
+)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -66,7 +75,9 @@ class Operator:
         """The state estimation."""
         mount = self.operation.calibration.mount
         if self.operation.estimator == "kinematics" or self.operation.in_space:
-            return KinematicEstimator(robot=self.robot, mount=mount, in_space=self.operation.in_space)
+            return KinematicEstimator(
+                robot=self.robot, mount=mount, in_space=self.operation.in_space
+            )
         lost_after = self.operation.limits.mocap_timeout
         return Estimator(robot=self.robot, mount=mount, plant=self.twin, lost_after=lost_after)
 
@@ -82,7 +93,9 @@ class Operator:
             prepared=Prepared(),
         )
 
-    def tick(self, state: OperatorState, now: float, inputs: Inputs) -> tuple[OperatorState, Outputs]:
+    def tick(
+        self, state: OperatorState, now: float, inputs: Inputs
+    ) -> tuple[OperatorState, Outputs]:
         """Perform one tick.
 
         Args:
@@ -105,10 +118,21 @@ class Operator:
         found: list[Entry] = list(samples)
         if state.estimate is not None:
             found.append(state.estimate)
-            if state.reference.n_decisions > before.reference.n_decisions and state.reference.command is not None:
+            if (
+                state.reference.n_decisions > before.reference.n_decisions
+                and state.reference.command is not None
+            ):
                 signals = self.reference_source.signals(state.reference)
-                found.append(Decision(time=state.estimate.time, command=state.reference.command, signals=signals))
-        found += (*events, *(_event(entry, wrong) for entry in reacted), *_milestones(before, state, now))
+                found.append(
+                    Decision(
+                        time=state.estimate.time, command=state.reference.command, signals=signals
+                    )
+                )
+        found += (
+            *events,
+            *(_event(entry, wrong) for entry in reacted),
+            *_milestones(before, state, now),
+        )
         return replace(state, now=now), Outputs(messages=messages, entries=tuple(found))
 
     def _monitored(
@@ -140,7 +164,11 @@ class Operator:
         error = state.error or before.error  # that of the controller is from the last tick
         if error:
             found["program_error"] = error
-        if state.phase == "running" and "lost_meter" in wrong and "lost_meter" not in state.supervisor.present:
+        if (
+            state.phase == "running"
+            and "lost_meter" in wrong
+            and "lost_meter" not in state.supervisor.present
+        ):
             state = replace(state, notes=(*state.notes, f"lost_meter: {wrong['lost_meter']}"))
         return replace(state, limits=limits), {**wrong, **found}
 
@@ -160,7 +188,11 @@ class Operator:
             return state, ("checked",)
         if state.phase == "countdown" and gone >= self.operation.countdown:
             return state, ("started",)
-        if state.phase == "running" and state.begun is not None and now - state.begun >= self.operation.duration:
+        if (
+            state.phase == "running"
+            and state.begun is not None
+            and now - state.begun >= self.operation.duration
+        ):
             return state, ("ended",)
         return state, ()
 
@@ -174,7 +206,9 @@ class Operator:
         at_rest = not np.any(state.reference.references)
         is_straight = at_rest and bool(np.all(np.abs(angle) < limits.straight))
         events = {*wrong, *requests}
-        after, entries = self.supervisor.step(before, now, events, is_straight=is_straight, is_limp=is_limp)
+        after, entries = self.supervisor.step(
+            before, now, events, is_straight=is_straight, is_limp=is_limp
+        )
         state = replace(state, supervisor=after)
         if after.state != before.state:
             phase = phase_with(state.phase, before.state, after.state)
@@ -185,7 +219,9 @@ class Operator:
             if is_sure or now - after.since > self.supervisor.within("limp"):
                 state = replace(state, phase=phase_after("stopping", "settled"), since=now)
         elif after.state == "idle" and state.phase != "done":
-            why = next((event for event in wrong if event in BY_EVENT and event != "lost_meter"), "")
+            why = next(
+                (event for event in wrong if event in BY_EVENT and event != "lost_meter"), ""
+            )
             state = replace(state, failure=f"{cause_of(why)}: {wrong[why]}") if why else state
         return state, entries
 
@@ -194,7 +230,9 @@ class Operator:
         source, reference = self.reference_source, state.reference
         entered = state.supervisor.state
         if entered == "ready":
-            return replace(state, reference=source.start_straightening(reference, now, state.modules.angle))
+            return replace(
+                state, reference=source.start_straightening(reference, now, state.modules.angle)
+            )
         if entered == "running":
             return replace(state, since=now, begun=now, reference=source.begin(reference, now))
         if entered in ("stopping", "fault"):
@@ -219,7 +257,9 @@ class Operator:
         except Exception as error:  # the next tick stops the robot; until then it holds
             return replace(state, error=f"controller: {error}")
 
-    def _with_orders(self, state: OperatorState, now: float) -> tuple[OperatorState, tuple[CanMessage, ...]]:
+    def _with_orders(
+        self, state: OperatorState, now: float
+    ) -> tuple[OperatorState, tuple[CanMessage, ...]]:
         """Return the messages of this tick: orders first, then references, and the Sync last."""
         orders: list[CanMessage] = []
         supervisor, modules = state.supervisor, state.modules
@@ -239,8 +279,12 @@ class Operator:
                 state = replace(state, prepared=replace(state.prepared, sets_zero=False))
         if supervisor.action == "emergency_stop" and supervisor.since == now and not orders:
             orders.append(stop)
-        angles = references(state.reference.references.tolist()) if supervisor.sends_references else ()
-        state = replace(state, ordered=now if orders else state.ordered, sync=(state.sync + 1) % 65536)
+        angles = (
+            references(state.reference.references.tolist()) if supervisor.sends_references else ()
+        )
+        state = replace(
+            state, ordered=now if orders else state.ordered, sync=(state.sync + 1) % 65536
+        )
         return state, (*orders, *angles, Sync(counter=state.sync))
 
 
@@ -252,7 +296,11 @@ def _milestones(before: OperatorState, state: OperatorState, now: float) -> list
         found.append(Event(time=now, kind="start", message="the run begins", data=clock))
     if state.ended is not None and before.ended is None:
         cause = state.supervisor.cause
-        message = f"The run was ended: {cause_of(cause)}." if cause in BY_EVENT else "The run reached its end."
+        message = (
+            f"The run was ended: {cause_of(cause)}."
+            if cause in BY_EVENT
+            else "The run reached its end."
+        )
         data = {"succeeded": not state.supervisor.is_fault, **clock}
         found.append(Event(time=now, kind="stop", message=message, data=data))
     if state.phase != before.phase:
@@ -267,5 +315,10 @@ def _event(entry: Reaction, wrong: Mapping[str, str]) -> Event:
         time=entry.time,
         kind="fault" if rule is not None and rule.is_fault else "state",
         message=f"{cause_of(entry.event)}{': ' + detail if detail else ''}; {entry.action.replace('_', ' ')}",
-        data={"event": entry.event, "action": entry.action, "before": entry.before, "after": entry.after},
+        data={
+            "event": entry.event,
+            "action": entry.action,
+            "before": entry.before,
+            "after": entry.after,
+        },
     )

@@ -76,7 +76,9 @@ def _connecting(operation: Operation, state: OperatorState, now: float) -> Answe
             "the robot is within its volume"
         )
     if connection.meter_address and state.reading is None:
-        missing.append(f"the power meter at {connection.meter_address} is silent: check that it is on and connected")
+        missing.append(
+            f"the power meter at {connection.meter_address} is silent: check that it is on and connected"
+        )
     if not missing:
         return _done(state, now, "connected", f"{modules.n} modules and the motion capture respond")
     if _gone(state, now) > CONNECT_TIME:
@@ -87,7 +89,9 @@ def _connecting(operation: Operation, state: OperatorState, now: float) -> Answe
 def _checking(operation: Operation, state: OperatorState, now: float) -> Answer:
     """Check every module: firmware state, temperature, leak, voltage, and that it is limp."""
     limits = operation.limits
-    found = complaints(state.modules, max_temperature=limits.max_temperature, min_voltage=limits.min_voltage)
+    found = complaints(
+        state.modules, max_temperature=limits.max_temperature, min_voltage=limits.min_voltage
+    )
     if not found and state.modules.is_limp(now, limits.heartbeat_timeout):
         beats = [beat for beat in state.modules.heartbeat if beat is not None]
         warm, low = max(beat.temperature for beat in beats), min(beat.voltage for beat in beats)
@@ -117,7 +121,9 @@ def _calibrating(operation: Operation, state: OperatorState, now: float) -> Answ
     if how.straight_heading is not None:
         rotation = np.array(prepared.rotation).reshape(-1, 3, 3)
         if len(rotation) < LEAST_FRAMES:
-            raise CalibrationFailed("The marker body cannot be calibrated: the motion capture hardly sees it.")
+            raise CalibrationFailed(
+                "The marker body cannot be calibrated: the motion capture hardly sees it."
+            )
         yaw = marker_yaw(rotation, heading=how.straight_heading - operation.tank.path_heading)
         words.append(f"marker body at {math.degrees(yaw):+.2f} deg to its module")
         prepared = replace(prepared, marker_turned=wrap_to_pi(yaw - how.marker_yaw))
@@ -133,7 +139,9 @@ def _idle_current(operation: Operation, state: OperatorState, now: float) -> Ans
         return state, ()
     mean = state.idle.mean
     if mean is None:
-        return _given_up(state, now, "The power meter fell silent while the current at rest was measured.")
+        return _given_up(
+            state, now, "The power meter fell silent while the current at rest was measured."
+        )
     message = f"I_0 = {mean:.3f} A from {state.idle.count} readings"
     return _done(state, now, "measured", message, current=mean, readings=state.idle.count)
 
@@ -141,18 +149,31 @@ def _idle_current(operation: Operation, state: OperatorState, now: float) -> Ans
 def _settling(operation: Operation, state: OperatorState, now: float) -> Answer:
     """Hold the robot straight until the water is calm and the robot is where it is to start."""
     how, estimate = operation.calibration, state.estimate
-    if state.supervisor.state == "idle":  # not yet granted because something is wrong; wait, but not forever
+    if (
+        state.supervisor.state == "idle"
+    ):  # not yet granted because something is wrong; wait, but not forever
         if _gone(state, now) > GRANT_TIME:
-            why = ", ".join(sorted(state.supervisor.present)).replace("_", " ") or "a module does not answer."
+            why = (
+                ", ".join(sorted(state.supervisor.present)).replace("_", " ")
+                or "a module does not answer."
+            )
             return _given_up(state, now, f"The robot must not move: {why}")
         return state, ()
     if _gone(state, now) > how.patience:
-        return _given_up(state, now, f"The robot was not still for {how.still_time:g} s within {how.patience:g} s.")
+        return _given_up(
+            state,
+            now,
+            f"The robot was not still for {how.still_time:g} s within {how.patience:g} s.",
+        )
     if estimate is None or state.supervisor.state != "ready" or np.any(state.reference.references):
         return replace(state, prepared=replace(state.prepared, places=())), ()
     if state.now is not None and now - state.now > LATE / operation.rate:
         return state, ()
-    start = (float(estimate.center_of_mass[0]), float(estimate.center_of_mass[1]), float(estimate.heading))
+    start = (
+        float(estimate.center_of_mass[0]),
+        float(estimate.center_of_mass[1]),
+        float(estimate.heading),
+    )
     still = {"speed": how.still_speed, "rate": how.still_rate, "duration": how.still_time}
     places, is_still = stayed(state.prepared.places, now, start, **still)
     state = replace(state, prepared=replace(state.prepared, places=places, start=_mean(places)))
@@ -168,7 +189,11 @@ def _settling(operation: Operation, state: OperatorState, now: float) -> Answer:
 
 def _mean(places: Places) -> tuple[float, float, float]:
     n = len(places)
-    return sum(p[1] for p in places) / n, sum(p[2] for p in places) / n, sum(p[3] for p in places) / n
+    return (
+        sum(p[1] for p in places) / n,
+        sum(p[2] for p in places) / n,
+        sum(p[3] for p in places) / n,
+    )
 
 
 def _off_place(operation: Operation, place: tuple[float, float, float]) -> str:
@@ -193,10 +218,12 @@ _PHASES = _connecting, _checking, _calibrating, _idle_current, _settling
 _STEPS = {phase.__name__.removeprefix("_"): phase for phase in _PHASES}
 
 
-# ---- what is measured before a run -----------------------------------------------------------------------------------
+# ---- what is measured before a run ---------------------------------------------------------------
 
 
-def joint_zeros(angle: Float[np.ndarray, "n_samples n_joints"], *, largest: float) -> Float[np.ndarray, " n_joints"]:
+def joint_zeros(
+    angle: Float[np.ndarray, "n_samples n_joints"], *, largest: float
+) -> Float[np.ndarray, " n_joints"]:
     """Return what every joint reports while the robot lies straight: the median of the samples.
 
     Args:
@@ -211,7 +238,9 @@ def joint_zeros(angle: Float[np.ndarray, "n_samples n_joints"], *, largest: floa
     """
     if not np.isfinite(angle).any(axis=0).all():
         node = int(np.argmin(np.isfinite(angle).any(axis=0))) + 1
-        raise CalibrationFailed(f"The joint zeros cannot be measured: module {node} did not report its angle.")
+        raise CalibrationFailed(
+            f"The joint zeros cannot be measured: module {node} did not report its angle."
+        )
     zero = np.nanmedian(angle, axis=0)
     worst = int(np.argmax(np.abs(zero)))
     if abs(zero[worst]) > largest:
@@ -225,8 +254,8 @@ def joint_zeros(angle: Float[np.ndarray, "n_samples n_joints"], *, largest: floa
 def marker_yaw(rotation: Float[np.ndarray, "n_samples 3 3"], *, heading: float) -> float:
     """Return the direction of the marker body relative to its module, from the straight robot.
 
-    All links of a straight robot point the same way, so the module's direction is the robot's, which is known: it lies
-    along a wall, or along a rope.
+    All links of a straight robot point the same way, so the module's direction is the robot's,
+    which is known: it lies along a wall, or along a rope.
 
     Args:
         rotation: Rotations from the marker body to the tank frame [-].
@@ -239,14 +268,22 @@ def marker_yaw(rotation: Float[np.ndarray, "n_samples 3 3"], *, heading: float) 
         CalibrationFailed: If there is no sample.
     """
     if not len(rotation):
-        raise CalibrationFailed("The marker body cannot be calibrated: the motion capture did not see it.")
+        raise CalibrationFailed(
+            "The marker body cannot be calibrated: the motion capture did not see it."
+        )
     yaw = np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0])
     mean = math.atan2(float(np.mean(np.sin(yaw))), float(np.mean(np.cos(yaw))))
     return wrap_to_pi(mean - heading)
 
 
 def stayed(
-    places: Places, now: float, place: tuple[float, float, float], *, speed: float, rate: float, duration: float
+    places: Places,
+    now: float,
+    place: tuple[float, float, float],
+    *,
+    speed: float,
+    rate: float,
+    duration: float,
 ) -> tuple[Places, bool]:
     """Return whether something has been still for long enough, after one more look.
 
@@ -270,5 +307,7 @@ def stayed(
     late = [place for place in places if place[0] > middle]
     if places[0][0] > begin + 0.1 * duration or not early or not late:
         return places, False
-    gone, *way = (fmean(place[i] for place in late) - fmean(place[i] for place in early) for i in range(4))
+    gone, *way = (
+        fmean(place[i] for place in late) - fmean(place[i] for place in early) for i in range(4)
+    )
     return places, math.hypot(way[0], way[1]) / gone <= speed and abs(way[2] / gone) <= rate

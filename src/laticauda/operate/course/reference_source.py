@@ -56,14 +56,18 @@ class ReferenceSource:
     def generator(self) -> gaits.Generator:
         """The reference generator."""
         axes = tuple(joint.axis for joint in self.robot.joints)
-        return gaits.Generator(n_links=self.robot.n_links, axes=axes, bandwidth=self.offset_bandwidth, ramp=self.ramp)
+        return gaits.Generator(
+            n_links=self.robot.n_links, axes=axes, bandwidth=self.offset_bandwidth, ramp=self.ramp
+        )
 
     def init(self) -> ReferenceState:
         """Return the initial state: straight."""
         straight = np.zeros(len(self.robot.driven_joints))
         return ReferenceState(references=straight, origin=straight)
 
-    def start_straightening(self, state: ReferenceState, now: float, angle: References) -> ReferenceState:
+    def start_straightening(
+        self, state: ReferenceState, now: float, angle: References
+    ) -> ReferenceState:
         """Start straightening.
 
         Args:
@@ -97,7 +101,9 @@ class ReferenceSource:
             time=now,
         )
 
-    def decide(self, state: ReferenceState, now: float, observation: interfaces.Observation) -> ReferenceState:
+    def decide(
+        self, state: ReferenceState, now: float, observation: interfaces.Observation
+    ) -> ReferenceState:
         """Let the controller decide, if a decision is due.
 
         Args:
@@ -111,7 +117,9 @@ class ReferenceSource:
         due = state.due + self.controller.interval
         due = due if due > now else now
         decided = state.n_decisions + 1
-        return replace(state, controller_state=controller_state, command=command, due=due, n_decisions=decided)
+        return replace(
+            state, controller_state=controller_state, command=command, due=due, n_decisions=decided
+        )
 
     def follow(self, state: ReferenceState, now: float) -> ReferenceState:
         """Compute the references at this moment.
@@ -124,9 +132,15 @@ class ReferenceSource:
         gait = state.command.steered
         generator = self.generator.step(state.generator, gait, now - state.time)
         fin = self.generator.fin(generator, gait)[0]
-        references = np.append(self.generator.joints(generator, gait)[0], fin)[: state.references.size]
+        references = np.append(self.generator.joints(generator, gait)[0], fin)[
+            : state.references.size
+        ]
         return replace(state, references=references, generator=generator, time=now)
 
     def signals(self, state: ReferenceState) -> dict[str, float]:
         """Return the controller's signals; empty before the run, or if it has none."""
-        return {} if state.controller_state is None else dict(self.controller.signals(state.controller_state))
+        return (
+            {}
+            if state.controller_state is None
+            else dict(self.controller.signals(state.controller_state))
+        )

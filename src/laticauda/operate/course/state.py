@@ -7,7 +7,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from laticauda import kinematics, protocol
-from laticauda.estimation import Estimate, JointSample, PoseSample, ReferenceSample, Sample, StateEstimator
+from laticauda.estimation import (
+    Estimate,
+    JointSample,
+    PoseSample,
+    ReferenceSample,
+    Sample,
+    StateEstimator,
+)
 from laticauda.operate.course.reference_source import ReferenceState
 from laticauda.operate.recording.entries import Entry, Event, Measurement, PowerReading
 from laticauda.operate.safety.limits import LimitState, Modules, updated
@@ -34,12 +41,15 @@ class ClockState(NamedTuple):
         return min(self.smallest, self.before)
 
 
-def clock_after(state: ClockState | None, arrival: float, stamp: float, window: float = CLOCK_WINDOW) -> ClockState:
+def clock_after(
+    state: ClockState | None, arrival: float, stamp: float, window: float = CLOCK_WINDOW
+) -> ClockState:
     """Update what is known about the difference of two clocks with one more frame.
 
-    A frame is never early: its arrival on our own clock minus its stamp is the offset plus a latency >= 0. The smallest
-    difference of the last seconds is the best estimate; it includes the smallest latency. Older ones are forgotten:
-    clocks drift, and the cameras' clock may jump when their computer stalls or the measurement is restarted.
+    A frame is never early: its arrival on our own clock minus its stamp is the offset plus a
+    latency >= 0. The smallest difference of the last seconds is the best estimate; it includes the
+    smallest latency. Older ones are forgotten: clocks drift, and the cameras' clock may jump when
+    their computer stalls or the measurement is restarted.
 
     Args:
         state: State returned by the last call; None: nothing is known.
@@ -180,11 +190,15 @@ class OperatorState:
         return self.phase == "done"
 
 
-# ---- what came in ----------------------------------------------------------------------------------------------------
+# ---- what came in --------------------------------------------------------------------------------
 
 
 def take_in(
-    operation: Operation, estimator: StateEstimator, state: OperatorState, now: float, inputs: Inputs
+    operation: Operation,
+    estimator: StateEstimator,
+    state: OperatorState,
+    now: float,
+    inputs: Inputs,
 ) -> tuple[OperatorState, tuple[Measurement, ...]]:
     """Take in the inputs of a tick, and update the estimate.
 
@@ -196,19 +210,29 @@ def take_in(
         inputs: Data received since the last tick.
 
     Returns:
-        The new state; and the samples that the estimator got, in that order, then the power meter's readings.
+        The new state; and the samples that the estimator got, in that order, then the power meter's
+        readings.
     """
     modules = updated(state.modules, inputs.messages)
-    samples: list[Sample] = [*_references(state), *(_joints(state, modules) if inputs.messages else ())]
+    samples: list[Sample] = [
+        *_references(state),
+        *(_joints(state, modules) if inputs.messages else ()),
+    ]
     for arrival, frame in inputs.frames:
         clock = clock_after(state.clock, arrival, frame.time)
         pose = _pose(operation.tank, frame, clock.offset, state.prepared.marker_turned)
         samples.append(pose)
-        state = replace(state, clock=clock, frame_time=state.frame_time if pose.is_lost else arrival)
-    rotations = tuple(s.rotation for s in samples if isinstance(s, PoseSample) and s.rotation is not None)
+        state = replace(
+            state, clock=clock, frame_time=state.frame_time if pose.is_lost else arrival
+        )
+    rotations = tuple(
+        s.rotation for s in samples if isinstance(s, PoseSample) and s.rotation is not None
+    )
     if state.phase == "calibrating":
         rotations = (*state.prepared.rotation, *rotations)
-    state = replace(state, modules=modules, error="", prepared=replace(state.prepared, rotation=rotations))
+    state = replace(
+        state, modules=modules, error="", prepared=replace(state.prepared, rotation=rotations)
+    )
     for reading in inputs.readings:
         idle = state.idle.step(reading.current) if state.phase == "idle_current" else state.idle
         drawn = state.drawn.step(reading.current) if state.phase == "running" else state.drawn
@@ -220,12 +244,18 @@ def _pose(tank: CaptureVolume, frame: PoseSample, offset: float, turned: float) 
     """Convert a frame to our clock, to the path frame, and to a marker body mounted as in the trial file."""
     rotation = frame.rotation
     if rotation is not None:
-        rotation = kinematics.turn("yaw", -tank.path_heading) @ rotation @ kinematics.turn("yaw", -turned)
+        rotation = (
+            kinematics.turn("yaw", -tank.path_heading) @ rotation @ kinematics.turn("yaw", -turned)
+        )
     position = tank.to_path(frame.position)
-    return PoseSample(time=frame.time + offset, position=position, rotation=rotation, residual=frame.residual)
+    return PoseSample(
+        time=frame.time + offset, position=position, rotation=rotation, residual=frame.residual
+    )
 
 
-def _estimated(estimator: StateEstimator, state: OperatorState, now: float, samples: list[Sample]) -> OperatorState:
+def _estimated(
+    estimator: StateEstimator, state: OperatorState, now: float, samples: list[Sample]
+) -> OperatorState:
     """Update the estimate with the samples; an error in it stops the robot, not the program."""
     try:
         after = estimator.steps(state.estimator, samples)
@@ -238,7 +268,11 @@ def _references(state: OperatorState) -> tuple[ReferenceSample, ...]:
     """Return the references that were sent at the last tick."""
     if state.now is None or not state.supervisor.sends_references:
         return ()
-    gait = state.reference.command.gait if state.phase == "running" and state.reference.command else None
+    gait = (
+        state.reference.command.gait
+        if state.phase == "running" and state.reference.command
+        else None
+    )
     frequency = 0.0 if gait is None else gait.frequency
     return (ReferenceSample(time=state.now, angle=state.reference.references, frequency=frequency),)
 
@@ -248,5 +282,7 @@ def _joints(state: OperatorState, modules: Modules) -> tuple[JointSample, ...]:
     fresh = modules.angle_time >= (np.inf if state.now is None else state.now)
     if state.now is None or not fresh.any():
         return ()
-    angle, rate, torque = (np.where(fresh, one, np.nan) for one in (modules.angle, modules.rate, modules.torque))
+    angle, rate, torque = (
+        np.where(fresh, one, np.nan) for one in (modules.angle, modules.rate, modules.torque)
+    )
     return (JointSample(time=state.now, angle=angle, rate=rate, torque=torque),)

@@ -1,17 +1,21 @@
 """Drivers: the contract between the loop of an operation and a device, for each kind of device.
 
-A driver is a subclass of `Bus`, `MotionCapture`, `Meter` or `StopInput`. It is known by its name (`called`, or the name
-of the class with hyphens) if it comes with the package, or if an installed package names it in an entry point of the
-group ``laticauda.drivers.KIND``; nothing else is imported for a name. Every driver obeys these rules:
+A driver is a subclass of `Bus`, `MotionCapture`, `Meter` or `StopInput`. It is known by its name
+(`called`, or the name of the class with hyphens) if it comes with the package, or if an installed
+package names it in an entry point of the group ``laticauda.drivers.KIND``; nothing else is imported
+for a name. Every driver obeys these rules:
 
-- It is created with an address, a text that it parses itself, and the clock of the operation. Its constructor returns
-  within 10 s, connected, or raises a `DeviceFailed` whose message says what was tried and what to check.
-- `work` is called repeatedly in a separate thread (`Worker`), and returns within some tenths of a second, or when
-  `_ended` is set. An exception in it becomes a sentence in `trouble`, and it is called again after half a second, so
-  that a broken connection is restored.
-- Received data are appended to `_found` with the time of arrival on the operation's clock, which is not wall time if
-  that clock has a `speed`. `receive` hands them over and never waits; nor does any other method that the loop calls.
-- Data from the wire are not trusted: invalid data are dropped, and never cause an exception in the loop.
+- It is created with an address, a text that it parses itself, and the clock of the operation. Its
+  constructor returns within 10 s, connected, or raises a `DeviceFailed` whose message says what was
+  tried and what to check.
+- `work` is called repeatedly in a separate thread (`Worker`), and returns within some tenths of a
+  second, or when `_ended` is set. An exception in it becomes a sentence in `trouble`, and it is
+  called again after half a second, so that a broken connection is restored.
+- Received data are appended to `_found` with the time of arrival on the operation's clock, which is
+  not wall time if that clock has a `speed`. `receive` hands them over and never waits; nor does any
+  other method that the loop calls.
+- Data from the wire are not trusted: invalid data are dropped, and never cause an exception in the
+  loop.
 - `close` ends the thread, and `release` frees what the device holds.
 
 `laticauda.operate.drivers.contract` tests a driver against these rules.
@@ -72,9 +76,10 @@ class Driver(Worker[T]):
 class Bus(Driver[Frame], Extensible, group="drivers.bus"):
     """The modules' bus. `receive` returns frames, whose messages are `JointState` and `Heartbeat`, by node.
 
-    A bus other than that of `mamba.dbc` behaves the same: node 1 is the joint nearest the tail; every `Sync` is
-    answered with a `JointState` of every node, and a `Heartbeat` comes ten times a second. A joint without references
-    is held for a second at most, and then limp; the device ensures this, or the driver if the device cannot.
+    A bus other than that of `mamba.dbc` behaves the same: node 1 is the joint nearest the tail;
+    every `Sync` is answered with a `JointState` of every node, and a `Heartbeat` comes ten times a
+    second. A joint without references is held for a second at most, and then limp; the device
+    ensures this, or the driver if the device cannot.
     """
 
     @property
@@ -90,8 +95,9 @@ class Bus(Driver[Frame], Extensible, group="drivers.bus"):
 class MotionCapture(Driver[tuple[float, PoseSample]], Extensible, group="drivers.mocap"):
     """The rigid body on the robot, as seen by cameras. `receive` returns arrival times with poses in the tank frame.
 
-    A pose's own time is on the cameras' clock, whose offset the operation finds. A frame in which the body is not seen
-    has nan in its position; at the beginning, it is an error only if there is no such body. A pose is never repeated.
+    A pose's own time is on the cameras' clock, whose offset the operation finds. A frame in which
+    the body is not seen has nan in its position; at the beginning, it is an error only if there is
+    no such body. A pose is never repeated.
 
     Args:
         address: Address of the motion capture.
@@ -114,8 +120,8 @@ class Meter(Driver[PowerReading], Extensible, group="drivers.meter"):
 class StopInput(Driver[str], Extensible, group="drivers.stop"):
     """The emergency-stop input. `receive` returns why the robot must stop, and nothing while all is well.
 
-    It is queried at every tick, and is fail-safe: a contact that is open, however briefly, a line that is lost and a
-    `work` that does not return are reasons to stop.
+    It is queried at every tick, and is fail-safe: a contact that is open, however briefly, a line
+    that is lost and a `work` that does not return are reasons to stop.
     """
 
     OLDEST = 0.25
@@ -143,7 +149,9 @@ class StopInput(Driver[str], Extensible, group="drivers.stop"):
     def receive(self) -> tuple[str, ...]:
         """Return why the robot must stop, as seen since the last call."""
         age = time.monotonic() - self._looked
-        return super().receive() or ((f"it was last read {age:.2f} s ago",) if age > self.OLDEST else ())
+        return super().receive() or (
+            (f"it was last read {age:.2f} s ago",) if age > self.OLDEST else ()
+        )
 
 
 KINDS: dict[str, Any] = {"bus": Bus, "mocap": MotionCapture, "meter": Meter, "stop": StopInput}
@@ -160,7 +168,8 @@ def driver_named(kind: str, name: str, address: str) -> Any:
 
     Raises:
         DeviceFailed: If its package cannot be loaded.
-        ValueError: If there is no driver of this name, or the address is invalid; it names `kind`, or ``KIND_address``.
+        ValueError: If there is no driver of this name, or the address is invalid; it names `kind`,
+            or ``KIND_address``.
     """
     try:
         found = KINDS[kind].named(name)
@@ -181,5 +190,7 @@ def host_and_port(address: str) -> tuple[str, int]:
     """
     host, _, port = address.rpartition(":")
     if not host or not (port.isascii() and port.isdigit() and 0 < int(port) < 65536):
-        raise BadArgument("address", f"must be HOST:PORT, with a port from 1 to 65535, got {address!r}")
+        raise BadArgument(
+            "address", f"must be HOST:PORT, with a port from 1 to 65535, got {address!r}"
+        )
     return hostname("address", host), int(port)

@@ -9,7 +9,15 @@ from typing import Any
 
 from laticauda.files import read_toml
 from laticauda.operate.drivers.base import Bus, Frame
-from laticauda.protocol import BusFailed, CanMessage, bus_address, from_frame, from_node, open_bus, to_frame
+from laticauda.protocol import (
+    BusFailed,
+    CanMessage,
+    bus_address,
+    from_frame,
+    from_node,
+    open_bus,
+    to_frame,
+)
 from laticauda.protocol.worker import Clock, DeviceFailed
 
 POLL = 0.05  # longest wait for a frame [s, wall clock]
@@ -61,7 +69,9 @@ class CanDriver(Bus):
         if not from_node(frame.arbitration_id):
             return  # our own, returned by udp_multicast
         wire = frame.arbitration_id, bytes(frame.data)
-        self._found.append(Frame(self._clock.now(), *wire, is_ours=False, message=from_frame(frame)))
+        self._found.append(
+            Frame(self._clock.now(), *wire, is_ours=False, message=from_frame(frame))
+        )
 
     def send(self, messages: Iterable[CanMessage]) -> tuple[Frame, ...]:
         """Send messages in this order.

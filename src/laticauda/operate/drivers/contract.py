@@ -1,6 +1,7 @@
 """Tests of a single driver: what comes from it, and whether it obeys the rules of `laticauda.operate.drivers.base`.
 
-A driver's test is one line, with the device or its emulator connected; `absent` is an address without a device:
+A driver's test is one line, with the device or its emulator connected; `absent` is an address
+without a device:
 
     assert contract.broken("mocap", "mine@127.0.0.1:9870", absent="mine@127.0.0.1:1") == ()
 """
@@ -17,7 +18,15 @@ import numpy as np
 from laticauda.operate.drivers.base import Clock, DeviceFailed, Frame
 from laticauda.operate.recording.entries import PowerReading
 from laticauda.operate.settings import Connection
-from laticauda.protocol import EmergencyStop, Heartbeat, JointState, NodeCommand, Order, Sync, references
+from laticauda.protocol import (
+    EmergencyStop,
+    Heartbeat,
+    JointState,
+    NodeCommand,
+    Order,
+    Sync,
+    references,
+)
 
 TICK = 0.01  # [s]
 LONGEST = 0.05  # time that a call of the loop may take [s]
@@ -37,7 +46,9 @@ class Heard(NamedTuple):
     """Value that the loop would get."""
 
 
-def listen(driver: Any, clock: Clock, duration: float, *, messages: Any = ()) -> tuple[list[Heard], float]:
+def listen(
+    driver: Any, clock: Clock, duration: float, *, messages: Any = ()
+) -> tuple[list[Heard], float]:
     """Act as the loop for a while: call `receive` a hundred times a second; a bus is sent a `Sync` each time.
 
     Args:
@@ -64,7 +75,11 @@ def listen(driver: Any, clock: Clock, duration: float, *, messages: Any = ()) ->
 def _heard(one: Any, now: float) -> Heard:
     if isinstance(one, Frame):
         node = getattr(one.message, "node", None)
-        what = f"frame {one.identifier:#05x}" if node is None else f"{type(one.message).__name__} of node {node}"
+        what = (
+            f"frame {one.identifier:#05x}"
+            if node is None
+            else f"{type(one.message).__name__} of node {node}"
+        )
         return Heard(what, one.time, one.message)
     if isinstance(one, PowerReading):
         return Heard("reading", one.time, one)
@@ -74,7 +89,13 @@ def _heard(one: Any, now: float) -> Heard:
 
 
 def broken(
-    kind: str, device: str, *, absent: str = "", body: str = "", duration: float = 2.0, moves: bool = False
+    kind: str,
+    device: str,
+    *,
+    absent: str = "",
+    body: str = "",
+    duration: float = 2.0,
+    moves: bool = False,
 ) -> tuple[str, ...]:
     """Return the rules that a driver violates, as sentences; none if all is well.
 
@@ -84,7 +105,8 @@ def broken(
         absent: The same with an address without a device; "": that it is refused is not tested.
         body: For motion capture: name of the body.
         duration: How long to listen [s].
-        moves: For a bus: also switch the motors on where the joints are, and see them go off without references.
+        moves: For a bus: also switch the motors on where the joints are, and see them go off
+            without references.
     """
     threads, clock, found = set(threading.enumerate()), Clock(), list[str]()
     there = Connection(mocap_body=body).at(**{kind: device})
@@ -96,7 +118,11 @@ def broken(
         found += [f"a call of the loop took {longest:.3f} s"] if longest > LONGEST else []
         found += [f"it reports: {driver.trouble}"] if driver.trouble else []
         few = kind in ("mocap", "meter") and len(values) < math.floor(duration)
-        found += [f"{len(values)} items came in {duration:g} s"] if few else RULES[kind](values, duration)
+        found += (
+            [f"{len(values)} items came in {duration:g} s"]
+            if few
+            else RULES[kind](values, duration)
+        )
         if kind == "bus":
             found += _limp(driver, clock, values, moves)
         elif kind == "meter":
@@ -106,13 +132,21 @@ def broken(
     end = time.monotonic() + END_WITHIN
     while (left := set(threading.enumerate()) - threads) and time.monotonic() < end:
         time.sleep(TICK)
-    found += [f"threads are left after `close`: {', '.join(thread.name for thread in left)}"] if left else []
+    found += (
+        [f"threads are left after `close`: {', '.join(thread.name for thread in left)}"]
+        if left
+        else []
+    )
     try:
         if absent:
             there.at(**{kind: absent}).opened(kind, clock).close()
             found.append(f"{absent} must be refused, with `DeviceFailed`")
     except DeviceFailed as error:
-        found += [] if absent.rpartition("@")[2] in str(error) else [f"the error must name the address: {error}"]
+        found += (
+            []
+            if absent.rpartition("@")[2] in str(error)
+            else [f"the error must name the address: {error}"]
+        )
     return tuple(found)
 
 
@@ -122,7 +156,9 @@ def _bus(found: list[Any], duration: float) -> Iterator[str]:
     if not nodes or nodes != list(range(1, len(nodes) + 1)):
         yield f"the nodes must be 1, 2, ..., got {nodes}"
     for kind, least in ((JointState, LEAST_ANSWERS), (Heartbeat, LEAST_BEATS)):
-        counts = [sum(isinstance(one, kind) and one.node == node for one in found) for node in nodes]
+        counts = [
+            sum(isinstance(one, kind) and one.node == node for one in found) for node in nodes
+        ]
         if min(counts, default=0) < least * duration:
             yield f"every node must send {least:g} {kind.__name__} a second, got {counts} in {duration:g} s"
 
@@ -138,11 +174,15 @@ def _limp(driver: Any, clock: Clock, found: list[Any], moves: bool) -> Iterator[
     ]
     for what, messages, duration, is_on in steps if moves else steps[-1:]:
         heard, _ = listen(driver, clock, duration, messages=messages)
-        states = {one.value.node: one.value.state for one in heard if isinstance(one.value, Heartbeat)}
+        states = {
+            one.value.node: one.value.state for one in heard if isinstance(one.value, Heartbeat)
+        }
         if not states or any(state.is_on != is_on for state in states.values()):
             yield f"modules must be {what}, got {states}"
     sent = driver.send((NodeCommand(order=Order.CLEAR),))
-    if [(type(one.message), one.is_ours) for one in sent] != [(NodeCommand, True)] or driver.bus_off:
+    if [(type(one.message), one.is_ours) for one in sent] != [
+        (NodeCommand, True)
+    ] or driver.bus_off:
         yield f"`send` must return the frames that were sent, got {sent}; it reports {driver.bus_off!r}"
 
 

@@ -29,9 +29,15 @@ class MeterDriver(Meter):
         self._restart = threading.Event()
         self._since: float | None = None
         try:
-            answers = (self._query(meter.IDENTITY) for _ in range(2))  # the first may answer an earlier query
-            if not any((identity := one).count(",") == 2 for one in answers):  # model, software, serial number
-                raise ProtocolError(f"the meter's answer to ID must have 3 fields, got {identity!r:.80}")
+            answers = (
+                self._query(meter.IDENTITY) for _ in range(2)
+            )  # the first may answer an earlier query
+            if not any(
+                (identity := one).count(",") == 2 for one in answers
+            ):  # model, software, serial number
+                raise ProtocolError(
+                    f"the meter's answer to ID must have 3 fields, got {identity!r:.80}"
+                )
         except (OSError, ProtocolError, ValueError) as error:
             self.release()
             raise DeviceFailed(
@@ -56,13 +62,17 @@ class MeterDriver(Meter):
             self.release()  # it is opened again at the next try
             raise
         record = {name: getattr(shown, name) for name in ("average", "minimum", "maximum")}
-        self._found.append(PowerReading(time=self._clock.now(), current=shown.live, since=self._since, **record))
+        self._found.append(
+            PowerReading(time=self._clock.now(), current=shown.live, since=self._since, **record)
+        )
         self._ended.wait(INTERVAL / self._clock.speed)
 
     def _query(self, word: str, *, has_data: bool = True) -> str:
         """Send a query, and return the data line of the answer."""
         if self._line is None:
-            self._line = self._serial.Serial(self._address, meter.BAUD_RATE, timeout=0.05, write_timeout=ANSWER_TIME)
+            self._line = self._serial.Serial(
+                self._address, meter.BAUD_RATE, timeout=0.05, write_timeout=ANSWER_TIME
+            )
         self._line.reset_input_buffer()
         self._line.write(meter.encode_question(word))
         reader, lines, end = meter.LineReader(), list[str](), time.monotonic() + ANSWER_TIME

@@ -55,7 +55,9 @@ def _of_segment(packet: Any, at: Sequence[int]) -> BodyPose | None:
     """Return the pose of a skeleton's segment."""
     segments = [segment for skeleton in packet.get_skeletons()[1] for segment in skeleton]
     _, position, turned = segments[at[0]]
-    return body_pose((*position, *from_quaternion(turned.w, turned.x, turned.y, turned.z).T.ravel().tolist()))
+    return body_pose(
+        (*position, *from_quaternion(turned.w, turned.x, turned.y, turned.z).T.ravel().tolist())
+    )
 
 
 FORMS = {
@@ -69,7 +71,8 @@ FORMS = {
 class MocapDriver(MotionCapture):
     """A body in QTM; the address is HOST:PORT, with the port for the least significant byte first.
 
-    The body is a rigid body NAME, three labeled markers FRONT+BACK+LEFT or a segment SKELETON/SEGMENT.
+    The body is a rigid body NAME, three labeled markers FRONT+BACK+LEFT or a segment
+    SKELETON/SEGMENT.
     """
 
     called = "qtm"
@@ -77,7 +80,9 @@ class MocapDriver(MotionCapture):
     def __init__(self, address: str, clock: Clock, body: str = "") -> None:
         super().__init__(address, clock, body)
         self._qtm = hardware("qtm-rt", "qtm_rt")
-        logging.getLogger("qtm_rt").addHandler(logging.NullHandler())  # our messages report its errors
+        logging.getLogger("qtm_rt").addHandler(
+            logging.NullHandler()
+        )  # our messages report its errors
         self._form = "skeleton" if "/" in body else "3d" if body.count("+") == 2 else "6d"
         self._called, self._component, self._pose = FORMS[self._form]
         self._at: list[int] = []  # indices of the body, or its markers, in the server's list
@@ -85,7 +90,9 @@ class MocapDriver(MotionCapture):
         self._ready = threading.Event()
         self._start()
         if not self._ready.wait(CONNECT_TIME + 2.0) or self._first is not None:
-            failed = self._first or DeviceFailed(f"The motion capture at {address} does not answer.")
+            failed = self._first or DeviceFailed(
+                f"The motion capture at {address} does not answer."
+            )
             self.close()
             raise failed
 
@@ -109,7 +116,9 @@ class MocapDriver(MotionCapture):
     async def _connected(self) -> None:
         host, port = host_and_port(self._address)
         gone = asyncio.Event()
-        asked = self._qtm.connect(host, port, on_disconnect=lambda _: gone.set(), timeout=CONNECT_TIME)
+        asked = self._qtm.connect(
+            host, port, on_disconnect=lambda _: gone.set(), timeout=CONNECT_TIME
+        )
         link: Any = await asyncio.wait_for(asked, CONNECT_TIME)
         if link is None:
             raise DeviceFailed(
@@ -118,8 +127,11 @@ class MocapDriver(MotionCapture):
             )
         try:
             await self._find_body(link)
-            # The client waits for the first frame; cameras that do not measure yet are not a connection error.
-            stream = link.stream_frames(frames="allframes", components=[self._component], on_packet=self._on_packet)
+            # The client waits for the first frame; cameras that do not measure yet are not a
+            # connection error.
+            stream = link.stream_frames(
+                frames="allframes", components=[self._component], on_packet=self._on_packet
+            )
             begun = asyncio.ensure_future(stream)
             # Its result is not awaited: whether frames arrive says the same.
             begun.add_done_callback(lambda begun: begun.cancelled() or begun.exception())
@@ -140,10 +152,14 @@ class MocapDriver(MotionCapture):
         listed = ", ".join(names) or "none"
         wanted = self._body.split("+") if self._form == "3d" else [self._body or listed]
         if not self._body and len(names) != 1:
-            raise DeviceFailed(f"The body must be named by `mocap_body`: the motion capture has {listed}.")
+            raise DeviceFailed(
+                f"The body must be named by `mocap_body`: the motion capture has {listed}."
+            )
         for name in wanted:
             if name not in names:
-                raise DeviceFailed(f"The motion capture has no {name!r} among its {self._called}: {listed}.")
+                raise DeviceFailed(
+                    f"The motion capture has no {name!r} among its {self._called}: {listed}."
+                )
         self._at = [names.index(name) for name in wanted]
 
     def _on_packet(self, packet: Any) -> None:
@@ -160,7 +176,9 @@ class MocapDriver(MotionCapture):
 
 def _names(told: ElementTree.Element) -> list[str]:
     """Return the names of all bodies, labels or segments, in the order of the packets."""
-    segments = ((skeleton, part) for skeleton in told.iter("Skeleton") for part in skeleton.iter("Segment"))
+    segments = (
+        (skeleton, part) for skeleton in told.iter("Skeleton") for part in skeleton.iter("Segment")
+    )
     names = ["/".join(str(one.get("Name")) for one in pair) for pair in segments]
     texts = [*told.findall(".//Body/Name"), *told.findall(".//Label/Name")]
     return names + [(one.text or "").strip() for one in texts]

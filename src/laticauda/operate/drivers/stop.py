@@ -1,6 +1,7 @@
 """Driver of an emergency-stop button on a modem line of a serial port, with pyserial.
 
-The contact, closed while the robot may move, is wired between RTS, high while the port is open, and the line.
+The contact, closed while the robot may move, is wired between RTS, high while the port is open, and
+the line.
 """
 
 # pyserial has no types: this module passes texts on.
@@ -44,7 +45,11 @@ class SerialLine(StopInput):
     def look(self) -> str:
         """See `StopInput.look`."""
         self._ended.wait(LOOKS)
-        return "" if getattr(self._port, self._name) else f"its contact on {self._name.upper()} is open"
+        return (
+            ""
+            if getattr(self._port, self._name)
+            else f"its contact on {self._name.upper()} is open"
+        )
 
     def release(self) -> None:
         """Close the port."""

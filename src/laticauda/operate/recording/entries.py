@@ -1,6 +1,7 @@
 """Content of a recording: entries, kept bit for bit as messages (except events), and the header of the operation.
 
-Only classes that come with the package, or that this process knows, are ever constructed from a file.
+Only classes that come with the package, or that this process knows, are ever constructed from a
+file.
 """
 
 import json
@@ -29,10 +30,14 @@ class PowerReading:
 
     time: float = quantity("s", "When it was read")
     current: float = quantity("A", "Present current")
-    average: float | None = quantity("A", "Since the meter was reset; None if it was not queried", default=None)
+    average: float | None = quantity(
+        "A", "Since the meter was reset; None if it was not queried", default=None
+    )
     minimum: float | None = quantity("A", "Since the meter was reset", default=None)
     maximum: float | None = quantity("A", "Since the meter was reset", default=None)
-    since: float | None = quantity("s", "When the meter was reset; None if that is not known", default=None)
+    since: float | None = quantity(
+        "s", "When the meter was reset; None if that is not known", default=None
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,11 +126,18 @@ class Timing:
 
     def summary(self) -> dict[str, float | int]:
         """Return median, percentiles and maximum of period, lateness and latency, the ticks and missed deadlines."""
-        found: dict[str, float | int] = {"ticks": len(self.times), "interval": self.interval, "missed": self.missed}
+        found: dict[str, float | int] = {
+            "ticks": len(self.times),
+            "interval": self.interval,
+            "missed": self.missed,
+        }
         for name in ("period", "lateness", "latency"):
             values: Times = getattr(self, name)
             if values.size:
-                found |= {f"{name}_{of}": float(np.percentile(values, share)) for of, share in SPREAD.items()}
+                found |= {
+                    f"{name}_{of}": float(np.percentile(values, share))
+                    for of, share in SPREAD.items()
+                }
         return found
 
 
@@ -139,7 +151,10 @@ def punctuality(timing: Mapping[str, float | int]) -> str:
     text = f"{timing['ticks']} ticks of {ms['interval']} ms, {timing['missed']} missed"
     if "lateness_median" not in ms:
         return text
-    late, sent = ([ms[f"{name}_{of}"] for of in ("median", "p99_9", "largest")] for name in ("lateness", "latency"))
+    late, sent = (
+        [ms[f"{name}_{of}"] for of in ("median", "p99_9", "largest")]
+        for name in ("lateness", "latency")
+    )
     spread = "{} ms (median), {} (99.9 %), {} at most"
     return f"{text}; late by {spread.format(*late)}; all sent after {spread.format(*sent)}"
 
@@ -167,7 +182,9 @@ def kind_of(kind: type[Any]) -> str:
 
 
 def _definition(kind: type[Any]) -> str:
-    return "".join(f"{_PLAIN.get(hint, 'float64[]')} {name}\n" for name, hint in hints_of(kind).items())
+    return "".join(
+        f"{_PLAIN.get(hint, 'float64[]')} {name}\n" for name, hint in hints_of(kind).items()
+    )
 
 
 ros2.DEFINITIONS.update({kind_of(kind): _definition(kind) for kind in TOPIC_OF})
@@ -205,13 +222,15 @@ def entry_of(topic: str, content: Mapping[str, Any]) -> Any:
         if hint in _JSON:
             value = codec.decode(hint, json.loads(value), name)
         elif hint not in _PLAIN:
-            value = np.array(value, dtype=np.float64).reshape((3, 3) if name == "rotation" and len(value) else -1)
+            value = np.array(value, dtype=np.float64).reshape(
+                (3, 3) if name == "rotation" and len(value) else -1
+            )
         is_nothing = value.size == 0 if isinstance(value, np.ndarray) else value != value
         values[name] = None if is_nothing and type(None) in get_args(hint) else value
     return TOPICS[topic](**values)
 
 
-# ---- the whole operation ---------------------------------------------------------------------------------------------
+# ---- the whole operation -------------------------------------------------------------------------
 
 
 HEADER = "operation"
@@ -224,19 +243,33 @@ Estimators: TypeAlias = estimation.Estimator | estimation.KinematicEstimator
 class Header:
     """Header of a recording, about the whole operation."""
 
-    run: Experiment = option("robot, water and gait, if known; density and current are used for figures")
-    controller: interfaces.Controller[Any] | None = option("the controller, for a replay", default=None)
-    estimator: Estimators | None = option("state estimator, for a replay; its plant is kept as `twin`", default=None)
-    twin: Experiment | None = option("how the estimator's digital twin was built; None: without one", default=None)
-    supply_voltage: float | None = quantity("V", "V of (4); None without a power meter", gt=0.0, default=None)
-    learning: estimation.Learning | None = option("what a digital twin learned; None: nothing", default=None)
+    run: Experiment = option(
+        "robot, water and gait, if known; density and current are used for figures"
+    )
+    controller: interfaces.Controller[Any] | None = option(
+        "the controller, for a replay", default=None
+    )
+    estimator: Estimators | None = option(
+        "state estimator, for a replay; its plant is kept as `twin`", default=None
+    )
+    twin: Experiment | None = option(
+        "how the estimator's digital twin was built; None: without one", default=None
+    )
+    supply_voltage: float | None = quantity(
+        "V", "V of (4); None without a power meter", gt=0.0, default=None
+    )
+    learning: estimation.Learning | None = option(
+        "what a digital twin learned; None: nothing", default=None
+    )
     operation: str = option("the trial file as it was read", default="")
 
     def __post_init__(self) -> None:
         """Reject what cannot be written, and replace a plant with how it was made."""
         instance("controller", self.controller, interfaces.Controller, type(None))
         if not (self.controller is None or is_dataclass(self.controller)):
-            raise BadArgument("controller", f"must be a dataclass, got {type(self.controller).__name__}")
+            raise BadArgument(
+                "controller", f"must be a dataclass, got {type(self.controller).__name__}"
+            )
         if isinstance(self.estimator, estimation.Estimator) and self.estimator.plant is not None:
             object.__setattr__(self, "twin", _record_of(self.estimator.plant))
             object.__setattr__(self, "estimator", replace(self.estimator, plant=None))
@@ -259,7 +292,9 @@ def header_from_texts(texts: Mapping[str, str]) -> Header:
         ValueError: If a text is invalid.
     """
     texts = {"learning": "null", **texts}
-    return Header(**{name: _value(name, texts[name], hint) for name, hint in hints_of(Header).items()})
+    return Header(
+        **{name: _value(name, texts[name], hint) for name, hint in hints_of(Header).items()}
+    )
 
 
 def _text(value: Any, hint: Any) -> str:
@@ -277,6 +312,11 @@ def _value(name: str, text: str, hint: Any) -> Any:
 
 def _record_of(plant: Plant[Any]) -> Experiment:
     """Return how a plant was made, in the form that a recording keeps."""
-    if isinstance(robot.law_of(plant.environment), FunctionDrag) or getattr(plant.settings, "scene", None) is not None:
-        raise BadArgument("plant", "must have a fluid law that is a class, and no scene, to be recorded")
+    if (
+        isinstance(robot.law_of(plant.environment), FunctionDrag)
+        or getattr(plant.settings, "scene", None) is not None
+    ):
+        raise BadArgument(
+            "plant", "must have a fluid law that is a class, and no scene, to be recorded"
+        )
     return Experiment(robot=plant.robot, environment=plant.environment, model=plant.settings)

@@ -1,8 +1,8 @@
 """Recording of an operation: written while it runs, read again, and rerun through an estimator or a controller.
 
-The format is MCAP, which survives if the program is killed. What the estimator and the controller got is kept bit for
-bit, in the order in which they got it; the same data are also stored in the types that Foxglove draws by itself.
-docs/how-to/recordings.md lists the topics.
+The format is MCAP, which survives if the program is killed. What the estimator and the controller
+got is kept bit for bit, in the order in which they got it; the same data are also stored in the
+types that Foxglove draws by itself. docs/how-to/recordings.md lists the topics.
 """
 
 import json
@@ -18,7 +18,14 @@ import numpy as np
 from laticauda import codec, interfaces, logs
 from laticauda.dynamics.plant import Plant
 from laticauda.errors import BadArgument, TrialFileError, instance, not_negative
-from laticauda.estimation import Estimate, Estimator, JointSample, PoseSample, Sample, StateEstimator
+from laticauda.estimation import (
+    Estimate,
+    Estimator,
+    JointSample,
+    PoseSample,
+    Sample,
+    StateEstimator,
+)
 from laticauda.estimation.learning import Learned, Learner, Learning
 from laticauda.estimation.samples import Mount
 from laticauda.kinematics import to_quaternion, turn
@@ -26,7 +33,15 @@ from laticauda.logs.recorder import CLOCK
 from laticauda.logs.recording import failures_of
 from laticauda.operate.drivers.base import Frame
 from laticauda.operate.recording import entries
-from laticauda.operate.recording.entries import Decision, Entry, Event, Header, PowerReading, Tick, Timing
+from laticauda.operate.recording.entries import (
+    Decision,
+    Entry,
+    Event,
+    Header,
+    PowerReading,
+    Tick,
+    Timing,
+)
 from laticauda.spatial.frames import Frames
 
 CHUNK = 0.5  # most that is lost if the program is killed [s]
@@ -56,43 +71,69 @@ class OperationRecorder(logs.Recorder):
         super().__init__(path, chunk_seconds=CHUNK, epoch=epoch)
         self.metadata(entries.HEADER, header.texts())
         robot = header.run.robot
-        self._bodies, self._drawn, self._fin_angle = Frames(robot), -math.inf, np.zeros(len(robot.fin_joints))
+        self._bodies, self._drawn, self._fin_angle = (
+            Frames(robot),
+            -math.inf,
+            np.zeros(len(robot.fin_joints)),
+        )
         self.robot(0.0, self._bodies.description, self._bodies.fixed)
         self._joints = tuple(f"joint_{i}" for i in range(robot.n_joints))
         self._driven = (*self._joints, "fin_joint")[: len(robot.driven_joints)]
-        self._yaw = tuple(f"joint_{i}" for i, joint in enumerate(robot.joints) if joint.axis == "yaw")
+        self._yaw = tuple(
+            f"joint_{i}" for i, joint in enumerate(robot.joints) if joint.axis == "yaw"
+        )
 
     def record(self, entry: Entry | Frame, *, received: float | None = None) -> None:
         """Record an entry, in the order in which the estimator and the controller got it.
 
-        An event is on disk at once, with everything before it; events of kind `start` and `stop` enclose a run. A
-        decision comes after the estimate on which it is based.
+        An event is on disk at once, with everything before it; events of kind `start` and `stop`
+        enclose a run. A decision comes after the estimate on which it is based.
 
         Args:
-            entry: A sample, a reading, an estimate, a decision, a tick, an event, or a raw frame of the bus.
+            entry: A sample, a reading, an estimate, a decision, a tick, an event, or a raw frame of
+                the bus.
             received: Time at which a sample arrived; None: when it was taken [s].
         """
         if isinstance(entry, Event):
             content = {"message": entry.message, "data": dict(entry.data)}
             self.event(entry.time, entry.kind, content, level=LEVELS.get(entry.kind, "info"))
         elif isinstance(entry, Frame):
-            self.can_frame(SENT if entry.is_ours else RECEIVED, entry.time, entry.identifier, entry.data)
+            self.can_frame(
+                SENT if entry.is_ours else RECEIVED, entry.time, entry.identifier, entry.data
+            )
         else:
-            time, kind = entry.time if received is None else not_negative("received", received, "s"), type(entry)
-            self.message(entries.TOPIC_OF[kind], time, entries.kind_of(kind), entries.content_of(entry), unit="SI")
+            time, kind = (
+                entry.time if received is None else not_negative("received", received, "s"),
+                type(entry),
+            )
+            self.message(
+                entries.TOPIC_OF[kind],
+                time,
+                entries.kind_of(kind),
+                entries.content_of(entry),
+                unit="SI",
+            )
             self._draw(time, entry)
 
     def _draw(self, time: float, entry: Entry) -> None:
         """Record an entry in the types that a viewer can draw, if there are any."""
         match entry:
             case JointSample():
-                names = next(n for n in (self._driven, self._joints, self._yaw) if entry.angle.size == len(n))
-                rate, torque = (() if value is None else value for value in (entry.rate, entry.torque))
+                names = next(
+                    n for n in (self._driven, self._joints, self._yaw) if entry.angle.size == len(n)
+                )
+                rate, torque = (
+                    () if value is None else value for value in (entry.rate, entry.torque)
+                )
                 self.joint_state("/joint_states", time, names, entry.angle, rate, torque)  # pyright: ignore
                 if names is self._driven and len(names) > len(self._joints):
                     self._fin_angle[0] = np.nan_to_num(entry.angle[-1])
             case PoseSample() if not entry.is_lost:
-                turned = (1.0, 0.0, 0.0, 0.0) if entry.rotation is None else to_quaternion(entry.rotation)
+                turned = (
+                    (1.0, 0.0, 0.0, 0.0)
+                    if entry.rotation is None
+                    else to_quaternion(entry.rotation)
+                )
                 self.pose("/mocap/body", time, entry.position.tolist(), turned)
             case PowerReading():
                 self.scalar("/power/current", time, entry.current, unit="A")
@@ -114,10 +155,14 @@ class OperationRecorder(logs.Recorder):
 
     def _frames(self, seen: Estimate) -> dict[str, logs.Frame]:
         """Return the estimated frames of the links; the mean pitch is used for the tail."""
-        tail = np.array([to_quaternion(turn("yaw", seen.link_angle[0]) @ turn("pitch", seen.pitch))])
+        tail = np.array(
+            [to_quaternion(turn("yaw", seen.link_angle[0]) @ turn("pitch", seen.pitch))]
+        )
         one = (values[np.newaxis] for values in (seen.joint_angle, self._fin_angle))
         found = self._bodies.moving(seen.center_of_mass[np.newaxis], tail, *one)
-        return {name: (parent, place[0], angle[0]) for name, (parent, place, angle) in found.items()}
+        return {
+            name: (parent, place[0], angle[0]) for name, (parent, place, angle) in found.items()
+        }
 
     def note(self, name: str, content: Mapping[str, str | float]) -> None:
         """Record what was found out on the way, as texts of the whole file; ``note("idle", {"current": 1.18})``.
@@ -126,7 +171,10 @@ class OperationRecorder(logs.Recorder):
             name: Name of the note.
             content: Numbers and texts by name.
         """
-        texts = {key: value if isinstance(value, str) else repr(float(value)) for key, value in content.items()}
+        texts = {
+            key: value if isinstance(value, str) else repr(float(value))
+            for key, value in content.items()
+        }
         self.metadata(name, texts)
 
 
@@ -136,13 +184,16 @@ class Sink:
     Args:
         recorder: Open recorder; it stays open.
         frames: Whether to keep the raw frames of the bus, which make up most of a recording.
-        learner: Learner that learns from the entries, with its results recorded, too; None: nothing is learned.
+        learner: Learner that learns from the entries, with its results recorded, too; None: nothing
+            is learned.
     """
 
     trouble = ""
     """Why nothing is recorded any more; "" while recording works."""
 
-    def __init__(self, recorder: OperationRecorder, *, frames: bool = True, learner: Learner | None = None) -> None:
+    def __init__(
+        self, recorder: OperationRecorder, *, frames: bool = True, learner: Learner | None = None
+    ) -> None:
         self._recorder, self._frames, self._learner = recorder, frames, learner
         self._state: Any = None if learner is None else learner.init()
         self.news = deque[Event]()
@@ -179,7 +230,7 @@ class Sink:
         self.news.extend(news)
 
 
-# ---- reading it again ------------------------------------------------------------------------------------------------
+# ---- reading it again ----------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -207,14 +258,19 @@ class OperationLog:
         ticks = self.of(Tick)
         rate = self.header.run.notes.get("rate")
         times = np.array([(tick.due, tick.began, tick.sent) for tick in ticks])
-        return Timing(times=times, interval=1.0 / float(rate)) if ticks and rate is not None else None
+        return (
+            Timing(times=times, interval=1.0 / float(rate)) if ticks and rate is not None else None
+        )
 
     @property
     def span(self) -> tuple[float, float]:
         """Times at which the run began and ended; minus and plus infinity without such events [s]."""
         events: list[Event] = self.of(Event)
         begin = max((event.time for event in events if event.kind == "start"), default=-math.inf)
-        end = min((event.time for event in events if event.kind == "stop" and event.time >= begin), default=math.inf)
+        end = min(
+            (event.time for event in events if event.kind == "stop" and event.time >= begin),
+            default=math.inf,
+        )
         return begin, end
 
     def of(self, *kinds: type[Any]) -> list[Any]:
@@ -242,7 +298,8 @@ def read_operation(path: str | Path) -> OperationLog:
         path: Path of the file.
 
     Raises:
-        TrialFileError: If the file does not exist, or is not a recording of an operation; the message says why.
+        TrialFileError: If the file does not exist, or is not a recording of an operation; the
+            message says why.
         MissingExtra: If the package `mcap` is not installed.
     """
     return operation_in(logs.open_recording(path))
@@ -253,10 +310,18 @@ def operation_in(recording: logs.Recording) -> OperationLog:
     path, header = recording.path, header_in(recording)
     with failures_of(path), codec.keys_of(f"Cannot load {path}", TrialFileError):
         found = tuple(entry_of(logged) for logged in recording.messages(*entries.TOPICS, "/events"))
-    notes = {name: one for name, one in recording.metadata.items() if name not in (entries.HEADER, CLOCK)}
+    notes = {
+        name: one for name, one in recording.metadata.items() if name not in (entries.HEADER, CLOCK)
+    }
     version, epoch = recording.metadata[entries.HEADER]["version"], recording.epoch
     return OperationLog(
-        path=path, header=header, version=version, notes=notes, entries=found, lost=recording.lost, epoch=epoch
+        path=path,
+        header=header,
+        version=version,
+        notes=notes,
+        entries=found,
+        lost=recording.lost,
+        epoch=epoch,
     )
 
 
@@ -268,7 +333,9 @@ def header_in(recording: logs.Recording) -> Header:
     """
     path, texts = recording.path, recording.metadata.get(entries.HEADER)
     if texts is None:
-        raise TrialFileError(f"Cannot load {path}: it is not a recording of an operation, or its beginning is missing.")
+        raise TrialFileError(
+            f"Cannot load {path}: it is not a recording of an operation, or its beginning is missing."
+        )
     if texts.get("format") != entries.FORMAT:
         raise TrialFileError(
             f"Cannot load {path}: it has format {texts.get('format')}, and this version of laticauda reads "
@@ -283,7 +350,12 @@ def entry_of(logged: logs.Logged) -> Entry:
     content = logged.content
     if logged.topic == "/events":
         msg: dict[str, Any] = json.loads(content["msg"]) if content["msg"] else {}
-        return Event(time=logged.time, kind=content["name"], message=msg.get("message", ""), data=msg.get("data") or {})
+        return Event(
+            time=logged.time,
+            kind=content["name"],
+            message=msg.get("message", ""),
+            data=msg.get("data") or {},
+        )
     return entries.entry_of(logged.topic, content)
 
 
@@ -299,27 +371,37 @@ class Rerun:
     @property
     def n_different(self) -> int:
         """Number of instants at which the two commands are not the same, bit for bit [-]."""
-        return sum(one.command != two.command for one, two in zip(self.recorded, self.again, strict=True))
+        return sum(
+            one.command != two.command for one, two in zip(self.recorded, self.again, strict=True)
+        )
 
     @property
     def largest_difference(self) -> float:
         """Largest difference between the two offsets of the joints [rad]."""
         pairs = zip(self.recorded, self.again, strict=True)
-        return max((abs(one.command.offset - two.command.offset) for one, two in pairs), default=0.0)
+        return max(
+            (abs(one.command.offset - two.command.offset) for one, two in pairs), default=0.0
+        )
 
 
 def rerun_estimator(
-    log: OperationLog, estimator: StateEstimator | None = None, *, plant: Callable[..., Plant[Any]] | None = None
+    log: OperationLog,
+    estimator: StateEstimator | None = None,
+    *,
+    plant: Callable[..., Plant[Any]] | None = None,
 ) -> list[Estimate]:
     """Run an estimator on the recorded samples, in their order; estimate at the times of the recorded estimates.
 
     Args:
         log: The recording.
-        estimator: Estimator to run; None: the recorded one, whose estimates equal the recorded ones bit for bit.
-        plant: `laticauda.plant`, which rebuilds a recorded estimator's digital twin; needed only if it had one.
+        estimator: Estimator to run; None: the recorded one, whose estimates equal the recorded ones
+            bit for bit.
+        plant: `laticauda.plant`, which rebuilds a recorded estimator's digital twin; needed only if
+            it had one.
 
     Raises:
-        ValueError: If there is no estimator, or its twin has to be rebuilt and `plant` is not given.
+        ValueError: If there is no estimator, or its twin has to be rebuilt and `plant` is not
+            given.
     """
     chosen = _recorded_estimator(log, plant) if estimator is None else estimator
     state = chosen.init()
@@ -351,7 +433,12 @@ def rerun_learner(
     """
     run, mount = log.header.run, getattr(log.header.estimator, "mount", Mount())
     twin = plant(run.robot, run.environment, joints="servo")
-    learner = Learner(settings=settings or log.header.learning or Learning(), robot=run.robot, plant=twin, mount=mount)
+    learner = Learner(
+        settings=settings or log.header.learning or Learning(),
+        robot=run.robot,
+        plant=twin,
+        mount=mount,
+    )
     state, found = learner.init(), list[Learned]()
     for sample in (entry for entry in log.entries if isinstance(entry, Sample)):
         state = learner.step(state, sample)
@@ -360,13 +447,16 @@ def rerun_learner(
 
 
 def rerun_controller(
-    log: OperationLog, controller: interfaces.Controller[Any] | None = None, estimates: list[Estimate] | None = None
+    log: OperationLog,
+    controller: interfaces.Controller[Any] | None = None,
+    estimates: list[Estimate] | None = None,
 ) -> Rerun:
     """Run a controller on the recorded estimates, at the recorded control instants of the run.
 
     Args:
         log: The recording.
-        controller: Controller to run; None: the recorded one, whose commands equal the recorded ones bit for bit.
+        controller: Controller to run; None: the recorded one, whose commands equal the recorded
+            ones bit for bit.
         estimates: Estimates to use instead of the recorded ones.
 
     Raises:
@@ -380,14 +470,19 @@ def rerun_controller(
     state, again = chosen.init(), list[Decision]()
     for decision in recorded:
         if decision.time not in known:
-            raise BadArgument("estimates", f"must have one at every control instant, got none at {decision.time} s")
+            raise BadArgument(
+                "estimates",
+                f"must have one at every control instant, got none at {decision.time} s",
+            )
         state, command = chosen.step(state, known[decision.time])
         instance("command", command, interfaces.Command)
         again.append(Decision(time=decision.time, command=command, signals={}))
     return Rerun(recorded=tuple(recorded), again=tuple(again))
 
 
-def _recorded_estimator(log: OperationLog, plant: Callable[..., Plant[Any]] | None) -> StateEstimator:
+def _recorded_estimator(
+    log: OperationLog, plant: Callable[..., Plant[Any]] | None
+) -> StateEstimator:
     """Return the recorded estimator, with its digital twin."""
     estimator, twin = log.header.estimator, log.header.twin
     if estimator is None:
@@ -395,5 +490,7 @@ def _recorded_estimator(log: OperationLog, plant: Callable[..., Plant[Any]] | No
     if twin is None or not isinstance(estimator, Estimator):
         return estimator
     if plant is None:
-        raise BadArgument("plant", "must be `laticauda.plant`, which rebuilds the recorded twin, got None")
+        raise BadArgument(
+            "plant", "must be `laticauda.plant`, which rebuilds the recorded twin, got None"
+        )
     return replace(estimator, plant=plant(twin.robot, twin.environment, twin.model))

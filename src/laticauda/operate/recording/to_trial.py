@@ -19,7 +19,9 @@ from laticauda.robot import Robot
 from laticauda.series import SERIES
 from laticauda.trial import Trial, metrics
 
-OBSERVED = tuple(name for name in Observation.__dataclass_fields__ if name in SERIES and name != "time")
+OBSERVED = tuple(
+    name for name in Observation.__dataclass_fields__ if name in SERIES and name != "time"
+)
 """Fields of the estimates that a trial takes over unchanged."""
 Column = Float[np.ndarray, " _n"]
 Table = Float[np.ndarray, "_n _columns"]
@@ -45,27 +47,33 @@ def run_of(log: OperationLog, estimates: list[Estimate] | None = None) -> list[E
             chosen.append(estimate)
     if len(chosen) < 2:
         what = f" {log.lost}" if log.lost else ""
-        raise TrialFileError(f"Cannot replay {log.path}: it holds no run with at least two estimates.{what}")
+        raise TrialFileError(
+            f"Cannot replay {log.path}: it holds no run with at least two estimates.{what}"
+        )
     return chosen
 
 
 def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Trial:
     """Convert the run in a recording to a trial.
 
-    Positions, velocities, heading and joint angles are the estimator's; the references are those in force; torques are
-    the modules' own, if they report them; the electrical work is from the power meter, (4): V times the current above
-    that at rest. The trial's creation time is the wall-clock time at which the run began, if the recording gives it.
+    Positions, velocities, heading and joint angles are the estimator's; the references are those in
+    force; torques are the modules' own, if they report them; the electrical work is from the power
+    meter, (4): V times the current above that at rest. The trial's creation time is the wall-clock
+    time at which the run began, if the recording gives it.
 
     Args:
         log: The recording.
-        estimates: Estimates to use instead of the recorded ones, for instance those of `rerun_estimator`.
+        estimates: Estimates to use instead of the recorded ones, for instance those of
+            `rerun_estimator`.
 
     Raises:
         TrialFileError: If the recording holds no run.
     """
     run = run_of(log, estimates)
     time = np.array([estimate.time for estimate in run])
-    observed: dict[str, Any] = {name: np.array([getattr(estimate, name) for estimate in run]) for name in OBSERVED}
+    observed: dict[str, Any] = {
+        name: np.array([getattr(estimate, name) for estimate in run]) for name in OBSERVED
+    }
     electrical, power_source = electrical_work(log, time)
     own = _all_joints if observed["center_of_mass"].shape[1] == 3 else Robot.yaw_joints
     torque = _torque(log, time, own)
@@ -73,7 +81,9 @@ def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Tria
     work = None if torque is None else metrics.joint_work(time, torque, observed["joint_rate"])
     fin = _of_fin(log, time)
     if work is not None and {"fin_torque", "fin_rate_0"} <= fin.keys():
-        work = work + metrics.joint_work(time, fin["fin_torque"][:, np.newaxis], fin["fin_rate_0"][:, np.newaxis])
+        work = work + metrics.joint_work(
+            time, fin["fin_torque"][:, np.newaxis], fin["fin_rate_0"][:, np.newaxis]
+        )
     end = next((one for one in log.of_run(Event) if one.kind in ("stop", "fault")), None)
     wrong = [one for one in log.of(Event) if one.kind == "verdict" and not one.data["accepted"]]
     learned: list[Learned] = log.of(Learned)
@@ -85,21 +95,29 @@ def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Tria
         {"time": time - time[0], **observed, **joints, "work": work, "electrical_work": electrical},
         signals={**_signals(log, time, run), **fin},
         scenario=replace(
-            log.header.run, notes={"source": "recording", **power_source, **notes, **log.header.run.notes}
+            log.header.run,
+            notes={"source": "recording", **power_source, **notes, **log.header.run.notes},
         ),
         version=log.version,
         **created,
-        status=wrong[0].message if wrong else end.message if end is not None else "The recording reached its end.",
+        status=wrong[0].message
+        if wrong
+        else end.message
+        if end is not None
+        else "The recording reached its end.",
         succeeded=counts and not (wrong or log.lost),
     )
 
 
-def electrical_work(log: OperationLog, time: Column) -> tuple[Column | None, Mapping[str, float | str]]:
+def electrical_work(
+    log: OperationLog, time: Column
+) -> tuple[Column | None, Mapping[str, float | str]]:
     """Return the electrical work above idle at some times [J], and its parameters; None without at least two readings.
 
-    W(t) = V (Q(t) - Q(0)) - V I_0 t, with the charge Q from the meter's own average if it keeps one (Q is that average
-    times the duration of its record, so nothing between two readings is missed), else from its readings. The slope of W
-    over a run is (4): P = V I_avg - V I_0. V is taken from the recording.
+    W(t) = V (Q(t) - Q(0)) - V I_0 t, with the charge Q from the meter's own average if it keeps one
+    (Q is that average times the duration of its record, so nothing between two readings is missed),
+    else from its readings. The slope of W over a run is (4): P = V I_avg - V I_0. V is taken from
+    the recording.
 
     Args:
         log: The recording.
@@ -113,7 +131,9 @@ def electrical_work(log: OperationLog, time: Column) -> tuple[Column | None, Map
         return None, {}
     volts = log.header.supply_voltage
     if volts is None:
-        raise TrialFileError(f"Cannot replay {log.path}: it holds power readings, but no `supply_voltage`.")
+        raise TrialFileError(
+            f"Cannot replay {log.path}: it holds power readings, but no `supply_voltage`."
+        )
     when = np.array([reading.time for reading in readings])
     current = np.array([reading.current for reading in readings])
     steps = np.diff(when) * 0.5 * (current[1:] + current[:-1])
@@ -136,7 +156,7 @@ def idle_current(log: OperationLog, supply_voltage: float) -> float:
     return log.header.run.robot.idle_power / supply_voltage
 
 
-# ---- inside --------------------------------------------------------------------------------------------------------
+# ---- inside --------------------------------------------------------------------------------------
 
 
 def _charge_between(one: PowerReading, two: PowerReading) -> float | None:
@@ -152,7 +172,9 @@ def _all_joints(robot: Robot, name: str, values: Column) -> Column:
 
 def _torque(log: OperationLog, time: Column, own: Own) -> Table | None:
     """Return the torques of those joints at some times, interpolated linearly, ignoring nan; None if not reported."""
-    samples = sorted((one for one in log.of(JointSample) if one.torque is not None), key=lambda one: one.time)
+    samples = sorted(
+        (one for one in log.of(JointSample) if one.torque is not None), key=lambda one: one.time
+    )
     if not samples:
         return None
     when = np.array([sample.time for sample in samples])
@@ -163,9 +185,18 @@ def _torque(log: OperationLog, time: Column, own: Own) -> Table | None:
 def _of_fin(log: OperationLog, time: Column) -> dict[str, Column]:
     """Return the motion of a driven fin at some times and its reference, as the signals of a simulated fin."""
     n, found = log.header.run.robot.n_joints, dict[str, Column]()
-    samples = sorted((one for one in log.of(JointSample) if np.isfinite(one.angle[n:]).any()), key=lambda one: one.time)
-    for name, signal in (("angle", "fin_angle_0"), ("rate", "fin_rate_0"), ("torque", "fin_torque")):
-        known = [(one.time, getattr(one, name)[n]) for one in samples if getattr(one, name) is not None]
+    samples = sorted(
+        (one for one in log.of(JointSample) if np.isfinite(one.angle[n:]).any()),
+        key=lambda one: one.time,
+    )
+    for name, signal in (
+        ("angle", "fin_angle_0"),
+        ("rate", "fin_rate_0"),
+        ("torque", "fin_torque"),
+    ):
+        known = [
+            (one.time, getattr(one, name)[n]) for one in samples if getattr(one, name) is not None
+        ]
         if known:
             found[signal] = np.interp(time, *np.array(known).T)
     references = [one for one in log.of(ReferenceSample) if one.angle.size > n]
@@ -177,10 +208,16 @@ def _of_fin(log: OperationLog, time: Column) -> dict[str, Column]:
 def _references(log: OperationLog, time: Column, own: Own) -> Table | None:
     """Return the references in force at some times; None if none were sent."""
     samples: list[ReferenceSample] = log.of(ReferenceSample)
-    return _in_force(samples, time, lambda angle: own(log.header.run.robot, "angle", angle)) if samples else None
+    return (
+        _in_force(samples, time, lambda angle: own(log.header.run.robot, "angle", angle))
+        if samples
+        else None
+    )
 
 
-def _in_force(samples: list[ReferenceSample], time: Column, some: Callable[[Column], Column]) -> Table:
+def _in_force(
+    samples: list[ReferenceSample], time: Column, some: Callable[[Column], Column]
+) -> Table:
     """Return some of the references in force at some times; straight before the first one."""
     table = np.stack([some(sample.angle) for sample in samples])
     held = np.searchsorted([sample.time for sample in samples], time, side="right") - 1

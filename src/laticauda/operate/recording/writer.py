@@ -1,7 +1,7 @@
 """Recording in a separate program, so that neither the disk nor the encoding makes the loop late.
 
-The loop puts its data into a pipe, as far as there is room, and never waits. The program writes until its input ends,
-even if the loop's program was killed.
+The loop puts its data into a pipe, as far as there is room, and never waits. The program writes
+until its input ends, even if the loop's program was killed.
 """
 
 import os
@@ -22,7 +22,9 @@ from laticauda.operate.drivers.base import Frame
 from laticauda.operate.recording.entries import Entry, Event, Header
 from laticauda.operate.recording.log import OperationRecorder, Sink
 
-MOST_WAITING = 1 << 26  # bytes that the pipe has not yet taken; beyond this, the disk does not keep up
+MOST_WAITING = (
+    1 << 26
+)  # bytes that the pipe has not yet taken; beyond this, the disk does not keep up
 
 
 class Writer(AbstractContextManager["Writer"]):
@@ -32,7 +34,8 @@ class Writer(AbstractContextManager["Writer"]):
         path: Path of the file; an existing file is never replaced.
         header: What is known at the start; written to disk at once.
         frames: Whether to keep the raw frames of the bus.
-        learner: Learner that learns from the entries, also in that program; None: nothing is learned.
+        learner: Learner that learns from the entries, also in that program; None: nothing is
+            learned.
         epoch: Wall-clock time at time 0 of the operation's clock [ns since 1970]; 0: unknown.
 
     Raises:
@@ -43,14 +46,23 @@ class Writer(AbstractContextManager["Writer"]):
     """Why nothing is recorded any more; "" while recording works."""
 
     def __init__(
-        self, path: Path, header: Header, *, frames: bool = True, learner: Learner | None = None, epoch: int = 0
+        self,
+        path: Path,
+        header: Header,
+        *,
+        frames: bool = True,
+        learner: Learner | None = None,
+        epoch: int = 0,
     ) -> None:
         self.news = deque[Event]()
         """Events about what was learned and what has changed, as in `Sink`."""
         code = f"from {__name__} import main; main()"
         pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-        # In a separate session: Ctrl-C is for the operator, and this goes on until there is nothing more to write.
-        self._process: Any = subprocess.Popen([sys.executable, "-P", "-c", code], start_new_session=True, **pipes)
+        # In a separate session: Ctrl-C is for the operator, and this goes on until there is nothing
+        # more to write.
+        self._process: Any = subprocess.Popen(
+            [sys.executable, "-P", "-c", code], start_new_session=True, **pipes
+        )
         self._pipe, self._waiting = self._process.stdin.fileno(), bytearray()
         self._listener = threading.Thread(target=self._listen, name="recording", daemon=True)
         self._send((path, header, frames, learner, epoch))
@@ -108,7 +120,9 @@ def main() -> None:
     """Run the separate program: read the arguments of `Writer` first, then tick after tick."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     given = sys.stdin.buffer
-    path, header, frames, learner, epoch = cast("tuple[Path, Header, bool, Learner | None, int]", pickle.load(given))
+    path, header, frames, learner, epoch = cast(
+        "tuple[Path, Header, bool, Learner | None, int]", pickle.load(given)
+    )
     try:
         with OperationRecorder(path, header, epoch=epoch) as recorder:
             sink = Sink(recorder, frames=frames, learner=learner)

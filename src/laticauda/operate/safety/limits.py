@@ -47,7 +47,11 @@ class Modules:
     def unheard(self) -> tuple[int, ...]:
         """Nodes that have not sent both a heartbeat and an angle yet."""
         heard = zip(self.heartbeat, self.angle, strict=True)
-        return tuple(k for k, (beat, angle) in enumerate(heard, 1) if beat is None or not math.isfinite(angle))
+        return tuple(
+            k
+            for k, (beat, angle) in enumerate(heard, 1)
+            if beat is None or not math.isfinite(angle)
+        )
 
     def is_limp(self, now: float, timeout: float) -> bool:
         """Return whether every module that is heard reports that its motor is off.
@@ -90,11 +94,16 @@ def updated(modules: Modules, messages: Iterable[tuple[float, CanMessage]]) -> M
 
     Args:
         modules: State before.
-        messages: Arrival time [s] and content of each; nodes that the robot does not have only count for `highest`.
+        messages: Arrival time [s] and content of each; nodes that the robot does not have only
+            count for `highest`.
     """
     n = modules.n
     values = {name: getattr(modules, name).copy() for name in (*MEASURED, "angle_time")}
-    beats, beat_times, highest = list(modules.heartbeat), modules.heartbeat_time.copy(), modules.highest
+    beats, beat_times, highest = (
+        list(modules.heartbeat),
+        modules.heartbeat_time.copy(),
+        modules.highest,
+    )
     for time, message in messages:
         highest = max(highest, getattr(message, "node", 0))
         if isinstance(message, JointState) and message.node <= n:
@@ -105,7 +114,9 @@ def updated(modules: Modules, messages: Iterable[tuple[float, CanMessage]]) -> M
         elif isinstance(message, Heartbeat) and message.node <= n:
             beats[message.node - 1] = message
             beat_times[message.node - 1] = time
-    return replace(modules, **values, heartbeat=tuple(beats), heartbeat_time=beat_times, highest=highest)
+    return replace(
+        modules, **values, heartbeat=tuple(beats), heartbeat_time=beat_times, highest=highest
+    )
 
 
 def complaints(modules: Modules, *, max_temperature: float, min_voltage: float) -> tuple[str, ...]:
@@ -118,7 +129,9 @@ def complaints(modules: Modules, *, max_temperature: float, min_voltage: float) 
     """
     found: list[str] = []
     if modules.highest > modules.n:
-        found.append(f"module {modules.highest} responds, but the robot has {modules.n}: check `robot`")
+        found.append(
+            f"module {modules.highest} responds, but the robot has {modules.n}: check `robot`"
+        )
     for node, beat in enumerate(modules.heartbeat, start=1):
         if beat is None:
             found.append(f"module {node} does not respond: check its power and its bus connection")
@@ -129,9 +142,13 @@ def complaints(modules: Modules, *, max_temperature: float, min_voltage: float) 
             flags = ", ".join(beat.faults).replace("_", " ") or "no flag"
             found.append(f"module {node} is in its fault state ({flags})")
         if beat.temperature > max_temperature:
-            found.append(f"module {node} is at {beat.temperature:.0f} degC, limit {max_temperature:.0f}: let it cool")
+            found.append(
+                f"module {node} is at {beat.temperature:.0f} degC, limit {max_temperature:.0f}: let it cool"
+            )
         if beat.voltage < min_voltage:
-            found.append(f"module {node} has {beat.voltage:.1f} V, but needs {min_voltage:.1f}: check the supply")
+            found.append(
+                f"module {node} has {beat.voltage:.1f} V, but needs {min_voltage:.1f}: check the supply"
+            )
     return tuple(found)
 
 
@@ -180,7 +197,9 @@ def within_limits(n_joints: int) -> LimitState:
     return LimitState(current=never, joint_error=never)
 
 
-def compare(limits: Limits, state: LimitState, reports: Reports) -> tuple[LimitState, dict[str, str]]:
+def compare(
+    limits: Limits, state: LimitState, reports: Reports
+) -> tuple[LimitState, dict[str, str]]:
     """Compare what the devices report with the limits, once per tick.
 
     Args:
@@ -223,7 +242,9 @@ def _of_modules(modules: Modules, limits: Limits, now: float) -> dict[str, str]:
         "lost_heartbeat": modules.silent(now, limits.heartbeat_timeout),
         "lost_joints": np.flatnonzero(now - modules.angle_time > limits.joint_timeout) + 1,
     }
-    found |= {event: f"module {', '.join(map(str, nodes))}" for event, nodes in late.items() if len(nodes)}
+    found |= {
+        event: f"module {', '.join(map(str, nodes))}" for event, nodes in late.items() if len(nodes)
+    }
     for node, beat in enumerate(modules.heartbeat, start=1):
         if beat is None:
             continue
@@ -238,9 +259,13 @@ def _of_modules(modules: Modules, limits: Limits, now: float) -> dict[str, str]:
         if beat.voltage > limits.max_voltage:
             found.setdefault("high_voltage", f"module {node}: {beat.voltage:.1f} V")
         if beat.state == NodeState.FAULT:
-            faults = [flag for flag in beat.faults if flag != "emergency_stopped"]  # sent by us, or known already
+            faults = [
+                flag for flag in beat.faults if flag != "emergency_stopped"
+            ]  # sent by us, or known already
             if faults:
-                found.setdefault("module_fault", f"module {node}: {', '.join(faults).replace('_', ' ')}")
+                found.setdefault(
+                    "module_fault", f"module {node}: {', '.join(faults).replace('_', ' ')}"
+                )
     return found
 
 
@@ -256,5 +281,7 @@ def _of_motors(state: LimitState, reports: Reports, limits: Limits) -> dict[str,
     if reports.now - state.sending > SPIN_UP:
         for node, beat in enumerate(reports.modules.heartbeat, start=1):
             if beat is not None and not beat.state.is_on:
-                found.setdefault("module_fault", f"module {node} does not move: {beat.state.name.lower()}")
+                found.setdefault(
+                    "module_fault", f"module {node} does not move: {beat.state.name.lower()}"
+                )
     return found

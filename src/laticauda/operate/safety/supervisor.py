@@ -1,7 +1,7 @@
 """The safety supervisor: the tables that an operation obeys, and the step that applies them.
 
-The tables, which the documentation shows, define all transitions, and the action for each event. The supervisor's state
-says whether the joints may move; the phase says for what purpose:
+The tables, which the documentation shows, define all transitions, and the action for each event.
+The supervisor's state says whether the joints may move; the phase says for what purpose:
 
     idle      the robot is limp; no reference is sent
     ready     the joints are held straight
@@ -9,12 +9,14 @@ says whether the joints may move; the phase says for what purpose:
     stopping  the robot is being straightened, and then made limp
     fault     the robot is limp until somebody acknowledges and nothing is wrong any more
 
-The supervisor determines which event leads to which action, within what time, and what is remembered of it. It is a
-value with a pure step: no clock, no bus, no threads. At every tick it gets the time, everything that is wrong at that
-moment, and what the robot reports; it returns the next state.
+The supervisor determines which event leads to which action, within what time, and what is
+remembered of it. It is a value with a pure step: no clock, no bus, no threads. At every tick it
+gets the time, everything that is wrong at that moment, and what the robot reports; it returns the
+next state.
 
-The last line of defense is in the modules: without references they hold after `HOLD_AFTER` and go limp after
-`LIMP_AFTER`. Not sending references is thus a way to stop that needs no bus; every time stated here relies on it.
+The last line of defense is in the modules: without references they hold after `HOLD_AFTER` and go
+limp after `LIMP_AFTER`. Not sending references is thus a way to stop that needs no bus; every time
+stated here relies on it.
 """
 
 from collections.abc import Set
@@ -32,7 +34,7 @@ def _table(name: str) -> list[dict[str, str]]:
     return [row for _, row in read_rows(Path(__file__).with_name(f"{name}.csv"))[1]]
 
 
-# ---- transitions ----------------------------------------------------------------------------------------------------
+# ---- transitions ---------------------------------------------------------------------------------
 
 STATES = ("idle", "ready", "running", "stopping", "fault")
 PREPARATIONS = ("connecting", "checking", "calibrating", "idle_current", "settling", "countdown")
@@ -58,10 +60,11 @@ class Transition(NamedTuple):
 
 TRANSITIONS: tuple[Transition, ...] = tuple(Transition(**row) for row in _table("transitions"))
 """`ended` before the run: it was given up. `stop`: a rule of the supervisor; `fault`, `limp_fault`: a rule that must be
-acknowledged. `settled`: the modules report that they are limp, or have had enough time to become limp."""
+acknowledged. `settled`: the modules report that they are limp, or have had enough time to become
+limp."""
 
 
-# ---- what goes wrong ------------------------------------------------------------------------------------------------
+# ---- what goes wrong -----------------------------------------------------------------------------
 
 ACTIONS = ("none", "finish", "straighten", "limp", "emergency_stop")
 """Actions, each more severe than the one before it."""
@@ -81,7 +84,9 @@ class Rule:
     """Whether somebody has to acknowledge it before the robot moves again."""
 
 
-RULES: tuple[Rule, ...] = tuple(Rule(is_fault=row.pop("then") == "fault", **row) for row in _table("rules"))
+RULES: tuple[Rule, ...] = tuple(
+    Rule(is_fault=row.pop("then") == "fault", **row) for row in _table("rules")
+)
 """Rules, the most severe first."""
 BY_EVENT = {rule.event: rule for rule in RULES}
 
@@ -95,7 +100,7 @@ def cause_of(event: str) -> str:
     return BY_EVENT[event].says if event in BY_EVENT else event
 
 
-# ---- reading the tables ---------------------------------------------------------------------------------------------
+# ---- reading the tables --------------------------------------------------------------------------
 
 _NEXT_PHASE = {(row.phase, row.event): row.next_phase for row in TRANSITIONS}
 _BY_STATES = {(row.phase, row.state, row.next_state): row.next_phase for row in TRANSITIONS}
@@ -134,10 +139,15 @@ def granted(state: str, request: str) -> str:
     return _GRANTED.get((state, request), state)
 
 
-# ---- the step -------------------------------------------------------------------------------------------------------
+# ---- the step ------------------------------------------------------------------------------------
 
-HOLD_AFTER, LIMP_AFTER = 0.2, 1.2  # when a module holds and goes limp by itself without references [s]
-CONFIRM_TIME = 0.5  # modules that have not reported that they are limp by then get an emergency stop [s]
+HOLD_AFTER, LIMP_AFTER = (
+    0.2,
+    1.2,
+)  # when a module holds and goes limp by itself without references [s]
+CONFIRM_TIME = (
+    0.5  # modules that have not reported that they are limp by then get an emergency stop [s]
+)
 MARGIN = 0.3  # for ticks, and for frames in transit [s]
 
 
@@ -161,7 +171,9 @@ class SupervisorState:
     @property
     def sends_references(self) -> bool:
         """Whether references are sent; without them, the modules go limp by themselves."""
-        return self.state in ("ready", "running") or (self.state == "stopping" and self.action == "straighten")
+        return self.state in ("ready", "running") or (
+            self.state == "stopping" and self.action == "straighten"
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -191,7 +203,9 @@ class Supervisor:
         ('fault', 'emergency_stop', 'leak')
     """
 
-    straighten_time: float = quantity("s", "how long it may straighten before it is made limp", gt=0.0, default=2.0)
+    straighten_time: float = quantity(
+        "s", "how long it may straighten before it is made limp", gt=0.0, default=2.0
+    )
 
     def within(self, action: str) -> float:
         """Return the stated time from an event until the robot is limp, even if every frame is lost [s].
@@ -200,7 +214,11 @@ class Supervisor:
             action: One of `ACTIONS`; the time is infinite for those that stop nothing.
         """
         by_itself = LIMP_AFTER + MARGIN
-        times = {"straighten": self.straighten_time + by_itself, "limp": by_itself, "emergency_stop": by_itself}
+        times = {
+            "straighten": self.straighten_time + by_itself,
+            "limp": by_itself,
+            "emergency_stop": by_itself,
+        }
         return times.get(action, float("inf"))
 
     def init(self) -> SupervisorState:
@@ -208,7 +226,13 @@ class Supervisor:
         return SupervisorState()
 
     def step(
-        self, state: SupervisorState, now: float, events: Set[str], *, is_straight: bool, is_limp: bool
+        self,
+        state: SupervisorState,
+        now: float,
+        events: Set[str],
+        *,
+        is_straight: bool,
+        is_limp: bool,
     ) -> tuple[SupervisorState, tuple[Reaction, ...]]:
         """Perform one tick.
 
@@ -220,7 +244,8 @@ class Supervisor:
             is_limp: Whether every module that is heard reports that it is limp.
 
         Returns:
-            The new state, and what is to be logged: every event once, when it begins, and every change of state.
+            The new state, and what is to be logged: every event once, when it begins, and every
+                change of state.
 
         Raises:
             ValueError: If an event is unknown.
@@ -235,7 +260,9 @@ class Supervisor:
             state = after
         for request in REQUESTS:
             if request in events:
-                after = _requested(state, request, now, any(rule.is_fault for rule in wrong), is_limp)
+                after = _requested(
+                    state, request, now, any(rule.is_fault for rule in wrong), is_limp
+                )
                 if after is not state:
                     entries.append(_entry(now, request, after.action, state, after))
                     state = after
@@ -245,28 +272,40 @@ class Supervisor:
             entries.append(_entry(now, event or after.action, after.action, state, after))
         return replace(after, present=frozenset(rule.event for rule in wrong)), tuple(entries)
 
-    def _progress(self, state: SupervisorState, now: float, is_straight: bool, is_limp: bool) -> SupervisorState:
+    def _progress(
+        self, state: SupervisorState, now: float, is_straight: bool, is_limp: bool
+    ) -> SupervisorState:
         """Go on from straightening to limp, and from limp to idle or fault."""
         if state.state != "stopping":
             return state
         gone = now - state.since
         if state.action == "straighten":
-            return replace(state, action="limp", since=now) if is_straight or gone >= self.straighten_time else state
+            return (
+                replace(state, action="limp", since=now)
+                if is_straight or gone >= self.straighten_time
+                else state
+            )
         if is_limp or (state.action == "emergency_stop" and gone >= LIMP_AFTER):
             return replace(state, state="fault") if state.is_fault else SupervisorState(since=now)
         if state.action == "limp" and gone >= CONFIRM_TIME:
             cause = state.cause or "not_limp"
-            return replace(state, state="fault", action="emergency_stop", is_fault=True, cause=cause)
+            return replace(
+                state, state="fault", action="emergency_stop", is_fault=True, cause=cause
+            )
         return state
 
 
-def _requested(state: SupervisorState, request: str, now: float, is_wrong: bool, is_limp: bool) -> SupervisorState:
+def _requested(
+    state: SupervisorState, request: str, now: float, is_wrong: bool, is_limp: bool
+) -> SupervisorState:
     """Return the state that the operation requests, if it is allowed; a request to stop always is."""
     after = granted(state.state, request)
     allowed = request == "ended" or (not is_wrong and (request != "acknowledged" or is_limp))
     if after == state.state or not allowed:
         return state
-    return SupervisorState(state=after, action="straighten" if after == "stopping" else "none", since=now)
+    return SupervisorState(
+        state=after, action="straighten" if after == "stopping" else "none", since=now
+    )
 
 
 def _reacted(state: SupervisorState, rule: Rule, now: float) -> SupervisorState:
@@ -275,9 +314,13 @@ def _reacted(state: SupervisorState, rule: Rule, now: float) -> SupervisorState:
     if rule.action == "finish" or (state.state == "idle" and not rule.is_fault):
         return state  # nothing moves that would have to stop
     if state.state == "fault":
-        return replace(state, action=rule.action, cause=rule.event, since=now) if is_graver else state
+        return (
+            replace(state, action=rule.action, cause=rule.event, since=now) if is_graver else state
+        )
     if state.state == "stopping" and not is_graver:
-        return replace(state, is_fault=state.is_fault or rule.is_fault, cause=state.cause or rule.event)
+        return replace(
+            state, is_fault=state.is_fault or rule.is_fault, cause=state.cause or rule.event
+        )
     return SupervisorState(
         # A robot that is already limp enters the fault state at once, and need not straighten.
         state="fault" if state.state == "idle" else "stopping",
@@ -289,7 +332,9 @@ def _reacted(state: SupervisorState, rule: Rule, now: float) -> SupervisorState:
     )
 
 
-def _entry(now: float, event: str, action: str, before: SupervisorState, after: SupervisorState) -> Reaction:
+def _entry(
+    now: float, event: str, action: str, before: SupervisorState, after: SupervisorState
+) -> Reaction:
     return Reaction(time=now, event=event, action=action, before=before.state, after=after.state)
 
 
@@ -297,4 +342,6 @@ def _check(events: Set[str]) -> None:
     known = (*BY_EVENT, *REQUESTS)
     for event in events:
         if event not in known:
-            raise ValueError(f"`events` must hold only events of the table, got {event!r}{nearest(event, known)}")
+            raise ValueError(
+                f"`events` must hold only events of the table, got {event!r}{nearest(event, known)}"
+            )

@@ -36,7 +36,9 @@ RULES: Mapping[str, Callable[[Any, Any], Any]] = {
     "any_above": lambda values, limit: np.any(values > limit),
     "most_below": lambda values, limit: 2 * np.sum(values < limit) > values.size,
     "median_at_least": lambda values, limit: np.median(values) >= limit,
-    "spans": lambda values, ends: np.allclose([values.min(), values.max()], ends, rtol=0.0, atol=measured.PRINTED_TO),
+    "spans": lambda values, ends: np.allclose(
+        [values.min(), values.max()], ends, rtol=0.0, atol=measured.PRINTED_TO
+    ),
 }
 """Conditions on the numbers of a part of a rule; all numbers must meet them, unless the name says otherwise."""
 
@@ -65,14 +67,26 @@ def claims(*studies: runs.Study[Any]) -> tuple[Claim, ...]:
     """Return the claims of the paper's results, remarks and conclusions, judged by the studies.
 
     Args:
-        studies: Results of `run_efficiency`, `run_path_following` and `run_side_trials` with the paper's settings: all
-            its groups, cases and sweeps. Claims about missing studies are not tested; other studies are ignored.
+        studies: Results of `run_efficiency`, `run_path_following` and `run_side_trials` with the
+            paper's settings: all its groups, cases and sweeps. Claims about missing studies are not
+            tested; other studies are ignored.
     """
-    given = {name: study for study in studies for name, (kind, _) in STUDIES.items() if isinstance(study, kind)}
-    known: dict[str, Any] = {"tables": quantities.tables(), "robots": quantities.robots(), "models": quantities.MODELS}
+    given = {
+        name: study
+        for study in studies
+        for name, (kind, _) in STUDIES.items()
+        if isinstance(study, kind)
+    }
+    known: dict[str, Any] = {
+        "tables": quantities.tables(),
+        "robots": quantities.robots(),
+        "models": quantities.MODELS,
+    }
     known |= {name: getattr(quantities, name)(study) for name, study in given.items()}
     if isinstance(following := given.get("following"), path_following.PathFollowingStudy):
-        known["ways"] = [{**known, "following": quantities.following(way)} for way in following.ways]
+        known["ways"] = [
+            {**known, "following": quantities.following(way)} for way in following.ways
+        ]
     if {"side", "efficiency"} <= given.keys():
         known["side"]["optima"] = [known["efficiency"]["optimum"], known["side"]["optimum"]]
     return tuple(_judged(entry, known) for entry in table()["claims"])
@@ -125,17 +139,21 @@ def _met(part: Mapping[str, Any], known: Mapping[str, Any]) -> list[bool]:
     """Return whether the numbers of a part meet it, all together or individually."""
     ((rule, limit),) = ((name, value) for name, value in part.items() if name in RULES)
     path: str = part.get("each") or part["of"]
-    values = np.atleast_1d(np.array(reduce(lambda inside, name: inside[name], path.split("."), known), dtype=float))
+    values = np.atleast_1d(
+        np.array(reduce(lambda inside, name: inside[name], path.split("."), known), dtype=float)
+    )
     rows = values[:, np.newaxis] if "each" in part else [values]
     return [bool(RULES[rule](row, limit)) for row in rows]
 
 
-# ---- words ---------------------------------------------------------------------------------------------------------
+# ---- words ---------------------------------------------------------------------------------------
 
 
 _OF_LIMITS: Mapping[str, Callable[[Any, Any], Any]] = {
     "exceeding": lambda values, limit: [value > limit for value in values],
-    "reached": lambda value, unit: f"{value:.2f} {unit}" if math.isfinite(value) else "(not reached in all cases)",
+    "reached": lambda value, unit: (
+        f"{value:.2f} {unit}" if math.isfinite(value) else "(not reached in all cases)"
+    ),
     "reaching": lambda values, limit: [value >= limit for value in values],
     "reaching_at_most": lambda values, limit: [value <= limit for value in values],
 }
@@ -153,7 +171,13 @@ def _text(template: str, known: Mapping[str, Any]) -> str:
 @cache
 def _template(text: str) -> Any:
     plain = paper_templates().overlay(autoescape=False)
-    plain.filters = {**plain.filters, **_OF_LIMITS, **_OF_VALUES, "percent": percent, "spread": spread}
+    plain.filters = {
+        **plain.filters,
+        **_OF_LIMITS,
+        **_OF_VALUES,
+        "percent": percent,
+        "spread": spread,
+    }
     return plain.from_string(text)
 
 
@@ -178,7 +202,7 @@ def spread(values: Sequence[float], form: str = "+.0f", unit: str = "%") -> str:
     return f"{in_digits(min(values), form)} to {in_digits(max(values), form)} {unit}"
 
 
-# ---- misprints -----------------------------------------------------------------------------------------------------
+# ---- misprints -----------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -196,7 +220,9 @@ class Misprint:
 def misprints() -> tuple[Misprint, ...]:
     """Return misprints and contradictions of the paper; those in its numbers are recomputed from its tables."""
     known = {"tables": quantities.tables(), "robots": quantities.robots()}
-    in_words = [{name: _text(text, known) for name, text in entry.items()} for entry in table()["misprints"]]
+    in_words = [
+        {name: _text(text, known) for name, text in entry.items()} for entry in table()["misprints"]
+    ]
     return (*_changes(), *_same_speed(), *(Misprint(**texts) for texts in in_words))
 
 
@@ -205,9 +231,16 @@ def _changes() -> Iterator[Misprint]:
     for number, rows in ((1, measured.efficiency_trials()), (2, measured.path_following_trials())):
         for change in measured.printed_changes(rows):
             for what, (printed, found) in change.misprints.items():
-                name, unit = {"power": ("mean_power", "W"), "velocity": ("forward_velocity", "m/s")}[what]
+                name, unit = {
+                    "power": ("mean_power", "W"),
+                    "velocity": ("forward_velocity", "m/s"),
+                }[what]
                 before, after = getattr(change.without, name), getattr(change.with_fin, name)
-                own = f"from {before:g} to {after:g} {unit} in" if number == 1 else "from the numbers of"
+                own = (
+                    f"from {before:g} to {after:g} {unit} in"
+                    if number == 1
+                    else "from the numbers of"
+                )
                 yield Misprint(
                     where=f"Table {number}, {change.with_fin.group}, case {change.with_fin.case}",
                     printed=f"Change of {what}: {percent(printed, '+.2f')}.",

@@ -39,7 +39,9 @@ def robots() -> Numbers:
     robot, modules = load_robot("mamba-fin"), load_robot("mamba-modules-fin")
     assert robot.caudal_fin is not None
     fin, link = robot.caudal_fin.length, robot.modules[0].length
-    longer, of_modules, of_printed = (100.0 * fin / length for length in (robot.length, modules.length, 20 * link))
+    longer, of_modules, of_printed = (
+        100.0 * fin / length for length in (robot.length, modules.length, 20 * link)
+    )
     return {
         "fin": fin,
         "link": link,
@@ -53,7 +55,7 @@ def robots() -> Numbers:
     }
 
 
-# ---- efficiency ----------------------------------------------------------------------------------------------------
+# ---- efficiency ----------------------------------------------------------------------------------
 
 
 def efficiency(study: EfficiencyStudy) -> Numbers:
@@ -63,7 +65,11 @@ def efficiency(study: EfficiencyStudy) -> Numbers:
         study: Result of `run_efficiency`.
     """
     found = maxima(study)
-    phase = next(one for one in found if (one.parameter, one.group) == ("phase_shift", study.settings.groups[0]))
+    phase = next(
+        one
+        for one in found
+        if (one.parameter, one.group) == ("phase_shift", study.settings.groups[0])
+    )
     return {
         "joints": study.how["joints"],
         "kind": study.how["model"],
@@ -86,7 +92,10 @@ def fin_by_gait(study: EfficiencyStudy) -> dict[str, Numbers]:
         study: Result of `run_efficiency`.
     """
     gains = [gain for gain in fin_gains(study.cases) if gain.measured.velocity is not None]
-    kinds = {kind: [gain for gain in gains if gain.with_fin.group.gait == kind] for kind in gaits.GAIT_WORDS}
+    kinds = {
+        kind: [gain for gain in gains if gain.with_fin.group.gait == kind]
+        for kind in gaits.GAIT_WORDS
+    }
     return {
         kind: {
             "measured": [gain.measured.velocity for gain in here],
@@ -102,7 +111,10 @@ def best_null(found: Sequence[Score]) -> Score:
     Args:
         found: Scores of Table 1.
     """
-    return min((one for one in found if one.leave_one_out is not None), key=lambda score: score.leave_one_out or 0.0)
+    return min(
+        (one for one in found if one.leave_one_out is not None),
+        key=lambda score: score.leave_one_out or 0.0,
+    )
 
 
 def _fin(study: EfficiencyStudy) -> Numbers:
@@ -110,8 +122,12 @@ def _fin(study: EfficiencyStudy) -> Numbers:
     gains = fin_gains(study.cases)
     known = [(gain, gain.measured.velocity) for gain in gains if gain.measured.velocity is not None]
     velocity = [value for _, value in known]
-    power = [(gain.measured.power, value) for gain, value in known if gain.measured.power is not None]
-    simulated_power = [gain.simulated(lambda case: case.mechanical_power[study.judged]) for gain in gains]
+    power = [
+        (gain.measured.power, value) for gain, value in known if gain.measured.power is not None
+    ]
+    simulated_power = [
+        gain.simulated(lambda case: case.mechanical_power[study.judged]) for gain in gains
+    ]
     by_gait = fin_by_gait(study)
     return {
         "gains": {
@@ -119,7 +135,9 @@ def _fin(study: EfficiencyStudy) -> Numbers:
             for kind, found in by_gait.items()
         },
         "gain": velocity,
-        "gain_rows": [(gain.with_fin.group.name, gain.with_fin.measured.case, value) for gain, value in known],
+        "gain_rows": [
+            (gain.with_fin.group.name, gain.with_fin.measured.case, value) for gain, value in known
+        ],
         "gain_of_both_tables": [*velocity, *tables()["gain"]],
         "simulated_gain": _faster([gain for gain, _ in known], study.judged),
         "n_settings": len(gains),
@@ -142,11 +160,26 @@ def _per(power: float, velocity: float) -> float:
 def _agreement(study: EfficiencyStudy) -> Numbers:
     """Return the errors of the simulated forward velocity over the measured rows of Table 1 [%]."""
     groups, found = study.settings.groups, scores(study)
-    mean = {one.name: dict(zip((group.name for group in groups), one.by_group, strict=True)) for one in found}
-    judged, by_papers = found[study.judged], [mean[name] for name in PAPERS if set(PAPERS) <= set(study.models)]
+    mean = {
+        one.name: dict(zip((group.name for group in groups), one.by_group, strict=True))
+        for one in found
+    }
+    judged, by_papers = (
+        found[study.judged],
+        [mean[name] for name in PAPERS if set(PAPERS) <= set(study.models)],
+    )
     own = mean[judged.name]
-    papers = {group.name: [one[group.name] for one in by_papers] for group in groups if group.has_fin and by_papers}
-    pairs = [(a.name, b.name) for a in groups for b in groups if a.gait == b.gait and a.has_fin < b.has_fin]
+    papers = {
+        group.name: [one[group.name] for one in by_papers]
+        for group in groups
+        if group.has_fin and by_papers
+    }
+    pairs = [
+        (a.name, b.name)
+        for a in groups
+        for b in groups
+        if a.gait == b.gait and a.has_fin < b.has_fin
+    ]
     errors: dict[str, list[float]] = {group.name: [] for group in groups}
     for case, measured, speed in zip(study.measured, judged.measured, judged.speeds, strict=True):
         errors[case.group.name].append(percent_change(measured, speed))
@@ -168,30 +201,47 @@ def _agreement(study: EfficiencyStudy) -> Numbers:
 def _trends(study: EfficiencyStudy) -> Numbers:
     """Return trends of velocity over the frequency, and of power over all settings."""
     sweep = next(sweep for sweep in study.sweeps if sweep.settings.parameter == "frequency")
-    speeds: dict[str, dict[int, float]] = {group.name: {} for group in study.settings.groups}  # by degrees per second
+    speeds: dict[str, dict[int, float]] = {
+        group.name: {} for group in study.settings.groups
+    }  # by degrees per second
     for case in study.measured:
         if sweep.settings.contains(gait := case.measured.gait):
-            speeds[case.group.name][round(math.degrees(gait.frequency))] = case.measured.forward_velocity or 0.0
+            speeds[case.group.name][round(math.degrees(gait.frequency))] = (
+                case.measured.forward_velocity or 0.0
+            )
     ends = {name: (min(found), max(found)) for name, found in speeds.items()}
-    changes = {name: percent_change(speeds[name][low], speeds[name][high]) for name, (low, high) in ends.items()}
+    changes = {
+        name: percent_change(speeds[name][low], speeds[name][high])
+        for name, (low, high) in ends.items()
+    }
     alike = {group.name: _alike(study, group.name) for group in study.settings.groups}
     return {
-        "explained": [_through_origin(sweep.values, curve) for curve in sweep.forward_velocity[study.judged]],
+        "explained": [
+            _through_origin(sweep.values, curve) for curve in sweep.forward_velocity[study.judged]
+        ],
         "by_frequency": changes,
         "frequency_changes": [*changes.values()],
         "faster_by": max(percent_change(*pair) for pair in ends.values()),
         "alike": alike,
         "alike_shares": [sum(values) / len(values) for values in alike.values()],
         "from_130_to_150": {
-            name: percent_change(found[130], found[150]) for name, found in speeds.items() if {130, 150} <= {*found}
+            name: percent_change(found[130], found[150])
+            for name, found in speeds.items()
+            if {130, 150} <= {*found}
         },
     }
 
 
 def _alike(study: EfficiencyStudy, group: str) -> list[bool]:
     """Return for each pair of settings whether measured and simulated power rank it alike."""
-    cases = [case for case in study.cases if case.group.name == group and case.measured.mean_power is not None]
-    rows = [(case.measured.mean_power or 0.0, case.mechanical_power[study.judged]) for case in cases]
+    cases = [
+        case
+        for case in study.cases
+        if case.group.name == group and case.measured.mean_power is not None
+    ]
+    rows = [
+        (case.measured.mean_power or 0.0, case.mechanical_power[study.judged]) for case in cases
+    ]
     return [(one[0] - other[0]) * (one[1] - other[1]) > 0.0 for one, other in combinations(rows, 2)]
 
 
@@ -201,7 +251,7 @@ def _through_origin(x: Float[np.ndarray, " n"], y: Float[np.ndarray, " n"]) -> f
     return 1.0 - float(residual @ residual) / float(np.sum((y - np.mean(y)) ** 2))
 
 
-# ---- other studies -------------------------------------------------------------------------------------------------
+# ---- other studies -------------------------------------------------------------------------------
 
 
 def side(study: SideTrials) -> Numbers:
@@ -230,7 +280,10 @@ def side(study: SideTrials) -> Numbers:
         "inertia_changes": [*study.by_added_inertia.values()],
         "optimum": math.degrees(study.pd_optimum),
         "robot": ROBOT,
-        **{name: math.degrees(getattr(first, name)) for name in ("amplitude", "frequency", "phase_shift")},
+        **{
+            name: math.degrees(getattr(first, name))
+            for name in ("amplitude", "frequency", "phase_shift")
+        },
         "same_phase_shift": kept["phase shift"],
         "same_waves": kept["number of waves"],
         "velocity_change": change,
@@ -313,7 +366,9 @@ def _convergence(study: PathFollowingStudy) -> list[tuple[str, str, float, float
     """Return by gait time [s] and distance [m] to reach the path, without and with the fin; infinite if not reached."""
 
     def mean(gait: str, has_fin: bool, name: str) -> float:
-        cases = [case for case in study.cases if (case.group.gait, case.group.has_fin) == (gait, has_fin)]
+        cases = [
+            case for case in study.cases if (case.group.gait, case.group.has_fin) == (gait, has_fin)
+        ]
         values = [case.run.figures[name] for case in cases]
         return fmean(math.inf if value is None else value for value in values)
 
@@ -326,5 +381,8 @@ def _convergence(study: PathFollowingStudy) -> list[tuple[str, str, float, float
 
 def _spreads(study: PathFollowingStudy, figure: Callable[[FollowingCase], float]) -> list[float]:
     """Return by group the difference between largest and smallest value over the mean [%]."""
-    found = [[figure(case) for case in study.cases if case.group == group] for group in study.settings.groups]
+    found = [
+        [figure(case) for case in study.cases if case.group == group]
+        for group in study.settings.groups
+    ]
     return [100.0 * (max(values) - min(values)) / fmean(values) for values in found]

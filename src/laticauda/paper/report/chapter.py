@@ -39,7 +39,9 @@ def figure_numbers(numbers: Sequence[int]) -> str:
     Args:
         numbers: At least one number, in ascending order.
     """
-    in_a_row = groupby(enumerate(numbers), lambda pair: pair[1] - pair[0])  # they increase as their indices do
+    in_a_row = groupby(
+        enumerate(numbers), lambda pair: pair[1] - pair[0]
+    )  # they increase as their indices do
     rows = [[number for _, number in row] for _, row in in_a_row]
     parts = [f"{row[0]}" if len(row) == 1 else f"{row[0]} to {row[-1]}" for row in rows]
     listed = " and ".join((", ".join(parts[:-1]), parts[-1])) if len(parts) > 1 else parts[0]
@@ -94,7 +96,9 @@ _SHOWN: Mapping[str, Callable[[Any], Any]] = {
 }
 
 
-def error_rows(study: EfficiencyStudy | PathFollowingStudy, fitted: str, titles: Mapping[str, str]) -> list[Row]:
+def error_rows(
+    study: EfficiencyStudy | PathFollowingStudy, fitted: str, titles: Mapping[str, str]
+) -> list[Row]:
     """Return the errors of all predictors of a table, together with those of models without physics.
 
     Args:
@@ -104,7 +108,10 @@ def error_rows(study: EfficiencyStudy | PathFollowingStudy, fitted: str, titles:
     """
     groups, rows = [f"{group.name} [%]" for group in study.settings.groups], list[Row]()
     for score in scores(study):
-        row: Row = {"predictor of v": titles.get(score.title, score.title), fitted: score.n_fitted or 0}
+        row: Row = {
+            "predictor of v": titles.get(score.title, score.title),
+            fitted: score.n_fitted or 0,
+        }
         row |= {**dict(zip(groups, score.by_group, strict=True)), "all rows [%]": score.overall}
         if isinstance(study, EfficiencyStudy):
             row["leaving one row out [%]"] = score.leave_one_out
@@ -143,7 +150,11 @@ def misprinted(gains: Iterable[FinGain[Any]]) -> list[tuple[MeasuredRow, str, fl
     Args:
         gains: All changes of a table.
     """
-    return [(gain.measured.with_fin, what, *pair) for gain in gains for what, pair in gain.measured.misprints.items()]
+    return [
+        (gain.measured.with_fin, what, *pair)
+        for gain in gains
+        for what, pair in gain.measured.misprints.items()
+    ]
 
 
 def _centimeters(length: float | None) -> str:

@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Any
 from laticauda.paper.claims.quantities import best_null, fin_by_gait
 from laticauda.paper.efficiency import EfficiencyStudy, Repeat, SweepResult, maxima
 from laticauda.paper.measured import percent_change
-from laticauda.paper.report.chapter import degrees, error_rows, fin_row, misprinted, paper_chapter, row
+from laticauda.paper.report.chapter import (
+    degrees,
+    error_rows,
+    fin_row,
+    misprinted,
+    paper_chapter,
+    row,
+)
 from laticauda.paper.scores import fin_gains, scores
 from laticauda.paper.settings import Group, SweepSettings
 from laticauda.reports.chapter import Chapter, Row
@@ -17,7 +24,9 @@ if TYPE_CHECKING:
 
     from laticauda.paper.figures import Panel
 
-NEAR = math.radians(5.0)  # tolerance about the measured maximum, without the margin for rounding [rad, rad/s]
+NEAR = math.radians(
+    5.0
+)  # tolerance about the measured maximum, without the margin for rounding [rad, rad/s]
 
 
 def efficiency_chapter(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -> Chapter:
@@ -38,7 +47,12 @@ def efficiency_chapter(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -
 
 def _findings(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> dict[str, Any]:
     """Return the values used in the sentences of the chapter."""
-    found, gains, starred, models = scores(study), fin_gains(study.cases), maxima(study), range(len(study.models))
+    found, gains, starred, models = (
+        scores(study),
+        fin_gains(study.cases),
+        maxima(study),
+        range(len(study.models)),
+    )
     sweeps, groups = study.settings.sweeps, study.settings.groups
     return {
         "physical": [score for score in found if not score.is_null],
@@ -48,11 +62,13 @@ def _findings(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> dict[str, An
         "n_at_end": [sum(one.at_the_end[i] for one in starred) for i in models],
         "fin": {kind: gain for kind, gain in fin_by_gait(study).items() if gain["measured"]},
         "misprinted": misprinted(gains),
-        "n_repeats_shown": sum(any(_is_shown(r, g, sweep) for g in groups for sweep in sweeps) for r in repeats),
+        "n_repeats_shown": sum(
+            any(_is_shown(r, g, sweep) for g in groups for sweep in sweeps) for r in repeats
+        ),
     }
 
 
-# ---- tables --------------------------------------------------------------------------------------------------------
+# ---- tables --------------------------------------------------------------------------------------
 
 
 def _tables(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> dict[str, list[Row]]:
@@ -73,9 +89,13 @@ def _table1(study: EfficiencyStudy) -> list[Row]:
     for case in study.cases:
         measured = case.measured.forward_velocity
         found = row("table1", case)
-        for name, velocity, power in zip(study.models, case.forward_velocity, case.mechanical_power, strict=True):
+        for name, velocity, power in zip(
+            study.models, case.forward_velocity, case.mechanical_power, strict=True
+        ):
             found[f"{name}: v [m/s]"] = velocity
-            found[f"{name}: error [%]"] = None if measured is None else percent_change(measured, velocity)
+            found[f"{name}: error [%]"] = (
+                None if measured is None else percent_change(measured, velocity)
+            )
             found[f"{name}: mechanical power [W]"] = power
         rows.append(found)
     return rows
@@ -96,9 +116,16 @@ def _maxima(study: EfficiencyStudy) -> list[Row]:
 def _fin(study: EfficiencyStudy) -> list[Row]:
     rows: list[Row] = []
     for gain in fin_gains(study.cases):
-        speeds = [gain.simulated(lambda case, i=i: case.forward_velocity[i]) for i in range(len(study.models))]
-        simulated = {f"{name}: v [%]": speed for name, speed in zip(study.models, speeds, strict=True)}
-        rows.append(fin_row(gain.measured, row("setting", gain.with_fin.measured.gait), simulated, {}))
+        speeds = [
+            gain.simulated(lambda case, i=i: case.forward_velocity[i])
+            for i in range(len(study.models))
+        ]
+        simulated = {
+            f"{name}: v [%]": speed for name, speed in zip(study.models, speeds, strict=True)
+        }
+        rows.append(
+            fin_row(gain.measured, row("setting", gain.with_fin.measured.gait), simulated, {})
+        )
     return rows
 
 
@@ -120,10 +147,12 @@ def _sweeps(study: EfficiencyStudy) -> list[Row]:
     ]
 
 
-# ---- figures -------------------------------------------------------------------------------------------------------
+# ---- figures -------------------------------------------------------------------------------------
 
 
-def efficiency_figures(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -> Iterator[tuple[str, str, "Figure"]]:
+def efficiency_figures(
+    study: EfficiencyStudy, repeats: Sequence[Repeat] = ()
+) -> Iterator[tuple[str, str, "Figure"]]:
     """Yield the study's Figs. 4 to 11 one by one: file name, caption and figure.
 
     Args:
@@ -141,7 +170,9 @@ def efficiency_figures(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -
             yield f"figure-{number:02d}", f"{title} (Fig. {number} of the paper).", sheet
 
 
-def _panel(study: EfficiencyStudy, sweep: SweepResult, place: int, repeats: Sequence[Repeat]) -> "Panel":
+def _panel(
+    study: EfficiencyStudy, sweep: SweepResult, place: int, repeats: Sequence[Repeat]
+) -> "Panel":
     """Return one panel: the curves of one group, and the rows of Table 1 and repeated trials that lie on this sweep."""
     from laticauda.paper.figures import Panel
 

@@ -9,9 +9,23 @@ import numpy as np
 from laticauda.gaits import GAIT_WORDS
 from laticauda.paper.claims.quantities import band_gains
 from laticauda.paper.measured import percent_change
-from laticauda.paper.path_following import FollowingCase, FollowingRun, HeldOutRun, PathFollowingStudy, by_law
+from laticauda.paper.path_following import (
+    FollowingCase,
+    FollowingRun,
+    HeldOutRun,
+    PathFollowingStudy,
+    by_law,
+)
 from laticauda.paper.report.chapter import error_rows, fin_row, misprinted, paper_chapter, row
-from laticauda.paper.scores import FinGain, Score, fin_gains, in_all_ways, meter_costs, null_predictions, simulated
+from laticauda.paper.scores import (
+    FinGain,
+    Score,
+    fin_gains,
+    in_all_ways,
+    meter_costs,
+    null_predictions,
+    simulated,
+)
 from laticauda.reports.chapter import Chapter, Row
 
 if TYPE_CHECKING:
@@ -32,13 +46,19 @@ def path_following_chapter(study: PathFollowingStudy) -> Chapter:
         tables=_tables(study),
         n_figures=len(study.cases) + 2,
         figures=lambda: path_following_figures(study),
-        trials={f"figure-{case.figure:02d}": case.trial for case in study.cases} | {HELD_OUT: study.held_out.trial},
+        trials={f"figure-{case.figure:02d}": case.trial for case in study.cases}
+        | {HELD_OUT: study.held_out.trial},
     )
 
 
 def _findings(study: PathFollowingStudy) -> dict[str, Any]:
     """Return the values used in the sentences of the chapter."""
-    settings, cases, ways, gains = study.settings, study.cases, simulated(study), fin_gains(study.cases)
+    settings, cases, ways, gains = (
+        study.settings,
+        study.cases,
+        simulated(study),
+        fin_gains(study.cases),
+    )
     kinds = dict.fromkeys(gain.with_fin.group.gait for gain in gains)
     by_kind = {kind: [gain for gain in gains if gain.with_fin.group.gait == kind] for kind in kinds}
     return {
@@ -56,7 +76,9 @@ def _findings(study: PathFollowingStudy) -> dict[str, Any]:
         "fin": {
             kind: {
                 "measured": [gain.measured.velocity for gain in here],
-                "simulated": [gain.simulated(lambda case: case.run.forward_velocity) for gain in here],
+                "simulated": [
+                    gain.simulated(lambda case: case.run.forward_velocity) for gain in here
+                ],
                 "band": [change for gain in here for change in band_gains(gain)],
             }
             for kind, here in by_kind.items()
@@ -83,28 +105,45 @@ def _kept(study: PathFollowingStudy, runs: Sequence[FollowingRun]) -> dict[str, 
 
 def _group(mean_error: float, cases: Sequence[FollowingCase]) -> dict[str, Any]:
     """Return the errors of the speeds of one group, and the changes caused by closing the loop [%]."""
-    changes = {name: [case.change_by_the_loop(getattr(case, name)) for case in cases] for name in ("run", "cycle_mean")}
+    changes = {
+        name: [case.change_by_the_loop(getattr(case, name)) for case in cases]
+        for name in ("run", "cycle_mean")
+    }
     return {
         "name": cases[0].group.name.replace(",", ""),
         "mean_error": mean_error,
-        "errors": [percent_change(case.measured.forward_velocity, case.run.forward_velocity) for case in cases],
+        "errors": [
+            percent_change(case.measured.forward_velocity, case.run.forward_velocity)
+            for case in cases
+        ],
         "swings": [math.degrees(case.run.offset_swing) for case in cases],
-        "changes": {name: [value for value in values if value is not None] for name, values in changes.items()},
+        "changes": {
+            name: [value for value in values if value is not None]
+            for name, values in changes.items()
+        },
     }
 
 
 def _costs(study: PathFollowingStudy) -> Iterator[tuple[str, float, float]]:
     """Yield the measured energy per meter without and with the fin, gait by gait [J/m]."""
-    costs = {group: np.mean(found, axis=1).tolist()[0] for group, found in meter_costs(study).items()}
+    costs = {
+        group: np.mean(found, axis=1).tolist()[0] for group, found in meter_costs(study).items()
+    }
     for gait in dict.fromkeys(group.gait for group in study.settings.groups):
-        pair = {group.has_fin: costs[group.name] for group in study.settings.groups if group.gait == gait}
+        pair = {
+            group.has_fin: costs[group.name]
+            for group in study.settings.groups
+            if group.gait == gait
+        }
         if len(pair) == 2:
             yield gait, pair[False], pair[True]
 
 
 def _beyond_the_published(held: HeldOutRun) -> dict[str, Any]:
     """Return by how much the held-out trial exceeds the published ranges: velocity, mean velocity [m/s] and offset."""
-    offset, published = ([math.degrees(end) for end in ends] for ends in (held.offset, held.settings.offset))
+    offset, published = (
+        [math.degrees(end) for end in ends] for ends in (held.offset, held.settings.offset)
+    )
     return {
         "velocity_beyond": _outside(held.velocity, held.settings.velocity),
         "mean_velocity_beyond": _outside(held.mean_velocity, held.settings.velocity),
@@ -120,7 +159,7 @@ def _outside(found: Sequence[float], known: Sequence[float]) -> dict[str, float]
     return {side: by for side, by in sides.items() if by > 0.0}
 
 
-# ---- figures -------------------------------------------------------------------------------------------------------
+# ---- figures -------------------------------------------------------------------------------------
 
 
 def path_following_figures(study: PathFollowingStudy) -> Iterator[tuple[str, str, "Figure"]]:
@@ -140,18 +179,30 @@ def path_following_figures(study: PathFollowingStudy) -> Iterator[tuple[str, str
         f"cycle-mean heading; and as the null model “{null.name}”, fitted to Table 1, predicts it."
     )
     predicted = (f"null model fitted to Table 1: {null.name}", null.speeds)
-    sheet = following_speeds_sheet(study.cases, title, chosen=f"simulated, {chosen}", null=predicted)
+    sheet = following_speeds_sheet(
+        study.cases, title, chosen=f"simulated, {chosen}", null=predicted
+    )
     yield SPEEDS, caption, sheet
     for case in study.cases:
         title = f"Path following: {case.group.name}, case {case.measured.case}"
         start = _start(case.measured.initial_cross_track_error, case.measured.initial_heading)
         sheet = follow_sheet(case.trial, title=f"{title}, {start}", note=_speeds(case))
-        yield f"figure-{case.figure:02d}", f"{title} (Fig. {case.figure} of the paper). {_speeds(case)}.", sheet
+        yield (
+            f"figure-{case.figure:02d}",
+            f"{title} (Fig. {case.figure} of the paper). {_speeds(case)}.",
+            sheet,
+        )
     held = study.held_out
     start = _start(held.settings.initial_cross_track_error, held.settings.initial_heading)
     title = f"Held-out trial (published 2016): {GAIT_WORDS[held.settings.gait.kind]}, {held.settings.robot}, {start}"
-    caption = "Path following: a trial of another publication (2016), on which no choice here rests."
-    yield HELD_OUT, caption, follow_sheet(held.trial, title=title, note=f"Simulated with {held.run.name}")
+    caption = (
+        "Path following: a trial of another publication (2016), on which no choice here rests."
+    )
+    yield (
+        HELD_OUT,
+        caption,
+        follow_sheet(held.trial, title=title, note=f"Simulated with {held.run.name}"),
+    )
 
 
 def _best_null(study: PathFollowingStudy) -> Score:
@@ -170,7 +221,7 @@ def _speeds(case: FollowingCase) -> str:
     )
 
 
-# ---- tables --------------------------------------------------------------------------------------------------------
+# ---- tables --------------------------------------------------------------------------------------
 
 
 def _tables(study: PathFollowingStudy) -> dict[str, list[Row]]:
@@ -178,7 +229,10 @@ def _tables(study: PathFollowingStudy) -> dict[str, list[Row]]:
     cases = study.cases
     return {
         "following-trials": [
-            row("case", case) | {"figure": case.figure} | row("start", case) | row("figures", case.run)
+            row("case", case)
+            | {"figure": case.figure}
+            | row("start", case)
+            | row("figures", case.run)
             for case in cases
         ],
         "table2": [_table2(case) for case in cases],
@@ -209,7 +263,9 @@ def _fin(gain: FinGain[FollowingCase]) -> Row:
     band = band_gains(gain)
     velocity: Row = {"simulated: v [%]": gain.simulated(lambda case: case.run.forward_velocity)}
     velocity |= {"band: lowest [%]": min(band), "band: highest [%]": max(band)}
-    power = {"simulated: mechanical power [%]": gain.simulated(lambda case: case.run.mechanical_power)}
+    power = {
+        "simulated: mechanical power [%]": gain.simulated(lambda case: case.run.mechanical_power)
+    }
     return fin_row(gain.measured, {}, velocity, power)
 
 
@@ -217,11 +273,15 @@ def _joules(study: PathFollowingStudy) -> Iterator[Row]:
     for group, costs in meter_costs(study).items():
         trials = [(f"case {i}", pair) for i, pair in enumerate(costs.T.tolist(), 1)]
         for trial, pair in (*trials, ("mean", np.mean(costs, axis=1).tolist())):
-            both = zip(("measured: electrical [J/m]", "simulated: mechanical [J/m]"), pair, strict=True)
+            both = zip(
+                ("measured: electrical [J/m]", "simulated: mechanical [J/m]"), pair, strict=True
+            )
             yield {"group": group, "trial": trial, **dict(both)}
 
 
 def _runs(study: PathFollowingStudy) -> Iterator[Row]:
-    runs = [(row("case", case), run) for case in study.cases for run in (*case.band, case.cycle_mean)]
+    runs = [
+        (row("case", case), run) for case in study.cases for run in (*case.band, case.cycle_mean)
+    ]
     for names, run in (*runs, ({"group": "held out", "case": 1}, study.held_out.run)):
         yield {**names, **row("runs", run), **row("figures", run)}

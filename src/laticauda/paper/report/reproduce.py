@@ -33,9 +33,14 @@ RUNS: Mapping[str, Callable[..., Any]] = {
     "side": side_trials.run_side_trials,
 }
 """Functions that run the studies, by name in `Experiments`; the longest is first, which fills workers best."""
-HALVES: Mapping[str, tuple[str, ...]] = {"efficiency": ("efficiency", "side"), "path-following": ("path_following",)}
+HALVES: Mapping[str, tuple[str, ...]] = {
+    "efficiency": ("efficiency", "side"),
+    "path-following": ("path_following",),
+}
 """The studies that belong to each half of the paper."""
-TITLE = "Underwater snake robots with and without a caudal fin: the paper's experiments in simulation"
+TITLE = (
+    "Underwater snake robots with and without a caudal fin: the paper's experiments in simulation"
+)
 CHAPTERS: Mapping[str, tuple[str, Callable[..., Chapter]]] = {
     "efficiency": ("Locomotion efficiency", efficiency.efficiency_chapter),
     "path_following": ("Path following", path_following.path_following_chapter),
@@ -56,7 +61,9 @@ class Experiments:
     """Figs. 4 to 11 and Table 1."""
     side: side_trials.SideSettings = field(default_factory=side_trials.SideSettings)
     """Individual facts on which claims of the paper are based."""
-    path_following: settings.PathFollowingSettings = field(default_factory=settings.path_following_settings)
+    path_following: settings.PathFollowingSettings = field(
+        default_factory=settings.path_following_settings
+    )
     """Figs. 12 to 23 and Table 2."""
 
 
@@ -64,8 +71,9 @@ def paper_experiments(parameters: robot.Parameters | None = None) -> Experiments
     """Return the settings of a complete reproduction.
 
     Args:
-        parameters: Coefficients to use instead of the paper's, with their changes to the robots; the efficiency study
-            also keeps the paper's, with unchanged robots. None uses the paper's.
+        parameters: Coefficients to use instead of the paper's, with their changes to the robots;
+            the efficiency study also keeps the paper's, with unchanged robots. None uses the
+            paper's.
     """
     usual = Experiments()
     if parameters is None:
@@ -115,13 +123,17 @@ def reproduce(
     """Run the paper's studies and write everything into a folder.
 
     Args:
-        folder: Output folder, created if it does not exist; files of the same names are replaced, others left alone.
-        settings: Settings of all studies; None uses the paper's. For other coefficients, see `paper_experiments`.
+        folder: Output folder, created if it does not exist; files of the same names are replaced,
+            others left alone.
+        settings: Settings of all studies; None uses the paper's. For other coefficients, see
+            `paper_experiments`.
         only: One of `HALVES`; None runs all studies.
         model: Model, or its name.
-        repeats: Repeated measurements, shown on the figures of the efficiency study (`load_repeats`).
-        workers: Number of processes among which the studies are divided. More than 1 requires a script whose main part
-            is under ``if __name__ == "__main__":``, as do all of Python's process pools.
+        repeats: Repeated measurements, shown on the figures of the efficiency study
+            (`load_repeats`).
+        workers: Number of processes among which the studies are divided. More than 1 requires a
+            script whose main part is under ``if __name__ == "__main__":``, as do all of Python's
+            process pools.
         progress: Called from time to time with the current activity, the amount done and the total.
         changes: Differences from the model's defaults.
 
@@ -129,7 +141,8 @@ def reproduce(
         What was run and written.
 
     Raises:
-        ValueError: If an argument is out of its range, or the folder cannot be written; nothing is run in that case.
+        ValueError: If an argument is out of its range, or the folder cannot be written; nothing is
+            run in that case.
         MissingExtra: If Jinja2 is not installed; nothing is run in that case.
         SimulationFailed: If a trial blows up.
     """
@@ -148,7 +161,11 @@ def reproduce(
     judged = claims(*results.values())
     written, first = write_chapter(summary_chapter(results, judged), folder)
     files, listed = write_chapter(claims_chapter(judged, own_verdicts(results)), folder)
-    found = [(name.replace("_", "-"), title, done[name].html) for name, (title, _) in CHAPTERS.items() if name in done]
+    found = [
+        (name.replace("_", "-"), title, done[name].html)
+        for name, (title, _) in CHAPTERS.items()
+        if name in done
+    ]
     text = report.render(
         title=TITLE,
         coefficients=settings.efficiency.models[0].title,
@@ -181,7 +198,10 @@ def summary_chapter(results: Mapping[str, Any], judged: Sequence[Claim]) -> Chap
         shown = {
             f"{name}: {one.name.split(',')[0]}": np.array([one.measured, one.speeds])
             for name, (first, *others) in predictors.items()
-            for one in (first, *[other for other in others if other.n_fitted and not other.is_null][:1])
+            for one in (
+                first,
+                *[other for other in others if other.n_fitted and not other.is_null][:1],
+            )
         }
         figure = style.new_figure(side := 0.55 * style.DOUBLE_COLUMN, side)
         ax = parity(shown, figure.subplots(), what="forward velocity [m/s]")
@@ -203,24 +223,34 @@ def own_verdicts(results: Mapping[str, Any]) -> dict[str, tuple[Claim, ...]]:
     """Judge the claims with each of the project's own models in place of the paper's coefficients.
 
     Args:
-        results: Results of the studies, by their names in `Experiments`; the side trials are not run with these models.
+        results: Results of the studies, by their names in `Experiments`; the side trials are not
+            run with these models.
     """
     studies: dict[str, list[Any]] = {}
     for study in results.values():
         if isinstance(study, EfficiencyStudy):
-            models = [(i, one.name) for i, one in enumerate(study.settings.models) if one.n_fitted is not None]
-            studies |= {name: [replace(study, judged=i), *studies.get(name, [])] for i, name in models}
+            models = [
+                (i, one.name)
+                for i, one in enumerate(study.settings.models)
+                if one.n_fitted is not None
+            ]
+            studies |= {
+                name: [replace(study, judged=i), *studies.get(name, [])] for i, name in models
+            }
         for one in study.own if isinstance(study, PathFollowingStudy) else ():
             studies.setdefault(one.settings.coefficients.name, []).append(one)
     return {name: claims(*mine) for name, mine in studies.items()}
 
 
-def claims_chapter(found: Sequence[Claim], own: Mapping[str, Sequence[Claim]] | None = None) -> Chapter:
+def claims_chapter(
+    found: Sequence[Claim], own: Mapping[str, Sequence[Claim]] | None = None
+) -> Chapter:
     """Return the claims' contribution to the folder and the report.
 
     Args:
         found: Result of `laticauda.paper.claims.claims`.
-        own: Claims judged with other models, by name; their verdicts come before those of `found`. None: no others.
+        own: Claims judged with other models, by name; their verdicts come before those of `found`.
+            None: no others.
     """
     claims = [row("claims", claim) for claim in found]
     for name, others in (own or {}).items():
@@ -234,7 +264,7 @@ def claims_chapter(found: Sequence[Claim], own: Mapping[str, Sequence[Claim]] | 
     )
 
 
-# ---- the studies, sequentially or in parallel ----------------------------------------------------------------------
+# ---- the studies, sequentially or in parallel ----------------------------------------------------
 
 
 def _run(
@@ -250,7 +280,9 @@ def _run(
     listener = Thread(target=_listen, args=(told, progress), daemon=True)
     listener.start()
     workers, others = min(workers, len(names)), set(active_children())
-    with ProcessPoolExecutor(workers, mp_context=context, initializer=_remember, initargs=(told,)) as pool:
+    with ProcessPoolExecutor(
+        workers, mp_context=context, initializer=_remember, initargs=(told,)
+    ) as pool:
         with deaf():  # this process ends them
             running = {pool.submit(do, name, _tell): name for name in names}
         try:
@@ -266,7 +298,9 @@ def _run(
 
 def _track() -> None:
     """Start the process that removes what workers share if this one is killed, without a warning to the user."""
-    sys.warnoptions.append("ignore::UserWarning:multiprocessing.resource_tracker")  # passed on to the process
+    sys.warnoptions.append(
+        "ignore::UserWarning:multiprocessing.resource_tracker"
+    )  # passed on to the process
     try:
         resource_tracker.ensure_running()
     finally:
@@ -288,11 +322,13 @@ def _do(
         return _Done(study, [], "")
     more = {"repeats": repeats} if name == "efficiency" else {}
     chapter = CHAPTERS[name][1](study, **more)
-    files, html = write_chapter(chapter, folder, lambda n: progress(f"{what}: figures", n, chapter.n_figures))
+    files, html = write_chapter(
+        chapter, folder, lambda n: progress(f"{what}: figures", n, chapter.n_figures)
+    )
     return _Done(study, files, html)
 
 
-# ---- in a worker ---------------------------------------------------------------------------------------------------
+# ---- in a worker ---------------------------------------------------------------------------------
 
 _told: Any = None
 """Queue in which a worker reports its progress."""
