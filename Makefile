@@ -60,7 +60,7 @@ test: lint  ## Everything that CI runs
 quick: lint  ## Style, types and tests of what differs from the last commit, in a minute; BASE=main takes more
 	@files="$$($(BIN)/python tests/changed.py sources $(BASE))"; [ -z "$$files" ] || $(BIN)/pyright $$files
 	@places="$$($(BIN)/python tests/changed.py tests $(BASE))"; [ -z "$$places" ] || \
-	$(BIN)/pytest -q -x -m "not slow" -n $(WORKERS) --dist worksteal tests/test_house.py $$places
+	$(BIN)/pytest -q -x -m "not slow" -n $(WORKERS) --dist worksteal tests/test_house.py tests/test_reading.py $$places
 
 check: test  ## The same as test
 

@@ -3,12 +3,10 @@
 import ast
 import csv
 import importlib.metadata
-import io
 import itertools
 import re
 import subprocess
 import sys
-import tokenize
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -264,41 +262,3 @@ def test_the_recipe_for_conda_wants_what_the_package_wants():
     wanted = {name: one for name, written in required().items() for one in written}
     assert required("").keys() <= listed.keys() <= {*wanted, "python"}
     assert all(wanted[name].endswith(bounds) for name, bounds in listed.items() if name != "python")
-
-
-SILENT = {
-    tokenize.COMMENT,
-    tokenize.NL,
-    tokenize.NEWLINE,
-    tokenize.INDENT,
-    tokenize.DEDENT,
-    tokenize.ENDMARKER,
-}
-
-
-def source_lines(text: str) -> int:
-    """Lines that hold code: no docstrings, comments or blank lines."""
-    docs: set[int] = set()
-    for node in ast.walk(ast.parse(text)):
-        body = getattr(node, "body", None)
-        for statement in body if isinstance(body, list) else ():
-            if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant):
-                docs.update(range(statement.lineno, statement.end_lineno + 1))
-    tokens = [
-        t for t in tokenize.generate_tokens(io.StringIO(text).readline) if t.type not in SILENT
-    ]
-    return len({line for t in tokens for line in range(t.start[0], t.end[0] + 1)} - docs)
-
-
-def test_the_house_does_not_grow():
-    # What comes makes room for itself, by better cuts.
-    assert sum(source_lines(module.read_text(encoding="utf-8")) for module in MODULES) <= 34_000
-
-
-def test_a_module_is_one_idea_and_can_be_read_in_one_go():
-    long = {
-        module.name: n
-        for module in MODULES
-        if (n := len(module.read_text(encoding="utf-8").splitlines())) > 400
-    }
-    assert not long
