@@ -1,5 +1,6 @@
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -93,20 +94,40 @@ def example_of(run, words):
     return " ".join(example.split())
 
 
+SAVED = {
+    "run.nc": "",
+    "bare.nc": "",
+    "run-1.nc": "",
+    "run-2.nc": EEL,
+    "fin.nc": "--robot mamba-fin",
+}
+"""Runs that the examples read, and the flags of each."""
+
+
+@pytest.fixture(scope="module")
+def saved_runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the files of `SAVED`."""
+    folder = tmp_path_factory.mktemp("saved_runs")
+    for name, flags in SAVED.items():
+        assert (
+            app.main([*"swim --duration 3 --save".split(), str(folder / name), *flags.split()]) == 0
+        )
+    return folder
+
+
 assert short_reproduction  # a fixture
 
 
 @pytest.mark.usefixtures("short_reproduction")
 @pytest.mark.parametrize("words", [words for words in app.COMMANDS if words not in SERVERS])
-def test_the_help_of_every_command_has_an_example_that_runs_and_offers_json(run, words):
+def test_the_help_of_every_command_has_an_example_that_runs_and_offers_json(
+    run, words, folder, saved_runs
+):
     if words in ("operate", "drivers"):
         assert example_of(run, words)
         pytest.skip(f"needs a robot: tests/cli/test_{words}.py runs it in the virtual tank")
-    bare, fin = ("run.nc", "bare.nc", "run-1.nc"), ("fin.nc",)
-    for name, flags in (
-        {n: "" for n in bare} | {n: "--robot mamba-fin" for n in fin} | {"run-2.nc": EEL}
-    ).items():
-        assert run(f"swim {flags} --duration 3 --save {name}").status == 0
+    for file in saved_runs.iterdir():
+        shutil.copy(file, folder)
     if words == "view":
         skip_without_rendering()
     if words == "replay":
