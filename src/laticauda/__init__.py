@@ -14,48 +14,43 @@ from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.actuation import (
-        PD as PD,
         JointLaw as JointLaw,
+        PD as PD,
         Prescribed as Prescribed,
         Servo as Servo,
+        SpeedServo as SpeedServo,
     )
-    from laticauda.actuation import SpeedServo as SpeedServo
     from laticauda.control import (
+        Following as Following,
         HeadingController as HeadingController,
         IntegralLineOfSight as IntegralLineOfSight,
-    )
-    from laticauda.control import (
         LineOfSight as LineOfSight,
-        Following as Following,
         PathFollowing as PathFollowing,
-    )
-    from laticauda.control import (
         Polyline as Polyline,
         SpatialPathFollowing as SpatialPathFollowing,
         Spline as Spline,
+        StraightLine as StraightLine,
     )
-    from laticauda.control import StraightLine as StraightLine
     from laticauda.dynamics.plant import Plant as Plant
     from laticauda.fluid import (
         CoulombFriction as CoulombFriction,
         DragLaw as DragLaw,
         FunctionDrag as FunctionDrag,
+        PolynomialDrag as PolynomialDrag,
+        TotalSpeedDrag as TotalSpeedDrag,
+        ViscousFriction as ViscousFriction,
     )
-    from laticauda.fluid import PolynomialDrag as PolynomialDrag, TotalSpeedDrag as TotalSpeedDrag
-    from laticauda.fluid import ViscousFriction as ViscousFriction
     from laticauda.gaits import (
         Anguilliform as Anguilliform,
         Custom as Custom,
         EelLike as EelLike,
         Envelope as Envelope,
-    )
-    from laticauda.gaits import (
         Gait as Gait,
         JointAngles as JointAngles,
         LateralUndulation as LateralUndulation,
-    )
-    from laticauda.gaits import Wave as Wave, custom_gait as custom_gait, eel_like as eel_like
-    from laticauda.gaits import (
+        Wave as Wave,
+        custom_gait as custom_gait,
+        eel_like as eel_like,
         lateral_undulation as lateral_undulation,
         recorded_gait as recorded_gait,
     )
@@ -63,8 +58,9 @@ if TYPE_CHECKING:
         Command as Command,
         Controller as Controller,
         Observation as Observation,
+        OpenLoop as OpenLoop,
+        Start as Start,
     )
-    from laticauda.interfaces import OpenLoop as OpenLoop, Start as Start
     from laticauda.logs import load_trial as load_trial
     from laticauda.packaging import __version__ as __version__
     from laticauda.robot import (
@@ -72,16 +68,17 @@ if TYPE_CHECKING:
         Parameters as Parameters,
         Robot as Robot,
         Water as Water,
-    )
-    from laticauda.robot import load_current as load_current, load_ground as load_ground
-    from laticauda.robot import load_joint_angles as load_joint_angles
-    from laticauda.robot import (
+        load_current as load_current,
+        load_ground as load_ground,
+        load_joint_angles as load_joint_angles,
         load_parameters as load_parameters,
         load_robot as load_robot,
         load_water as load_water,
     )
-    from laticauda.scenarios import Planar as Planar, Scenario as Scenario, Spatial as Spatial
     from laticauda.scenarios import (
+        Planar as Planar,
+        Scenario as Scenario,
+        Spatial as Spatial,
         load_scenario as load_scenario,
         save_scenario as save_scenario,
         scenario as scenario,
@@ -92,12 +89,86 @@ if TYPE_CHECKING:
         resume as resume,
         run as run,
         swim as swim,
+        swim_many as swim_many,
+        swim_together as swim_together,
     )
-    from laticauda.simulate import swim_many as swim_many, swim_together as swim_together
     from laticauda.trial import Trial as Trial, compare as compare, joined as joined
 
 if not os.path.isdir(__path__[0]):
     raise ImportError(
         "laticauda must be installed in a folder: it reads kernels and presets from files, not archives"
     )
-__getattr__, __dir__, __all__ = lazy_exports()
+
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda.actuation": ["JointLaw", "PD", "Prescribed", "Servo", "SpeedServo"],
+        "laticauda.control": [
+            "Following",
+            "HeadingController",
+            "IntegralLineOfSight",
+            "LineOfSight",
+            "PathFollowing",
+            "Polyline",
+            "SpatialPathFollowing",
+            "Spline",
+            "StraightLine",
+        ],
+        "laticauda.dynamics.plant": ["Plant"],
+        "laticauda.fluid": [
+            "CoulombFriction",
+            "DragLaw",
+            "FunctionDrag",
+            "PolynomialDrag",
+            "TotalSpeedDrag",
+            "ViscousFriction",
+        ],
+        "laticauda.gaits": [
+            "Anguilliform",
+            "Custom",
+            "EelLike",
+            "Envelope",
+            "Gait",
+            "JointAngles",
+            "LateralUndulation",
+            "Wave",
+            "custom_gait",
+            "eel_like",
+            "lateral_undulation",
+            "recorded_gait",
+        ],
+        "laticauda.interfaces": ["Command", "Controller", "Observation", "OpenLoop", "Start"],
+        "laticauda.logs": ["load_trial"],
+        "laticauda.packaging": ["__version__"],
+        "laticauda.robot": [
+            "Ground",
+            "Parameters",
+            "Robot",
+            "Water",
+            "load_current",
+            "load_ground",
+            "load_joint_angles",
+            "load_parameters",
+            "load_robot",
+            "load_water",
+        ],
+        "laticauda.scenarios": [
+            "Planar",
+            "Scenario",
+            "Spatial",
+            "load_scenario",
+            "save_scenario",
+            "scenario",
+        ],
+        "laticauda.simulate": [
+            "Swims",
+            "plant",
+            "resume",
+            "run",
+            "swim",
+            "swim_many",
+            "swim_together",
+        ],
+        "laticauda.trial": ["Trial", "compare", "joined"],
+    },
+)

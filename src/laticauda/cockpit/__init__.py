@@ -9,4 +9,11 @@ if TYPE_CHECKING:
     from laticauda.cockpit.page import Cockpit as Cockpit
     from laticauda.cockpit.readouts import numbers as numbers
 
-__getattr__, __dir__, __all__ = lazy_exports()
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda.cockpit.live": ["Live"],
+        "laticauda.cockpit.page": ["Cockpit"],
+        "laticauda.cockpit.readouts": ["numbers"],
+    },
+)

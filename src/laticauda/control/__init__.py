@@ -4,30 +4,65 @@ Independent of model and hardware: the same controller steers the planar model a
 tank.
 """
 
-from laticauda.control.averaged import AveragedModel as AveragedModel
-from laticauda.control.averaged import OffsetSteps as OffsetSteps, fit_averaged as fit_averaged
-from laticauda.control.current import CurrentObserver as CurrentObserver
-from laticauda.control.following import Course as Course, Following as Following
-from laticauda.control.frames import Path as Path, PathFrame as PathFrame
-from laticauda.control.guidance import Guidance as Guidance, HeadingController as HeadingController
-from laticauda.control.guidance import (
-    HeadingEstimate as HeadingEstimate,
-    LineOfSight as LineOfSight,
-)
-from laticauda.control.guidance import IntegralLineOfSight as IntegralLineOfSight
-from laticauda.control.path_following import (
-    PathFollowing as PathFollowing,
-    PathFollowingState as PathFollowingState,
-)
-from laticauda.control.path_following import SpatialPathFollowing as SpatialPathFollowing
-from laticauda.control.path_following import SpatialPathFollowingState as SpatialPathFollowingState
-from laticauda.control.paths import Circle as Circle, Polyline as Polyline, Spline as Spline
-from laticauda.control.paths import StraightLine as StraightLine
-from laticauda.control.predictive import (
-    ModelPredictive as ModelPredictive,
-    PlanLimits as PlanLimits,
-)
-from laticauda.control.predictive import PredictiveState as PredictiveState
+from typing import TYPE_CHECKING
+
 from laticauda.packaging import lazy_exports
 
-__getattr__, __dir__, __all__ = lazy_exports()
+if TYPE_CHECKING:
+    from laticauda.control.averaged import (
+        AveragedModel as AveragedModel,
+        OffsetSteps as OffsetSteps,
+        fit_averaged as fit_averaged,
+    )
+    from laticauda.control.current import CurrentObserver as CurrentObserver
+    from laticauda.control.following import Course as Course, Following as Following
+    from laticauda.control.frames import Path as Path, PathFrame as PathFrame
+    from laticauda.control.guidance import (
+        Guidance as Guidance,
+        HeadingController as HeadingController,
+        HeadingEstimate as HeadingEstimate,
+        IntegralLineOfSight as IntegralLineOfSight,
+        LineOfSight as LineOfSight,
+    )
+    from laticauda.control.path_following import (
+        PathFollowing as PathFollowing,
+        PathFollowingState as PathFollowingState,
+        SpatialPathFollowing as SpatialPathFollowing,
+        SpatialPathFollowingState as SpatialPathFollowingState,
+    )
+    from laticauda.control.paths import (
+        Circle as Circle,
+        Polyline as Polyline,
+        Spline as Spline,
+        StraightLine as StraightLine,
+    )
+    from laticauda.control.predictive import (
+        ModelPredictive as ModelPredictive,
+        PlanLimits as PlanLimits,
+        PredictiveState as PredictiveState,
+    )
+
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda.control.averaged": ["AveragedModel", "OffsetSteps", "fit_averaged"],
+        "laticauda.control.current": ["CurrentObserver"],
+        "laticauda.control.following": ["Course", "Following"],
+        "laticauda.control.frames": ["Path", "PathFrame"],
+        "laticauda.control.guidance": [
+            "Guidance",
+            "HeadingController",
+            "HeadingEstimate",
+            "IntegralLineOfSight",
+            "LineOfSight",
+        ],
+        "laticauda.control.path_following": [
+            "PathFollowing",
+            "PathFollowingState",
+            "SpatialPathFollowing",
+            "SpatialPathFollowingState",
+        ],
+        "laticauda.control.paths": ["Circle", "Polyline", "Spline", "StraightLine"],
+        "laticauda.control.predictive": ["ModelPredictive", "PlanLimits", "PredictiveState"],
+    },
+)

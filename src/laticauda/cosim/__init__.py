@@ -11,18 +11,30 @@ from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.cosim.fmu import LinkingFailed as LinkingFailed, export_fmu as export_fmu
-    from laticauda.cosim.native.tables import export_c as export_c
     from laticauda.cosim.messages import (
         MESSAGE_BYTES as MESSAGE_BYTES,
         PROTOCOL_VERSION as PROTOCOL_VERSION,
     )
+    from laticauda.cosim.native.tables import export_c as export_c
     from laticauda.cosim.schema import message_schema as message_schema
     from laticauda.cosim.server import Server as Server, ServerFailed as ServerFailed
     from laticauda.cosim.session import Session as Session
-
-__getattr__, __dir__, __all__ = lazy_exports("clients_folder")
 
 
 def clients_folder() -> Path:
     """Return the folder with the server's clients: `c`, `julia`, and `matlab`, which also works in GNU Octave."""
     return Path(__file__).parent / "clients"
+
+
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda.cosim.fmu": ["LinkingFailed", "export_fmu"],
+        "laticauda.cosim.messages": ["MESSAGE_BYTES", "PROTOCOL_VERSION"],
+        "laticauda.cosim.native.tables": ["export_c"],
+        "laticauda.cosim.schema": ["message_schema"],
+        "laticauda.cosim.server": ["Server", "ServerFailed"],
+        "laticauda.cosim.session": ["Session"],
+    },
+    own=["clients_folder"],
+)

@@ -10,23 +10,46 @@ if TYPE_CHECKING:
     from laticauda.estimation.filter_state import (
         EstimatorState as EstimatorState,
         FilterState as FilterState,
+        Noise as Noise,
     )
-    from laticauda.estimation.filter_state import Noise as Noise
-    from laticauda.estimation.kinematics import KinematicEstimator as KinematicEstimator
-    from laticauda.estimation.kinematics import KinematicState as KinematicState
+    from laticauda.estimation.kinematics import (
+        KinematicEstimator as KinematicEstimator,
+        KinematicState as KinematicState,
+    )
     from laticauda.estimation.learning import (
         Learned as Learned,
         Learner as Learner,
         LearnerState as LearnerState,
+        Learning as Learning,
     )
-    from laticauda.estimation.learning import Learning as Learning
     from laticauda.estimation.motion_model import MotionModel as MotionModel
     from laticauda.estimation.samples import (
         Estimate as Estimate,
+        JointSample as JointSample,
         Mount as Mount,
+        PoseSample as PoseSample,
+        ReferenceSample as ReferenceSample,
+        Sample as Sample,
         StateEstimator as StateEstimator,
     )
-    from laticauda.estimation.samples import JointSample as JointSample, PoseSample as PoseSample
-    from laticauda.estimation.samples import ReferenceSample as ReferenceSample, Sample as Sample
 
-__getattr__, __dir__, __all__ = lazy_exports()
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda.estimation.digital_twin": ["TwinState"],
+        "laticauda.estimation.filter": ["Estimator"],
+        "laticauda.estimation.filter_state": ["EstimatorState", "FilterState", "Noise"],
+        "laticauda.estimation.kinematics": ["KinematicEstimator", "KinematicState"],
+        "laticauda.estimation.learning": ["Learned", "Learner", "LearnerState", "Learning"],
+        "laticauda.estimation.motion_model": ["MotionModel"],
+        "laticauda.estimation.samples": [
+            "Estimate",
+            "JointSample",
+            "Mount",
+            "PoseSample",
+            "ReferenceSample",
+            "Sample",
+            "StateEstimator",
+        ],
+    },
+)

@@ -12,13 +12,28 @@ if TYPE_CHECKING:
     from laticauda.figures.swim import (
         follow_sheet as follow_sheet,
         joint_angle as joint_angle,
-        sheet as sheet,
-    )
-    from laticauda.figures.swim import (
         joint_torque as joint_torque,
+        sheet as sheet,
         speed as speed,
         swim_sheet as swim_sheet,
+        timing_sheet as timing_sheet,
     )
-    from laticauda.figures.swim import timing_sheet as timing_sheet
 
-__getattr__, __dir__, __all__ = lazy_exports()
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda.figures.film": ["Film", "swim_film"],
+        "laticauda.figures.path": ["path_strip"],
+        "laticauda.figures.several": ["overlay", "sweep_sheet"],
+        "laticauda.figures.style": ["new_figure", "save_figure"],
+        "laticauda.figures.swim": [
+            "follow_sheet",
+            "joint_angle",
+            "joint_torque",
+            "sheet",
+            "speed",
+            "swim_sheet",
+            "timing_sheet",
+        ],
+    },
+)

@@ -6,22 +6,18 @@ from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.gaits.gait import (
-        GAIT_WORDS as GAIT_WORDS,
         Anguilliform as Anguilliform,
         Custom as Custom,
-    )
-    from laticauda.gaits.gait import EelLike as EelLike, Envelope as Envelope, Gait as Gait
-    from laticauda.gaits.gait import (
+        EelLike as EelLike,
+        Envelope as Envelope,
+        GAIT_WORDS as GAIT_WORDS,
+        Gait as Gait,
         LateralUndulation as LateralUndulation,
         Wave as Wave,
         custom_gait as custom_gait,
-    )
-    from laticauda.gaits.gait import (
         eel_like as eel_like,
         envelope_of as envelope_of,
         kinds as kinds,
-    )
-    from laticauda.gaits.gait import (
         lateral_undulation as lateral_undulation,
         recorded_gait as recorded_gait,
     )
@@ -29,4 +25,27 @@ if TYPE_CHECKING:
     from laticauda.gaits.recorded import JointAngles as JointAngles
     from laticauda.gaits.reference import WaveState as WaveState
 
-__getattr__, __dir__, __all__ = lazy_exports()
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda.gaits.gait": [
+            "Anguilliform",
+            "Custom",
+            "EelLike",
+            "Envelope",
+            "GAIT_WORDS",
+            "Gait",
+            "LateralUndulation",
+            "Wave",
+            "custom_gait",
+            "eel_like",
+            "envelope_of",
+            "kinds",
+            "lateral_undulation",
+            "recorded_gait",
+        ],
+        "laticauda.gaits.generator": ["Generator", "GeneratorState"],
+        "laticauda.gaits.recorded": ["JointAngles"],
+        "laticauda.gaits.reference": ["WaveState"],
+    },
+)

@@ -12,10 +12,26 @@ if TYPE_CHECKING:
     from laticauda.identify.tasks import TrialFile as TrialFile, compare_laws as compare_laws
     from laticauda.identify.uncertainty import posterior as posterior, profile as profile
     from laticauda.identify.unknowns import Unknown as Unknown
-    from laticauda.identify.validation import compared_with_null_models as compared_with_null_models
     from laticauda.identify.validation import (
+        compared_with_null_models as compared_with_null_models,
         leave_out as leave_out,
         linear_leave_one_out as linear_leave_one_out,
     )
 
-__getattr__, __dir__, __all__ = lazy_exports()
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda.identify.fitting": ["fit"],
+        "laticauda.identify.measurements": ["Measurement", "from_trial"],
+        "laticauda.identify.result": ["Fit", "ParameterEstimate"],
+        "laticauda.identify.tables": ["from_table", "from_table1"],
+        "laticauda.identify.tasks": ["TrialFile", "compare_laws"],
+        "laticauda.identify.uncertainty": ["posterior", "profile"],
+        "laticauda.identify.unknowns": ["Unknown"],
+        "laticauda.identify.validation": [
+            "compared_with_null_models",
+            "leave_out",
+            "linear_leave_one_out",
+        ],
+    },
+)

@@ -6,12 +6,10 @@ from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.lab.faults import (
-        KINDS as KINDS,
         Fault as Fault,
         FaultFileError as FaultFileError,
         Faults as Faults,
-    )
-    from laticauda.lab.faults import (
+        KINDS as KINDS,
         fault_from_words as fault_from_words,
         load_faults as load_faults,
     )
@@ -22,12 +20,36 @@ if TYPE_CHECKING:
         ServerFailed as ServerFailed,
     )
     from laticauda.lab.serving import Lab as Lab, LabAddresses as LabAddresses
-    from laticauda.lab.settings import LabSettings as LabSettings, MocapSettings as MocapSettings
     from laticauda.lab.settings import (
+        LabSettings as LabSettings,
+        MocapSettings as MocapSettings,
         NodeSettings as NodeSettings,
         SupplySettings as SupplySettings,
     )
-    from laticauda.lab.tank import assist as assist, Tank as Tank
+    from laticauda.lab.tank import Tank as Tank, assist as assist
     from laticauda.lab.virtual_robot import Truth as Truth, VirtualRobot as VirtualRobot
 
-__getattr__, __dir__, __all__ = lazy_exports()
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda.lab.faults": [
+            "Fault",
+            "FaultFileError",
+            "Faults",
+            "KINDS",
+            "fault_from_words",
+            "load_faults",
+        ],
+        "laticauda.lab.instruments": ["BODY"],
+        "laticauda.lab.qtm_server": ["LOOPBACK", "QtmServer", "ServerFailed"],
+        "laticauda.lab.serving": ["Lab", "LabAddresses"],
+        "laticauda.lab.settings": [
+            "LabSettings",
+            "MocapSettings",
+            "NodeSettings",
+            "SupplySettings",
+        ],
+        "laticauda.lab.tank": ["Tank", "assist"],
+        "laticauda.lab.virtual_robot": ["Truth", "VirtualRobot"],
+    },
+)

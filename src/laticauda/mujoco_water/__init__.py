@@ -9,19 +9,37 @@
 Independent of laticauda's robots. Requires the extra `spatial`.
 """
 
-from laticauda.mujoco_water.checks import stable_step as stable_step
-from laticauda.mujoco_water.elements import Element as Element, GeomCoefficients as GeomCoefficients
-from laticauda.mujoco_water.elements import (
-    geom_element as geom_element,
-    geom_elements as geom_elements,
-)
-from laticauda.mujoco_water.ground import Contact as Contact, Terrain as Terrain
-from laticauda.mujoco_water.water import (
-    Water as Water,
-    attach as attach,
-    attached as attached,
-    compiled as compiled,
-)
+from typing import TYPE_CHECKING
+
 from laticauda.packaging import lazy_exports
 
-__getattr__, __dir__, __all__ = lazy_exports()
+if TYPE_CHECKING:
+    from laticauda.mujoco_water.checks import stable_step as stable_step
+    from laticauda.mujoco_water.elements import (
+        Element as Element,
+        GeomCoefficients as GeomCoefficients,
+        geom_element as geom_element,
+        geom_elements as geom_elements,
+    )
+    from laticauda.mujoco_water.ground import Contact as Contact, Terrain as Terrain
+    from laticauda.mujoco_water.water import (
+        Water as Water,
+        attach as attach,
+        attached as attached,
+        compiled as compiled,
+    )
+
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda.mujoco_water.checks": ["stable_step"],
+        "laticauda.mujoco_water.elements": [
+            "Element",
+            "GeomCoefficients",
+            "geom_element",
+            "geom_elements",
+        ],
+        "laticauda.mujoco_water.ground": ["Contact", "Terrain"],
+        "laticauda.mujoco_water.water": ["Water", "attach", "attached", "compiled"],
+    },
+)

@@ -12,23 +12,17 @@ if TYPE_CHECKING:
         Decision as Decision,
         Event as Event,
         Header as Header,
-    )
-    from laticauda.operate.recording.entries import (
         PowerReading as PowerReading,
         punctuality as punctuality,
     )
     from laticauda.operate.recording.log import (
         OperationLog as OperationLog,
-        read_operation as read_operation,
-    )
-    from laticauda.operate.recording.log import (
         OperationRecorder as OperationRecorder,
         Rerun as Rerun,
-    )
-    from laticauda.operate.recording.log import rerun_learner as rerun_learner
-    from laticauda.operate.recording.log import (
+        read_operation as read_operation,
         rerun_controller as rerun_controller,
         rerun_estimator as rerun_estimator,
+        rerun_learner as rerun_learner,
     )
     from laticauda.operate.recording.to_trial import trial_of as trial_of
     from laticauda.operate.verdict import (
@@ -37,4 +31,26 @@ if TYPE_CHECKING:
         verdict_of as verdict_of,
     )
 
-__getattr__, __dir__, __all__ = lazy_exports()
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda.operate.recording.entries": [
+            "Decision",
+            "Event",
+            "Header",
+            "PowerReading",
+            "punctuality",
+        ],
+        "laticauda.operate.recording.log": [
+            "OperationLog",
+            "OperationRecorder",
+            "Rerun",
+            "read_operation",
+            "rerun_controller",
+            "rerun_estimator",
+            "rerun_learner",
+        ],
+        "laticauda.operate.recording.to_trial": ["trial_of"],
+        "laticauda.operate.verdict": ["Verdict", "spoken", "verdict_of"],
+    },
+)

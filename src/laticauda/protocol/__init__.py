@@ -12,37 +12,71 @@ if TYPE_CHECKING:
         BusAddress as BusAddress,
         BusFailed as BusFailed,
         bus_address as bus_address,
+        decode as decode,
+        encode as encode,
+        from_frame as from_frame,
+        from_node as from_node,
+        open_bus as open_bus,
+        to_frame as to_frame,
     )
-    from laticauda.protocol.can import open_bus as open_bus
-    from laticauda.protocol.can import decode as decode, encode as encode, from_frame as from_frame
-    from laticauda.protocol.can import from_node as from_node, to_frame as to_frame
     from laticauda.protocol.messages import (
-        EVERY_NODE as EVERY_NODE,
-        FAULTS as FAULTS,
-        N_NODES as N_NODES,
-    )
-    from laticauda.protocol.messages import Acceleration as Acceleration, CanMessage as CanMessage
-    from laticauda.protocol.messages import (
+        Acceleration as Acceleration,
+        CanMessage as CanMessage,
         CommandReply as CommandReply,
+        EVERY_NODE as EVERY_NODE,
         EmergencyStop as EmergencyStop,
-    )
-    from laticauda.protocol.messages import (
+        FAULTS as FAULTS,
         Heartbeat as Heartbeat,
         JointState as JointState,
         Loads as Loads,
-    )
-    from laticauda.protocol.messages import (
+        N_NODES as N_NODES,
         NodeCommand as NodeCommand,
         NodeState as NodeState,
         Order as Order,
-    )
-    from laticauda.protocol.messages import (
         ProtocolError as ProtocolError,
         References as References,
         Result as Result,
+        Sync as Sync,
+        references as references,
     )
-    from laticauda.protocol.messages import Sync as Sync, references as references
     from laticauda.protocol.meter import MeterReading as MeterReading
     from laticauda.protocol.qtm import BodyPose as BodyPose, MocapFrame as MocapFrame
 
-__getattr__, __dir__, __all__ = lazy_exports()
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda.protocol.can": [
+            "BusAddress",
+            "BusFailed",
+            "bus_address",
+            "decode",
+            "encode",
+            "from_frame",
+            "from_node",
+            "open_bus",
+            "to_frame",
+        ],
+        "laticauda.protocol.messages": [
+            "Acceleration",
+            "CanMessage",
+            "CommandReply",
+            "EVERY_NODE",
+            "EmergencyStop",
+            "FAULTS",
+            "Heartbeat",
+            "JointState",
+            "Loads",
+            "N_NODES",
+            "NodeCommand",
+            "NodeState",
+            "Order",
+            "ProtocolError",
+            "References",
+            "Result",
+            "Sync",
+            "references",
+        ],
+        "laticauda.protocol.meter": ["MeterReading"],
+        "laticauda.protocol.qtm": ["BodyPose", "MocapFrame"],
+    },
+)

@@ -20,4 +20,15 @@ if TYPE_CHECKING:
     from laticauda.simulate.runner import resume as resume, run as run, swim as swim
     from laticauda.simulate.several import swim_together as swim_together
 
-__getattr__, __dir__, __all__ = lazy_exports()
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda.simulate.certainty": ["intervals_of", "spread", "stated"],
+        "laticauda.simulate.derivatives": ["Sensitivities", "sensitivities"],
+        "laticauda.simulate.many": ["Swims", "swim_many"],
+        "laticauda.simulate.numbers": ["Parameter", "parameters"],
+        "laticauda.simulate.plants": ["needs_compiling", "plant"],
+        "laticauda.simulate.runner": ["resume", "run", "swim"],
+        "laticauda.simulate.several": ["swim_together"],
+    },
+)

@@ -9,7 +9,16 @@ from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.spatial.mjcf import spec as spec, write_mjcf as write_mjcf
-    from laticauda.spatial.water_robot import contact as contact, on_ground as on_ground
-    from laticauda.spatial.water_robot import robot_elements as robot_elements
+    from laticauda.spatial.water_robot import (
+        contact as contact,
+        on_ground as on_ground,
+        robot_elements as robot_elements,
+    )
 
-__getattr__, __dir__, __all__ = lazy_exports()
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda.spatial.mjcf": ["spec", "write_mjcf"],
+        "laticauda.spatial.water_robot": ["contact", "on_ground", "robot_elements"],
+    },
+)

@@ -50,4 +50,16 @@ for _id in IDS:
         )
 
 # Kernels are imported when an environment is made.
-__getattr__, __dir__, __all__ = lazy_exports("IDS")
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda_gym.abreast": ["Abreast"],
+        "laticauda_gym.baselines": ["StableBaselines"],
+        "laticauda_gym.environments": ["SwimmingEnv", "SwimmingVectorEnv"],
+        "laticauda_gym.episodes": ["Episodes", "Pilots"],
+        "laticauda_gym.swimming": ["Range", "Sight", "Step", "Swimming", "swimmer"],
+        "laticauda_gym.tasks": ["Efficiency", "PathFollowing", "StationKeeping"],
+        "laticauda_gym.together": ["SwimmingParallelEnv"],
+    },
+    own=["IDS"],
+)

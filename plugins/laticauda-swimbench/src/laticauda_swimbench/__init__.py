@@ -20,4 +20,12 @@ if TYPE_CHECKING:
     from laticauda_swimbench.scoring import score as score
     from laticauda_swimbench.task import Swim as Swim
 
-__getattr__, __dir__, __all__ = lazy_exports()
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda_swimbench.challenges": ["CHALLENGES", "Challenge", "challenge", "make"],
+        "laticauda_swimbench.methods": ["Method", "method"],
+        "laticauda_swimbench.scoring": ["score"],
+        "laticauda_swimbench.task": ["Swim"],
+    },
+)
