@@ -76,7 +76,7 @@ def browsers(address: str) -> Iterator[list[int]]:
 
 
 def measure(model: str, duration: float, *, speed: float = 1.0, browser: bool = False) -> None:
-    live = Live(lc.scenario("mamba-fin", GAIT, model=model))
+    live = Live(lc.build_scenario("mamba-fin", GAIT, model=model))
     live.speed = speed
     cockpit = Cockpit(live, port=0)
     cockpit.open()

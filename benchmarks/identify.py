@@ -26,7 +26,7 @@ def main() -> None:
     measured = [
         Measurement(
             name=f"{i}",
-            scenario=lc.scenario(robot, gait),
+            scenario=lc.build_scenario(robot, gait),
             figures={"forward_velocity": (float(speed), 0.001)},
         )
         for i, (gait, speed) in enumerate(zip(gaits, true, strict=True))

@@ -37,7 +37,7 @@ def reference_of(program: Path) -> float:
 def costs() -> dict[str, float]:
     """Least time of one core of every call [s]."""
     from laticauda.control import HeadingController, LineOfSight, PathFollowing, StraightLine
-    from laticauda.planar.layout import layout
+    from laticauda.planar.layout import build_layout
     from laticauda.simulate import sensitivities
 
     robot, gaits, clock = of_links(10), random_gaits(TRIALS), time.process_time
@@ -63,7 +63,7 @@ def costs() -> dict[str, float]:
     followed = fastest(clock, lambda: lc.swim(robot, law, 30.0), ROUNDS)
     held = fastest(clock, lambda: lc.swim(robot, gait), ROUNDS)
     found["control instant"] = (followed - held) / (30.0 / law.interval)
-    found["layout"] = fastest(clock, lambda: layout(robot, water), 50)
+    found["layout"] = fastest(clock, lambda: build_layout(robot, water), 50)
     return found
 
 

@@ -49,7 +49,7 @@ def water(current: float) -> lc.Water:
 
 
 def body(current: float) -> lc.Plant[Any]:
-    return lc.plant(lc.load_robot("mamba-fin"), water(current), offset_bandwidth=10.0)
+    return lc.build_plant(lc.load_robot("mamba-fin"), water(current), offset_bandwidth=10.0)
 
 
 def controllers() -> dict[str, Any]:

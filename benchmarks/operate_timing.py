@@ -166,7 +166,7 @@ def main() -> None:
             ),
             learning=Learning() if given.learning else None,
         )
-        twin = lc.plant(what.body(), what.pool(), joints="servo")
+        twin = lc.build_plant(what.body(), what.pool(), joints="servo")
         clock = worker.Clock()
         with ExitStack() as stack:
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))

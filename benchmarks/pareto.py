@@ -34,7 +34,7 @@ from pymoo.indicators.hv import HV
 import laticauda as lc
 from laticauda.gaits import envelope_of
 from laticauda.studies import Optimization, optimize
-from laticauda.studies.optimization import evaluate, losses
+from laticauda.studies.optimization import compute_losses, evaluate
 
 SEEDS = range(1, 6)
 TIMES = 10
@@ -49,7 +49,7 @@ def random_search(optimization: Optimization, budget: int, seed: int) -> np.ndar
     """Losses of points that are even in the box."""
     low, high = optimization.box()
     table = optimization.points(np.random.default_rng(seed).uniform(low, high, (budget, low.size)))
-    return losses(optimization.objectives, evaluate(optimization, table))
+    return compute_losses(optimization.objectives, evaluate(optimization, table))
 
 
 def main() -> None:
@@ -65,7 +65,7 @@ def main() -> None:
     ratios, taken = [], {}
     for kind in ("lateral_undulation", "eel_like"):
         gait = lc.Gait(envelope=envelope_of(kind), amplitude=0.5, frequency=2.0, phase_shift=0.7)
-        optimization = Optimization(scenario=lc.scenario(robot, gait), bounds=BOUNDS)
+        optimization = Optimization(scenario=lc.build_scenario(robot, gait), bounds=BOUNDS)
         evaluate(optimization, np.array([[0.5, 2.0, 0.7]]))  # warm
         runs = []
         for seed in SEEDS:
@@ -77,7 +77,7 @@ def main() -> None:
             runs.append(
                 (
                     seed,
-                    losses(optimization.objectives, front.figures),
+                    compute_losses(optimization.objectives, front.figures),
                     by_chance,
                     middle - start,
                     end - middle,

@@ -39,7 +39,7 @@ from _timing import print_load
 import laticauda as lc
 from laticauda import mujoco_water as water
 from laticauda.interfaces import Command, OpenLoop
-from laticauda.simulate import plant, run
+from laticauda.simulate import build_plant, run
 
 N, DURATION, STEP, FINE = 20, 10.0, 2e-3, 1e-4
 ROUNDS = 5
@@ -91,7 +91,7 @@ def swum(model: mujoco.MjModel, step: float, repeats: int, motion: str) -> tuple
 
 def wet(integrator: str, *, implicit_drag: bool = False) -> mujoco.MjModel:
     """The chain with our water."""
-    model = water.compiled(chain(f'integrator="{integrator}"', ellipsoid=False))
+    model = water.compile_spec(chain(f'integrator="{integrator}"', ellipsoid=False))
     elements = [
         water.geom_element(model, f"g{i}", water.GeomCoefficients(rotational_drag=1.0))
         for i in range(N)
@@ -105,7 +105,7 @@ def marches() -> dict[str, float]:
     rates: dict[str, float] = {}
     robot, water_ = lc.load_robot("mamba").with_links(N), lc.load_water("paper-lateral")
     for joints in ("prescribed", "pd"):
-        body = plant(
+        body = build_plant(
             robot, water_, model="spatial", joints=joints, dt=STEP, root="free", gravity=False
         )
         run(body, OpenLoop(command=Command(gait=GAIT)), 0.1)
@@ -155,7 +155,7 @@ def beside() -> None:
     """How a planar trial fares beside a march in space: its longest wait, as a share of that march."""
     robot = lc.load_robot("mamba")
     body, command = (
-        plant(robot, lc.load_water("paper-lateral"), model="spatial"),
+        build_plant(robot, lc.load_water("paper-lateral"), model="spatial"),
         Command(gait=GAIT),
     )
     start = body.init(lc.Start(), command)

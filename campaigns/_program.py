@@ -122,7 +122,9 @@ def recorded(folder: Path, duration: float) -> None:
     from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Operation
 
     robot = lc.load_robot("mamba")
-    world = VirtualRobot(robot, lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"))
+    world = VirtualRobot(
+        robot, lc.build_plant(robot, lc.load_water("paper-lateral"), joints="servo")
+    )
     nodes = NodeSettings(startup_time=0.2, calibration_time=0.2)
     operation = Operation(
         name="run",
@@ -175,7 +177,9 @@ def _operate(words: list[str]) -> int:
     from laticauda.protocol import bus_address
 
     robot = lc.load_robot("mamba")
-    world = VirtualRobot(robot, lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"))
+    world = VirtualRobot(
+        robot, lc.build_plant(robot, lc.load_water("paper-lateral"), joints="servo")
+    )
     settings = LabSettings(seed=2, nodes=NodeSettings(startup_time=0.1, calibration_time=0.1))
     with Lab(Tank(world, settings), bus=bus_address("virtual:kept"), port=0, speed=SLOWLY) as at:
         print("begun", flush=True)

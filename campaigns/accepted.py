@@ -97,7 +97,7 @@ def run_one(fault: str, seed: int) -> Row:
     chance = random.Random(f"{fault} {seed}")
     what = operation(chance, fault)
     robot = what.body()
-    plant = lc.plant(robot, what.pool(), joints="servo")
+    plant = lc.build_plant(robot, what.pool(), joints="servo")
     start = lc.Start(
         center_of_mass=(0.0, chance.uniform(-0.3, 0.3)), heading=chance.uniform(-0.2, 0.2)
     )

@@ -17,7 +17,7 @@ import numpy as np
 import laticauda as lc
 from laticauda.robot import textbook_of
 from laticauda.robot.files import PRESETS
-from laticauda.simulate import spread, stated
+from laticauda.simulate import figure_intervals, widen_by_textbook_error
 from laticauda.trial.markers import Track, marker_distance, marker_places
 
 LINK = 0.0965  # m
@@ -118,8 +118,8 @@ def stated_intervals(trial: lc.Trial) -> dict[str, tuple[float, float]]:
     """Between what the figures lie, by what is known of the coefficients and by what the model missed such motion."""
     kinds = {"swim": "swimming", "glide": "gliding", "start": "starting"}
     return {
-        name: stated(one, kinds[name.split()[0]])
-        for name, one in spread(trial, figures=figures).items()
+        name: widen_by_textbook_error(one, kinds[name.split()[0]])
+        for name, one in figure_intervals(trial, figures=figures).items()
     }
 
 
@@ -181,7 +181,7 @@ def main() -> None:
         print(row(name, found, real))
     trial = swum(textbook())
     ranges = {
-        "coefficients in their intervals": spread(trial, figures=figures),
+        "coefficients in their intervals": figure_intervals(trial, figures=figures),
         "stated": stated_intervals(trial),
     }
     for words, found in ranges.items():

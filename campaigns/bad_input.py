@@ -474,7 +474,7 @@ def good_arguments() -> dict[str, Any]:
     )
     trial = lc.swim(robot, gait, 0.5)
     scenario = trial.scenario
-    body, command = lc.plant(scenario), lc.Command(gait=gait)
+    body, command = lc.build_plant(scenario), lc.Command(gait=gait)
     return {
         **{
             "robot": robot,

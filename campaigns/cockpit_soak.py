@@ -55,7 +55,7 @@ import numpy as np
 import laticauda as lc
 from laticauda.cockpit import Cockpit, Live
 from laticauda.cockpit.page import FRAME
-from laticauda.cockpit.simulation import with_fin
+from laticauda.cockpit.simulation import change_fin
 from laticauda.control import StraightLine
 
 GAIT = lc.lateral_undulation(
@@ -162,8 +162,8 @@ def do_something(cockpit: Cockpit, chance: random.Random) -> None:
         lambda: live.alter(
             gait=replace(live.scenario.gait, amplitude=math.radians(chance.uniform(10.0, 40.0)))
         ),
-        lambda: live.alter(robot=with_fin(robot, robot.caudal_fin is None, None)),
-        lambda: live.alter(robot=with_fin(robot, True, chance.uniform(0.1, 0.5))),
+        lambda: live.alter(robot=change_fin(robot, robot.caudal_fin is None, None)),
+        lambda: live.alter(robot=change_fin(robot, True, chance.uniform(0.1, 0.5))),
         lambda: live.alter(joints=chance.choice(("prescribed", "pd", "servo"))),
         lambda: live.alter(current=(chance.uniform(-0.05, 0.05), 0.0)),
         lambda: live.alter(
@@ -215,7 +215,7 @@ def soak(
     frame = FRAME * clock
     pause = round(every / frame) if math.isfinite(every) else 0
     n = round(60.0 * minutes / frame)
-    cockpit = Cockpit(Live(lc.scenario("mamba-fin", GAIT)), port=0)
+    cockpit = Cockpit(Live(lc.build_scenario("mamba-fin", GAIT)), port=0)
     rows: list[tuple[float, float, float]] = []
     with (chromium if browser else reader)(cockpit.address) as visitor:
         wait_for_page(cockpit)

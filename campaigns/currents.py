@@ -123,7 +123,7 @@ class Run:
 def model() -> lc.control.AveragedModel:
     """How the gait moves the robot in still water."""
     return averaged_model(
-        lc.plant(lc.load_robot("mamba-fin"), lc.load_water("paper-lateral")), GAIT
+        lc.build_plant(lc.load_robot("mamba-fin"), lc.load_water("paper-lateral")), GAIT
     )
 
 
@@ -165,7 +165,7 @@ def run(water: str, law: str, seed: int, duration: float = DURATION) -> Run:
         phase = chance.uniform(-math.pi, math.pi)
         current = regular(0.08, float(period), DIRECTIONS[way], phase)
     moving = replace(lc.load_water("paper-lateral"), current=current)
-    body = lc.plant(lc.load_robot("mamba-fin"), moving, offset_bandwidth=10.0)
+    body = lc.build_plant(lc.load_robot("mamba-fin"), moving, offset_bandwidth=10.0)
     trial = lc.run(body, laws()[law], duration, start=start)
     assert trial.period is not None
     signals, late = trial.signals, trial.time >= 0.5 * duration
@@ -290,8 +290,8 @@ def figure(runs: list[Run], path: str) -> None:
     ax.axhline(HELD, color=style.INK, linewidth=0.6, linestyle=":")
     ax.set_yscale("log")
     ax.set_xticks(range(len(WATERS)), list(WATERS))
-    style.dress(ax, xlabel="", ylabel="cross-track error [m]")
-    style.legend(ax, loc="lower right", ncols=2)
+    style.style_axes(ax, xlabel="", ylabel="cross-track error [m]")
+    style.add_legend(ax, loc="lower right", ncols=2)
     save_figure(drawn, path)
 
 

@@ -149,7 +149,7 @@ def truth(case: Case, duration: float) -> lc.Trial:
         frequency=math.radians(case.frequency_deg_s),
         phase_shift=math.radians(40.0),
     )
-    body = lc.plant(lc.load_robot(case.robot), water_of(case), joints="servo")
+    body = lc.build_plant(lc.load_robot(case.robot), water_of(case), joints="servo")
     controller: Any = lc.OpenLoop(command=lc.Command(gait=gait))
     if case.is_following:
         controller = lc.PathFollowing(
@@ -309,7 +309,7 @@ class Twin:
             )
             for joint in robot.joints
         )
-        return lc.plant(replace(robot, joints=joints), other, joints="servo")
+        return lc.build_plant(replace(robot, joints=joints), other, joints="servo")
 
 
 TWINS = {

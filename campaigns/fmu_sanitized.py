@@ -48,7 +48,7 @@ def called(version: str, calls: int, seed: int, folder: Path) -> str:
     fmu, before = folder / "robot.fmu", os.environ.get("CC")
     os.environ["CC"] = GCC
     try:
-        export_fmu(fmu, lc.scenario("mamba", gait, 1.0), fmi=version)
+        export_fmu(fmu, lc.build_scenario("mamba", gait, 1.0), fmi=version)
     finally:
         os.environ.pop("CC")
         if before is not None:

@@ -123,7 +123,7 @@ def following(guidance: Any, path: Any, robot: str, model: str = "planar") -> lc
         guidance=guidance,
         heading=lc.HeadingController(gain=0.4, max_offset=0.35),
     )
-    body = lc.plant(
+    body = lc.build_plant(
         lc.load_robot(robot),
         water(),
         model=model,

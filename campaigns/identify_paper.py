@@ -33,7 +33,7 @@ from laticauda.paper.path_following import figures_of
 from laticauda.paper.settings import path_following_settings
 from laticauda.robot import PectoralFin, Robot, Tether, Water, textbook_of
 from laticauda.robot.parameters import adjusted
-from laticauda.simulate import intervals_of, plant, run, spread
+from laticauda.simulate import build_plant, figure_intervals, intervals_of, run
 from laticauda.trial import Trial
 from laticauda.trial.null_models import group_name, mape
 
@@ -279,7 +279,7 @@ def follow(model: Model, delay: float) -> list[Trial]:
     found: list[Trial] = []
     for row in FOLLOWED:
         how = {"joints": model.joints, "offset_bandwidth": 1e6, "loop_delay": delay}
-        body = plant(model.robots[row.has_fin], model.water, **how)
+        body = build_plant(model.robots[row.has_fin], model.water, **how)
         controller = settings.controller(row.gait)
         start = lc.Start(
             center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading
@@ -382,7 +382,7 @@ def interval() -> None:
                 lc.load_robot("mamba-fin" if row.has_fin else "mamba"), surface="skinned"
             )
             trial = lc.swim(robot, row.gait, environment=textbook_of(robot))
-            low, high = spread(trial, intervals_of(trial.scenario))["forward_velocity"]
+            low, high = figure_intervals(trial, intervals_of(trial.scenario))["forward_velocity"]
             angles = (
                 math.degrees(getattr(row.gait, one))
                 for one in ("amplitude", "frequency", "phase_shift")

@@ -365,7 +365,7 @@ def run(seed: int, mishaps: Sequence[Mishap] | None = None, folder: Path | None 
         center_of_mass=(0.0, chance.uniform(-1.5, 1.5)), heading=chance.uniform(-0.5, 0.5)
     )
     body = VirtualRobot(
-        operation.body(), lc.plant(operation.body(), operation.pool(), joints="servo"), start
+        operation.body(), lc.build_plant(operation.body(), operation.pool(), joints="servo"), start
     )
     settings = LabSettings(
         seed=seed, step=STEP, nodes=NodeSettings(startup_time=0.2, calibration_time=0.2)
@@ -507,7 +507,9 @@ def _judge_acceptance(
 ) -> None:
     """What is accepted ended by itself, is on disk, was seen, and went where the file says."""
     how = operator.operation
-    verdict = verdict_of(log, how.acceptance, lc.plant(how.body(), how.pool(), joints="servo"))
+    verdict = verdict_of(
+        log, how.acceptance, lc.build_plant(how.body(), how.pool(), joints="servo")
+    )
     result = result_of(operator, last, log.path, None, verdict)
     outcome.accepted = result.accepted
     if not result.accepted or last.begun is None or last.ended is None:

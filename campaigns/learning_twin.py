@@ -108,11 +108,13 @@ def run_one(fault: str, seed: int) -> Row:
     true = replace(
         guess, current=current, **{name: getattr(guess, name) * one for name, one in share.items()}
     )
-    body = VirtualRobot(robot, lc.plant(robot, true, joints="servo"))
+    body = VirtualRobot(robot, lc.build_plant(robot, true, joints="servo"))
     tank = Tank(body, LabSettings(seed=seed, step=0.02))
     heard = Heard(
         Learner(
-            robot=robot, plant=lc.plant(robot, guess, joints="servo"), mount=what.calibration.mount
+            robot=robot,
+            plant=lc.build_plant(robot, guess, joints="servo"),
+            mount=what.calibration.mount,
         )
     )
     begun, wait, node = list[float](), chance.uniform(25.0, 29.0), chance.randint(2, 6)

@@ -48,11 +48,11 @@ def operated(operation: Operation, folder: Path) -> Result:
     x, y = np.array(operation.start.position) + off
     heading = operation.start.heading + TURNED * float(chance.standard_normal())
     robot = operation.body()
-    servos = lc.plant(robot, operation.pool(), joints="servo")
+    servos = lc.build_plant(robot, operation.pool(), joints="servo")
     world = VirtualRobot(
         robot, servos, lc.Start(center_of_mass=(float(x), float(y)), heading=heading)
     )
-    twin = lc.plant(robot, operation.pool(), joints="servo")
+    twin = lc.build_plant(robot, operation.pool(), joints="servo")
     meter = "" if operation.supply_voltage is None else "stepped"
     operation = replace(operation, connection=replace(operation.connection, meter_address=meter))
     (folder / f"{operation.name}.mcap").unlink(
@@ -65,7 +65,7 @@ def operated(operation: Operation, folder: Path) -> Result:
 
 def simulated(operation: Operation) -> lc.Trial:
     """The same controller on the same model, with servo joints and nothing in between."""
-    body = lc.plant(
+    body = lc.build_plant(
         operation.body(),
         operation.pool(),
         joints="servo",
@@ -106,7 +106,7 @@ def row(number: int, repeats: int, duration: float | None, folder: Path) -> dict
         **{name: done.figure(name) for name in names},
         "simulated_velocity": pure.forward_velocity,
         "simulated_power": pure.electrical_power,
-        "simulated_error": following.summary(pure)["steady_error"],
+        "simulated_error": following.summarize_following(pure)["steady_error"],
         "measured_velocity": measured.forward_velocity,
         "measured_power": measured.mean_power,
     }

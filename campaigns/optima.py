@@ -101,7 +101,7 @@ def optima_figure(found: Sequence[Optima]) -> Figure:
     powers = np.concatenate([*points.values()], axis=1)
     ends = 0.8 * np.min(powers), 1.25 * np.max(powers)
     ax.set(xscale="log", yscale="log", xlim=ends, ylim=ends)
-    style.legend(figure.axes[0], loc="upper left")
+    style.add_legend(figure.axes[0], loc="upper left")
     return figure
 
 

@@ -36,7 +36,7 @@ def run(folder: Path | None, budget: int, kind: str = "front", say: bool = False
     """An optimization of short trials, also over the number of links, or the rest of it."""
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
     sought = Optimization(
-        scenario=lc.scenario("mamba", gait, 2.0),
+        scenario=lc.build_scenario("mamba", gait, 2.0),
         bounds={
             "gait.amplitude": (0.2, 2.0),
             "gait.phase_shift": (0.2, 1.2),

@@ -210,7 +210,7 @@ def draw(rows: Sequence[Parity], path: str) -> None:
     ):
         bounds = [(3e-3, "0.3 %")] if name == "path" else []
         convergence(worst(rows, name), ax, ylabel=label, orders=SLOPES, bounds=bounds)
-    style.legend(left, loc="lower right")
+    style.add_legend(left, loc="lower right")
     save_figure(figure, path)
 
 
@@ -243,8 +243,8 @@ def convergence(
     for level, name in bounds:
         ax.axhline(level, color=style.GRAY, linewidth=style.THIN)
         at_right: Any = {"xycoords": ("axes fraction", "data"), "ha": "right"}
-        style.note(ax, name, (0.98, level), (0, 1.5), va="bottom", **at_right)
-    style.dress(ax, xlabel="time step of the spatial model [ms]", ylabel=ylabel)
+        style.add_note(ax, name, (0.98, level), (0, 1.5), va="bottom", **at_right)
+    style.style_axes(ax, xlabel="time step of the spatial model [ms]", ylabel=ylabel)
     ax.minorticks_off()
     low, high = ax.get_xlim()
     ticks = [t for t in (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0) if low <= t <= high]
@@ -256,7 +256,7 @@ def _slope(curve: Mapping[float, float], order: int, ax: Axes) -> None:
     dt = max(curve) * np.array([1.0, 0.5])
     level = 0.3 * curve[max(curve)] * (dt / dt[0]) ** order
     ax.loglog(1e3 * dt, level, color=style.GRAY, linewidth=style.THIN)
-    style.note(
+    style.add_note(
         ax, f"order {order}", (float(1e3 * dt[1]), float(level[1])), (2, -3), ha="left", va="top"
     )
 

@@ -36,7 +36,7 @@ from laticauda.cosim import export_c, export_fmu
 from laticauda.cosim.native.platforms import PLATFORMS, compiler
 from laticauda.fluid import DragLaw
 from laticauda.interfaces import Command
-from laticauda.quantities import quantity, value
+from laticauda.quantities import quantity, value_class
 from laticauda.scalars import magnitude
 
 STORED = Path(__file__).with_suffix(".csv")
@@ -63,7 +63,7 @@ VECTORS = (
 )
 
 
-@value
+@value_class
 class Washed(DragLaw):
     """A law of one's own: drag along the body sees some of the sideways speed."""
 
@@ -89,12 +89,12 @@ class Answer:
 
 def cases() -> dict[str, lc.Scenario]:
     """What swims: in each, another part of the kernels works."""
-    plain = lc.scenario("mamba-fin", GAIT, DURATION)
+    plain = lc.build_scenario("mamba-fin", GAIT, DURATION)
     washed = replace(lc.load_water("paper-lateral"), drag=Washed())
     return {
         "prescribed joints": plain,
-        "servos": lc.scenario("mamba-fin", GAIT, DURATION, joints="servo"),
-        "a drag law of one's own": lc.scenario("mamba", GAIT, DURATION, environment=washed),
+        "servos": lc.build_scenario("mamba-fin", GAIT, DURATION, joints="servo"),
+        "a drag law of one's own": lc.build_scenario("mamba", GAIT, DURATION, environment=washed),
     }
 
 
@@ -179,7 +179,7 @@ def in_c(folder: Path) -> float:
     done = subprocess.run(
         [RUNNERS["aarch64"][0], "./main"], cwd=folder, capture_output=True, text=True, check=True
     )
-    body: Any = lc.plant(lc.load_robot("mamba-fin"), replace(water, normal_drag=1.5))
+    body: Any = lc.build_plant(lc.load_robot("mamba-fin"), replace(water, normal_drag=1.5))
     gait = replace(gait, amplitude=0.5)
     state = body.init(lc.Start(), Command(gait=gait))
     for k in range(600):

@@ -693,7 +693,7 @@ def poisoned(folder: Path, seed: int) -> list[tuple[str, Callable[[], object]]]:
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
     trial = lc.swim("mamba", gait, 1.0)
     cases = list[tuple[str, Callable[[], object]]]()
-    toml = scenarios.run_to_toml(lc.scenario("mamba", gait, 1.0))
+    toml = scenarios.run_to_toml(lc.build_scenario("mamba", gait, 1.0))
     lines = toml.splitlines()
     for k in [i for i, line in enumerate(lines) if "=" in line]:
         name = lines[k].split("=")[0]

@@ -60,7 +60,7 @@ def sweep(n: int, kind: str = "grid") -> Sweep:
         ),
     }
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
-    return Sweep(scenario=lc.scenario("mamba", gait, 2.0), points=points[kind])
+    return Sweep(scenario=lc.build_scenario("mamba", gait, 2.0), points=points[kind])
 
 
 def contents(folder: Path) -> dict[str, bytes]:

@@ -22,7 +22,7 @@ from pathlib import Path
 
 import laticauda as lc
 from laticauda.simulate import swim_many
-from laticauda.studies import Samples, Sweep, best, run_sweep
+from laticauda.studies import Samples, Sweep, best_points, run_sweep
 
 SIZES = (100_000, 1_000_000, 10_000_000)
 DURATION = 0.2  # [s]
@@ -37,13 +37,13 @@ def child(n: int) -> None:
         "gait.phase_shift": (0.2, 1.0),
     }
     points = Samples(ranges=ranges, n_points=n)
-    sweep = Sweep(scenario=lc.scenario("mamba", gait, DURATION), points=points)
+    sweep = Sweep(scenario=lc.build_scenario("mamba", gait, DURATION), points=points)
     swim_many([sweep.scenario] * 16)  # compiled, if it was not
     with tempfile.TemporaryDirectory() as folder:
         begun = time.perf_counter()
         run_sweep(sweep, Path(folder, "a"))
         took = time.perf_counter() - begun
-        best(Path(folder, "a"))
+        best_points(Path(folder, "a"))
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
     print(f"{n:9d} trials: {memory:5.0f} MB, {1e6 * took / n:5.1f} us per trial", flush=True)
 

@@ -69,7 +69,7 @@ def simulated(
 ) -> bool:
     """One run of the model."""
     start = lc.Start(center_of_mass=place, depth=0.5)
-    body = lc.plant(ROBOT, WATER, model="spatial", joints="servo", **model)
+    body = lc.build_plant(ROBOT, WATER, model="spatial", joints="servo", **model)
     trial = lc.run(
         body,
         following.controller(GAIT),
@@ -96,7 +96,7 @@ def operated() -> bool:
         load_operation(Path(__file__).parents[1] / "examples/lab/pipe.toml"), duration=120.0
     )
     pipe = replace(UPRIGHT, center=(3.0, 0.0, -0.75))
-    body = lc.plant(ROBOT, WATER, model="spatial", joints="servo", scene=pipe)
+    body = lc.build_plant(ROBOT, WATER, model="spatial", joints="servo", scene=pipe)
     tank = Tank(
         VirtualRobot(ROBOT, body, lc.Start(center_of_mass=(3.0, -1.5), depth=0.5)), LabSettings()
     )

@@ -17,11 +17,11 @@ import matplotlib.pyplot as plt
 
 import laticauda as lc
 from laticauda.fluid import DragLaw
-from laticauda.quantities import quantity, value
+from laticauda.quantities import quantity, value_class
 from laticauda.scalars import magnitude
 
 
-@value
+@value_class
 class WashedDrag(DragLaw):
     """Linear at low speed; along the body it sees some of the sideways speed."""
 

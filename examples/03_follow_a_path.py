@@ -22,7 +22,7 @@ controller = lc.PathFollowing(
     guidance=lc.LineOfSight(look_ahead_distance=0.18),
     heading=lc.HeadingController(gain=0.4, max_offset=radians(20)),
 )
-plant = lc.plant(lc.load_robot("mamba-fin"), lc.load_water("paper-lateral"))
+plant = lc.build_plant(lc.load_robot("mamba-fin"), lc.load_water("paper-lateral"))
 trial = lc.run(plant, controller, 80.0, start=lc.Start(center_of_mass=(0.0, 0.8)))
 
 error, along = (

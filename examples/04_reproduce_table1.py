@@ -13,7 +13,7 @@ from math import degrees
 import matplotlib.pyplot as plt
 
 from laticauda.paper import efficiency_settings, fin_gains, run_efficiency
-from laticauda.paper.scores import scores
+from laticauda.paper.scores import score_study
 
 settings = replace(efficiency_settings(), sweeps=efficiency_settings().sweeps[:1])
 study = run_efficiency(settings)
@@ -36,7 +36,7 @@ for case in study.cases:
     print(f"{measured:>10} {case.forward_velocity[0]:10.4f} m/s")
 
 print("\nMean error:")
-for score in scores(study):
+for score in score_study(study):
     print(f"  {score.name:28} {score.overall:5.1f} %")
 
 print("\nThe fin makes it faster by (measured, simulated):")

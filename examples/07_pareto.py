@@ -24,7 +24,7 @@ gait = lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)
 figure, ax = plt.subplots(layout="constrained")
 for name in ("mamba", "mamba-fin"):
     front = optimize(
-        Optimization(scenario=lc.scenario(name, gait), bounds=bounds),
+        Optimization(scenario=lc.build_scenario(name, gait), bounds=bounds),
         budget=400,
         population=40,
         seed=1,

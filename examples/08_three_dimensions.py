@@ -48,7 +48,7 @@ controller = lc.SpatialPathFollowing(
     climb=lc.HeadingController(gain=0.2, max_offset=radians(5)),
 )
 dive = lc.run(
-    lc.plant(robot, water, model="spatial"),
+    lc.build_plant(robot, water, model="spatial"),
     controller,
     60.0,
     start=lc.Start(center_of_mass=(0.0, 0.3)),
@@ -92,7 +92,7 @@ for name, gait, ground in (
     )
     print(f"{name}: {forward:.2f} m/s forward, {left:.2f} m/s to the left")
 
-shore = lc.plant(
+shore = lc.build_plant(
     robot,
     lc.load_water("paper-lateral"),
     model="spatial",

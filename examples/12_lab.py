@@ -43,7 +43,7 @@ operation = Operation(
 def operated(*faults: Fault) -> None:
     """Run it in a tank with these faults, and say what happened."""
     robot = operation.body()
-    plant = lc.plant(robot, operation.pool(), joints="servo")
+    plant = lc.build_plant(robot, operation.pool(), joints="servo")
     tank = Tank(
         VirtualRobot(robot, plant, lc.Start(center_of_mass=(0.0, 0.8))),
         LabSettings(seed=1),

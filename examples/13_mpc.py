@@ -23,7 +23,9 @@ gait = lc.lateral_undulation(
 )
 robot, water = lc.load_robot("mamba-fin"), lc.load_water("paper-lateral")
 # fitted to four trials that it runs itself
-model = averaged_model(lc.plant(robot, water), gait, (radians(60), radians(120)))
+model = averaged_model(
+    lc.build_plant(robot, water), gait, (radians(60), radians(120))
+)
 
 limits = {"frequency_limits": (radians(60), radians(120)), "power_limit": 15.0}
 plans = ModelPredictive(
@@ -35,7 +37,7 @@ sight = lc.PathFollowing(
     guidance=lc.LineOfSight(look_ahead_distance=0.18),
     heading=lc.HeadingController(gain=0.4, max_offset=radians(20)),
 )
-current = lc.plant(robot, replace(water, current=(0.0, 0.06)))
+current = lc.build_plant(robot, replace(water, current=(0.0, 0.06)))
 figure, ax = plt.subplots(figsize=(8, 3), layout="constrained")
 for name, controller in (("line of sight", sight), ("plan", plans)):
     trial = lc.run(

@@ -29,7 +29,7 @@ robot = lc.load_robot("amphibot")
 truth = replace(
     textbook_water(robot).water, tangential_friction=0.06, normal_drag=1.9
 )
-tank_day.begin(folder, robot)
+tank_day.prepare_folder(folder, robot)
 
 
 def log(name: str, trial: lc.Trial) -> None:
@@ -67,14 +67,14 @@ with (folder / "tows.csv").open() as file:
     head, *rows = csv.reader(file)
 for row in rows:
     tow = Tow(speed=float(row[0]), angle=math.radians(float(row[1])))
-    loads = tow.loads(lc.scenario(robot, still, environment=truth)).values()
+    loads = tow.loads(lc.build_scenario(robot, still, environment=truth)).values()
     row[2:] = [str(load + rng.normal(0.0, 0.03)) for load in loads]
 with (folder / "tows.csv").open("w", newline="") as file:
     csv.writer(file).writerows([head, *rows])
 
 day = tank_day.load_day(folder)
 found = tank_day.evaluate(day)
-print(tank_day.words(found))
+print(tank_day.format_evaluation(found))
 print(
     f"in truth: C_f 0.06, C_D 1.9, C_A {truth.added_mass:.3g}, beta 0.5, "
     "kirchhoff; joints at most 0.9 rad/s"

@@ -59,7 +59,7 @@ def follow(ax, name, plant, gait, guidance, gain, duration, interval, path, **mo
     return trial
 
 
-plant = lc.plant(
+plant = lc.build_plant(
     lc.load_robot("mamba-fin"), replace(lateral[1], current=(0.0, 0.05))
 )
 for name, law in laws.items():
@@ -79,7 +79,10 @@ start = lc.Start(
 )
 offsets = np.arange(4.0, 24.0, 4.0)
 for robot, gait, water in swimmers:
-    name, plant = f"{gait.words}, {robot}", lc.plant(lc.load_robot(robot), water)
+    name, plant = (
+        f"{gait.words}, {robot}",
+        lc.build_plant(lc.load_robot(robot), water),
+    )
     ends = {"start": start, "until": lambda seen: seen.center_of_mass[0] >= 8.0}
     follow(bend, name, plant, gait, near, 0.4, 150.0, 0.1, path, **ends)
     turns = [

@@ -68,7 +68,7 @@ def errors(plant, gait, distance, gain, heading_estimate):
 for (robot, gait, water), ax in zip(swimmers, panels[0], strict=True):
     name, plant = (
         f"{gait.words}, {robot}",
-        lc.plant(lc.load_robot(robot), lc.load_water(water)),
+        lc.build_plant(lc.load_robot(robot), lc.load_water(water)),
     )
     found = np.array(
         [

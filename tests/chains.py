@@ -10,7 +10,7 @@ import printed_equations as equations
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.hydrodynamics import link_coefficients
 from laticauda.planar import rows
-from laticauda.planar.layout import Layout, layout
+from laticauda.planar.layout import Layout, build_layout
 from laticauda.planar.model import specialize
 from laticauda.robot import CaudalFin, Joint, Module, Robot, Section, Thruster, Water
 
@@ -187,7 +187,7 @@ def laid_out(robot, water, fin_as_links):
         fin, strips = CutFin(**vars(robot.caudal_fin)), coefficients.fin
         object.__setattr__(fin, "edges", (-strips.position - strips.half_length).tolist())
         robot = replace(robot, caudal_fin=fin)
-    return layout(robot, water, coefficients=coefficients)
+    return build_layout(robot, water, coefficients=coefficients)
 
 
 def recursion(

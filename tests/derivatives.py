@@ -43,9 +43,9 @@ def check_complex_steps(law: Law, arguments: Sequence[float]) -> None:
 
 def check_compiled(law: Law, arguments: Sequence[float]) -> None:
     """Compiled as the kernels do it, for real and for complex numbers, the law gives what Python gives."""
-    from laticauda.compiling import compiled, for_python
+    from laticauda.compiling import compile_scalar, for_python
 
-    fast = for_python(compiled(law))
+    fast = for_python(compile_scalar(law))
     for kind in (float, complex):
         numbers = [kind(a) for a in arguments]
         np.testing.assert_allclose(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from laticauda.fluid.flow import Flow, FunctionFlow, Motion
-from laticauda.quantities import quantity, value
+from laticauda.quantities import quantity, value_class
 
 
 def check_incompressible(flow, x, y, z, t):
@@ -21,7 +21,7 @@ def check_derivatives(flow, x, y, z, t, tolerance=2e-5):
     assert len(found) == len(Motion._fields)
 
 
-@value
+@value_class
 class Moving(Flow):
     """Waves of deep water along x, in water that moves with v_x + shear y + gain t, v_y + swing x + veer z.
 

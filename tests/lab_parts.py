@@ -1,9 +1,9 @@
 """A tank without wires and without chance, for tests."""
 
 from laticauda.lab import LabSettings, MocapSettings, NodeSettings, Tank, VirtualRobot
-from laticauda.protocol import NodeCommand, Order, Sync, decode, encode, references
+from laticauda.protocol import NodeCommand, Order, Sync, decode, encode, encode_references
 from laticauda.robot import load_robot, load_water
-from laticauda.simulate import plant
+from laticauda.simulate import build_plant
 
 EXACT = LabSettings(
     nodes=NodeSettings(
@@ -50,7 +50,7 @@ class Operator:
         """References and a sync, 100 times a second; all that was heard."""
         found = []
         for _ in range(n):
-            for message in references(angles):
+            for message in encode_references(angles):
                 self.tell(message)
             self.counter = (self.counter + 1) % 65536
             found += self.tell(Sync(counter=self.counter))
@@ -66,7 +66,9 @@ class Operator:
 def make_tank(settings=EXACT, model="planar", faults=()):
     robot = load_robot("mamba-modules")
     return Tank(
-        VirtualRobot(robot, plant(robot, load_water("paper-lateral"), model=model, joints="servo")),
+        VirtualRobot(
+            robot, build_plant(robot, load_water("paper-lateral"), model=model, joints="servo")
+        ),
         settings,
         faults,
     )

@@ -40,6 +40,6 @@ def complaints(monkeypatch, *args, tries: int = 3, **how) -> Sequence[str]:
         monkeypatch.setattr(contract, name, patient)
     found: Sequence[str] = ()
     for _ in range(tries):
-        if not (found := contract.broken(*args, **how)):
+        if not (found := contract.list_broken_rules(*args, **how)):
             break
     return found

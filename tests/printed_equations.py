@@ -28,7 +28,7 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda.errors import BadArgument, not_negative, one_of, positive
+from laticauda.errors import BadArgument, check_choice, check_not_negative, check_positive
 from laticauda.fluid.laws import DragLaw, Element, PolynomialDrag
 
 AddedMassForm = Literal["relative", "kirchhoff", "classic"]
@@ -77,7 +77,10 @@ class Chain:
     def __post_init__(self) -> None:
         """Refuse fields of different shapes, lengths and masses that are not positive, negative coefficients."""
         for name in (f.name for f in fields(self)):
-            values, check = getattr(self, name), positive if name in _SOLID else not_negative
+            values, check = (
+                getattr(self, name),
+                check_positive if name in _SOLID else check_not_negative,
+            )
             if np.ndim(values) != 1 or np.shape(values) != np.shape(self.half_length):
                 raise BadArgument(
                     name, f"must have one value per link, got shape {np.shape(values)}"
@@ -101,8 +104,8 @@ class Options:
 
     def __post_init__(self) -> None:
         """Refuse an unknown form, negative numbers, and a wake without the form it belongs to."""
-        one_of("form", self.form, get_args(AddedMassForm))
-        not_negative("wake_mass", self.wake_mass, "kg/m")
+        check_choice("form", self.form, get_args(AddedMassForm))
+        check_not_negative("wake_mass", self.wake_mass, "kg/m")
         if np.shape(self.current) != (2,) or not np.all(np.isfinite(self.current)):
             raise BadArgument("current", f"must be 2 finite numbers in m/s, got {self.current}")
         if self.wake_mass > 0 and self.form != "kirchhoff":

@@ -1,12 +1,12 @@
 import pytest
 
-from laticauda.access import VARIABLE, Door
+from laticauda.access import VARIABLE, ServerAccess
 
 TOKEN = "0123456789abcdef"
 
 
 def refusal(served, headers, path="/", token=""):
-    return Door(served, token).refusal(path, headers)
+    return ServerAccess(served, token).refusal(path, headers)
 
 
 def headers(**said):
@@ -74,7 +74,7 @@ def test_a_page_of_another_origin_is_refused_also_of_another_port(origin):
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.1.2", "127.0.0.1.example"])
 def test_where_other_computers_may_reach_it_there_is_a_token_another_one_each_time(host):
-    one, other = Door.of(host), Door.of(host)
+    one, other = ServerAccess.of(host), ServerAccess.of(host)
     assert len(one.token) >= 24 and one.token != other.token
     assert (
         one.token in one.url(80)
@@ -99,12 +99,12 @@ def test_where_other_computers_may_reach_it_there_is_a_token_another_one_each_ti
 @pytest.mark.parametrize("host", ["", ".", "a\0b"])
 def test_what_is_the_name_of_no_host_is_refused(host):
     with pytest.raises(ValueError, match="`host` must be the name or address of a host, got"):
-        Door.of(host)
+        ServerAccess.of(host)
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "localhost", "::1"])
 def test_on_this_computer_there_is_none(host):
-    door = Door.of(host)
+    door = ServerAccess.of(host)
     assert door.token == door.warning == "" and door.admits(None)
 
 
@@ -130,8 +130,8 @@ def test_pages_and_their_sockets_have_the_token_in_their_address():
 
 def test_a_token_of_the_environment_is_taken_on_this_computer_too(monkeypatch):
     monkeypatch.setenv(VARIABLE, TOKEN)
-    assert Door.of("127.0.0.1").token == Door.of("0.0.0.0").token == TOKEN
-    assert Door.of("::1").url(80) == f"http://[::1]:80/{TOKEN}/"
+    assert ServerAccess.of("127.0.0.1").token == ServerAccess.of("0.0.0.0").token == TOKEN
+    assert ServerAccess.of("::1").url(80) == f"http://[::1]:80/{TOKEN}/"
 
 
 @pytest.mark.parametrize(
@@ -144,5 +144,5 @@ def test_a_token_that_can_be_guessed_or_is_no_part_of_an_address_is_refused_and_
     with pytest.raises(
         ValueError, match=r"^`LATICAUDA_TOKEN` must be 16 or more letters"
     ) as caught:
-        Door.of("127.0.0.1")
+        ServerAccess.of("127.0.0.1")
     assert token not in str(caught.value)

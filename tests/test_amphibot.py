@@ -4,7 +4,7 @@ import campaign_scripts
 import numpy as np
 import pytest
 
-from laticauda.simulate import spread, stated
+from laticauda.simulate import figure_intervals, widen_by_textbook_error
 
 amphibot = campaign_scripts.campaign("amphibot")
 BOUNDS = {"swim 1": 0.1, "swim 2": 0.1, "glide 1": 0.2, "glide 2": 0.2, "start": 0.3}
@@ -41,11 +41,11 @@ KINDS = {"swim": "swimming", "glide": "gliding", "start": "starting"}
 def test_what_was_measured_lies_in_the_stated_interval(trial):
     found, of_coefficients, real = (
         amphibot.figures(trial),
-        spread(trial, figures=amphibot.figures),
+        figure_intervals(trial, figures=amphibot.figures),
         amphibot.measured(),
     )
     for name, interval in of_coefficients.items():
-        low, high = stated(interval, KINDS[name.split()[0]])
+        low, high = widen_by_textbook_error(interval, KINDS[name.split()[0]])
         assert low < real[name] < high
         if name.startswith("swim"):
             assert (

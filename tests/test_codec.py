@@ -6,45 +6,45 @@ from typing import ClassVar, Literal
 import pytest
 from hypothesis import given, strategies as st
 
-from laticauda.codec import BadKey, decode, encode, keys_of, merged
+from laticauda.codec import BadKey, decode, encode, keys_of, merge_tables
 from laticauda.errors import RobotFileError
 from laticauda.extensions import Extensible
 from laticauda.gaits import Gait, lateral_undulation
 from laticauda.interfaces import Controller
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 
 
 class Spring(Extensible, group="test_springs"):
     """A group."""
 
 
-@value
+@value_class
 class Steel(Spring):
     """A member with a number."""
 
     stiffness: float = quantity("N/m", "k", ge=0.0, default=1.0)
 
 
-@value
+@value_class
 class Slack(Spring):
     """A member with none."""
 
 
-@value
+@value_class
 class Round:
     """One of a union."""
 
     radius: float = quantity("m", "r", gt=0.0, default=1.0)
 
 
-@value
+@value_class
 class Square:
     """The other."""
 
     side: float = quantity("m", "a", gt=0.0, default=1.0)
 
 
-@value
+@value_class
 class Joint:
     """A counted class with an angle."""
 
@@ -54,7 +54,7 @@ class Joint:
     rate: float = quantity("rad/s", "Fastest", default=0.0)
 
 
-@value
+@value_class
 class Machine:
     """A class with everything."""
 
@@ -213,10 +213,10 @@ def test_a_missing_key_and_the_file_are_named():
 
 def test_what_differs_is_put_over_a_table():
     common = {"a": 1, "law": {"kind": "x", "k": 1}, "list": [1]}
-    assert merged(common, {"law": {"k": 2}, "list": [2]}) == {
+    assert merge_tables(common, {"law": {"k": 2}, "list": [2]}) == {
         "a": 1,
         "law": {"kind": "x", "k": 2},
         "list": [2],
     }
-    assert merged(common, {"law": {"kind": "y"}})["law"] == {"kind": "y", "k": 1}
+    assert merge_tables(common, {"law": {"kind": "y"}})["law"] == {"kind": "y", "k": 1}
     assert common["law"] == {"kind": "x", "k": 1}

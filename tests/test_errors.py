@@ -13,10 +13,10 @@ from hypothesis import given, strategies as st
 from laticauda import errors
 
 CHECKS = [
-    errors.finite,
-    errors.positive,
-    errors.not_negative,
-    lambda name, value, unit: errors.within(name, value, 0.0, 10.0, unit),
+    errors.check_finite,
+    errors.check_positive,
+    errors.check_not_negative,
+    lambda name, value, unit: errors.check_within(name, value, 0.0, 10.0, unit),
 ]
 
 
@@ -59,34 +59,34 @@ def test_what_is_not_finite_is_refused(check, value):
 @pytest.mark.parametrize("value", [-1.0, np.float64(-1.0), 0.0])
 def test_positive_says_rule_unit_and_value(value):
     with pytest.raises(ValueError, match=rf"^`length` must be > 0 m, got {value}\.$"):
-        errors.positive("length", value, "m")
+        errors.check_positive("length", value, "m")
 
 
 def test_a_pure_number_has_no_unit_in_its_message():
     with pytest.raises(ValueError, match=r"^`normal_drag` must be > 0, got -1\.0\.$"):
-        errors.positive("normal_drag", -1.0)
+        errors.check_positive("normal_drag", -1.0)
     with pytest.raises(ValueError, match=r"^`normal_drag` must be a number, got 'x'\.$"):
-        errors.positive("normal_drag", "x")
+        errors.check_positive("normal_drag", "x")
 
 
 def test_not_negative_lets_zero_through_and_nothing_below():
-    assert errors.not_negative("stiffness", 0.0, "N m/rad") == 0.0
+    assert errors.check_not_negative("stiffness", 0.0, "N m/rad") == 0.0
     with pytest.raises(ValueError, match=r"^`stiffness` must be >= 0 N m/rad, got -0\.5\.$"):
-        errors.not_negative("stiffness", -0.5, "N m/rad")
+        errors.check_not_negative("stiffness", -0.5, "N m/rad")
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
 def test_within_lets_through_exactly_the_closed_range(value: float):
     if -1.5 <= value <= 2.0:
-        assert errors.within("angle", value, -1.5, 2.0, "rad") == value
+        assert errors.check_within("angle", value, -1.5, 2.0, "rad") == value
     else:
         with pytest.raises(ValueError, match=r"^`angle` must be between -1\.5 and 2 rad, got "):
-            errors.within("angle", value, -1.5, 2.0, "rad")
+            errors.check_within("angle", value, -1.5, 2.0, "rad")
 
 
 @pytest.mark.parametrize("value", [3, np.int64(3), np.uint8(3)])
 def test_whole_numbers_become_python_ints(value):
-    cleaned = errors.whole("n_links", value, 2)
+    cleaned = errors.check_whole_number("n_links", value, 2)
     assert cleaned == 3
     assert type(cleaned) is int
 
@@ -94,14 +94,14 @@ def test_whole_numbers_become_python_ints(value):
 @pytest.mark.parametrize("value", [1, 2.0, True, "3", None, math.nan, np.float64(3.0)])
 def test_whole_refuses_fractions_texts_and_too_few(value):
     with pytest.raises(ValueError, match=r"^`n_links` must be a whole number >= 2, got "):
-        errors.whole("n_links", value, 2)
+        errors.check_whole_number("n_links", value, 2)
 
 
 FORMS = ["relative", "kirchhoff", "classic"]
 
 
 def test_one_of_returns_the_choice():
-    assert errors.one_of("added_mass_form", "classic", FORMS) == "classic"
+    assert errors.check_choice("added_mass_form", "classic", FORMS) == "classic"
 
 
 @pytest.mark.parametrize(
@@ -117,18 +117,18 @@ def test_one_of_returns_the_choice():
 def test_one_of_lists_the_choices_and_suggests_the_nearest(value, end):
     match = rf"^`added_mass_form` must be one of `relative`, `kirchhoff`, `classic`, {end}$"
     with pytest.raises(ValueError, match=match):
-        errors.one_of("added_mass_form", value, FORMS)
+        errors.check_choice("added_mass_form", value, FORMS)
 
 
 def test_nearest_looks_past_capitals_and_hyphens():
-    assert errors.nearest("LATERAL-UNDULATION", ["eel_like", "lateral_undulation"]) == (
+    assert errors.suggest_nearest("LATERAL-UNDULATION", ["eel_like", "lateral_undulation"]) == (
         "; did you mean `lateral_undulation`?"
     )
 
 
 def test_nearest_is_silent_when_nothing_comes_near():
-    assert errors.nearest("sidewinding", ["eel_like"]) == ""
-    assert errors.nearest("sidewinding", []) == ""
+    assert errors.suggest_nearest("sidewinding", ["eel_like"]) == ""
+    assert errors.suggest_nearest("sidewinding", []) == ""
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from laticauda import Wave, eel_like, load_robot
 from laticauda.gaits import Generator
 from laticauda.interfaces import Command, Resumed, Start
 from laticauda.robot import Joint, load_water
-from laticauda.simulate import plant
+from laticauda.simulate import build_plant
 
 GAIT = eel_like(
     amplitude=math.radians(30),
@@ -22,7 +22,7 @@ MODELS = ("planar", "spatial")
 
 
 def body(model: str, joints: str = "servo"):
-    return plant(load_robot("mamba"), load_water("paper-eel"), model=model, joints=joints)
+    return build_plant(load_robot("mamba"), load_water("paper-eel"), model=model, joints=joints)
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -111,7 +111,7 @@ def driven_fin_body(model: str):
     robot = load_robot("mamba-fin")
     assert robot.caudal_fin is not None
     driven = replace(robot, caudal_fin=replace(robot.caudal_fin, joint=Joint()))
-    return plant(driven, load_water("paper-eel"), model=model, joints="servo")
+    return build_plant(driven, load_water("paper-eel"), model=model, joints="servo")
 
 
 @pytest.mark.parametrize("model", MODELS)

@@ -290,10 +290,10 @@ def test_a_spatial_body_is_where_its_model_has_it():
     from laticauda.interfaces import Start
     from laticauda.lab.virtual_robot import VirtualRobot
     from laticauda.robot import load_water
-    from laticauda.simulate import plant
+    from laticauda.simulate import build_plant
 
     robot = load_robot("mamba-modules")
-    body = plant(robot, load_water("paper-lateral"), model="spatial", joints="servo")
+    body = build_plant(robot, load_water("paper-lateral"), model="spatial", joints="servo")
     world = VirtualRobot(robot, body, Start(center_of_mass=(0.5, 0.2), heading=0.7))
     references = 0.3 * np.sin(np.arange(18.0))
     for _ in range(50):

@@ -17,9 +17,9 @@ from laticauda.fluid import DragLaw
 from laticauda.gaits import Envelope, Gait, LateralUndulation
 from laticauda.identify import fit, from_trial
 from laticauda.robot import Water, from_toml, to_toml
-from laticauda.scenarios import scenario
-from laticauda.simulate import parameters, sensitivities
-from laticauda.simulate.numbers import changed
+from laticauda.scenarios import build_scenario
+from laticauda.simulate import list_parameters, sensitivities
+from laticauda.simulate.numbers import change_parameters
 
 pytestmark = pytest.mark.slow
 
@@ -143,8 +143,8 @@ def test_the_model_in_space_agrees_with_that_in_the_plane(ideas, gait, water):
 
 
 def test_sweeps_know_their_numbers(ideas, gait, water):
-    own = scenario(ROBOT, gait, 2.0, environment=water, joints=ideas.Spring())
-    known = parameters(own)
+    own = build_scenario(ROBOT, gait, 2.0, environment=water, joints=ideas.Spring())
+    known = list_parameters(own)
     assert {
         "water.drag.wash",
         "water.drag.floor",
@@ -152,15 +152,17 @@ def test_sweeps_know_their_numbers(ideas, gait, water):
         "joints.stiffness",
     } <= known.keys()
     assert known["water.drag.floor"].unit == "m/s"
-    assert changed(own, {"joints.stiffness": 12.0}).model.joints == ideas.Spring(stiffness=12.0)
+    assert change_parameters(own, {"joints.stiffness": 12.0}).model.joints == ideas.Spring(
+        stiffness=12.0
+    )
 
 
 def test_the_derivatives_to_their_numbers_are_those_of_differences(ideas, gait, water):
     how = {"joints": ideas.Spring(), "dt": 0.002}
     names = ["water.drag.wash", "water.drag.floor", "joints.stiffness"]
     found = sensitivities(ROBOT, gait, 2.0, environments=water, names=names, **how)
-    own = scenario(ROBOT, gait, 2.0, environment=water, **how)
-    ends = [changed(own, {"joints.stiffness": 30.0 + step}) for step in (1e-3, -1e-3)]
+    own = build_scenario(ROBOT, gait, 2.0, environment=water, **how)
+    ends = [change_parameters(own, {"joints.stiffness": 30.0 + step}) for step in (1e-3, -1e-3)]
     up, down = lc.swim_many(ends).forward_velocity
     assert found.of("forward_velocity", "joints.stiffness")[0] == pytest.approx(
         (up - down) / 2e-3, rel=1e-4
@@ -197,7 +199,7 @@ def test_a_fit_finds_their_numbers_and_its_parameter_file_keeps_them(ideas, gait
 
 
 def test_an_fmu_has_their_numbers_as_parameters(ideas, gait, water, tmp_path):
-    own = scenario(ROBOT, gait, 2.0, environment=water, joints=ideas.Spring())
+    own = build_scenario(ROBOT, gait, 2.0, environment=water, joints=ideas.Spring())
     variables = {v.name: v for v in export_fmu(tmp_path / "own.fmu", own)}
     assert variables["water.drag.wash"].start == 0.3
     assert variables["water.drag.floor"].unit == "m/s"
@@ -208,7 +210,7 @@ def test_an_fmu_has_their_numbers_as_parameters(ideas, gait, water, tmp_path):
     seen = fmpy.simulate_fmu(
         str(tmp_path / "own.fmu"), stop_time=2.0, output_interval=0.05, start_values=numbers
     )
-    trial = lc.swim(changed(own, numbers))
+    trial = lc.swim(change_parameters(own, numbers))
     assert seen["center_of_mass.x"][-1] == pytest.approx(trial.center_of_mass[-1, 0], rel=1e-9)
     assert seen["heading"][-1] == pytest.approx(trial.heading[-1], rel=1e-9)
 
@@ -258,7 +260,7 @@ def test_the_page_shows_and_chooses_them(ideas, gait, water):
     pytest.importorskip("viser")
     from laticauda.cockpit import Cockpit, Live
 
-    own = scenario(ROBOT, gait, environment=water, joints=ideas.Spring(stiffness=25.0))
+    own = build_scenario(ROBOT, gait, environment=water, joints=ideas.Spring(stiffness=25.0))
     page = Cockpit(Live(replace(own, motion=replace(gait, envelope=LateralUndulation()))), port=0)
     try:
         controls = page._controls.by_name
@@ -335,7 +337,7 @@ def test_a_file_shows_the_laws_of_those_who_are_not_here(ideas, tmp_path, monkey
 
 
 def test_a_run_goes_on_with_its_laws(ideas, gait, water):
-    body = lc.plant(ROBOT, water, joints=ideas.Spring(), ramp=0.0)
+    body = lc.build_plant(ROBOT, water, joints=ideas.Spring(), ramp=0.0)
     whole = lc.run(body, lc.OpenLoop(command=lc.Command(gait=gait)), 2.0)
     half = lc.run(body, lc.OpenLoop(command=lc.Command(gait=gait)), 1.0)
     after = lc.resume(body, half, 1.0)
@@ -352,6 +354,6 @@ def test_a_law_that_cannot_be_compiled_says_why(ideas):
             ValueError,
             match=r"`Broken` must have a formula that Numba can compile: Unknown attribute",
         ):
-            lc.plant(ROBOT, STILL, joints=Broken())
+            lc.build_plant(ROBOT, STILL, joints=Broken())
     finally:
         del JointLaw._known["broken"]

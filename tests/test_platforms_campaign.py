@@ -6,7 +6,7 @@ import pytest
 from campaign_scripts import campaign
 
 from laticauda.cosim import export_fmu
-from laticauda.cosim.native.platforms import PLATFORMS, here
+from laticauda.cosim.native.platforms import PLATFORMS, current_platform
 
 platforms = campaign("platforms")
 
@@ -24,7 +24,7 @@ def test_every_platform_that_could_be_run_swims_as_python_does():
 
 
 def test_a_program_in_c_swims_here_as_the_stored_answer_says(tmp_path):
-    own = here()
+    own = current_platform()
     if own is None or own.name not in platforms.RUNNERS or platforms.missing(own.name):
         pytest.skip("its library cannot be run here")
     fmu, scenario = tmp_path / "snake.fmu", platforms.cases()["prescribed joints"]

@@ -13,35 +13,35 @@ import pytest
 from hypothesis import given, strategies as st
 
 import laticauda
-from laticauda.errors import MissingExtra, label
+from laticauda.errors import MissingExtra, check_label
 from laticauda.lab.settings import LabSettings, NodeSettings
 from laticauda.quantities import (
     LARGEST,
     LIMITS,
     Quantity,
+    describe_fields,
     hints_of,
     option,
     quantities_of,
     quantity,
     texts_of,
-    told,
-    value,
+    value_class,
 )
 from laticauda.robot import Actuator, CaudalFin, Section, Water, load_water
 
 
-@value
+@value_class
 class Hinge:
     """A hinge."""
 
     stiffness: float = quantity("N m/rad", "Of the spring", ge=0.0, default=1.0)
 
 
-@value
+@value_class
 class Leg:
     """A leg."""
 
-    name: str = option("What it is called", default="leg", check=label)
+    name: str = option("What it is called", default="leg", check=check_label)
     length: float = quantity("m", "From hip to foot", gt=0.0)
     turn: float = quantity("rad", "Of the foot", ge=-1.0, le=1.0, default=0.0)
     load: float | None = quantity("N", "On it, None for its weight", ge=0.0, default=None)
@@ -248,7 +248,7 @@ def test_a_copy_is_checked_anew_and_a_value_does_not_change():
 
 
 def test_a_class_below_another_checks_the_fields_of_both_and_keeps_its_rules():
-    @value
+    @value_class
     class Arm(Leg):
         """An arm."""
 
@@ -268,7 +268,7 @@ def test_declarations_can_be_read():
 
 
 def test_a_value_tells_what_it_holds_in_units_and_degrees_and_leaves_out_what_says_nothing():
-    @value
+    @value_class
     class Foot:
         """A foot."""
 
@@ -279,7 +279,7 @@ def test_a_value_tells_what_it_holds_in_units_and_degrees_and_leaves_out_what_sa
         side: str = option("Which", default="left")
         hinge: Hinge | None = option("In it", default=None)
 
-    assert told(Foot()) == {"side": "left"}
+    assert describe_fields(Foot()) == {"side": "left"}
     foot = Foot(
         size=(0.3, 0.0), angle=math.radians(30), rate=math.radians(5), is_bare=True, hinge=Hinge()
     )
@@ -290,11 +290,11 @@ def test_a_value_tells_what_it_holds_in_units_and_degrees_and_leaves_out_what_sa
         "is_bare": "yes",
         "side": "left",
     }
-    assert told(foot) == words | {"hinge": "(stiffness 1 N m/rad)"}
-    assert told(foot, "size", "hinge") == {
+    assert describe_fields(foot) == words | {"hinge": "(stiffness 1 N m/rad)"}
+    assert describe_fields(foot, "size", "hinge") == {
         name: one for name, one in words.items() if name != "size"
     }
-    assert told(load_water("paper-vortex"))["drag"] == "quadratic only"
+    assert describe_fields(load_water("paper-vortex"))["drag"] == "quadratic only"
 
 
 def test_help_lists_every_field_with_its_unit_range_and_default():

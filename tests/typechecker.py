@@ -67,7 +67,7 @@ def shaped(*, typechecker: Callable[..., Any]) -> Callable[[Any], Any]:
     Args:
         typechecker: Decorator that makes a function check what it gets and gives.
 
-    Values (`laticauda.quantities.value`) check their fields themselves, and make tuples of lists:
+    Values (`laticauda.quantities.value_class`) check their fields themselves, and make tuples of lists:
     only shapes are left.
     """
 

@@ -32,7 +32,7 @@ from laticauda.paper.measured import (
 )
 from laticauda.paper.settings import path_following_settings
 from laticauda.pictures.camera import Film
-from laticauda.pictures.render import still
+from laticauda.pictures.render import write_still
 from laticauda.reports.front import front_figure
 from laticauda.spatial.scene import Shore
 from laticauda.studies import Optimization, optimize
@@ -148,7 +148,7 @@ def swim_3d(path: Path) -> None:
     """Mamba with its fin in the water, of twice the size and then made smaller, which is smoother."""
     gait = lc.eel_like(amplitude=radians(48), frequency=radians(110), phase_shift=radians(40))
     trial = lc.swim(lc.load_robot("mamba-modules-fin"), gait, duration=18.0)
-    still(trial, path, Film(size=(1920, 1080)), time=STILL_TIME)
+    write_still(trial, path, Film(size=(1920, 1080)), time=STILL_TIME)
     Image.open(path).resize((896, 504), Image.Resampling.LANCZOS).save(path, optimize=True)
 
 
@@ -165,7 +165,7 @@ def fronts() -> Figure:
         found.append(
             optimize(
                 Optimization(
-                    scenario=lc.scenario("mamba", gait), bounds=bounds, beyond_actuators=True
+                    scenario=lc.build_scenario("mamba", gait), bounds=bounds, beyond_actuators=True
                 ),
                 seed=1,
             )
@@ -186,7 +186,9 @@ def identified() -> Figure:
             "offset_bandwidth": 1e6,
             "loop_delay": 0.12,
         }  # as it was committed before Table 2 was run
-        return lc.plant(robot, parameters.water(row.gait.kind), joints=parameters.joints, **loop)
+        return lc.build_plant(
+            robot, parameters.water(row.gait.kind), joints=parameters.joints, **loop
+        )
 
     def followed(row: MeasuredPathFollowing) -> float:
         controller = settings.controller(row.gait)
@@ -235,7 +237,7 @@ def identified() -> Figure:
                 markersize=5.5,
                 label=label,
             )
-        style.dress(
+        style.style_axes(
             ax,
             xlabel="measured speed [m/s]",
             ylabel="predicted speed [m/s]" if ax is panels[0] else "",
@@ -249,7 +251,7 @@ def identified() -> Figure:
 
 def smaller_still(trial: lc.Trial, path: Path, time: float) -> None:
     """A still of twice the size, made smaller, which is smoother."""
-    still(trial, path, Film(size=(1680, 800)), time=time)
+    write_still(trial, path, Film(size=(1680, 800)), time=time)
     Image.open(path).resize((840, 400), Image.Resampling.LANCZOS).save(path, optimize=True)
 
 
@@ -276,7 +278,7 @@ def three_dimensions(folder: Path) -> None:
         folder / "sidewinding.png",
         6.0,
     )
-    plant = lc.plant(robot, water, model="spatial", scene=Shore(ground=ground))
+    plant = lc.build_plant(robot, water, model="spatial", scene=Shore(ground=ground))
     start = lc.Start(center_of_mass=(1.6, 0.0))
     smaller_still(
         lc.run(plant, lc.OpenLoop(command=lc.Command(gait=yaw)), 9.0, start=start),
@@ -289,15 +291,17 @@ def cockpit(folder: Path) -> None:
     """The live page: following a path with its plots, the controls, and the map of the gaits."""
     from page import camera  # here alone: it needs a browser
 
-    from laticauda.cockpit.simulation import changed
+    from laticauda.cockpit.simulation import adapt_scenario
 
     robot = lc.load_robot("mamba-fin")
     gait = lc.lateral_undulation(
         amplitude=radians(30), frequency=radians(130), phase_shift=radians(40)
     )
-    plain = lc.scenario(robot, gait)
+    plain = lc.build_scenario(robot, gait)
     with camera(plain) as seen:
-        seen.swim(changed(plain, path=lc.StraightLine(point=(0.0, -0.6)), joints="servo"), 40.0)
+        seen.swim(
+            adapt_scenario(plain, path=lc.StraightLine(point=(0.0, -0.6)), joints="servo"), 40.0
+        )
         seen.open("Plots")
         seen.look((-0.45, -2.1, 1.2), 0.3)
         seen.shoot(folder / "cockpit-path.png")

@@ -25,7 +25,7 @@ BUS = "udp_multicast:239.74.163.2:43117"
 
 def simulated(operation, start) -> lc.Trial:
     """The same controller and model, with servo joints and nothing in between."""
-    plant = lc.plant(
+    plant = lc.build_plant(
         operation.body(),
         operation.pool(),
         joints="servo",

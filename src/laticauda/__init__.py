@@ -81,11 +81,11 @@ if TYPE_CHECKING:
         Spatial as Spatial,
         load_scenario as load_scenario,
         save_scenario as save_scenario,
-        scenario as scenario,
+        build_scenario as build_scenario,
     )
     from laticauda.simulate import (
         Swims as Swims,
-        plant as plant,
+        build_plant as build_plant,
         resume as resume,
         run as run,
         swim as swim,
@@ -158,11 +158,11 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "Spatial",
             "load_scenario",
             "save_scenario",
-            "scenario",
+            "build_scenario",
         ],
         "laticauda.simulate": [
             "Swims",
-            "plant",
+            "build_plant",
             "resume",
             "run",
             "swim",
@@ -171,4 +171,5 @@ __getattr__, __dir__, __all__ = lazy_exports(
         ],
         "laticauda.trial": ["Trial", "compare", "joined"],
     },
+    renamed={"plant": "build_plant", "scenario": "build_scenario"},
 )

@@ -13,7 +13,7 @@ import secrets
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from laticauda.errors import BadArgument, hostname
+from laticauda.errors import BadArgument, check_hostname
 
 LOCAL = ("127.0.0.1", "localhost", "::1")
 """Hosts that stand for this computer alone."""
@@ -22,7 +22,7 @@ VARIABLE = "LATICAUDA_TOKEN"
 
 
 @dataclass(frozen=True)
-class Door:
+class ServerAccess:
     """What a server requires of its clients."""
 
     host: str
@@ -31,7 +31,7 @@ class Door:
     """Token that clients must know; "" if none is required."""
 
     @classmethod
-    def of(cls, host: str) -> "Door":
+    def of(cls, host: str) -> "ServerAccess":
         """Create the access rules of a server.
 
         Args:
@@ -41,7 +41,7 @@ class Door:
             ValueError: If `host` is not a host, or the environment's token could be guessed or
                 cannot be part of a URL.
         """
-        hostname("host", host)
+        check_hostname("host", host)
         given = os.environ.get(VARIABLE, "")
         if given and not re.fullmatch(r"[A-Za-z0-9_-]{16,}", given):
             raise BadArgument(

@@ -25,7 +25,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar, Union, cast, get_args, get_origin, overload
 
-from laticauda.errors import BadArgument, nearest, one_of, shown
+from laticauda.errors import BadArgument, check_choice, show_value, suggest_nearest
 from laticauda.extensions import Extensible, Unknown, name_of
 from laticauda.quantities import degrees_of, hints_of
 
@@ -109,7 +109,7 @@ def decode(hint: Any, value: object, at: str = "", default: object = None) -> An
         return decode(holds[0], value, at) if holds and value is not None and is_table else value
     if origin is tuple and (is_dataclass(inner[0]) or _kinds(inner[0]) is not None):
         if not isinstance(value, list | tuple):
-            raise BadKey(at, f"must be a list of tables, got {shown(value)}")
+            raise BadKey(at, f"must be a list of tables, got {show_value(value)}")
         entries = cast("Sequence[object]", value)
         return tuple(
             one for i, entry in enumerate(entries) for one in _entry(inner[0], entry, f"{at}[{i}]")
@@ -128,7 +128,7 @@ def table_of(value: object, at: str) -> Table:
         BadKey: If it is not a table.
     """
     if not isinstance(value, Mapping):
-        raise BadKey(at, f"must be a table, got {shown(value)}")
+        raise BadKey(at, f"must be a table, got {show_value(value)}")
     return dict(cast("Mapping[str, Any]", value))
 
 
@@ -161,13 +161,13 @@ def take_kind(table: Table, *kinds: str) -> str:
     if word not in kinds:
         raise BadKey(
             "kind",
-            f"{rule}, got {shown(word)}{nearest(word, kinds) if isinstance(word, str) else ''}",
+            f"{rule}, got {show_value(word)}{suggest_nearest(word, kinds) if isinstance(word, str) else ''}",
         )
     number = table.pop("format", FORMAT)
     if number not in range(1, FORMAT + 1):
         raise BadKey(
             "format",
-            f"must be 1 to {FORMAT}, which this version of laticauda reads, got {shown(number)}",
+            f"must be 1 to {FORMAT}, which this version of laticauda reads, got {show_value(number)}",
         )
     return word
 
@@ -185,7 +185,7 @@ def check_keys(table: Mapping[str, object], allowed: Sequence[str], at: str = ""
     """
     for key in table_of(table, at):
         if key not in allowed:
-            hint = nearest(key, allowed) or f"; the keys here are {', '.join(allowed)}"
+            hint = suggest_nearest(key, allowed) or f"; the keys here are {', '.join(allowed)}"
             raise BadKey(join(at, key), f"is not known{hint}")
 
 
@@ -206,7 +206,7 @@ def arguments_of(at: str) -> Generator[None]:
         raise BadKey(join(at, error.name), error.rule) from error
 
 
-def merged(common: Table, own: Table) -> Table:
+def merge_tables(common: Table, own: Table) -> Table:
     """Merge two tables recursively; the second one takes precedence.
 
     Args:
@@ -216,7 +216,7 @@ def merged(common: Table, own: Table) -> Table:
     found = dict(common)
     for key, value in own.items():
         both = isinstance(value, dict) and isinstance(found.get(key), dict)
-        found[key] = merged(found[key], cast("Table", value)) if both else value
+        found[key] = merge_tables(found[key], cast("Table", value)) if both else value
     return found
 
 
@@ -307,7 +307,7 @@ def _kinds(hint: Any) -> Callable[[Any], type] | None:
     base = get_origin(hint) or hint
     if isinstance(base, type) and Extensible in base.__bases__:
         group: type[Extensible] = base
-        return lambda word: group.named(word if isinstance(word, str) else shown(word))
+        return lambda word: group.named(word if isinstance(word, str) else show_value(word))
     if get_origin(hint) in (types.UnionType, Union):
         several = {
             name_of(one): one
@@ -315,7 +315,7 @@ def _kinds(hint: Any) -> Callable[[Any], type] | None:
             if is_dataclass(one) and isinstance(one, type)
         }
         return (
-            (lambda word: several[one_of("kind", word, tuple(several))])
+            (lambda word: several[check_choice("kind", word, tuple(several))])
             if len(several) > 1
             else None
         )
@@ -351,7 +351,7 @@ def _entry(hint: Any, entry: Any, at: str) -> list[Any]:
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST_COUNTED:
         raise BadKey(
             join(at, "count"),
-            f"must be a whole number from 1 to {MOST_COUNTED}, got {shown(count)}",
+            f"must be a whole number from 1 to {MOST_COUNTED}, got {show_value(count)}",
         )
     if not 1 <= len(turns) <= count:
         rule = f"must be a text or a list of 1 to `count` = {count} texts, got {len(turns)}"

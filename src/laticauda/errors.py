@@ -106,7 +106,7 @@ class MissingProgram(LaticaudaError, RuntimeError):
         return f"{feature} needs {thing}; on Debian and Ubuntu run `apt-get install {packages}`."
 
 
-def finite(name: str, value: object, unit: str = "") -> float:
+def check_finite(name: str, value: object, unit: str = "") -> float:
     """Return `value` as a float if it is a single finite number.
 
     NumPy numbers are accepted like Python's. Truth values, texts, arrays, nan and infinities are
@@ -122,7 +122,7 @@ def finite(name: str, value: object, unit: str = "") -> float:
     """
     in_unit = f" in {unit}" if unit else ""
     if isinstance(value, bool) or not isinstance(value, Real):
-        raise BadArgument(name, f"must be a number{in_unit}, got {shown(value)}")
+        raise BadArgument(name, f"must be a number{in_unit}, got {show_value(value)}")
     try:
         number = float(value)
     except OverflowError:  # a Python integer beyond the largest float
@@ -132,7 +132,7 @@ def finite(name: str, value: object, unit: str = "") -> float:
     return number
 
 
-def positive(name: str, value: object, unit: str = "") -> float:
+def check_positive(name: str, value: object, unit: str = "") -> float:
     """Return `value` as a float if it is a finite number > 0.
 
     Args:
@@ -143,13 +143,13 @@ def positive(name: str, value: object, unit: str = "") -> float:
     Raises:
         ValueError: If it is not.
     """
-    number = finite(name, value, unit)
+    number = check_finite(name, value, unit)
     if number <= 0.0:
         raise BadArgument(name, f"must be > 0{_spaced(unit)}, got {value}")
     return number
 
 
-def not_negative(name: str, value: object, unit: str = "") -> float:
+def check_not_negative(name: str, value: object, unit: str = "") -> float:
     """Return `value` as a float if it is a finite number >= 0.
 
     Args:
@@ -160,13 +160,13 @@ def not_negative(name: str, value: object, unit: str = "") -> float:
     Raises:
         ValueError: If it is not.
     """
-    number = finite(name, value, unit)
+    number = check_finite(name, value, unit)
     if number < 0.0:
         raise BadArgument(name, f"must be >= 0{_spaced(unit)}, got {value}")
     return number
 
 
-def within(name: str, value: object, low: float, high: float, unit: str = "") -> float:
+def check_within(name: str, value: object, low: float, high: float, unit: str = "") -> float:
     """Return `value` as a float if `low <= value <= high`.
 
     Args:
@@ -179,13 +179,13 @@ def within(name: str, value: object, low: float, high: float, unit: str = "") ->
     Raises:
         ValueError: If it is not a finite number, or out of range.
     """
-    number = finite(name, value, unit)
+    number = check_finite(name, value, unit)
     if not low <= number <= high:
         raise BadArgument(name, f"must be between {low:g} and {high:g}{_spaced(unit)}, got {value}")
     return number
 
 
-def whole(name: str, value: object, least: int, most: int = sys.maxsize) -> int:
+def check_whole_number(name: str, value: object, least: int, most: int = sys.maxsize) -> int:
     """Return `value` as an int if it is a whole number >= `least`.
 
     Args:
@@ -198,16 +198,16 @@ def whole(name: str, value: object, least: int, most: int = sys.maxsize) -> int:
         ValueError: If `value` is not an integer (2.0 is not one either), or out of range.
     """
     if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
-        raise BadArgument(name, f"must be a whole number >= {least}, got {shown(value)}")
+        raise BadArgument(name, f"must be a whole number >= {least}, got {show_value(value)}")
     number = int(value)
     if number > most:
         raise BadArgument(
-            name, f"must be a whole number between {least} and {most}, got {shown(value)}"
+            name, f"must be a whole number between {least} and {most}, got {show_value(value)}"
         )
     return number
 
 
-def one_of(name: str, value: object, choices: Sequence[str]) -> str:
+def check_choice(name: str, value: object, choices: Sequence[str]) -> str:
     """Return `value` if it is one of the texts in `choices`.
 
     Args:
@@ -220,12 +220,12 @@ def one_of(name: str, value: object, choices: Sequence[str]) -> str:
     """
     if isinstance(value, str) and value in choices:
         return value
-    hint = nearest(value, choices) if isinstance(value, str) else ""
+    hint = suggest_nearest(value, choices) if isinstance(value, str) else ""
     listed = ", ".join(f"`{choice}`" for choice in choices)
-    raise BadArgument(name, f"must be one of {listed}, got {shown(value)}{hint}")
+    raise BadArgument(name, f"must be one of {listed}, got {show_value(value)}{hint}")
 
 
-def at_least_one(name: str, given: Sized, thing: str) -> None:
+def check_not_empty(name: str, given: Sized, thing: str) -> None:
     """Reject an empty list or mapping.
 
     Args:
@@ -240,7 +240,7 @@ def at_least_one(name: str, given: Sized, thing: str) -> None:
         raise BadArgument(name, f"must hold at least one {thing}, got none")
 
 
-def instance(name: str, value: object, *kinds: type) -> object:
+def check_instance(name: str, value: object, *kinds: type) -> object:
     """Return `value` if it is an instance of one of these classes.
 
     Args:
@@ -257,7 +257,7 @@ def instance(name: str, value: object, *kinds: type) -> object:
     return value
 
 
-def flag(name: str, value: object) -> bool:
+def check_flag(name: str, value: object) -> bool:
     """Return `value` if it is a truth value, not just something that looks like one.
 
     Args:
@@ -268,11 +268,11 @@ def flag(name: str, value: object) -> bool:
         ValueError: If it is not.
     """
     if not isinstance(value, bool):
-        raise BadArgument(name, f"must be true or false, got {shown(value)}")
+        raise BadArgument(name, f"must be true or false, got {show_value(value)}")
     return value
 
 
-def text(name: str, value: object) -> str:
+def check_text(name: str, value: object) -> str:
     """Return `value` if it is a text.
 
     Args:
@@ -283,11 +283,11 @@ def text(name: str, value: object) -> str:
         ValueError: If it is not.
     """
     if not isinstance(value, str):
-        raise BadArgument(name, f"must be a text, got {shown(value)}")
+        raise BadArgument(name, f"must be a text, got {show_value(value)}")
     return value
 
 
-def label(name: str, value: object) -> str:
+def check_label(name: str, value: object) -> str:
     """Return `value` if it can serve as a name: a single line that is not blank.
 
     Args:
@@ -297,13 +297,13 @@ def label(name: str, value: object) -> str:
     Raises:
         ValueError: If it cannot.
     """
-    word = text(name, value)
+    word = check_text(name, value)
     if not word.strip() or not word.isprintable():
         raise BadArgument(name, f"must be a text on one line that is not blank, got {word!r}")
     return word
 
 
-def hostname(name: str, value: object) -> str:
+def check_hostname(name: str, value: object) -> str:
     """Return `value` if it can be the name or address of a host.
 
     Args:
@@ -313,7 +313,7 @@ def hostname(name: str, value: object) -> str:
     Raises:
         ValueError: If it cannot.
     """
-    word = text(name, value)
+    word = check_text(name, value)
     with suppress(UnicodeError):
         word.encode("idna")
         if word and word.isprintable():
@@ -321,7 +321,7 @@ def hostname(name: str, value: object) -> str:
     raise BadArgument(name, f"must be the name or address of a host, got {word!r}")
 
 
-def nearest(word: str, choices: Sequence[str]) -> str:
+def suggest_nearest(word: str, choices: Sequence[str]) -> str:
     """Return the end of a message about a mistyped `word`: "; did you mean `x`?", or "" if none of `choices` is close.
 
     Args:
@@ -344,7 +344,7 @@ def _spaced(unit: str) -> str:
     return f" {unit}" if unit else ""
 
 
-def shown(value: object) -> str:
+def show_value(value: object) -> str:
     """Return `value` as shown in a message: on one line, and short; for an array, its shape."""
     shape = getattr(value, "shape", ())
     if shape:
@@ -385,12 +385,14 @@ def load_mujoco() -> Any:
     Raises:
         MissingExtra: If the package is not installed.
     """
-    with deaf():  # one of its imports runs Python in other processes, which would answer Ctrl-C with a traceback
+    # One of its imports runs Python in other processes, which would answer Ctrl-C with a
+    # traceback.
+    with defer_interrupts():
         return optional_import("The 3D model", "MuJoCo", "spatial", "mujoco")
 
 
 @contextmanager
-def deaf() -> Generator[None]:
+def defer_interrupts() -> Generator[None]:
     """Defer Ctrl-C to the end of this context, and to this process: processes started within it never receive it."""
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield

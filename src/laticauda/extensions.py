@@ -15,7 +15,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
-from laticauda.errors import BadArgument, nearest
+from laticauda.errors import BadArgument, suggest_nearest
 
 ENTRY_POINTS = "laticauda."
 """Prefix of the entry-point groups; the group of drag laws is ``laticauda.drag_laws``."""
@@ -69,7 +69,7 @@ class Extensible:
             _installed(cls.group)[name].load()
         if name not in cls._known:
             listed = ", ".join(f"`{one}`" for one in cls.names())
-            hint = nearest(name, cls.names())
+            hint = suggest_nearest(name, cls.names())
             raise BadArgument("kind", f"must be one of {listed}, got {name!r}{hint}")
         return cls._known[name]
 

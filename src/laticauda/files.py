@@ -196,18 +196,18 @@ def csv_text(rows: Iterable[Iterable[object]], newline: str = "\r\n") -> str:
     return text.getvalue()
 
 
-def plain(content: Any) -> Any:
+def to_plain(content: Any) -> Any:
     """Convert mappings and lists to JSON-compatible data; a number that is not finite becomes None (not available).
 
     Args:
         content: Numbers, texts, lists and mappings.
     """
     if isinstance(content, Mapping):
-        return {key: plain(one) for key, one in cast("Mapping[str, Any]", content).items()}
+        return {key: to_plain(one) for key, one in cast("Mapping[str, Any]", content).items()}
     if isinstance(content, Unknown):
-        return plain(content.written)
+        return to_plain(content.written)
     if isinstance(content, list | tuple):
-        return [plain(one) for one in cast("list[Any]", content)]
+        return [to_plain(one) for one in cast("list[Any]", content)]
     return None if isinstance(content, float) and not math.isfinite(content) else content
 
 
@@ -218,7 +218,7 @@ def to_json(content: Any, indent: int | None = 2) -> str:
         content: Numbers, texts, lists and mappings.
         indent: Indentation; None: a single line.
     """
-    return json.dumps(plain(content), indent=indent, allow_nan=False)
+    return json.dumps(to_plain(content), indent=indent, allow_nan=False)
 
 
 def write(path: str | Path, content: bytes | str | Callable[[Path], object]) -> None:

@@ -145,7 +145,7 @@ def mass_across(override: float | None, half_height: float, water: Water) -> flo
         half_height: a, half the size of the section across the motion [m].
         water: Water that defines rho and C_A.
     """
-    return water.density * np.pi * own(override, water.added_mass) * half_height**2
+    return water.density * np.pi * override_or_default(override, water.added_mass) * half_height**2
 
 
 def wake_mass(robot: Robot, water: Water) -> float:
@@ -165,7 +165,7 @@ def wake_mass(robot: Robot, water: Water) -> float:
     )
 
 
-def own(override: float | None, water: float) -> float:
+def override_or_default(override: float | None, water: float) -> float:
     """Return a part's own coefficient, or the water's if the part has none.
 
     Args:
@@ -210,9 +210,9 @@ def _loads_in_water(modules: Sequence[Module], half_length: np.ndarray, water: W
 def _link_loads(module: Module, water: Water, friction: float) -> tuple[float, ...]:
     rho, l = water.density, module.half_length  # noqa: E741
     a, b = module.section.half_height, module.section.half_width
-    C_f = own(module.tangential_friction, friction)
-    C_D = own(module.normal_drag, water.normal_drag)
-    C_M = own(module.added_inertia, water.added_inertia)
+    C_f = override_or_default(module.tangential_friction, friction)
+    C_D = override_or_default(module.normal_drag, water.normal_drag)
+    C_M = override_or_default(module.added_inertia, water.added_inertia)
     c_t = 0.5 * rho * np.pi * C_f * (a + b) / 2.0 * 2.0 * l
     c_n = 0.5 * rho * C_D * 2.0 * a * 2.0 * l
     mu_n = mass_across(module.added_mass, a, water) * 2.0 * l * immersion_factor(a, water.depth)
@@ -235,8 +235,15 @@ def _fin_in_water(fin: CaudalFin, water: Water) -> Coefficients:
     zero = np.zeros_like(d)
     mu_n = mass_across(fin.added_mass, h / 2.0, water) * d
     mu_n *= immersion_factor(h / 2.0, water.depth)
-    c_n = 0.5 * rho * own(fin.normal_drag, water.normal_drag) * h * d
-    c_t = 0.5 * rho * own(fin.tangential_friction, water.tangential_friction) * 2.0 * h * d
+    c_n = 0.5 * rho * override_or_default(fin.normal_drag, water.normal_drag) * h * d
+    c_t = (
+        0.5
+        * rho
+        * override_or_default(fin.tangential_friction, water.tangential_friction)
+        * 2.0
+        * h
+        * d
+    )
     lambdas = (
         _strip_lambdas(mu_n, c_n, d / 2.0) if water.rotational == "strip" else (zero, zero, zero)
     )

@@ -9,11 +9,11 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.actuation.laws import JointLaw
-from laticauda.errors import BadArgument, finite, instance
+from laticauda.errors import BadArgument, check_finite, check_instance
 from laticauda.extensions import Extensible
 from laticauda.gaits import Gait
 from laticauda.gaits.gait import STRAIGHT
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot import Robot
 
 State = TypeVar("State")
@@ -81,7 +81,7 @@ class Command:
             changes[group] = list(built)
             for i, one in zip(driven, asked, strict=True):
                 most = getattr(built[i], f"max_{number}")
-                given = min(max(finite(f"{name}[{i}]", one, unit), -most), most)
+                given = min(max(check_finite(f"{name}[{i}]", one, unit), -most), most)
                 changes[group][i] = replace(built[i], **{number: given})
         return replace(robot, **changes) if changes else robot
 
@@ -116,7 +116,7 @@ class Command:
             all(type(angle) is float for angle in held) and math.isfinite(math.fsum(map(abs, held)))
         ):
             for i, angle in enumerate(held):
-                finite(f"references[{i}]", angle, "rad")
+                check_finite(f"references[{i}]", angle, "rad")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,7 +147,7 @@ class Observation:
     """Distance that the head measures along every ray of `Spatial.rays`, infinite if nothing is hit [m]."""
 
 
-@value
+@value_class
 class Start:
     """Start of a run: straight, and at rest unless it has a forward velocity."""
 
@@ -178,7 +178,7 @@ class Start:
                 raise BadArgument(f"start.{name}", f"{rule} {getattr(self, name)}")
 
 
-@value
+@value_class
 class Resumed:
     """Start of a run that continues another one: the final state of the plant."""
 
@@ -186,7 +186,7 @@ class Resumed:
 
     def __post_init__(self) -> None:
         """Store plain numbers, which can be compared and saved."""
-        instance("state", self.state, Mapping)
+        check_instance("state", self.state, Mapping)
         state = {
             name: tuple(np.asarray(values, dtype=float).tolist())
             for name, values in self.state.items()
@@ -237,7 +237,7 @@ class Controller(Extensible, Generic[State], group="controllers"):
         """
 
 
-@value
+@value_class
 class OpenLoop(Controller[None]):
     """Controller that ignores observations: one command from start to end."""
 
@@ -274,7 +274,7 @@ def check_waves(robot: Robot, gait: Gait) -> None:
     Raises:
         ValueError: If the gait does so.
     """
-    instance("gait", gait, Gait)
+    check_instance("gait", gait, Gait)
     if gait.fin is not None and 0 not in robot.fin_joints:
         raise BadArgument(
             "gait.fin",

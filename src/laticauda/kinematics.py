@@ -23,9 +23,9 @@ from jaxtyping import Float
 
 from laticauda.angles import from_quaternion, to_quaternion
 from laticauda.arguments import explain
-from laticauda.errors import BadArgument, instance, shown, whole
+from laticauda.errors import BadArgument, check_instance, check_whole_number, show_value
 from laticauda.robot import Robot
-from laticauda.series import numbers
+from laticauda.series import as_floats
 
 __all__ = [
     "ModulePoses",
@@ -55,7 +55,9 @@ def heading(link_angle: Angles) -> Float[np.ndarray, "*batch"]:
         ValueError: If there are no links.
     """
     if np.shape(link_angle)[-1:] in ((), (0,)):
-        raise BadArgument("link_angle", f"must have a column per link, got {shown(link_angle)}")
+        raise BadArgument(
+            "link_angle", f"must have a column per link, got {show_value(link_angle)}"
+        )
     return np.asarray(np.mean(link_angle, axis=-1))
 
 
@@ -98,7 +100,7 @@ def link_angles(
     if link is None:
         known = heading(from_tail)
     else:
-        known = from_tail[..., whole("link", link, 0, from_tail.shape[-1] - 1)]
+        known = from_tail[..., check_whole_number("link", link, 0, from_tail.shape[-1] - 1)]
     return from_tail + (np.asarray(angle) - known)[..., np.newaxis]
 
 
@@ -126,7 +128,7 @@ class Posture:
 
     def __post_init__(self) -> None:
         """Reject anything that is not a robot, and arrays that do not fit it."""
-        instance("robot", self.robot, Robot)
+        check_instance("robot", self.robot, Robot)
         object.__setattr__(
             self, "center_of_mass", _columns("center_of_mass", self.center_of_mass, 2, "x and y")
         )
@@ -188,7 +190,7 @@ def center_of_mass(
     Raises:
         ValueError: If an array does not fit the robot, or the robot has no such link.
     """
-    row = levers(robot).center[[whole("link", link, 0, robot.n_links - 1)]]
+    row = levers(robot).center[[check_whole_number("link", link, 0, robot.n_links - 1)]]
     position = _columns("position", position, 2, "x and y")
     link_angle = _columns("link_angle", link_angle, robot.n_links)
     angles = _with_fin(robot, link_angle, fin_angle)
@@ -214,7 +216,7 @@ def levers(robot: Robot) -> RobotLevers:
     Args:
         robot: The robot.
     """
-    instance("robot", robot, Robot)
+    check_instance("robot", robot, Robot)
     # First relative to the tail end, then shifted by the center of mass, which is such a row
     # itself.
     pieces = robot.caudal_fin.pieces[::-1] if robot.caudal_fin is not None else ()
@@ -261,7 +263,7 @@ def _columns(
     n: int,
     what: str = "one per link of the robot",
 ) -> Float[np.ndarray, "*batch columns"]:
-    array = numbers(name, values)
+    array = as_floats(name, values)
     if array.ndim == 0 or array.shape[-1] != n:
         raise BadArgument(name, f"must have {n} columns, {what}, got shape {array.shape}")
     return array

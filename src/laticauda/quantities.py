@@ -33,7 +33,16 @@ from typing import (
     overload,
 )
 
-from laticauda.errors import BadArgument, finite, flag, instance, one_of, shown, text, whole
+from laticauda.errors import (
+    BadArgument,
+    check_choice,
+    check_finite,
+    check_flag,
+    check_instance,
+    check_text,
+    check_whole_number,
+    show_value,
+)
 
 T = TypeVar("T")
 Kind = TypeVar("Kind", bound=type[Any])
@@ -87,7 +96,7 @@ class Quantity:
         Raises:
             ValueError: If it is not a finite number, or out of range.
         """
-        number = finite(name, value, self.unit)
+        number = check_finite(name, value, self.unit)
         lowest, highest = self.ends
         if lowest <= number <= highest:
             return number
@@ -106,7 +115,8 @@ class Quantity:
         ):
             hint = f": {number:g} rad is {math.degrees(number):.4g} deg; did you mean {name}_deg={number:g}?"
         raise BadArgument(
-            name, f"must be {rule}{f' {self.unit}' if self.unit else ''}, got {shown(value)}{hint}"
+            name,
+            f"must be {rule}{f' {self.unit}' if self.unit else ''}, got {show_value(value)}{hint}",
         )
 
     @property
@@ -200,7 +210,7 @@ def option(
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(quantity, option))
-def value(kind: Kind) -> Kind:
+def value_class(kind: Kind) -> Kind:
     """Make a frozen, keyword-only dataclass whose fields are checked before its own ``__post_init__`` (decorator).
 
     Numbers become floats within their range, whole numbers ints; texts of a `Literal` must be among
@@ -236,7 +246,7 @@ def value(kind: Kind) -> Kind:
 
 
 def _as_table(self: Any) -> str:
-    return html_table(getattr(self, "words", self.__class__.__name__), told(self))
+    return html_table(getattr(self, "words", self.__class__.__name__), describe_fields(self))
 
 
 def html_table(title: str, rows: Mapping[str, str]) -> str:
@@ -265,13 +275,15 @@ def _in_degrees_too(init: Callable[..., None]) -> Callable[..., None]:
     return from_degrees
 
 
-def one_among(*choices: str) -> Check:
+def check_one_among(*choices: str) -> Check:
     """Return a check for a text that is one of `choices`, with hyphens equivalent to underscores."""
 
     def check(name: str, given: Any) -> str:
         plain = given.replace("-", "_") if isinstance(given, str) else given
         return (
-            plain if isinstance(plain, str) and plain in choices else one_of(name, given, choices)
+            plain
+            if isinstance(plain, str) and plain in choices
+            else check_choice(name, given, choices)
         )
 
     return check
@@ -311,7 +323,7 @@ def hints_of(kind: type) -> Mapping[str, Any]:
     )
 
 
-def told(thing: object, *left_out: str) -> dict[str, str]:
+def describe_fields(thing: object, *left_out: str) -> dict[str, str]:
     """Describe the content of a value in words, by field; fields that are None, empty or 0 are omitted.
 
     Numbers have their units, angles are in degrees; nested values give their `words`, or are put in
@@ -323,17 +335,18 @@ def told(thing: object, *left_out: str) -> dict[str, str]:
     """
     held = {name: getattr(thing, name) for name in texts_of(type(thing)) if name not in left_out}
     words = {
-        name: in_words(one, quantities_of(type(thing)).get(name)) for name, one in held.items()
+        name: describe_field(one, quantities_of(type(thing)).get(name))
+        for name, one in held.items()
     }
     return {name: one for name, one in words.items() if one}
 
 
-def in_words(given: Any, declared: Quantity | None) -> str:
+def describe_field(given: Any, declared: Quantity | None) -> str:
     """Return a field's content `given` in words, with the unit of `declared`; angles in degrees, "" for 0."""
     if hasattr(given, "words"):
         return given.words
     if dataclasses.is_dataclass(given):
-        held = ", ".join(f"{name} {one}" for name, one in told(given).items())
+        held = ", ".join(f"{name} {one}" for name, one in describe_fields(given).items())
         return f"({held})" if held else ""
     if declared is None:
         return given if isinstance(given, str) else "yes" if given is True else ""
@@ -375,16 +388,16 @@ def _check_of(hint: Any, declared: Quantity | None) -> Check | None:
     if get_origin(hint) is tuple:
         counts = () if inner[-1] is Ellipsis else (len(inner),)
         return functools.partial(
-            several, _check_of(inner[0], declared), _things(inner[0], counts, declared), counts
+            check_items, _check_of(inner[0], declared), _things(inner[0], counts, declared), counts
         )
     if get_origin(hint) is Literal:
-        return one_among(*get_args(hint))
+        return check_one_among(*get_args(hint))
     if declared is not None:
         return functools.partial(_whole, declared) if hint is int else declared.checked
     if hint in (bool, str):
-        return flag if hint is bool else text
+        return check_flag if hint is bool else check_text
     if isinstance(hint, type) and hint is not Any and not getattr(hint, "_is_protocol", False):
-        return lambda name, given: instance(name, given, hint)
+        return lambda name, given: check_instance(name, given, hint)
     return None
 
 
@@ -410,19 +423,19 @@ def _check_of_union(hint: Any, inner: list[Any], declared: Quantity | None) -> C
         )
         words = (_WORDS.get(one, one.__name__) for one in others if one is not type(None))
         things = " or a ".join([_things(item, counts, declared), *words])
-        check = functools.partial(several, _check_of(item, declared), things, counts)
+        check = functools.partial(check_items, _check_of(item, declared), things, counts)
         return lambda name, given: given if isinstance(given, (*others,)) else check(name, given)
     is_class = all(isinstance(one, type) for one in kinds) and declared is None
-    return (lambda name, given: instance(name, given, *kinds)) if is_class else None
+    return (lambda name, given: check_instance(name, given, *kinds)) if is_class else None
 
 
 def _whole(declared: Quantity, name: str, given: Any) -> int:
-    number = whole(name, given, math.ceil(max(declared.least, -sys.maxsize)))
+    number = check_whole_number(name, given, math.ceil(max(declared.least, -sys.maxsize)))
     declared.checked(name, number)
     return number
 
 
-def several(
+def check_items(
     item: Check | None, things: str, counts: tuple[int, ...], name: str, given: Any
 ) -> tuple[Any, ...]:
     """Return an iterable as a tuple of checked items.
@@ -439,7 +452,7 @@ def several(
     """
     is_scalar = getattr(given, "shape", None) == ()  # an array without axes is not iterable
     if is_scalar or isinstance(given, str | Mapping) or not isinstance(given, Iterable):
-        raise BadArgument(name, f"must be {things}, got {shown(cast(object, given))}")
+        raise BadArgument(name, f"must be {things}, got {show_value(cast(object, given))}")
     values: tuple[Any, ...] = tuple(islice(cast("Iterable[Any]", given), MOST_ITEMS + 1))
     if len(values) > MOST_ITEMS:
         raise BadArgument(name, f"must be {things}, got more than {MOST_ITEMS} of them")

@@ -91,7 +91,7 @@ class Log:
         return found | {SIGNAL + name: values for name, values in self.signals.items()}
 
 
-def numbers(name: str, values: object) -> Float[np.ndarray, "..."]:
+def as_floats(name: str, values: object) -> Float[np.ndarray, "..."]:
     """Return `values` as an array of floats, which may share their memory.
 
     Args:

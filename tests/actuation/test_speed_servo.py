@@ -16,8 +16,8 @@ from laticauda.codec import decode, encode
 from laticauda.dynamics.stages import GAMMA, combined, implicit_inertia
 from laticauda.robot import Actuator, Joint, load_robot
 from laticauda.robot.parameters import adjusted
-from laticauda.simulate import parameters, sensitivities
-from laticauda.simulate.numbers import changed
+from laticauda.simulate import list_parameters, sensitivities
+from laticauda.simulate.numbers import change_parameters
 
 angles = st.floats(-1.5, 1.5)
 rates = st.floats(-10.0, 10.0)
@@ -249,12 +249,12 @@ def test_a_motor_without_the_torque_slows_it_down():
 
 def test_a_batch_has_the_figures_of_single_runs_to_rounding_and_a_run_goes_on():
     laws = [replace(SLOW, speed_limit=limit) for limit in (0.4, 0.7, 2.0)]
-    scenarios = [lc.scenario("mamba-fin", GAIT, 2.0, joints=law) for law in laws]
+    scenarios = [lc.build_scenario("mamba-fin", GAIT, 2.0, joints=law) for law in laws]
     singles = [lc.swim(one) for one in scenarios]
     found = lc.swim_many(scenarios).forward_velocity
     np.testing.assert_allclose(found, [one.forward_velocity for one in singles], rtol=1e-14)
     half = replace(scenarios[0], duration=1.0)
-    after = lc.resume(lc.plant(half), lc.swim(half), 1.0)
+    after = lc.resume(lc.build_plant(half), lc.swim(half), 1.0)
     np.testing.assert_array_equal(after.center_of_mass[-1], singles[0].center_of_mass[-1])
 
 
@@ -285,8 +285,8 @@ def test_its_usual_step_is_converged_with_and_without_torque_to_spare(stall):
 
 def test_files_sweeps_and_derivatives_know_its_numbers():
     assert decode(JointLaw, encode(SLOW, JointLaw)) == SLOW
-    scenario = lc.scenario("mamba", GAIT, 3.0, joints=SLOW, dt=0.001)
-    known = parameters(scenario)
+    scenario = lc.build_scenario("mamba", GAIT, 3.0, joints=SLOW, dt=0.001)
+    known = list_parameters(scenario)
     assert [
         known[f"joints.{name}"].unit for name in ("speed_limit", "position_gain", "speed_gain")
     ] == [
@@ -297,7 +297,7 @@ def test_files_sweeps_and_derivatives_know_its_numbers():
     name, step = "joints.speed_gain", 1e-3
     found = sensitivities([scenario], names=[name]).of("forward_velocity", name)[0]
     up, down = lc.swim_many(
-        [changed(scenario, {name: 20.0 + one}) for one in (step, -step)]
+        [change_parameters(scenario, {name: 20.0 + one}) for one in (step, -step)]
     ).forward_velocity
     assert found == pytest.approx((up - down) / (2.0 * step), rel=1e-3)
 

@@ -12,17 +12,17 @@ from laticauda.cli import command
 from laticauda.cli.command import Command, Outcome, until_stopped
 from laticauda.cli.flags import Picture, Stored
 from laticauda.errors import BadArgument
-from laticauda.quantities import option, value
+from laticauda.quantities import option, value_class
 
 
-@value
+@value_class
 class Part:
     """A part of it."""
 
     plot: Picture = option("Draw it", default=None)
 
 
-@value
+@value_class
 class Count(Command):
     """Count."""
 
@@ -37,7 +37,7 @@ class Count(Command):
         return Outcome(facts={"n": 3}, text="three", problem=problem, succeeded=not self.fails)
 
 
-@value
+@value_class
 class Weigh(Command):
     """Weigh."""
 

@@ -2,14 +2,14 @@ from dataclasses import fields, replace
 
 import pytest
 
-from laticauda.cli.flags import BadFlag, flag, options_of, read, spelled
+from laticauda.cli.flags import BadFlag, options_of, parse_command, spell_field, spell_flag
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.gaits import Gait, Wave, lateral_undulation
-from laticauda.quantities import option, quantity, texts_of, value
+from laticauda.quantities import option, quantity, texts_of, value_class
 from laticauda.robot import Water, load_water
 
 
-@value
+@value_class
 class Shape:
     """A shape."""
 
@@ -18,7 +18,7 @@ class Shape:
     is_open: bool = option("Whether a side is missing", default=False)
 
 
-@value
+@value_class
 class Draw:
     """Draw it."""
 
@@ -28,7 +28,7 @@ class Draw:
 
 
 def drawn(line: str, default: Draw | None = None) -> Draw:
-    return read(Draw, line.split(), "draw", default)
+    return parse_command(Draw, line.split(), "draw", default)
 
 
 def test_flags_left_out_have_what_the_class_or_the_default_has():
@@ -82,13 +82,13 @@ def test_what_can_be_the_name_of_no_file_and_of_no_host_is_refused_by_its_option
 
 
 def test_an_argument_is_told_by_its_option():
-    assert spelled("angle", Draw()) == "--angle-deg"
-    assert spelled("at[1]", Draw()) == "--at"
-    assert spelled("sigma", Draw()) == "`sigma`"
+    assert spell_field("angle", Draw()) == "--angle-deg"
+    assert spell_field("at[1]", Draw()) == "--at"
+    assert spell_field("sigma", Draw()) == "`sigma`"
     assert set(options_of(Draw())) == {"angle", "sides", "is_open", "at", "label"}
 
 
-@value
+@value_class
 class Wiggle:
     """Wiggle."""
 
@@ -98,10 +98,10 @@ class Wiggle:
 def test_a_second_wave_is_there_once_a_number_of_it_is_typed_and_keeps_what_was_not():
     plain = lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
     wave = Wave(amplitude=0.1, frequency=3.0, phase_shift=0.2, phase=0.4)
-    assert read(Wiggle, [], "wiggle", Wiggle(gait=plain)).gait == plain
-    added = read(Wiggle, ["--pitch-offset-deg", "0"], "wiggle", Wiggle(gait=plain)).gait
+    assert parse_command(Wiggle, [], "wiggle", Wiggle(gait=plain)).gait == plain
+    added = parse_command(Wiggle, ["--pitch-offset-deg", "0"], "wiggle", Wiggle(gait=plain)).gait
     assert added.pitch == Wave(amplitude=0.0, frequency=2.0, phase_shift=0.7)
-    changed = read(
+    changed = parse_command(
         Wiggle, ["--pitch-offset-deg", "0"], "wiggle", Wiggle(gait=replace(plain, pitch=wave))
     ).gait
     assert changed.pitch is not None and changed.pitch.frequency == 3.0
@@ -113,7 +113,7 @@ def test_every_field_of_water_and_of_its_law_is_an_option_with_its_text(run):
     for kind in (Water, PolynomialDrag):
         for field in fields(kind):
             if field.name not in ("name", "drag"):
-                assert flag(field.name) in text
+                assert spell_flag(field.name) in text
                 assert " ".join(texts_of(kind)[field.name].split()) in text
 
 

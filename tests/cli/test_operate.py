@@ -53,7 +53,7 @@ def lab():
     robot = lc.load_robot("mamba")
     world = VirtualRobot(
         robot,
-        lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"),
+        lc.build_plant(robot, lc.load_water("paper-lateral"), joints="servo"),
         lc.Start(heading=0.1),
     )
     settings = replace(EXACT, nodes=replace(EXACT.nodes, hold_after=3.0, limp_after=4.0))

@@ -55,7 +55,7 @@ def test_what_it_finds_is_what_the_call_finds(run, folder: Path):
     )
     front = optimize(
         Optimization(
-            scenario=lc.scenario("mamba-fin", gait, 1.0),
+            scenario=lc.build_scenario("mamba-fin", gait, 1.0),
             bounds={
                 "gait.amplitude": (np.radians(1.0) * 10, np.radians(1.0) * 60),
                 "robot.caudal_fin.length": (0.2, 0.5),
@@ -194,5 +194,5 @@ def sought_at_an_end() -> Optimization:
         "gait.frequency": tuple(np.radians([50.0, 150.0])),
     }
     return Optimization(
-        scenario=lc.scenario("mamba", gait, 1.0), bounds=bounds, objectives="forward_velocity"
+        scenario=lc.build_scenario("mamba", gait, 1.0), bounds=bounds, objectives="forward_velocity"
     )

@@ -12,11 +12,11 @@ import pytest
 
 import laticauda as lc
 from laticauda.cli import vary
-from laticauda.simulate import parameters
+from laticauda.simulate import list_parameters
 from laticauda.studies import open_sweep, sweep
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
-KNOWN = parameters(lc.scenario("mamba-fin", GAIT))
+KNOWN = list_parameters(lc.build_scenario("mamba-fin", GAIT))
 SHORT = "--duration 1 --output a"
 POINTS = "--vary amplitude-deg=10:50:3 normal-drag=1,2"
 
@@ -73,9 +73,9 @@ def test_the_names_are_those_of_the_options_where_there_is_one(run):
     assert re.search(r"^robot.caudal-fin.length +m +Length from root", out, re.MULTILINE)
     help = run("swim --help").out
     plain = [
-        vary.spelled(parameter)
+        vary.spell_parameter(parameter)
         for parameter in KNOWN.values()
-        if "." not in vary.spelled(parameter)
+        if "." not in vary.spell_parameter(parameter)
     ]
     plain = [word for word in plain if not word.startswith("current")]
     assert len(plain) > 10 and all(f"--{word} " in help for word in plain)
@@ -83,13 +83,15 @@ def test_the_names_are_those_of_the_options_where_there_is_one(run):
 
 def test_every_name_that_is_listed_can_be_varied():
     for parameter in KNOWN.values():
-        assert list(vary.grid([f"{vary.spelled(parameter)}=1"], KNOWN).values) == [parameter.name]
-        (value,) = vary.grid([f"{parameter.name}=1"], KNOWN).values[parameter.name]
+        assert list(vary.parse_grid([f"{vary.spell_parameter(parameter)}=1"], KNOWN).values) == [
+            parameter.name
+        ]
+        (value,) = vary.parse_grid([f"{parameter.name}=1"], KNOWN).values[parameter.name]
         assert value == 1.0  # with dots it is as in Python: SI
 
 
 def test_degrees_are_in_the_name():
-    values = vary.grid(
+    values = vary.parse_grid(
         ["amplitude-deg=10,20", "gait.frequency-deg-s=90", "gait.phase_shift=0.5"], KNOWN
     ).values
     assert values["gait.amplitude"].tolist() == [radians(10), radians(20)]
@@ -188,7 +190,7 @@ def test_a_stopped_sweep_says_how_to_go_on(run, folder: Path, monkeypatch: pytes
         raise KeyboardInterrupt
 
     with monkeypatch.context() as context:
-        context.setattr(sweep, "collected", stop)
+        context.setattr(sweep, "run_batch", stop)
         done = run(f"sweep {POINTS} {SHORT}")
     assert (done.status, done.out) == (130, "")
     assert (

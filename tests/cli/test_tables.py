@@ -3,7 +3,7 @@ import math
 import pytest
 from hypothesis import given, strategies as st
 
-from laticauda.cli.tables import aligned, number, percent, read_in
+from laticauda.cli.tables import aligned, format_number, percent, read_in
 
 
 def test_columns_are_aligned():
@@ -25,13 +25,13 @@ def test_columns_are_aligned():
     ],
 )
 def test_numbers_have_four_digits(value, shown):
-    assert number(value) == shown
+    assert format_number(value) == shown
 
 
 @given(st.floats(min_value=1e-5, max_value=1e9))
 def test_a_shown_number_is_near_its_value(value):
-    assert float(number(value)) == pytest.approx(value, rel=6e-4)
-    assert float(number(-value)) == pytest.approx(-value, rel=6e-4)
+    assert float(format_number(value)) == pytest.approx(value, rel=6e-4)
+    assert float(format_number(-value)) == pytest.approx(-value, rel=6e-4)
 
 
 def test_angles_are_read_in_degrees():

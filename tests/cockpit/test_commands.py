@@ -12,9 +12,9 @@ from cockpit_browser import browser
 
 import laticauda as lc
 from laticauda.cli import main
-from laticauda.cockpit import Cockpit, Live, numbers
+from laticauda.cockpit import Cockpit, Live, read_figures
 from laticauda.cockpit.runs import FILE, TEXT, copy_buttons, in_python, in_shell
-from laticauda.cockpit.simulation import changed, with_fin
+from laticauda.cockpit.simulation import adapt_scenario, change_fin
 from laticauda.control import StraightLine
 from laticauda.gaits import Custom, EelLike, Wave
 from laticauda.scenarios import run_to_toml
@@ -27,17 +27,19 @@ PITCH = Wave(
 )
 DURATION = 6.0
 SCENARIOS = [
-    lc.scenario("mamba", GAIT),
-    lc.scenario("mamba-fin", replace(GAIT, envelope=EelLike(), offset=0.05), joints="pd"),
-    changed(lc.scenario("mamba", GAIT), current=(0.1, -0.02)),
-    changed(lc.scenario("mamba", GAIT), path=StraightLine(point=(0.5, -0.6), angle=0.2)),
-    lc.scenario(with_fin(lc.load_robot("mamba"), True, 0.3), GAIT, joints="servo"),
-    lc.scenario(
+    lc.build_scenario("mamba", GAIT),
+    lc.build_scenario("mamba-fin", replace(GAIT, envelope=EelLike(), offset=0.05), joints="pd"),
+    adapt_scenario(lc.build_scenario("mamba", GAIT), current=(0.1, -0.02)),
+    adapt_scenario(
+        lc.build_scenario("mamba", GAIT), path=StraightLine(point=(0.5, -0.6), angle=0.2)
+    ),
+    lc.build_scenario(change_fin(lc.load_robot("mamba"), True, 0.3), GAIT, joints="servo"),
+    lc.build_scenario(
         "mamba", GAIT, environment=replace(lc.load_water("paper-lateral"), normal_drag=1.4)
     ),
-    lc.scenario("mamba", GAIT, environment="paper-eel"),
-    lc.scenario("mamba", replace(GAIT, envelope=Custom(values=(1.0,) * 4 + (0.5,) * 4))),
-    lc.scenario("mamba-modules", replace(GAIT, pitch=PITCH), model="spatial"),
+    lc.build_scenario("mamba", GAIT, environment="paper-eel"),
+    lc.build_scenario("mamba", replace(GAIT, envelope=Custom(values=(1.0,) * 4 + (0.5,) * 4))),
+    lc.build_scenario("mamba-modules", replace(GAIT, pitch=PITCH), model="spatial"),
 ]
 
 
@@ -85,17 +87,17 @@ def test_the_file_the_command_and_the_python_run_as_they_are_and_give_the_number
         assert escape(json.dumps(text(page.files[FILE].decode())), quote=True) in copied
     for _ in range(round(DURATION / 0.1)):
         live.advance(0.1)
-    assert numbers(live)["time"] == pytest.approx(DURATION)
-    assert numbers(live)["forward_velocity"] == pytest.approx(trial.forward_velocity, rel=1e-3)
+    assert read_figures(live)["time"] == pytest.approx(DURATION)
+    assert read_figures(live)["forward_velocity"] == pytest.approx(trial.forward_velocity, rel=1e-3)
     # The page steps by half as much: that matters to the work of the first moments, when a path
     # begins with a jerk.
-    assert numbers(live)["mean_power"] == pytest.approx(trial.mean_power, rel=3e-3)
+    assert read_figures(live)["mean_power"] == pytest.approx(trial.mean_power, rel=3e-3)
 
 
 def test_what_is_copied_has_the_file_in_it(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     robot = replace(lc.load_robot("mamba"), name='it\'s \\ "mine"')
-    scenario = lc.scenario(robot, GAIT, 0.1)
+    scenario = lc.build_scenario(robot, GAIT, 0.1)
     scope = {}
     exec(in_python(run_to_toml(scenario)), scope)
     assert scope["scenario"] == scenario

@@ -12,7 +12,7 @@ import pytest
 import laticauda as lc
 from laticauda.actuation.laws import Servo
 from laticauda.cli import main
-from laticauda.cockpit import Cockpit, Live, numbers
+from laticauda.cockpit import Cockpit, Live, read_figures
 from laticauda.cockpit.gait_map import AMPLITUDES, FREQUENCIES, OF_GAITS, with_wave
 from laticauda.cockpit.pages import Event
 from laticauda.cockpit.readouts import numbers_text
@@ -44,7 +44,7 @@ class Page:
 
 @pytest.fixture
 def cockpit():
-    served = Cockpit(Live(lc.scenario("mamba", GAIT)), port=0)
+    served = Cockpit(Live(lc.build_scenario("mamba", GAIT)), port=0)
     yield served
     served.close()
 
@@ -90,7 +90,7 @@ def test_every_control_acts_at_once(cockpit):
     use(cockpit, control(cockpit, "path"), True)
     assert (live.scenario.gait.kind, live.scenario.model.joints) == ("eel_like", Servo())
     assert live.scenario.environment == replace(lc.load_water("paper-eel"), current=(0.1, 0.0))
-    assert abs(numbers(live)["cross_track_error"]) == pytest.approx(0.6, abs=0.05)
+    assert abs(read_figures(live)["cross_track_error"]) == pytest.approx(0.6, abs=0.05)
     use(cockpit, control(cockpit, "robot"), "chain")
     assert live.scenario.robot == lc.load_robot("chain")
     assert control(cockpit, "fin").value == "none"
@@ -226,7 +226,8 @@ def test_a_recorded_operation_is_played_back_and_what_is_no_trial_says_why(cockp
     )
     values = {"gait.amplitude": (0.3, 0.5), "gait.frequency": (1.0, 2.0)}
     run_sweep(
-        Sweep(scenario=lc.scenario("mamba", GAIT, 2.0), points=Grid(values=values)), tmp_path / "s"
+        Sweep(scenario=lc.build_scenario("mamba", GAIT, 2.0), points=Grid(values=values)),
+        tmp_path / "s",
     )
     open_sweep(tmp_path / "s").to_netcdf(tmp_path / "s.nc", engine="netcdf4")
     page = Page()
@@ -250,7 +251,7 @@ def _replayed(path):
 
 def test_a_gait_of_ones_own_can_be_left_and_taken_up_again():
     gait = replace(GAIT, envelope=Custom(values=(1.0,) * 8))
-    served = Cockpit(Live(lc.scenario("mamba", gait)), port=0)
+    served = Cockpit(Live(lc.build_scenario("mamba", gait)), port=0)
     try:
         assert use(served, control(served, "kind"), "eel like") == []
         assert served.live.scenario.gait.kind == "eel_like"
@@ -297,7 +298,8 @@ def in_space():
     water = replace(lc.load_water("paper-lateral"), density=robot.mass / robot.volume)
     start = lc.Start(depth=0.7, roll=0.2, pitch=0.1)
     served = Cockpit(
-        Live(lc.scenario(robot, GAIT, environment=water, model="spatial", start=start)), port=0
+        Live(lc.build_scenario(robot, GAIT, environment=water, model="spatial", start=start)),
+        port=0,
     )
     yield served
     served.close()
@@ -363,7 +365,7 @@ def test_a_helix_around_a_pipe_is_drawn_and_swum_from_a_scenario():
     )
     motion, start = following.controller(GAIT), lc.Start(center_of_mass=(0.0, -1.0), depth=0.5)
     pipe = Pipe(bore=0.2, length=1.5, center=(0.0, 0.0, -0.75), tilt=0.5 * math.pi)
-    scenario = lc.scenario("mamba-modules", motion, model="spatial", scene=pipe, start=start)
+    scenario = lc.build_scenario("mamba-modules", motion, model="spatial", scene=pipe, start=start)
     points = route_of(scenario, 0.0)
     np.testing.assert_allclose(np.hypot(points[:, 0], points[:, 1]), 1.0)
     assert points[0, 2] == pytest.approx(-0.5, abs=0.02) and points[-1, 2] == pytest.approx(

@@ -14,11 +14,11 @@ from laticauda.cockpit.gait_map import (
     map_of_gaits,
     with_wave,
 )
-from laticauda.cockpit.simulation import changed
+from laticauda.cockpit.simulation import adapt_scenario
 from laticauda.control import StraightLine
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=math.radians(40.0))
-SCENARIO = changed(lc.scenario("mamba", GAIT), current=(0.05, 0.0))
+SCENARIO = adapt_scenario(lc.build_scenario("mamba", GAIT), current=(0.05, 0.0))
 
 
 @pytest.fixture(scope="module")
@@ -36,10 +36,12 @@ def test_every_value_of_the_map_is_what_swim_says(gaits):
 
 
 def test_scenarios_that_differ_in_what_the_map_spans_share_it():
-    same = changed(SCENARIO, gait=with_wave(GAIT, 12.0, 34.0), model="spatial", path=StraightLine())
+    same = adapt_scenario(
+        SCENARIO, gait=with_wave(GAIT, 12.0, 34.0), model="spatial", path=StraightLine()
+    )
     assert base_of(same) == base_of(SCENARIO)
-    assert base_of(changed(SCENARIO, joints="pd")) != base_of(SCENARIO)
-    assert base_of(changed(SCENARIO, current=(0.0, 0.0))) != base_of(SCENARIO)
+    assert base_of(adapt_scenario(SCENARIO, joints="pd")) != base_of(SCENARIO)
+    assert base_of(adapt_scenario(SCENARIO, current=(0.0, 0.0))) != base_of(SCENARIO)
 
 
 RED, GRAY = (230, 60, 30), (200, 200, 200)

@@ -6,9 +6,9 @@ import pytest
 
 import laticauda as lc
 from laticauda.actuation.laws import PD
-from laticauda.cockpit import Live, numbers
+from laticauda.cockpit import Live, read_figures
 from laticauda.cockpit.live import MOST_TICKS, RingBuffer
-from laticauda.cockpit.simulation import TICK, changed, measured, with_fin
+from laticauda.cockpit.simulation import TICK, adapt_scenario, change_fin, find_measured
 from laticauda.control import StraightLine
 from laticauda.gaits import EelLike
 from laticauda.logs import load_trial
@@ -22,7 +22,7 @@ GAIT = lc.lateral_undulation(
 
 @pytest.fixture
 def live():
-    return Live(lc.scenario("mamba", GAIT))
+    return Live(lc.build_scenario("mamba", GAIT))
 
 
 def swum(live, duration):
@@ -34,10 +34,12 @@ def swum(live, duration):
 def test_the_live_robot_swims_as_swim_says(live):
     swum(live, 30.0)
     trial = lc.swim(live.scenario.robot, GAIT, 30.0, environment=live.scenario.environment)
-    assert numbers(live)["time"] == pytest.approx(30.0)
-    assert numbers(live)["forward_velocity"] == pytest.approx(trial.forward_velocity, rel=1e-6)
-    assert numbers(live)["mean_power"] == pytest.approx(trial.mean_power, rel=1e-4)
-    assert numbers(live)["cost_of_transport"] == pytest.approx(trial.cost_of_transport, rel=1e-4)
+    assert read_figures(live)["time"] == pytest.approx(30.0)
+    assert read_figures(live)["forward_velocity"] == pytest.approx(trial.forward_velocity, rel=1e-6)
+    assert read_figures(live)["mean_power"] == pytest.approx(trial.mean_power, rel=1e-4)
+    assert read_figures(live)["cost_of_transport"] == pytest.approx(
+        trial.cost_of_transport, rel=1e-4
+    )
 
 
 def test_time_goes_as_fast_as_asked_for(live):
@@ -99,8 +101,8 @@ def test_another_kind_of_gait_is_taken_up_once_the_joints_are_straight(live):
         {"joints": "pd"},
         {"joints": "servo"},
         {"current": (0.1, -0.05)},
-        {"robot": with_fin(lc.load_robot("mamba"), True, None)},
-        {"robot": with_fin(lc.load_robot("mamba"), True, 0.2)},
+        {"robot": change_fin(lc.load_robot("mamba"), True, None)},
+        {"robot": change_fin(lc.load_robot("mamba"), True, 0.2)},
         {"robot": lc.load_robot("mamba-modules")},
         {"robot": lc.load_robot("chain")},
     ],
@@ -137,10 +139,10 @@ def test_a_current_carries_the_robot(live):
 def test_following_a_path_brings_the_error_down(live):
     swum(live, 2.0)
     live.alter(path=StraightLine(point=(0.0, -0.6)))
-    first = abs(numbers(live)["cross_track_error"])
+    first = abs(read_figures(live)["cross_track_error"])
     swum(live, 40.0)
     assert first > 0.4
-    assert abs(numbers(live)["cross_track_error"]) < 0.15
+    assert abs(read_figures(live)["cross_track_error"]) < 0.15
 
 
 def test_what_does_not_go_together_is_refused_and_nothing_changes(live):
@@ -152,7 +154,7 @@ def test_what_does_not_go_together_is_refused_and_nothing_changes(live):
     with pytest.raises(ValueError, match="`joints` must be one of"):
         live.alter(joints="loose")
     with pytest.raises(ValueError, match=r"`flexural_rigidity` must be > 0 N m\^2, got -1"):
-        with_fin(live.scenario.robot, True, -1.0)
+        change_fin(live.scenario.robot, True, -1.0)
     assert live.simulation is before
 
 
@@ -165,7 +167,7 @@ def test_the_run_since_the_last_change_is_saved_whole(live, tmp_path):
     trial = live.trial()
     assert trial.duration == pytest.approx(4.0, abs=0.051)
     assert trial.environment.current == (0.05, 0.0)
-    assert trial.forward_velocity == pytest.approx(numbers(live)["forward_velocity"])
+    assert trial.forward_velocity == pytest.approx(read_figures(live)["forward_velocity"])
     trial.save(tmp_path / "run.nc")
     assert load_trial(tmp_path / "run.nc").equals(trial)
 
@@ -216,16 +218,18 @@ def test_link_forces_come_on_request(live):
 
 
 def test_the_paper_stands_beside_its_own_trials_only(live):
-    assert measured(live.scenario).forward_velocity == 0.1514
-    assert measured(changed(live.scenario, robot=with_fin(live.scenario.robot, True, None))).has_fin
+    assert find_measured(live.scenario).forward_velocity == 0.1514
+    assert find_measured(
+        adapt_scenario(live.scenario, robot=change_fin(live.scenario.robot, True, None))
+    ).has_fin
     for change in (
         {"current": (0.1, 0.0)},
         {"path": StraightLine()},
         {"gait": replace(GAIT, amplitude=0.51)},
-        {"robot": with_fin(live.scenario.robot, True, 0.2)},
+        {"robot": change_fin(live.scenario.robot, True, 0.2)},
         {"robot": lc.load_robot("mamba-thruster")},
     ):
-        assert measured(changed(live.scenario, **change)) is None
+        assert find_measured(adapt_scenario(live.scenario, **change)) is None
 
 
 @pytest.mark.parametrize("case", efficiency_trials())
@@ -236,9 +240,9 @@ def test_every_trial_of_the_paper_is_known_when_its_sliders_are_set(case):
         for name in ("amplitude", "frequency", "phase_shift")
     }
     gait = replace(case.gait, **{name: math.radians(value) for name, value in shown.items()})
-    assert measured(lc.scenario(robot, gait)) == case
-    assert measured(lc.scenario(robot, replace(gait, offset=0.1))) is None
-    assert measured(changed(lc.scenario(robot, gait), current=(0.1, 0.0))) is None
+    assert find_measured(lc.build_scenario(robot, gait)) == case
+    assert find_measured(lc.build_scenario(robot, replace(gait, offset=0.1))) is None
+    assert find_measured(adapt_scenario(lc.build_scenario(robot, gait), current=(0.1, 0.0))) is None
 
 
 def test_what_is_plotted_step_by_step_ends_with_the_newest_sample(live):
@@ -264,16 +268,19 @@ def test_no_more_is_kept_than_there_is_room_for_and_that_is_the_newest():
 
 def test_the_paper_s_water_goes_along_with_the_kind_of_gait_and_another_stays():
     eel = replace(GAIT, envelope=EelLike())
-    drifting = changed(lc.scenario("mamba", GAIT), current=(0.1, 0.0))
-    assert changed(drifting, gait=eel).environment == replace(
+    drifting = adapt_scenario(lc.build_scenario("mamba", GAIT), current=(0.1, 0.0))
+    assert adapt_scenario(drifting, gait=eel).environment == replace(
         lc.load_water("paper-eel"), current=(0.1, 0.0)
     )
     own = replace(lc.load_water("paper-lateral"), normal_drag=1.4)
-    assert changed(lc.scenario("mamba", GAIT, environment=own), gait=eel).environment == own
+    assert (
+        adapt_scenario(lc.build_scenario("mamba", GAIT, environment=own), gait=eel).environment
+        == own
+    )
 
 
 def test_what_a_page_cannot_show_is_refused():
     with pytest.raises(ValueError, match="`environment` must be of class Water"):
-        Live(lc.scenario("mamba", GAIT, environment=lc.load_ground("coulomb")))
+        Live(lc.build_scenario("mamba", GAIT, environment=lc.load_ground("coulomb")))
     with pytest.raises(ValueError, match="`motion` must be of class Gait or PathFollowing"):
-        Live(lc.scenario("mamba", lc.OpenLoop(command=lc.Command(gait=GAIT))))
+        Live(lc.build_scenario("mamba", lc.OpenLoop(command=lc.Command(gait=GAIT))))

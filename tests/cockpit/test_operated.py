@@ -22,7 +22,7 @@ ROBOT = lc.load_robot("mamba-modules")
 
 @pytest.fixture
 def cockpit():
-    served = Cockpit(Live(lc.scenario(ROBOT, GAIT)), port=0)
+    served = Cockpit(Live(lc.build_scenario(ROBOT, GAIT)), port=0)
     yield served
     served.close()
 

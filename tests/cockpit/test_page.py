@@ -35,7 +35,7 @@ from patience import LONG, running
 import laticauda as lc
 from laticauda.cockpit import Cockpit, Live
 from laticauda.cockpit.scene import FIELD_OF_VIEW, HOME
-from laticauda.cockpit.shapes import poses
+from laticauda.cockpit.shapes import compute_poses
 from laticauda.cockpit.simulation import depth_of
 
 pytestmark = pytest.mark.slow
@@ -75,7 +75,7 @@ def address():
 @pytest.fixture
 def cockpit():
     pytest.importorskip("viser")
-    served = Cockpit(Live(lc.scenario("mamba", GAIT)), port=0)
+    served = Cockpit(Live(lc.build_scenario("mamba", GAIT)), port=0)
     served.open()
     yield served
     served.close()
@@ -209,7 +209,7 @@ def test_on_a_phone_the_robot_is_seen_above_the_panel(chromium, cockpit, tmp_pat
         "xpath=ancestor::*[contains(@class, 'mantine-Paper-root')]"
     ).bounding_box()
     assert (panel["x"], panel["width"]) == (0.0, PHONE["width"])
-    parts = poses(cockpit.live.scenario.robot, cockpit.live.latest()).position
+    parts = compute_poses(cockpit.live.scenario.robot, cockpit.live.latest()).position
     seen = [
         on_screen(camera.position, camera.look_at, FIELD_OF_VIEW, part, PHONE) for part in parts
     ]
@@ -273,7 +273,8 @@ def test_a_depth_is_typed_and_held_in_space(chromium, tmp_path):
     water = replace(lc.load_water("paper-lateral"), density=robot.mass / robot.volume)
     start = lc.Start(depth=0.7)
     served = Cockpit(
-        Live(lc.scenario(robot, GAIT, environment=water, model="spatial", start=start)), port=0
+        Live(lc.build_scenario(robot, GAIT, environment=water, model="spatial", start=start)),
+        port=0,
     )
     served.open()
     page = open_page(chromium, served.address)

@@ -9,7 +9,7 @@ import msgspec
 import pytest
 
 import laticauda as lc
-from laticauda.access import Door
+from laticauda.access import ServerAccess
 from laticauda.cockpit import pages, runs
 from laticauda.errors import TrialFileError
 
@@ -65,7 +65,7 @@ def sending(monkeypatch):
     """What a page sends of files, and how many bytes the server keeps of it then."""
     monkeypatch.setattr(pages, "MOST_UPLOADED", 100_000)
     monkeypatch.setattr(pages, "PART_COST", 100)
-    server = pages.serve(Door.of("127.0.0.1"), 0)
+    server = pages.serve(ServerAccess.of("127.0.0.1"), 0)
     got = []
     button = server.gui.add_upload_button("send")
     button.on_upload(lambda event: got.append(len(event.target.value.content)))
@@ -90,7 +90,7 @@ def sending(monkeypatch):
             return held
 
     yield SimpleNamespace(send=lambda said: asyncio.run(talk(said)), got=got, server=server)
-    pages.stop(server)
+    pages.stop_server(server)
 
 
 def begun(name, parts, size):

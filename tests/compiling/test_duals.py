@@ -11,7 +11,7 @@ import laticauda as lc
 from laticauda.actuation import JointLaw
 from laticauda.compiling import (
     PROCESSOR,
-    compiled,
+    compile_scalar,
     functions,  # noqa: F401 - it teaches lanes their sines
     inner,
     lane_types,
@@ -100,7 +100,7 @@ def test_a_law_that_branches_is_differentiated_lane_by_lane():
             return x * x, 3.0
         return -x, 2.0 * y
 
-    call = PROCESSOR.in_lanes(compiled(law))
+    call = PROCESSOR.in_lanes(compile_scalar(law))
 
     @njit(**inner.OPTIONS)
     def both(x):

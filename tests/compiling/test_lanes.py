@@ -6,11 +6,11 @@ from numba import njit
 
 from laticauda.compiling import (
     PROCESSOR,
-    compiled,
+    compile_once_across_processes,
+    compile_scalar,
     entry,
     for_python,
     functions,
-    in_turn,
     inner,
     kernel,
     lane_types,
@@ -121,7 +121,7 @@ def test_a_law_that_branches_is_called_lane_by_lane():
             return x, y
         return -x, 2.0 * y
 
-    call = PROCESSOR.in_lanes(compiled(law))
+    call = PROCESSOR.in_lanes(compile_scalar(law))
 
     @njit(**inner.OPTIONS)
     def both(S):
@@ -148,7 +148,9 @@ def test_any_lane_sees_a_single_one():
     assert by_lanes(some, x)(1).all()
 
 
-@pytest.mark.parametrize("take", [kernel, compiled, entry, for_python, in_turn])
+@pytest.mark.parametrize(
+    "take", [kernel, compile_scalar, entry, for_python, compile_once_across_processes]
+)
 @pytest.mark.parametrize("what", [range, 3, None, "tanh"])
 def test_what_is_no_function_is_refused(take, what):
     with pytest.raises(

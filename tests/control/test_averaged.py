@@ -57,7 +57,7 @@ def swum(frequency, model=MODEL):
         joint_torque=zeros,
         work=np.stack([spent] * 3, axis=1),
         signals={"offset": offset},
-        scenario=lc.scenario(robot, replace(GAIT, frequency=frequency)),
+        scenario=lc.build_scenario(robot, replace(GAIT, frequency=frequency)),
         version=lc.__version__,
     )
 
@@ -82,7 +82,7 @@ def test_the_fit_finds_the_model_that_made_the_trials():
 
 
 def test_a_robot_in_the_water_is_foretold_from_cycle_to_cycle():
-    plant = lc.plant(lc.load_robot("mamba-fin"), lc.load_water("paper-lateral"))
+    plant = lc.build_plant(lc.load_robot("mamba-fin"), lc.load_water("paper-lateral"))
     makers = [OffsetSteps(gait=replace(GAIT, frequency=frequency)) for frequency in (1.0, 1.5, 2.0)]
     model = fit_averaged([lc.run(plant, maker, maker.duration) for maker in makers])
     other = lc.run(

@@ -191,7 +191,7 @@ def test_a_current_that_is_too_strong_is_said():
 
 def test_an_observer_is_stored_with_its_scenario_and_its_trial(tmp_path):
     gait = lc.lateral_undulation(amplitude=0.5, frequency=1.5, phase_shift=0.7)
-    scenario = lc.scenario("mamba-fin", replace(FAR, observer=OBSERVER).controller(gait), 0.2)
+    scenario = lc.build_scenario("mamba-fin", replace(FAR, observer=OBSERVER).controller(gait), 0.2)
     lc.save_scenario(scenario, tmp_path / "observed.toml")
     assert lc.load_scenario(tmp_path / "observed.toml") == scenario
     trial = lc.swim(scenario)

@@ -86,7 +86,7 @@ def test_numbers_that_make_no_path_are_refused(changes, message):
 
 def test_the_integral_holds_the_depth_of_a_robot_that_is_lighter_than_water():
     robot, water = lc.load_robot("mamba-modules"), lc.load_water("paper-lateral")  # 1 % lighter
-    body, start = lc.plant(robot, water, model="spatial"), lc.Start(depth=0.9)
+    body, start = lc.build_plant(robot, water, model="spatial"), lc.Start(depth=0.9)
     off = {}
     for sigma in (0.0, Following().climb_integral_gain):
         controller = Following(path_depth=(1.0,), climb_integral_gain=sigma).controller(GAIT)

@@ -34,7 +34,7 @@ WATER = {"lateral_undulation": "paper-lateral", "eel_like": "paper-eel", "custom
 
 def follow(controller, duration, robot="mamba", *, x=0.0, y=1.7352, heading=-0.0325, **choices):
     water = choices.pop("water", lc.load_water(WATER[controller.gait.kind]))
-    plant = lc.plant(lc.load_robot(robot), water, **choices)
+    plant = lc.build_plant(lc.load_robot(robot), water, **choices)
     return lc.run(
         plant, controller, duration, start=lc.Start(center_of_mass=(x, y), heading=heading)
     )
@@ -172,7 +172,7 @@ def test_the_signals_of_a_trial_are_those_of_its_samples():
 
 
 def test_the_same_state_and_observation_give_the_same_answer():
-    plant = lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"))
+    plant = lc.build_plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"))
     seen = plant.observe(plant.init(lc.Start(center_of_mass=(0.0, 1.0)), lc.Command(gait=GAIT)))
     state = PAPER.init()
     assert PAPER.step(state, seen) == PAPER.step(state, seen)

@@ -38,7 +38,7 @@ def follow(
     controller, duration, current=(0.0, 0.0), *, y=0.5, heading=0.0, robot="mamba-fin", **choices
 ):
     water = replace(lc.load_water("paper-lateral"), current=current)
-    plant = lc.plant(lc.load_robot(robot), water, **choices)
+    plant = lc.build_plant(lc.load_robot(robot), water, **choices)
     return lc.run(
         plant, controller, duration, start=lc.Start(center_of_mass=(0.0, y), heading=heading)
     )

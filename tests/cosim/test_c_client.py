@@ -9,7 +9,7 @@ import laticauda as lc
 from laticauda.cosim import Server, clients_folder
 from laticauda.cosim.messages import FIRST_GAIT
 from laticauda.interfaces import Command, Start
-from laticauda.simulate import plant
+from laticauda.simulate import build_plant
 
 COMPILER = shutil.which("cc") or shutil.which("gcc")
 
@@ -33,7 +33,7 @@ def run(example, *words):
 
 
 def test_c_steps_the_robot_as_python_does_and_hears_why_it_is_refused(example, server):
-    body = plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"))
+    body = build_plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"))
     state = body.init(Start(), Command(gait=FIRST_GAIT))
     for _ in range(40):
         state = body.step(state, Command(gait=FIRST_GAIT, offset=0.1), 0.05)

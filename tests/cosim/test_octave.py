@@ -13,7 +13,7 @@ from laticauda.control import HeadingController, LineOfSight, PathFollowing, Str
 from laticauda.cosim import Server, clients_folder
 from laticauda.cosim.messages import FIRST_GAIT
 from laticauda.interfaces import Start
-from laticauda.simulate import plant, run
+from laticauda.simulate import build_plant, run
 
 
 @functools.cache
@@ -95,7 +95,7 @@ def test_a_path_is_followed_from_octave_as_by_our_own_controller(octave):
         heading=HeadingController(gain=0.4, max_offset=np.deg2rad(20)),
         interval=0.05,
     )
-    body = plant(lc.load_robot("mamba-fin"), lc.load_water("paper-lateral"))
+    body = build_plant(lc.load_robot("mamba-fin"), lc.load_water("paper-lateral"))
     trial = run(body, controller, 30.0, start=Start(center_of_mass=(0.0, 0.5)))
     np.testing.assert_allclose(found[:, 0], trial.time, atol=1e-9)
     np.testing.assert_allclose(found[:, 1:3], trial.center_of_mass, atol=1e-9)

@@ -14,7 +14,7 @@ from laticauda.cosim.messages import FIRST_GAIT, read_scenario
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.interfaces import Command, Start
 from laticauda.robot import Current, Thruster
-from laticauda.simulate import plant
+from laticauda.simulate import build_plant
 
 
 @pytest.fixture
@@ -29,7 +29,7 @@ def ask():
 
 def test_steps_are_those_of_the_plant_bit_for_bit(ask):
     ask("reset", robot="mamba-fin", joints="servo", center_of_mass=[1.0, 2.0], heading=0.3)
-    body = plant(lc.load_robot("mamba-fin"), lc.load_water("paper-lateral"), joints="servo")
+    body = build_plant(lc.load_robot("mamba-fin"), lc.load_water("paper-lateral"), joints="servo")
     state = body.init(Start(center_of_mass=(1.0, 2.0), heading=0.3), Command(gait=FIRST_GAIT))
     for offset in (0.0, 0.1, 0.2):
         state = body.step(state, Command(gait=FIRST_GAIT, offset=offset), 0.05)
@@ -248,7 +248,7 @@ def test_a_current_may_be_a_flow_as_a_table_or_by_the_name_of_a_preset(ask):
     seen = ask("step", duration=0.5)["observation"]
     water, state = lc.load_water("paper-lateral"), None
     for flow in (gusts, decode(Current, other)):
-        body = plant(lc.load_robot("mamba"), replace(water, current=flow))
+        body = build_plant(lc.load_robot("mamba"), replace(water, current=flow))
         state = body.step(
             state or body.init(Start(), Command(gait=FIRST_GAIT)), Command(gait=FIRST_GAIT), 0.5
         )

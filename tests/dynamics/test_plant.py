@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.simulate import plant
+from laticauda.simulate import build_plant
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
 COMMAND = lc.Command(gait=GAIT)
@@ -13,7 +13,7 @@ COMMAND = lc.Command(gait=GAIT)
 
 @pytest.fixture(params=[lc.Planar(), lc.Spatial()], ids=["planar", "spatial"], scope="module")
 def body(request):
-    return plant(lc.scenario(lc.load_robot("mamba"), GAIT, model=request.param))
+    return build_plant(lc.build_scenario(lc.load_robot("mamba"), GAIT, model=request.param))
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ def swum(*ways):
     state, found = None, []
     command = Command(gait=GAIT)
     for body, water, duration in ways:
-        plant = lc.plant(body, water)
+        plant = lc.build_plant(body, water)
         state = plant.init(Start(), command) if state is None else state
         state, log, trouble = plant.march(state, command, duration, 0.02)
         assert trouble is None

@@ -15,7 +15,7 @@ from laticauda.fluid.uniform import LinearShear
 from laticauda.operate.recording.entries import content_of
 from laticauda.planar.model import PlanarPlant
 
-BODY = lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"), joints="servo")
+BODY = lc.build_plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"), joints="servo")
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +38,9 @@ def waves(t):
 
 
 def test_what_the_twin_does_in_its_own_axes_does_not_depend_on_where_it_is_nor_on_a_current():
-    drifting = lc.plant(BODY.robot, replace(BODY.environment, current=(0.2, -0.1)), joints="servo")
+    drifting = lc.build_plant(
+        BODY.robot, replace(BODY.environment, current=(0.2, -0.1)), joints="servo"
+    )
     here, there = start_twin(BODY, np.zeros(8)), start_twin(drifting, np.zeros(8))
     for k in range(
         2500
@@ -161,12 +163,12 @@ def test_what_cannot_be_the_twin_is_refused():
     ):
         Estimator(
             robot=robot,
-            plant=lc.plant(lc.load_robot("mamba-modules").planar(), water, joints="servo"),
+            plant=lc.build_plant(lc.load_robot("mamba-modules").planar(), water, joints="servo"),
         )
     with pytest.raises(
         ValueError, match=r"`plant` must have joints that follow references, `pd` or `servo`, got"
     ):
-        Estimator(robot=robot, plant=lc.plant(robot, water))
+        Estimator(robot=robot, plant=lc.build_plant(robot, water))
     with pytest.raises(
         ValueError,
         match=r"`swim_speed` must be None with a `plant`, which determines it, got 0\.1\.",
@@ -189,7 +191,7 @@ def test_a_twin_begins_at_rest_and_straight_at_the_origin():
 
 @pytest.mark.parametrize("current", [(0.0, 0.0), (0.2, -0.1)])
 def test_what_it_foresees_is_its_way_through_the_water_in_the_axes_that_it_had(current):
-    body = lc.plant(BODY.robot, replace(BODY.environment, current=current), joints="servo")
+    body = lc.build_plant(BODY.robot, replace(BODY.environment, current=current), joints="servo")
     before = start_twin(body, waves(0.0))
     for k in range(150):
         twin = step_twin(body, before, waves(0.01 * k), None, 0.0, 0.01)
@@ -269,7 +271,7 @@ DRIVEN = replace(FINNED, caudal_fin=replace(FINNED.caudal_fin, joint=lc.robot.Jo
 
 
 def test_a_driven_fin_goes_to_its_reference_and_a_robot_without_one_takes_none():
-    body = lc.plant(DRIVEN, lc.load_water("paper-eel"), joints="servo")
+    body = lc.build_plant(DRIVEN, lc.load_water("paper-eel"), joints="servo")
     turns = []
     for fin in ((), (0.4,), (0.4, 9.0)):
         twin = start_twin(body, held(0.0))
@@ -288,18 +290,18 @@ def test_a_twin_has_as_many_yaw_joints_as_its_robot_and_in_space_no_others():
     check_plant(None, BODY.robot)
     check_plant(BODY, BODY.robot)
     built = lc.load_robot("mamba-modules")
-    check_plant(lc.plant(built.planar(), BODY.environment, joints="servo"), built)
-    space = lc.plant(built, BODY.environment, model="spatial", joints="servo")
+    check_plant(lc.build_plant(built.planar(), BODY.environment, joints="servo"), built)
+    space = lc.build_plant(built, BODY.environment, model="spatial", joints="servo")
     with pytest.raises(
         ValueError, match=r"`plant` must have 9 joints, all of them yaw joints, got 18\."
     ):
         check_plant(space, built)
-    pd = lc.plant(BODY.robot, BODY.environment, joints="pd")
+    pd = lc.build_plant(BODY.robot, BODY.environment, joints="pd")
     check_plant(pd, BODY.robot)
 
 
 def test_of_a_twin_in_space_the_motion_in_the_plane_counts():
-    body = lc.plant(BODY.robot, BODY.environment, model="spatial", joints="servo")
+    body = lc.build_plant(BODY.robot, BODY.environment, model="spatial", joints="servo")
     check_plant(body, BODY.robot)
     twin = start_twin(body, held(0.0))
     for k in range(5):
@@ -389,8 +391,8 @@ def test_without_its_twin_the_filter_goes_on_as_one_that_never_had_it():
 
 def test_flowing_water_is_the_filters_affair_and_not_the_twins():
     water = replace(BODY.environment, current=LinearShear())
-    estimator = Estimator(robot=BODY.robot, plant=lc.plant(BODY.robot, water, joints="servo"))
+    estimator = Estimator(robot=BODY.robot, plant=lc.build_plant(BODY.robot, water, joints="servo"))
     assert estimator.plant.environment == water.still
     steady = replace(BODY.environment, current=(0.1, 0.0))
-    kept = Estimator(robot=BODY.robot, plant=lc.plant(BODY.robot, steady, joints="servo"))
+    kept = Estimator(robot=BODY.robot, plant=lc.build_plant(BODY.robot, steady, joints="servo"))
     assert kept.plant.environment == steady

@@ -31,7 +31,9 @@ MAMBA = lc.load_robot("mamba")
 
 def learner(robot=MAMBA, **settings):
     return Learner(
-        settings=Learning(**settings), robot=robot, plant=lc.plant(robot, GUESS, joints="servo")
+        settings=Learning(**settings),
+        robot=robot,
+        plant=lc.build_plant(robot, GUESS, joints="servo"),
     )
 
 
@@ -206,16 +208,18 @@ def test_what_cannot_be_learnt_is_refused():
         Learning(unknown=("density",))
     with pytest.raises(ValueError, match="`window` must be > 5 s, got 2"):
         Learning(window=2.0)
-    on_ground = lc.plant(MAMBA, lc.load_ground("coulomb"), joints="servo")
+    on_ground = lc.build_plant(MAMBA, lc.load_ground("coulomb"), joints="servo")
     with pytest.raises(
         ValueError,
         match="`plant` must be in water for anything to be learned, got the ground `coulomb`",
     ):
         Learner(robot=MAMBA, plant=on_ground)
     with pytest.raises(ValueError, match="`plant` must have joints that follow references"):
-        Learner(robot=MAMBA, plant=lc.plant(MAMBA, GUESS))
+        Learner(robot=MAMBA, plant=lc.build_plant(MAMBA, GUESS))
     with pytest.raises(ValueError, match="`module` must be < 9, the number of modules, got 20"):
-        Learner(robot=MAMBA, plant=lc.plant(MAMBA, GUESS, joints="servo"), mount=Mount(module=20))
+        Learner(
+            robot=MAMBA, plant=lc.build_plant(MAMBA, GUESS, joints="servo"), mount=Mount(module=20)
+        )
 
 
 def rough(good):

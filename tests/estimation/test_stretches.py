@@ -14,7 +14,7 @@ from laticauda.kinematics import Posture
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.2, phase_shift=0.7)
 ROBOT, WATER = lc.load_robot("mamba"), lc.load_water("paper-lateral")
-TWIN = lc.plant(ROBOT, WATER)
+TWIN = lc.build_plant(ROBOT, WATER)
 STILL = np.zeros(2)
 
 

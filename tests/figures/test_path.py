@@ -47,7 +47,7 @@ def test_a_body_has_its_real_width_and_its_head_in_front(ax: Axes):
 @pytest.mark.parametrize("name", RUNS)
 def test_the_last_posture_is_always_drawn(name: str):
     trial = run(name)
-    samples = postures.instants(trial)
+    samples = postures.choose_instants(trial)
     assert samples[-1] == trial.time.size - 1
     assert samples == sorted(set(samples))
 
@@ -56,7 +56,7 @@ def test_the_last_posture_is_always_drawn(name: str):
 def test_postures_of_a_long_run_do_not_lie_on_each_other(name: str):
     trial = run(name)
     robot = trial.chain
-    bodies = [postures.outline(robot, trial, sample) for sample in postures.instants(trial)]
+    bodies = [postures.outline(robot, trial, sample) for sample in postures.choose_instants(trial)]
     assert len(bodies) >= 2
     for i, one in enumerate(bodies):
         for other in bodies[:i]:

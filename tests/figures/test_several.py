@@ -3,7 +3,7 @@ import pytest
 import xarray
 from figures.runs import run
 
-from laticauda.figures import overlay, save_figure, sweep_sheet
+from laticauda.figures import plot_overlay, save_figure, sweep_sheet
 
 ABOUT = {"robot": "mamba", "gait": "lateral_undulation", "duration": 12.0}
 AXES = {
@@ -43,7 +43,7 @@ def labels(figure) -> list[tuple[str, str]]:
 
 
 def test_several_trials_are_drawn_in_one_figure_with_their_names(tmp_path):
-    figure = overlay([run("lateral"), run("fin"), run("short")], ["a", "b", "c"])
+    figure = plot_overlay([run("lateral"), run("fin"), run("short")], ["a", "b", "c"])
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["a", "b", "c"]
     assert labels(figure) == [("x [m]", "y [m]"), ("time [s]", "speed, mean over a cycle [m/s]")]
     looks = {(line.get_color(), str(line.get_linestyle())) for line in figure.axes[1].lines}
@@ -53,7 +53,7 @@ def test_several_trials_are_drawn_in_one_figure_with_their_names(tmp_path):
 
 def test_a_run_without_a_whole_cycle_is_drawn_beside_others():
     still = run("still")
-    figure = overlay([run("lateral"), still], ["a", "b"])
+    figure = plot_overlay([run("lateral"), still], ["a", "b"])
     assert figure.axes[1].lines[1].get_xdata().size == still.time.size
 
 

@@ -14,7 +14,14 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation, Text
 
-from laticauda.figures import joint_angle, joint_torque, new_figure, save_figure, speed, swim_sheet
+from laticauda.figures import (
+    new_figure,
+    plot_joint_angle,
+    plot_joint_torque,
+    plot_speed,
+    save_figure,
+    swim_sheet,
+)
 from laticauda.figures.style import DOUBLE_COLUMN
 from laticauda.figures.swim import plot_timing
 
@@ -77,7 +84,7 @@ def test_all_text_is_8_or_9_points(name: str):
 
 def test_the_speed_is_shown_with_its_mean_and_the_measured(ax: Axes):
     trial = run("lateral")
-    assert speed(trial, ax) is ax
+    assert plot_speed(trial, ax) is ax
     lines = {line.get_label(): line for line in ax.get_lines()}
     assert set(lines) == {"forward", "mean over a cycle", "measured, 0.151 m/s"}
     late = np.asarray(lines["mean over a cycle"].get_ydata())[-100:]
@@ -89,13 +96,13 @@ def test_the_speed_is_shown_with_its_mean_and_the_measured(ax: Axes):
     ("name", "labels"), [("curve", {"forward", "mean over a cycle"}), ("tiny", {"forward"})]
 )
 def test_what_there_is_not_is_not_shown(ax: Axes, name: str, labels: set[str]):
-    speed(run(name), ax)
+    plot_speed(run(name), ax)
     shown = {line.get_label() for line in ax.get_lines()}
     assert {label for label in shown if not label.startswith("measured")} == labels
 
 
 @pytest.mark.parametrize(
-    ("figure", "name"), [(joint_angle, "joint_angle"), (joint_torque, "joint_torque")]
+    ("figure", "name"), [(plot_joint_angle, "joint_angle"), (plot_joint_torque, "joint_torque")]
 )
 def test_every_joint_has_a_line_and_a_place_on_the_labeled_scale(ax: Axes, figure, name: str):
     trial = run("lateral")
@@ -110,7 +117,7 @@ def test_every_joint_has_a_line_and_a_place_on_the_labeled_scale(ax: Axes, figur
 
 
 def test_only_the_end_of_a_run_can_be_shown(ax: Axes):
-    joint_torque(run("lateral"), ax, last=5.0, scale=False)
+    plot_joint_torque(run("lateral"), ax, last=5.0, scale=False)
     assert ax.get_xlim() == pytest.approx((25.0, 30.0))
     assert ax.get_figure().axes == [ax]
 

@@ -13,7 +13,7 @@ def followed(duration=40.0, y=1.0, heading=0.0):
         guidance=lc.LineOfSight(look_ahead_distance=0.18),
         heading=lc.HeadingController(gain=0.4, max_offset=np.deg2rad(20)),
     )
-    plant = lc.plant(lc.load_robot("mamba-fin"), lc.load_water("paper-lateral"))
+    plant = lc.build_plant(lc.load_robot("mamba-fin"), lc.load_water("paper-lateral"))
     return lc.run(
         plant, controller, duration, start=lc.Start(center_of_mass=(0.0, y), heading=heading)
     )

@@ -8,9 +8,9 @@ from laticauda.fluid.arrows import (
     MOMENTS,
     Surface,
     arrows_of,
-    elevation,
     has_waves,
     round_down,
+    surface_elevation,
 )
 from laticauda.fluid.flow import FunctionFlow
 
@@ -64,7 +64,9 @@ def test_only_flows_that_move_the_surface_have_waves():
     middle = np.array((100.0, 0.0))
     assert has_waves(WAVE, middle) and not has_waves(VORTEX, middle) and not has_waves(None, middle)
     places = np.array([(0.1, 0.0), (0.2, 5.0)])
-    assert elevation(WAVE, places, 0.5) == pytest.approx(0.1 * np.cos(3.0 * places[:, 0] - 1.0))
+    assert surface_elevation(WAVE, places, 0.5) == pytest.approx(
+        0.1 * np.cos(3.0 * places[:, 0] - 1.0)
+    )
 
 
 def test_a_surface_covers_its_square_once_with_triangles_seen_from_above_at_its_elevation():

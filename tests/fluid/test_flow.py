@@ -13,14 +13,14 @@ from laticauda.compiling.formulas import summed
 from laticauda.compiling.lane_types import rows_of as rows_of_lanes
 from laticauda.fluid.flow import Flow, FunctionFlow, Sum, rows_of
 from laticauda.fluid.uniform import Uniform
-from laticauda.quantities import quantity, value
+from laticauda.quantities import quantity, value_class
 from laticauda.robot import Current, load_robot, load_water
 
 GAIT = lc.Gait(amplitude=0.5, frequency=2.2, phase_shift=0.7)
 WATER = load_water("paper-lateral")
 
 
-@value
+@value_class
 class Swirl(Flow):
     """Water that moves as one, and turns as one about a point."""
 
@@ -54,7 +54,7 @@ def test_a_flow_that_is_everywhere_the_same_is_that_current_to_rounding(robot, f
 def test_runs_side_by_side_in_flows_with_other_numbers_are_those_of_each_alone():
     swirls = [Moving(v_x=0.02 * k, shear=-0.05 * k, swing=0.05 * k) for k in range(3)]
     scenarios = [
-        lc.scenario(load_robot("mamba"), GAIT, 2.0, environment=replace(WATER, current=one))
+        lc.build_scenario(load_robot("mamba"), GAIT, 2.0, environment=replace(WATER, current=one))
         for one in swirls
     ]
     together = lc.swim_many(scenarios).center_of_mass

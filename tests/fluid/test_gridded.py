@@ -123,12 +123,12 @@ def test_the_plane_and_space_agree_in_it():
 
 def test_a_run_that_is_cut_in_the_middle_goes_on_with_the_same_bits():
     whole, first = swum(shear(**AXES)), swum(shear(**AXES), 2.0)
-    second = lc.resume(lc.plant(whole.scenario), first, 2.0)
+    second = lc.resume(lc.build_plant(whole.scenario), first, 2.0)
     assert np.array_equal(second.center_of_mass[-1], whole.center_of_mass[-1])
 
 
 def test_a_plant_that_goes_to_another_process_reads_the_tables_there():
-    body, begun = lc.plant(swum(shear(**AXES), 1.0).scenario), lc.Command(gait=GAIT)
+    body, begun = lc.build_plant(swum(shear(**AXES), 1.0).scenario), lc.Command(gait=GAIT)
     state = body.init(lc.Start(), begun)
     known = body.march(state, begun, 1.0, 0.1)[0]
     stored = pickle.dumps(body)
@@ -232,7 +232,7 @@ def test_a_trial_over_a_dataset_in_memory_is_stored_without_it(tmp_path):
 
 
 def test_what_reads_no_tables_refuses_it_by_name(tmp_path):
-    scenario = lc.scenario("mamba", GAIT, environment=replace(WATER, current=shear(**AXES)))
+    scenario = lc.build_scenario("mamba", GAIT, environment=replace(WATER, current=shear(**AXES)))
     with pytest.raises(ValueError, match="`current` must not be a gridded flow"):
         export_fmu(tmp_path / "x.fmu", scenario)
 

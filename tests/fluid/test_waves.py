@@ -164,7 +164,7 @@ def test_runs_in_seas_side_by_side_are_those_of_each_alone_and_a_sea_goes_throug
         for k in range(3)
     ]
     scenarios = [
-        lc.scenario(load_robot("mamba"), GAIT, 2.0, environment=replace(water, current=one))
+        lc.build_scenario(load_robot("mamba"), GAIT, 2.0, environment=replace(water, current=one))
         for one in seas
     ]
     together = lc.swim_many(scenarios).center_of_mass

@@ -14,8 +14,8 @@ from laticauda.gaits import (
     custom_gait,
     eel_like,
     envelope_of,
-    kinds,
     lateral_undulation,
+    list_kinds,
 )
 
 WAVE: dict[str, Any] = {"amplitude": 0.5, "frequency": 2.0, "phase_shift": 0.7}
@@ -76,8 +76,8 @@ def test_the_offset_is_zero_unless_given():
 def test_a_kind_may_be_written_with_hyphens():
     assert envelope_of("eel-like") == envelope_of("eel_like") == EelLike()
     assert (eel_like(**WAVE).kind, eel_like(**WAVE).words) == ("eel_like", "eel-like motion")
-    assert kinds()[:3] == ("lateral_undulation", "eel_like", "anguilliform")
-    assert "custom" not in kinds()
+    assert list_kinds()[:3] == ("lateral_undulation", "eel_like", "anguilliform")
+    assert "custom" not in list_kinds()
 
 
 def test_a_kind_is_one_class():
@@ -92,7 +92,7 @@ def test_a_kind_is_one_class():
         assert (gait.kind, gait.words) == ("carangiform", "carangiform")
         assert gait.joint_envelope(4) == (0.5, 0.0, 0.0)
         assert type(envelope_of("carangiform")) is Carangiform
-        assert "carangiform" in kinds()
+        assert "carangiform" in list_kinds()
     finally:
         del Envelope._known["carangiform"]
 

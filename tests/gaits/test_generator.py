@@ -179,7 +179,7 @@ def test_a_plant_follows_a_change_of_gait_like_the_generator(
 ):
     robot = lc.load_robot("mamba")
     generator = Generator(n_links=robot.n_links, bandwidth=bandwidth, ramp=ramp)
-    plant: Any = lc.plant(
+    plant: Any = lc.build_plant(
         robot, lc.load_water("paper-lateral"), joints=joints, offset_bandwidth=bandwidth, ramp=ramp
     )
     command = lc.Command(gait=first)
@@ -208,7 +208,9 @@ def test_in_space_pitch_joints_and_a_driven_fin_follow_the_waves_that_the_genera
     then = replace(
         first, pitch=replace(first.pitch, amplitude=0.2), fin=replace(first.fin, frequency=2.0)
     )
-    plant: Any = lc.plant(robot, lc.load_water("paper-lateral"), "spatial", joints=joints, ramp=0.7)
+    plant: Any = lc.build_plant(
+        robot, lc.load_water("paper-lateral"), "spatial", joints=joints, ramp=0.7
+    )
     body, _, _ = plant.march(
         plant.init(lc.Start(), lc.Command(gait=first)), lc.Command(gait=first), 0.5, 0.5
     )

@@ -16,7 +16,7 @@ from laticauda.figures import swim_sheet
 from laticauda.gaits import Generator
 from laticauda.gaits.reference import between_knots
 from laticauda.identify import Measurement, fit
-from laticauda.pictures.render import words
+from laticauda.pictures.render import describe_run
 from laticauda.simulate import sensitivities
 
 ANGLES = lc.JointAngles(
@@ -228,7 +228,7 @@ def test_the_frequency_is_that_of_the_strongest_oscillation():
 
 def test_the_water_of_recorded_trials_is_identified():
     gaits = [lc.recorded_gait(ANGLES), lc.recorded_gait(MIRRORED, offset=0.1)]
-    scenarios = [lc.scenario(CHAIN, gait, 2.5, environment=WATER, dt=0.01) for gait in gaits]
+    scenarios = [lc.build_scenario(CHAIN, gait, 2.5, environment=WATER, dt=0.01) for gait in gaits]
     speeds = lc.swim_many(scenarios).forward_velocity
     trials = [
         Measurement(name=f"{i}", scenario=one, figures={"forward_velocity": (speed, 1e-4)})
@@ -248,4 +248,4 @@ def test_it_is_called_what_it_is_wherever_a_gait_is_named():
     titles = [swim_sheet(one).get_suptitle() for one in (alone, both)]
     assert titles[0] == "chain, recorded motion"
     assert titles[1].startswith("chain, recorded motion, ") and "°/s" in titles[1]
-    assert words(alone)[1] == "recorded motion" and "°/s" in words(both)[1]
+    assert describe_run(alone)[1] == "recorded motion" and "°/s" in describe_run(both)[1]

@@ -7,10 +7,10 @@ from identify.trials import FINNED, ROBOT, WATER, gaits, within
 
 import laticauda as lc
 from laticauda.identify import Measurement, Unknown, fit
-from laticauda.identify.candidates import coast_down, from_tow, swims
+from laticauda.identify.candidates import coast_down, from_tow, swim_candidates
 from laticauda.identify.design import (
     best_of,
-    design,
+    design_experiment,
     information_of,
     known_from,
     prior_information,
@@ -31,7 +31,7 @@ def put_of(candidates, wanted=WANTED):
 
 @pytest.fixture(scope="module")
 def choice():
-    swimming = swims(ROBOT, gaits(4), WATER, {"speed": 0.005}, duration=8.0)
+    swimming = swim_candidates(ROBOT, gaits(4), WATER, {"speed": 0.005}, duration=8.0)
     straight = [from_tow(ROBOT, WATER, Tow(speed=0.4)), coast_down(ROBOT, WATER, 0.4, duration=2.0)]
     return put_of(swimming), [*swimming, *straight]
 
@@ -47,7 +47,7 @@ def log_volume(information):
 
 def test_no_trial_makes_anything_less_certain(choice):
     put, candidates = choice
-    found = design(put, candidates, 4)
+    found = design_experiment(put, candidates, 4)
     sigma = found.sigma
     assert np.all(sigma[1:] <= sigma[:-1] * (1.0 + 1e-9))
     assert len(found.steps) == 4
@@ -80,7 +80,7 @@ def test_the_first_choice_is_that_of_brute_force_and_no_exchange_helps(seed):
 def test_a_chosen_design_is_better_than_random_ones_of_as_many_trials(choice):
     put, candidates = choice
     added = information_of(put, candidates, put.start)
-    found = design(put, candidates, 3)
+    found = design_experiment(put, candidates, 3)
     mine = log_volume(sum(added[candidates.index(one)] for one, _ in found.steps))
     rng = np.random.default_rng(0)
     others = [
@@ -92,7 +92,7 @@ def test_a_chosen_design_is_better_than_random_ones_of_as_many_trials(choice):
 
 def test_swimming_does_not_see_the_common_scale_and_a_tow_does(choice):
     put, candidates = choice
-    found = design(put, candidates, 4)
+    found = design_experiment(put, candidates, 4)
     assert found.swimming[0] > 1.0  # friction
     assert found.sigma[-1][0] < 0.05
     assert any(one.group != "swim" for one, _ in found.steps)
@@ -140,7 +140,7 @@ def test_a_coast_down_says_less_where_its_first_speed_has_to_be_found_too():
 
 
 def test_a_design_takes_starts_for_unknown_as_a_fit_does():
-    (one,) = swims(ROBOT, gaits(1), WATER, {"path": 0.005}, duration=8.0)
+    (one,) = swim_candidates(ROBOT, gaits(1), WATER, {"path": 0.005}, duration=8.0)
     exact = replace(one, free_start=False)
     put = put_of([exact], WANTED[:1])
     free, known = (
@@ -161,7 +161,7 @@ def test_the_speed_at_the_begin_can_be_identified():
 
 
 def test_the_expected_deviation_is_that_of_a_fit_to_such_trials():
-    swimming = swims(ROBOT, gaits(5), WATER, {"path": 0.005}, duration=8.0)
+    swimming = swim_candidates(ROBOT, gaits(5), WATER, {"path": 0.005}, duration=8.0)
     put = put_of(swimming, WANTED[:2])
     information = information_of(put, swimming, put.start).sum(axis=0)
     expected = sigma_of(information)
@@ -192,7 +192,7 @@ def test_the_expected_deviation_is_that_of_a_fit_to_such_trials():
 def test_a_prior_counts_and_what_is_left_out_of_sight_stays_unknown():
     candidate = from_tow(ROBOT, WATER, Tow(speed=0.3))
     put = put_of([candidate], [Unknown(name=WANTED[0], prior=(0.3, 0.03)), WANTED[1]])
-    found = design(put, [candidate], 1)
+    found = design_experiment(put, [candidate], 1)
     assert found.before[0] == pytest.approx(0.1)
     assert np.isinf(found.before[1])
     assert found.sigma[1][0] < 0.1
@@ -210,20 +210,20 @@ def test_the_information_about_some_is_what_the_inverse_has_of_them():
 
 def test_a_single_parameter_can_be_what_counts(choice):
     put, candidates = choice
-    found = design(put, candidates, 1, criterion=WANTED[0])
+    found = design_experiment(put, candidates, 1, criterion=WANTED[0])
     assert found.criterion == f"sigma of {WANTED[0]}"
     assert found.steps[0][0].group != "swim"
-    assert design(put, candidates, 2, criterion="A").criterion == "A"
+    assert design_experiment(put, candidates, 2, criterion="A").criterion == "A"
 
 
 def test_bad_input_is_named(choice):
     put, candidates = choice
     with pytest.raises(ValueError, match=r"`candidates` must hold at least one trial, got none"):
-        design(put, [], 1)
+        design_experiment(put, [], 1)
     with pytest.raises(ValueError, match=r"`n_trials` must be"):
-        design(put, candidates, 0)
+        design_experiment(put, candidates, 0)
     with pytest.raises(ValueError, match=r"`criterion` must be"):
-        design(put, candidates, 1, criterion="E")
+        design_experiment(put, candidates, 1, criterion="E")
     with pytest.raises(ValueError, match=r"`speed` must be > 0 m/s, got 0"):
         Tow(speed=0.0)
 
@@ -242,7 +242,7 @@ def test_what_is_tied_keeps_the_product_in_the_fit_and_in_the_file(tmp_path):
     measured = [
         Measurement(
             name=str(i),
-            scenario=lc.scenario(ROBOT, gait, 6.0, environment=WATER),
+            scenario=lc.build_scenario(ROBOT, gait, 6.0, environment=WATER),
             figures={"forward_velocity": (float(speed), 0.002)},
         )
         for i, (gait, speed) in enumerate(zip(asked, speeds, strict=True))

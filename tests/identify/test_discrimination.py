@@ -10,7 +10,7 @@ import laticauda as lc
 from laticauda.fluid.laws import TotalSpeedDrag
 from laticauda.identify import Unknown, fit
 from laticauda.identify.candidates import from_tow
-from laticauda.identify.design import discriminate, wrong
+from laticauda.identify.design import discriminate, misidentification_probability
 from laticauda.identify.identifiability import marginal
 from laticauda.identify.measurements import Tow
 from laticauda.identify.problem import make_problem
@@ -88,13 +88,13 @@ def test_the_schur_complement_is_what_least_squares_leave_and_verdicts_are_wrong
     best = off - rows @ np.linalg.lstsq(rows, off, rcond=None)[0]
     noise = rng.standard_normal((4000, n))
     seen = np.mean(np.sum((noise - best) ** 2, axis=1) < np.sum(noise**2, axis=1))
-    assert seen == pytest.approx(wrong(left), abs=0.04)
+    assert seen == pytest.approx(misidentification_probability(left), abs=0.04)
 
 
 def test_tows_identify_what_they_depend_on():
     truth = replace(BOOK, tangential_friction=0.1, drag=TotalSpeedDrag(beta=0.8))
     tows = [Tow(speed=v, angle=angle) for v in (0.2, 0.4) for angle in (0.0, 0.26, -0.26, 0.8)]
-    still = lc.scenario(
+    still = lc.build_scenario(
         ROBOT,
         lc.lateral_undulation(amplitude=0.0, frequency=1.0, phase_shift=0.5),
         environment=truth,

@@ -203,7 +203,7 @@ def test_power_has_an_offset_of_its_meter():
     measured = [
         Measurement(
             name=f"{i}",
-            scenario=lc.scenario(ROBOT, gait, 8.0, environment=WATER),
+            scenario=lc.build_scenario(ROBOT, gait, 8.0, environment=WATER),
             figures={
                 "mean_power": (many.mean_power[i] + 5.0, 0.1),
                 "forward_velocity": (many.forward_velocity[i], 1e-3),
@@ -230,7 +230,7 @@ def test_each_gait_may_have_its_own_water_and_a_special_name_wins():
     measured = [
         Measurement(
             name=f"{i}",
-            scenario=lc.scenario(r, g, 8.0, environment=WATER),
+            scenario=lc.build_scenario(r, g, 8.0, environment=WATER),
             figures={"forward_velocity": (v, 1e-3)},
         )
         for i, (g, r, v) in enumerate(zip(asked, robots, many.forward_velocity, strict=True))
@@ -252,7 +252,7 @@ def test_one_module_may_have_its_own_number():
     measured = [
         Measurement(
             name=f"{i}",
-            scenario=lc.scenario(robot, g, 8.0, environment=WATER),
+            scenario=lc.build_scenario(robot, g, 8.0, environment=WATER),
             figures={"forward_velocity": (v, 1e-4)},
         )
         for i, (g, v) in enumerate(zip(gaits(4), many.forward_velocity, strict=True))

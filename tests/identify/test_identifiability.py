@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, strategies as st
 from identify.trials import speeds
 
-from laticauda.identify.identifiability import deviations, identifiability
+from laticauda.identify.identifiability import analyze_identifiability, deviations
 from laticauda.identify.problem import make_problem
 
 NAMES = ["water.tangential_friction", "water.normal_drag", "water.added_mass"]
@@ -12,7 +12,7 @@ UNKNOWNS = make_problem(speeds(2), NAMES).unknowns
 
 def seen(jacobian):
     rows = np.array(jacobian, dtype=float)
-    return identifiability(rows.T @ rows, UNKNOWNS)
+    return analyze_identifiability(rows.T @ rows, UNKNOWNS)
 
 
 @given(st.lists(st.lists(st.floats(-5, 5), min_size=3, max_size=3), min_size=4, max_size=8))

@@ -11,7 +11,7 @@ from laticauda.identify.measurements import mean_of_the_greatest
 from laticauda.scenarios import Experiment
 
 GAIT = gaits(1)[0]
-SCENARIO = lc.scenario(ROBOT, GAIT)
+SCENARIO = lc.build_scenario(ROBOT, GAIT)
 TIME = np.linspace(0.0, 2.0, 5)
 
 

@@ -123,7 +123,7 @@ def test_the_twin_predicts_what_the_planar_model_does():
     measured = [
         Measurement(
             name="a",
-            scenario=lc.scenario(ROBOT, gait, 1.0, environment=WATER),
+            scenario=lc.build_scenario(ROBOT, gait, 1.0, environment=WATER),
             figures={"forward_velocity": (0.1, 0.01)},
             time=np.array([0.5, 0.9]),
             series={"heading": (np.zeros(2), 0.01)},

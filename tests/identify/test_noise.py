@@ -7,12 +7,12 @@ from identify.trials import WATER, gaits
 from scipy.linalg import toeplitz
 
 import laticauda as lc
-from laticauda.identify import Measurement, fit, profile
-from laticauda.identify.noise import widening
+from laticauda.identify import Measurement, fit, profile_interval
+from laticauda.identify.noise import noise_widening
 from laticauda.identify.problem import make_problem
 
 N = 40
-RUN = lc.scenario(SHORT, gaits(1)[0], 8.0, environment=WATER)
+RUN = lc.build_scenario(SHORT, gaits(1)[0], 8.0, environment=WATER)
 TIME = np.linspace(0.0, 8.0, N)
 ONE = Measurement(
     name="a",
@@ -40,7 +40,7 @@ def test_intervals_from_correlated_residuals_hold_the_truth_as_often_as_they_say
     for _ in range(100):
         noise = correlated(0.6, rng)
         errors = INVERSE @ ROWS.T @ noise
-        wider, lags = widening(PROBLEM, ROWS, noise - ROWS @ errors, None)
+        wider, lags = noise_widening(PROBLEM, ROWS, noise - ROWS @ errors, None)
         seen.append(lags.get("center_of_mass", 0.0))
         one = 1.96 * np.sqrt(np.diag(INVERSE))
         hits += np.count_nonzero(np.abs(errors) < one * wider)
@@ -52,7 +52,7 @@ def test_intervals_from_correlated_residuals_hold_the_truth_as_often_as_they_say
 def test_the_widening_is_that_of_the_covariance_of_least_squares():
     noise = correlated(0.8, np.random.default_rng(5))
     off = noise - ROWS @ (INVERSE @ ROWS.T @ noise)
-    wider, lags = widening(PROBLEM, ROWS, off, None)
+    wider, lags = noise_widening(PROBLEM, ROWS, off, None)
     between = np.eye(3 * N)
     between[: 2 * N, : 2 * N] = np.kron(toeplitz(lags["center_of_mass"] ** np.arange(N)), np.eye(2))
     assert set(lags) == {"center_of_mass"}
@@ -60,7 +60,7 @@ def test_the_widening_is_that_of_the_covariance_of_least_squares():
     np.testing.assert_allclose(
         wider, np.fmax(np.sqrt(np.diag(covariance) / np.diag(INVERSE)), 1.0), rtol=1e-9
     )
-    more = widening(PROBLEM, ROWS, off, 3 * N - 3.0)[0]
+    more = noise_widening(PROBLEM, ROWS, off, 3 * N - 3.0)[0]
     left = 3 * N - np.trace(INVERSE @ ROWS.T @ between @ ROWS)
     np.testing.assert_allclose(
         more[more > 1.0], (wider * np.sqrt((3 * N - 3) / left))[more > 1.0], rtol=1e-9
@@ -71,10 +71,13 @@ def test_white_noise_is_hardly_ever_called_correlated_and_residuals_of_rounding_
     rng = np.random.default_rng(4)
     left = np.eye(3 * N) - ROWS @ INVERSE @ ROWS.T
     assert (
-        sum(bool(widening(PROBLEM, ROWS, left @ correlated(0.0, rng), None)[1]) for _ in range(100))
+        sum(
+            bool(noise_widening(PROBLEM, ROWS, left @ correlated(0.0, rng), None)[1])
+            for _ in range(100)
+        )
         <= 2
     )
-    assert not widening(PROBLEM, ROWS, 1e-6 * left @ correlated(0.9, rng), None)[1]
+    assert not noise_widening(PROBLEM, ROWS, 1e-6 * left @ correlated(0.9, rng), None)[1]
 
 
 def test_correlated_residuals_are_said_and_widen_every_interval():
@@ -86,5 +89,5 @@ def test_correlated_residuals_are_said_and_widen_every_interval():
     assert found[FRICTION].sigma > 1.3 * white[FRICTION].sigma
     low, high = found[FRICTION].interval
     assert low < TRUE < high
-    likely = profile(found, FRICTION)
+    likely = profile_interval(found, FRICTION)
     assert np.log(likely[1] / likely[0]) == pytest.approx(np.log(high / low), rel=0.1)

@@ -50,7 +50,7 @@ def tow(folder, water, rng):
         head, *rows = csv.reader(file)
     for row in rows:
         how = Tow(speed=float(row[0]), angle=math.radians(float(row[1]) + rng.normal(0.0, 0.5)))
-        loads = how.loads(lc.scenario(ROBOT, ASKED, environment=water))
+        loads = how.loads(lc.build_scenario(ROBOT, ASKED, environment=water))
         row[2:] = [str(one + rng.normal(0.0, 0.03)) for one in loads.values()]
     with (folder / "tows.csv").open("w", newline="") as file:
         csv.writer(file).writerows([head, *rows])
@@ -75,7 +75,7 @@ def fill(folder, water):
 @pytest.fixture(scope="module", params=[SHEDS, STAYS], ids=["sheds", "stays"])
 def judged(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp("day")
-    tank_day.begin(folder, ROBOT)
+    tank_day.prepare_folder(folder, ROBOT)
     text = (
         (folder / "swim.toml").read_text().replace("phase_shift_deg = 40", "phase_shift_deg = 50")
     )
@@ -109,7 +109,7 @@ def test_the_drag_area_is_that_of_the_straight_robot(judged):
         2.0 * towing_drag(ROBOT, truth, speed) / (1000.0 * speed**2), rel=0.06
     )
     assert row["low"] < row["value"] < row["high"]
-    assert "joints.speed_limit" in tank_day.words(found)
+    assert "joints.speed_limit" in tank_day.format_evaluation(found)
 
 
 def test_what_was_not_done_is_said(judged):
@@ -146,7 +146,7 @@ def test_another_lab_reads_the_result(judged):
 
 
 def test_a_folder_is_begun_once_and_empty_tables_are_refused(tmp_path):
-    new = tank_day.begin(tmp_path / "day", ROBOT)
+    new = tank_day.prepare_folder(tmp_path / "day", ROBOT)
     assert {
         "RUNS.md",
         "robot.toml",
@@ -163,7 +163,7 @@ def test_a_folder_is_begun_once_and_empty_tables_are_refused(tmp_path):
         .endswith("yaw_deg,joint_1_deg,joint_2_deg,joint_3_deg,joint_4_deg,joint_5_deg")
     )
     (tmp_path / "day" / "swim.toml").write_text("mine")
-    assert tank_day.begin(tmp_path / "day", ROBOT) == []
+    assert tank_day.prepare_folder(tmp_path / "day", ROBOT) == []
     assert (tmp_path / "day" / "swim.toml").read_text() == "mine"
     with pytest.raises(TrialFileError, match=r"No file was filled in"):
         tank_day.evaluate(tank_day.load_day(tmp_path / "day"))

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from identify.trials import DRAG, FRICTION, speeds
 
-from laticauda.identify import Unknown, fit, posterior, profile
+from laticauda.identify import Unknown, fit, profile_interval, sample_posterior
 from laticauda.identify.uncertainty import log_density
 
 MEASURED = speeds(3, noise=0.002, duration=3.0)
@@ -18,7 +18,7 @@ def found():
 
 
 def test_where_the_model_is_about_linear_the_profile_is_the_interval(found):
-    ends = profile(found, FRICTION)
+    ends = profile_interval(found, FRICTION)
     low, high = found[FRICTION].interval
     assert None not in ends
     assert np.log(ends) == pytest.approx(np.log((low, high)), abs=0.05 * np.log(high / low))
@@ -29,7 +29,10 @@ def test_where_the_noise_is_estimated_the_profile_has_the_quantile_of_student_to
     found = fit(
         OFFSET, parameters=["measured.power_offset"], n_starts=1, noise="estimated", threads=1
     )
-    ends, estimate = profile(found, "measured.power_offset"), found["measured.power_offset"]
+    ends, estimate = (
+        profile_interval(found, "measured.power_offset"),
+        found["measured.power_offset"],
+    )
     assert ends == pytest.approx(estimate.interval, rel=1e-3)
     assert ends[1] - ends[0] == pytest.approx(2 * 4.302653 * estimate.sigma, rel=2e-3)
 
@@ -38,10 +41,10 @@ def test_a_profile_does_not_close_where_nothing_is_seen():
     names = [Unknown(name=FRICTION, lower=0.1, upper=1.0), Unknown(name=DRAG, lower=0.8, upper=4.0)]
     blind = fit(speeds(3, duration=3.0, sigma=0.02), parameters=names, n_starts=1, threads=1)
     assert not blind[DRAG].is_identified
-    blurred = profile(blind, DRAG)
+    blurred = profile_interval(blind, DRAG)
     assert None in blurred
     with pytest.raises(ValueError, match="`name` must be one of"):
-        profile(blind, "water.density")
+        profile_interval(blind, "water.density")
 
 
 def test_the_posterior_of_a_linear_model_with_normal_noise_is_the_normal_one():
@@ -54,11 +57,11 @@ def test_the_posterior_of_a_linear_model_with_normal_noise_is_the_normal_one():
 
 
 def test_the_posterior_has_the_interval_too(found):
-    sample = posterior(found, n_steps=24, n_walkers=8, seed=1)
+    sample = sample_posterior(found, n_steps=24, n_walkers=8, seed=1)
     low, high = found[FRICTION].interval
     assert sample.values.shape == (12 * 8, 1)
     assert sample.interval(FRICTION) == pytest.approx((low, high), abs=0.4 * (high - low))
     assert np.median(sample.values) == pytest.approx(found[FRICTION].value, abs=0.25 * (high - low))
     assert 0.2 < sample.acceptance < 0.95
-    one, other = (posterior(found, n_steps=3, n_walkers=4, seed=1).values for _ in range(2))
+    one, other = (sample_posterior(found, n_steps=3, n_walkers=4, seed=1).values for _ in range(2))
     np.testing.assert_array_equal(one, other)

@@ -48,7 +48,7 @@ def speeds(
     return [
         Measurement(
             name=f"trial {i}",
-            scenario=lc.scenario(ROBOT, gait, duration, environment=WATER),
+            scenario=lc.build_scenario(ROBOT, gait, duration, environment=WATER),
             figures={figure: (float(value), sigma)},
         )
         for i, (gait, value) in enumerate(zip(asked, found, strict=True))

@@ -51,9 +51,9 @@ def test_references_count_from_the_next_sync_on(operator, straight):
     operator.cycle(straight)
     node = operator.tank.nodes[4]
     assert node.target == pytest.approx(0.2)
-    from laticauda.protocol import references
+    from laticauda.protocol import encode_references
 
-    for message in references([0.1] * 18):
+    for message in encode_references([0.1] * 18):
         operator.tell(message)
     assert node.target == pytest.approx(0.2)
     operator.tell(Sync(counter=9))

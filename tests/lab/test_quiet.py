@@ -16,7 +16,7 @@ def tank(robot: str | lc.Robot = "mamba-fin", **settings) -> Tank:
     built = lc.load_robot(robot) if isinstance(robot, str) else robot
     water = lc.load_water("paper-lateral")
     return Tank(
-        VirtualRobot(built, lc.plant(built, water, joints="servo")), LabSettings(**settings)
+        VirtualRobot(built, lc.build_plant(built, water, joints="servo")), LabSettings(**settings)
     )
 
 
@@ -80,7 +80,7 @@ def test_water_that_begins_to_move_takes_the_robot_along():
     x, y, _ = moved.truth.center_of_mass
     assert y > 0.3 and abs(x) < 0.05
     robot, ground = lc.load_robot("mamba"), load_ground("viscous")
-    dry = Tank(VirtualRobot(robot, lc.plant(robot, ground, joints="servo")))
+    dry = Tank(VirtualRobot(robot, lc.build_plant(robot, ground, joints="servo")))
     with pytest.raises(ValueError, match="`kind` must not be `moving_water` on land"):
         dry.inject(Fault(kind="moving_water"))
 

@@ -18,10 +18,10 @@ from laticauda.protocol import (
     Order,
     Sync,
     bus_address,
+    encode_references,
     from_frame,
     meter,
     open_bus,
-    references,
     to_frame,
 )
 
@@ -48,7 +48,7 @@ def test_a_lab_answers_on_all_of_its_wires(lab):
         assert len(heard(bus, Heartbeat, 90)) == 90
         bus.send(to_frame(NodeCommand(order=Order.ENABLE)))
         assert len(heard(bus, CommandReply, 18)) == 18
-        for message in references([0.1] * 18):
+        for message in encode_references([0.1] * 18):
             bus.send(to_frame(message))
         bus.send(to_frame(Sync(counter=1)))
         assert {m.node for m in heard(bus, JointState, 18)} == set(range(1, 19))

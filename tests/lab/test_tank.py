@@ -13,7 +13,7 @@ from laticauda.lab import Fault, LabSettings, NodeSettings, Tank, VirtualRobot
 from laticauda.protocol import Heartbeat, JointState, Loads, Sync
 from laticauda.protocol.meter import decode_displayed
 from laticauda.robot import load_robot, load_water
-from laticauda.simulate import plant, swim
+from laticauda.simulate import build_plant, swim
 
 QUICK = NodeSettings(startup_time=0.1, calibration_time=0.1)
 GAIT = lateral_undulation(
@@ -249,16 +249,16 @@ def test_only_robots_with_servos_and_no_more_joints_than_nodes_fit():
     with pytest.raises(
         ValueError, match=r"`plant` must have `servo` or `speed-servo` joints, got 'prescribed'\."
     ):
-        VirtualRobot(robot, plant(robot, water))
+        VirtualRobot(robot, build_plant(robot, water))
     many = load_robot("mamba", 21)
     with pytest.raises(
         ValueError, match=r"`robot` must have 1 to 19 joints, a driven fin's included, got 20\."
     ):
-        Tank(VirtualRobot(many, plant(many, water, joints="servo")))
+        Tank(VirtualRobot(many, build_plant(many, water, joints="servo")))
     with pytest.raises(
         ValueError, match="`plant` must have the 18 joints of the robot, or its 9 yaw joints, got 8"
     ):
-        VirtualRobot(load_robot("mamba-modules"), plant(robot, water, joints="servo"))
+        VirtualRobot(load_robot("mamba-modules"), build_plant(robot, water, joints="servo"))
 
 
 class Recorded(VirtualRobot):
@@ -269,7 +269,7 @@ class Recorded(VirtualRobot):
             load_robot("mamba-modules"),
             replace(load_water("paper-lateral"), current=current),
         )
-        super().__init__(robot, plant(robot, water, joints="servo"))
+        super().__init__(robot, build_plant(robot, water, joints="servo"))
         self.done, self.again = [], iter(done or ())
 
     def advance(self, references, on, dt):

@@ -121,7 +121,7 @@ def test_a_frame_of_the_bus_is_written_as_the_codec_of_its_type_writes_it(tmp_pa
     with (tmp_path / "run.mcap").open("rb") as file:
         ((_, _, message),) = list(reader.make_reader(file).iter_messages())
     content = {
-        "header": {"stamp": ros2.stamp(12_345_678_901), "frame_id": ""},
+        "header": {"stamp": ros2.to_ros_time(12_345_678_901), "frame_id": ""},
         "id": 0x7FF,
         "is_rtr": False,
         "is_extended": False,

@@ -10,14 +10,14 @@ import pytest
 from laticauda import mujoco_water as water
 from laticauda.fluid.flow import Flow
 from laticauda.mujoco_water import Element, table
-from laticauda.quantities import quantity, value
+from laticauda.quantities import quantity, value_class
 
 BALL = """<mujoco><option timestep="0.002" gravity="{gravity}"/><worldbody><body name="b" pos="{place}"><freejoint/>
 <geom name="g" size=".1" density="500"/></body></worldbody></mujoco>"""
 DRAG = Element(body="b", drag=(20.0,) * 3, added_mass=(2.0,) * 3, volume=4e-3, half_size=(0.1,) * 3)
 
 
-@value
+@value_class
 class Swell(Flow):
     """Waves of deep water along x, and a current."""
 
@@ -36,7 +36,7 @@ class Swell(Flow):
 
 
 def ball(gravity: str = "0 0 0", place: str = "0 0 -1"):
-    return water.compiled(mujoco.MjSpec.from_string(BALL.format(gravity=gravity, place=place)))
+    return water.compile_spec(mujoco.MjSpec.from_string(BALL.format(gravity=gravity, place=place)))
 
 
 def acceleration(model, time: float = 0.3) -> np.ndarray:

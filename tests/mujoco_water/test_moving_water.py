@@ -14,12 +14,12 @@ from laticauda import mujoco_water as water
 from laticauda.fluid.flow import Flow
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.mujoco_water import Element
-from laticauda.quantities import quantity, value
+from laticauda.quantities import quantity, value_class
 
 GRAVITY = 9.81
 
 
-@value
+@value_class
 class Airy(Flow):
     """Waves along x over a level bed."""
 
@@ -50,7 +50,7 @@ def airy(amplitude: float, k: float, depth: float) -> Airy:
 def model_of(body: str, gravity: float = GRAVITY, dt: float = 0.005):
     text = f"""<mujoco><option timestep="{dt}" gravity="0 0 {-gravity}" integrator="RK4"/><worldbody>{body}</worldbody>
     </mujoco>"""
-    return water.compiled(mujoco.MjSpec.from_string(text))
+    return water.compile_spec(mujoco.MjSpec.from_string(text))
 
 
 @pytest.mark.filterwarnings("ignore:body .* has buoyancy but no free joint")
@@ -179,7 +179,7 @@ def test_a_floating_box_heaves_as_its_equation_says(share: float, heave: float, 
     assert abs(height) == pytest.approx(ratio, rel=1e-3)
 
 
-@value
+@value_class
 class Turning(Flow):
     """Water that turns as one about the origin."""
 

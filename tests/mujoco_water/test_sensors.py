@@ -26,7 +26,7 @@ def chain(option: str = 'integrator="RK4"') -> tuple[mujoco.MjModel, water.Water
             f'<geom name="g{i}"', f'<site name="s{i}" euler="10 20 {i}"/><geom name="g{i}"'
         )
     sensors = "".join(f'<force site="s{i}"/><torque site="s{i}"/>' for i in range(N))
-    model = water.compiled(
+    model = water.compile_spec(
         mujoco.MjSpec.from_string(text.replace("</mujoco>", f"<sensor>{sensors}</sensor></mujoco>"))
     )
     elements = [replace(e, volume=1e-3) for e in oracle.elements(N)]
@@ -116,9 +116,9 @@ def test_a_sensor_callback_that_was_there_still_runs():
 def test_the_joints_of_a_swimming_robot_sense_their_drives_and_a_free_one_nothing():
     robot = lc.load_robot("mamba-modules-fin")
     medium = lc.load_water("paper-lateral")
-    spec = mjcf.spec(robot, medium, actuators="servo", visuals=False)
+    spec = mjcf.build_spec(robot, medium, actuators="servo", visuals=False)
     spec.delete(next(a for a in spec.actuators if a.target == "joint_8"))
-    model = water.compiled(spec)
+    model = water.compile_spec(spec)
     free = model.joint("joint_8").dofadr[0]
     model.dof_damping[free] = model.dof_frictionloss[free] = model.dof_armature[free] = 0.0
     model.opt.tolerance = 1e-14

@@ -32,7 +32,7 @@ STILL = "ignore:body .* turns over"
 def pair(option: str = "", joint: str = "", n: int = 5):
     """Two models of the same snake: one to be wetted, one that stays dry."""
     text = oracle.snake(n, option=option, joint=joint)
-    return (water.compiled(mujoco.MjSpec.from_string(text)) for _ in range(2))
+    return (water.compile_spec(mujoco.MjSpec.from_string(text)) for _ in range(2))
 
 
 def body(
@@ -53,7 +53,7 @@ def body(
 
 
 def test_an_ellipsoid_accelerates_with_its_added_mass():
-    model = water.compiled(mujoco.MjSpec.from_string(body("ellipsoid", ".5 .1 .1")))
+    model = water.compile_spec(mujoco.MjSpec.from_string(body("ellipsoid", ".5 .1 .1")))
     data = mujoco.MjData(model)
     element = water.geom_element(model, "g", GeomCoefficients(drag=(0, 0, 0)))
     water.attach(model, [element])
@@ -191,7 +191,7 @@ def test_without_drag_energy_is_kept_to_the_integrator_s_order(form: str):
 def test_a_spheroid_off_its_course_turns_broadside_as_fast_as_theory_says():
     """Munk: sway and yaw of a slender body grow with one rate; the growing motion alone is set going."""
     text = body("ellipsoid", ".5 .1 .1", option='gravity="0 0 0" integrator="RK4"')
-    model = water.compiled(mujoco.MjSpec.from_string(text))
+    model = water.compile_spec(mujoco.MjSpec.from_string(text))
     element = water.geom_element(model, "g", GeomCoefficients(drag=(0, 0, 0)))
     water.attach(model, [element])  # by default
     along, across, _ = model.body_mass[1] + np.array(element.added_mass)
@@ -222,7 +222,7 @@ def test_a_body_tumbles_by_default_as_kirchhoff_s_equations_say(shape: str, size
     text = body(shape, size, option='gravity="0 0 0" integrator="RK4" timestep="0.001"').replace(
         'timestep="0.002" ', ""
     )
-    model = water.compiled(mujoco.MjSpec.from_string(text))
+    model = water.compile_spec(mujoco.MjSpec.from_string(text))
     element = water.geom_element(model, "g", GeomCoefficients(drag=(0, 0, 0)))
     water.attach(model, [element], current=current)
     data = mujoco.MjData(model)
@@ -256,7 +256,7 @@ def test_a_body_tumbles_by_default_as_kirchhoff_s_equations_say(shape: str, size
 
 
 def test_kirchhoff_keeps_momentum():
-    model = water.compiled(
+    model = water.compile_spec(
         mujoco.MjSpec.from_string(
             body("ellipsoid", ".5 .1 .2", option='gravity="0 0 0" integrator="RK4"')
         )
@@ -292,7 +292,7 @@ def test_a_heavy_chain_rests_on_the_floor_with_its_weight_in_water(solver: str, 
     <body name="b0" pos="0 0 .2"><freejoint/><geom name="g0" type="box" size=".2 .05 .04" density="1500"/>
     <body name="b1" pos=".45 0 0"><joint axis="0 1 0" range="-20 20" pos="-.22 0 0" damping=".5"/>
     <geom name="g1" type="box" size=".2 .05 .04" density="1500"/></body></body></worldbody></mujoco>"""
-    model = water.compiled(mujoco.MjSpec.from_string(text))
+    model = water.compile_spec(mujoco.MjSpec.from_string(text))
     data = mujoco.MjData(model)
     coefficients = GeomCoefficients(drag=(1.0, 1.0, 1.0), rotational_drag=1.0)
     elements = [water.geom_element(model, f"g{i}", coefficients) for i in range(2)]
@@ -337,7 +337,7 @@ def test_a_closed_loop_moves_with_m_plus_a():
         "</mujoco>",
         '<equality><connect body1="b0" body2="b3" anchor="-.1 .1 0"/></equality></mujoco>',
     )
-    wet, dry = (water.compiled(mujoco.MjSpec.from_string(text)) for _ in range(2))
+    wet, dry = (water.compile_spec(mujoco.MjSpec.from_string(text)) for _ in range(2))
     elements = oracle.elements(4)
     water.attach(wet, elements, usual_speed=0.01)
     d, e = mujoco.MjData(wet), mujoco.MjData(dry)
@@ -371,7 +371,7 @@ def test_a_floating_body_settles_where_archimedes_says(shape: str, size: str, de
     text = body(shape, size, option=option, density=1000.0 * share)
     if shape == "cylinder":
         text = text.replace('name="g"', 'name="g" euler="0 90 0"')  # lying
-    model = water.compiled(mujoco.MjSpec.from_string(text))
+    model = water.compile_spec(mujoco.MjSpec.from_string(text))
     data = mujoco.MjData(model)
     element = water.geom_element(
         model,
@@ -399,7 +399,7 @@ def test_a_floating_body_settles_where_archimedes_says(shape: str, size: str, de
 @pytest.mark.parametrize("axis", [0, 1])
 def test_a_raft_floats_flat_again_after_a_heel(axis: int):
     text = body("box", ".3 .2 .03", option='gravity="0 0 -9.81"', density=500.0)
-    model = water.compiled(mujoco.MjSpec.from_string(text))
+    model = water.compile_spec(mujoco.MjSpec.from_string(text))
     data = mujoco.MjData(model)
     element = water.geom_element(
         model,
@@ -419,7 +419,7 @@ def test_a_raft_floats_flat_again_after_a_heel(axis: int):
 @pytest.mark.filterwarnings(STILL)
 def test_a_sinking_body_reaches_its_terminal_speed():
     text = body("sphere", ".1", option='gravity="0 0 -9.81"', density=2000.0)
-    model = water.compiled(mujoco.MjSpec.from_string(text))
+    model = water.compile_spec(mujoco.MjSpec.from_string(text))
     data = mujoco.MjData(model)
     element = water.geom_element(model, "g", GeomCoefficients(drag=(0.5, 0.5, 0.5), added_mass=1.0))
     water.attach(model, [element], usual_speed=3.0)
@@ -435,7 +435,7 @@ def test_a_sinking_body_reaches_its_terminal_speed():
 def test_implicit_drag_is_stable_at_any_step_and_right_at_small_ones():
     def fall(step: float, implicit: bool) -> float:
         text = body("sphere", ".1", option='gravity="0 0 -9.81"', density=1100.0)
-        model = water.compiled(mujoco.MjSpec.from_string(text))
+        model = water.compile_spec(mujoco.MjSpec.from_string(text))
         model.opt.timestep = step
         data = mujoco.MjData(model)
         element = Element(
@@ -458,7 +458,7 @@ def test_a_body_drifts_with_a_current_that_depends_on_place_and_time():
     def swirl(x, y, z, t):
         return 0.1 - y, x, 0.02 * t
 
-    model = water.compiled(mujoco.MjSpec.from_string(body("sphere", ".1")))
+    model = water.compile_spec(mujoco.MjSpec.from_string(body("sphere", ".1")))
     data = mujoco.MjData(model)
     data.qpos[:3] = 0.5, 0.2, 0.1
     element = Element(
@@ -569,7 +569,7 @@ def test_a_chain_in_waves_accelerates_as_the_oracle_says_with_derivatives_given_
 def test_a_sphere_in_water_that_goes_to_and_fro_moves_as_theory_says(density: float):
     """(m + m_A) dv/dt = (rho V + m_A) dV/dt; a neutral one moves with the water."""
     text = body("sphere", ".1", option='gravity="0 0 0" integrator="RK4"', density=density)
-    model = water.compiled(mujoco.MjSpec.from_string(text))
+    model = water.compile_spec(mujoco.MjSpec.from_string(text))
     element = water.geom_element(model, "g", GeomCoefficients(drag=(0, 0, 0)))
     water.attach(model, [element], current=to_and_fro)
     data = mujoco.MjData(model)
@@ -594,7 +594,7 @@ def test_water_that_accelerates_as_one_is_still_water_under_another_gravity():
     motions = []
     for current, gravity in ((gust, (0.0, 0.0, -9.81)), ((0.0, 0.0, 0.0), (-0.5, 0.3, -10.61))):
         text = oracle.snake(3, option='integrator="RK4"').replace("1000", "900")
-        model = water.compiled(mujoco.MjSpec.from_string(text))
+        model = water.compile_spec(mujoco.MjSpec.from_string(text))
         model.opt.gravity = gravity
         drags = GeomCoefficients(drag=(0.2, 1.0, 1.0), rotational_drag=1.0)
         water.attach(
@@ -618,7 +618,7 @@ def whirl(x, y, z, t):
 @pytest.mark.parametrize("size", [".1 .1 .1", ".05 .02 .03"])
 def test_a_neutral_body_goes_round_with_turning_water(size: str):
     text = body("ellipsoid", size, option='gravity="0 0 0" integrator="RK4"')
-    model = water.compiled(mujoco.MjSpec.from_string(text))
+    model = water.compile_spec(mujoco.MjSpec.from_string(text))
     element = water.geom_element(model, "g", GeomCoefficients(rotational_drag=1.0))
     water.attach(model, [element], current=whirl)
     data = mujoco.MjData(model)
@@ -652,7 +652,7 @@ def energy(model, data, elements) -> float:
 
 def dropped(text: str, seconds: float, start) -> tuple[np.ndarray, np.ndarray, tuple[Element, ...]]:
     """Heights of the root, and energies over what there was above the surface to begin with; every 10 ms."""
-    model = water.compiled(mujoco.MjSpec.from_string(text))
+    model = water.compile_spec(mujoco.MjSpec.from_string(text))
     data = mujoco.MjData(model)
     elements = tuple(
         water.geom_element(model, g, GeomCoefficients(drag=(0, 0, 0))) for g in range(model.ngeom)
@@ -806,7 +806,7 @@ def test_batches_and_threaded_rollouts_equal_a_loop_bit_for_bit():
 
 def test_a_model_with_gravity_disabled_has_no_buoyancy():
     option = 'gravity="0 0 -9.81"/><option><flag gravity="disable"/></option><option'
-    model = water.compiled(
+    model = water.compile_spec(
         mujoco.MjSpec.from_string(body("ellipsoid", ".3 .1 .1", option=option, density=900.0))
     )
     water.attach(model)
@@ -1079,7 +1079,7 @@ def test_a_model_that_keeps_its_diagonal_only_is_refused_with_the_remedy():
 
 def test_a_model_that_is_compiled_for_water_is_the_same_model():
     spec = mujoco.MjSpec.from_string(body("box", ".1 .2 .3", option='gravity="0 0 -9.81"'))
-    plain, full = spec.compile(), water.compiled(spec)
+    plain, full = spec.compile(), water.compile_spec(spec)
     np.testing.assert_array_equal(full.body_inertia, plain.body_inertia)
     states = []
     for model in (plain, full):
@@ -1115,7 +1115,7 @@ def test_a_geom_without_volume_is_refused_by_name():
 
 
 def test_a_step_too_large_for_the_drag_is_warned_of_and_does_diverge():
-    model = water.compiled(mujoco.MjSpec.from_string(body("sphere", ".1")))
+    model = water.compile_spec(mujoco.MjSpec.from_string(body("sphere", ".1")))
     element = Element(body="b", drag=(2000.0,) * 3, law=PolynomialDrag(reference_speed=1.0))
     with pytest.warns(
         UserWarning,
@@ -1144,7 +1144,7 @@ def test_buoyancy_without_a_free_joint_is_warned_of():
 
 
 def test_a_robot_that_will_turn_over_is_warned_of():
-    model = water.compiled(
+    model = water.compile_spec(
         mujoco.MjSpec.from_string(body("sphere", ".1", option='gravity="0 0 -9.81"'))
     )
     with pytest.warns(UserWarning, match="center of buoyancy. is 0.01 m below its center of mass"):

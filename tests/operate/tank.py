@@ -30,7 +30,7 @@ def swimming(
 
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.2, phase_shift=0.7)
     water = replace(lc.load_water("paper-lateral"), current=current)
-    body = lc.plant(lc.load_robot(robot), water, joints="servo")
+    body = lc.build_plant(lc.load_robot(robot), water, joints="servo")
     return lc.run(body, lc.OpenLoop(command=lc.Command(gait=gait)), duration, sample_interval=0.01)
 
 

@@ -85,7 +85,7 @@ def test_a_depth_is_steered_through_wires_and_cameras_and_stands_in_the_recordin
         tank=CaptureVolume(volume_x=(-3.0, 12.0), surface=0.0),
         calibration=Calibration(joint_zeros=True, still_time=0.5),
     )
-    plant = lc.plant(ROBOT, WATER, model="spatial", joints="servo")
+    plant = lc.build_plant(ROBOT, WATER, model="spatial", joints="servo")
     tank = Tank(VirtualRobot(ROBOT, plant, Start(depth=0.6)), LabSettings())
     operator, depths = Operator(operation=operation), []
 

@@ -28,7 +28,7 @@ from laticauda.operate.loop import TankDevices, TankTime, run_loop
 from laticauda.operate.recording.log import OperationRecorder, Sink, read_operation
 from laticauda.operate.recording.to_trial import trial_of
 from laticauda.operate.series import run_series
-from laticauda.operate.session import header_of, operate, result_of, table
+from laticauda.operate.session import format_summary, header_of, operate, result_of
 from laticauda.operate.settings import (
     Acceptance,
     Calibration,
@@ -77,7 +77,7 @@ def operation(**changes) -> Operation:
 
 def tank(*faults: Fault, current: Current = (0.0, 0.0), **nodes: float) -> Tank:
     robot, water = lc.load_robot("mamba"), replace(lc.load_water("paper-lateral"), current=current)
-    world = VirtualRobot(robot, lc.plant(robot, water, joints="servo"))
+    world = VirtualRobot(robot, lc.build_plant(robot, water, joints="servo"))
     usual = NodeSettings(startup_time=0.2, calibration_time=0.2)
     return Tank(world, LabSettings(seed=1, nodes=replace(usual, **nodes)), faults)
 
@@ -126,7 +126,7 @@ def test_an_operation_over_wires_ends_as_a_trial_with_both_powers(tmp_path: Path
     assert summary["idle_current"] == pytest.approx(1.18, abs=0.05)
     assert summary["timing"]["ticks"] > 50
     assert read_operation(tmp_path / "session.mcap").timing.summary() == result.timing.summary()
-    assert "forward velocity (5)" in table(summary)
+    assert "forward velocity (5)" in format_summary(summary)
     assert {thread.name for thread in threading.enumerate() if thread not in threads} == set()
 
 
@@ -302,7 +302,7 @@ def test_what_is_learnt_meanwhile_is_shown_recorded_and_learnt_again_from_the_re
     tmp_path: Path, capsys
 ):
     what = operation(**LEARNING)
-    model = lc.plant(what.body(), what.pool(), joints="servo")
+    model = lc.build_plant(what.body(), what.pool(), joints="servo")
     result = operate(what, tmp_path, tank=tank(current=(0.007, 0.0)), twin=model, show=print_events)
     assert result.accepted, result.reason
     log = read_operation(tmp_path / "session.mcap")
@@ -315,9 +315,9 @@ def test_what_is_learnt_meanwhile_is_shown_recorded_and_learnt_again_from_the_re
     assert last.value["current_x"] == pytest.approx(0.007, abs=0.006)
     assert last.value["normal_drag"] == pytest.approx(what.pool().normal_drag, rel=0.2)
     assert last.deviation["normal_drag"] < 0.15 * last.value["normal_drag"]
-    assert rerun_learner(log, lc.plant) == found
+    assert rerun_learner(log, lc.build_plant) == found
     assert capsys.readouterr().err.count("learned       normal drag") == len(found)
-    assert f"  learned: {last.line}" in table(result.summary())
+    assert f"  learned: {last.line}" in format_summary(result.summary())
     assert lc.load_trial(tmp_path / "session.nc").settings["learned"] == last.line
 
 
@@ -423,7 +423,8 @@ def test_a_servo_that_stalls_while_the_robot_straightens_out_of_a_hard_turn_is_n
     turning = operation(robot="mamba-fin", gait=gait, following=None, duration=5.0, limits=Limits())
     robot = turning.body()
     swum = Tank(
-        VirtualRobot(robot, lc.plant(robot, turning.pool(), joints="servo")), LabSettings(seed=1)
+        VirtualRobot(robot, lc.build_plant(robot, turning.pool(), joints="servo")),
+        LabSettings(seed=1),
     )
     stalled, longest = np.zeros(8), 0.0
 
@@ -454,7 +455,7 @@ def test_a_fault_after_the_run_takes_nothing_from_it_and_is_said():
         result.aftermath
         == "After the run, a module is too hot. Check the robot, then start with `--clear`."
     )
-    assert result.aftermath in table(result.summary())
+    assert result.aftermath in format_summary(result.summary())
 
 
 class Jumping(Tank):
@@ -480,7 +481,9 @@ class Jumping(Tank):
 
 def jumping(at: float, by: float, dark: float) -> Jumping:
     robot = lc.load_robot("mamba")
-    world = VirtualRobot(robot, lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"))
+    world = VirtualRobot(
+        robot, lc.build_plant(robot, lc.load_water("paper-lateral"), joints="servo")
+    )
     swum = Jumping(
         world, LabSettings(seed=1, nodes=NodeSettings(startup_time=0.2, calibration_time=0.2))
     )
@@ -515,7 +518,7 @@ def test_cameras_that_stand_still_in_a_run_are_bridged_or_stop_it(dark: float, s
 def test_a_twin_of_the_robot_says_where_it_is_in_the_tank(tmp_path: Path):
     plain = operation(duration=4.0, limits=USUAL)
     swum = tank()
-    twin = lc.plant(plain.body(), plain.pool(), joints="servo")
+    twin = lc.build_plant(plain.body(), plain.pool(), joints="servo")
     result = operate(plain, tmp_path, tank=swum, twin=twin, frames=False)
     assert result.accepted, result.reason
     assert result.trial is not None
@@ -531,7 +534,7 @@ def test_a_driven_fin_swims_in_the_tank_and_follows_its_wave(tmp_path: Path):
     text = 'kind = "robot"\nextends = "mamba-fin"\nname = "driven"\n[caudal_fin.joint]\nlimit_deg = 90\n'
     (tmp_path / "driven.toml").write_text(text)
     robot = lc.load_robot(tmp_path / "driven.toml")
-    body = lc.plant(robot, lc.load_water("paper-lateral"), joints="servo")
+    body = lc.build_plant(robot, lc.load_water("paper-lateral"), joints="servo")
     settings = LabSettings(seed=1, nodes=NodeSettings(startup_time=0.2, calibration_time=0.2))
     tank_ = Tank(VirtualRobot(robot, body), settings)
     assert [node.number for node in tank_.nodes] == list(range(1, 10))
@@ -543,7 +546,7 @@ def test_a_driven_fin_swims_in_the_tank_and_follows_its_wave(tmp_path: Path):
         duration=8.0,
         ramp=1.0,
     )
-    twin = lc.plant(robot, lc.load_water("paper-lateral"), joints="servo")
+    twin = lc.build_plant(robot, lc.load_water("paper-lateral"), joints="servo")
     result = operate(what, tmp_path, tank=tank_, twin=twin)
     assert result.accepted, result.reason
     trial, truth = result.trial, tank_.body.trial("0")

@@ -20,8 +20,8 @@ from laticauda.operate.terminal import (
     Dashboard,
     Keys,
     Terminal,
-    picture,
     print_events,
+    render_dashboard,
 )
 
 termios = pytest.importorskip("termios", reason="terminals are of Unix")
@@ -109,7 +109,7 @@ WHAT = Operation(
 
 def text_of(run) -> str:
     console = Console(record=True, width=110, file=io.StringIO())
-    console.print(picture(WHAT, run.state, tuple(run.events[-4:])))
+    console.print(render_dashboard(WHAT, run.state, tuple(run.events[-4:])))
     return console.export_text()
 
 

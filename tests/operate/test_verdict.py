@@ -26,7 +26,7 @@ ROBOT, WATER = lc.load_robot("mamba"), lc.load_water("paper-lateral")
 GAIT = lc.lateral_undulation(
     amplitude=math.radians(30), frequency=math.radians(120), phase_shift=math.radians(40)
 )
-PLANT = lc.plant(ROBOT, WATER, joints="servo")
+PLANT = lc.build_plant(ROBOT, WATER, joints="servo")
 CYCLES = 8
 STEP = 0.02  # s
 BEFORE = 3.0  # s
@@ -350,11 +350,11 @@ def test_a_recording_without_a_verdict_gets_one_by_the_usual_limits_and_one_that
     truth,
 ):
     log = log_of(truth)
-    assert spoken(log, lc.plant)["accepted"]
+    assert spoken(log, lc.build_plant)["accepted"]
     said = {"accepted": False, "checks": [], "lines": ["WRONG"]}
     told = Event(time=99.0, kind="verdict", message="", data=said)
     later = replace(told, data=said | {"accepted": True})
-    assert spoken(replace(log, entries=(*log.entries, told, later)), lc.plant) == said
+    assert spoken(replace(log, entries=(*log.entries, told, later)), lc.build_plant) == said
 
 
 def test_the_first_check_that_is_wrong_is_the_reason():
@@ -395,7 +395,7 @@ NEEDS_A_MODEL = {
     "plant",
     [
         Diverging(robot=PLANT.robot, environment=PLANT.environment, settings=PLANT.settings),
-        lc.plant(
+        lc.build_plant(
             lc.load_robot("mamba-modules").planar(), WATER, joints="servo"
         ),  # another number of joints
     ],

@@ -8,8 +8,8 @@ import pytest
 from campaign_scripts import campaign
 
 from laticauda.paper import Claim, fin_gains, path_following_trials, run_side_trials
-from laticauda.paper.claims import Verdict, claims, judge, misprints, quantities
-from laticauda.paper.claims.judge import percent, spread, verdict
+from laticauda.paper.claims import Verdict, judge, load_claims, misprints, quantities
+from laticauda.paper.claims.judge import format_spread, percent, verdict
 from laticauda.paper.measured import printed_changes
 from laticauda.trial import Trial
 
@@ -23,7 +23,7 @@ def side():
 
 @pytest.fixture(scope="module")
 def found(study, following, side) -> dict[str, Claim]:
-    return by_key(claims(study, following, side))
+    return by_key(load_claims(study, following, side))
 
 
 def by_key(judged) -> dict[str, Claim]:
@@ -53,11 +53,11 @@ def test_all_parts_must_be_met():
 def test_numbers_read_well():
     assert percent(-3.7) == "\N{MINUS SIGN}4 %"
     assert percent(-0.2) == "0 %"
-    assert spread([3.0, -1.0, 2.0]) == "\N{MINUS SIGN}1 to +3 %"
+    assert format_spread([3.0, -1.0, 2.0]) == "\N{MINUS SIGN}1 to +3 %"
 
 
 def test_every_claim_says_where_what_and_by_which_rule(found):
-    assert len(found) == len(claims()) >= 30
+    assert len(found) == len(load_claims()) >= 30
     for claim in found.values():
         assert claim.verdict in get_args(Verdict)
         assert claim.where and claim.theme
@@ -67,7 +67,7 @@ def test_every_claim_says_where_what_and_by_which_rule(found):
 
 
 def test_without_studies_what_needs_one_is_not_tested_and_says_which():
-    judged = by_key(claims())
+    judged = by_key(load_claims())
     assert judged["fin-speed-eel"].found == "Not run: the efficiency study."
     assert judged["phase-optimum"].found == "Not run: the efficiency study, the side trials."
     assert judged["path-converges"].found == "Not run: the path-following study."
@@ -82,7 +82,7 @@ def test_that_both_models_agree_is_judged_by_the_answer_of_its_campaign():
     finest = [one.path for one in campaign("parity").stored() if one.dt == quantities.MODELS["dt"]]
     assert len(finest) == 15
     assert max(finest) == pytest.approx(quantities.MODELS["path"], rel=0.03)
-    judged = by_key(claims())["same-as-vortex"]
+    judged = by_key(load_claims())["same-as-vortex"]
     assert judged.verdict == "holds"
     assert "differ by 0.002 % of the distance or less at a step of 0.5 ms" in judged.found
 
@@ -91,7 +91,7 @@ def test_claims_about_simulations_say_which_joints(study, following, side, found
     alone = ("fin-little-power", "fin-length", "repeatable", "eel-drag", "same-as-vortex")
     for claim in found.values():
         assert ("prescribed joints" in claim.found) == (claim.key not in alone)
-    other = claims(replace(study, how={**study.how, "joints": "servo"}))
+    other = load_claims(replace(study, how={**study.how, "joints": "servo"}))
     assert "servo joints" in by_key(other)["accurate"].found
 
 
@@ -99,8 +99,8 @@ def test_claims_about_simulations_say_which_joints(study, following, side, found
 
 
 def test_a_robot_that_swims_as_simulated_agrees_and_one_twice_as_fast_does_not(study):
-    same = by_key(claims(with_speeds(study, lambda case: case.forward_velocity[0])))
-    twice = by_key(claims(with_speeds(study, lambda case: 2.0 * case.forward_velocity[0])))
+    same = by_key(load_claims(with_speeds(study, lambda case: case.forward_velocity[0])))
+    twice = by_key(load_claims(with_speeds(study, lambda case: 2.0 * case.forward_velocity[0])))
     for key in ("agreement-lateral", "agreement-lateral-fin", "agreement-eel", "accurate"):
         assert same[key].verdict == "holds"
         assert twice[key].verdict == "does not hold"
@@ -109,7 +109,7 @@ def test_a_robot_that_swims_as_simulated_agrees_and_one_twice_as_fast_does_not(s
 
 def test_a_robot_that_swims_as_the_vortex_coefficients_say_is_closer_to_them(study):
     swum = with_speeds(study, lambda case: case.forward_velocity[1])
-    assert by_key(claims(swum))["vortex-closer"].verdict == "holds"
+    assert by_key(load_claims(swum))["vortex-closer"].verdict == "holds"
 
     def with_own(case):
         return replace(
@@ -127,15 +127,15 @@ def test_a_robot_that_swims_as_the_vortex_coefficients_say_is_closer_to_them(stu
     three = replace(
         swum, settings=settings, cases=tuple(map(with_own, swum.cases)), sweeps=tuple(curves)
     )
-    assert by_key(claims(three))["vortex-closer"] == by_key(claims(swum))["vortex-closer"]
-    assert ", mine: mean absolute error" in by_key(claims(three))["accurate"].found
+    assert by_key(load_claims(three))["vortex-closer"] == by_key(load_claims(swum))["vortex-closer"]
+    assert ", mine: mean absolute error" in by_key(load_claims(three))["accurate"].found
     only = replace(study, settings=replace(settings, models=(own, study.settings.models[1])))
-    assert by_key(claims(only))["vortex-closer"].verdict == "not tested here"
+    assert by_key(load_claims(only))["vortex-closer"].verdict == "not tested here"
 
 
 def test_a_fin_that_doubled_every_speed_would_nearly_double_it(study):
     doubled = with_speeds(study, lambda case: 0.2 if case.group.has_fin else 0.1)
-    text = by_key(claims(doubled))["fin-nearly-double"].found
+    text = by_key(load_claims(doubled))["fin-nearly-double"].found
     assert "Table 1: +100 to +100 %, median +100 %, 11 of 11 reach +90 %" in text
 
 
@@ -149,7 +149,7 @@ def test_runs_that_end_off_the_path_have_not_converged(following):
         }
         return replace(case, run=replace(case.run, figures=figures, last_third_rms=0.5))
 
-    judged = by_key(claims(replace(following, cases=tuple(map(lost, following.cases)))))
+    judged = by_key(load_claims(replace(following, cases=tuple(map(lost, following.cases)))))
     assert judged["path-converges"].verdict == "does not hold"
     assert judged["path-same-controller"].verdict == "does not hold"
     assert judged["path-about-zero"].verdict == "does not hold"
@@ -173,7 +173,9 @@ def test_a_claim_about_path_following_says_in_how_many_ways_it_holds(following):
         return replace(case, run=kept, band=(lost, *(kept,) * (len(case.band) - 1)))
 
     n = len(following.cases[0].band)
-    judged = by_key(claims(replace(following, cases=tuple(map(first_way_lost, following.cases)))))
+    judged = by_key(
+        load_claims(replace(following, cases=tuple(map(first_way_lost, following.cases))))
+    )
     for key in ("path-converges", "path-same-controller", "path-about-zero"):
         assert judged[key].verdict == "holds"
         assert judged[key].found.endswith(
@@ -183,7 +185,7 @@ def test_a_claim_about_path_following_says_in_how_many_ways_it_holds(following):
     alone = [replace(case, band=case.band[:1]) for case in following.cases]
     assert (
         "ways to run"
-        not in by_key(claims(replace(following, cases=tuple(alone))))["path-converges"].found
+        not in by_key(load_claims(replace(following, cases=tuple(alone))))["path-converges"].found
     )
 
 
@@ -199,7 +201,7 @@ def test_a_limit_cycle_does_not_pass_as_following_the_path(following):
         came = {**case.run.figures, "convergence_time": 5.0, "convergence_distance": 0.5}
         return replace(case, run=replace(case.run, figures=came, last_third_rms=0.3))
 
-    judged = by_key(claims(replace(following, cases=tuple(map(swaying, following.cases)))))
+    judged = by_key(load_claims(replace(following, cases=tuple(map(swaying, following.cases)))))
     assert judged["path-converges"].verdict == "holds in part"
 
 
@@ -210,7 +212,7 @@ def test_the_fin_brings_the_robot_to_the_path_sooner_if_it_does(following):
 
     def with_times(bare, fin):
         cases = tuple(within(case, fin if case.group.has_fin else bare) for case in following.cases)
-        return by_key(claims(replace(following, cases=cases)))["path-faster-with-fin"]
+        return by_key(load_claims(replace(following, cases=cases)))["path-faster-with-fin"]
 
     assert with_times(2.0, 1.0).verdict == "holds"
     assert with_times(1.0, 2.0).verdict == "does not hold"
@@ -235,7 +237,7 @@ def test_what_more_links_bring_is_judged_at_the_same_gait_parameters(side):
         changed = [
             grown(one, speed, power) if one.kept == "phase shift" else one for one in side.doublings
         ]
-        return by_key(claims(replace(side, doublings=tuple(changed))))
+        return by_key(load_claims(replace(side, doublings=tuple(changed))))
 
     assert with_links(1.1, 10.0)["links-speed"].verdict == "holds"
     assert with_links(1.1, 10.0)["links-power"].verdict == "holds"
@@ -257,7 +259,7 @@ def test_the_printed_gains_follow_from_table_1(found, study):
     )
     known = [gain for gain in fin_gains(study.cases) if gain.measured.velocity is not None]
     simulated = [gain.simulated(lambda case: case.forward_velocity[0]) for gain in known]
-    assert f"{spread(simulated)}, median" in found["fin-nearly-double"].found
+    assert f"{format_spread(simulated)}, median" in found["fin-nearly-double"].found
 
 
 def test_one_row_of_table_1_and_four_of_table_2_exceed_88_percent(found):

@@ -24,7 +24,7 @@ from laticauda.paper.figures import (
     following_speeds,
     following_speeds_sheet,
 )
-from laticauda.paper.measured import table1
+from laticauda.paper.measured import read_table1
 from laticauda.paper.path_following import FollowingCase
 from laticauda.paper.settings import Group
 
@@ -35,7 +35,7 @@ def panel(velocity=(0.1, np.nan), power=(90.0, 95.0)) -> Panel:
     )
     rows = [
         replace(row, starred=star)
-        for row, star in zip(table1()[:2], ("amplitude", None), strict=True)
+        for row, star in zip(read_table1()[:2], ("amplitude", None), strict=True)
     ]
     return Panel(
         sweep=sweep,

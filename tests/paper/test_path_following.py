@@ -34,7 +34,7 @@ def test_every_case_starts_where_table_2_says_straight_and_at_rest(following):
 
 def test_a_case_is_what_run_gives_with_the_same_settings(following):
     case = following.cases[3]
-    plant = lc.plant(lc.load_robot("mamba-fin"), lc.load_water("paper-lateral"))
+    plant = lc.build_plant(lc.load_robot("mamba-fin"), lc.load_water("paper-lateral"))
     controller = lc.PathFollowing(
         gait=case.measured.gait,
         path=lc.StraightLine(),
@@ -46,7 +46,7 @@ def test_a_case_is_what_run_gives_with_the_same_settings(following):
     assert np.array_equal(trial.center_of_mass, case.trial.center_of_mass)
     assert case.run.forward_velocity == trial.forward_velocity
     assert case.run.mechanical_power == trial.mechanical_power
-    assert case.run.figures == figures.summary(trial)
+    assert case.run.figures == figures.summarize_following(trial)
     assert case.run.joules_per_meter == pytest.approx(trial.joules_per_meter)
 
 

@@ -3,15 +3,15 @@ from dataclasses import replace
 
 from paper.reading import cells, said
 
-from laticauda.paper.claims import claims, misprints
+from laticauda.paper.claims import load_claims, misprints
 from laticauda.paper.report.reproduce import VERDICTS, claims_chapter, own_verdicts, summary_chapter
-from laticauda.paper.scores import scores
+from laticauda.paper.scores import score_study
 
 CURVES = ("forward_velocity", "mechanical_power", "steady_velocity")
 
 
 def test_the_tables_hold_every_claim_and_every_misprint(study):
-    found = claims(study)
+    found = load_claims(study)
     chapter = claims_chapter(found)
     rows = cells(chapter, "claims")
     assert [row["verdict"] for row in rows] == [claim.verdict for claim in found]
@@ -23,7 +23,7 @@ def test_the_tables_hold_every_claim_and_every_misprint(study):
 
 
 def test_the_chapter_counts_the_verdicts(study):
-    found = claims(study)
+    found = load_claims(study)
     text = said(claims_chapter(found))
     assert text.startswith(f"{len(found)} statements")
     for verdict in {claim.verdict for claim in found}:
@@ -32,7 +32,7 @@ def test_the_chapter_counts_the_verdicts(study):
 
 
 def test_every_row_is_marked_by_its_verdict_and_each_verdict_can_be_shown_alone(study):
-    found = claims(study)
+    found = load_claims(study)
     html = claims_chapter(found).html({})
     assert re.findall(r'<tr data-mark="([^"]*)">', html) == [claim.verdict for claim in found]
     shown = re.findall(r'<input type="radio" name="verdict" value="([^"]*)"', html)
@@ -40,7 +40,7 @@ def test_every_row_is_marked_by_its_verdict_and_each_verdict_can_be_shown_alone(
 
 
 def test_the_first_screen_says_the_errors_beside_those_of_a_model_without_physics(study, following):
-    judged = claims(study, following)
+    judged = load_claims(study, following)
     chapter = summary_chapter({"efficiency": study, "path_following": following}, judged)
     ((name, caption, figure),) = chapter.figures()
     assert name == "speeds"
@@ -48,9 +48,10 @@ def test_the_first_screen_says_the_errors_beside_those_of_a_model_without_physic
     assert shown == [len(study.measured), len(following.cases)]
     text = said(chapter, {name: (caption, b"")})
     for table, done in (("Table 1", study), ("Table 2", following)):
-        first = scores(done)[0]
+        first = score_study(done)[0]
         null = min(
-            (one for one in scores(done) if one.n_fitted is not None), key=lambda one: one.overall
+            (one for one in score_study(done) if one.n_fitted is not None),
+            key=lambda one: one.overall,
         )
         assert f"{table}: {first.name} misses the measured speeds by {first.overall:.1f} %" in text
         assert (
@@ -71,16 +72,16 @@ def test_the_first_screen_says_whether_the_simulation_beats_the_model_without_ph
 
 
 def test_long_texts_break_into_lines_on_the_page_and_verdicts_do_not(study):
-    html = claims_chapter(claims(study)).html({})
+    html = claims_chapter(load_claims(study)).html({})
     assert '<td class="w">At the same setting' in html
     assert "<td>holds in part</td>" in html
 
 
 def test_each_of_our_own_models_has_a_column_of_verdicts_and_the_last_is_the_papers(beside):
     results = {"efficiency": beside[0], "path_following": beside[1]}
-    found, own = claims(*beside), own_verdicts(results)
+    found, own = load_claims(*beside), own_verdicts(results)
     assert list(own) == ["mamba-identified"]
-    assert own["mamba-identified"] == claims(replace(beside[0], judged=1), *beside[1].own)
+    assert own["mamba-identified"] == load_claims(replace(beside[0], judged=1), *beside[1].own)
     rows = cells(claims_chapter(found, own), "claims")
     assert [*rows[0]][-2:] == ["with mamba-identified", "verdict"]
     assert [row["verdict"] for row in rows] == [claim.verdict for claim in found]
@@ -98,12 +99,12 @@ def test_each_of_our_own_models_has_a_column_of_verdicts_and_the_last_is_the_pap
         ),
         cases=tuple(replace(one, **part) for one, part in zip(beside[0].cases, cases, strict=True)),
     )
-    judged = claims(replace(beside[0], judged=1))
-    assert [claim.verdict for claim in claims(first)] == [claim.verdict for claim in judged]
+    judged = load_claims(replace(beside[0], judged=1))
+    assert [claim.verdict for claim in load_claims(first)] == [claim.verdict for claim in judged]
 
 
 def test_the_first_screen_names_our_own_models_apart_from_those_without_physics(beside):
     results = {"efficiency": beside[0], "path_following": beside[1]}
-    text = said(summary_chapter(results, claims(*beside)))
+    text = said(summary_chapter(results, load_claims(*beside)))
     assert "Our own models, two numbers fitted to Table 1: mamba-identified 5.0 %." in text
     assert "a model that knows no physics (constant per group" in text

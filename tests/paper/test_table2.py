@@ -3,9 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from laticauda.paper import fin_gains, meter_costs, null_predictions, simulated
+from laticauda.paper import fin_gains, meter_costs, null_predictions, score_simulations
 from laticauda.paper.claims.quantities import band_gains
-from laticauda.paper.scores import scores
+from laticauda.paper.scores import score_study
 
 
 def test_a_study_that_meets_every_measurement_has_no_error(following):
@@ -14,26 +14,26 @@ def test_a_study_that_meets_every_measurement_has_no_error(following):
         for case in following.cases
     )
     perfect = replace(following, cases=cases)
-    assert simulated(perfect)[0].overall == 0.0
-    assert simulated(perfect)[0].by_group == (0.0,) * 4
+    assert score_simulations(perfect)[0].overall == 0.0
+    assert score_simulations(perfect)[0].by_group == (0.0,) * 4
 
 
 def test_the_overall_error_is_the_mean_of_those_of_the_groups(following):
-    for score in scores(following):
+    for score in score_study(following):
         assert score.overall == pytest.approx(np.mean(score.by_group))
         assert len(score.speeds) == 12
 
 
 def test_every_way_is_there_once_and_the_chosen_one_comes_first(following):
-    assert [score.name for score in simulated(following)] == [
+    assert [score.name for score in score_simulations(following)] == [
         "prescribed joints, 10 rad/s, delay 0 s, raw heading",
         "prescribed joints, 4 rad/s, delay 0 s, raw heading",
         "prescribed joints, 10 rad/s, delay 0 s, cycle-mean heading",
     ]
-    assert simulated(following)[0].speeds == tuple(
+    assert score_simulations(following)[0].speeds == tuple(
         case.run.forward_velocity for case in following.cases
     )
-    assert all(score.n_fitted is None for score in simulated(following))
+    assert all(score.n_fitted is None for score in score_simulations(following))
 
 
 def test_a_stride_from_table_1_predicts_table_2_to_11_percent_with_4_numbers(following):

@@ -19,7 +19,7 @@ from laticauda.pictures.camera import VIEW_DEG, Film, calm, view
 from laticauda.pictures.render import write_words
 from laticauda.pictures.replay import posture_at, studio_of
 from laticauda.pictures.stage import Studio, posture_of
-from laticauda.pictures.surroundings import SUN, casters, draw_shadows
+from laticauda.pictures.surroundings import SUN, draw_shadows, shadow_casters
 from laticauda.scenarios import Experiment
 from laticauda.spatial.scene import Shore
 
@@ -238,7 +238,7 @@ def test_a_shadow_lies_on_the_ground_where_the_sun_puts_it(trial, place):
     if place == "shore":
         studio.data.qpos[:3] += (3.5, 0.0, 1.5)  # over the slope
         mujoco.mj_kinematics(studio.model, studio.data)
-    scene, found = mujoco.MjvScene(studio.model, 500), casters(studio.model)
+    scene, found = mujoco.MjvScene(studio.model, 500), shadow_casters(studio.model)
     draw_shadows(scene, studio.model, studio.data, found)
     assert scene.ngeom == found.size > trial.robot.n_links
     ramp = studio.model.geom("ramp" if place == "shore" else "floor").id
@@ -267,7 +267,9 @@ def test_the_surface_is_shown_to_those_who_swim_near_it_and_the_air_over_it_is_b
             for geom in map(studio_of(shown).model.geom, range(studio_of(shown).model.ngeom))
         ]
         assert ("surface" in names) is (depth < 0.1)
-        render.still(shown, tmp_path / "a.png", Film(size=(320, 180), camera="side"), time=3.0)
+        render.write_still(
+            shown, tmp_path / "a.png", Film(size=(320, 180), camera="side"), time=3.0
+        )
         pictures.append(np.asarray(Image.open(tmp_path / "a.png")).astype(int))
     near, deep = pictures
     assert near[40:60].mean() > 150 > 80 > deep[40:60].mean()
@@ -298,7 +300,7 @@ def test_the_path_that_was_followed_is_seen_as_dashes():
         heading=lc.HeadingController(gain=0.4, max_offset=0.3),
     )
     followed = lc.run(
-        lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral")), controller, 15.0
+        lc.build_plant(lc.load_robot("mamba"), lc.load_water("paper-lateral")), controller, 15.0
     )
     dashes, dash = replay.path_dashes(followed, -1.0), replay.DASH * followed.robot.length
     ends = np.array(dashes).reshape(-1, 3)
@@ -317,7 +319,7 @@ def test_a_run_without_a_path_has_none(trial):
 def test_the_trail_keeps_its_corners_where_they_were(trial):
     early, late = replay.trail_points(trial, 3.03, -1.0), replay.trail_points(trial, 5.98, -1.0)
     np.testing.assert_array_equal(early[:-1], late[: len(early) - 1])
-    np.testing.assert_allclose(late[-1], [*replay.centers(trial, [5.98])[0], -1.0])
+    np.testing.assert_allclose(late[-1], [*replay.interpolate_centers(trial, [5.98])[0], -1.0])
 
 
 # ---- pictures ------------------------------------------------------------------------------------
@@ -334,7 +336,7 @@ def test_words_stand_on_the_picture_and_elsewhere_it_stays_what_it_was():
 
 
 def test_a_still_shows_the_robot_its_head_and_the_water(trial, tmp_path, screen):
-    render.still(trial, tmp_path / "still.png", film=Film(size=(640, 360)), time=3.0)
+    render.write_still(trial, tmp_path / "still.png", film=Film(size=(640, 360)), time=3.0)
     picture = np.asarray(Image.open(tmp_path / "still.png")).astype(int)
     assert picture.shape == (360, 640, 3)
     red, green, blue = np.moveaxis(picture, 2, 0)
@@ -348,7 +350,7 @@ def test_a_still_shows_the_robot_its_head_and_the_water(trial, tmp_path, screen)
 
 def test_the_same_moment_is_the_same_picture_and_another_is_not(trial, tmp_path, screen):
     for name, time in (("a", 2.0), ("b", 2.0), ("c", 2.5)):
-        render.still(trial, tmp_path / f"{name}.png", film=SMALL, time=time)
+        render.write_still(trial, tmp_path / f"{name}.png", film=SMALL, time=time)
     a, b, c = ((tmp_path / f"{name}.png").read_bytes() for name in "abc")
     assert a == b != c
 
@@ -361,7 +363,7 @@ def test_a_trial_of_one_sample_can_be_shown(trial, tmp_path, screen):
     }
     one = replace(trial, **series, state={})
     assert one.time.size == one.link_angle.shape[0] == 1
-    render.still(one, tmp_path / "one.png", SMALL)
+    render.write_still(one, tmp_path / "one.png", SMALL)
 
 
 def test_the_speed_in_the_picture_is_the_trials():
@@ -371,9 +373,12 @@ def test_the_speed_in_the_picture_is_the_trials():
 
 
 def test_the_words_say_who_swims_and_how(trial):
-    assert render.words(trial) == ["mamba-fin", "lateral undulation, 30°, 130°/s, phase shift 40°"]
-    assert render.words(trial, 2.0)[0] == "mamba-fin  (shown at 2 times its speed)"
-    assert render.words(without_gait(trial)) == ["mamba-fin"]
+    assert render.describe_run(trial) == [
+        "mamba-fin",
+        "lateral undulation, 30°, 130°/s, phase shift 40°",
+    ]
+    assert render.describe_run(trial, 2.0)[0] == "mamba-fin  (shown at 2 times its speed)"
+    assert render.describe_run(without_gait(trial)) == ["mamba-fin"]
 
 
 # ---- films ---------------------------------------------------------------------------------------
@@ -382,7 +387,7 @@ def test_the_words_say_who_swims_and_how(trial):
 def test_a_film_has_the_trials_length_and_a_format_that_every_player_plays(trial, tmp_path, screen):
     seen = []
     slow = replace(SMALL, frames_per_second=5.0)
-    render.video(trial, tmp_path / "film.mp4", slow, speed=2.0, progress=seen.append)
+    render.render_film(trial, tmp_path / "film.mp4", slow, speed=2.0, progress=seen.append)
     words = ["ffmpeg", "-i", str(tmp_path / "film.mp4"), "-f", "null", "-"]
     said = subprocess.run(words, capture_output=True, text=True, check=True).stderr
     assert "h264" in said and "yuv420p" in said and "192x108" in said and "5 fps" in said
@@ -412,15 +417,15 @@ def test_what_ffmpeg_complains_about_is_passed_on(tmp_path, screen):
 
 def test_bad_sizes_and_speeds_are_refused(trial, tmp_path):
     with pytest.raises(ValueError, match=r"`size` must be even for a video, got \(101, 64\)\."):
-        render.video(trial, tmp_path / "a.mp4", Film(size=(101, 64)))
+        render.render_film(trial, tmp_path / "a.mp4", Film(size=(101, 64)))
     with pytest.raises(ValueError, match=r"`size\[1\]` must be between 64 and 4096, got 5000\."):
         Film(size=(640, 5000))
     with pytest.raises(ValueError, match=r"`end` must be between 2 and 6 s, got 1"):
-        render.video(trial, tmp_path / "a.mp4", Film(begin=2.0, end=1.0))
+        render.render_film(trial, tmp_path / "a.mp4", Film(begin=2.0, end=1.0))
     with pytest.raises(ValueError, match=r"`speed` must be > 0, got 0"):
-        render.video(trial, tmp_path / "a.mp4", speed=0)
+        render.render_film(trial, tmp_path / "a.mp4", speed=0)
     with pytest.raises(ValueError, match=r"`time` must be between 0 and 6 s, got 7"):
-        render.still(trial, tmp_path / "a.png", time=7)
+        render.write_still(trial, tmp_path / "a.png", time=7)
 
 
 # ---- what is missing -----------------------------------------------------------------------------
@@ -432,7 +437,7 @@ def test_without_ffmpeg_the_message_says_what_to_install(trial, tmp_path, monkey
         MissingProgram,
         match=r"Writing a video needs the program ffmpeg; .*`apt-get install ffmpeg`",
     ):
-        render.video(trial, tmp_path / "a.mp4")
+        render.render_film(trial, tmp_path / "a.mp4")
 
 
 @pytest.mark.parametrize(
@@ -446,7 +451,7 @@ def test_without_egl_the_message_says_what_to_install(trial, tmp_path, monkeypat
     with pytest.raises(
         MissingProgram, match=r"Rendering without a screen needs EGL .*apt-get install libegl1 "
     ):
-        render.still(trial, tmp_path / "a.png")
+        render.write_still(trial, tmp_path / "a.png")
 
 
 def test_without_pyopengl_the_extra_is_named(trial, tmp_path, monkeypatch):
@@ -454,7 +459,7 @@ def test_without_pyopengl_the_extra_is_named(trial, tmp_path, monkeypatch):
     with pytest.raises(
         MissingExtra, match=r'Rendering needs PyOpenGL; run `pip install "laticauda\[spatial\]"`'
     ):
-        render.still(trial, tmp_path / "a.png")
+        render.write_still(trial, tmp_path / "a.png")
 
 
 def test_rendering_is_loaded_only_when_it_is_used():
@@ -480,10 +485,10 @@ def test_a_spatial_run_says_how_it_was_turned_and_is_shown_so():
 @pytest.mark.parametrize("model", ["planar", "spatial"])
 def test_a_state_of_a_plant_is_a_picture_without_a_trial(screen, model):
     """As environments show themselves; it is the posture that the log of the same run has there."""
-    scenario = lc.scenario(
+    scenario = lc.build_scenario(
         "mamba-modules-fin", lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7), model=model
     )
-    plant = lc.plant(scenario)
+    plant = lc.build_plant(scenario)
     command = lc.Command(gait=scenario.gait)
     state, log, _ = plant.march(plant.init(scenario.start, command), command, 1.0, 0.1)
     posture = posture_of(plant, state)

@@ -13,7 +13,7 @@ import laticauda as lc
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.hydrodynamics import bending_frequencies
 from laticauda.planar import rows
-from laticauda.planar.layout import layout
+from laticauda.planar.layout import build_layout
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import CaudalFin, Joint, Module, Robot, Section, load_robot, load_water
 from laticauda.simulate.derivatives import sensitivities
@@ -54,7 +54,7 @@ def bending_rates(fin, water):
         modules=(Module(length=0.2, mass=1e6, inertia=1e6, section=SECTION),),
         caudal_fin=fin,
     )
-    a = layout(robot, water)
+    a = build_layout(robot, water)
     hinges = np.flatnonzero(a.law == rows.PASSIVE)
     give = np.empty((hinges.size, hinges.size))
     for k, pushed in enumerate(hinges):
@@ -231,7 +231,7 @@ def test_a_fin_let_go_loses_energy_to_drag_and_damping_only(n, rigidity, damping
     joints = (first.state["planar"].size - rows.LOG_STATE) // 2
     state = first.state["planar"].copy()
     state[-joints:][:n] = np.random.default_rng(seed).uniform(-5.0, 5.0, n)
-    plant = lc.plant(robot, WATER, dt=1e-3)
+    plant = lc.build_plant(robot, WATER, dt=1e-3)
     trial = lc.resume(plant, replace(first, state={"planar": state}), 1.0, sample_interval=0.02)
     left = energy(trial, WATER)
     assert np.all(np.diff(left) < 1e-9 * left[0])
@@ -319,7 +319,7 @@ def test_a_run_cut_in_the_middle_and_resumed_is_the_same_run(name, joints):
     whole = lc.swim(robot, gait, duration=4.0, joints=joints)
     first = lc.swim(robot, gait, duration=2.0, joints=joints)
     both = lc.joined(
-        first, lc.resume(lc.plant(robot, first.environment, joints=joints), first, 2.0)
+        first, lc.resume(lc.build_plant(robot, first.environment, joints=joints), first, 2.0)
     )
     for figure in ("center_of_mass", "joint_torque", "work", "fin_angle"):
         np.testing.assert_array_equal(getattr(both, figure), getattr(whole, figure))

@@ -245,7 +245,7 @@ def test_kirchhoff_is_slower_than_relative_by_the_percentages_of_the_literature(
 
 
 def test_an_observation_of_a_state_is_the_sample_of_the_log():
-    plant = lc.plant(load_robot("mamba-modules"), WATER)
+    plant = lc.build_plant(load_robot("mamba-modules"), WATER)
     command = lc.Command(gait=GAIT)
     state, log, failure = plant.march(plant.init(lc.Start(heading=0.3), command), command, 2.0, 0.5)
     seen = plant.observe(state)
@@ -259,7 +259,7 @@ def test_an_observation_of_a_state_is_the_sample_of_the_log():
 
 
 def test_a_steering_offset_turns_left_and_can_change_while_swimming():
-    plant = lc.plant(load_robot("mamba"), WATER)
+    plant = lc.build_plant(load_robot("mamba"), WATER)
     straight, left = lc.Command(gait=GAIT), lc.Command(gait=GAIT, offset=np.deg2rad(5))
     state = plant.march(plant.init(lc.Start(), straight), straight, 5.0, 0.1)[0]
     kept = plant.march(state, straight, 10.0, 0.1)[1]
@@ -286,7 +286,7 @@ def test_absurd_gains_end_as_a_failed_trial_that_says_when_and_what_to_try():
     with pytest.raises(
         ValueError, match="`trial` must have run to its end and hold its final state"
     ):
-        lc.resume(lc.plant(robot, WATER, joints="pd"), trial, 1.0)
+        lc.resume(lc.build_plant(robot, WATER, joints="pd"), trial, 1.0)
 
 
 def by_function(function):
@@ -348,7 +348,7 @@ def test_a_gait_for_another_number_of_joints_is_refused():
 def test_a_state_of_another_robot_is_refused():
     short = lc.swim(load_robot("mamba", n_links=5), GAIT, duration=1.0)
     with pytest.raises(ValueError, match="`state` must be that of a planar run of 9 links"):
-        lc.resume(lc.plant(load_robot("mamba"), WATER), short, 1.0)
+        lc.resume(lc.build_plant(load_robot("mamba"), WATER), short, 1.0)
 
 
 def test_a_start_that_is_no_number_is_refused():
@@ -384,4 +384,4 @@ def test_the_plant_of_a_trial_is_made_again():
     trial = lc.swim(
         load_robot("mamba-modules"), GAIT, duration=1.0, joints="pd", dt=0.001, offset_bandwidth=4.0
     )
-    assert lc.plant(trial.scenario).settings == trial.scenario.model
+    assert lc.build_plant(trial.scenario).settings == trial.scenario.model

@@ -124,6 +124,6 @@ def test_a_run_that_goes_on_in_the_middle_of_a_sea_is_the_run_that_was_never_cut
     whole, half = (
         lc.swim("mamba-fin", gait, duration, current=Sea(seed=2)) for duration in (6.0, 3.0)
     )
-    rest = lc.resume(lc.plant(half.scenario), half, 3.0)
+    rest = lc.resume(lc.build_plant(half.scenario), half, 3.0)
     assert np.array_equal(rest.center_of_mass[-1], whole.center_of_mass[-1])
     assert np.array_equal(rest.joint_torque[-1], whole.joint_torque[-1])

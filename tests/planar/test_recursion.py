@@ -17,7 +17,7 @@ from hypothesis import given, settings, strategies as st
 
 from laticauda.fluid.laws import TotalSpeedDrag
 from laticauda.planar import rows
-from laticauda.planar.layout import layout
+from laticauda.planar.layout import build_layout
 from laticauda.robot import Tether, Water, load_robot, load_water
 
 seeds = st.integers(0, 2**32 - 1)
@@ -172,7 +172,7 @@ def test_a_tether_pulls_back_in_proportion_to_the_square_of_the_speed_and_by_its
 
 
 def test_sine_and_cosine_are_good_to_the_last_digits():
-    a = layout(load_robot("chain", n_links=2), load_water("paper-lateral"))
+    a = build_layout(load_robot("chain", n_links=2), load_water("paper-lateral"))
     worst = 0.0
     for angle in np.concatenate((np.linspace(-100, 100, 20001), np.linspace(-9e4, 9e4, 2001))):
         S, body = fill(a, State(np.array([angle, angle]), np.zeros(2), np.zeros(2)))

@@ -18,7 +18,7 @@ INTERVAL = 0.2
 
 def plant(joints="prescribed", current=(0.0, 0.0), **changes):
     water = replace(lc.load_water("paper-lateral"), current=current)
-    return lc.plant(lc.load_robot("mamba-fin"), water, joints=joints, **changes)
+    return lc.build_plant(lc.load_robot("mamba-fin"), water, joints=joints, **changes)
 
 
 def placed(school: School, y=0.0, heading=0.0, current=(0.0, 0.0)) -> School:
@@ -167,6 +167,6 @@ def test_arguments_out_of_range_are_refused(changes: dict, message: str):
 
 
 def test_robots_on_the_ground_are_refused():
-    body = lc.plant(lc.load_robot("mamba"), lc.load_ground(ground_names()[0]))
+    body = lc.build_plant(lc.load_robot("mamba"), lc.load_ground(ground_names()[0]))
     with pytest.raises(ValueError, match="`plant` must swim in water, got one on the ground"):
         School(body, COMMAND, 1, INTERVAL)

@@ -12,7 +12,7 @@ import laticauda as lc
 from laticauda.actuation import PD
 from laticauda.fluid.laws import PolynomialDrag
 from laticauda.planar import rows
-from laticauda.planar.layout import layout
+from laticauda.planar.layout import build_layout
 from laticauda.planar.model import specialize
 from laticauda.robot import Joint, load_robot, load_water
 
@@ -138,7 +138,7 @@ def test_a_run_cut_in_the_middle_and_resumed_is_the_same_run(joints):
     robot = load_robot("mamba-fin")
     whole = lc.swim(robot, GAIT, duration=6.0, joints=joints)
     first = lc.swim(robot, GAIT, duration=3.0, joints=joints)
-    second = lc.resume(lc.plant(robot, first.environment, joints=joints), first, 3.0)
+    second = lc.resume(lc.build_plant(robot, first.environment, joints=joints), first, 3.0)
     both = lc.joined(first, second)
     for name in ("time", "center_of_mass", "link_angle", "joint_torque", "work"):
         np.testing.assert_array_equal(getattr(both, name), getattr(whole, name))
@@ -202,7 +202,7 @@ def test_skin_stiffness_loads_the_actuators():
 
 def test_the_time_loop_does_not_allocate():
     robot, water = load_robot("mamba"), load_water("paper-lateral")
-    a = layout(robot, water, joints=PD())
+    a = build_layout(robot, water, joints=PD())
 
     def allocations(steps):
         S = a.template.copy()
@@ -218,7 +218,7 @@ def test_the_time_loop_does_not_allocate():
 
 def test_eight_lanes_give_what_eight_single_runs_give():
     robot = load_robot("mamba-fin")
-    a = layout(robot, load_water("paper-lateral"))
+    a = build_layout(robot, load_water("paper-lateral"))
     chain = (a.n_bodies, a.first_strip, a.first_plate, a.law, a.tail_link, a.has_extras)
     trials = []
     for amplitude in np.linspace(0.2, 0.6, 8):

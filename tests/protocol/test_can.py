@@ -23,9 +23,9 @@ from laticauda.protocol import (
     Sync,
     decode,
     encode,
+    encode_references,
     from_frame,
     from_node,
-    references,
     to_frame,
 )
 
@@ -161,15 +161,15 @@ def test_there_are_19_nodes():
 
 
 def test_references_of_18_joints_are_five_frames_and_so_are_those_with_a_fin():
-    frames = references([0.1 * k for k in range(18)])
+    frames = encode_references([0.1 * k for k in range(18)])
     assert [frame.group for frame in frames] == [0, 1, 2, 3, 4]
     assert frames[4].angles == (pytest.approx(1.6), pytest.approx(1.7), 0.0, 0.0)
-    with_fin = references([*[0.1 * k for k in range(18)], -0.5])
+    with_fin = encode_references([*[0.1 * k for k in range(18)], -0.5])
     assert with_fin == (*frames[:4], References(group=4, angles=(*frames[4].angles[:2], -0.5, 0.0)))
     with pytest.raises(
         ValueError, match=r"`angles` must be 1 to 19 numbers, one per joint, got 20\."
     ):
-        references([0.0] * 20)
+        encode_references([0.0] * 20)
 
 
 def test_a_stop_goes_before_all_else_and_references_before_their_sync():

@@ -14,13 +14,13 @@ from laticauda.protocol.qtm import (
     Event,
     PacketReader,
     PacketType,
+    answer_parameters,
     body_pose,
     decode_text,
     encode_event,
     encode_frame,
     encode_packet,
     encode_text,
-    parameters,
 )
 
 METERS = st.floats(-50, 50, width=32)
@@ -140,7 +140,7 @@ def test_an_event_is_one_byte():
 
 def test_what_a_client_asks_for_is_answered_and_nothing_else():
     bodies = {"fish & fin": [(0.01, -0.02, 0.0)], "other": []}
-    root = ElementTree.fromstring(parameters(100.0, bodies, {"general", "6d"}))
+    root = ElementTree.fromstring(answer_parameters(100.0, bodies, {"general", "6d"}))
     assert root.tag == "QTM_Parameters_Ver_1.25"
     assert root.findtext("General/Frequency") == "100"
     assert [body.findtext("Name") for body in root.findall("The_6D/Body")] == [
@@ -156,9 +156,10 @@ def test_what_a_client_asks_for_is_answered_and_nothing_else():
         "skeleton": "Skeletons",
     }.items():
         assert [
-            one.tag for one in ElementTree.fromstring(parameters(50.0, bodies, {word, "image"}))
+            one.tag
+            for one in ElementTree.fromstring(answer_parameters(50.0, bodies, {word, "image"}))
         ] == [tag]
-    root = ElementTree.fromstring(parameters(50.0, bodies, {"3d", "skeleton"}))
+    root = ElementTree.fromstring(answer_parameters(50.0, bodies, {"3d", "skeleton"}))
     assert [label.text for label in root.findall("The_3D/Label/Name")] == ["fish & fin-0"]
     assert [one.get("Name") for one in root.iter("Skeleton")] == ["fish & fin", "other"]
 

@@ -11,7 +11,7 @@ from laticauda.studies import Front, Optimization, optimize
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
 SOUGHT = Optimization(
-    scenario=lc.scenario("mamba", GAIT, 2.0),
+    scenario=lc.build_scenario("mamba", GAIT, 2.0),
     bounds={"gait.amplitude": (0.2, 0.9), "gait.phase_shift": (0.2, 1.2), "robot.n_links": (8, 12)},
 )
 
@@ -64,7 +64,7 @@ def test_another_robot_has_none_of_them(found: Front):
 def test_the_figure_says_in_which_water_each_gait_swims(found: Front):
     eel = lc.eel_like(amplitude=0.5, frequency=2.3, phase_shift=0.7)
     other = optimize(
-        replace(SOUGHT, scenario=lc.scenario("mamba", eel, 2.0)), budget=24, population=12
+        replace(SOUGHT, scenario=lc.build_scenario("mamba", eel, 2.0)), budget=24, population=12
     )
     assert front_figure([found]).get_suptitle().endswith("48 trials of 2 s, water paper-lateral")
     both = front_figure([found, other]).get_suptitle()

@@ -3,7 +3,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.figures import style
-from laticauda.reports.front import front, front_figure, marked
+from laticauda.reports.front import draw_front, front_figure, marked
 from laticauda.studies import Front, Optimization
 from laticauda.studies.sweep import FIGURES
 
@@ -15,7 +15,7 @@ X = np.linspace(0.1, 90.0, 40)
 def made(gait: lc.Gait, y: np.ndarray) -> Front:
     """A front of these speeds over the powers `X`, with frequencies that rise along it."""
     sought = Optimization(
-        scenario=lc.scenario("mamba-fin", gait, 15.0), bounds={"gait.frequency": (1.0, 3.0)}
+        scenario=lc.build_scenario("mamba-fin", gait, 15.0), bounds={"gait.frequency": (1.0, 3.0)}
     )
     figures = {**dict.fromkeys(FIGURES, X), "forward_velocity": y, "mechanical_power": X}
     values = np.linspace(1.0, 3.0, 40)[:, np.newaxis]
@@ -26,7 +26,7 @@ def made(gait: lc.Gait, y: np.ndarray) -> Front:
 
 def test_the_fronts_are_drawn_with_their_marks_and_the_other_points():
     fronts = [made(GAIT, np.sqrt(X)), made(EEL, 2.0 * np.sqrt(X))]
-    ax = front(fronts, style.new_figure(3, 3).add_subplot())
+    ax = draw_front(fronts, style.new_figure(3, 3).add_subplot())
     curves = [drawn for drawn in ax.lines if len(drawn.get_xdata()) == 40]
     assert [tuple(curve.get_ydata()) for curve in curves] == [
         tuple(one.figures["forward_velocity"]) for one in fronts
@@ -47,7 +47,7 @@ def test_the_fronts_are_drawn_with_their_marks_and_the_other_points():
 
 def test_letters_of_costs_stand_where_less_of_both_would_be():
     falling = made(GAIT, np.linspace(5.0, 1.0, 40))
-    ax = front([falling], style.new_figure(3, 3).add_subplot())
+    ax = draw_front([falling], style.new_figure(3, 3).add_subplot())
     assert all(text.get_position()[0] < 0 and text.get_position()[1] < 0 for text in ax.texts)
 
 

@@ -19,7 +19,7 @@ def test_what_is_equal_lies_on_the_line_and_both_axes_have_one_scale(ax):
 
 
 def test_what_is_not_identified_has_no_bar_but_words(ax):
-    draw.intervals(
+    draw.draw_intervals(
         {"a": (np.array([0.9, 1.1]), None), "b": (None, np.array([0.5, np.nan]))},
         ax,
         confidence=0.95,
@@ -29,7 +29,7 @@ def test_what_is_not_identified_has_no_bar_but_words(ax):
 
 
 def test_correlations_leave_out_the_diagonal_and_dash_what_is_unknown(ax):
-    draw.correlations(
+    draw.draw_correlations(
         ["a", "b", "c"], np.array([[1.0, -0.5, np.nan], [-0.5, 1.0, np.nan], [np.nan] * 3]), ax
     )
     shown = [text.get_text() for text in ax.texts]
@@ -45,6 +45,6 @@ def test_what_is_not_known_yet_is_an_open_mark_at_the_top(ax):
 
 
 def test_a_bar_per_measurement(ax):
-    draw.residuals(["one", "two"], [1.0, -4.0], ["a", "b"], ax, label="off")
+    draw.draw_residuals(["one", "two"], [1.0, -4.0], ["a", "b"], ax, label="off")
     assert len(ax.patches) == 2
     assert ax.get_xlim()[0] < -4.0

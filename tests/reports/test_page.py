@@ -6,11 +6,11 @@ from jinja2 import ChoiceLoader, DictLoader, UndefinedError
 from laticauda.reports.chapter import (
     Chapter,
     form_of,
+    format_cell,
+    format_share,
+    format_span,
     in_digits,
-    share,
-    shown,
-    span,
-    templates,
+    load_templates,
     write_chapter,
 )
 
@@ -61,7 +61,7 @@ def read(text: str) -> Balance:
 
 def page(text: str, n: int = 1) -> str:
     frames = {"alone": [{text: text}], "grouped": [{"kind": "alike", "v": v} for v in (1, 2)]}
-    return templates().from_string(PAGE).render(text=text, n=n, **frames)
+    return load_templates().from_string(PAGE).render(text=text, n=n, **frames)
 
 
 def test_texts_are_escaped_everywhere():
@@ -100,10 +100,10 @@ def test_csv_files_have_all_digits_and_pages_are_rounded_and_both_say_what_is_mi
         {"a, b": "x", "v [m/s]": 0.123456, "end": True},
         {"a, b": '"', "v [m/s]": None, "end": False},
     ]
-    parts = templates().loader
+    parts = load_templates().loader
     text = """{% from "parts.html" import table %}{% call table(tables["t"], {"v [m/s]": ".2f"}) %}{% endcall %}"""
     mine = DictLoader({"t.html": text})
-    made = templates().overlay(loader=ChoiceLoader([mine, parts]))
+    made = load_templates().overlay(loader=ChoiceLoader([mine, parts]))
     chapter = Chapter(name="t", values={}, tables={"t": rows}, templates=lambda: made)
     files, html = write_chapter(chapter, tmp_path)
     assert files == ["t.csv"]
@@ -119,7 +119,12 @@ def test_negative_numbers_have_a_minus_sign_and_what_is_rounded_to_zero_has_none
         "0.0",
         "+0.1",
     ]
-    assert [shown(True), shown(None), shown(float("nan")), shown("x", ".1f")] == [
+    assert [
+        format_cell(True),
+        format_cell(None),
+        format_cell(float("nan")),
+        format_cell("x", ".1f"),
+    ] == [
         "yes",
         "NA",
         "NA",
@@ -128,8 +133,12 @@ def test_negative_numbers_have_a_minus_sign_and_what_is_rounded_to_zero_has_none
 
 
 def test_words_for_shares_and_spans():
-    assert [share(3, 3), share(0, 3), share(1, 3)] == ["all 3", "none of the 3", "1 of the 3"]
-    assert [span([2.0, -1.0], ".1f"), span([1.0, 1.01], ".1f")] == [
+    assert [format_share(3, 3), format_share(0, 3), format_share(1, 3)] == [
+        "all 3",
+        "none of the 3",
+        "1 of the 3",
+    ]
+    assert [format_span([2.0, -1.0], ".1f"), format_span([1.0, 1.01], ".1f")] == [
         "\N{MINUS SIGN}1.0 to 2.0",
         "1.0",
     ]
@@ -146,4 +155,4 @@ def test_the_longest_end_of_a_name_decides_how_its_numbers_are_shown():
 
 def test_a_value_that_a_template_lacks_is_an_error():
     with pytest.raises(UndefinedError, match="how"):
-        templates().from_string("{{ how.model }}").render()
+        load_templates().from_string("{{ how.model }}").render()

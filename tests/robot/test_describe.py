@@ -11,12 +11,12 @@ from laticauda.robot import (
     describe,
     load_robot,
     load_water,
-    summary,
+    summarize_robot,
 )
 
 
 def test_the_main_facts_are_plain_data():
-    facts = summary(load_robot("mamba-modules-fin"))
+    facts = summarize_robot(load_robot("mamba-modules-fin"))
     assert (facts["name"], facts["n_links"], facts["n_joints"]) == ("mamba-modules-fin", 19, 18)
     assert facts["caudal_fin"] is True
 

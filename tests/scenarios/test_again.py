@@ -96,7 +96,7 @@ def test_a_trial_from_a_file_is_run_again_to_the_last_bit(motion, ending, tmp_pa
 
 
 def test_a_run_that_was_cut_and_one_that_went_on_are_run_again_too():
-    body = lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"))
+    body = lc.build_plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"))
     cut = lc.run(body, FOLLOWING, 7.3, until=lambda seen: seen.time > 1.9)
     same(lc.swim(cut.scenario), cut)
     further = lc.resume(body, cut, 1.0, controller=FOLLOWING)
@@ -131,7 +131,7 @@ def test_a_controller_that_nobody_here_defines_is_kept_with_its_gait():
         gait: lc.Gait
         interval: float = math.inf
 
-    known = lc.scenario("mamba", Wandering(gait=GAIT))
+    known = lc.build_scenario("mamba", Wandering(gait=GAIT))
     assert run_from_toml(run_to_toml(known)) == known
     del Controller._known["wandering"]
     stored = run_from_toml(run_to_toml(known))

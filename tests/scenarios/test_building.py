@@ -17,7 +17,9 @@ LATERAL = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
 
 
 def test_words_mean_what_the_values_mean():
-    words = lc.scenario("mamba", GAIT, 5.0, environment="paper-lateral", joints="servo", dt=0.01)
+    words = lc.build_scenario(
+        "mamba", GAIT, 5.0, environment="paper-lateral", joints="servo", dt=0.01
+    )
     values = lc.Scenario(
         robot=lc.load_robot("mamba"),
         motion=GAIT,
@@ -29,16 +31,16 @@ def test_words_mean_what_the_values_mean():
 
 
 def test_the_water_is_the_paper_s_for_the_gait():
-    assert lc.scenario("mamba", GAIT).environment == lc.load_water("paper-eel")
+    assert lc.build_scenario("mamba", GAIT).environment == lc.load_water("paper-eel")
     still = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
-    assert lc.scenario("mamba", still).environment == lc.load_water("paper-lateral")
-    assert lc.scenario("mamba", GAIT, environment="viscous").environment == lc.load_ground(
+    assert lc.build_scenario("mamba", still).environment == lc.load_water("paper-lateral")
+    assert lc.build_scenario("mamba", GAIT, environment="viscous").environment == lc.load_ground(
         "viscous"
     )
 
 
 def test_a_scenario_swims_as_its_robot_and_gait_do():
-    chosen = lc.scenario("mamba", GAIT, 4.0, joints="pd")
+    chosen = lc.build_scenario("mamba", GAIT, 4.0, joints="pd")
     assert chosen.model == lc.Planar(joints=PD())
     one, two = lc.swim(chosen), lc.swim(chosen.robot, GAIT, 4.0, joints="pd")
     np.testing.assert_array_equal(one.center_of_mass, two.center_of_mass)
@@ -62,17 +64,17 @@ def test_a_scenario_swims_as_its_robot_and_gait_do():
 )
 def test_what_does_not_go_is_refused(changes, message):
     with pytest.raises(ValueError) as refused:
-        lc.scenario(**{"robot": "mamba", "motion": GAIT, **changes})
+        lc.build_scenario(**{"robot": "mamba", "motion": GAIT, **changes})
     assert str(refused.value).startswith(message)
 
 
 def test_what_nobody_knows_is_refused_as_python_does():
     with pytest.raises(TypeError, match="joint_law"):
-        lc.scenario("mamba", GAIT, joint_law="pd")
+        lc.build_scenario("mamba", GAIT, joint_law="pd")
 
 
 def test_a_batch_is_planar_and_of_one_length():
-    short = lc.scenario("mamba", GAIT, 4.0)
+    short = lc.build_scenario("mamba", GAIT, 4.0)
     with pytest.raises(ValueError, match="`duration` must be the same"):
         lc.swim_many([short, replace(short, duration=5.0)])
     with pytest.raises(ValueError, match=r"`scenarios\[1\].model` must be of class Planar"):
@@ -152,11 +154,11 @@ def named(robot, name):
 def test_a_robot_that_is_not_mamba_takes_the_textbooks_water():
     robot = lc.load_robot("chain")
     water = textbook_of(robot)
-    assert lc.scenario("chain", LATERAL).environment is water
-    assert lc.scenario("mamba", LATERAL, environment="textbook").environment == textbook_of(
+    assert lc.build_scenario("chain", LATERAL).environment is water
+    assert lc.build_scenario("mamba", LATERAL, environment="textbook").environment == textbook_of(
         lc.load_robot("mamba")
     )
-    assert lc.scenario(named("mamba-fin", "mine"), GAIT).environment.name == "textbook"
+    assert lc.build_scenario(named("mamba-fin", "mine"), GAIT).environment.name == "textbook"
     assert Choice(robot="chain", n_links=5).resolved(EEL).environment == textbook_of(
         robot.with_links(5)
     )
@@ -176,7 +178,7 @@ def test_mamba_keeps_the_papers_water_of_its_gait(name):
 
 def test_a_scenario_file_with_a_robot_of_its_own_has_the_textbooks_water(tmp_path):
     robot = named("chain", "mine")
-    lc.save_scenario(lc.scenario(robot, GAIT), tmp_path / "whole.toml")
+    lc.save_scenario(lc.build_scenario(robot, GAIT), tmp_path / "whole.toml")
     table = tomllib.loads((tmp_path / "whole.toml").read_text())
     del table["environment"]
     (tmp_path / "short.toml").write_text(tomli_w.dumps(table))

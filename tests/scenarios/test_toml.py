@@ -27,9 +27,9 @@ def said(tmp_path):
 
 def test_names_become_values(said):
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
-    assert said("duration = 4.0") == lc.scenario("mamba", gait, 4.0)
+    assert said("duration = 4.0") == lc.build_scenario("mamba", gait, 4.0)
     short = said('robot = "chain"\nn_links = 5\nground = "viscous"\nmodel = "spatial"')
-    assert short == lc.scenario(
+    assert short == lc.build_scenario(
         lc.load_robot("chain", 5), gait, environment="viscous", model="spatial"
     )
     assert said("", f'{GAIT}[model]\njoints = "servo"\ndt = 0.001').model == lc.Planar(
@@ -60,7 +60,7 @@ def test_a_controller_and_every_number_come_back(tmp_path):
         heading=lc.HeadingController(gain=0.4, max_offset=0.3),
     )
     for motion in (gait, controller):
-        chosen = lc.scenario(
+        chosen = lc.build_scenario(
             "mamba-fin", motion, model="spatial", root="free", start=lc.Start(velocity=0.1)
         )
         lc.save_scenario(chosen, tmp_path / "saved.toml")

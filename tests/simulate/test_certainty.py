@@ -6,7 +6,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.robot import textbook_water
-from laticauda.simulate import intervals_of, spread
+from laticauda.simulate import figure_intervals, intervals_of
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
 
@@ -17,15 +17,17 @@ def trial():
 
 
 def test_the_figures_lie_in_their_interval(trial):
-    low, high = spread(trial)["forward_velocity"]
+    low, high = figure_intervals(trial)["forward_velocity"]
     assert low < trial.forward_velocity < high
     assert high - low < 0.5 * trial.forward_velocity
 
 
 def test_each_number_adds_to_it_in_quadrature(trial):
     every = intervals_of(trial.scenario)
-    alone = [spread(trial, {name: pair})["forward_velocity"] for name, pair in every.items()]
-    low, high = spread(trial, every)["forward_velocity"]
+    alone = [
+        figure_intervals(trial, {name: pair})["forward_velocity"] for name, pair in every.items()
+    ]
+    low, high = figure_intervals(trial, every)["forward_velocity"]
     v = trial.forward_velocity
     assert (v - low) ** 2 == pytest.approx(sum((v - one) ** 2 for one, _ in alone))
     assert (high - v) ** 2 == pytest.approx(sum((one - v) ** 2 for _, one in alone))
@@ -34,7 +36,7 @@ def test_each_number_adds_to_it_in_quadrature(trial):
 def test_without_an_interval_there_is_none(trial):
     number = trial.environment.normal_drag
     assert (
-        spread(trial, {"water.normal_drag": (number, number)})["forward_velocity"]
+        figure_intervals(trial, {"water.normal_drag": (number, number)})["forward_velocity"]
         == (trial.forward_velocity,) * 2
     )
 
@@ -49,4 +51,4 @@ def test_a_number_that_somebody_has_changed_is_known(trial):
 
 def test_water_that_is_not_the_textbooks_has_no_intervals():
     with pytest.raises(ValueError, match=r"`water` must be the textbook's, .* got 'paper-lateral'"):
-        intervals_of(lc.scenario("mamba", GAIT))
+        intervals_of(lc.build_scenario("mamba", GAIT))

@@ -7,7 +7,7 @@ import laticauda as lc
 from laticauda.fluid.laws import PolynomialDrag, TotalSpeedDrag
 from laticauda.robot import Tether, load_robot, load_water
 from laticauda.simulate.derivatives import sensitivities
-from laticauda.simulate.numbers import UNITS, changed
+from laticauda.simulate.numbers import UNITS, change_parameters
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.31, phase_shift=0.7, offset=0.03)
 FINNED = replace(load_robot("mamba-fin"), tether=Tether(drag=0.8))
@@ -44,13 +44,15 @@ def by_differences(robot, gait, water, names, **settings):
     passes a time step.
     """
     steps = 2.0 ** -np.arange(19, 22)
-    scenario, points = lc.scenario(robot, gait, environment=water, **settings), []
+    scenario, points = lc.build_scenario(robot, gait, environment=water, **settings), []
     for name in names:
         value = sensitivities(robot, gait, 0.1, environments=water, names=[name], **settings).point[
             0, 0
         ]
         points += [
-            (changed(scenario, {name: value * (1 + s * h)}), value) for h in steps for s in (1, -1)
+            (change_parameters(scenario, {name: value * (1 + s * h)}), value)
+            for h in steps
+            for s in (1, -1)
         ]
     scenarios, values = zip(*points, strict=True)
     many = lc.swim_many(scenarios)
@@ -135,8 +137,10 @@ def test_driven_joints_have_derivatives_to_their_actuators_too(joints):
         robot, GAIT, 1.0, environments=WATER, names=[name], joints=joints, dt=0.002
     )
     value, step = found.point[0, 0], 1e-5
-    scenario = lc.scenario(robot, GAIT, 1.0, environment=WATER, joints=joints, dt=0.002)
-    many = lc.swim_many([changed(scenario, {name: value * (1 + s)}) for s in (step, -step)])
+    scenario = lc.build_scenario(robot, GAIT, 1.0, environment=WATER, joints=joints, dt=0.002)
+    many = lc.swim_many(
+        [change_parameters(scenario, {name: value * (1 + s)}) for s in (step, -step)]
+    )
     for figure in ("forward_velocity", "net_power", "mean_power", "heading"):
         ahead, behind = getattr(many, figure)
         expected = (ahead - behind) / (2 * step * value)
@@ -166,8 +170,11 @@ def test_numbers_at_the_end_of_their_range_are_differentiated_on_one_side():
     found = sensitivities(robot, GAIT, environments=water, names=names, dt=0.05)
     step = 2.0**-16
     for k, name in enumerate(names):
-        scenario = lc.scenario(robot, GAIT, environment=water, dt=0.05)
-        speed = [lc.swim(changed(scenario, {name: j * step})).forward_velocity for j in range(3)]
+        scenario = lc.build_scenario(robot, GAIT, environment=water, dt=0.05)
+        speed = [
+            lc.swim(change_parameters(scenario, {name: j * step})).forward_velocity
+            for j in range(3)
+        ]
         slope = (-1.5 * speed[0] + 2.0 * speed[1] - 0.5 * speed[2]) / step
         assert found.jacobian[0, 0, k] == pytest.approx(slope, rel=1e-6)
         assert slope < -1e-4 or name != names[0]

@@ -62,7 +62,7 @@ class Ramp(lc.Controller):
 
 
 def run(delay, controller=PAPER, duration=6.0, robot="mamba-fin", **choices):
-    plant = lc.plant(
+    plant = lc.build_plant(
         lc.load_robot(robot), lc.load_water("paper-lateral"), loop_delay=delay, **choices
     )
     return lc.run(plant, controller, duration, start=START)
@@ -104,7 +104,7 @@ def test_any_delay_begins_to_act_when_it_is_over(delay):
 
 @pytest.mark.parametrize("delay", [0.07, 0.2, 0.33])
 def test_finer_samples_see_the_same_run(delay):
-    plant = lc.plant(
+    plant = lc.build_plant(
         lc.load_robot("mamba"), lc.load_water("paper-lateral"), loop_delay=delay, dt=0.01
     )
     coarse, fine = (
@@ -117,7 +117,7 @@ def test_finer_samples_see_the_same_run(delay):
 @pytest.mark.parametrize("delay", [0.0, 0.2, 0.5, 0.73])
 @pytest.mark.parametrize("n", [1, 3])
 def test_a_robot_of_a_school_does_what_it_does_alone(delay, n):
-    plant = lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"), loop_delay=delay)
+    plant = lc.build_plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"), loop_delay=delay)
     school = School(plant, lc.Command(gait=GAIT), n, 0.2)
     where, heading = np.tile(START.center_of_mass, (n, 1)), np.full(n, START.heading)
 
@@ -143,7 +143,7 @@ def test_a_robot_of_a_school_does_what_it_does_alone(delay, n):
 
 def test_what_looks_at_nothing_is_not_late_and_a_batch_is_that_of_single_runs():
     late, soon = (
-        lc.scenario("mamba", replace(GAIT, offset=0.1), 3.0, loop_delay=delay)
+        lc.build_scenario("mamba", replace(GAIT, offset=0.1), 3.0, loop_delay=delay)
         for delay in (0.4, 0.0)
     )
     same(lc.swim(late), lc.swim(soon))
@@ -152,7 +152,7 @@ def test_what_looks_at_nothing_is_not_late_and_a_batch_is_that_of_single_runs():
 
 
 def test_a_run_whose_commands_are_on_their_way_does_not_go_on():
-    plant = lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"), loop_delay=0.3)
+    plant = lc.build_plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"), loop_delay=0.3)
     followed, swum = (
         lc.run(plant, PAPER, 1.0),
         lc.run(plant, lc.OpenLoop(command=lc.Command(gait=GAIT)), 1.0),
@@ -167,7 +167,7 @@ def test_a_run_whose_commands_are_on_their_way_does_not_go_on():
 
 
 def test_a_trial_says_its_delay_and_can_be_run_again(tmp_path):
-    scenario = lc.scenario("mamba", PAPER, 2.0, loop_delay=0.12, start=START)
+    scenario = lc.build_scenario("mamba", PAPER, 2.0, loop_delay=0.12, start=START)
     trial = lc.swim(scenario)
     trial.save(tmp_path / "late.nc")
     kept = lc.load_trial(tmp_path / "late.nc")

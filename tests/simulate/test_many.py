@@ -12,7 +12,7 @@ from laticauda.fluid.laws import FunctionDrag
 from laticauda.gaits.gait import Wave
 from laticauda.interfaces import Command
 from laticauda.robot import Tether, load_robot, load_water
-from laticauda.simulate import plant
+from laticauda.simulate import build_plant
 from laticauda.studies.sweep import labels_of
 
 FIGURES = (
@@ -181,7 +181,7 @@ def in_space(n: int) -> list[lc.Scenario]:
     )
     gaits, law = [replace(GAIT, amplitude=0.3 + 0.02 * i) for i in range(n)], ["prescribed", "pd"]
     return [
-        lc.scenario(
+        lc.build_scenario(
             robots[i // 2 % 2],
             g,
             1.0,
@@ -190,14 +190,16 @@ def in_space(n: int) -> list[lc.Scenario]:
             joints=law[i % 2],
         )
         for i, g in enumerate(gaits)
-    ] + [lc.scenario(MAMBA, g, 1.0, environment=waters[0], model="spatial") for g in gaits]
+    ] + [lc.build_scenario(MAMBA, g, 1.0, environment=waters[0], model="spatial") for g in gaits]
 
 
 @pytest.mark.parametrize("threads", [1, 3])
 def test_spatial_trials_on_threads_have_the_bits_of_single_ones(threads):
     scenarios = [
         *in_space(8),
-        lc.scenario(MAMBA, GAIT, 2.5, environment=load_water("paper-lateral"), model="spatial"),
+        lc.build_scenario(
+            MAMBA, GAIT, 2.5, environment=load_water("paper-lateral"), model="spatial"
+        ),
     ]
     order = np.random.default_rng(threads).permutation(len(scenarios))
     swims = lc.swim_many([scenarios[i] for i in order], threads=threads)
@@ -241,7 +243,7 @@ def test_an_interrupted_batch_of_spatial_trials_ends_at_once_and_leaves_no_threa
 
 
 def test_a_march_in_space_does_not_freeze_what_else_the_process_does():
-    body = plant(lc.scenario(MAMBA, GAIT, model="spatial"))
+    body = build_plant(lc.build_scenario(MAMBA, GAIT, model="spatial"))
     command = Command(gait=GAIT)
     body.march(body.init(lc.Start(), command), command, 1.0, 1.0)
     march = threading.Thread(
@@ -258,7 +260,7 @@ def test_a_march_in_space_does_not_freeze_what_else_the_process_does():
 
 
 def test_two_threads_may_ask_one_plant_for_its_forces():
-    body = plant(lc.scenario(MAMBA, GAIT, model="spatial"))
+    body = build_plant(lc.build_scenario(MAMBA, GAIT, model="spatial"))
     commands = [Command(gait=replace(GAIT, amplitude=a)) for a in (0.3, 0.6)]
 
     def forces(command):
@@ -317,7 +319,7 @@ def test_what_many_trials_came_to_is_a_dataset_with_the_labels_of_a_sweep():
         )
     assert found.center_of_mass.sel(axis="y").values.tolist() == swims.center_of_mass[:, 1].tolist()
     assert found.status.values.tolist() == list(swims.status)
-    labels = labels_of(lc.scenario(MAMBA, GAIT))
+    labels = labels_of(lc.build_scenario(MAMBA, GAIT))
     shared = labels.keys() & found.variables.keys()
     assert shared == {*FIGURES, "succeeded"} - {"positive_power"}
     assert {name: found[name].attrs for name in shared} == {name: labels[name] for name in shared}

@@ -4,15 +4,15 @@ import pytest
 
 import laticauda as lc
 from laticauda.robot import Water
-from laticauda.simulate import parameters
-from laticauda.simulate.numbers import changed, look_up, value_of
+from laticauda.simulate import list_parameters
+from laticauda.simulate.numbers import change_parameters, look_up, value_of
 
 FIN = replace(lc.load_robot("mamba-fin").caudal_fin, flexural_rigidity=2.0)
 ROBOT = replace(lc.load_robot("mamba-fin"), caudal_fin=FIN)
 WATER = lc.load_water("paper-lateral")
 GAIT = lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)
 SCENARIO = lc.Scenario(robot=ROBOT, motion=GAIT, environment=WATER)
-KNOWN = parameters(SCENARIO)
+KNOWN = list_parameters(SCENARIO)
 
 
 def test_every_number_of_the_water_can_be_swept():
@@ -36,7 +36,7 @@ def test_a_parameter_has_the_unit_and_the_words_of_its_field():
 
 
 def test_a_parameter_is_called_in_words_that_an_axis_can_have():
-    known = parameters(SCENARIO, each=True)
+    known = list_parameters(SCENARIO, each=True)
     phrases = {
         "gait.amplitude": "amplitude",
         "gait.frequency": "angular frequency",
@@ -60,10 +60,12 @@ def test_every_parameter_can_be_set_and_comes_out_where_it_belongs():
             continue
         before = _value(SCENARIO, name)
         wanted = (1.0 if before is None else before) + (1 if parameter.is_whole else 1e-3)
-        after = changed(SCENARIO, {name: wanted})
+        after = change_parameters(SCENARIO, {name: wanted})
         assert _value(after, name) == wanted
         assert (
-            _value(changed(after, {name: before}), name) == before if before is not None else True
+            _value(change_parameters(after, {name: before}), name) == before
+            if before is not None
+            else True
         )
 
 
@@ -84,46 +86,46 @@ def _value(scenario, name):
 
 def test_values_that_bound_each_other_are_set_at_once():
     values = {"robot.caudal_fin.length": 0.1, "robot.caudal_fin.opening_length": 0.05}
-    robot = changed(SCENARIO, values).robot
+    robot = change_parameters(SCENARIO, values).robot
     assert (robot.caudal_fin.length, robot.caudal_fin.opening_length) == (0.1, 0.05)
 
 
 def test_both_ends_of_a_pair_can_be_set():
-    other = changed(SCENARIO, {"water.current_x": 0.1, "water.current_y": -0.2})
+    other = change_parameters(SCENARIO, {"water.current_x": 0.1, "water.current_y": -0.2})
     assert other.environment == replace(WATER, current=(0.1, -0.2))
 
 
 def test_the_numbers_of_a_flow_can_be_swept_and_those_of_each_in_a_sum():
     flow = replace(lc.load_current("turbulence"), seed=3)
     one = replace(SCENARIO, environment=replace(WATER, current=flow))
-    known = {name for name in parameters(one) if name.startswith("water.current")}
+    known = {name for name in list_parameters(one) if name.startswith("water.current")}
     assert known >= {
         "water.current.intensity",
         "water.current.seed",
         "water.current.mean_x",
         "water.current.mean_z",
     }
-    assert parameters(one)["water.current.seed"].is_whole
+    assert list_parameters(one)["water.current.seed"].is_whole
     assert "water.current_x" not in known
     values = {
         "water.current.intensity": 0.1,
         "water.current.seed": 5.0,
         "water.current.mean_y": 0.2,
     }
-    found = changed(one, values).environment.current
+    found = change_parameters(one, values).environment.current
     assert found == replace(flow, intensity=0.1, seed=5, mean=(0.1, 0.2, 0.0))
     assert type(found.seed) is int
     assert value_of("water.current.seed", one) == 3.0
     several = replace(one, environment=replace(WATER, current=flow + lc.load_current("vortex")))
-    assert {"water.current.flow[0].intensity", "water.current.flow[1].core"} < parameters(
+    assert {"water.current.flow[0].intensity", "water.current.flow[1].core"} < list_parameters(
         several
     ).keys()
-    other = changed(several, {"water.current.flow[1].core": 0.7}).environment.current
+    other = change_parameters(several, {"water.current.flow[1].core": 0.7}).environment.current
     assert other.flows == (flow, replace(lc.load_current("vortex"), core=0.7))
 
 
 def test_the_number_of_links_and_what_they_are_like_can_be_set_together():
-    other = changed(SCENARIO, {"robot.n_links": 5.0, "robot.module.mass": 2.0})
+    other = change_parameters(SCENARIO, {"robot.n_links": 5.0, "robot.module.mass": 2.0})
     assert [module.mass for module in other.robot.modules] == [2.0] * 5
     assert other.motion is GAIT and other.environment is WATER
 
@@ -143,14 +145,14 @@ def test_a_parameter_that_does_not_exist_is_refused_with_the_nearest():
 
 
 def test_a_fin_can_be_swept_only_by_a_robot_that_has_one():
-    bare = parameters(replace(SCENARIO, robot=lc.load_robot("mamba")))
+    bare = list_parameters(replace(SCENARIO, robot=lc.load_robot("mamba")))
     assert {name for name in KNOWN if name not in bare} == {
         name for name in KNOWN if "caudal_fin" in name
     }
 
 
 def test_on_the_ground_its_friction_can_be_swept():
-    known = parameters(replace(SCENARIO, environment=lc.load_ground("viscous")))
+    known = list_parameters(replace(SCENARIO, environment=lc.load_ground("viscous")))
     assert known["ground.normal"].title.startswith("Coefficient across a link")
     with pytest.raises(ValueError, match="numbers of gait, ground or robot"):
         look_up("water.normal_drag", known)
@@ -158,8 +160,8 @@ def test_on_the_ground_its_friction_can_be_swept():
 
 def test_one_of_several_modules_goes_by_its_number_from_the_tail():
     scenario, name = replace(SCENARIO, robot=lc.load_robot("mamba")), "robot.module[3].normal_drag"
-    assert name in parameters(scenario, each=True) and name not in parameters(scenario)
-    after = changed(
+    assert name in list_parameters(scenario, each=True) and name not in list_parameters(scenario)
+    after = change_parameters(
         scenario, {name: 2.5, "robot.module.mass": 0.7, "robot.joint[0].stiffness": 0.1}
     )
     other = after.robot

@@ -31,7 +31,10 @@ class TurnAfter(lc.Controller):
 
 def run(controller, **choices):
     return lc.run(
-        lc.plant(load_robot("mamba"), load_water("paper-lateral")), controller, 10.0, **choices
+        lc.build_plant(load_robot("mamba"), load_water("paper-lateral")),
+        controller,
+        10.0,
+        **choices,
     )
 
 
@@ -85,14 +88,14 @@ def test_the_trial_keeps_its_controller():
 
 
 def test_a_failed_run_keeps_its_signals():
-    plant = lc.plant(load_robot("mamba"), load_water("paper-lateral"), joints="pd", dt=0.5)
+    plant = lc.build_plant(load_robot("mamba"), load_water("paper-lateral"), joints="pd", dt=0.5)
     trial = lc.run(plant, Counting(GAIT, 1.0, 0), 10.0, sample_interval=0.5)
     assert not trial.succeeded
     assert trial.signals["asked"].size == trial.time.size
 
 
 def test_a_controller_can_refuse_a_robot():
-    plant = lc.plant(load_robot("mamba", n_links=2), load_water("paper-lateral"))
+    plant = lc.build_plant(load_robot("mamba", n_links=2), load_water("paper-lateral"))
     with pytest.raises(ValueError, match="`robot` must have 3 links"):
         lc.run(plant, Counting(GAIT, 1.0, 0), 1.0)
 
@@ -128,9 +131,9 @@ def test_a_trial_without_a_gait_needs_a_controller_to_go_on():
     with pytest.raises(
         ValueError, match="`controller` must be given to continue a trial that has no gait"
     ):
-        lc.resume(lc.plant(load_robot("mamba"), trial.environment), trial, 1.0)
+        lc.resume(lc.build_plant(load_robot("mamba"), trial.environment), trial, 1.0)
     with pytest.raises(ValueError, match="`trial` must be of class Trial, got str"):
-        lc.resume(lc.plant(load_robot("mamba"), trial.environment), "run.nc", 1.0)
+        lc.resume(lc.build_plant(load_robot("mamba"), trial.environment), "run.nc", 1.0)
 
 
 def test_a_run_is_over_where_until_says_so():
@@ -147,14 +150,14 @@ def test_until_is_not_asked_before_the_robot_has_swum():
 
 
 def test_a_plant_is_made_of_names_as_a_swim_is():
-    named = lc.plant("mamba", "paper-lateral")
+    named = lc.build_plant("mamba", "paper-lateral")
     assert (named.robot, named.environment) == (
         lc.load_robot("mamba"),
         lc.load_water("paper-lateral"),
     )
-    assert isinstance(lc.plant("mamba", environment="coulomb").environment, lc.Ground)
-    assert lc.plant("mamba").environment == lc.load_water("paper-lateral")
+    assert isinstance(lc.build_plant("mamba", environment="coulomb").environment, lc.Ground)
+    assert lc.build_plant("mamba").environment == lc.load_water("paper-lateral")
     amphibot = lc.load_robot("amphibot")
-    assert lc.plant(amphibot).environment == lc.load_water("textbook", amphibot)
+    assert lc.build_plant(amphibot).environment == lc.load_water("textbook", amphibot)
     with pytest.raises(ValueError, match="`environment` must be of class Water or Ground, got int"):
-        lc.plant("mamba", 3)  # type: ignore[arg-type]
+        lc.build_plant("mamba", 3)  # type: ignore[arg-type]

@@ -15,7 +15,7 @@ from laticauda.gaits.gait import EelLike
 from laticauda.interfaces import ORIENTATION, Command, Start
 from laticauda.kinematics import turn
 from laticauda.robot import PectoralFin, Thruster
-from laticauda.simulate import plant
+from laticauda.simulate import build_plant
 
 ROBOT = lc.load_robot("mamba-modules")
 WATER = lc.load_water("paper-lateral")
@@ -27,11 +27,11 @@ MIDDLE = ROBOT.n_links // 2
 
 @cache
 def neutral():
-    return plant(ROBOT, NEUTRAL, model="spatial")
+    return build_plant(ROBOT, NEUTRAL, model="spatial")
 
 
 def moved(robot=ROBOT, water=NEUTRAL, command=HELD, start=Start(), duration=0.2, **model):  # noqa: B008
-    body = plant(robot, water, model="spatial", **model)
+    body = build_plant(robot, water, model="spatial", **model)
     return body.march(body.init(start, command), command, duration, duration)[1]
 
 
@@ -65,7 +65,10 @@ def test_a_robot_begins_where_its_start_says(place, depth, heading, pitch, roll)
 
 def test_a_start_out_of_the_plane_is_refused_by_the_planar_model():
     for changes in ({"depth": 1.0}, {"pitch": 0.1}, {"roll": 0.1}):
-        for body in (plant(ROBOT, WATER), plant(lc.load_robot("mamba"), WATER, model="spatial")):
+        for body in (
+            build_plant(ROBOT, WATER),
+            build_plant(lc.load_robot("mamba"), WATER, model="spatial"),
+        ):
             with pytest.raises(
                 ValueError,
                 match=f"`start.{next(iter(changes))}` must be left out unless `model` is",
@@ -82,8 +85,10 @@ def test_a_current_in_three_dimensions_carries_a_robot_that_goes_along():
     assert carried.center_of_mass_velocity[-1] @ current > 0.0
     gait = replace(STRAIGHT, amplitude=0.5)
     held = Command(gait=gait)
-    body = plant(ROBOT, replace(water, added_mass_form="kirchhoff"), model="spatial", gravity=False)
-    rest = plant(
+    body = build_plant(
+        ROBOT, replace(water, added_mass_form="kirchhoff"), model="spatial", gravity=False
+    )
+    rest = build_plant(
         ROBOT, replace(NEUTRAL, added_mass_form="kirchhoff"), model="spatial", gravity=False
     )
     state = body.init(Start(), held)
@@ -113,7 +118,7 @@ def test_a_thruster_pushes_the_way_that_it_is_mounted(angle, elevation, roll, th
         link=MIDDLE, thrust=0.0, max_thrust=5.0, angle=angle, elevation=elevation, roll=roll
     )
     robot = replace(ROBOT, thrusters=(one,))
-    body = plant(robot, NEUTRAL, model="spatial")
+    body = build_plant(robot, NEUTRAL, model="spatial")
     state = body.init(Start(), HELD)
     log = body.march(state, replace(HELD, thrusts=(thrust,)), 1e-4, 1e-4, link_forces=True)[1]
     force = log.link_force["effector"][0].sum(axis=0)
@@ -155,7 +160,7 @@ def test_both_models_drive_a_thruster_and_a_fin_alike_and_as_if_they_were_built_
     logs = []
     for model in ("planar", "spatial"):
         for robot, given_ in ((mamba, command), (built, HELD)):
-            body = plant(robot, WATER, model=model, dt=0.0125)
+            body = build_plant(robot, WATER, model=model, dt=0.0125)
             logs.append(body.march(body.init(Start(velocity=0.2), given_), given_, 3.0, 0.5)[1])
     for log in logs[1:]:
         np.testing.assert_allclose(
@@ -191,7 +196,7 @@ def test_a_dive_plane_lifts_as_the_same_plate_upright_pushes_aside():
     forces = []
     for roll in (0.0, radians(90)):
         robot = replace(ROBOT, pectoral_fins=(replace(plate, roll=roll),))
-        body = plant(robot, NEUTRAL, model="spatial")
+        body = build_plant(robot, NEUTRAL, model="spatial")
         state = body.init(Start(velocity=0.5), HELD)
         log = body.march(state, replace(HELD, deflections=(0.15,)), 1e-4, 1e-4, link_forces=True)[1]
         forces.append(log.link_force["effector"][0].sum(axis=0))

@@ -11,7 +11,7 @@ from hypothesis import given, settings, strategies as st
 
 import laticauda as lc
 from laticauda.planar import rows
-from laticauda.planar.layout import layout
+from laticauda.planar.layout import build_layout
 from laticauda.robot import CaudalFin, Joint
 
 mujoco = pytest.importorskip("mujoco")
@@ -52,7 +52,7 @@ def test_accelerations_are_the_planar_ones_in_any_state(seed, n_hinges, driven, 
     )
     robot = replace(random_robot(rng, 4), caudal_fin=fin)
     water = random_water(rng, form)
-    a = layout(robot, water)
+    a = build_layout(robot, water)
     S = a.template.copy()
     body = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(
         -1, rows.BODY_ROWS
@@ -68,7 +68,9 @@ def test_accelerations_are_the_planar_ones_in_any_state(seed, n_hinges, driven, 
     )
     expected = body[is_free, rows.ACCELERATION]
 
-    model = lc.plant(robot, water, model="spatial", root="planar", gravity=False, dt=0.001).model
+    model = lc.build_plant(
+        robot, water, model="spatial", root="planar", gravity=False, dt=0.001
+    ).model
     data = mujoco.MjData(model)
     own = is_free.sum() - 3
     # There the joints of the body come first, and those of the fin follow from its root on.
@@ -138,7 +140,7 @@ def test_a_run_goes_on_where_it_ended():
     settings = {"environment": both.environment, "model": "spatial"}
     whole = lc.swim(both.robot, both.gait, 2.0, **settings)
     first = lc.swim(both.robot, both.gait, 1.0, **settings)
-    rest = lc.resume(lc.plant(both.robot, both.environment, model="spatial"), first, 1.0)
+    rest = lc.resume(lc.build_plant(both.robot, both.environment, model="spatial"), first, 1.0)
     np.testing.assert_array_equal(lc.joined(first, rest).fin_angle, whole.fin_angle)
 
 
@@ -167,7 +169,7 @@ def test_an_actuator_turns_a_driven_fin_the_way_the_body_bends():
     from laticauda.spatial import mjcf
 
     robot = CASES["both"].robot
-    model = mjcf.spec(robot, FIN.environment, actuators="servo", root="planar").compile()
+    model = mjcf.build_spec(robot, FIN.environment, actuators="servo", root="planar").compile()
     data = mujoco.MjData(model)
     data.joint("fin_joint").qpos[:] = 0.3
     mujoco.mj_forward(model, data)

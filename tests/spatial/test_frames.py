@@ -18,7 +18,7 @@ WATER = lc.load_water("paper-lateral")
 @given(robots())
 @settings(max_examples=15)
 def test_every_frame_is_where_the_body_of_its_name_is_and_the_center_of_mass_as_asked(robot):
-    model = mjcf.spec(robot, WATER, visuals=False, root="free", ballast_depth=0.01).compile()
+    model = mjcf.build_spec(robot, WATER, visuals=False, root="free", ballast_depth=0.01).compile()
     data = mujoco.MjData(model)
     rng = np.random.default_rng(1)
     joints, fin = (

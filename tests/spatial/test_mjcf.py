@@ -15,7 +15,7 @@ from laticauda.actuation.laws import Drive
 from laticauda.errors import MissingExtra
 from laticauda.robot import Joint, Module, PectoralFin, Section, Thruster
 from laticauda.spatial import mjcf
-from laticauda.spatial.bodies import moments
+from laticauda.spatial.bodies import moments_of_inertia
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -24,7 +24,7 @@ PRESETS = ["mamba", "mamba-fin", "mamba-modules", "mamba-modules-fin", "mamba-th
 
 
 def compiled(robot, environment=WATER, **options):
-    model = mjcf.spec(robot, environment, **options).compile()
+    model = mjcf.build_spec(robot, environment, **options).compile()
     return model, mujoco.MjData(model)
 
 
@@ -121,7 +121,7 @@ def test_kinetic_energy_is_that_of_the_planar_chain(robot, draw):
 
 @given(st.floats(1e-9, 10.0), st.floats(0.0, 10.0), st.floats(0.0, 10.0))
 def test_moments_of_inertia_are_those_of_a_possible_body(vertical, across, above):
-    about_x, about_y, about_z = moments(vertical, across, above)
+    about_x, about_y, about_z = moments_of_inertia(vertical, across, above)
     assert about_z == vertical
     assert (
         min(about_x + about_y - about_z, about_y + about_z - about_x, about_z + about_x - about_y)
@@ -132,7 +132,7 @@ def test_moments_of_inertia_are_those_of_a_possible_body(vertical, across, above
 def test_a_long_cylinder_has_the_moments_of_a_cylinder():
     mass, length, a, b = 0.77, 0.9, 0.055, 0.05
     solid = mass * (length**2 / 12.0 + b**2 / 4.0)
-    found = moments(solid, mass * b**2 / 4.0, mass * a**2 / 4.0)
+    found = moments_of_inertia(solid, mass * b**2 / 4.0, mass * a**2 / 4.0)
     assert found == pytest.approx(
         (mass * (a**2 + b**2) / 4.0, mass * (length**2 / 12.0 + a**2 / 4.0), solid)
     )
@@ -345,7 +345,7 @@ def test_places_that_exclude_each_other_are_refused():
             ValueError,
             match=f"`scene` must not be `{scene}` without water, got the ground `coulomb`",
         ):
-            mjcf.spec(lc.load_robot("mamba"), lc.load_ground("coulomb"), scene=scene)
+            mjcf.build_spec(lc.load_robot("mamba"), lc.load_ground("coulomb"), scene=scene)
 
 
 def test_modules_do_not_touch_each_other():
@@ -375,23 +375,23 @@ def test_a_mesh_per_module_is_seen_and_touched(tmp_path):
 def test_bad_arguments_are_refused_by_name():
     robot = lc.load_robot("mamba")
     with pytest.raises(ValueError, match=r"`root` must be one of `free`, `planar`, got 'fixed'"):
-        mjcf.spec(robot, WATER, root="fixed")
+        mjcf.build_spec(robot, WATER, root="fixed")
     with pytest.raises(ValueError, match=r"`actuators` must be one of `none`, `servo`"):
-        mjcf.spec(robot, WATER, actuators="pd")
+        mjcf.build_spec(robot, WATER, actuators="pd")
     with pytest.raises(ValueError, match=r"`scene` must be one of `pegs`, .*, got 'hill'"):
-        mjcf.spec(robot, WATER, scene="hill")
+        mjcf.build_spec(robot, WATER, scene="hill")
     with pytest.raises(
         ValueError, match=r"`meshes` must be one file per module \(9\) or none, got 1"
     ):
-        mjcf.spec(robot, WATER, meshes=["a.stl"])
+        mjcf.build_spec(robot, WATER, meshes=["a.stl"])
     with pytest.raises(
         ValueError, match=r"`meshes` must be existing .stl or .obj files, got a.stl"
     ):
-        mjcf.spec(robot, WATER, meshes=["a.stl"] * 9)
+        mjcf.build_spec(robot, WATER, meshes=["a.stl"] * 9)
     with pytest.raises(ValueError, match="`robot` must be of class Robot, got str"):
-        mjcf.spec("mamba", WATER)
+        mjcf.build_spec("mamba", WATER)
     with pytest.raises(ValueError, match=r"`depth` must be > 0.055 m"):
-        mjcf.spec(robot, replace(WATER, depth=0.01))
+        mjcf.build_spec(robot, replace(WATER, depth=0.01))
 
 
 def test_without_mujoco_the_extra_is_named(monkeypatch):
@@ -399,7 +399,7 @@ def test_without_mujoco_the_extra_is_named(monkeypatch):
     with pytest.raises(
         MissingExtra, match=r'The 3D model needs MuJoCo; run `pip install "laticauda\[spatial\]"`'
     ):
-        mjcf.spec(lc.load_robot("mamba"), WATER)
+        mjcf.build_spec(lc.load_robot("mamba"), WATER)
 
 
 def test_the_module_can_be_imported_without_loading_mujoco():
@@ -420,7 +420,7 @@ def test_the_file_is_the_robot_that_was_simulated_ballast_included(tmp_path):
     robot, water = lc.load_robot("mamba-modules-fin"), lc.load_water("paper-lateral")
     mjcf.write_mjcf(tmp_path / "robot.xml", robot, water)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
-    twin = lc.plant(robot, water, model="spatial").model
+    twin = lc.build_plant(robot, water, model="spatial").model
     own = [i for i in range(1, twin.nbody) if twin.body_rootid[i] == twin.body("module_0").id]
     same = [model.body(twin.body(i).name).id for i in own]
     assert twin.body_ipos[own][0, 2] == -0.005
@@ -429,5 +429,5 @@ def test_the_file_is_the_robot_that_was_simulated_ballast_included(tmp_path):
             getattr(model, f"body_{name}")[same], getattr(twin, f"body_{name}")[own], rtol=1e-5
         )  # six digits are written
     np.testing.assert_allclose(model.qpos0, twin.qpos0)
-    without = mjcf.spec(robot, water, ballast_depth=0.0).compile()
+    without = mjcf.build_spec(robot, water, ballast_depth=0.0).compile()
     assert not without.body_ipos[:, 2].any()

@@ -10,7 +10,7 @@ import laticauda as lc
 from laticauda.actuation import Servo
 from laticauda.dynamics.plant import Plant
 from laticauda.interfaces import Command, OpenLoop, Start
-from laticauda.simulate import plant, resume, run
+from laticauda.simulate import build_plant, resume, run
 from laticauda.spatial.model import SpatialPlant
 from laticauda.spatial.rows import STATE_ROWS
 from laticauda.spatial.water_robot import robot_elements
@@ -21,7 +21,7 @@ GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
 
 
 def test_it_is_a_plant_whose_state_is_a_value():
-    body: Plant = plant(ROBOT, WATER, model="spatial", joints="pd")
+    body: Plant = build_plant(ROBOT, WATER, model="spatial", joints="pd")
     command = Command(gait=GAIT)
     start = body.init(Start(), command)
     kept = start.values.copy()
@@ -36,7 +36,7 @@ def test_it_is_a_plant_whose_state_is_a_value():
 
 
 def test_the_water_is_there_again_when_somebody_took_the_callback():
-    body = plant(ROBOT, WATER, model="spatial")
+    body = build_plant(ROBOT, WATER, model="spatial")
     command = Command(gait=GAIT)
     start = body.init(Start(), command)
     expected = body.march(start, command, 1.0, 0.1)[0].values
@@ -46,7 +46,7 @@ def test_the_water_is_there_again_when_somebody_took_the_callback():
 
 def test_it_starts_straight_at_the_start_that_is_asked_for():
     for root in ("planar", "free"):
-        body = plant(ROBOT, WATER, model="spatial", root=root)
+        body = build_plant(ROBOT, WATER, model="spatial", root=root)
         seen = body.observe(
             body.init(Start(center_of_mass=(1.0, -2.0), heading=2.5), Command(gait=GAIT))
         )
@@ -57,10 +57,10 @@ def test_it_starts_straight_at_the_start_that_is_asked_for():
 
 
 def test_a_run_goes_on_from_where_it_ended():
-    body = plant(ROBOT, WATER, model="spatial", root="free", gravity=False)
+    body = build_plant(ROBOT, WATER, model="spatial", root="free", gravity=False)
     whole = run(body, OpenLoop(command=Command(gait=GAIT)), 2.0)
     first = run(body, OpenLoop(command=Command(gait=GAIT)), 1.0)
-    again = plant(first.scenario)
+    again = build_plant(first.scenario)
     assert again.settings == body.settings
     second = resume(again, first, 1.0)
     np.testing.assert_allclose(second.center_of_mass[-1], whole.center_of_mass[-1], atol=1e-9)
@@ -189,17 +189,17 @@ def test_elements_have_the_planar_model_s_numbers_in_the_plane_and_the_turned_el
 
 def test_bad_settings_are_refused_by_name():
     with pytest.raises(ValueError, match="`root` must be one of `free`, `planar`, got 'held'"):
-        plant(ROBOT, WATER, model="spatial", root="held")
+        build_plant(ROBOT, WATER, model="spatial", root="held")
     with pytest.raises(
         ValueError, match="`root` must be left out unless `model` is `spatial`, got 'free'"
     ):
-        plant(ROBOT, WATER, root="free")
+        build_plant(ROBOT, WATER, root="free")
     with pytest.raises(ValueError, match="`dt` must be between"):
         SpatialPlant(robot=ROBOT, environment=WATER, settings=lc.Spatial(dt=0.0))
     with pytest.raises(
         ValueError, match="`state` must be that of a spatial run of 9 links with a planar root"
     ):
-        plant(ROBOT, WATER, model="spatial").unpack({})
+        build_plant(ROBOT, WATER, model="spatial").unpack({})
 
 
 @pytest.mark.filterwarnings("ignore:`timestep`")

@@ -49,7 +49,7 @@ def test_a_robot_in_a_current_is_one_in_still_water_seen_from_a_moving_frame(
     current = Moving(v_x=velocity[0], v_y=velocity[1]) if compiled else tuple(velocity.tolist())
     command, paths = lc.Command(gait=GAIT), []
     for water, moving in ((still, np.zeros(2)), (replace(still, current=current), velocity)):
-        plant = lc.plant(robot, water, model=model, dt=0.01)
+        plant = lc.build_plant(robot, water, model=model, dt=0.01)
         state = plant.init(lc.Start(), command)
         if model == "planar":
             first = rows.VX - rows.TIME
@@ -69,7 +69,7 @@ def test_a_robot_at_rest_in_turning_water_is_turned_as_one_that_turns_in_still_w
     rate, dt, gains = 0.4, 1e-5, []
     straight = lc.Command(gait=replace(GAIT, amplitude=0.0))
     for turning, current in ((-rate, (0.0, 0.0)), (0.0, Moving(shear=-rate, swing=rate))):
-        plant = lc.plant(
+        plant = lc.build_plant(
             lc.load_robot("mamba-fin"), replace(STILL, current=current), model="planar", dt=dt
         )
         state = plant.init(lc.Start(), straight)
@@ -85,16 +85,19 @@ def test_in_waves_robots_of_one_scene_far_apart_swim_as_alone_and_a_run_goes_on_
     robot, settings = lc.load_robot("mamba"), {"model": "spatial", "root": "free", "scene": "open"}
     starts = [lc.Start(center_of_mass=(0.0, 5.0 * k), depth=0.07) for k in range(2)]
     scenarios = [
-        lc.scenario(robot, GAIT, 1.0, environment=water, start=start, **settings)
+        lc.build_scenario(robot, GAIT, 1.0, environment=water, start=start, **settings)
         for start in starts
     ]
     together, alone = lc.swim_together(scenarios), [lc.swim(one) for one in scenarios]
     for a, b in zip(together, alone, strict=True):
         assert np.array_equal(a.center_of_mass, b.center_of_mass)
     assert np.ptp(alone[0].center_of_mass[:, 2]) > 0.01
-    plant, command = lc.plant(robot, STILL, **settings).in_current(WAVES), lc.Command(gait=GAIT)
+    plant, command = (
+        lc.build_plant(robot, STILL, **settings).in_current(WAVES),
+        lc.Command(gait=GAIT),
+    )
     state = plant.init(starts[0], command)
     whole, _, _ = plant.march(state, command, 1.0, 0.1)
     half, _, _ = plant.march(state, command, 0.5, 0.1)
-    other, _, _ = lc.plant(robot, water, **settings).march(half, command, 0.5, 0.1)
+    other, _, _ = lc.build_plant(robot, water, **settings).march(half, command, 0.5, 0.1)
     assert np.array_equal(other.values, whole.values)

@@ -109,7 +109,7 @@ def test_what_moves_up_and_down_has_the_friction_of_what_moves_sideways():
             "<mujoco><option gravity='0 0 0'/><worldbody><body name='b'><freejoint/>"
             "<geom size='.1'/></body></worldbody></mujoco>"
         )
-        model = water.compiled(spec)
+        model = water.compile_spec(spec)
         law = PolynomialDrag(quadratic=False, reference_speed=0.5, sway_friction=0.7)
         element = Element(body="b", drag=(2.0, 0.0, 0.0), law=law)
         handle = water.attach(model, (element,))

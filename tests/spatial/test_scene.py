@@ -10,7 +10,7 @@ import laticauda as lc
 from laticauda.control import OffsetSteps
 from laticauda.interfaces import Command, OpenLoop, Resumed, Start
 from laticauda.robot import Scene
-from laticauda.simulate import plant, run
+from laticauda.simulate import build_plant, run
 from laticauda.spatial.scene import HeightField, Mjcf, Pegs, Slope, Tank
 
 ROBOT = lc.load_robot("mamba")
@@ -37,7 +37,7 @@ def wall(spec):
 
 @pytest.mark.parametrize("joints", ["prescribed", "servo"])
 def test_a_wall_takes_the_momentum_of_a_robot_that_swims_against_it(joints):
-    body = plant(ROBOT, WATER, model="spatial", scene=wall, joints=joints)
+    body = build_plant(ROBOT, WATER, model="spatial", scene=wall, joints=joints)
     trial = run(
         body,
         OpenLoop(command=Command(gait=STILL)),
@@ -85,7 +85,7 @@ def test_contact_forces_are_saved_and_loaded(tmp_path):
     [Pegs(spacing=0.5), Slope(angle=0.1), Tank(), HeightField(heights=((0.0, 1.0), (0.5, 0.0)))],
 )
 def test_a_scene_is_a_value_that_files_keep(scene, tmp_path):
-    scenario = lc.scenario(ROBOT, GAIT, 1.0, model="spatial", scene=scene)
+    scenario = lc.build_scenario(ROBOT, GAIT, 1.0, model="spatial", scene=scene)
     lc.save_scenario(scenario, tmp_path / "one.toml")
     assert lc.load_scenario(tmp_path / "one.toml") == scenario
     assert scenario.settings["scene"] in Scene.names()
@@ -214,7 +214,9 @@ def test_a_snake_crawls_over_uneven_ground_and_follows_it():
 
 
 def test_a_ray_measures_the_way_to_a_wall():
-    body = plant(ROBOT, WATER, model="spatial", scene=wall, rays=(0.0, np.pi / 3.0, np.pi / 2.0))
+    body = build_plant(
+        ROBOT, WATER, model="spatial", scene=wall, rays=(0.0, np.pi / 3.0, np.pi / 2.0)
+    )
     ranges = body.observe(body.init(Start(center_of_mass=(-1.0, 0.0)), Command(gait=GAIT))).ranges
     ahead = 0.86 - (-1.0 + 0.5 * ROBOT.length)
     np.testing.assert_allclose(ranges, (ahead, ahead / np.cos(np.pi / 3.0), np.inf), rtol=1e-6)
@@ -231,7 +233,7 @@ def one(y, robot="mamba", **changes):
         **changes,
     }
     gait = replace(GAIT, frequency=GAIT.frequency * (0.78 if y else 1.0))
-    return lc.scenario(robot, gait, given.pop("duration", 2.0), **given)
+    return lc.build_scenario(robot, gait, given.pop("duration", 2.0), **given)
 
 
 @pytest.mark.parametrize("joints", ["prescribed", "servo"])
@@ -263,7 +265,7 @@ def test_every_robot_of_a_scene_has_its_own_controller():
         guidance=lc.LineOfSight(look_ahead_distance=0.5),
         heading=lc.HeadingController(gain=0.4, max_offset=0.2),
     )
-    steered = lc.scenario(
+    steered = lc.build_scenario(
         "mamba",
         following,
         2.0,
@@ -279,7 +281,10 @@ def test_every_robot_of_a_scene_has_its_own_controller():
 def test_a_delay_is_of_the_robot_whose_commands_are_late():
     led = OffsetSteps(gait=GAIT, offsets=(0.3, -0.3), interval=0.5)
     far = {"model": "spatial", "scene": "open", "start": Start(center_of_mass=(0.0, 4.0))}
-    late, other = lc.scenario("mamba", led, 1.0, loop_delay=0.12, **far), one(0.0, duration=1.0)
+    late, other = (
+        lc.build_scenario("mamba", led, 1.0, loop_delay=0.12, **far),
+        one(0.0, duration=1.0),
+    )
     for together, scenario in zip(lc.swim_together([other, late]), (other, late), strict=True):
         np.testing.assert_allclose(
             together.center_of_mass, lc.swim(scenario).center_of_mass, atol=1e-9

@@ -20,7 +20,7 @@ PLACES, CURRENTS = (
 
 
 def plant(**changes):
-    return lc.plant(
+    return lc.build_plant(
         lc.load_robot("mamba-fin"), lc.load_water("paper-lateral"), model="spatial", **changes
     )
 
@@ -48,7 +48,7 @@ def test_every_robot_does_in_its_current_what_it_does_alone_to_the_last_bit(
     assert school.is_well.all()
     for i in range(3):
         water = replace(lc.load_water("paper-lateral"), current=tuple(CURRENTS[i]))
-        body = lc.plant(lc.load_robot("mamba-fin"), water, model="spatial", **changes)
+        body = lc.build_plant(lc.load_robot("mamba-fin"), water, model="spatial", **changes)
         state = body.init(Start(center_of_mass=tuple(PLACES[i]), heading=-0.4), COMMAND)
         for offset in told[:, i].tolist():
             state = body.step(

@@ -11,7 +11,7 @@ from laticauda.fluid.laws import CoulombFriction
 from laticauda.interfaces import Command, OpenLoop, Start
 from laticauda.mujoco_water.ground import SINK
 from laticauda.pictures.replay import path_dashes
-from laticauda.simulate import plant, resume, run
+from laticauda.simulate import build_plant, resume, run
 from laticauda.spatial.scene import Shore
 
 ROBOT = lc.load_robot("mamba-modules")
@@ -38,7 +38,7 @@ def displacement(trial):
 
 def crawl(gait, duration, ground=SMOOTH, **settings):
     return run(
-        plant(ROBOT, ground, model="spatial", **settings),
+        build_plant(ROBOT, ground, model="spatial", **settings),
         OpenLoop(command=Command(gait=gait)),
         duration,
         throw=True,
@@ -101,7 +101,7 @@ def test_a_pitch_offset_steers_in_depth():
 
 
 def test_what_is_observed_is_the_state_itself():
-    body = plant(ROBOT, NEUTRAL, model="spatial")
+    body = build_plant(ROBOT, NEUTRAL, model="spatial")
     command = Command(gait=replace(YAW, offset=0.1), pitch_offset=0.1)
     state, log, _ = body.march(body.init(Start(), command), command, 3.0, 0.5)
     seen = body.observe(state)
@@ -154,7 +154,7 @@ def follow(profile, duration, **changes):
         climb=lc.HeadingController(gain=0.2, max_offset=radians(5.0)),
     )
     robot = changes.pop("robot", ROBOT)
-    body = plant(robot, NEUTRAL, **{"model": "spatial", **changes})
+    body = build_plant(robot, NEUTRAL, **{"model": "spatial", **changes})
     return run(body, controller, duration, start=Start(center_of_mass=(0.0, 0.3)))
 
 
@@ -215,7 +215,7 @@ def test_it_rests_on_the_ground_where_its_weight_is_carried():
     np.testing.assert_allclose(displacement(trial)[:2], 0.0, atol=1e-9)
     held = (
         run(
-            plant(ROBOT, SMOOTH, model="spatial"),
+            build_plant(ROBOT, SMOOTH, model="spatial"),
             OpenLoop(command=Command(gait=STILL)),
             0.3,
             link_forces=True,
@@ -264,7 +264,7 @@ def test_sidewinding_goes_sideways_and_its_mirror_image_to_the_other_side():
 
 
 def test_it_crawls_from_the_shore_into_the_water_and_swims_on():
-    body = plant(ROBOT, WATER, model="spatial", scene=Shore(ground=SMOOTH))
+    body = build_plant(ROBOT, WATER, model="spatial", scene=Shore(ground=SMOOTH))
     trial = run(
         body,
         OpenLoop(command=Command(gait=YAW)),
@@ -283,9 +283,9 @@ def test_it_crawls_from_the_shore_into_the_water_and_swims_on():
 
 
 def test_a_run_from_the_shore_goes_on_where_it_ended():
-    body = plant(ROBOT, WATER, model="spatial", scene=Shore(ground=SMOOTH))
+    body = build_plant(ROBOT, WATER, model="spatial", scene=Shore(ground=SMOOTH))
     first = run(body, OpenLoop(command=Command(gait=YAW)), 1.0)
-    again = plant(first.scenario)
+    again = build_plant(first.scenario)
     assert again.settings == body.settings
     whole = run(body, OpenLoop(command=Command(gait=YAW)), 2.0)
     np.testing.assert_allclose(
@@ -295,14 +295,14 @@ def test_a_run_from_the_shore_goes_on_where_it_ended():
 
 def test_a_shore_is_refused_where_it_cannot_be():
     with pytest.raises(ValueError, match="`scene` must be left out unless `model` is `spatial`"):
-        plant(ROBOT, WATER, scene="shore")
+        build_plant(ROBOT, WATER, scene="shore")
     with pytest.raises(
         ValueError, match="`scene` must not be `shore` without water, got the ground `coulomb`"
     ):
-        plant(ROBOT, SMOOTH, model="spatial", scene="shore")
+        build_plant(ROBOT, SMOOTH, model="spatial", scene="shore")
     with pytest.raises(
         ValueError, match="`root` must be `free`, with `gravity`, for a robot that lies on a scene"
     ):
-        plant(ROBOT, WATER, model="spatial", scene="shore", root="planar")
+        build_plant(ROBOT, WATER, model="spatial", scene="shore", root="planar")
     with pytest.raises(ValueError, match="`root` must be `planar` on the ground without `gravity`"):
-        plant(ROBOT, SMOOTH, model="spatial", gravity=False)
+        build_plant(ROBOT, SMOOTH, model="spatial", gravity=False)

@@ -49,7 +49,7 @@ def test_a_file_opens_in_plain_mujoco_with_the_robots_mass_and_axes(preset, kind
         write_urdf(file, robot)
     model = mujoco.MjModel.from_xml_path(str(file))
     mass, axes = masses_and_axes(model)
-    expected_mass, expected = masses_and_axes(mjcf.spec(robot, WATER).compile())
+    expected_mass, expected = masses_and_axes(mjcf.build_spec(robot, WATER).compile())
     assert mass == pytest.approx(expected_mass) == pytest.approx(robot.mass)
     assert axes.keys() == expected.keys() == {f"joint_{i}" for i in range(robot.n_joints)}
     for name, axis in expected.items():
@@ -60,7 +60,7 @@ def test_an_mjcf_file_is_the_model_that_it_was_made_of(tmp_path):
     robot = lc.load_robot("mamba-modules-fin")
     write_mjcf(tmp_path / "robot.xml", robot, WATER, actuators="servo")
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
-    original = mjcf.spec(robot, WATER, actuators="servo").compile()
+    original = mjcf.build_spec(robot, WATER, actuators="servo").compile()
     for name in (
         "body_mass",
         "body_inertia",
@@ -126,7 +126,7 @@ def test_in_any_posture_a_urdf_robot_is_where_the_mjcf_robot_is(robot):
     """Bodies, their centers of mass and their inertia (whose axes MuJoCo sorts when it reads URDF)."""
     models = (
         mujoco.MjModel.from_xml_string(urdf(robot)),
-        mjcf.spec(robot, WATER, visuals=False).compile(),
+        mjcf.build_spec(robot, WATER, visuals=False).compile(),
     )
     found = []
     for model in models:
@@ -155,7 +155,7 @@ def test_any_robot_can_be_written_and_read_back(robot):
     text = urdf(robot)
     assert ET.fromstring(text).get("name") == robot.name
     assert mujoco.MjModel.from_xml_string(text).body_subtreemass[0] == pytest.approx(robot.mass)
-    model = mjcf.spec(robot, WATER)
+    model = mjcf.build_spec(robot, WATER)
     model.compile()
     assert mujoco.MjModel.from_xml_string(model.to_xml()).body_subtreemass[0] == pytest.approx(
         robot.mass, rel=1e-5

@@ -17,4 +17,4 @@ def small(**changes: Any) -> Sweep:
     points = Grid(values={"gait.amplitude": AMPLITUDE, "water.normal_drag": DRAG})
     given = {"robot": "mamba", "motion": GAIT, "duration": 1.0, **changes}
     points = given.pop("points", points)
-    return Sweep(scenario=lc.scenario(**given), points=points)
+    return Sweep(scenario=lc.build_scenario(**given), points=points)

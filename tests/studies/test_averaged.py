@@ -6,7 +6,7 @@ import laticauda as lc
 from laticauda.studies import averaged_model
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
-PLANT = lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"))
+PLANT = lc.build_plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"))
 
 
 def test_the_averaged_model_swims_as_fast_as_the_gait_and_turns_to_the_side_of_its_offset():

@@ -8,11 +8,13 @@ import pytest
 import xarray
 
 import laticauda as lc
-from laticauda.studies import Front, Optimization, optimization as module, unbeaten
+from laticauda.studies import Front, Optimization, optimization as module, pareto_front
 from laticauda.studies.sweep import QUANTITIES
 
 SOUGHT = Optimization(
-    scenario=lc.scenario("mamba-fin", lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)),
+    scenario=lc.build_scenario(
+        "mamba-fin", lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)
+    ),
     bounds={
         "gait.amplitude": (0.2, 0.9),
         "robot.caudal_fin.length": (0.2, 0.5),
@@ -30,7 +32,7 @@ def test_a_gait_beyond_the_limits_of_the_joints_is_not_feasible_and_does_not_swi
     )
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7, offset=radians(5))
     sought = Optimization(
-        scenario=lc.scenario(tight, gait, 1.0),
+        scenario=lc.build_scenario(tight, gait, 1.0),
         bounds={"gait.amplitude": (0.1, 1.0), "gait.frequency": (1.0, 4.0)},
         joint_rate_limit=1.0,
     )
@@ -99,7 +101,7 @@ def a_front(n: int) -> Front:
 @pytest.mark.parametrize("levels", [4, 1000])
 def test_a_point_is_kept_exactly_if_no_other_one_beats_it(levels: int):
     losses = np.random.default_rng(3).integers(0, levels, (60, 2)).astype(float)
-    kept = unbeaten(losses)
+    kept = pareto_front(losses)
     for i, point in enumerate(losses):
         beats = np.all(losses <= point, axis=1) & np.any(losses < point, axis=1)
         first = np.flatnonzero(np.all(losses == point, axis=1))[0] == i
@@ -107,8 +109,8 @@ def test_a_point_is_kept_exactly_if_no_other_one_beats_it(levels: int):
 
 
 def test_of_one_objective_the_first_best_point_is_kept():
-    assert unbeaten(np.array([[3.0], [1.0], [1.0]])).tolist() == [False, True, False]
-    assert unbeaten(np.empty((0, 2))).size == 0
+    assert pareto_front(np.array([[3.0], [1.0], [1.0]])).tolist() == [False, True, False]
+    assert pareto_front(np.empty((0, 2))).size == 0
 
 
 def test_chosen_points_lie_evenly_along_the_front_with_its_ends():

@@ -13,13 +13,13 @@ from pymoo.indicators.hv import HV
 import laticauda as lc
 from laticauda.errors import StorageFailed
 from laticauda.studies import Front, Optimization, optimize
-from laticauda.studies.optimization import evaluate, losses
+from laticauda.studies.optimization import compute_losses, evaluate
 from laticauda.studies.optimize import Search
 
 kills = campaign("optimize_kills")
 BOUNDS = {"gait.amplitude": (0.2, 0.9), "gait.phase_shift": (0.2, 1.2)}
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
-SCENARIO = lc.scenario("mamba", GAIT, 2.0)
+SCENARIO = lc.build_scenario("mamba", GAIT, 2.0)
 SOUGHT = Optimization(scenario=SCENARIO, bounds=BOUNDS)
 
 
@@ -33,7 +33,7 @@ def same(a: Front, b: Front) -> bool:
 
 def test_no_point_of_the_front_beats_another_one_and_all_are_within_the_bounds():
     front = small()
-    found = losses(front.optimization.objectives, front.figures)
+    found = compute_losses(front.optimization.objectives, front.figures)
     assert len(front) > 3
     assert np.all(np.diff(found[:, 1]) > 0.0) and np.all(np.diff(found[:, 0]) < 0.0)
     for column, (low, high) in zip(front.values.T, BOUNDS.values(), strict=True):
@@ -50,11 +50,11 @@ def test_the_figures_of_a_point_are_those_of_its_trial():
 def test_the_search_is_worth_more_than_as_many_random_points():
     front = small(budget=240, population=24)
     low, high = SOUGHT.box()
-    by_chance = losses(
+    by_chance = compute_losses(
         SOUGHT.objectives,
         evaluate(SOUGHT, np.random.default_rng(0).uniform(low, high, (240, low.size))),
     )
-    found = losses(SOUGHT.objectives, front.figures)
+    found = compute_losses(SOUGHT.objectives, front.figures)
     reference = (0.0, float(found[:, 1].max()))
     area = HV(ref_point=np.array(reference))  # of what a front beats
     assert area(found) > area(by_chance)
@@ -70,7 +70,7 @@ def test_for_one_objective_it_finds_the_maximum_of_a_grid_or_better():
 
 
 def test_it_keeps_within_what_the_actuators_have_unless_told_otherwise():
-    scenario = lc.scenario("mamba-fin", SCENARIO.gait, 6.0)
+    scenario = lc.build_scenario("mamba-fin", SCENARIO.gait, 6.0)
     sought = replace(SOUGHT, scenario=scenario, objectives="forward_velocity")
     within = small(sought, budget=96, population=16)
     beyond = small(replace(sought, beyond_actuators=True), budget=96, population=16)

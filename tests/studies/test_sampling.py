@@ -7,32 +7,32 @@ import pytest
 from hypothesis import given, strategies as st
 
 from laticauda.studies import Grid, Rows, Samples
-from laticauda.studies.sweep import cut, extent
+from laticauda.studies.sweep import block_shape, divide_regions
 
 BOX = {"gait.amplitude": (0.2, 0.8), "robot.n_links": (5.0, 8.0), "water.normal_drag": (1.0, 2.0)}
 
 
 @given(shape=st.lists(st.integers(1, 12), min_size=1, max_size=4), size=st.integers(1, 50))
 def test_regions_cover_every_point_once(shape: list[int], size: int):
-    regions = cut(tuple(shape), size)
+    regions = divide_regions(tuple(shape), size)
     seen = np.zeros(shape, dtype=int)
     for index in range(regions.count):
         seen[regions.at(index)] += 1
-        assert regions.n_points(index) == np.prod(extent(regions.at(index))) <= size
+        assert regions.n_points(index) == np.prod(block_shape(regions.at(index))) <= size
     assert np.all(seen == 1)
 
 
 def test_regions_are_whole_rows_in_nearly_equal_pieces():
-    assert cut((100, 100, 100), 4096).block == (1, 34, 100)
-    assert cut((10_000_000,), 4096).block == (4096,)
+    assert divide_regions((100, 100, 100), 4096).block == (1, 34, 100)
+    assert divide_regions((10_000_000,), 4096).block == (4096,)
 
 
 def points_of(points: Grid | Rows | Samples, size: int, **how) -> np.ndarray:
-    regions = cut(points.shape, size)
+    regions = divide_regions(points.shape, size)
     table = np.full((*points.shape, len(points.names)), np.nan)
     blocks = list(map(regions.at, range(regions.count)))
     for block, part in zip(blocks, points.tables(blocks, **how), strict=True):
-        table[block] = part.reshape(*extent(block), -1)
+        table[block] = part.reshape(*block_shape(block), -1)
     return table.reshape(-1, len(points.names))
 
 

@@ -12,7 +12,16 @@ from studies.sweeps import AMPLITUDE, DRAG, GAIT, small
 
 import laticauda as lc
 from laticauda.errors import StorageFailed
-from laticauda.studies import Grid, Rows, Samples, best, count_failed, open_sweep, run_sweep, store
+from laticauda.studies import (
+    Grid,
+    Rows,
+    Samples,
+    best_points,
+    count_failed,
+    open_sweep,
+    run_sweep,
+    store,
+)
 
 
 def bits(folder: Path) -> dict[str, bytes]:
@@ -109,7 +118,7 @@ def test_a_sweep_goes_on_where_it_was_stopped(tmp_path: Path):
 
 def test_a_finished_sweep_is_not_run_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     run_sweep(small(), tmp_path / "a")
-    monkeypatch.setattr("laticauda.studies.sweep.collected", lambda *_, **__: pytest.fail("it ran"))
+    monkeypatch.setattr("laticauda.studies.sweep.run_batch", lambda *_, **__: pytest.fail("it ran"))
     assert run_sweep(small(), tmp_path / "a").n_finished == 12
 
 
@@ -150,7 +159,7 @@ def test_a_run_that_blows_up_is_counted_and_has_no_numbers(tmp_path: Path):
     for name in ("forward_velocity", "mechanical_power", "net_power", "cost_of_transport"):
         assert found[name].isnull().to_numpy().tolist() == [False, True]
     assert count_failed(tmp_path / "a") == 1
-    assert len(best(tmp_path / "a")) == 1
+    assert len(best_points(tmp_path / "a")) == 1
 
 
 # ---- what is refused -----------------------------------------------------------------------------
@@ -213,7 +222,7 @@ def test_results_that_do_not_say_any_more_what_was_varied_are_refused(
     run_sweep(small(points=points), tmp_path)
     damaged = tmp_path / "results.zarr" / file
     damaged.write_text(damaged.read_text().replace(f'"{word}"', f'"{word[:-1]}?"'))
-    for read in (open_sweep, best):
+    for read in (open_sweep, best_points):
         with pytest.raises(
             ValueError, match=r"readable `results\.zarr`, got .*`gait\.amplitude` is missing"
         ):
@@ -316,23 +325,23 @@ def test_a_disk_may_be_full_at_any_file(tmp_path: Path, monkeypatch: pytest.Monk
 def test_the_best_are_the_fastest_or_the_cheapest(tmp_path: Path):
     found = run_sweep(small(), tmp_path / "a", region_size=5)
     speeds = np.sort(found.forward_velocity.to_numpy(), axis=None)[::-1]
-    fastest = best(tmp_path / "a", count=4)
+    fastest = best_points(tmp_path / "a", count=4)
     assert [point["forward_velocity"] for point in fastest] == speeds[:4].tolist()
     where = {name: fastest[0][name] for name in ("gait.amplitude", "water.normal_drag")}
     assert float(found.forward_velocity.sel(where)) == speeds[0]
-    (cheapest,) = best(tmp_path / "a", "cost_of_transport", 1)
+    (cheapest,) = best_points(tmp_path / "a", "cost_of_transport", 1)
     assert cheapest["cost_of_transport"] == float(found.cost_of_transport.min())
-    assert len(best(tmp_path / "a", count=100)) == 12
+    assert len(best_points(tmp_path / "a", count=100)) == 12
     assert count_failed(tmp_path / "a") == 0
 
 
 def test_the_best_so_far_can_be_had_while_it_runs(tmp_path: Path):
     stopped(small(), tmp_path / "a", 5, region_size=2)
-    assert len(best(tmp_path / "a", count=100)) == 6
-    assert best(tmp_path / "a", "steady_velocity") == []  # these runs are too short for one
+    assert len(best_points(tmp_path / "a", count=100)) == 6
+    assert best_points(tmp_path / "a", "steady_velocity") == []  # these runs are too short for one
 
 
 def test_what_the_best_are_best_in_must_exist(tmp_path: Path):
     run_sweep(small(), tmp_path / "a")
     with pytest.raises(ValueError, match=r"`quantity` must be one of .*did you mean `net_power`"):
-        best(tmp_path / "a", "net_powr")
+        best_points(tmp_path / "a", "net_powr")

@@ -5,7 +5,7 @@ from hypothesis import given, strategies as st
 from laticauda.trial.cycles import (
     course_cycle_mean,
     cycle_mean,
-    direction,
+    direction_of,
     interpolated,
     steady_part,
 )
@@ -132,4 +132,4 @@ def test_the_course_of_a_circle_keeps_turning_past_half_a_turn():
 
 def test_a_robot_that_stands_still_has_no_course():
     with pytest.raises(ValueError, match="must travel to have a course"):
-        direction(np.array([[1.0, 0.0], [1e-9, 0.0]]))
+        direction_of(np.array([[1.0, 0.0], [1e-9, 0.0]]))

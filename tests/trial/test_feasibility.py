@@ -89,7 +89,7 @@ def test_servos_never_give_more_than_they_have(amplitude: float, frequency: floa
 
 @pytest.mark.parametrize("name", ["mamba-fin", "mamba-modules"])
 def test_a_sweeps_row_says_what_the_trial_says(name: str):
-    scenario = lc.scenario(name, GAIT, 6.0)
+    scenario = lc.build_scenario(name, GAIT, 6.0)
     table = np.radians([[20.0, 130.0], [60.0, 200.0], [170.0, 60.0]])
     found = swim_points(scenario, ("gait.amplitude", "gait.frequency"), table)
     for row, (amplitude, frequency) in enumerate(table):
@@ -107,7 +107,7 @@ def test_a_driven_fin_counts_in_rows_and_trials_alike():
     assert robot.caudal_fin is not None
     driven = replace(robot, caudal_fin=replace(robot.caudal_fin, joint=robot.joints[0]))
     gait = replace(GAIT, amplitude=0.1, fin=Wave(amplitude_deg=80, frequency_deg_s=130))
-    scenario = lc.scenario(driven, gait, 6.0)
+    scenario = lc.build_scenario(driven, gait, 6.0)
     trial = lc.swim(scenario)
     assert trial.feasibility.words.startswith("the fin's joint bends 80 of 90 deg")
     found = swim_points(scenario, ("gait.amplitude",), np.array([[0.1]]))

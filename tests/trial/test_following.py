@@ -92,7 +92,7 @@ def test_a_run_that_followed_no_path_has_no_such_figures(make_trial):
     with pytest.raises(
         ValueError, match="`trial` must be a run that followed a path: it has no signal"
     ):
-        following.summary(make_trial())
+        following.summarize_following(make_trial())
 
 
 def test_a_run_that_goes_on_behind_the_end_of_its_path_says_when_it_was_there():
@@ -100,7 +100,7 @@ def test_a_run_that_goes_on_behind_the_end_of_its_path_says_when_it_was_there():
 
     def end_of(*waypoints):
         trial = lc.swim("mamba-fin", Following(waypoints=waypoints).controller(gait), 15.0)
-        return following.summary(trial)["end_time"], trial
+        return following.summarize_following(trial)["end_time"], trial
 
     passed, trial = end_of((0.0, 0.0), (1.0, 0.0))
     assert np.interp(passed, trial.time, trial.center_of_mass[:, 0]) == pytest.approx(1.0, abs=0.03)

@@ -12,7 +12,14 @@ from trials import swum
 import laticauda as lc
 from laticauda import lab
 from laticauda.operate.drivers import Clock, DeviceFailed, contract, driver_named
-from laticauda.protocol import Heartbeat, JointState, NodeCommand, NodeState, Order, references
+from laticauda.protocol import (
+    Heartbeat,
+    JointState,
+    NodeCommand,
+    NodeState,
+    Order,
+    encode_references,
+)
 from laticauda_dynamixel.emulator import Servos, tank_of_servos
 from laticauda_dynamixel.packets import MIDDLE, OVERHEATING, TRIPPED, Register
 
@@ -83,13 +90,15 @@ def test_servos_go_where_references_say_and_are_limp_after_close(servos):
             truth = servos.lab.call(lambda tank: tank.truth.joint_angle)
             return bool(max(abs(truth - 0.1)) < 0.03)
 
-        beats(driver, are_there, messages=(ON, *references([0.1] * N)))
+        beats(driver, are_there, messages=(ON, *encode_references([0.1] * N)))
     until(lambda: not servos.lab.call(lambda tank: any(node.is_on for node in tank.nodes)))
 
 
 def test_servos_stop_by_themselves_where_the_program_dies(servos):
     with made(servos) as driver:
-        beats(driver, lambda last: last[1].state.is_on, messages=(ON, *references([0.2] * N)))
+        beats(
+            driver, lambda last: last[1].state.is_on, messages=(ON, *encode_references([0.2] * N))
+        )
         driver._ended.set()  # its thread is no more
         driver._thread.join()
         until(
@@ -101,7 +110,7 @@ def test_servos_stop_by_themselves_where_the_program_dies(servos):
 def test_an_error_of_the_hardware_is_a_fault_until_it_is_cleared_by_a_reboot(servos):
     with made(servos) as driver:
         servos.tables[3][Register.HARDWARE_ERROR] = OVERHEATING
-        on = (ON, *references([0.0] * N))
+        on = (ON, *encode_references([0.0] * N))
         found = beats(
             driver,
             lambda last: last[3].state == NodeState.FAULT and last[2].state.is_on,

@@ -15,8 +15,8 @@ from rendering import skip_without_rendering
 
 import laticauda as lc
 from laticauda.fluid.gridded import Gridded, to_dataset
-from laticauda.quantities import value
-from laticauda.simulate.numbers import changed
+from laticauda.quantities import value_class
+from laticauda.simulate.numbers import change_parameters
 from laticauda_gym import (
     IDS,
     Efficiency,
@@ -123,7 +123,7 @@ def test_an_episode_in_a_scene_feels_and_sees_it_and_does_not_begin_inside_of_it
 
 
 def test_a_task_of_ones_own_sees_what_the_planar_model_knows_nothing_of():
-    @value
+    @value_class
     class Dive(Efficiency):
         @property
         def sights(self):
@@ -418,7 +418,7 @@ def test_each_seed_is_another_flow_in_lanes_as_in_single_environments_and_all_sw
             name: values[lane] for name, values in drawn.items() if name.startswith("water.")
         }
         start = lc.Start(center_of_mass=(0.0, drawn["y"][lane]), heading=drawn["heading"][lane])
-        trial = lc.swim(replace(changed(task.scenario, numbers), start=start))
+        trial = lc.swim(replace(change_parameters(task.scenario, numbers), start=start))
         here = envs.episodes.motion.x[lane], envs.episodes.motion.y[lane]
         assert here == pytest.approx(trial.center_of_mass[-1], abs=1e-12)
 
@@ -433,7 +433,7 @@ def test_in_a_flow_on_a_grid_whose_start_is_drawn_lanes_swim_as_swim_does():
     drawn = envs.episodes.drawn
     assert np.ptp(drawn["water.current.start"]) > 0.1
     for lane in range(2):
-        own = changed(
+        own = change_parameters(
             envs.task.scenario, {"water.current.start": drawn["water.current.start"][lane]}
         )
         start = lc.Start(center_of_mass=(0.0, drawn["y"][lane]), heading=drawn["heading"][lane])

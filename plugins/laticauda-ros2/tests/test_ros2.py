@@ -27,7 +27,7 @@ from laticauda.protocol import (
     NodeCommand,
     NodeState,
     Order,
-    references,
+    encode_references,
 )
 from laticauda_ros2 import messages, node
 from laticauda_ros2.emulator import TOPIC, Controllers, Poses, tank_behind_ros
@@ -267,8 +267,8 @@ def test_joints_go_where_references_say_and_are_limp_after_close(robot):
             truth = robot.lab.call(lambda tank: tank.truth.joint_angle)
             return bool(max(abs(truth - goals)) < 0.015)
 
-        told(driver, are_there, messages=(ON, *references(goals)))
-        angles = told(driver, lambda _: True, JointState, messages=references(goals))
+        told(driver, are_there, messages=(ON, *encode_references(goals)))
+        angles = told(driver, lambda _: True, JointState, messages=encode_references(goals))
         assert [angles[number].angle for number in range(1, N + 1)] == pytest.approx(
             goals, abs=0.03
         )
@@ -276,7 +276,7 @@ def test_joints_go_where_references_say_and_are_limp_after_close(robot):
 
 
 def test_an_emergency_stop_switches_all_motors_off_until_it_is_cleared(robot):
-    held = references([0.0] * N)
+    held = encode_references([0.0] * N)
     with opened(robot) as driver:
         told(driver, lambda last: last[1].state.is_on, messages=(ON, *held))
         found = told(
@@ -296,9 +296,12 @@ def test_an_emergency_stop_switches_all_motors_off_until_it_is_cleared(robot):
 def test_rates_and_torques_may_be_missing(robot):
     robot.tells = ()
     with opened(robot) as driver:
-        told(driver, lambda last: last[1].state.is_on, messages=(ON, *references([0.5] * N)))
+        told(driver, lambda last: last[1].state.is_on, messages=(ON, *encode_references([0.5] * N)))
         first = told(
-            driver, lambda last: last[1].rate > 0.05, JointState, messages=references([0.5] * N)
+            driver,
+            lambda last: last[1].rate > 0.05,
+            JointState,
+            messages=encode_references([0.5] * N),
         )
         assert first[1].torque == 0.0
 
@@ -309,13 +312,13 @@ def test_a_zero_that_is_set_counts_both_ways(robot):
         found = told(driver, lambda last: last[2].angle > 0.07, JointState)
         assert found[2].angle == pytest.approx(0.1, abs=0.03)
         assert found[1].angle == pytest.approx(0.0, abs=0.03)
-        told(driver, lambda last: last[2].state.is_on, messages=(ON, *references([0.0] * N)))
+        told(driver, lambda last: last[2].state.is_on, messages=(ON, *encode_references([0.0] * N)))
 
         def is_there(_) -> bool:
             truth = robot.lab.call(lambda tank: tank.truth.joint_angle)
             return bool(abs(truth[1] + 0.1) < 0.03 and abs(truth[0]) < 0.03)
 
-        told(driver, is_there, messages=references([0.0] * N))
+        told(driver, is_there, messages=encode_references([0.0] * N))
 
 
 def test_a_robot_that_leaves_is_noticed(robot):

@@ -142,7 +142,9 @@ def test_a_clock_that_began_anew_is_followed(sender, address):
 
 def test_a_whole_trial_runs_over_it_and_it_keeps_the_contract(address, tmp_path: Path, monkeypatch):
     robot = lc.load_robot("mamba")
-    body = lab.VirtualRobot(robot, lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"))
+    body = lab.VirtualRobot(
+        robot, lc.build_plant(robot, lc.load_water("paper-lateral"), joints="servo")
+    )
     nodes = lab.NodeSettings(hold_after=3.0, limp_after=4.0, startup_time=0.2, calibration_time=0.2)
     tank = lab.Tank(body, lab.LabSettings(nodes=nodes))
     served = lab.Lab(tank, bus=bus_address("virtual:udp-json"))

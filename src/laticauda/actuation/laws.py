@@ -12,10 +12,10 @@ trials at once) work too; conditions therefore use the real part only, and choic
 
 from typing import ClassVar, NamedTuple
 
-from laticauda.errors import one_of
+from laticauda.errors import check_choice
 from laticauda.extensions import Extensible
 from laticauda.formulas import Formula, Law
-from laticauda.quantities import value
+from laticauda.quantities import value_class
 from laticauda.scalars import tanh, where
 
 # Rate over which dry friction changes sign; small compared with the rates of swimming, about 1
@@ -135,11 +135,11 @@ class JointLaw(Law, Extensible, group="joint_laws"):
             ValueError: If there is no law of that name.
         """
         if isinstance(given, str):
-            return cls.named(one_of("joints", given, cls.names()))()
+            return cls.named(check_choice("joints", given, cls.names()))()
         return given
 
 
-@value
+@value_class
 class Prescribed(JointLaw):
     """Exact motion, whatever torque that takes; `Actuator.tracking` is the share of its reference that a joint does."""
 
@@ -154,7 +154,7 @@ class Prescribed(JointLaw):
         return "prescribed joints"
 
 
-@value
+@value_class
 class PD(JointLaw):
     """Law of the published simulations: u = phi_ref'' + k_d (phi_ref' - phi') + k_p (phi_ref - phi).
 
@@ -190,7 +190,7 @@ class PD(JointLaw):
         return "pd-controlled joints"
 
 
-@value
+@value_class
 class Servo(JointLaw):
     """Hobby servos as in the real robot, see `servo`."""
 

@@ -5,7 +5,7 @@ from typing import ClassVar
 import numpy as np
 
 from laticauda.actuation.laws import SLIDING_RATE, Drive, Servo
-from laticauda.quantities import quantity, value
+from laticauda.quantities import quantity, value_class
 from laticauda.scalars import tanh, where
 
 TINY = 1e-30  # [(N m)^2], avoids 0/0 for a motor that is switched off and has nothing to do
@@ -13,7 +13,7 @@ BEYOND = 1.0 + 2.0**0.5
 """Relative excess of the slopes at the motor's limit over the chord: 1/gamma - 1 of `laticauda.dynamics.stages`."""
 
 
-@value
+@value_class
 class SpeedServo(Servo):
     """Servos with speed control, see `speed_servo`; the actuator's motor limits the torque.
 

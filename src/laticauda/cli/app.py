@@ -15,8 +15,8 @@ from typing import Annotated, Any, Union
 import tyro
 
 from laticauda.cli.command import Command
-from laticauda.cli.flags import BadFlag, spelled, wrapped
-from laticauda.errors import BadArgument, LaticaudaError, SimulationFailed, nearest
+from laticauda.cli.flags import BadFlag, spell_field, wrap_text
+from laticauda.errors import BadArgument, LaticaudaError, SimulationFailed, suggest_nearest
 from laticauda.files import read_toml
 
 PROGRAM = "laticauda"
@@ -71,7 +71,7 @@ def main(args: Sequence[str] | None = None) -> int:
         return 141
     except BadArgument as error:
         return _complain(
-            f"{spelled(error.name, command)} {error.rule}{'' if error.rule.endswith('?') else '.'}",
+            f"{spell_field(error.name, command)} {error.rule}{'' if error.rule.endswith('?') else '.'}",
             2,
         )
     except SimulationFailed as error:
@@ -99,7 +99,7 @@ def _read(words: list[str]) -> Command:
         return _choose(f"{PROGRAM} {words[0]}", GROUPS[words[0]], _commands(words[0]), words[1:])
     if words and not words[0].startswith("-"):
         raise BadFlag(
-            f"there is no command `{words[0]}`{nearest(words[0], [*COMMANDS, *GROUPS]) or LISTED}"
+            f"there is no command `{words[0]}`{suggest_nearest(words[0], [*COMMANDS, *GROUPS]) or LISTED}"
         )
     return _choose(PROGRAM, DESCRIPTION, _commands("") | GROUPS, words)
 
@@ -123,7 +123,7 @@ def _choose(prog: str, description: str, choices: dict[str, str], words: list[st
         "Chosen", [("command", any_of_them)], namespace={"__module__": "builtins"}
     )
     quiet = (tyro.conf.HelptextFromCommentsOff,)
-    tyro.cli(chosen, prog=prog, description=wrapped(description), args=words, config=quiet)
+    tyro.cli(chosen, prog=prog, description=wrap_text(description), args=words, config=quiet)
     raise SystemExit(2)  # pragma: no cover - tyro has ended the program
 
 

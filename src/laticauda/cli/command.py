@@ -16,10 +16,10 @@ from pathlib import Path
 from typing import Any
 
 from laticauda.access import LOCAL as LOCAL
-from laticauda.cli.flags import Written, marks_of, parts_of, read
+from laticauda.cli.flags import OutputFile, marks_of, parse_command, parts_of
 from laticauda.errors import BadArgument
 from laticauda.files import to_json
-from laticauda.quantities import option, value
+from laticauda.quantities import option, value_class
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,7 +36,7 @@ class Outcome:
     """Whether the exit status is 0 rather than 1."""
 
 
-@value
+@value_class
 class Command:
     """A command: a value whose fields are its flags."""
 
@@ -50,7 +50,7 @@ class Command:
             words: Words typed after its name.
             prog: Name of the command in the help.
         """
-        return read(cls, words, prog)
+        return parse_command(cls, words, prog)
 
     def run(self) -> Outcome | None:
         """Do the work; return None if everything has already been printed."""
@@ -114,7 +114,7 @@ def files_of(command: Any) -> Iterator[tuple[str, str | None, Sequence[str]]]:
 
     for part in parts_of(command):
         for name, marks in marks_of(part.__class__).items():
-            for written in (mark for mark in marks if isinstance(mark, Written)):
+            for written in (mark for mark in marks if isinstance(mark, OutputFile)):
                 yield name, getattr(part, name), written.endings or Format.endings()
 
 
@@ -157,7 +157,7 @@ TRIALS = "{desc} {n_fmt} of {total_fmt} trials |{bar}| {remaining} left"
 SHARE = "{desc} {percentage:3.0f} % |{bar}| {remaining} left"
 
 
-def progress(
+def show_progress(
     form: str, total: float = 1.0, what: str = "swam", *, patience: float = 0.0
 ) -> Callable[..., None]:
     """Return a callback for the amount done, optionally with `total` and `what`; each `what` has its own bar.
@@ -195,7 +195,7 @@ def run_bar(duration: float, what: str = "swam") -> Callable[..., None]:
         duration: Simulated time of the whole run [s].
         what: Text of the bar before the time reached.
     """
-    return progress(SECONDS, duration, what, patience=PATIENCE)
+    return show_progress(SECONDS, duration, what, patience=PATIENCE)
 
 
 def film_bar(duration: float) -> Callable[[float], None]:
@@ -228,7 +228,7 @@ def stored_trials(folder: object) -> Generator[Callable[[int, int], None]]:
     Args:
         folder: Folder where they are stored.
     """
-    bar, reached = progress(TRIALS), [0, 0]
+    bar, reached = show_progress(TRIALS), [0, 0]
 
     def show(done: int, total: int) -> None:
         reached[:] = done, total

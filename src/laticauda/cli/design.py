@@ -10,27 +10,27 @@ from typing import Any, Literal
 import numpy as np
 
 from laticauda import figures, gaits, packaging, scenarios
-from laticauda.cli.command import PATIENCE, SHARE, Command, Outcome, progress
+from laticauda.cli.command import PATIENCE, SHARE, Command, Outcome, show_progress
 from laticauda.cli.flags import File, Picture, Place, Words
-from laticauda.cli.tables import aligned, numbers
-from laticauda.errors import BadArgument, at_least_one
+from laticauda.cli.tables import aligned, parse_numbers
+from laticauda.errors import BadArgument, check_not_empty
 from laticauda.identify import tasks
-from laticauda.identify.candidates import SENSORS, coast_down, from_tow, swims
+from laticauda.identify.candidates import SENSORS, coast_down, from_tow, swim_candidates
 from laticauda.identify.design import (
     Design,
     Discrimination,
     Judged,
-    design,
+    design_experiment,
     discriminate,
+    format_share,
     known_from,
-    share,
-    wrong,
+    misidentification_probability,
 )
 from laticauda.identify.identifiability import LIMIT, marginal
 from laticauda.identify.measurements import Measurement, Tow
 from laticauda.identify.problem import Problem, make_problem
 from laticauda.identify.unknowns import Unknown
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot import TEXTBOOK, load_robot, water_names
 
 FORM = "NAME, NAME=VALUE or NAME=MEAN+-SD, such as water.normal_drag=1.75+-0.5"
@@ -41,7 +41,7 @@ def _deg(*angles: float) -> tuple[float, ...]:
     return tuple(map(math.radians, angles))
 
 
-@value
+@value_class
 class Unknowns:
     """What is to be identified, and what is already known about it."""
 
@@ -61,7 +61,7 @@ class Unknowns:
     trials: int = quantity("", "Number of trials to choose", ge=1, default=4)
 
 
-@value
+@value_class
 class Candidates:
     """Candidate trials: every combination of gait parameters, and trials with the straight robot."""
 
@@ -105,10 +105,10 @@ class Candidates:
             "coast_down",
             "sensors",
         ):
-            at_least_one(name, getattr(self, name), "value")
+            check_not_empty(name, getattr(self, name), "value")
 
 
-@value
+@value_class
 class DesignExperiment(Command):
     """Find the next trials that would reduce the uncertainty of parameters most.
 
@@ -146,14 +146,14 @@ class DesignExperiment(Command):
         """Evaluate the candidates, choose trials and draw."""
         if self.tank_day:
             return self._tank_day(Path(self.tank_day))
-        show = progress(SHARE, what="judged", patience=PATIENCE)
+        show = show_progress(SHARE, what="judged", patience=PATIENCE)
         if self.unknowns.rivals:
             found = discriminate(self._rivals(), self.unknowns.trials, progress=show)
             return _rivals_said(found)
         problem, known = self._problem()
         candidates = self._candidates(problem)
         criterion = self.unknowns.criterion
-        found = design(
+        found = design_experiment(
             problem, candidates, self.unknowns.trials, **known, criterion=criterion, progress=show
         )
         if self.output is not None:
@@ -165,16 +165,20 @@ class DesignExperiment(Command):
         from laticauda.identify import tank_day
 
         if not (folder / tank_day.DAY).exists():
-            new = tank_day.begin(folder, load_robot(self._names.robot))
+            new = tank_day.prepare_folder(folder, load_robot(self._names.robot))
             text = f"{folder / 'RUNS.md'}: what to do. Fill in the tables, then run the same command again."
             return Outcome(facts={"output": str(folder), "files": new}, text=text)
         day = tank_day.load_day(folder)
-        show = progress(SHARE, what="fitted", patience=PATIENCE)
+        show = show_progress(SHARE, what="fitted", patience=PATIENCE)
         found = tank_day.evaluate(day, threads=self.candidates.threads, progress=show)
         files = tank_day.write_result(folder, day, found)
-        said = tank_day.facts(found) | {"output": str(folder / "result"), "files": files}
+        said = tank_day.tabulate_evaluation(found) | {
+            "output": str(folder / "result"),
+            "files": files,
+        }
         return Outcome(
-            facts=said, text=f"{tank_day.words(found)}\n\n{folder / 'result'}: {', '.join(files)}"
+            facts=said,
+            text=f"{tank_day.format_evaluation(found)}\n\n{folder / 'result'}: {', '.join(files)}",
         )
 
     def _rivals(self) -> dict[str, tuple[Problem, list[Measurement]]]:
@@ -233,7 +237,7 @@ class DesignExperiment(Command):
             for robot in robots.values() or (load_robot(self._names.robot),):
                 chosen = self._names.resolved(gait, lambda name, n_links, robot=robot: robot)
                 where = waters[0] if waters else chosen.environment
-                found += swims(
+                found += swim_candidates(
                     chosen.robot, [gait], where, _sensors(flags.sensors), duration=flags.duration
                 )
         return found
@@ -256,7 +260,7 @@ class DesignExperiment(Command):
 def _unknown(word: str) -> Unknown:
     if "=" not in word:
         return Unknown(name=word)
-    name, sign, (mean, *sd) = numbers("parameters", word, FORM, "+-")
+    name, sign, (mean, *sd) = parse_numbers("parameters", word, FORM, "+-")
     return Unknown(name=name, start=mean, prior=(mean, sd[0]) if sign else None)
 
 
@@ -265,7 +269,7 @@ def _sensors(words: tuple[str, ...]) -> dict[str, float]:
     for word in words:
         usual = SENSORS.get(word, ("", 0.0))[1]
         name, _, (sigma,) = (
-            numbers("sensors", word, SENSOR_FORM) if "=" in word else (word, "", [usual])
+            parse_numbers("sensors", word, SENSOR_FORM) if "=" in word else (word, "", [usual])
         )
         if name not in SENSORS or not sigma > 0.0:
             raise BadArgument("sensors", f"must be {SENSOR_FORM}, got {word!r}")
@@ -321,7 +325,7 @@ def _design_said(found: Design) -> Outcome:
         f"The best {len(found.steps)} of {len(found.alone)} candidates, criterion {found.criterion}. Expected "
         "standard deviations (relative to the value; *: in its unit)."
     )
-    after, by_itself = _tables(labels, rows, found.alone, share)
+    after, by_itself = _tables(labels, rows, found.alone, format_share)
     reasons = "\n".join(found.reasons).replace("`", "")
     return Outcome(facts=facts, text="\n\n".join([title, after, reasons, by_itself]))
 
@@ -338,7 +342,10 @@ def _rivals_said(found: Discrimination) -> Outcome:
         "Chance that the wrong one of two fits better:"
     )
     tables = _tables(
-        names, _numbered(found.steps), found.alone, lambda apart: f"{100.0 * wrong(apart):.2g} %"
+        names,
+        _numbered(found.steps),
+        found.alone,
+        lambda apart: f"{100.0 * misidentification_probability(apart):.2g} %",
     )
     return Outcome(
         facts={**listed, "version": packaging.__version__}, text="\n\n".join([title, *tables])

@@ -5,10 +5,10 @@ from laticauda.errors import BadArgument
 from laticauda.operate import drivers
 from laticauda.operate.drivers.contract import listen
 from laticauda.operate.settings import Connection
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 
 
-@value
+@value_class
 class Drivers(command.Command):
     """List the device drivers, or try one alone: connect, listen, print what arrives, how often, and how old it is.
 
@@ -61,5 +61,5 @@ class Drivers(command.Command):
         )
         facts = {"heard": rows, "longest_call": longest, "trouble": trouble}
         return command.Outcome(
-            facts=facts, text=tables.table(rows), problem=wrong, succeeded=not wrong
+            facts=facts, text=tables.format_table(rows), problem=wrong, succeeded=not wrong
         )

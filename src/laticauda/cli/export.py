@@ -9,19 +9,19 @@ import laticauda as lc
 from laticauda.cli import command, flags
 from laticauda.cli.scene import OfScenario, warn_of_compiling
 from laticauda.errors import BadArgument
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 
 OUTPUT = "File to write; an existing one is replaced"
 
 
-@value
+@value_class
 class Urdf(command.Command):
     """Write a robot to a URDF file, for ROS and most other robotics software.
 
     For example: laticauda export urdf --robot mamba-modules-fin --output mamba.urdf
     """
 
-    output: Annotated[flags.Made, flags.Written((".urdf",))] = option(OUTPUT)
+    output: Annotated[flags.Made, flags.OutputFile((".urdf",))] = option(OUTPUT)
     robot: str = option("A preset (`laticauda robots` lists them) or a TOML file", default="mamba")
     n_links: int | None = quantity(
         "", "Another number of links, if all links are alike", ge=1, default=None
@@ -51,7 +51,7 @@ class Urdf(command.Command):
         write_urdf(self.output, robot, meshes=self.meshes)
 
 
-@value
+@value_class
 class Mjcf(Urdf):
     """Write a robot and its surroundings to an MJCF file that plain MuJoCo opens.
 
@@ -59,7 +59,7 @@ class Mjcf(Urdf):
     --output mamba.xml
     """
 
-    output: Annotated[flags.Made, flags.Written((".xml",))] = option(OUTPUT)
+    output: Annotated[flags.Made, flags.OutputFile((".xml",))] = option(OUTPUT)
     water: str | None = option(
         "A preset or TOML file; only its depth is written (none: paper-lateral)", default=None
     )
@@ -93,11 +93,13 @@ class Mjcf(Urdf):
         write_mjcf(self.output, robot, place, **settings)
 
 
-@value
+@value_class
 class Compiled(OfScenario):
     """A command that exports a robot in water as machine code."""
 
-    output: Annotated[flags.Made, flags.Written((".fmu",))] = option(f"{OUTPUT} (.fmu)", default="")
+    output: Annotated[flags.Made, flags.OutputFile((".fmu",))] = option(
+        f"{OUTPUT} (.fmu)", default=""
+    )
     inputs: Literal["gait", "references"] = option(
         "Gait parameters, or joint angles (pd, servo)", default="gait"
     )
@@ -131,7 +133,7 @@ class Compiled(OfScenario):
         )
 
 
-@value
+@value_class
 class Fmu(Compiled):
     """Write a robot in water to an FMU (co-simulation) that runs without Python.
 
@@ -161,7 +163,7 @@ class Fmu(Compiled):
         return self.written(export_fmu, "fmi", "platform", "author", "model_version", "license")
 
 
-@value
+@value_class
 class C(Compiled):
     """Write a robot in water to a C library that runs without Python, with a header that describes its contents.
 
@@ -172,7 +174,7 @@ class C(Compiled):
     For example: laticauda export c --robot mamba-fin --platform aarch64 --static --output mamba.h
     """
 
-    output: Annotated[flags.Made, flags.Written((".h",))] = option(
+    output: Annotated[flags.Made, flags.OutputFile((".h",))] = option(
         "Header to write (.h); the library is written next to it", default=""
     )
     platform: str | None = option(
@@ -187,7 +189,7 @@ class C(Compiled):
         return self.written(export_c, "platform", "static")
 
 
-@value
+@value_class
 class Web(command.Command):
     """Write a page on which robots swim: a folder of files that needs no server; open its index.html in a browser.
 

@@ -26,7 +26,7 @@ from tyro.constructors import (
     StructFieldSpec,
 )
 
-from laticauda.errors import BadArgument, whole
+from laticauda.errors import BadArgument, check_whole_number
 from laticauda.files import read_toml
 from laticauda.quantities import DEGREES, Quantity, hints_of, quantities_of, texts_of
 
@@ -49,14 +49,14 @@ class BadFlag(Exception):
 
 
 @dataclass(frozen=True)
-class Written:
+class OutputFile:
     """Mark for the name of a file that a command will write."""
 
     endings: tuple[str, ...] = ()
     """Allowed endings; if empty, those of the trial formats."""
 
 
-def flag(name: str) -> str:
+def spell_flag(name: str) -> str:
     """Return an option as it is typed."""
     return "--" + name.replace("_", "-")
 
@@ -68,7 +68,7 @@ def was_typed(name: str, words: Sequence[str]) -> bool:
         name: Name of its field.
         words: Words that were typed.
     """
-    return any(word.split("=")[0] == flag(name) for word in words)
+    return any(word.split("=")[0] == spell_flag(name) for word in words)
 
 
 def _words(
@@ -111,11 +111,11 @@ def _shown(value: Any) -> list[str]:
 
 
 File = Annotated[str | None, _place("FILE")]
-Stored = Annotated[File, Written()]
-PICTURES = Written((".png", ".pdf", ".svg"))
+Stored = Annotated[File, OutputFile()]
+PICTURES = OutputFile((".png", ".pdf", ".svg"))
 Picture = Annotated[File, PICTURES]
-Mp4 = Annotated[File, Written((".mp4",))]
-Toml = Annotated[File, Written((".toml",))]
+Mp4 = Annotated[File, OutputFile((".mp4",))]
+Toml = Annotated[File, OutputFile((".toml",))]
 Made = Annotated[str, _place("FILE")]
 Folder = Annotated[str, _place("DIR")]
 Place = Annotated[str | None, _place("DIR")]
@@ -131,7 +131,7 @@ ScenarioFile = Annotated[str | None, tyro.conf.Positional, _words(1, "FILE", _fi
 Inputs = Annotated[tuple[str, ...], tyro.conf.Positional, _place("FILES ...", "*")]
 
 
-def read(
+def parse_command(
     command: type[Command],
     words: Sequence[str],
     prog: str,
@@ -158,7 +158,7 @@ def read(
     found: Any = tyro.cli(
         command,
         prog=prog,
-        description=wrapped((command.__doc__ or "").split("\n\nFields:")[0]),
+        description=wrap_text((command.__doc__ or "").split("\n\nFields:")[0]),
         args=words,
         default=default,
         registry=_registry,
@@ -169,7 +169,7 @@ def read(
     return found[0] if first else found
 
 
-def wrapped(text: str) -> str:
+def wrap_text(text: str) -> str:
     """Wrap a text to the width of the terminal; tyro would join lines that are not indented."""
     width = min(WIDTH, shutil.get_terminal_size().columns)
     how: Any = {"width": width, "break_on_hyphens": False, "subsequent_indent": "  "}
@@ -206,7 +206,7 @@ def marks_of(kind: type) -> Mapping[str, tuple[Any, ...]]:
     return {name: getattr(hint, "__metadata__", ()) for name, hint in hints.items()}
 
 
-def spelled(name: str, command: object) -> str:
+def spell_field(name: str, command: object) -> str:
     """Return how a field is typed if it is an option of the command, otherwise its name in backticks.
 
     Args:
@@ -215,17 +215,17 @@ def spelled(name: str, command: object) -> str:
     """
     bare = CALLED.get(name, name).split("[")[0]
     if command is None:  # a name among the flags that are read first
-        return flag(bare)
+        return spell_flag(bare)
     for kind in map(type, parts_of(command)):
         if bare in hints_of(kind) and bare in options_of(command):
             if tyro.conf.Positional in marks_of(kind)[bare]:
                 return bare.upper()
             declared = quantities_of(kind).get(bare)
-            return flag(
+            return spell_flag(
                 SPELLED.get(bare, bare)
                 + ("" if declared is None else DEGREES.get(declared.unit, ""))
             )
-    return flag(SPELLED[bare]) if bare in SPELLED else f"`{name}`"
+    return spell_flag(SPELLED[bare]) if bare in SPELLED else f"`{name}`"
 
 
 def is_declared(thing: object) -> bool:
@@ -291,7 +291,7 @@ def _options(kind: type[Any], default: Any, *, nested: bool) -> StructConstructo
             return made
         except BadArgument as error:
             typed = (
-                flag(option)
+                spell_flag(option)
                 for option, field in of_flag.items()
                 if field == error.name.split("[")[0]
             )
@@ -386,7 +386,7 @@ def _numbers(declared: Quantity, hint: Any, name: str) -> Any:
         else None
     )
     metavar = _metavar(_IN_DEGREES.get(declared.unit, declared.unit), several, count)
-    typed = flag(name + DEGREES.get(declared.unit, ""))
+    typed = spell_flag(name + DEGREES.get(declared.unit, ""))
     read = _reader(declared, int in (inner[0], *get_args(inner[0])), several, typed)
     for kind in OBJECTS.keys() & {*inner}:
         metavar, read = (
@@ -439,7 +439,11 @@ def _reader(
             raise BadFlag(f"{option} must be {kind}, got {word!r}.") from None
         least = math.ceil(max(rule.least, -(2**53))) if is_whole else 0
         try:
-            checked = whole(option, found, least) if is_whole else rule.checked(option, found)
+            checked = (
+                check_whole_number(option, found, least)
+                if is_whole
+                else rule.checked(option, found)
+            )
         except BadArgument as error:
             raise BadFlag(f"{option} {error.rule}.") from None
         return math.radians(checked) if in_degrees else checked

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
-from laticauda.cli.command import SHARE, Command, Outcome, progress
+from laticauda.cli.command import SHARE, Command, Outcome, show_progress
 from laticauda.cli.flags import (
     BadFlag,
     File,
@@ -15,17 +15,17 @@ from laticauda.cli.flags import (
     Folder,
     Inputs,
     Words,
-    flag,
     options_of,
+    spell_flag,
     was_typed,
 )
-from laticauda.cli.tables import numbers, table
+from laticauda.cli.tables import format_table, parse_numbers
 from laticauda.codec import keys_of
-from laticauda.errors import BadArgument, one_of
+from laticauda.errors import BadArgument, check_choice
 from laticauda.files import write
 from laticauda.identify import fitting, measurements, result, tasks, validation
-from laticauda.quantities import option, quantity, value
-from laticauda.reports.chapter import templates, writable_folder
+from laticauda.quantities import option, quantity, value_class
+from laticauda.reports.chapter import load_templates, writable_folder
 from laticauda.reports.identify import (
     as_dict,
     errors_of,
@@ -38,8 +38,8 @@ from laticauda.simulate.numbers import UNITS
 FORM = "NAME, NAME=LOW:HIGH or NAME=MEAN+-SD, such as water.normal_drag=0.5:4"
 
 
-@value
-class What:
+@value_class
+class IdentificationTarget:
     """What is identified, and from which measurements."""
 
     parameters: Words = option(
@@ -66,7 +66,7 @@ class What:
     )
 
 
-@value
+@value_class
 class Fixed:
     """What is held fixed."""
 
@@ -84,7 +84,7 @@ class Fixed:
     )
 
 
-@value
+@value_class
 class Method:
     """How parameters are fitted."""
 
@@ -103,7 +103,7 @@ class Method:
     )
 
 
-@value
+@value_class
 class Identify(Command):
     """Identify physical parameters with their uncertainty from measured trials.
 
@@ -118,7 +118,9 @@ class Identify(Command):
     files: Inputs = option(
         "One TOML task file, or trials: netCDF, MCAP, or other logs with --columns", default=()
     )
-    what: What = option("What is identified, from which data", default=What())
+    what: IdentificationTarget = option(
+        "What is identified, from which data", default=IdentificationTarget()
+    )
     fixed: Fixed = option("What is held fixed", default=Fixed())
     method: Method = option("How it is fitted", default=Method())
     laws: Files = option(
@@ -141,7 +143,7 @@ class Identify(Command):
         """Identify, and write the results."""
         task, folder = self._task(), Path(self.output)
         writable_folder(folder)
-        templates()  # check for the report's requirements before the search
+        load_templates()  # check for the report's requirements before the search
         if not self.laws:
             done, files = self._identified(task, folder)
             facts = as_dict(done, self._command) | {"output": str(folder), "files": files}
@@ -161,7 +163,7 @@ class Identify(Command):
                 "laws": {name: as_dict(done, self._command) for name, done in every.items()},
                 "output": str(folder),
             },
-            text="\n\n".join([*statuses, table(errors_of(every)), str(folder)]),
+            text="\n\n".join([*statuses, format_table(errors_of(every)), str(folder)]),
             succeeded=all(_is_whole(done.found) for done in every.values()),
         )
 
@@ -175,7 +177,7 @@ class Identify(Command):
         self, task: tasks.Task, folder: Path
     ) -> tuple[validation.Validation, list[str]]:
         """Run a task; return its results and the names of the files written."""
-        best, bar = writable_folder(folder) / "best.json", progress(SHARE)
+        best, bar = writable_folder(folder) / "best.json", show_progress(SHARE)
         found = task.run(
             threads=self.method.threads,
             progress=lambda share: bar(share, what="search"),
@@ -208,7 +210,7 @@ class Identify(Command):
         for name, given in (options_of(self.what) | options_of(self.fixed)).items():
             if was_typed(name, self.words):
                 raise BadFlag(
-                    f"{flag(name)} must not be given with {self.files[0]}, which defines all, got {given!r}."
+                    f"{spell_flag(name)} must not be given with {self.files[0]}, which defines all, got {given!r}."
                 )
         task = tasks.load_task(self.files[0])
         names = [name for name in ("starts", "seed", "noise") if was_typed(name, self.words)]
@@ -258,10 +260,10 @@ def _measured(words: Sequence[str]) -> dict[str, dict[str, float]]:
     found: dict[str, dict[str, float]] = {"figures": {}, "series": {}}
     form = "NAME=SIGMA with SIGMA > 0, such as forward_velocity=0.01"
     for word in words:
-        name, _, (sigma,) = numbers("measured", word, form)
+        name, _, (sigma,) = parse_numbers("measured", word, form)
         if sigma <= 0.0:
             raise BadArgument("measured", f"must be {form}, got {word!r}")
-        one_of("measured", name, list(dict.fromkeys((*UNITS, *measurements.SERIES))))
+        check_choice("measured", name, list(dict.fromkeys((*UNITS, *measurements.SERIES))))
         found["series" if name in measurements.SERIES else "figures"][name] = sigma
     return found
 
@@ -270,7 +272,7 @@ def _unknown(word: str) -> dict[str, Any]:
     """Return one of `parameters` in the form of a task file."""
     if "=" not in word:
         return {"name": word}
-    name, sign, ends = numbers("parameters", word, FORM, "+-", ":")
+    name, sign, ends = parse_numbers("parameters", word, FORM, "+-", ":")
     if len(ends) != 2:
         raise BadArgument("parameters", f"must be {FORM}, got {word!r}")
     return {"name": name} | (
@@ -285,12 +287,12 @@ def _text(done: validation.Validation, folder: Path) -> str:
         {name: one for name, one in row.items() if name not in ("prior", "range")}
         for row in tables["parameters"]
     ]
-    parts = [found.status, table(rows)]
+    parts = [found.status, format_table(rows)]
     if "began" in tables:
         parts[-1] += f"\nand {len(tables['began'])} numbers for where the trials began."
     if found.warnings:
         parts.append("\n".join(found.warnings))
     if "errors" in tables:
-        parts.append("Mean error of the forward velocity:\n" + table(tables["errors"]))
+        parts.append("Mean error of the forward velocity:\n" + format_table(tables["errors"]))
     parts.append(f"{folder / 'identify.html'}\n{folder / 'parameters.toml'}: for --parameters")
     return "\n\n".join(parts)

@@ -13,10 +13,10 @@ from laticauda.errors import RobotFileError
 from laticauda.files import read_text
 from laticauda.operate import drivers, session, settings, terminal
 from laticauda.operate.series import run_series
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 
 
-@value
+@value_class
 class Operate(command.Command):
     """Operate the robot: connect, check, calibrate, swim, stop, and record everything; nothing is ever overwritten.
 
@@ -63,12 +63,15 @@ class Operate(command.Command):
         summary = self._operate(self._chosen(wanted), None if self.check else folder).summary()
         problem = "" if summary["accepted"] else summary["reason"]
         return command.Outcome(
-            facts=summary, text=session.table(summary), problem=problem, succeeded=not problem
+            facts=summary,
+            text=session.format_summary(summary),
+            problem=problem,
+            succeeded=not problem,
         )
 
     def _operate(self, operation: settings.Operation, folder: Path | None) -> session.Result:
         try:
-            twin = simulate.plant(operation.body(), operation.pool(), joints="servo")
+            twin = simulate.build_plant(operation.body(), operation.pool(), joints="servo")
         except RobotFileError as error:
             raise settings.OperationFileError(f"{self.file}: {error}") from None
         with terminal.Keys() as keys, terminal.Terminal(keys), self._shown(operation) as show:
@@ -99,7 +102,7 @@ class Operate(command.Command):
             all(one["accepted"] for one in found),
         )
         return command.Outcome(
-            facts=facts, text="\n".join(map(session.table, found)), succeeded=succeeded
+            facts=facts, text="\n".join(map(session.format_summary, found)), succeeded=succeeded
         )
 
     def _series(self, series: settings.SeriesFile, folder: Path) -> command.Outcome:

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from laticauda import gaits, scenarios
-from laticauda.cli.tables import aligned, number, percent, read_in
-from laticauda.quantities import told
-from laticauda.robot import SEEN, TEXTBOOK, Ground, coefficients, in_a_line
+from laticauda.cli.tables import aligned, format_number, percent, read_in
+from laticauda.quantities import describe_fields
+from laticauda.robot import SEEN, TEXTBOOK, Ground, describe_coefficients, in_a_line
 from laticauda.trial import FIGURES, MeasuredTrial, Trial, following, measured_counterpart
 
 WIDTH = 110
@@ -36,7 +36,7 @@ def facts_of(trial: Trial) -> dict[str, Any]:
         "version": trial.version,
     }
     if "cross_track_error" in trial.signals:
-        found["path_following"] = following.summary(trial)
+        found["path_following"] = following.summarize_following(trial)
     return found
 
 
@@ -67,7 +67,7 @@ def as_text(trial: Trial, origin: str = "") -> str:
 
 def following_table(trial: Trial) -> str:
     """Return a table of how soon and how well a run converged to its path, one figure per line."""
-    found = following.summary(trial)
+    found = following.summarize_following(trial)
     named = {
         name: one
         for name, one in following.FIGURES.items()
@@ -100,7 +100,7 @@ def figure_table(trial: Trial) -> str:
                 title,
                 shown,
                 unit,
-                *(("", "") if beside is None else (number(beside), percent(difference))),
+                *(("", "") if beside is None else (format_number(beside), percent(difference))),
             )
         )
     if not measured:
@@ -163,7 +163,7 @@ def interval_table(
 
     Args:
         trial: Trial of the run.
-        intervals: Intervals from `laticauda.simulate.spread`.
+        intervals: Intervals from `laticauda.simulate.figure_intervals`.
         varied: Names of the coefficients that were varied.
     """
     rows = [("if the coefficients lie in their intervals", "from", "to", "")]
@@ -197,8 +197,8 @@ def _gait(gait: gaits.Gait | None) -> str:
             f"recorded motion: {len(seen.angle)} joints, {seen.time[0]:g} to {seen.time[-1]:.4g} s"
         )
     if seen is None or gait.amplitude or gait.offset:
-        envelope = in_a_line(told(gait.envelope))
-        wave = in_a_line(told(gait, "envelope", "recorded"))
+        envelope = in_a_line(describe_fields(gait.envelope))
+        wave = in_a_line(describe_fields(gait, "envelope", "recorded"))
         parts.append(f"{gait.kind.replace('_', '-')}: {', '.join(filter(None, (envelope, wave)))}")
     return ", ".join(parts)
 
@@ -206,7 +206,7 @@ def _gait(gait: gaits.Gait | None) -> str:
 def _environment(trial: Trial, origin: str) -> str:
     environment = trial.environment
     source = f" ({origin})" if origin else ""
-    return f"{environment.name}{source}: {in_a_line(coefficients(environment))}"
+    return f"{environment.name}{source}: {in_a_line(describe_coefficients(environment))}"
 
 
 def _run(trial: Trial) -> str:
@@ -224,7 +224,7 @@ def _run(trial: Trial) -> str:
         force = (trial.link_force or {}).get("contact", np.zeros((1, 3)))
         strongest = np.linalg.norm(force, axis=-1).max()
         parts.append(
-            f"scene {settings['scene']}: it pushes a link with at most {number(strongest)} N"
+            f"scene {settings['scene']}: it pushes a link with at most {format_number(strongest)} N"
         )
     is_steered = "controller" in settings or (trial.gait is not None and trial.gait.offset)
     if is_steered and settings.get("offset_bandwidth"):

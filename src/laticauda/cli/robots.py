@@ -7,9 +7,9 @@ from typing import Any
 
 from laticauda import robot
 from laticauda.cli import command, flags, tables
-from laticauda.errors import BadArgument, one_of
+from laticauda.errors import BadArgument, check_choice
 from laticauda.fluid.flow import Flow
-from laticauda.quantities import option, value
+from laticauda.quantities import option, value_class
 from laticauda.robot import Ground, Parameters, Robot, Water, files, parameters
 
 KINDS: dict[str, tuple[Callable[[], Sequence[str]], Callable[[str], Any]]] = {
@@ -24,7 +24,7 @@ WATER_FACTS = ("tangential_friction", "normal_drag", "added_mass", "added_mass_f
 GROUND_FACTS = ("friction", "tangential", "normal")
 
 
-@value
+@value_class
 class Robots(command.Command):
     """List the robots, waters, grounds, currents and parameters that come with laticauda, or show one of them.
 
@@ -49,7 +49,7 @@ class Robots(command.Command):
             return command.Outcome(facts=every, text="" if self.json else _lists())
         thing = _named(self.name)
         toml = thing.to_toml() if isinstance(thing, Parameters) else robot.to_toml(thing)
-        facts = robot.summary(thing) if isinstance(thing, Robot) else {}
+        facts = robot.summarize_robot(thing) if isinstance(thing, Robot) else {}
         return command.Outcome(
             facts={
                 **tomllib.loads(toml),
@@ -70,7 +70,7 @@ def _named(name: str) -> Robot | Water | Ground | Flow | Parameters:
         is_parameters = files.read_table(Path(name)).get("kind") == parameters.KIND
         return robot.load_parameters(name) if is_parameters else robot.from_toml(Path(name))
     return robot.load_robot(
-        one_of("name", name, [one for names, _ in KINDS.values() for one in names()])
+        check_choice("name", name, [one for names, _ in KINDS.values() for one in names()])
     )
 
 
@@ -82,15 +82,15 @@ def _lists() -> str:
     book = {"water": robot.TEXTBOOK, **dict.fromkeys(WATER_FACTS, "of the robot")}
     return "\n\n".join([
         _robots(_summaries()),
-        tables.table([*_rows("water", WATER_FACTS), book]),
-        tables.table(_rows("ground", GROUND_FACTS)),
-        tables.table([{"current": name, "of": robot.load_current(name).words} for name in robot.current_names()]),
-        tables.table(titles),
+        tables.format_table([*_rows("water", WATER_FACTS), book]),
+        tables.format_table(_rows("ground", GROUND_FACTS)),
+        tables.format_table(_currents()),
+        tables.format_table(titles),
     ])  # fmt: skip
 
 
 def _summaries() -> list[dict[str, Any]]:
-    return [robot.summary(robot.load_robot(name)) for name in robot.robot_names()]
+    return [robot.summarize_robot(robot.load_robot(name)) for name in robot.robot_names()]
 
 
 def _robots(summaries: Sequence[Mapping[str, Any]]) -> str:
@@ -106,8 +106,15 @@ def _robots(summaries: Sequence[Mapping[str, Any]]) -> str:
     return tables.aligned(rows, right=(1, 2, 3, 4))
 
 
+def _currents() -> list[dict[str, str]]:
+    """Return a row per current preset: its name and what it is."""
+    return [
+        {"current": name, "of": robot.load_current(name).words} for name in robot.current_names()
+    ]
+
+
 def _rows(kind: str, facts: Sequence[str]) -> list[dict[str, str]]:
     """Return a row per water or ground, with these facts from its description."""
     names, load = KINDS[f"{kind}s"]
-    found = {name: robot.coefficients(load(name)) for name in names()}
+    found = {name: robot.describe_coefficients(load(name)) for name in names()}
     return [{kind: name, **{fact: one[fact] for fact in facts}} for name, one in found.items()]

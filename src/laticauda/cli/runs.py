@@ -14,10 +14,10 @@ from laticauda import control, estimation, figures, operate, simulate
 from laticauda.cli import command, flags, report, scene, trial
 from laticauda.cli.flags import BadFlag, File, Files, Picture, ScenarioFile, Stored, Toml
 from laticauda.errors import BadArgument
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 
 
-@value
+@value_class
 class Recording(trial.Filming):
     """A command that makes a trial, with the options for its output."""
 
@@ -60,7 +60,7 @@ class Recording(trial.Filming):
         )
 
 
-@value
+@value_class
 class Run(scene.OfScenario, Recording):
     """A command that runs one scenario."""
 
@@ -84,7 +84,7 @@ class Run(scene.OfScenario, Recording):
         )
 
 
-@value
+@value_class
 class Swim(Run):
     """Let a robot swim a gait, starting straight and at rest, and print its speed and power.
 
@@ -120,7 +120,9 @@ class Swim(Run):
         if not self.interval:
             return self.outcome(trial, self.origin)
         varied = simulate.intervals_of(self.chosen)
-        table = report.interval_table(trial, found := simulate.spread(trial, varied), varied)
+        table = report.interval_table(
+            trial, found := simulate.figure_intervals(trial, varied), varied
+        )
         return self.outcome(trial, self.origin, f"\n\n{table}", {"interval": found})
 
     def _together(self) -> command.Outcome:
@@ -137,7 +139,7 @@ class Swim(Run):
         )
 
 
-@value
+@value_class
 class SwimOn(Recording):
     """Continue from the end of a stored trial, with its robot, gait and water; the result is the whole run."""
 
@@ -154,13 +156,13 @@ class SwimOn(Recording):
         Raises:
             BadFlag: If an option sets what the stored trial already defines.
         """
-        allowed = {flags.flag(name) for name in flags.options_of(cls())} | {"--help", "-h"}
+        allowed = {flags.spell_flag(name) for name in flags.options_of(cls())} | {"--help", "-h"}
         for word in words:
             if word.startswith("--") and word.split("=")[0] not in allowed:
                 raise BadFlag(
                     f"{word.split('=')[0]} must not be given with --resume: the stored trial has its own."
                 )
-        return flags.read(cls, words, prog)
+        return flags.parse_command(cls, words, prog)
 
     def run(self) -> command.Outcome:
         """Run, and write the results."""
@@ -171,7 +173,7 @@ class SwimOn(Recording):
                 f"--resume must be a simulated trial, got {self.resume}, which lacks {first.scenario.lacks}"
             )
         scenario = replace(first.scenario, duration=self.duration)
-        body = lc.plant(scenario)
+        body = lc.build_plant(scenario)
         scene.warn_of_compiling(scenario.environment, scenario.model)
         second = lc.resume(
             body,
@@ -187,7 +189,7 @@ class SwimOn(Recording):
 # ---- along a path --------------------------------------------------------------------------------
 
 
-@value
+@value_class
 class Route(control.Course):
     """Where to go, and by which guidance law."""
 
@@ -228,7 +230,7 @@ class Route(control.Course):
         )
 
 
-@value
+@value_class
 class Follow(Run):
     """Let a robot follow a path with its gait, starting off the path, and print how soon and how well it converges.
 
@@ -241,7 +243,10 @@ class Follow(Run):
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> Any:
         """Return the command that was typed; see `OfScenario.read`."""
-        names, route = scene.Names.read(words, prog), flags.read(Route, words, prog, first=True)
+        names, route = (
+            scene.Names.read(words, prog),
+            flags.parse_command(Route, words, prog, first=True),
+        )
         scenario, origin = names.scenario(words)
         kind = FollowPlanned if route.guidance == "model-predictive" else cls
         if scenario.motion == scenario.gait:  # a file may have a controller
@@ -271,11 +276,11 @@ class Follow(Run):
             return scenario
         return replace(
             scenario,
-            motion=replace(motion, observer=control.CurrentObserver(model=learned(scenario))),
+            motion=replace(motion, observer=control.CurrentObserver(model=learn_model(scenario))),
         )
 
 
-@value
+@value_class
 class FollowPlanned(Follow):
     """Let a robot follow a path by planning ahead, with a model that is first fitted to four trials of the robot.
 
@@ -290,14 +295,14 @@ class FollowPlanned(Follow):
 
     def steered(self, scenario: lc.Scenario) -> lc.Scenario:
         """Fit a model of the gait, and return the scenario with a controller that uses it; see `Follow.steered`."""
-        gait, model = scenario.gait, learned(scenario, self.plan.frequency_limits)
+        gait, model = scenario.gait, learn_model(scenario, self.plan.frequency_limits)
         speed = model.speed(gait.frequency, 0.0) if self.speed is None else self.speed
         path, plan = self.route.following.path, vars(self.plan)
         motion = control.ModelPredictive(gait=gait, path=path, model=model, speed=speed, **plan)
         return replace(scenario, motion=motion)
 
 
-def learned(
+def learn_model(
     scenario: lc.Scenario, frequency_limits: tuple[float, float] | None = None
 ) -> control.AveragedModel:
     """Learn how the gait of a scenario moves its robot, by running trials.
@@ -309,16 +314,18 @@ def learned(
     """
     from laticauda.studies import averaged_model
 
-    show = command.progress(
+    show = command.show_progress(
         command.SHARE, what="learned how the gait moves the robot", patience=command.PATIENCE
     )
-    return averaged_model(simulate.plant(scenario), scenario.gait, frequency_limits, progress=show)
+    return averaged_model(
+        simulate.build_plant(scenario), scenario.gait, frequency_limits, progress=show
+    )
 
 
 # ---- recorded operations -------------------------------------------------------------------------
 
 
-@value
+@value_class
 class Replay(Recording):
     """Make a trial from a recorded operation, and print its figures.
 
@@ -360,7 +367,7 @@ class Replay(Recording):
             sheet = figures.timing_sheet(timing.lateness, timing.latency, timing.interval)
             figures.save_figure(sheet, self.plot_timing)
         rerun = operate.rerun_controller(log, estimates=estimates) if self.control else None
-        verdict = operate.spoken(log, simulate.plant)
+        verdict = operate.spoken(log, simulate.build_plant)
         facts: dict[str, Any] = {"lost": log.lost, "verdict": verdict}
         text = ["\n".join(verdict["lines"])]
         if timing is not None:
@@ -374,7 +381,9 @@ class Replay(Recording):
             }
             text.append(_sentence(rerun))
         learned = (
-            operate.rerun_learner(log, simulate.plant) if self.learn else log.of(estimation.Learned)
+            operate.rerun_learner(log, simulate.build_plant)
+            if self.learn
+            else log.of(estimation.Learned)
         )
         if learned or self.learn:
             facts["learned"] = [vars(one) for one in learned]
@@ -396,7 +405,7 @@ class Replay(Recording):
             return operate.rerun_estimator(
                 log, estimation.KinematicEstimator(robot=log.header.run.robot, **kwargs)
             )
-        return operate.rerun_estimator(log, plant=simulate.plant) if self.estimate else None
+        return operate.rerun_estimator(log, plant=simulate.build_plant) if self.estimate else None
 
 
 def _sentence(rerun: "operate.Rerun") -> str:

@@ -10,13 +10,13 @@ from typing import Any, Self, TypeVar, cast
 import laticauda as lc
 from laticauda import codec, robot, simulate
 from laticauda.cli.command import Command
-from laticauda.cli.flags import OBJECTS, BadFlag, File, read, was_typed
-from laticauda.cli.tables import numbers
+from laticauda.cli.flags import OBJECTS, BadFlag, File, parse_command, was_typed
+from laticauda.cli.tables import parse_numbers
 from laticauda.errors import BadArgument, LaticaudaError
 from laticauda.extensions import Extensible, name_of
 from laticauda.fluid.flow import Flow
 from laticauda.gaits.gait import FIRST_GAIT
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.scenarios import (
     Choice,
     Model,
@@ -30,7 +30,7 @@ from laticauda.scenarios import (
 Kind = TypeVar("Kind", bound=Extensible)
 
 
-@value
+@value_class
 class Names(Choice):
     """What swims, how and where, by name. The other flags change individual numbers."""
 
@@ -62,7 +62,7 @@ class Names(Choice):
             words: Words that were typed.
             prog: Name of the command in the help.
         """
-        return read(cls, words, prog, first=True)
+        return parse_command(cls, words, prog, first=True)
 
     def motion(self) -> lc.Gait:
         """Return the gait of Mamba's first trial in the paper with the requested envelope, or a recorded gait."""
@@ -76,7 +76,7 @@ class Names(Choice):
             raise BadArgument("envelope", rule)
         if self.envelope is not None:
             return lc.Custom(values=self.envelope)
-        return member(lc.Envelope, self.gait.replace("_", "-"), "gait")
+        return find_member(lc.Envelope, self.gait.replace("_", "-"), "gait")
 
     def scenario(self, words: Sequence[str]) -> tuple[Scenario, str]:
         """Return the scenario that the names stand for, and the source of the environment in words.
@@ -92,7 +92,7 @@ class Names(Choice):
                 "joints",
                 "scene",
             ):  # a file imports nothing: what it names must be typed too
-                imported(getattr(self, option) or "", option)
+                import_law(getattr(self, option) or "", option)
             return self._changed(load_scenario(words[0]), words), f"as {words[0]} says"
         gait = self.motion()
         chosen = self._known().resolved(gait)
@@ -140,7 +140,7 @@ class Names(Choice):
     def _known(self) -> Self:
         """Return these names; a joint law or a scene that is given as MODULE:CLASS is imported."""
         given = {
-            name: imported(one, name)
+            name: import_law(one, name)
             for name in ("joints", "scene")
             if (one := getattr(self, name)) is not None
         }
@@ -150,7 +150,7 @@ class Names(Choice):
         if self.law is None:
             return environment
         law, field = (
-            member(lc.DragLaw, self.law, "law"),
+            find_member(lc.DragLaw, self.law, "law"),
             "drag" if isinstance(environment, lc.Water) else "friction",
         )
         is_kept = type(law) is type(
@@ -169,7 +169,7 @@ def _recorded(name: str) -> lc.JointAngles:
     return lc.JointAngles.of(load_trial(name))
 
 
-def imported(name: str, option: str) -> str:
+def import_law(name: str, option: str) -> str:
     """Return the name of a law or an envelope; only MODULE:CLASS is ever imported.
 
     Args:
@@ -190,7 +190,7 @@ def imported(name: str, option: str) -> str:
         raise BadArgument(option, f"must be a name or MODULE:CLASS, got {name}: {error}") from None
 
 
-def member(base: type[Kind], name: str, option: str) -> Kind:
+def find_member(base: type[Kind], name: str, option: str) -> Kind:
     """Return an instance of a subclass of `base`, given by name or as MODULE:CLASS, with its default values.
 
     Args:
@@ -202,7 +202,7 @@ def member(base: type[Kind], name: str, option: str) -> Kind:
         ValueError: If there is no such member.
     """
     try:
-        return base.named(imported(name, option))()
+        return base.named(import_law(name, option))()
     except TypeError:
         raise BadArgument(
             option, f"must be one whose numbers all have defaults, got {name}"
@@ -211,7 +211,7 @@ def member(base: type[Kind], name: str, option: str) -> Kind:
         raise BadArgument(option, error.rule) from None
 
 
-def current(words: Sequence[str]) -> Flow:
+def parse_current(words: Sequence[str]) -> Flow:
     """Return the flow that was typed: a preset, a file or MODULE:CLASS, then NAME=VALUE for its other numbers.
 
     Args:
@@ -222,8 +222,8 @@ def current(words: Sequence[str]) -> Flow:
     """
     name, *changes = words
     try:
-        flow = member(Flow, name, "current") if ":" in name else robot.load_current(name)
-        pairs = [numbers("current", word, CHANGES) for word in changes]
+        flow = find_member(Flow, name, "current") if ":" in name else robot.load_current(name)
+        pairs = [parse_numbers("current", word, CHANGES) for word in changes]
         return codec.updated(
             flow, {key.replace("-", "_"): int(x) if x.is_integer() else x for key, _, (x,) in pairs}
         )
@@ -236,7 +236,7 @@ def current(words: Sequence[str]) -> Flow:
 
 
 CHANGES = "a preset or a file and NAME=NUMBER ..., such as swell height=0.2"
-OBJECTS[Flow] = "NAME|PATH [NAME=NUMBER ...]", current
+OBJECTS[Flow] = "NAME|PATH [NAME=NUMBER ...]", parse_current
 
 
 def warn_of_compiling(environment: robot.Environment, model: Model | str = "planar") -> None:
@@ -258,7 +258,7 @@ def warn_of_compiling(environment: robot.Environment, model: Model | str = "plan
 NAMES = tuple(field.name for field in fields(Names))
 
 
-@value
+@value_class
 class OfScenario(Command):
     """A command about one scenario: names select it, and each of its numbers is a flag."""
 
@@ -286,7 +286,7 @@ class OfScenario(Command):
             prog: Name of the command in the help.
             parts: Other fields that are known.
         """
-        return read(cls, words, prog, cls(scenario=scenario, before=scenario, **parts))
+        return parse_command(cls, words, prog, cls(scenario=scenario, before=scenario, **parts))
 
     @property
     def chosen(self) -> Scenario:

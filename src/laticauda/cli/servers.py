@@ -13,18 +13,18 @@ from typing import Literal
 import laticauda as lc
 from laticauda import cosim, lab, packaging, protocol, robot
 from laticauda.cli.command import LOCAL, Command, Outcome, until_stopped
-from laticauda.cli.flags import File, Files, ScenarioFile, Stored, read
+from laticauda.cli.flags import File, Files, ScenarioFile, Stored, parse_command
 from laticauda.cli.scene import OfScenario, warn_of_compiling
 from laticauda.errors import BadArgument
 from laticauda.files import to_json
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot import Scene, Water, load_robot
 from laticauda.scenarios import model_of, named_after, water_for
 
 # ---- the virtual tank ----------------------------------------------------------------------------
 
 
-@value
+@value_class
 class Body:
     """What swims, and where."""
 
@@ -47,7 +47,7 @@ class Body:
         return water_for(load_robot(self.robot), self.water)
 
 
-@value
+@value_class
 class Wires:
     """How the tank is reached."""
 
@@ -64,7 +64,7 @@ class Wires:
     )
 
 
-@value
+@value_class
 class Time:
     """Clock, random numbers and faults of the tank."""
 
@@ -76,7 +76,7 @@ class Time:
     faults: File = option("Schedule of faults (.toml)", default=None)
 
 
-@value
+@value_class
 class LabCommand(Command):
     """Run the virtual tank until Ctrl-C: joint modules on a CAN bus, cameras that QTM clients read, a power meter.
 
@@ -101,12 +101,12 @@ class LabCommand(Command):
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> "LabCommand":
         """Return the command that was typed; see `Command.read`."""
-        body: Body = read(Body, words, prog, first=True)
+        body: Body = parse_command(Body, words, prog, first=True)
         settings = model_of(
             body.model, joints=body.joints, **({} if body.scene is None else {"scene": body.scene})
         )
         scene = getattr(settings, "scene", None) or Scene()
-        return read(
+        return parse_command(
             cls,
             words,
             prog,
@@ -145,7 +145,7 @@ class LabCommand(Command):
         settings = lab.LabSettings(seed=self.time.seed)
         warn_of_compiling(water, self.body.model)
         scene = None if self.body.scene is None else self.scene
-        body = lc.plant(robot, water, model=self.body.model, joints=self.servos, scene=scene)
+        body = lc.build_plant(robot, water, model=self.body.model, joints=self.servos, scene=scene)
         return lab.Tank(
             lab.VirtualRobot(robot, body, self.start, depth=settings.mocap.depth), settings, faults
         )
@@ -184,7 +184,7 @@ def _listen(served: "lab.Lab") -> None:
 # ---- robots in water for other programs ----------------------------------------------------------
 
 
-@value
+@value_class
 class Serve(Command):
     """Let other programs drive robots over TCP, with lines of JSON, until Ctrl-C; each client has its own world.
 
@@ -252,14 +252,14 @@ def _compile() -> None:
     water = lc.load_water("paper-lateral")
     warn_of_compiling(water)
     command = lc.Command(gait=lc.lateral_undulation(amplitude=0.0, frequency=0.0, phase_shift=0.0))
-    body = lc.plant(lc.load_robot("mamba"), water)
+    body = lc.build_plant(lc.load_robot("mamba"), water)
     body.step(body.init(lc.Start(), command), command, 1e-3)
 
 
 # ---- the live page -------------------------------------------------------------------------------
 
 
-@value
+@value_class
 class CockpitCommand(OfScenario):
     """Serve a page on which the robot swims, until Ctrl-C; everything on it can be changed while the robot swims.
 

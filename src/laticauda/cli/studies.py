@@ -17,10 +17,10 @@ from laticauda.cli.flags import File, Folder, Picture, Words
 from laticauda.cli.scene import warn_of_compiling
 from laticauda.cli.tables import read_in
 from laticauda.cli.vary import Known, Study
-from laticauda.errors import BadArgument, one_of
-from laticauda.quantities import option, quantity, value
+from laticauda.errors import BadArgument, check_choice
+from laticauda.quantities import option, quantity, value_class
 from laticauda.scenarios import Scenario
-from laticauda.simulate.numbers import parameters
+from laticauda.simulate.numbers import list_parameters
 from laticauda.studies.cluster import connected
 from laticauda.studies.optimization import Limits
 from laticauda.studies.sampling import Points
@@ -40,7 +40,7 @@ OBJECTIVES = (
 RANGES = ("amplitude-deg=10:50", "frequency-deg-s=50:150", "phase-shift-deg=10:60")
 
 
-@value
+@value_class
 class SweepCommand(Study):
     """Run a trial at every point of a grid, a list or a set of samples, and print the best.
 
@@ -107,7 +107,7 @@ class SweepCommand(Study):
         if n_failed:
             status = f"{n_failed} of {n_trials} trials blew up; a smaller `dt` may help."
         figure = self.best.replace("-", "_")
-        points = studies.best(self.output, figure, N_BEST)
+        points = studies.best_points(self.output, figure, N_BEST)
         facts: dict[str, Any] = {
             "status": status,
             "n_trials": n_trials,
@@ -132,18 +132,18 @@ class SweepCommand(Study):
         if self.list is not None:
             if words or self.samples is not None:
                 raise BadArgument("list", "must not be given together with --vary or --samples")
-            return vary.rows(self.list, known)
+            return vary.read_rows(self.list, known)
         if not words:
             raise BadArgument(
                 "vary", f"must be given, or --list: {vary.FORM}; --names lists what can be varied"
             )
         if self.samples is None:
-            return vary.grid(words, known)
-        ranges = vary.ranges(words, known, vary.SAMPLES_FORM)
+            return vary.parse_grid(words, known)
+        ranges = vary.parse_ranges(words, known, vary.SAMPLES_FORM)
         return studies.Samples(ranges=ranges, n_points=self.samples, seed=self.seed or 0)
 
 
-@value
+@value_class
 class Optimize(Study):
     """Search for the best gait, fin or number of links, or for the front between speed and power.
 
@@ -198,11 +198,13 @@ class Optimize(Study):
 
     def _front(self, scenario: Scenario, folder: Path) -> studies.Front:
         """Do the remaining work."""
-        names = [one_of("objective", word.replace("_", "-"), OBJECTIVES) for word in self.objective]
+        names = [
+            check_choice("objective", word.replace("_", "-"), OBJECTIVES) for word in self.objective
+        ]
         words = [word for group in self.vary for word in group] or RANGES
         sought = studies.Optimization(
             scenario=scenario,
-            bounds=vary.ranges(words, parameters(scenario), vary.RANGE_FORM),
+            bounds=vary.parse_ranges(words, list_parameters(scenario), vary.RANGE_FORM),
             objectives=studies.SPEED_POWER
             if names == [BOTH]
             else [name.replace("-", "_") for name in names],
@@ -248,11 +250,11 @@ def _text(front: studies.Front, folder: Path) -> str:
 
 def _at_bounds(front: studies.Front) -> list[str]:
     """Return a sentence for each parameter that lies at an end of its range."""
-    known, found = parameters(front.optimization.scenario), list[str]()
+    known, found = list_parameters(front.optimization.scenario), list[str]()
     for row in front.at_bounds():
         parameter = known[row["name"]]
         at = "" if len(front) == 1 else f" at {row['n_points']} of the {len(front)} points"
-        text = f"{vary.spelled(parameter)} is {' '.join(read_in(row['value'], parameter.unit)).strip()}{at}"
+        text = f"{vary.spell_parameter(parameter)} is {' '.join(read_in(row['value'], parameter.unit)).strip()}{at}"
         found.append(
             f"{text}, the {row['end']} of its range: the best may be beyond it; widen it with --vary."
         )

@@ -24,7 +24,7 @@ def aligned(rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:
     return "\n".join(lines)
 
 
-def table(rows: Sequence[Mapping[str, Any]]) -> str:
+def format_table(rows: Sequence[Mapping[str, Any]]) -> str:
     """Return a table of texts and numbers under their names; numbers are right-aligned, missing values are "-"."""
     if not rows:
         return MISSING
@@ -33,7 +33,7 @@ def table(rows: Sequence[Mapping[str, Any]]) -> str:
         i for i, name in enumerate(names) if not any(isinstance(row[name], str) for row in rows)
     ]
     cells = [
-        [row[name] if isinstance(row[name], str) else number(row[name]) for name in names]
+        [row[name] if isinstance(row[name], str) else format_number(row[name]) for name in names]
         for row in rows
     ]
     return aligned([names, *cells], right)
@@ -42,10 +42,10 @@ def table(rows: Sequence[Mapping[str, Any]]) -> str:
 def read_in(value: float | None, unit: str) -> tuple[str, str]:
     """Return a figure as a table shows it: the number, and the unit in which it is shown."""
     factor, shown = READ_IN.get(unit, (1.0, unit))
-    return number(None if value is None else value * factor), shown
+    return format_number(None if value is None else value * factor), shown
 
 
-def number(value: float | None) -> str:
+def format_number(value: float | None) -> str:
     """Format a number with four significant digits, without an exponent if that is short; rounding noise is zero."""
     if value is None or not math.isfinite(value):
         return MISSING
@@ -62,7 +62,7 @@ def percent(value: float | None) -> str:
     return MISSING if value is None else f"{value:+.1f} %"
 
 
-def numbers(option: str, word: str, form: str, *signs: str) -> tuple[str, str, list[float]]:
+def parse_numbers(option: str, word: str, form: str, *signs: str) -> tuple[str, str, list[float]]:
     """Parse a word NAME=NUMBERS into the name, the sign between the numbers ("" for a single one), and the numbers.
 
     Args:

@@ -8,7 +8,7 @@ from laticauda import figures, logs
 from laticauda.cli import command, flags, report, tables
 from laticauda.errors import BadArgument, TrialFileError
 from laticauda.pictures.camera import Film
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.trial import ComparedFigure, Format
 
 TRIAL = (
@@ -16,7 +16,7 @@ TRIAL = (
 )
 
 
-@value
+@value_class
 class Filming(command.Command):
     """A command that has a trial and can film it."""
 
@@ -34,10 +34,10 @@ class Filming(command.Command):
             beside: Trials of other robots in the same scene.
         """
         if self.video is not None:
-            from laticauda.pictures.render import video
+            from laticauda.pictures.render import render_film
 
             begin, end = self.film.span(trial)
-            video(
+            render_film(
                 trial,
                 self.video,
                 self.film,
@@ -47,7 +47,7 @@ class Filming(command.Command):
             )
 
 
-@value
+@value_class
 class View(Filming):
     """Show a stored trial in 3D: in MuJoCo's window, or as a film or a picture if there is no screen.
 
@@ -57,7 +57,7 @@ class View(Filming):
     """
 
     file: flags.Input = option("The trial, as `laticauda swim --save` wrote it")
-    still: Annotated[flags.File, flags.Written((".png",))] = option(
+    still: Annotated[flags.File, flags.OutputFile((".png",))] = option(
         "Write a picture (.png)", default=None
     )
     time: float | None = quantity("s", "Time of the picture; the end if omitted", default=None)
@@ -72,9 +72,9 @@ class View(Filming):
             raise BadArgument("time", "must be given with --still: it is the time of the picture")
         trial, *beside = [lc.load_trial(name) for name in (self.file, *self.beside)]
         if self.still is not None:
-            from laticauda.pictures.render import still
+            from laticauda.pictures.render import write_still
 
-            still(trial, self.still, self.film, time=self.time, beside=beside)
+            write_still(trial, self.still, self.film, time=self.time, beside=beside)
         self.write_film(trial, self.speed, beside)
         if self.video is None and self.still is None:
             from laticauda.pictures.replay import show
@@ -91,7 +91,7 @@ class View(Filming):
         )
 
 
-@value
+@value_class
 class OfTrials(command.Command):
     """A command about stored trials."""
 
@@ -100,7 +100,7 @@ class OfTrials(command.Command):
     )
 
 
-@value
+@value_class
 class Show(OfTrials, Filming):
     """Print the figures of a stored trial, and film it.
 
@@ -119,7 +119,7 @@ class Show(OfTrials, Filming):
         )
 
 
-@value
+@value_class
 class Compare(OfTrials):
     """Print the figures of stored trials side by side, with their differences from the first.
 
@@ -146,7 +146,7 @@ class Compare(OfTrials):
         )
 
 
-@value
+@value_class
 class Plot(OfTrials):
     """Draw a stored trial: path, speed, joint angles and torques; or the paths and speeds of several in one figure.
 
@@ -165,13 +165,13 @@ class Plot(OfTrials):
         if not self.files:
             raise BadArgument("files", "must name one or more trials")
         trials = [_either(file, self.columns) for file in self.files]
-        figure = trials[0].plot() if len(trials) == 1 else figures.overlay(trials, self.files)
+        figure = trials[0].plot() if len(trials) == 1 else figures.plot_overlay(trials, self.files)
         figures.save_figure(figure, self.output)
         facts = {"trials": self.files, "output": self.output}
         return command.Outcome(facts=facts, text=f"{self.output}: {', '.join(self.files)}")
 
 
-@value
+@value_class
 class Convert(OfTrials):
     """Write a stored trial in another format: MCAP for Foxglove and ROS 2, Parquet, .mat, netCDF, or a CSV table.
 

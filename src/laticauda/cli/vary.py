@@ -12,11 +12,11 @@ import numpy as np
 
 from laticauda import files, studies
 from laticauda.cli import command, scene
-from laticauda.cli.tables import MISSING, READ_IN, aligned, numbers, read_in, table
+from laticauda.cli.tables import MISSING, READ_IN, aligned, format_table, parse_numbers, read_in
 from laticauda.errors import BadArgument
-from laticauda.quantities import DEGREES, option, quantity, value
+from laticauda.quantities import DEGREES, option, quantity, value_class
 from laticauda.scenarios import Scenario
-from laticauda.simulate.numbers import Parameter, near, parameters
+from laticauda.simulate.numbers import Parameter, list_parameters, suggest_names
 from laticauda.studies.sweep import LABELS, attributes_of
 
 # Fields of these are named by their last word alone, like the options.
@@ -29,7 +29,7 @@ MOST_COUNT = 10_000_000
 Known = Mapping[str, Parameter]
 
 
-@value
+@value_class
 class Study(scene.OfScenario):
     """A command that runs a scenario with many values of its numbers."""
 
@@ -42,11 +42,11 @@ class Study(scene.OfScenario):
 
     def run(self) -> command.Outcome:
         """Do the work, or list what can be varied."""
-        known = parameters(self.chosen)
+        known = list_parameters(self.chosen)
         if not self.names:
             return self.studied(self.chosen, known)
         lines = [
-            (spelled(one), read_in(0.0, one.unit)[1] or MISSING, one.title)
+            (spell_parameter(one), read_in(0.0, one.unit)[1] or MISSING, one.title)
             for one in known.values()
         ]
         facts = {name: {"unit": one.unit, "title": one.title} for name, one in known.items()}
@@ -62,7 +62,7 @@ class Study(scene.OfScenario):
         raise NotImplementedError
 
 
-def spelled(parameter: Parameter) -> str:
+def spell_parameter(parameter: Parameter) -> str:
     """Return the name of a parameter as it is typed."""
     root, *rest = parameter.name.split(".")
     short = (root in SHORT and len(rest) == 1) or rest == ["n_links"]
@@ -71,7 +71,7 @@ def spelled(parameter: Parameter) -> str:
     ).replace("_", "-")
 
 
-def grid(words: Sequence[str], known: Known) -> studies.Grid:
+def parse_grid(words: Sequence[str], known: Known) -> studies.Grid:
     """Return every combination of the values.
 
     Args:
@@ -83,7 +83,7 @@ def grid(words: Sequence[str], known: Known) -> studies.Grid:
     """
     found: dict[str, list[float]] = {}
     for word in words:
-        name, sign, values = numbers("vary", word, FORM, ":", ",")
+        name, sign, values = parse_numbers("vary", word, FORM, ":", ",")
         parameter, factor = _meant(name, known, found)
         if sign == ":":
             if len(values) != 3:
@@ -98,7 +98,7 @@ def grid(words: Sequence[str], known: Known) -> studies.Grid:
     return studies.Grid(values=found)
 
 
-def ranges(words: Sequence[str], known: Known, form: str) -> dict[str, tuple[float, float]]:
+def parse_ranges(words: Sequence[str], known: Known, form: str) -> dict[str, tuple[float, float]]:
     """Return the lowest and highest values by parameter.
 
     Args:
@@ -111,7 +111,7 @@ def ranges(words: Sequence[str], known: Known, form: str) -> dict[str, tuple[flo
     """
     found: dict[str, tuple[float, float]] = {}
     for word in words:
-        name, _, ends = numbers("vary", word, form, ":")
+        name, _, ends = parse_numbers("vary", word, form, ":")
         parameter, factor = _meant(name, known, found)
         if len(ends) != 2:
             raise BadArgument("vary", f"must be {form}, got {word!r}")
@@ -121,7 +121,7 @@ def ranges(words: Sequence[str], known: Known, form: str) -> dict[str, tuple[flo
     return found
 
 
-def rows(path: str, known: Known) -> studies.Rows:
+def read_rows(path: str, known: Known) -> studies.Rows:
     """Return the points of a CSV file: names in the first line, one point in each further line.
 
     Args:
@@ -164,12 +164,12 @@ def _meant(name: str, known: Known, before: Mapping[str, object]) -> tuple[Param
             parameter.name.replace("_", "-"),
             DEGREES.get(parameter.unit, "").replace("_", "-"),
         )
-        if plain in (spelled(parameter), full + suffix, full):
+        if plain in (spell_parameter(parameter), full + suffix, full):
             if parameter.name in before:
                 raise BadArgument("vary", f"must name each parameter only once, got {name!r} again")
             # With dots and no unit, a name is in SI units, as in Python.
             return parameter, math.radians(1.0) if suffix and plain != full else 1.0
-    hint = near(plain, [spelled(parameter) for parameter in known.values()])
+    hint = suggest_names(plain, [spell_parameter(parameter) for parameter in known.values()])
     raise BadArgument(
         "vary",
         f"must name a parameter of robot, gait or water, got {name!r}{hint} (--names lists all)",
@@ -187,16 +187,16 @@ def points_table(
         figures: Names of the resulting figures.
         points: Mappings with both.
     """
-    known = parameters(scenario)
+    known = list_parameters(scenario)
     rows = [
         {
-            spelled(known[name]): point[name] * READ_IN.get(known[name].unit, (1.0,))[0]
+            spell_parameter(known[name]): point[name] * READ_IN.get(known[name].unit, (1.0,))[0]
             for name in names
         }
         | {LABELS[name]: point[name] for name in figures}
         for point in points
     ]
-    return table(rows)
+    return format_table(rows)
 
 
 def shared_facts(scenario: Scenario) -> dict[str, Any]:

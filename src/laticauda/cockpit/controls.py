@@ -11,13 +11,13 @@ import numpy as np
 from laticauda.actuation.laws import JointLaw
 from laticauda.cockpit.live import SPEEDS, Live
 from laticauda.cockpit.pages import Event, EventQueue, refusing
-from laticauda.cockpit.simulation import STILL, Changes, depth_of, path_of, with_fin
+from laticauda.cockpit.simulation import STILL, Changes, change_fin, depth_of, path_of
 from laticauda.control import StraightLine
 from laticauda.cosim.web.exporting import LIMITS
-from laticauda.errors import positive, within
+from laticauda.errors import check_positive, check_within
 from laticauda.extensions import name_of
 from laticauda.fluid.flow import Flow
-from laticauda.gaits import Gait, Wave, envelope_of, kinds
+from laticauda.gaits import Gait, Wave, envelope_of, list_kinds
 from laticauda.gaits.gait import STRAIGHT
 from laticauda.quantities import quantities_of, texts_of
 from laticauda.robot import (
@@ -147,7 +147,7 @@ class Controls:
         self.by_name[name] = Control(handle, shown, changes)
 
     def _add_gait(self, gui: Any, gait: Gait) -> None:
-        names = {_words(kind): kind for kind in (*kinds(), gait.kind)}
+        names = {_words(kind): kind for kind in (*list_kinds(), gait.kind)}
         handle = gui.add_dropdown("gait", tuple(names), hint=_hint(Gait, "envelope"))
         self._add(
             "kind",
@@ -188,7 +188,7 @@ class Controls:
                     new = {"pitch": pitch if value or pitch.amplitude or pitch.offset else None}
                 gait = replace(gait, **new)
                 name = f"{wave}{field}_deg"
-                within(name.replace("frequency_deg", "frequency_deg_s"), value, low, high)
+                check_within(name.replace("frequency_deg", "frequency_deg_s"), value, low, high)
                 return {"gait": gait}
 
             self._add(f"{wave}{field}", handle, shown, changes)
@@ -214,7 +214,7 @@ class Controls:
         self._add(
             "rigidity", handle, lambda _: self._rigidity, lambda it: {"robot": self._bent(it)}
         )
-        handle = gui.add_dropdown("model", models())
+        handle = gui.add_dropdown("model", available_models())
         self._add("model", handle, lambda now: name_of(type(now.model)), lambda it: {"model": it})
         handle = gui.add_dropdown("joints", JointLaw.names())
         self._add(
@@ -226,7 +226,7 @@ class Controls:
 
             def changes(value: float, axis: int = axis) -> Changes:
                 both = [*_water(self._live.scenario).uniform[:2]]
-                both[axis] = within("current", value, -CURRENT, CURRENT, "m/s")
+                both[axis] = check_within("current", value, -CURRENT, CURRENT, "m/s")
                 return {"current": cast(Current, tuple(both))}
 
             self._add(
@@ -295,12 +295,12 @@ class Controls:
 
     def _with(self, fin: str, rigidity: float) -> Robot:
         base = self._base(self._live.scenario.robot.name)
-        return with_fin(base, fin != "none", rigidity if fin == "elastic" else None)
+        return change_fin(base, fin != "none", rigidity if fin == "elastic" else None)
 
     def _bent(self, rigidity: float) -> Robot:
         """Return the robot with an elastic fin of this rigidity; without a fin, keep the rigidity for the next one."""
         if self._live.scenario.robot.caudal_fin is None:
-            self._rigidity = positive("flexural_rigidity", rigidity, "N m^2")
+            self._rigidity = check_positive("flexural_rigidity", rigidity, "N m^2")
             return self._live.scenario.robot
         return self._with("elastic", rigidity)
 
@@ -323,7 +323,7 @@ class Controls:
         )
 
 
-def models() -> tuple[str, ...]:
+def available_models() -> tuple[str, ...]:
     """Return the models available in this installation."""
     return tuple(name for name in MODELS if name == "planar" or find_spec("mujoco"))
 

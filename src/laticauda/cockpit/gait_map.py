@@ -156,15 +156,15 @@ def gait_map_picture(values: np.ndarray, quantity: str, gait: lc.Gait) -> np.nda
     ax = figure.add_subplot()
     ax.set_facecolor("#c8c8c8")
     mesh = ax.pcolormesh(AMPLITUDES, FREQUENCIES, np.ma.masked_invalid(values), shading="nearest")
-    style.dress(ax, xlabel="amplitude [deg]", ylabel="frequency [deg/s]")
+    style.style_axes(ax, xlabel="amplitude [deg]", ylabel="frequency [deg/s]")
     ax.autoscale_view()
     ax.autoscale(False)
     ax.plot(
         math.degrees(gait.amplitude),
         math.degrees(gait.frequency),
-        **style.points("o", 7.0, "#E63C1E"),
+        **style.marker_style("o", 7.0, "#E63C1E"),
     )
-    style.head(figure, LABELS[quantity])
+    style.add_title(figure, LABELS[quantity])
     bar: Any = figure.colorbar(mesh, ax=ax)
     bar.ax.tick_params(labelsize=style.TICK, labelcolor=style.INK)
     bar.outline.set_visible(False)

@@ -9,8 +9,8 @@ from typing import Any, Unpack
 import numpy as np
 
 from laticauda import interfaces, kinematics, packaging, series
-from laticauda.cockpit.simulation import TICK, Changes, Simulation, begin, changed
-from laticauda.errors import within
+from laticauda.cockpit.simulation import TICK, Changes, Simulation, adapt_scenario, begin_simulation
+from laticauda.errors import check_within
 from laticauda.scenarios import Experiment, Scenario
 from laticauda.trial import Trial
 
@@ -81,7 +81,7 @@ class Live:
 
     def __init__(self, scenario: Scenario) -> None:
         self._lock = threading.RLock()
-        self.simulation: Simulation = begin(scenario)
+        self.simulation: Simulation = begin_simulation(scenario)
         """Current simulation."""
         self._speed = 1.0
         self._debt = 0.0
@@ -107,7 +107,7 @@ class Live:
 
     @speed.setter
     def speed(self, value: float) -> None:
-        self._speed = within("speed", value, *SPEEDS)
+        self._speed = check_within("speed", value, *SPEEDS)
 
     def latest(self) -> series.Log:
         """Return the newest sample, without a time axis."""
@@ -174,19 +174,19 @@ class Live:
             self._latest = self._sample()
 
     def alter(self, **changes: Unpack[Changes]) -> None:
-        """Call `change` with the scenario that `laticauda.cockpit.simulation.changed` returns for `changes`.
+        """Call `change` with the scenario that `laticauda.cockpit.simulation.adapt_scenario` returns for `changes`.
 
         Args:
             changes: Fields to change: `robot`, `gait`, `joints`, `environment`, `current` [m/s],
                 `path` and the other fields of `laticauda.cockpit.simulation.Changes`.
         """
         with self._lock:
-            self.change(changed(self.scenario, **changes))
+            self.change(adapt_scenario(self.scenario, **changes))
 
     def reset(self) -> None:
         """Restart with the current scenario, at its original start."""
         with self._lock:
-            self.simulation = begin(self.scenario)
+            self.simulation = begin_simulation(self.scenario)
             self._plots.clear()
             self._record.clear()
             self._debt = 0.0
@@ -259,7 +259,7 @@ class Live:
             "power": work / TICK,
             "cross_track_error": self.simulation.cross_track_error,
             "heading": math.degrees(now.heading),
-            **tilt(now),
+            **read_tilt(now),
         }
         for name, joint in (("tail", 0), ("middle", n // 2), ("head", n - 1)):
             row[f"joint_{name}"] = math.degrees(now.joint_angle[joint]) if n else 0.0
@@ -270,7 +270,7 @@ class Live:
         return self.simulation.advance()[1].at(0)
 
 
-def tilt(sample: series.Log) -> dict[str, float]:
+def read_tilt(sample: series.Log) -> dict[str, float]:
     """Return depth [m], pitch and roll [deg] of a spatial sample: positive down, and left side up; nan in the plane."""
     if sample.center_of_mass.size == 2:
         return dict.fromkeys(("depth", "pitch", "roll"), math.nan)

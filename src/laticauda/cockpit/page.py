@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from laticauda.access import Door
+from laticauda.access import ServerAccess
 from laticauda.cockpit import controls, gait_map, pages, readouts, runs, scene, simulation
 from laticauda.cockpit.live import Live
 from laticauda.cockpit.operated import OperatedRobot
@@ -34,7 +34,7 @@ class Cockpit:
 
     def __init__(self, live: Live, *, host: str = "127.0.0.1", port: int = 8080) -> None:
         self.live = live
-        self.door = Door.of(host)
+        self.door = ServerAccess.of(host)
         """Access control for pages."""
         self._server = pages.serve(self.door, port)
         self._events = EventQueue()
@@ -118,7 +118,7 @@ class Cockpit:
         self._stop.set()
         if self._thread is not None:
             self._thread.join(5.0)
-        pages.stop(self._server)
+        pages.stop_server(self._server)
         self._events.close()
 
     def _run(self) -> None:

@@ -27,7 +27,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from laticauda.access import Door
+from laticauda.access import ServerAccess
 from laticauda.cockpit.scene import HOME, PHONE
 from laticauda.errors import LaticaudaError, optional_import
 
@@ -57,7 +57,7 @@ def load_viser() -> Any:
     return optional_import("The cockpit", "viser", "cockpit")
 
 
-def serve(door: Door, port: int) -> Any:
+def serve(door: ServerAccess, port: int) -> Any:
     """Start a page's server on this host and port only; by itself, viser takes the next free port, on all networks.
 
     Args:
@@ -112,7 +112,7 @@ def _limit_uploads(server: Any) -> None:
     server._websock_server.register_handler(messages.FileTransferPart, came)
 
 
-def stop(server: Any) -> None:
+def stop_server(server: Any) -> None:
     """Stop a server without its message on standard output."""
     with contextlib.redirect_stdout(io.StringIO()):
         server.stop()
@@ -145,7 +145,7 @@ _WIRE.addFilter(_in_one_line)
 
 
 @contextlib.contextmanager
-def _guarding(door: Door) -> Generator[None]:
+def _guarding(door: ServerAccess) -> Generator[None]:
     """Apply access control to `websockets` servers created within; viser, which creates one, does not pass any on."""
     module: Any = import_module("websockets.asyncio.server")
     made, usual = list[str](), module.serve
@@ -177,7 +177,7 @@ def _guarding(door: Door) -> Generator[None]:
         )
 
 
-def _answered(door: Door, usual: Any, connection: Any, request: Any) -> Any:
+def _answered(door: ServerAccess, usual: Any, connection: Any, request: Any) -> Any:
     """Return the response to a request; None accepts the requested websocket."""
     why = door.refusal(request.path, request.headers.get_all)
     if why:

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.cockpit.live import Live, tilt
+from laticauda.cockpit.live import Live, read_tilt
 from laticauda.cockpit.pages import time_scale
-from laticauda.cockpit.simulation import TICK, measured
+from laticauda.cockpit.simulation import TICK, find_measured
 from laticauda.files import read_toml
 from laticauda.reports.chapter import in_digits
 from laticauda.trial import metrics
@@ -23,7 +23,7 @@ FIGURES = ("forward_velocity", "cycle_velocity", "mean_power", "cost_of_transpor
 RECENT = 800  # latest samples, over which joints and actuators are checked
 
 
-def numbers(live: Live) -> dict[str, Any]:
+def read_figures(live: Live) -> dict[str, Any]:
     """Return the figures of a `live` run since the scenario was last changed, by name; nan if not yet available.
 
     The elapsed `time` [s], the forward velocity (5), that over the last gait cycle [m/s], the mean
@@ -76,7 +76,7 @@ def numbers_text(live: Live) -> str:
     failure = live.simulation.failure
     if failure is not None:
         return f"**{failure}** Change a setting, or reset."
-    now, tank = numbers(live), measured(live.scenario)
+    now, tank = read_figures(live), find_measured(live.scenario)
     kind = "mechanical" if live.latest().electrical_work is None else "electrical"
     rows = [
         ("forward velocity (5)", _number(now["forward_velocity"], "m/s", 3)),
@@ -86,7 +86,7 @@ def numbers_text(live: Live) -> str:
         ("cross-track error", _number(now["cross_track_error"], "m", 3)),
         ("heading", _number(math.degrees(now["heading"]), "deg", 1)),
     ]
-    for name, value in tilt(live.latest()).items():
+    for name, value in read_tilt(live.latest()).items():
         if math.isfinite(value):
             rows.append(
                 (

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from laticauda import kinematics, series
-from laticauda.cockpit.shapes import Color, Poses, poses, shapes
+from laticauda.cockpit.shapes import Color, Poses, build_shapes, compute_poses
 from laticauda.dynamics.plant import Plant
 from laticauda.files import read_toml
 from laticauda.fluid.arrows import MOMENTS, Arrows, Surface, arrows_of, has_waves
-from laticauda.pictures.camera import in_space
+from laticauda.pictures.camera import to_space
 from laticauda.robot import Environment, Robot, Water
 
 FLOOR, SURFACE = (
@@ -69,10 +69,10 @@ class Body:
         self._root = scene.add_frame(f"/{name}", show_axes=False)
 
     def show(self, robot: Robot, sample: series.Log) -> Poses:
-        """Draw the robot as in a sample; arguments as for `laticauda.cockpit.shapes.poses`."""
+        """Draw the robot as in a sample; arguments as for `laticauda.cockpit.shapes.compute_poses`."""
         if robot != self._robot:
             self._build(robot)
-        now = poses(robot, sample)
+        now = compute_poses(robot, sample)
         for frame, position, orientation in zip(
             self._frames, now.position, now.orientation, strict=True
         ):
@@ -91,7 +91,7 @@ class Body:
 
     def _build(self, robot: Robot) -> None:
         self.remove()
-        found = shapes(robot)
+        found = build_shapes(robot)
         for part in range(1 + max(shape.part for shape in found)):
             self._frames.append(
                 self._scene.add_frame(f"/{self._name}/part_{part}", show_axes=False)
@@ -150,7 +150,7 @@ class Trail:
 
     def grow(self, place: np.ndarray) -> None:
         """Extend the trail to a position, in the plane or in space [m]."""
-        place = in_space(place, 0.0)
+        place = to_space(place, 0.0)
         if not self._points or float(np.linalg.norm(place - self._points[-1])) > TRAIL_STEP:
             self._points.append(place)
 
@@ -213,7 +213,7 @@ class Scene:
         """Draw the robot and its water, and the force on every link if it is requested and in the sample."""
         now = self._body.show(robot, sample)
         self._water.show(environment, robot, sample.center_of_mass, float(sample.time))
-        place = in_space(sample.center_of_mass, 0.0)
+        place = to_space(sample.center_of_mass, 0.0)
         self.trail.grow(place)
         arrows = _arrows(now, sample, place) if forces else None
         if arrows is not None:

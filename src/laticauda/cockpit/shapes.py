@@ -7,10 +7,10 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda import interfaces, kinematics, series
-from laticauda.pictures.camera import in_space
+from laticauda.pictures.camera import to_space
 from laticauda.robot import Robot
 from laticauda.spatial import appearance
-from laticauda.spatial.bodies import AXES, bodies
+from laticauda.spatial.bodies import AXES, build_bodies
 
 Color = tuple[int, int, int]
 
@@ -35,7 +35,7 @@ class Poses:
     """Midpoint of every module [m]."""
 
 
-def shapes(robot: Robot) -> list[Shape]:
+def build_shapes(robot: Robot) -> list[Shape]:
     """Return the shapes of the robot: housings with their bands, a head, a plate for the fin.
 
     Args:
@@ -44,12 +44,15 @@ def shapes(robot: Robot) -> list[Shape]:
     found = [
         Shape(i, build(module), _color(material))
         for i, module in enumerate(robot.modules)
-        for material, build in appearance.parts(is_head=i == robot.n_links - 1).items()
+        for material, build in appearance.mesh_builders(is_head=i == robot.n_links - 1).items()
     ]
     fin = robot.caudal_fin
     for k, piece in enumerate(fin.pieces if fin is not None else ()):
         assert fin is not None
-        boxes = [*filter(None, [appearance.plate(fin, piece)]), *appearance.rods(fin, piece)]
+        boxes = [
+            *filter(None, [appearance.build_fin_plate(fin, piece)]),
+            *appearance.rods(fin, piece),
+        ]
         found.append(
             Shape(
                 robot.n_links + k, appearance.joined(*(_mesh(box) for box in boxes)), _color("fin")
@@ -58,7 +61,7 @@ def shapes(robot: Robot) -> list[Shape]:
     return found
 
 
-def poses(robot: Robot, sample: series.Log, height: float = 0.0) -> Poses:
+def compute_poses(robot: Robot, sample: series.Log, height: float = 0.0) -> Poses:
     """Compute the poses of the robot's parts.
 
     Args:
@@ -75,7 +78,7 @@ def poses(robot: Robot, sample: series.Log, height: float = 0.0) -> Poses:
         root = kinematics.turn("yaw", float(sample.link_angle[0]))
     pieces = robot.caudal_fin.pieces if robot.caudal_fin is not None else ()
     bends = [float(sample.signals.get(f"fin_angle_{k}", np.zeros(()))) for k in range(len(pieces))]
-    parts, angles = bodies(robot), [0.0, *sample.joint_angle.tolist(), *np.negative(bends)]
+    parts, angles = build_bodies(robot), [0.0, *sample.joint_angle.tolist(), *np.negative(bends)]
     places, turns = {"": np.zeros(3)}, {"": root}
     for body, angle in zip(parts, angles, strict=True):
         before = turns[body.parent]
@@ -88,7 +91,7 @@ def poses(robot: Robot, sample: series.Log, height: float = 0.0) -> Poses:
     )
     ahead, mass = rotation[:, :, 0], np.array([body.mass for body in parts])
     center = mass @ (position + np.array([[body.center] for body in parts]) * ahead) / mass.sum()
-    position += in_space(sample.center_of_mass, height) - center
+    position += to_space(sample.center_of_mass, height) - center
     middle = (
         position[: robot.n_links]
         + np.array([[one.half_length] for one in robot.modules]) * ahead[: robot.n_links]

@@ -9,7 +9,7 @@ import numpy as np
 
 import laticauda as lc
 from laticauda import control, series
-from laticauda.errors import instance
+from laticauda.errors import check_instance
 from laticauda.robot.environment import Current
 from laticauda.scenarios import Model, Planar, Scenario, default_water, model_of
 from laticauda.trial.measured import MeasuredTrial, measured_setting
@@ -108,15 +108,15 @@ class Simulation:
             ValueError: If the scenario is inconsistent; the simulation stays unchanged.
         """
         if self.ticks == 0:
-            return begin(scenario)
+            return begin_simulation(scenario)
         old, body, state = self.scenario, self.plant, self.state
-        checked(scenario)
+        check_scenario(scenario)
         if (scenario.robot, scenario.environment, scenario.model) != (
             old.robot,
             old.environment,
             old.model,
         ):
-            body = lc.plant(scenario)
+            body = lc.build_plant(scenario)
             state = self._carried(body, scenario.gait)
         goes_on = type(scenario.motion) is type(old.motion) and path_of(scenario) == path_of(old)
         steering = (
@@ -195,7 +195,7 @@ class Simulation:
         return after, replace(log, signals={**log.signals, **signals})
 
 
-def begin(scenario: Scenario) -> Simulation:
+def begin_simulation(scenario: Scenario) -> Simulation:
     """Create a simulation in which the robot lies straight, at the scenario's start.
 
     Args:
@@ -204,8 +204,8 @@ def begin(scenario: Scenario) -> Simulation:
     Raises:
         ValueError: If the scenario is inconsistent, or a page cannot show it.
     """
-    body, start = lc.plant(checked(scenario)), scenario.start
-    instance("start", start, lc.Start)
+    body, start = lc.build_plant(check_scenario(scenario)), scenario.start
+    check_instance("start", start, lc.Start)
     command = lc.Command(gait=scenario.gait)
     state = body.init(cast(lc.Start, start), command)
     body.march(state, command, TICK, TICK)  # rejects now what it would reject later
@@ -235,7 +235,7 @@ class Changes(TypedDict, total=False):
     depth: float | None
 
 
-def changed(scenario: Scenario, **changes: Unpack[Changes]) -> Scenario:
+def adapt_scenario(scenario: Scenario, **changes: Unpack[Changes]) -> Scenario:
     """Return a changed scenario; the default water adapts to robot and gait.
 
     Args:
@@ -272,15 +272,15 @@ def changed(scenario: Scenario, **changes: Unpack[Changes]) -> Scenario:
     return replace(scenario, robot=robot, motion=motion, environment=water, model=model)
 
 
-def checked(scenario: Scenario) -> Scenario:
+def check_scenario(scenario: Scenario) -> Scenario:
     """Return the scenario, if a page can show it.
 
     Raises:
         ValueError: If the robot is not in water, is steered by anything other than path following,
             or its joints have no room for the steering.
     """
-    instance("environment", scenario.environment, lc.Water)
-    instance("motion", scenario.motion, lc.Gait, lc.PathFollowing)
+    check_instance("environment", scenario.environment, lc.Water)
+    check_instance("motion", scenario.motion, lc.Gait, lc.PathFollowing)
     scenario.controller.check(
         scenario.robot.planar() if isinstance(scenario.model, Planar) else scenario.robot
     )
@@ -316,13 +316,13 @@ def depth_of(scenario: Scenario) -> float | None:
     return -profile.point[1] if isinstance(profile, lc.StraightLine) else None
 
 
-def measured(scenario: Scenario) -> MeasuredTrial | None:
+def find_measured(scenario: Scenario) -> MeasuredTrial | None:
     """Return the paper's trial with this scenario, or None."""
     gait = scenario.motion if isinstance(scenario.motion, lc.Gait) else None
     return measured_setting(scenario.robot, gait, scenario.environment)
 
 
-def with_fin(robot: lc.Robot, has_fin: bool, rigidity: float | None) -> lc.Robot:
+def change_fin(robot: lc.Robot, has_fin: bool, rigidity: float | None) -> lc.Robot:
     """Return the robot with or without a fin: its own, or Mamba's if it has none.
 
     Args:

@@ -74,7 +74,7 @@ def kernel(function: FunctionType) -> Any:
     return _target.get().kernel(function)
 
 
-def compiled(function: FunctionType) -> Any:
+def compile_scalar(function: FunctionType) -> Any:
     """Compile a plain scalar function for kernels, together with the plain functions that it calls.
 
     Numba itself requires each of them to be decorated; with this function, laws stay ordinary
@@ -101,7 +101,7 @@ def compiled(function: FunctionType) -> Any:
 
 
 def _compiled_inner(function: Callable[..., Any]) -> Any:
-    return _target.get().formulas.get(function) or compiled(function)
+    return _target.get().formulas.get(function) or compile_scalar(function)
 
 
 def for_python(function: FunctionType) -> Any:
@@ -113,7 +113,7 @@ def for_python(function: FunctionType) -> Any:
     return njit(**INLINED)(getattr(function, "py_func", function))
 
 
-def target() -> Target:
+def current_target() -> Target:
     """Return the current compilation target."""
     return _target.get()
 
@@ -153,10 +153,10 @@ def _kept(function: Callable[..., Any]) -> Any:
     so the digest at the end of the module's name is added to that name.
     """
     function.__qualname__ += "_" + function.__module__.rpartition("_")[2]
-    return in_turn(cast(FunctionType, function))
+    return compile_once_across_processes(cast(FunctionType, function))
 
 
-def in_turn(function: FunctionType) -> Any:
+def compile_once_across_processes(function: FunctionType) -> Any:
     """Compile a function only once if several processes need it at the same time; the others load the cached code.
 
     Args:

@@ -15,7 +15,7 @@ from typing import Any, cast
 
 from numba.core.errors import NumbaError
 
-from laticauda.compiling import compiled, fingerprint, for_python, kernel, target
+from laticauda.compiling import compile_scalar, current_target, fingerprint, for_python, kernel
 from laticauda.formulas import Formula
 from laticauda.scalars import first_lane
 
@@ -55,7 +55,7 @@ def in_numbers(formula: Formula, record: type | None, n_first: int) -> Any:
         n_first: Count of the numbers before those of the record, which the law's own numbers
             follow.
     """
-    inner, last = compiled(formula.function), n_first + _size(record)
+    inner, last = compile_scalar(formula.function), n_first + _size(record)
     own: Any = namedtuple("Numbers", formula.fields or ("nothing",))
     rest = () if formula.fields else (0.0,)
 
@@ -63,14 +63,14 @@ def in_numbers(formula: Formula, record: type | None, n_first: int) -> Any:
         return inner(own(*numbers[last:], *rest), *numbers[:n_first])
 
     if record is None:
-        return compiled(alone)
+        return compile_scalar(alone)
 
     def call(*numbers: float) -> Any:
         return inner(
             own(*numbers[last:], *rest), *numbers[:n_first], record(*numbers[n_first:last])
         )
 
-    return compiled(call)
+    return compile_scalar(call)
 
 
 def _size(record: Any) -> int:
@@ -79,7 +79,7 @@ def _size(record: Any) -> int:
 
 def in_rows(formula: Formula, record: type | None, n_first: int) -> Any:
     """Return a formula as `in_numbers` does, but also for lanes; made once for all kernels of a target."""
-    now, key = target(), (digest_of(formula), record, n_first)
+    now, key = current_target(), (digest_of(formula), record, n_first)
     if key not in now.made:
         now.made[key] = now.in_lanes(in_numbers(formula, record, n_first))
     return now.made[key]
@@ -185,7 +185,7 @@ def _after(before: Any, formula: Formula, count: int) -> Any:
     part, size, first = (
         in_rows(formula, None, PLACE),
         len(formula.fields),
-        target().formulas[first_lane],
+        current_target().formulas[first_lane],
     )
     numbers = rows_from(0, size)
     plus = kernel(eval(f"lambda a, b: ({''.join(f'a[{k}] + b[{k}], ' for k in range(count))})"))

@@ -28,14 +28,14 @@ import numpy as np
 from laticauda.errors import BadArgument
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Observation
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot import Robot, Water
 from laticauda.trial import Trial, metrics
 
 State: TypeAlias = tuple[Any, Any, Any, Any, Any, Any]
 
 
-@value
+@value_class
 class AveragedModel:
     """One gait of one robot, at any frequency and offset within the range of the fit.
 
@@ -167,7 +167,7 @@ class _Cycles:
         self.begin = np.arange(0.0, self.time[-1] - self.period + 1e-9, 0.1 * self.period)
         current = trial.environment.uniform if isinstance(trial.environment, Water) else (0.0, 0.0)
         self.velocity = [self.change(trial.center_of_mass[:, i]) - current[i] for i in range(2)]
-        turned = metrics.integral(self.time, trial.heading)
+        turned = metrics.cumulative_integral(self.time, trial.heading)
         self.heading, self.turning = self.change(turned), self.change(trial.heading)
         self.power = self.change(
             trial.work[:, 0] if trial.electrical_work is None else trial.electrical_work
@@ -326,7 +326,7 @@ def _searched(
 OFFSETS = tuple(math.radians(degrees) for degrees in (0.0, 5.0, -10.0, 15.0, -5.0, 0.0))
 
 
-@value
+@value_class
 class OffsetSteps(Controller[int]):
     """Open-loop controller that steers by a list of offsets; the trial logs the offset among its signals.
 

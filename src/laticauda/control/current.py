@@ -14,7 +14,7 @@ import numpy as np
 
 from laticauda.control.averaged import AveragedModel
 from laticauda.interfaces import Observation
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 
 Array = np.ndarray
 X, Y, PSI, BEND, SPEED, SWAY, DRIFT_X, DRIFT_Y, RIPPLE, QUADRATURE = range(10)
@@ -46,7 +46,7 @@ class ObserverState:
         return self.mean[_DRIFT]
 
 
-@value
+@value_class
 class CurrentObserver:
     """Extended Kalman filter that estimates the current; its state is a value.
 

@@ -9,12 +9,12 @@ from laticauda.control.guidance import Guidance, HeadingController, IntegralLine
 from laticauda.control.paths import Circle, Polyline, Spline, StraightLine
 from laticauda.errors import BadArgument
 from laticauda.gaits import Gait
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 
 LEVEL = 1.0  # level stretch of a profile before its first and after its last depth [m]
 
 
-@value
+@value_class
 class Course:
     """Course to follow, apart from waypoints.
 
@@ -38,7 +38,7 @@ class Course:
     )
 
 
-@value
+@value_class
 class Following(Course):
     """Parameters of path following, as in trial files; the defaults are the paper's for Mamba.
 

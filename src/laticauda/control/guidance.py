@@ -13,7 +13,7 @@ from laticauda.angles import wrap_to_pi
 from laticauda.control.frames import PathFrame
 from laticauda.errors import BadArgument
 from laticauda.extensions import Extensible
-from laticauda.quantities import quantity, value
+from laticauda.quantities import quantity, value_class
 
 State = TypeVar("State")
 
@@ -43,7 +43,7 @@ class Guidance(Extensible, Generic[State], group="guidance"):
         raise NotImplementedError
 
 
-@value
+@value_class
 class LineOfSight(Guidance[None]):
     """Line-of-sight guidance: head for the point of the path one look-ahead distance ahead.
 
@@ -84,7 +84,7 @@ class LineOfSight(Guidance[None]):
         return None, _aimed(frame, frame.cross_track_error / self.look_ahead_distance, heading)
 
 
-@value
+@value_class
 class IntegralLineOfSight(Guidance[float]):
     """Line-of-sight guidance with integral action, which removes the error caused by a steady current.
 
@@ -135,7 +135,7 @@ ROUNDING = 1e-9
 """Smaller than the time between any two control instants [s]."""
 
 
-@value
+@value_class
 class HeadingController:
     """Proportional heading controller: the offset of all joints that turns the robot toward a heading.
 
@@ -174,7 +174,7 @@ HeadingWindow: TypeAlias = tuple[tuple[float, float, float], ...]
 """Headings in the window, oldest first: time [s], heading [rad], its integral since the very first [rad s]."""
 
 
-@value
+@value_class
 class HeadingEstimate:
     """Heading as the mean over the most recent time window.
 
@@ -220,11 +220,11 @@ class HeadingEstimate:
         oldest = max(
             bisect_right(state, begin + ROUNDING, key=itemgetter(0)) - 1, 0
         )  # last one not inside
-        seen = (*state[oldest:], (time, heading, grown(state[-1], time, heading)))
+        seen = (*state[oldest:], (time, heading, extend_integral(state[-1], time, heading)))
         return seen, mean_over(seen, begin)
 
 
-def grown(last: tuple[float, float, float], time: float, heading: float) -> float:
+def extend_integral(last: tuple[float, float, float], time: float, heading: float) -> float:
     """Return the integral of the heading, extended by one heading [rad s].
 
     Args:
@@ -245,4 +245,4 @@ def mean_over(window: HeadingWindow, begin: float) -> float:
     """
     (t, first, _), (end, second, _), (time, _, integral) = window[0], window[1], window[-1]
     there = first + (begin - t) / (end - t) * (second - first)
-    return (integral - grown(window[0], begin, there)) / (time - begin)
+    return (integral - extend_integral(window[0], begin, there)) / (time - begin)

@@ -12,9 +12,9 @@ from laticauda import angles, gaits
 from laticauda.control.current import SPEED, CurrentObserver, ObserverState, crab_angle
 from laticauda.control.frames import Path
 from laticauda.control.guidance import Guidance, HeadingController, HeadingEstimate, HeadingWindow
-from laticauda.errors import BadArgument, positive
+from laticauda.errors import BadArgument, check_positive
 from laticauda.interfaces import Command, Controller, Observation
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot import Robot
 
 _SLOWEST = 0.5  # lower bound of the speed used for a crab angle, as a fraction of the gait's speed
@@ -38,7 +38,7 @@ class PathFollowingState:
     """Signals of the last control instant, for the log."""
 
 
-@value
+@value_class
 class PathFollowing(Controller[PathFollowingState]):
     """Controller that makes a robot follow a path with its gait.
 
@@ -87,7 +87,7 @@ class PathFollowing(Controller[PathFollowingState]):
     def __post_init__(self) -> None:
         """Check every field once."""
         if self.heading_estimate == "cycle_mean":
-            positive("gait.frequency", self.gait.frequency, "rad/s for a mean over its cycle")
+            check_positive("gait.frequency", self.gait.frequency, "rad/s for a mean over its cycle")
 
     @cached_property
     def estimate(self) -> HeadingEstimate:
@@ -214,7 +214,7 @@ class SpatialPathFollowingState(PathFollowingState):
     """State in profile."""
 
 
-@value
+@value_class
 class SpatialPathFollowing(PathFollowing):
     """Controller that makes a robot with pitch joints follow a path in space.
 

@@ -12,12 +12,12 @@ from laticauda.angles import wrap_to_pi
 from laticauda.control.curve import Curve, natural_cubic
 from laticauda.control.frames import Distances, Path, PathFrame, Points, Position
 from laticauda.errors import BadArgument
-from laticauda.quantities import quantity, value
+from laticauda.quantities import quantity, value_class
 
 Waypoints = tuple[tuple[float, float], ...]
 
 
-@value
+@value_class
 class StraightLine(Path[None]):
     """Straight line without start or end.
 
@@ -59,7 +59,7 @@ class StraightLine(Path[None]):
         return np.array(self.point) + np.outer(along_track_distance, _unit(self.angle))
 
 
-@value
+@value_class
 class Circle(Path[tuple[float, float] | None]):
     """Circle, followed once or several times. It starts where the robot is first seen, and does not end.
 
@@ -119,7 +119,7 @@ class Circle(Path[tuple[float, float] | None]):
         )
 
 
-@value
+@value_class
 class Polyline(Path[int]):
     """Straight legs from waypoint to waypoint, followed one at a time.
 
@@ -202,7 +202,7 @@ class Polyline(Path[int]):
         return along >= 0.0 or math.hypot(along, across) < self.acceptance_distance
 
 
-@value
+@value_class
 class Spline(Path[float | None]):
     """Smooth curve through waypoints, parameterized by its length; see `laticauda.control.curve`.
 

@@ -21,10 +21,10 @@ from laticauda.angles import wrap_to_pi
 from laticauda.control import averaged, guidance, path_following, paths
 from laticauda.control.current import BEND, PSI, SPEED, SWAY, CurrentObserver, ObserverState, X, Y
 from laticauda.control.frames import Path, PathFrame
-from laticauda.errors import BadArgument, optional_import, positive
+from laticauda.errors import BadArgument, check_positive, optional_import
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, Observation
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot import Robot
 
 Array = np.ndarray
@@ -35,7 +35,7 @@ _OFFSET_CHANGE = 30.0
 _FREQUENCY_CHANGE = 0.3
 
 
-class Given(NamedTuple):
+class PlanParameters(NamedTuple):
     """Parameters that change from plan to plan, all in axes at the robot, along the path there."""
 
     state: Array
@@ -63,7 +63,7 @@ class Plan(NamedTuple):
     """Number of iterations."""
 
 
-def plan(problem: "ModelPredictive", given: Given, begin: Array | None) -> Plan:
+def solve_plan(problem: "ModelPredictive", given: PlanParameters, begin: Array | None) -> Plan:
     """Solve for one plan.
 
     Args:
@@ -179,7 +179,7 @@ class PredictiveState:
     """Signals of the last control instant, for the log."""
 
 
-@value
+@value_class
 class PlanLimits:
     """Limits of a plan, and the law that steers if there is no plan."""
 
@@ -201,7 +201,7 @@ class PlanLimits:
     )
 
 
-@value
+@value_class
 class ModelPredictive(PlanLimits, Controller[PredictiveState]):
     """Controller that plans offset and frequency with the averaged model, and thus takes a current into account.
 
@@ -247,7 +247,7 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
     def __post_init__(self) -> None:
         """Check every field once."""
         low, high = self.frequencies
-        positive("frequency_limits[0]", low, "rad/s")
+        check_positive("frequency_limits[0]", low, "rad/s")
         if not low <= self.gait.frequency <= high:
             rule = f"must enclose the gait's frequency of {self.gait.frequency:.4g} rad/s"
             raise BadArgument("frequency_limits", f"{rule}, got {low:.4g} and {high:.4g}")
@@ -290,7 +290,7 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
         # with the gait.
         progress, frame = self.path.locate(state.progress, seen.mean[[X, Y]])
         _, raw = self.path.locate(progress, observation.center_of_mass[:2])
-        found = plan(self._problem, self._given(seen, frame, state.command), state.unknowns)
+        found = solve_plan(self._problem, self._given(seen, frame, state.command), state.unknowns)
         is_fallback = not found.is_solved
         heading_ref, wanted = (
             self._line_of_sight(seen, frame) if is_fallback else self._first(seen, frame, found)
@@ -317,7 +317,9 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
         )
         return after, Command(gait=replace(self.gait, frequency=frequency), offset=offset)
 
-    def _given(self, seen: ObserverState, frame: PathFrame, last: tuple[float, float]) -> Given:
+    def _given(
+        self, seen: ObserverState, frame: PathFrame, last: tuple[float, float]
+    ) -> PlanParameters:
         """Return the parameters of a plan, in axes at the robot along the path, independent of where the path is."""
         chi = frame.path_tangential_angle
         drift, mean = _turned(seen.drift, -chi), seen.mean
@@ -331,7 +333,7 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
         tangent = _turned(after - before, -chi)
         place = _turned(0.5 * (after + before) - foot, -chi)
         direction = np.arctan2(tangent[:, 1], tangent[:, 0])
-        return Given(
+        return PlanParameters(
             state=np.array(
                 [0.0, frame.cross_track_error, psi, mean[BEND], mean[SPEED], mean[SWAY]]
             ),

@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import Any, NoReturn, TypeAlias, cast
 
 from laticauda import codec, gaits, interfaces, robot, scenarios
-from laticauda.errors import BadArgument, one_of, within
+from laticauda.errors import BadArgument, check_choice, check_within
 from laticauda.gaits.gait import FIRST_GAIT, Wave
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot import TEXTBOOK, Current, Robot, Water, load_robot
 
 PROTOCOL_VERSION = 1
@@ -92,8 +92,8 @@ LOADS = ("joint_angle_ref", "joint_torque", "work", "electrical_work")
 """Quantities of the last sample that an answer contains in addition to the observation."""
 
 
-@value
-class Held:
+@value_class
+class InitialMessageState:
     """Position, command (except for the gait) and current in a message."""
 
     center_of_mass: tuple[float, float] = quantity("m", "Initial position", default=(0.0, 0.0))
@@ -145,7 +145,7 @@ def read_scenario(
     presets = {"water": waters, "ground": robot.ground_names(), "parameters": parameters}
     for name, there in {"robot": (*robot.robot_names(), *own_robots), **presets}.items():
         if getattr(choice, name) is not None:
-            one_of(name, getattr(choice, name), there)
+            check_choice(name, getattr(choice, name), there)
     chosen = choice.resolved(
         command.gait, lambda name, n_links: _robot(own_robots.get(name), name, n_links)
     )
@@ -222,8 +222,8 @@ def _held(said: Message, *names: str) -> dict[str, Any]:
             "current", "must not name a file: the server reads no files for its clients"
         )
     if isinstance(name := mine.get("current"), str):
-        mine["current"] = robot.load_current(one_of("current", name, robot.current_names()))
-    checked = codec.decode(Held, mine)
+        mine["current"] = robot.load_current(check_choice("current", name, robot.current_names()))
+    checked = codec.decode(InitialMessageState, mine)
     return {name: getattr(checked, name) for name in mine}
 
 
@@ -232,7 +232,7 @@ def _robot(own: Robot | None, name: str, n_links: int | None) -> Robot:
     return (
         found
         if n_links is None
-        else found.with_links(int(within("n_links", n_links, 1, MOST_LINKS)))
+        else found.with_links(int(check_within("n_links", n_links, 1, MOST_LINKS)))
     )
 
 

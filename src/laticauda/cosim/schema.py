@@ -30,7 +30,13 @@ PLAIN: Mapping[Any, str] = {
     float: "number",
     type(None): "null",
 }
-DECLARED = (scenarios.Scenario, scenarios.Spatial, Start, messages.Held, scenarios.Choice)
+DECLARED = (
+    scenarios.Scenario,
+    scenarios.Spatial,
+    Start,
+    messages.InitialMessageState,
+    scenarios.Choice,
+)
 """Classes whose fields are top-level fields of a message; for a repeated name, the later class takes precedence."""
 OWN: Mapping[str, Schema] = {
     "id": {},

@@ -6,11 +6,11 @@ import time
 from collections.abc import Mapping
 from contextlib import suppress
 
-from laticauda.access import Door
+from laticauda.access import ServerAccess
 from laticauda.cosim.budget import Budget
 from laticauda.cosim.messages import MESSAGE_BYTES, read_message, write_message
 from laticauda.cosim.session import Session
-from laticauda.errors import BadArgument, LaticaudaError, whole
+from laticauda.errors import BadArgument, LaticaudaError, check_whole_number
 from laticauda.robot import Robot
 
 LOOPBACK, PORT, MOST_CLIENTS = "127.0.0.1", 5055, 16
@@ -54,11 +54,11 @@ class Server:
         max_clients: int = MOST_CLIENTS,
         own_robots: Mapping[str, Robot] | None = None,
     ) -> None:
-        if whole("port", port, 0) > 65535:
+        if check_whole_number("port", port, 0) > 65535:
             raise BadArgument("port", f"must be between 0 and 65535, got {port}")
-        self.host, self.port, self.door = host, port, Door.of(host)
+        self.host, self.port, self.door = host, port, ServerAccess.of(host)
         """Access control for clients."""
-        self.max_clients = whole("max_clients", max_clients, 1)
+        self.max_clients = check_whole_number("max_clients", max_clients, 1)
         self._own_robots, self._budget = dict(own_robots or {}), Budget().shared(max_clients)
         self._socket: socket.socket | None = None
         self._clients: set[socket.socket] = set()

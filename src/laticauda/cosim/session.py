@@ -19,7 +19,14 @@ from laticauda import codec, packaging, scenarios, series, simulate
 from laticauda.cosim import messages
 from laticauda.cosim.budget import Budget
 from laticauda.cosim.messages import Message
-from laticauda.errors import BadArgument, LaticaudaError, finite, one_of, positive, within
+from laticauda.errors import (
+    BadArgument,
+    LaticaudaError,
+    check_choice,
+    check_finite,
+    check_positive,
+    check_within,
+)
 from laticauda.robot import Current, Robot, Water
 
 MOST_SAMPLES = 100_000  # per request, and in a log
@@ -105,7 +112,7 @@ class History:
         parts = [part for part in self._parts if part["time"][-1] > since]
         found: Series = {}
         for name in names:
-            one_of("series", name, tuple(self._parts[-1]))
+            check_choice("series", name, tuple(self._parts[-1]))
             pieces = [part[name][part["time"] > since] for part in parts]
             found[name] = np.concatenate(pieces) if pieces else self._parts[-1][name][:0]
         return found
@@ -122,7 +129,7 @@ def new_world(scenario: lc.Scenario, budget: Budget) -> World:
         ValueError: If robot, water and command are incompatible.
     """
     budget.check_kind(scenario)
-    body = simulate.plant(scenario)
+    body = simulate.build_plant(scenario)
     world = World(
         scenario=scenario, plant=body, state=None, log=History(budget.logged), budget=budget
     )
@@ -131,7 +138,7 @@ def new_world(scenario: lc.Scenario, budget: Budget) -> World:
     return world
 
 
-def changed(world: World, message: Message, *, tried: bool = True) -> World:
+def change_world(world: World, message: Message, *, tried: bool = True) -> World:
     """Return the world with another command or current, without advancing time.
 
     Args:
@@ -147,7 +154,7 @@ def changed(world: World, message: Message, *, tried: bool = True) -> World:
     scenario, body, state = messages.commanded(world.scenario, message), world.plant, world.state
     if scenario.environment is not world.scenario.environment:
         world.budget.check_kind(scenario)
-        body = simulate.plant(scenario)
+        body = simulate.build_plant(scenario)
         state = body.unpack(world.plant.pack(state))
     world = replace(world, scenario=scenario, plant=body, state=state)
     if tried:
@@ -187,7 +194,7 @@ def check_work(world: World, duration: float, sample_interval: float) -> int:
     Raises:
         ValueError: If the step exceeds a limit.
     """
-    within("duration", positive("duration", duration, "s"), 0.0, LONGEST, "s")
+    check_within("duration", check_positive("duration", duration, "s"), 0.0, LONGEST, "s")
     plant = world.plant
     dt, n, water = float(plant.settings.dt), plant.robot.n_links, plant.environment
     parts = len(water.flow.parts) if isinstance(water, Water) and water.flow else 0
@@ -272,7 +279,7 @@ class Session:
                 "protocol",
                 f"must be {messages.PROTOCOL_VERSION}, the server's version, got {asked!r}",
             )
-        do = one_of("do", message.get("do"), tuple(self._requests))
+        do = check_choice("do", message.get("do"), tuple(self._requests))
         codec.check_keys(message, (*messages.COMMON, *messages.REQUESTS[do]))
         return self._requests[do](message)
 
@@ -283,22 +290,22 @@ class Session:
         return {**_seen(world), **_about(world)}
 
     def _step(self, message: Message) -> dict[str, Any]:
-        duration = positive("duration", message.get("duration"), "s")
-        world = stepped(changed(self._there(), message, tried=False), duration)
+        duration = check_positive("duration", message.get("duration"), "s")
+        world = stepped(change_world(self._there(), message, tried=False), duration)
         self._world = world
         if world.broken is not None:
             raise ValueError(world.broken)
         return _seen(world)
 
     def _set(self, message: Message) -> dict[str, Any]:
-        self._world = changed(self._there(), message)
+        self._world = change_world(self._there(), message)
         return {"command": _command(self._world)}
 
     def _get(self, message: Message) -> dict[str, Any]:
         world = self._there()
         if "series" not in message:
             return {**_seen(world), "command": _command(world), **_about(world)}
-        since = finite("since", message.get("since", -1.0), "s")
+        since = check_finite("since", message.get("since", -1.0), "s")
         return {
             "series": world.log.series(_names(message["series"]), since),
             "dropped": world.log.dropped,
@@ -307,8 +314,8 @@ class Session:
     def _run(self, message: Message) -> dict[str, Any]:
         names = _names(message.get("series", []))
         for name in names:
-            one_of("series", name, tuple(series.SERIES))
-        duration = positive("duration", message.get("duration", 30.0), "s")
+            check_choice("series", name, tuple(series.SERIES))
+        duration = check_positive("duration", message.get("duration", 30.0), "s")
         scenario = messages.read_scenario(message, self._own_robots, duration)
         numbers = check_work(
             new_world(scenario, self._budget), scenario.duration, scenario.sample_interval

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.actuation.laws import JOINT, Drive, JointLaw
-from laticauda.errors import BadArgument, instance, positive
+from laticauda.errors import BadArgument, check_instance, check_positive
 from laticauda.gaits.reference import WaveState, WaveTarget, first_state
 from laticauda.interfaces import EFFECTORS, Command, Observation, Start, check_waves, fin_signals
 from laticauda.robot import Environment, Robot, check_fits, has_power_model
@@ -170,10 +170,10 @@ class Plant(ABC, Generic[ModelType]):
         Raises:
             ValueError: If an argument is of the wrong class or out of range.
         """
-        instance("state", state, PlantState)
-        instance("command", command, Command)
-        duration = positive("duration", duration, "s")
-        sample_interval = positive("sample_interval", sample_interval, "s")
+        check_instance("state", state, PlantState)
+        check_instance("command", command, Command)
+        duration = check_positive("duration", duration, "s")
+        sample_interval = check_positive("sample_interval", sample_interval, "s")
         check_size(duration, sample_interval)
         state, stretch, failure = self.advance(
             state, command, duration, sample_interval, link_forces=link_forces

@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from laticauda.dynamics.plant import Plant, PlantState
-from laticauda.errors import BadArgument, positive, whole
+from laticauda.errors import BadArgument, check_positive, check_whole_number
 from laticauda.fluid.flow import Flow
 from laticauda.interfaces import Command, Observation
 from laticauda.robot import Current, Water
@@ -94,8 +94,8 @@ class School(ABC, Generic[PlantType]):
     ) -> None:
         if not isinstance(plant.environment, Water):
             raise BadArgument("plant", "must swim in water, got one on the ground")
-        self.plant, self.n, self.command = plant, whole("n", n, 1), command
-        self.interval = positive("interval", interval, "s")
+        self.plant, self.n, self.command = plant, check_whole_number("n", n, 1), command
+        self.interval = check_positive("interval", interval, "s")
         self._well = np.full(n, True)
         gait = command.steered
         self._first = np.array([gait.amplitude, gait.frequency, gait.phase_shift, gait.offset])
@@ -109,7 +109,7 @@ class School(ABC, Generic[PlantType]):
         ]
         self._parts = [*cut, self.interval - sum(cut)]
         self._shares = self._begin(
-            self.usual_threads if threads is None else whole("threads", threads, 1)
+            self.usual_threads if threads is None else check_whole_number("threads", threads, 1)
         )
         self._workers = ThreadPoolExecutor(len(self._shares))
         self._keep_seen()

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from laticauda import gaits, interfaces, scenarios
 from laticauda.actuation.laws import Prescribed
 from laticauda.dynamics.plant import Plant
-from laticauda.errors import BadArgument, instance
+from laticauda.errors import BadArgument, check_instance
 from laticauda.robot import Robot
 
 Vector: TypeAlias = NDArray[np.float64]
@@ -68,7 +68,7 @@ def check_plant(plant: Plant[Any] | None, robot: Robot) -> None:
     """
     if plant is None:
         return
-    instance("plant", plant, Plant)
+    check_instance("plant", plant, Plant)
     n, expected = plant.robot.planar().n_joints, robot.planar().n_joints
     if n != expected or (
         plant.robot.n_joints != n and isinstance(plant.settings, scenarios.Spatial)

@@ -36,14 +36,14 @@ from laticauda.estimation.samples import (
 )
 from laticauda.gaits.reference import filter_step
 from laticauda.kinematics import center_of_mass, heading, link_angles
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot import Water
 
 PLAY_TORQUE = 0.3  # approximate torque at which a gear touches on one side [N m]
 LONGEST_STEP = 0.05  # longest prediction step over a gap [s]
 
 
-@value
+@value_class
 class Estimator(StateEstimator):
     """Extended Kalman filter that estimates the motion of a robot; the fields are its settings.
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from laticauda.estimation import digital_twin, samples
 from laticauda.files import read_toml
-from laticauda.quantities import quantity, value
+from laticauda.quantities import quantity, value_class
 
 # The filter runs hundreds of times per second: shapes are given in docstrings and not checked at
 # run time.
@@ -18,7 +18,7 @@ Vector: TypeAlias = NDArray[np.float64]
 Matrix: TypeAlias = NDArray[np.float64]
 
 
-@value
+@value_class
 class Noise:
     """Errors of sensors and model: standard deviations, and how fast unknown quantities wander."""
 

@@ -12,7 +12,7 @@ from jaxtyping import Float
 from laticauda.angles import wrap_to_pi
 from laticauda.estimation.samples import Estimate, JointSample, PoseSample, Sample, StateEstimator
 from laticauda.kinematics import center_of_mass, heading, link_angles, module_poses, turn
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot import Robot
 
 Vector = Float[np.ndarray, " _n"]
@@ -28,7 +28,7 @@ class KinematicState:
     """Estimates from frames, oldest first; without velocities."""
 
 
-@value
+@value_class
 class KinematicEstimator(StateEstimator):
     """Estimator of center of mass and link angles from the pose of the marked module and the joint angles.
 

@@ -21,7 +21,7 @@ from laticauda.estimation.digital_twin import STILL, check_plant
 from laticauda.estimation.samples import JointSample, Mount, PoseSample, ReferenceSample, Sample
 from laticauda.estimation.stretches import MARGIN, TICK, Array, Stretches
 from laticauda.interfaces import Command, Start
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot import Robot, Water
 
 Row: TypeAlias = tuple[float, ...]
@@ -61,7 +61,7 @@ UNITS = {"play": "rad", "crab": "rad", "current_x": "m/s", "current_y": "m/s"}
 REST = Command(gait=STILL)
 
 
-@value
+@value_class
 class Learning:
     """What is learnt while a robot swims, and what counts as a change."""
 
@@ -132,7 +132,7 @@ class LearnerState:
     """What is known, if the last sample ended a stretch that said so."""
 
 
-@value
+@value_class
 class Learner:
     """From samples, one by one, to what they say of robot and water; samples come in the order of their times.
 

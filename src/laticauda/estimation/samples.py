@@ -13,9 +13,9 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, finite, instance, not_negative
+from laticauda.errors import BadArgument, check_finite, check_instance, check_not_negative
 from laticauda.interfaces import Observation
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot import Robot, body
 
 Offset: TypeAlias = tuple[float, float] | tuple[float, float, float]
@@ -78,7 +78,9 @@ class ReferenceSample:
     def __post_init__(self) -> None:
         """Check every field once."""
         _check(self, angle=(None,))
-        object.__setattr__(self, "frequency", not_negative("frequency", self.frequency, "rad/s"))
+        object.__setattr__(
+            self, "frequency", check_not_negative("frequency", self.frequency, "rad/s")
+        )
 
 
 Sample: TypeAlias = PoseSample | JointSample | ReferenceSample
@@ -86,7 +88,7 @@ Sample: TypeAlias = PoseSample | JointSample | ReferenceSample
 
 def _check(sample: Sample, **shapes: tuple[int | None, ...]) -> None:
     """Check that the time is finite, and store read-only arrays of these shapes; None stays None."""
-    object.__setattr__(sample, "time", finite("time", sample.time, "s"))
+    object.__setattr__(sample, "time", check_finite("time", sample.time, "s"))
     for name, shape in shapes.items():
         given: object = getattr(sample, name)
         if given is None:
@@ -123,7 +125,7 @@ class Estimate(Observation):
     """Standard deviation of the current along its less certain direction [m/s]."""
 
 
-@value
+@value_class
 class Mount:
     """Mount of the marker body on the robot.
 
@@ -148,7 +150,7 @@ class Mount:
         Raises:
             ValueError: If the robot has no such module.
         """
-        instance("robot", robot, Robot)
+        check_instance("robot", robot, Robot)
         if self.module >= len(robot.modules):
             raise BadArgument(
                 "module",
@@ -167,7 +169,7 @@ class Mount:
         return math.atan2(float(rotation[1, 0]), float(rotation[0, 0])) - self.angle
 
 
-@value
+@value_class
 class StateEstimator:
     """Base class of `Estimator` and `KinematicEstimator`, which turn samples into estimates. The state is a value.
 

@@ -16,7 +16,7 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from PIL import Image
 
-from laticauda.errors import positive
+from laticauda.errors import check_positive
 from laticauda.figures import style
 from laticauda.figures.path import draw_posture, draw_water, outline
 from laticauda.figures.swim import title_of
@@ -105,7 +105,9 @@ def swim_film(trial: Trial, *, speed: float = 1.0, frames_per_second: float = 15
         speed: Playback speed as a multiple of real time [-].
         frames_per_second: Frame rate of the film [1/s].
     """
-    step = positive("speed", speed) / positive("frames_per_second", frames_per_second, "1/s")
+    step = check_positive("speed", speed) / check_positive(
+        "frames_per_second", frames_per_second, "1/s"
+    )
     moments = np.arange(trial.time[0], trial.time[-1] + 0.5 * step, step)
     shown = np.clip(np.searchsorted(trial.time, moments - 1e-9), 0, trial.time.size - 1).tolist()
     bodies = {sample: outline(trial.chain, trial, sample) for sample in shown}
@@ -114,15 +116,15 @@ def swim_film(trial: Trial, *, speed: float = 1.0, frames_per_second: float = 15
     figure = style.new_figure(
         style.DOUBLE_COLUMN, np.clip(style.DOUBLE_COLUMN * height / width, *HEIGHT) + LABELS
     )
-    ax = style.dress(figure.add_subplot(), xlabel="x [m]", ylabel="y [m]")
+    ax = style.style_axes(figure.add_subplot(), xlabel="x [m]", ylabel="y [m]")
     ax.update_datalim(corners)
     ax.autoscale_view()
     title = title_of(trial)
-    words = style.head(figure, title, "0 s")
+    words = style.add_title(figure, title, "0 s")
     if "cross_track_error" in trial.signals:
         ax.plot(*following.nearest_points(trial).T, zorder=0.5, **style.AIM)
     ax.set_aspect("equal", adjustable="box" if draw_water(trial, ax) else "datalim")
-    style.settle(figure)
+    style.freeze_layout(figure)
     ax.set_adjustable("box")
     ax.autoscale(False)
     (way,) = ax.plot([], [], color=style.INK, linewidth=0.8, zorder=4)

@@ -21,7 +21,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D, ScaledTranslation, Transform, blended_transform_factory
 
 from laticauda.figures import style
-from laticauda.fluid.arrows import arrows_of, elevation, grid, has_waves
+from laticauda.fluid.arrows import arrows_of, grid_points, has_waves, surface_elevation
 from laticauda.kinematics import Posture
 from laticauda.robot import CaudalFin, Robot, Water
 from laticauda.trial import Trial
@@ -59,7 +59,7 @@ def path_strip(trial: Trial, ax: Axes | None = None) -> Axes:
     ax = ax or style.new_figure(style.DOUBLE_COLUMN, 3.0).add_subplot()
     robot = trial.chain
     half_width = max(module.section.half_width for module in robot.modules)
-    samples = instants(trial)
+    samples = choose_instants(trial)
     for k, sample in enumerate(samples):
         points = outline(robot, trial, sample)
         age = (len(samples) - 1 - k) / max(len(samples) - 1, 1)
@@ -70,13 +70,13 @@ def path_strip(trial: Trial, ax: Axes | None = None) -> Axes:
     ax.plot(x[:1], y[:1], color=style.INK, marker="o", markersize=3, zorder=4)
     moving = draw_water(trial, ax)
     ax.set_aspect("equal", adjustable="box" if moving else "datalim")
-    return style.dress(ax, xlabel="x [m]", ylabel="y [m]")
+    return style.style_axes(ax, xlabel="x [m]", ylabel="y [m]")
 
 
-def extent(trial: Trial) -> tuple[float, float]:
+def path_extent(trial: Trial) -> tuple[float, float]:
     """Return the width and height of path and postures, with space for the times [m]."""
     robot = trial.chain
-    bodies = [outline(robot, trial, sample) for sample in instants(trial)]
+    bodies = [outline(robot, trial, sample) for sample in choose_instants(trial)]
     width, height = np.ptp(np.vstack([*bodies, trial.center_of_mass[:, :2]]), axis=0)
     room = 2.0 * MARGIN * max(width, height)
     return float(width + room), float(height + room)
@@ -98,7 +98,7 @@ def _tell_time(ax: Axes, trial: Trial, points: Points, sample: int, half_width: 
         outward = center - 0.5 * (path.min(axis=0) + path.max(axis=0))
         side = left if is_straight or left @ outward > 0.0 else -left
         near = points[np.abs((points - center) @ ahead) < 0.25 * np.ptp(points @ ahead)]
-        text = MARGIN * max(extent(trial))  # about as wide as the text
+        text = MARGIN * max(path_extent(trial))  # about as wide as the text
         places = [(to, _beside(center, near, to, half_width)) for to in (side, -side)]
         gaps = [
             float(np.linalg.norm(path - (at + 0.5 * text * to), axis=1).min()) for to, at in places
@@ -106,7 +106,7 @@ def _tell_time(ax: Axes, trial: Trial, points: Points, sample: int, half_width: 
         side, place = next(
             (one for one, gap in zip(places, gaps, strict=True) if gap > 0.7 * text), places[0]
         )
-    style.note(
+    style.add_note(
         ax,
         f"{trial.time[sample]:.3g} s",
         (float(place[0]), float(place[1])),
@@ -118,7 +118,7 @@ def _tell_time(ax: Axes, trial: Trial, points: Points, sample: int, half_width: 
         zorder=5,
     )
     # The limits of axes ignore texts; this point reserves space for it.
-    room = MARGIN * max(extent(trial)) * (1.0 + 1.5 * abs(side[0]))
+    room = MARGIN * max(path_extent(trial)) * (1.0 + 1.5 * abs(side[0]))
     ax.update_datalim([tuple(place + room * side)])
 
 
@@ -132,12 +132,12 @@ def _beside(center: Point, points: Points, side: Point, half_width: float) -> Po
 
 def outline(robot: Robot, trial: Trial, sample: int) -> Points:
     """Return trailing edge, fin hinges, tail end, joints and head end of the body at a sample, in this order [m]."""
-    return posture(
+    return posture_outline(
         robot, trial.center_of_mass[sample, :2], trial.link_angle[sample], trial.fin_angle[sample]
     )
 
 
-def posture(
+def posture_outline(
     robot: Robot, center: Point, angle: np.ndarray, fin_angle: np.ndarray | None = None
 ) -> Points:
     """Return the `outline` of a center of mass [m] and link angles [rad]; without fin angles, the fin is straight."""
@@ -145,7 +145,7 @@ def posture(
     return np.vstack((bent.fin_line[:-1], bent.link_ends))
 
 
-def instants(trial: Trial) -> list[int]:
+def choose_instants(trial: Trial) -> list[int]:
     """Return the samples at which to draw the body: first, last, and as many in between as fit without overlap."""
     last = trial.time.size - 1
     lengths = _body_lengths(trial)
@@ -297,9 +297,11 @@ def _draw_field(trial: Trial, water: Water, ax: Axes) -> None:
         return water.velocity(np.column_stack((points, np.full(len(points), -depth))), t)[:, :2]
 
     counts = np.ceil(PIXELS * (high - low) / np.max(high - low)).astype(int)
-    places = grid(np.linspace(low[0], high[0], counts[0]), np.linspace(low[1], high[1], counts[1]))
+    places = grid_points(
+        np.linspace(low[0], high[0], counts[0]), np.linspace(low[1], high[1], counts[1])
+    )
     if has_waves(water.flow, 0.5 * (low + high)):
-        shade, colors, label = elevation(water.flow, places, time), HEIGHT, "elevation [m]"
+        shade, colors, label = surface_elevation(water.flow, places, time), HEIGHT, "elevation [m]"
         least = -float(np.max(np.abs(shade)))
     else:
         shade, colors, label, least = (
@@ -349,7 +351,7 @@ def _draw_field(trial: Trial, water: Water, ax: Axes) -> None:
         "va": "center",
         "annotation_clip": False,
     }
-    style.note(ax, words, (end, ROW), (-5.0, 0.0), color=style.INK, **at)
+    style.add_note(ax, words, (end, ROW), (-5.0, 0.0), color=style.INK, **at)
 
 
 def _add_bar(ax: Axes, image: AxesImage, label: str) -> None:
@@ -385,7 +387,7 @@ def _tell_current(ax: Axes, current: Sequence[float]) -> None:
     strength, in_points = math.hypot(*current), _above_corner(ax)
     x, y = (7.0 * part / strength for part in current)
     look: Any = {"xycoords": in_points, "color": style.INK, "annotation_clip": False}
-    style.note(
+    style.add_note(
         ax, f"current {strength:.3g} m/s", (-20.0, ROW), (0, 0), ha="right", va="center", **look
     )
     arrow = {

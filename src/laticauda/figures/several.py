@@ -28,7 +28,7 @@ CLEAR = 3.0  # a maximum of this many times the 90 % quantile would leave the ot
 MOST_MARKS = 40  # largest number of points on a line that are marked
 
 
-def overlay(trials: Sequence[Trial], names: Sequence[str]) -> Figure:
+def plot_overlay(trials: Sequence[Trial], names: Sequence[str]) -> Figure:
     """Plot the paths of several trials on top of each other, and their speeds as means over a gait cycle.
 
     Args:
@@ -41,12 +41,12 @@ def overlay(trials: Sequence[Trial], names: Sequence[str]) -> Figure:
         look: Any = {"color": color, "linestyle": dashes, "linewidth": style.LINE}
         mean = cycle_mean_speed(trial)
         path.plot(*trial.center_of_mass[:, :2].T, **look, label=name)
-        path.plot(*trial.center_of_mass[-1, :2], **style.points("o", 3.5, color))
+        path.plot(*trial.center_of_mass[-1, :2], **style.marker_style("o", 3.5, color))
         velocity.plot(*((trial.time, forward_speed(trial)) if mean is None else mean), **look)
     path.set_aspect("equal", adjustable="datalim")
     style.outside_legend(figure, path.get_legend_handles_labels()[0], "outside lower left", ncols=2)
-    style.dress(path, xlabel="x [m]", ylabel="y [m]")
-    style.dress(velocity, xlabel="time [s]", ylabel="speed, mean over a cycle [m/s]")
+    style.style_axes(path, xlabel="x [m]", ylabel="y [m]")
+    style.style_axes(velocity, xlabel="time [s]", ylabel="speed, mean over a cycle [m/s]")
     return figure
 
 
@@ -75,7 +75,7 @@ def sweep_sheet(found: "xarray.Dataset") -> Figure:
     lost = int(np.count_nonzero(~np.isfinite(found.forward_velocity.to_numpy())))
     about = f"Sweep of {found.attrs['robot']}, {found.attrs['gait'].replace('_', ' ')}, {found.attrs['duration']:g} s"
     notes = [held, f"{lost} of {found.forward_velocity.size} without a value" if lost else ""]
-    style.head(figure, about, "; ".join(filter(None, notes)))
+    style.add_title(figure, about, "; ".join(filter(None, notes)))
     return figure
 
 
@@ -100,7 +100,7 @@ def _over_one(found: "xarray.Dataset", names: list[str], quantity: str, ax: Axes
     order = np.argsort(x)
     marker = "o" if x.size <= MOST_MARKS else ""
     ax.plot(x[order], y[order], color=style.BLUE, linewidth=style.LINE, marker=marker, markersize=3)
-    return style.dress(ax, xlabel=_label(found, names[0]), ylabel=_label(found, quantity))
+    return style.style_axes(ax, xlabel=_label(found, names[0]), ylabel=_label(found, quantity))
 
 
 def _over_two(found: "xarray.Dataset", names: list[str], quantity: str, ax: Axes) -> Axes:
@@ -121,7 +121,7 @@ def _over_two(found: "xarray.Dataset", names: list[str], quantity: str, ax: Axes
     bar.set_label(_label(found, quantity), fontsize=style.LABEL, color=style.INK)
     bar.ax.tick_params(labelsize=style.TICK, labelcolor=style.INK)
     bar.outline.set_visible(False)
-    return style.dress(ax, xlabel=_label(found, names[0]), ylabel=_label(found, names[1]))
+    return style.style_axes(ax, xlabel=_label(found, names[0]), ylabel=_label(found, names[1]))
 
 
 def _label(found: "xarray.Dataset", name: str) -> str:

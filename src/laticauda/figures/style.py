@@ -87,13 +87,13 @@ def save_figure(figure: Figure, *paths: str | Path) -> None:
         ".pdf": {"CreationDate": None, "Creator": None},
         ".svg": {"Date": None},
     }
-    settle(figure)
+    freeze_layout(figure)
     for path in paths:
         about = metadata.get(Path(path).suffix.lower(), {"Software": None})
         write(path, functools.partial(figure.savefig, dpi=DOTS_PER_INCH, metadata=about))
 
 
-def settle(figure: Figure) -> None:
+def freeze_layout(figure: Figure) -> None:
     """Fix the layout of a figure; otherwise matplotlib draws everything twice each time, to compute the layout."""
     if (layout := figure.get_layout_engine()) is not None:
         before = figure.get_dpi()
@@ -103,7 +103,7 @@ def settle(figure: Figure) -> None:
         figure.set_layout_engine("none")
 
 
-def dress(ax: Axes, *, xlabel: str, ylabel: str) -> Axes:
+def style_axes(ax: Axes, *, xlabel: str, ylabel: str) -> Axes:
     """Give axes their labels and the common look."""
     ax.set_xlabel(xlabel, fontsize=LABEL, color=INK)
     ax.set_ylabel(ylabel, fontsize=LABEL, color=INK)
@@ -117,7 +117,7 @@ def dress(ax: Axes, *, xlabel: str, ylabel: str) -> Axes:
     return ax
 
 
-def head(figure: Figure, title: str, note: str = "") -> Text:
+def add_title(figure: Figure, title: str, note: str = "") -> Text:
     """Add a title above all panels, with a line below it; the layout reserves space for both.
 
     Args:
@@ -132,7 +132,7 @@ def head(figure: Figure, title: str, note: str = "") -> Text:
     return shown
 
 
-def legend(ax: Axes, **settings: Any) -> None:
+def add_legend(ax: Axes, **settings: Any) -> None:
     """Add a legend without a frame."""
     ax.legend(handlelength=1.6, borderaxespad=0.2, **LEGEND, **settings)
 
@@ -149,7 +149,7 @@ def outside_legend(figure: Figure, handles: Sequence[Any], place: Outside, **set
     figure.legend(handles=handles, loc=place, **LEGEND, **settings)
 
 
-def letter(ax: Axes, place: int, words: str = "", pad: float = 4.0) -> None:
+def add_letter(ax: Axes, place: int, words: str = "", pad: float = 4.0) -> None:
     """Add the letter of a panel above its left corner, with a description.
 
     Args:
@@ -162,7 +162,7 @@ def letter(ax: Axes, place: int, words: str = "", pad: float = 4.0) -> None:
     ax.set_title(text, fontsize=TICK, color=INK, loc="left", pad=pad)
 
 
-def note(
+def add_note(
     ax: Axes, text: str, at: tuple[float, float], shift: tuple[float, float], **look: Any
 ) -> Text:
     """Add a small text beside a point, gray unless specified otherwise.
@@ -178,7 +178,7 @@ def note(
     return ax.annotate(text, at, xytext=shift, textcoords="offset points", **usual)
 
 
-def points(marker: str, size: float, color: str = INK, **look: Any) -> dict[str, Any]:
+def marker_style(marker: str, size: float, color: str = INK, **look: Any) -> dict[str, Any]:
     """Return the properties of markers without a line between them.
 
     Args:

@@ -18,8 +18,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodFormatter
 
 from laticauda.figures import style
-from laticauda.figures.path import extent, path_strip
-from laticauda.pictures.render import words
+from laticauda.figures.path import path_extent, path_strip
+from laticauda.pictures.render import describe_run
 from laticauda.trial import Trial, cycles, following, measured_counterpart
 
 Series = Float[np.ndarray, "n_samples ..."]
@@ -40,7 +40,7 @@ KINDS = {"lateness": style.BLUE, "latency": style.ORANGE}  # colors of the times
 # ---- figures -------------------------------------------------------------------------------------
 
 
-def speed(trial: Trial, ax: Axes) -> Axes:
+def plot_speed(trial: Trial, ax: Axes) -> Axes:
     """Plot forward speed over time, its mean over the gait cycle around each instant, and the measured one, if any.
 
     Forward is along the heading; the cycle mean is the displacement over one cycle / its duration.
@@ -59,7 +59,7 @@ def speed(trial: Trial, ax: Axes) -> Axes:
         ax.axhline(measured.forward_velocity, label=label, **style.AIM)
     _from_to(ax, trial.time)
     _add_legend(ax, forward[trial.time.size // 5 :])
-    return style.dress(ax, xlabel="time [s]", ylabel="speed [m/s]")
+    return style.style_axes(ax, xlabel="time [s]", ylabel="speed [m/s]")
 
 
 def forward_speed(trial: Trial) -> Series:
@@ -72,7 +72,9 @@ def forward_speed(trial: Trial) -> Series:
     return np.sum(trial.center_of_mass_velocity[:, :2] * ahead, axis=1)
 
 
-def joint_angle(trial: Trial, ax: Axes, *, last: float | None = None, scale: bool = True) -> Axes:
+def plot_joint_angle(
+    trial: Trial, ax: Axes, *, last: float | None = None, scale: bool = True
+) -> Axes:
     """Plot the angles of all joints over time, in degrees, colored from tail to head.
 
     Args:
@@ -84,7 +86,9 @@ def joint_angle(trial: Trial, ax: Axes, *, last: float | None = None, scale: boo
     return _joints(trial, np.degrees(trial.joint_angle), ax, "joint angle [deg]", last, scale)
 
 
-def joint_torque(trial: Trial, ax: Axes, *, last: float | None = None, scale: bool = True) -> Axes:
+def plot_joint_torque(
+    trial: Trial, ax: Axes, *, last: float | None = None, scale: bool = True
+) -> Axes:
     """Plot the torques of all joint drives over time, colored from tail to head.
 
     Args:
@@ -105,7 +109,7 @@ def swim_sheet(trial: Trial) -> Figure:
     Args:
         trial: Any trial, including a failed one.
     """
-    width, height = extent(trial)
+    width, height = path_extent(trial)
     last = None if trial.period is None else CYCLES_SHOWN * trial.period
     strip = (style.DOUBLE_COLUMN - 0.6) * height / width
     if strip < 1.5 * STRIP_HEIGHT[1]:
@@ -121,9 +125,9 @@ def swim_sheet(trial: Trial) -> Figure:
     path, velocity, angle, torque = (figure.add_subplot(place) for place in places)
     path_strip(trial, path)
     figure.suptitle(title_of(trial), fontsize=style.LABEL, color=style.INK, x=0.01, ha="left")
-    speed(trial, velocity)
-    joint_angle(trial, angle, last=last, scale=False)
-    joint_torque(trial, torque, last=last, scale=False)
+    plot_speed(trial, velocity)
+    plot_joint_angle(trial, angle, last=last, scale=False)
+    plot_joint_torque(trial, torque, last=last, scale=False)
     if grid.ncols == 2:  # stacked panels
         angle.set_xlabel("")
         figure.align_ylabels([velocity, angle, torque])
@@ -148,9 +152,9 @@ def _add_legend(ax: Axes, late: Series) -> None:
     low, high = ax.get_ylim()
     if np.min(late, initial=high) < low + LEGEND * (high - low):
         ax.set_ylim(low, high + LEGEND / (1.0 - LEGEND) * (high - low))
-        style.legend(ax, loc="upper right")
+        style.add_legend(ax, loc="upper right")
     else:
-        style.legend(ax, loc="lower right")
+        style.add_legend(ax, loc="lower right")
 
 
 def _joints(
@@ -170,7 +174,7 @@ def _joints(
         if scale:
             _scale(ax.get_figure(root=True), trial, [ax])
     _from_to(ax, trial.time[shown])
-    return style.dress(ax, xlabel="time [s]", ylabel=label)
+    return style.style_axes(ax, xlabel="time [s]", ylabel=label)
 
 
 def _scale(figure: Figure | None, trial: Trial, axes: list[Axes]) -> None:
@@ -212,7 +216,7 @@ def cycle_mean_speed(trial: Trial) -> tuple[Series, Series] | None:
 
 def title_of(trial: Trial) -> str:
     """Return a one-line description of robot and motion."""
-    return ", ".join(words(trial))
+    return ", ".join(describe_run(trial))
 
 
 def _from_to(ax: Axes, time: Series) -> None:
@@ -228,7 +232,7 @@ def _from_to(ax: Axes, time: Series) -> None:
 # ---- path following ------------------------------------------------------------------------------
 
 
-def path_beside(trial: Trial, ax: Axes) -> Axes:
+def plot_path_beside(trial: Trial, ax: Axes) -> Axes:
     """Plot the path strip with the desired path, as far as the robot was beside it.
 
     Args:
@@ -241,13 +245,13 @@ def path_beside(trial: Trial, ax: Axes) -> Axes:
     if corners:
         ax.plot(
             *np.array(corners).T,
-            **style.points("o", 4.0, style.ORANGE, markerfacecolor="white", zorder=0.6),
+            **style.marker_style("o", 4.0, style.ORANGE, markerfacecolor="white", zorder=0.6),
         )
-        style.note(ax, "end", corners[-1], (5, -9), color=style.ORANGE)
+        style.add_note(ax, "end", corners[-1], (5, -9), color=style.ORANGE)
     return ax
 
 
-def cross_track_error(trial: Trial, ax: Axes) -> Axes:
+def plot_cross_track_error(trial: Trial, ax: Axes) -> Axes:
     """Plot the distance from the path over time, positive to the left.
 
     Args:
@@ -257,10 +261,10 @@ def cross_track_error(trial: Trial, ax: Axes) -> Axes:
     ax.axhline(0.0, **style.AIM)
     ax.plot(trial.time, trial.signals["cross_track_error"], color=style.BLUE, linewidth=style.LINE)
     _from_to(ax, trial.time)
-    return style.dress(ax, xlabel="time [s]", ylabel="cross-track error [m]")
+    return style.style_axes(ax, xlabel="time [s]", ylabel="cross-track error [m]")
 
 
-def heading_against_reference(trial: Trial, ax: Axes) -> Axes:
+def plot_heading_against_reference(trial: Trial, ax: Axes) -> Axes:
     """Plot the heading used by the controller, and the reference heading of the guidance, over time.
 
     Args:
@@ -273,8 +277,8 @@ def heading_against_reference(trial: Trial, ax: Axes) -> Axes:
     _from_to(ax, trial.time)
     low, high = ax.get_ylim()
     ax.set_ylim(low, high + 0.35 * (high - low))  # space for the legend
-    style.legend(ax, loc="upper right", ncols=2)
-    return style.dress(ax, xlabel="time [s]", ylabel="heading [deg]")
+    style.add_legend(ax, loc="upper right", ncols=2)
+    return style.style_axes(ax, xlabel="time [s]", ylabel="heading [deg]")
 
 
 def follow_sheet(trial: Trial, *, title: str = "", note: str = "") -> Figure:
@@ -286,20 +290,20 @@ def follow_sheet(trial: Trial, *, title: str = "", note: str = "") -> Figure:
             that of `title_of`, no letters.
         note: A second line under the title; "" for none.
     """
-    wide, high = extent(trial)
+    wide, high = path_extent(trial)
     width = style.DOUBLE_COLUMN
     strip = float(np.clip((width - 0.8) * high / wide, *FOLLOWED_HEIGHT))
     figure = style.new_figure(width, strip + BELOW_HEIGHT + 2.0 * LABELS + TITLE)
     grid = figure.add_gridspec(2, 2, height_ratios=(strip + LABELS, BELOW_HEIGHT + LABELS))
     axes = (
-        path_beside(trial, figure.add_subplot(grid[0, :])),
-        cross_track_error(trial, figure.add_subplot(grid[1, 0])),
-        heading_against_reference(trial, figure.add_subplot(grid[1, 1])),
+        plot_path_beside(trial, figure.add_subplot(grid[0, :])),
+        plot_cross_track_error(trial, figure.add_subplot(grid[1, 0])),
+        plot_heading_against_reference(trial, figure.add_subplot(grid[1, 1])),
     )
     if title:
         for place, ax in enumerate(axes):
-            style.letter(ax, place)
-    style.head(figure, title or title_of(trial), note)
+            style.add_letter(ax, place)
+    style.add_title(figure, title or title_of(trial), note)
     return figure
 
 
@@ -327,7 +331,7 @@ def timing_sheet(
     plot_timing(right, latency, interval, "latency")
     missed = int(np.count_nonzero(latency > interval))
     words = f"{latency.size} ticks, {missed} missed deadlines{'; ' if note else ''}{note}"
-    style.head(figure, f"Operator's loop at {1.0 / interval:g} Hz", words)
+    style.add_title(figure, f"Operator's loop at {1.0 / interval:g} Hz", words)
     return figure
 
 
@@ -357,7 +361,9 @@ def plot_timing(
         ("largest", sorted_ms[-1], 100.0 / n),
     ):
         ax.plot(value, share, "o", color=KINDS[kind], markersize=3)
-        said = style.note(ax, f"{name} {value:.2f}", (float(value), share), (5, 4), color=style.INK)
+        said = style.add_note(
+            ax, f"{name} {value:.2f}", (float(value), share), (5, 4), color=style.INK
+        )
         said.set(bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
     ax.set_xscale("log")
     ax.set_yscale("log")
@@ -367,4 +373,4 @@ def plot_timing(
     ax.xaxis.set_minor_formatter(NullFormatter())
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    return style.dress(ax, xlabel=f"{kind} [ms]", ylabel="ticks beyond [%]")
+    return style.style_axes(ax, xlabel=f"{kind} [ms]", ylabel="ticks beyond [%]")

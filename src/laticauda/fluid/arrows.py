@@ -63,7 +63,7 @@ class Arrows:
     def places(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
         """Return the positions of the arrows between two corners, shape (n, 2) [m]."""
         first, last = np.ceil(low / self.spacing), np.floor(high / self.spacing)
-        return self.spacing * grid(
+        return self.spacing * grid_points(
             np.arange(first[0], last[0] + 1.0), np.arange(first[1], last[1] + 1.0)
         )
 
@@ -78,7 +78,7 @@ class Arrows:
             Tail and tip of each arrow, shape (n, 2, 3) [m].
         """
         places = self.places(middle[:2] - self.reach, middle[:2] + self.reach)
-        is_wet = self.axes == 2 or middle[2] <= elevation(self.flow, places, t)
+        is_wet = self.axes == 2 or middle[2] <= surface_elevation(self.flow, places, t)
         places = places[is_wet & (np.hypot(*(places - middle[:2]).T) <= self.reach)]
         height = np.full((len(places), 1), middle[2])
         found = self.at(np.column_stack((places, height))[:, : self.axes], t)
@@ -116,7 +116,7 @@ def arrows_of(
     shown = float(np.max((high - low)[:2])) if length is None else 2.0 * reach
     room = 0.0 if length is None else reach
     looks = np.linspace(low[:2] - room, high[:2] + room, LOOKS)
-    places = grid(looks[:, 0], looks[:, 1])
+    places = grid_points(looks[:, 0], looks[:, 1])
     points = np.column_stack((places, np.tile(0.5 * (low + high)[2:], (len(places), 1))))
     fastest = float(
         np.percentile([np.linalg.norm(velocity(points, t), axis=-1) for t in times], FAST)
@@ -130,7 +130,7 @@ def arrows_of(
     )
 
 
-def grid(x: Any, y: Any) -> np.ndarray:
+def grid_points(x: Any, y: Any) -> np.ndarray:
     """Return all points with one of these x and one of these y, shape (n, 2); y varies fastest."""
     return np.column_stack((np.repeat(x, y.size), np.tile(y, x.size)))
 
@@ -148,7 +148,7 @@ def round_down(number: float) -> float:
 # ---- the surface ---------------------------------------------------------------------------------
 
 
-def elevation(flow: Flow | None, places: np.ndarray, t: float) -> np.ndarray:
+def surface_elevation(flow: Flow | None, places: np.ndarray, t: float) -> np.ndarray:
     """Return the height of the surface above its mean; infinite without a flow.
 
     Args:
@@ -165,7 +165,9 @@ def elevation(flow: Flow | None, places: np.ndarray, t: float) -> np.ndarray:
 def has_waves(flow: Flow | None, middle: np.ndarray) -> bool:
     """Return whether the surface of a flow moves near a point in the plane [m]."""
     places = middle[:2] + np.random.default_rng(0).uniform(-5.0, 5.0, (64, 2))
-    return flow is not None and any(np.any(elevation(flow, places, moment)) for moment in MOMENTS)
+    return flow is not None and any(
+        np.any(surface_elevation(flow, places, moment)) for moment in MOMENTS
+    )
 
 
 class Surface:
@@ -188,5 +190,5 @@ class Surface:
 
     def at(self, middle: np.ndarray, t: float) -> np.ndarray:
         """Return the corners for a given middle and time, shape (count^2, 3) [m]; y varies fastest."""
-        places = middle[:2] + grid(self.line, self.line)
-        return np.column_stack((places, elevation(self._flow, places, t)))
+        places = middle[:2] + grid_points(self.line, self.line)
+        return np.column_stack((places, surface_elevation(self._flow, places, t)))

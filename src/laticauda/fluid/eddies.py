@@ -35,7 +35,7 @@ import numpy as np
 from laticauda.errors import BadArgument
 from laticauda.fluid.flow import Flow
 from laticauda.fluid.uniform import Uniform
-from laticauda.quantities import quantity, value
+from laticauda.quantities import quantity, value_class
 from laticauda.scalars import where
 
 ROWS_APART = math.asinh(1.0) / math.pi  # of the spacing, .281
@@ -80,7 +80,7 @@ def around(
     return -g * y, g * x, 0.0, u_t, v_t, 0.0, u_x, u_y, 0.0, v_x, v_y, 0.0, 0.0, 0.0, 0.0, 0.0
 
 
-@value
+@value_class
 class LambOseen(Flow):
     """A vortex with a smooth core that grows by viscosity (of the water or an eddy viscosity)."""
 
@@ -106,7 +106,7 @@ class LambOseen(Flow):
         )
 
 
-@value
+@value_class
 class _Shed(LambOseen):
     """One vortex of a street: it leaves the cylinder, drifts downstream, fades, and restarts; its core is constant."""
 
@@ -139,7 +139,7 @@ class _Shed(LambOseen):
         )
 
 
-@value
+@value_class
 class KarmanStreet(Flow):
     """The vortex street behind a vertical cylinder in a stream, including the stream.
 
@@ -214,7 +214,7 @@ class KarmanStreet(Flow):
         return (Uniform(u=self.speed * c, v=self.speed * s), *rows)
 
 
-@value
+@value_class
 class _Mode(Flow):
     """One Fourier mode of the velocity."""
 
@@ -239,7 +239,7 @@ class _Mode(Flow):
         return self.a_x * c, self.a_y * c, self.a_z * c, *rates, *along_x, *along_y, *along_z, 0.0
 
 
-@value
+@value_class
 class Turbulence(Flow):
     """Homogeneous isotropic turbulence and the mean velocity that carries it."""
 

@@ -25,7 +25,7 @@ import numpy as np
 from laticauda.errors import BadArgument
 from laticauda.extensions import Extensible, name_of
 from laticauda.formulas import Formula, Law, OfFunction
-from laticauda.quantities import option, told, value
+from laticauda.quantities import describe_fields, option, value_class
 
 STEP = 1e-4
 """Step of differences, in m and s; errors: (k STEP)^2 / 6 for waves of number k, and 1e-12 / STEP of the velocity."""
@@ -58,7 +58,7 @@ class Motion(NamedTuple):
     """Elevation of the surface above its mean [m]."""
 
 
-class Felt(NamedTuple):
+class LocalFlow(NamedTuple):
     """Motion of the water as it acts on a small body, world axes; each field is one component."""
 
     u: float
@@ -77,7 +77,7 @@ class Felt(NamedTuple):
     """Elevation of the surface above its mean [m]."""
 
 
-def felt(motion: Motion) -> Felt:
+def local_flow(motion: Motion) -> LocalFlow:
     """Return velocity, material acceleration and rotation: Du/Dt = u_t + (u . grad) u, curl u / 2.
 
     Args:
@@ -87,7 +87,7 @@ def felt(motion: Motion) -> Felt:
     a_x = u_t + u * u_x + v * u_y + w * u_z
     a_y = v_t + u * v_x + v * v_y + w * v_z
     a_z = w_t + u * w_x + v * w_y + w * w_z
-    return Felt(
+    return LocalFlow(
         u, v, w, a_x, a_y, a_z, 0.5 * (w_y - v_z), 0.5 * (u_z - w_x), 0.5 * (v_x - u_y), elevation
     )
 
@@ -153,9 +153,9 @@ class Flow(Law, Extensible, group="flows"):
             found = tuple(a + b for a, b in zip(found, own, strict=True))
         return Motion(*found)
 
-    def felt(self, x: Any, y: Any, z: Any, t: Any) -> Felt:
+    def felt(self, x: Any, y: Any, z: Any, t: Any) -> LocalFlow:
         """Return the motion of the water as it acts on a small body, see `motion`."""
-        return felt(self.motion(x, y, z, t))
+        return local_flow(self.motion(x, y, z, t))
 
     def velocity(self, points: np.ndarray, t: Any) -> np.ndarray:
         """Return the velocity of the water at many points.
@@ -215,11 +215,11 @@ class Flow(Law, Extensible, group="flows"):
     @property
     def words(self) -> str:
         """Description of the flow: its name and its nonzero numbers, with their units, angles in degrees."""
-        parts = [f"{name.replace('_', ' ')} {one}" for name, one in told(self).items()]
+        parts = [f"{name.replace('_', ' ')} {one}" for name, one in describe_fields(self).items()]
         return ", ".join([name_of(type(self)).replace("-", " "), *parts])
 
 
-@value
+@value_class
 class Sum(Flow):
     """Sum of several flows: their velocities, gradients and surface elevations are added."""
 
@@ -245,7 +245,7 @@ class Sum(Flow):
         return " and ".join(flow.words for flow in self.flows)
 
 
-@value
+@value_class
 class FunctionFlow(OfFunction, Flow):
     """A plain function as a flow, with the arguments of a flow; the values it closes over are compiled into it.
 

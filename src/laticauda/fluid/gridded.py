@@ -21,11 +21,11 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from laticauda.errors import BadArgument, instance, shown
+from laticauda.errors import BadArgument, check_instance, show_value
 from laticauda.files import read_toml
 from laticauda.fluid.flow import Flow
 from laticauda.formulas import Formula
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.scalars import first_lane, table_address, table_row, where
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ class Grid:
         return hash(self.digest)
 
 
-def read(file: str) -> Grid:
+def read_grid(file: str) -> Grid:
     """Return the grid in a netCDF file; the last few grids are cached until their files change.
 
     Args:
@@ -117,7 +117,7 @@ def grid_of(dataset: "xarray.Dataset | Grid") -> Grid:
     given: Any = dataset
     if isinstance(dataset, Grid):
         return dataset
-    instance("source", given, import_module("xarray").Dataset)
+    check_instance("source", given, import_module("xarray").Dataset)
     called = {name: _called(given, name) for name in NAMES}
     there = [name for name in COMPONENTS if called[name] is not None]
     if there[:2] != ["u", "v"]:
@@ -158,7 +158,8 @@ def _unit(called: str, name: str, variable: Any) -> float:
     given = variable.attrs.get("units", next(iter(UNITS[name])))
     if given not in UNITS[name]:
         raise BadArgument(
-            called, f"must be in {', '.join(list(UNITS[name])[:4])} or the like, got {shown(given)}"
+            called,
+            f"must be in {', '.join(list(UNITS[name])[:4])} or the like, got {show_value(given)}",
         )
     other = [dim for dim in variable.dims if dim not in AXES]
     if other:
@@ -233,7 +234,7 @@ def to_dataset(flow: Flow, **axes: Sequence[float] | np.ndarray) -> "xarray.Data
 EDGE = 1e-9  # distance in steps beyond which a place is outside
 
 
-@value
+@value_class
 class Gridded(Flow):
     """Water whose motion is known on a grid of places and times.
 
@@ -270,7 +271,7 @@ class Gridded(Flow):
         Raises:
             ValueError: If the file has changed since its digest was computed, or cannot be read.
         """
-        grid = read(self.source) if isinstance(self.source, str) else self.source
+        grid = read_grid(self.source) if isinstance(self.source, str) else self.source
         if self.digest not in ("", grid.digest):
             raise BadArgument(
                 "digest", f"must match `{self.source}`, which has changed since, got {self.digest}"

@@ -20,7 +20,7 @@ import numpy as np
 
 from laticauda.extensions import Extensible
 from laticauda.formulas import Law, OfFunction
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.scalars import magnitude
 
 # Keeps the direction of a velocity defined at rest; far below any relevant speed [m^2/s^2].
@@ -98,7 +98,7 @@ class DragLaw(Law, Extensible, group="drag_laws"):
         return max(-f_t / v for v, (f_t, _, _) in loads), max(-f_n / v for v, (_, f_n, _) in loads)
 
 
-@value
+@value_class
 class PolynomialDrag(DragLaw):
     """Linear plus quadratic drag: f = -c v (U_ref + |v|), tau = -(U_ref lambda_2 + lambda_3 |theta'|) theta'.
 
@@ -164,7 +164,7 @@ class PolynomialDrag(DragLaw):
         return f"{parts}, sway_friction {self.sway_friction:g}" if self.sway_friction else parts
 
 
-@value
+@value_class
 class TotalSpeedDrag(DragLaw):
     """Quadratic drag in oblique flow: friction along the element from the total speed, and lift at small incidence.
 
@@ -201,7 +201,7 @@ class TotalSpeedDrag(DragLaw):
         return f_t, f_n, -element.lambda_3 * magnitude(rate) * rate
 
 
-@value
+@value_class
 class ViscousFriction(DragLaw):
     """Ground friction proportional to the speed: f = -c v, along and across independently."""
 
@@ -225,7 +225,7 @@ def dry(v: float, c: float, regularization_speed: float) -> float:
     return -c * v / (v * v + regularization_speed * regularization_speed) ** 0.5
 
 
-@value
+@value_class
 class CoulombFriction(DragLaw):
     """Dry anisotropic ground friction: f = -c v / sqrt(v^2 + eps^2), along and across independently.
 
@@ -248,7 +248,7 @@ class CoulombFriction(DragLaw):
         return dry(v_t, element.c_t, eps), dry(v_n, element.c_n, eps), 0.0 * rate
 
 
-@value
+@value_class
 class FunctionDrag(OfFunction, DragLaw):
     """A plain function as a law, with the arguments of a law; the values it closes over are compiled into it.
 

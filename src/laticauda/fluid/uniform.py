@@ -5,14 +5,14 @@ import math
 import numpy as np
 
 from laticauda.fluid.flow import Flow
-from laticauda.quantities import quantity, value
+from laticauda.quantities import quantity, value_class
 from laticauda.scalars import where
 
 BED_LAYER = 0.01
 """Fraction of the depth, from the bed, below which a power law becomes linear, because its slope is unbounded there."""
 
 
-@value
+@value_class
 class Uniform(Flow):
     """The same velocity everywhere, which may turn, like that of a tide, and start smoothly from rest.
 
@@ -49,7 +49,7 @@ class Uniform(Flow):
         return None if self.turning or self.ramp else (self.u, self.v, self.w)
 
 
-@value
+@value_class
 class LinearShear(Flow):
     """Straight layers whose speed changes across the flow, with the height, or both."""
 
@@ -69,7 +69,7 @@ class LinearShear(Flow):
         return layer(c, s, speed, self.across, self.upward)
 
 
-@value
+@value_class
 class PowerLawShear(Flow):
     """Layers of a river or tide: U (h / d)^n at the height h above the bed; above the surface as at the surface."""
 

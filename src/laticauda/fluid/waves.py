@@ -15,7 +15,7 @@ import numpy as np
 
 from laticauda.errors import BadArgument
 from laticauda.fluid.flow import Flow
-from laticauda.quantities import hints_of, option, quantity, value
+from laticauda.quantities import hints_of, option, quantity, value_class
 from laticauda.scalars import where
 
 GRAVITY = 9.81  # m/s^2
@@ -26,7 +26,7 @@ DEEP = 300.0  # k d beyond which water counts as infinitely deep, and up to whic
 BAND = (0.5, 3.0)  # frequencies of a sea relative to that of its peak
 
 
-@value
+@value_class
 class _Level(Flow):
     """A single wave at one height."""
 
@@ -41,10 +41,10 @@ class _Level(Flow):
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
         """Return the motion, which is the same at all heights."""
-        return moved(self, x, y, t, 1.0, 1.0)
+        return wave_motion(self, x, y, t, 1.0, 1.0)
 
 
-@value
+@value_class
 class _Wave(_Level):
     """A single wave at any height; its amplitudes are those at the mean level."""
 
@@ -54,18 +54,18 @@ class _Wave(_Level):
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
         """Return the motion, above the mean level as at that level, below the bed as at the bed."""
-        return moved(self, x, y, t, *shares(self, z))
+        return wave_motion(self, x, y, t, *amplitude_shares(self, z))
 
     def at_height(self, z: float) -> Flow:
         """Return the wave with its amplitudes at height z as numbers."""
-        along, upward = shares(self, z)
+        along, upward = amplitude_shares(self, z)
         share = {"along_x": along, "along_y": along, "upward": upward}
         return _Level(
             **{name: getattr(self, name) * share.get(name, 1.0) for name in hints_of(_Level)}
         )
 
 
-def shares(wave: _Wave, z: float) -> tuple[float, float]:
+def amplitude_shares(wave: _Wave, z: float) -> tuple[float, float]:
     """Return the velocity amplitudes along a wave and upward, relative to those at the mean level.
 
     Args:
@@ -78,7 +78,7 @@ def shares(wave: _Wave, z: float) -> tuple[float, float]:
     return (growing + falling) / (1.0 + wave.echo), (growing - falling) / (1.0 - wave.echo)
 
 
-def moved(
+def wave_motion(
     wave: Any, x: float, y: float, t: float, along: float, upward: float
 ) -> tuple[float, ...]:
     """Return the motion of the water in one wave.
@@ -119,7 +119,7 @@ def moved(
     )
 
 
-def component(
+def wave_component(
     amplitude: float, omega: float, direction: float, phase: float, depth: float
 ) -> _Wave:
     """Return one wave of a sea.
@@ -177,7 +177,7 @@ def check_unbroken(name: str, height: float, omega: float, depth: float) -> None
         )
 
 
-@value
+@value_class
 class Waves(Flow):
     """Regular waves of one period, which is given or follows from their length and the depth."""
 
@@ -217,10 +217,12 @@ class Waves(Flow):
     @cached_property
     def parts(self) -> tuple[Flow, ...]:  # pyright: ignore[reportIncompatibleMethodOverride]
         """The single wave."""
-        return (component(0.5 * self.height, self.omega, self.direction, self.phase, self.depth),)
+        return (
+            wave_component(0.5 * self.height, self.omega, self.direction, self.phase, self.depth),
+        )
 
 
-@value
+@value_class
 class Sea(Flow):
     """Irregular waves of equal energy, with frequencies, directions and phases drawn from a spectrum by a seed.
 
@@ -266,4 +268,4 @@ class Sea(Flow):
         amplitude = self.significant_height / math.sqrt(8.0 * n)
         phase = random.uniform(0.0, 2.0 * math.pi, n)
         waves = zip(omega.tolist(), (self.direction + side).tolist(), phase.tolist(), strict=True)
-        return tuple(component(amplitude, *wave, self.depth) for wave in waves)
+        return tuple(wave_component(amplitude, *wave, self.depth) for wave in waves)

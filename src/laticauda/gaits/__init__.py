@@ -17,7 +17,7 @@ if TYPE_CHECKING:
         custom_gait as custom_gait,
         eel_like as eel_like,
         envelope_of as envelope_of,
-        kinds as kinds,
+        list_kinds as list_kinds,
         lateral_undulation as lateral_undulation,
         recorded_gait as recorded_gait,
     )
@@ -40,7 +40,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "custom_gait",
             "eel_like",
             "envelope_of",
-            "kinds",
+            "list_kinds",
             "lateral_undulation",
             "recorded_gait",
         ],
@@ -48,4 +48,5 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.gaits.recorded": ["JointAngles"],
         "laticauda.gaits.reference": ["WaveState"],
     },
+    renamed={"kinds": "list_kinds"},
 )

@@ -9,11 +9,11 @@ from functools import lru_cache
 from math import pi, radians
 from typing import TYPE_CHECKING, Any, ClassVar, TypedDict, Unpack
 
-from laticauda.errors import BadArgument, finite, shown, whole
+from laticauda.errors import BadArgument, check_finite, check_whole_number, show_value
 from laticauda.extensions import Extensible, name_of
 from laticauda.gaits.recorded import JointAngles
 from laticauda.gaits.reference import WaveTarget
-from laticauda.quantities import option, quantity, several, value
+from laticauda.quantities import check_items, option, quantity, value_class
 
 # ---- envelopes -----------------------------------------------------------------------------------
 
@@ -56,7 +56,7 @@ class Envelope(Extensible, group="envelopes"):
         return name_of(type(self)).replace("-", "_")
 
 
-@value
+@value_class
 class LateralUndulation(Envelope):
     """Envelope of constant amplitude, g(i, n) = 1."""
 
@@ -67,7 +67,7 @@ class LateralUndulation(Envelope):
         return 1.0
 
 
-@value
+@value_class
 class EelLike(Envelope):
     """Envelope that grows from head to tail, g(i, n) = (n-i)/(n+1)."""
 
@@ -78,7 +78,7 @@ class EelLike(Envelope):
         return (n - i) / (n + 1)
 
 
-@value
+@value_class
 class Anguilliform(EelLike):
     """Eel-like envelope whose tail-most joint has the full amplitude, g(i, n) = (n-i)/(n-1)."""
 
@@ -89,7 +89,7 @@ class Anguilliform(EelLike):
         return (n - i) / (n - 1)
 
 
-@value
+@value_class
 class Custom(Envelope):
     """Envelope of custom values, for robots with as many joints."""
 
@@ -127,7 +127,7 @@ def envelope_of(kind: str) -> Envelope:
         ValueError: If there is no such kind, or it needs values.
     """
     if not isinstance(kind, str):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise BadArgument("kind", f"must be the name of an envelope, got {shown(kind)}")
+        raise BadArgument("kind", f"must be the name of an envelope, got {show_value(kind)}")
     found = Envelope.named(kind.replace("_", "-"))
     if found is Custom:
         raise BadArgument(
@@ -137,7 +137,7 @@ def envelope_of(kind: str) -> Envelope:
     return found()
 
 
-def kinds() -> tuple[str, ...]:
+def list_kinds() -> tuple[str, ...]:
     """Return the kinds of gait that are defined by a name alone, such as `eel_like`."""
     return tuple(name.replace("-", "_") for name in Envelope.names() if name != name_of(Custom))
 
@@ -163,7 +163,7 @@ class WaveFields(TypedDict, total=False):
     offset_deg: float
 
 
-@value
+@value_class
 class Wave:
     """Second wave, of the pitch joints or of a driven fin: alpha g(k, n) sin(omega t + (k-1) delta + phase) + phi_0.
 
@@ -216,7 +216,7 @@ STRAIGHT = Wave(amplitude=0.0, frequency=0.0)
 """Wave of joints that stay straight."""
 
 
-@value
+@value_class
 class Gait:
     """Traveling wave of joint angles, phi_i = alpha g(i, n) sin(omega t + (i-1) delta) + phi_0.
 
@@ -395,15 +395,15 @@ def custom_gait(
             raise BadArgument(
                 "n_links", "must be given when `envelope` is a function g(i, n), got None"
             )
-        n = whole("n_links", n_links, 1)
+        n = check_whole_number("n_links", n_links, 1)
         shape = envelope
         envelope = [shape(i, n) for i in range(1, n)]
-    values = several(
-        finite, "a sequence of numbers or a function g(i, n)", (), "envelope", envelope
+    values = check_items(
+        check_finite, "a sequence of numbers or a function g(i, n)", (), "envelope", envelope
     )
     gait = Gait(envelope=Custom(values=values), **fields)
     if n_links is not None:
-        gait.joint_envelope(whole("n_links", n_links, 1))
+        gait.joint_envelope(check_whole_number("n_links", n_links, 1))
     return gait
 
 

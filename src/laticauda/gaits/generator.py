@@ -10,7 +10,7 @@ from laticauda.errors import BadArgument
 from laticauda.gaits import reference
 from laticauda.gaits.gait import STRAIGHT, Gait
 from laticauda.gaits.reference import WaveState
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 
 Reference = tuple[float, float, float]
 
@@ -31,7 +31,7 @@ class GeneratorState:
     """Wave of a driven fin."""
 
 
-@value
+@value_class
 class Generator:
     """Generator that turns a gait, which may change at any time, into joint references that a body can follow.
 

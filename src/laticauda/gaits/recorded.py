@@ -13,14 +13,14 @@ from jaxtyping import Float
 from laticauda.errors import BadArgument, TrialFileError
 from laticauda.files import read_columns
 from laticauda.gaits.reference import between_knots
-from laticauda.quantities import quantity, value
+from laticauda.quantities import quantity, value_class
 from laticauda.series import Log
 
 JOINT = re.compile(r"joint_(\d+)(_deg|_rad)?")
 """Pattern for the names of angle columns; 1 is the tail-most joint."""
 
 
-@value
+@value_class
 class JointAngles:
     """Angles of the yaw joints at given times, joined by a cubic spline with continuous second derivatives.
 

@@ -10,7 +10,10 @@ if TYPE_CHECKING:
     from laticauda.identify.result import Fit as Fit, ParameterEstimate as ParameterEstimate
     from laticauda.identify.tables import from_table as from_table, from_table1 as from_table1
     from laticauda.identify.tasks import TrialFile as TrialFile, compare_laws as compare_laws
-    from laticauda.identify.uncertainty import posterior as posterior, profile as profile
+    from laticauda.identify.uncertainty import (
+        sample_posterior as sample_posterior,
+        profile_interval as profile_interval,
+    )
     from laticauda.identify.unknowns import Unknown as Unknown
     from laticauda.identify.validation import (
         compared_with_null_models as compared_with_null_models,
@@ -26,7 +29,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.identify.result": ["Fit", "ParameterEstimate"],
         "laticauda.identify.tables": ["from_table", "from_table1"],
         "laticauda.identify.tasks": ["TrialFile", "compare_laws"],
-        "laticauda.identify.uncertainty": ["posterior", "profile"],
+        "laticauda.identify.uncertainty": ["sample_posterior", "profile_interval"],
         "laticauda.identify.unknowns": ["Unknown"],
         "laticauda.identify.validation": [
             "compared_with_null_models",
@@ -34,4 +37,5 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "linear_leave_one_out",
         ],
     },
+    renamed={"posterior": "sample_posterior", "profile": "profile_interval"},
 )

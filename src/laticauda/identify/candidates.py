@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Float
 
 import laticauda as lc
-from laticauda.errors import instance, one_of, positive
+from laticauda.errors import check_choice, check_instance, check_positive
 from laticauda.files import read_toml
 from laticauda.identify import model, tables
 from laticauda.identify.measurements import LOADS, SERIES, Measurement, Tow
@@ -34,7 +34,7 @@ INTERVAL = 0.5
 """Interval between the samples of a series that are used [s]."""
 
 
-def swims(
+def swim_candidates(
     robot: Robot,
     gaits: Sequence[lc.Gait],
     environment: Environment,
@@ -78,7 +78,7 @@ def coast_down(
         sigma: Standard deviation of the noise of the path [m].
         duration: Duration of the trial [s].
     """
-    start = lc.Start(velocity=positive("speed", speed, "m/s"))
+    start = lc.Start(velocity=check_positive("speed", speed, "m/s"))
     scenario = lc.Scenario(
         robot=robot, motion=STRAIGHT, environment=environment, start=start, duration=duration
     )
@@ -118,7 +118,7 @@ def from_tow(
     Raises:
         ValueError: If an argument is out of its range.
     """
-    instance("environment", environment, Water)
+    check_instance("environment", environment, Water)
     scenario = lc.Scenario(robot=robot, motion=STRAIGHT, environment=environment, duration=1.0)
     seen = {one: load for one, load in tow.loads(scenario).items() if one == "drag" or tow.angle}
     ends = [
@@ -128,7 +128,7 @@ def from_tow(
     for one, load in (seen if loads is None else loads).items():
         arm = 0.5 * robot.length if one == "yaw_moment" else 1.0
         turned = 0.5 * (ends[1][one] - ends[0][one])
-        figures[one_of("loads", one, tuple(LOADS))] = (
+        figures[check_choice("loads", one, tuple(LOADS))] = (
             load,
             math.hypot(arm * sigma, share * load, turned),
         )
@@ -191,7 +191,7 @@ def _candidate(
 ) -> Measurement:
     """Return a trial with figures and series whose measured numbers are not used."""
     robot, duration = scenario.robot, scenario.duration
-    time = np.arange(1, round(duration / positive("interval", interval, "s")) + 1) * interval
+    time = np.arange(1, round(duration / check_positive("interval", interval, "s")) + 1) * interval
     time = time[time <= duration * (1.0 + 1e-9)]
     figures: dict[str, tuple[float, float]] = {}
     series: dict[str, tuple[np.ndarray, float]] = {}

@@ -44,7 +44,7 @@ from statistics import NormalDist
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, at_least_one, one_of, whole
+from laticauda.errors import BadArgument, check_choice, check_not_empty, check_whole_number
 from laticauda.identify import identifiability, model, result
 from laticauda.identify.candidates import rows_of
 from laticauda.identify.measurements import Measurement
@@ -100,7 +100,7 @@ class Design:
         return np.array([self.before, *(sigma for _, sigma in self.steps)])
 
 
-def design(
+def design_experiment(
     problem: Problem,
     candidates: Sequence[Measurement],
     n_trials: int,
@@ -126,10 +126,10 @@ def design(
     Raises:
         ValueError: If an argument is out of its range.
     """
-    whole("n_trials", n_trials, 1)
-    at_least_one("candidates", candidates, "trial")
+    check_whole_number("n_trials", n_trials, 1)
+    check_not_empty("candidates", candidates, "trial")
     names = problem.names
-    one_of("criterion", criterion, (*CRITERIA, *names))
+    check_choice("criterion", criterion, (*CRITERIA, *names))
     at = problem.start if values is None else values
     known = prior_information(problem, at) if information is None else information
     sizes = problem.sizes
@@ -277,7 +277,7 @@ def _reason(unknowns: Sequence[ResolvedUnknown], known: Matrix, added: Matrix) -
     newly = [k for k in range(len(unknowns)) if before[k] >= identifiability.LIMIT > after[k]]
     if newly:
         words = [
-            f"`{unknowns[k].name}` ({share(before[k])} before, {share(after[k])} after)"
+            f"`{unknowns[k].name}` ({format_share(before[k])} before, {format_share(after[k])} after)"
             for k in newly
         ]
         return f"makes identifiable {' and '.join(words)}"
@@ -285,7 +285,7 @@ def _reason(unknowns: Sequence[ResolvedUnknown], known: Matrix, added: Matrix) -
     ratio = np.where(finite, after / np.where(finite, before, 1.0), 1.0)
     k = int(np.argmin(ratio))
     if ratio[k] <= 0.9:
-        return f"shrinks most `{unknowns[k].name}`, from {share(before[k])} to {share(after[k])}"
+        return f"shrinks most `{unknowns[k].name}`, from {format_share(before[k])} to {format_share(after[k])}"
     root = np.linalg.cholesky(known + _FAINT * np.eye(len(known)))
     half = np.linalg.solve(root, added)
     news = np.linalg.eigh(np.linalg.solve(root, half.T))[1][
@@ -298,11 +298,11 @@ def _missed(names: Sequence[str], n: int, swimming: np.ndarray, after: np.ndarra
     """Describe in numbers what straight trials contribute."""
     with np.errstate(invalid="ignore"):
         k = int(np.argmax(np.where(np.isfinite(swimming), swimming, 1e9) / after))
-    words = f"After the best {n} swimming trials, `{names[k]}` is {share(swimming[k])}; after these {n}, "
-    return f"{words}{share(after[k])}."
+    words = f"After the best {n} swimming trials, `{names[k]}` is {format_share(swimming[k])}; after these {n}, "
+    return f"{words}{format_share(after[k])}."
 
 
-def share(sigma: float) -> str:
+def format_share(sigma: float) -> str:
     """Format a relative standard deviation as text.
 
     Args:
@@ -328,7 +328,7 @@ class Discrimination:
     """Each candidate alone, best first."""
 
 
-def wrong(distance: float) -> float:
+def misidentification_probability(distance: float) -> float:
     """Return the probability that the wrong one of two models has the smaller chi^2.
 
     Args:
@@ -355,7 +355,7 @@ def discriminate(
     Raises:
         ValueError: If an argument is out of its range.
     """
-    whole("n_trials", n_trials, 1)
+    check_whole_number("n_trials", n_trials, 1)
     candidates: Sequence[Measurement] = next(iter(rivals.values()))[1] if rivals else ()
     if len(rivals) < 2 or not candidates:
         raise BadArgument(

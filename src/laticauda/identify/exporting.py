@@ -12,7 +12,7 @@ from laticauda.errors import BadArgument
 from laticauda.identify.problem import Problem
 from laticauda.identify.unknowns import with_tied
 from laticauda.robot.parameters import GAITS, NAMES, OF_ROBOT
-from laticauda.simulate.numbers import changed, parameters
+from laticauda.simulate.numbers import change_parameters, list_parameters
 
 Changes = dict[str, dict[str, Any]]
 Values = Mapping[str, float]
@@ -28,9 +28,11 @@ def applied(problem: Problem, values: Values, scenario: lc.Scenario, gait_kind: 
         gait_kind: Kind of gait whose own numbers override the general ones; "": only the general
             ones.
     """
-    known = parameters(scenario, each=True)
+    known = list_parameters(scenario, each=True)
     own = _for_gait(problem, values, gait_kind)
-    return changed(scenario, {name: value for name, value in own.items() if name in known})
+    return change_parameters(
+        scenario, {name: value for name, value in own.items() if name in known}
+    )
 
 
 def as_parameters(problem: Problem, values: Values, name: str, title: str) -> lc.Parameters:

@@ -57,7 +57,7 @@ class Identifiability:
         return tuple(f"The data do not see {direction.name}." for direction in self.unseen)
 
 
-def identifiability(
+def analyze_identifiability(
     information: Float[np.ndarray, "n n"],
     unknowns: Sequence[ResolvedUnknown],
     *,

@@ -10,9 +10,9 @@ import numpy as np
 from jaxtyping import Float
 
 import laticauda as lc
-from laticauda.errors import BadArgument, instance, one_of, whole
+from laticauda.errors import BadArgument, check_choice, check_instance, check_whole_number
 from laticauda.planar.model import PlanarPlant
-from laticauda.quantities import LARGEST, Quantity, quantity, several, value
+from laticauda.quantities import LARGEST, Quantity, check_items, quantity, value_class
 from laticauda.simulate.numbers import UNITS
 from laticauda.trial import arrays
 
@@ -31,7 +31,7 @@ Run = dict[str, Any]
 """Results of a run, by name of figure or series; complex if they carry a derivative."""
 
 
-@value
+@value_class
 class Tow:
     """Tow of a straight robot at a constant velocity, and the loads that hold it (`LOADS`).
 
@@ -94,16 +94,18 @@ class Measurement:
         """Check every field once, and freeze its contents."""
         if not isinstance(self.name, str) or not self.name.strip():  # pyright: ignore[reportUnnecessaryIsInstance]
             raise BadArgument("name", f"must be a non-empty text, got {self.name!r}")
-        instance("scenario", self.scenario, lc.Scenario)
-        instance("figures", self.figures, Mapping)
-        instance("series", self.series, Mapping)
-        instance("scenario.motion", self.scenario.motion, lc.Gait)
-        instance("scenario.start", self.scenario.start, lc.Start)
+        check_instance("scenario", self.scenario, lc.Scenario)
+        check_instance("figures", self.figures, Mapping)
+        check_instance("series", self.series, Mapping)
+        check_instance("scenario.motion", self.scenario.motion, lc.Gait)
+        check_instance("scenario.start", self.scenario.start, lc.Start)
         has_fin = self.scenario.robot.caudal_fin is not None
         checked: dict[str, Any] = {
             "group": self.group
             or f"{self.scenario.gait.words}, {'with' if has_fin else 'without'} fin",
-            "selected_from": whole(f"selected_from` of `{self.name}", self.selected_from, 1),
+            "selected_from": check_whole_number(
+                f"selected_from` of `{self.name}", self.selected_from, 1
+            ),
             "figures": MappingProxyType(
                 {name: self._figure(name, pair) for name, pair in self.figures.items()}
             ),
@@ -128,25 +130,25 @@ class Measurement:
 
     def _figure(self, name: object, pair: Sequence[float]) -> tuple[float, float]:
         units = UNITS if self.tow is None else LOADS
-        known = one_of(f"figures` of `{self.name}", name, tuple(units))
+        known = check_choice(f"figures` of `{self.name}", name, tuple(units))
         where = f"figures[{known!r}]` of `{self.name}"
-        value, sigma = several(None, _PAIR, (2,), where, pair)
+        value, sigma = check_items(None, _PAIR, (2,), where, pair)
         return Quantity(unit=units[known], text="").checked(where, value), _noise(
             where, sigma, units[known]
         )
 
     def _checked_time(self, given: object) -> Numbers:
-        time = arrays.times(f"time` of `{self.name}", given)
+        time = arrays.check_times(f"time` of `{self.name}", given)
         if time[0] < 0.0 or time[-1] > self.scenario.duration * (1.0 + 1e-9):
             rule = f"of `{self.name}` must lie between 0 and its `duration` of {self.scenario.duration:g} s"
             raise BadArgument("time", f"{rule}, got {time[0]:g} to {time[-1]:g} s")
         return time
 
     def _one_series(self, name: object, pair: Sequence[Any], n: int) -> tuple[np.ndarray, float]:
-        known = one_of(f"series` of `{self.name}", name, tuple(SERIES))
+        known = check_choice(f"series` of `{self.name}", name, tuple(SERIES))
         where = f"series[{known!r}]` of `{self.name}"
-        given, sigma = several(None, _PAIR, (2,), where, pair)
-        values = arrays.floats(where, given, (n, *_COLUMNS.get(known, (None,))))
+        given, sigma = check_items(None, _PAIR, (2,), where, pair)
+        values = arrays.check_floats(where, given, (n, *_COLUMNS.get(known, (None,))))
         if np.any(np.abs(values) > LARGEST):
             raise BadArgument(
                 where, f"must hold numbers up to {LARGEST:g}, got {np.max(np.abs(values)):g}"
@@ -224,10 +226,10 @@ def from_trial(
     Raises:
         ValueError: If the trial has no gait, or an argument is out of its range.
     """
-    instance("trial", trial, lc.Trial)
+    check_instance("trial", trial, lc.Trial)
     if trial.gait is None:
         raise BadArgument("trial", "must have a gait to be identified from, got one without")
-    step = whole("every", every, 1)
+    step = check_whole_number("every", every, 1)
     time = trial.time[::step] - trial.time[0]
     at_end = {
         "x": trial.center_of_mass[-1, 0],
@@ -235,7 +237,7 @@ def from_trial(
         "heading": trial.heading[-1],
     }
     chosen: dict[str, Any] = {
-        one_of("figures", figure, tuple(UNITS)): (
+        check_choice("figures", figure, tuple(UNITS)): (
             at_end.get(figure, getattr(trial, figure, None)),
             sigma,
         )
@@ -243,7 +245,7 @@ def from_trial(
     }
     columns: dict[str, Any] = {}
     for known, sigma in (series or {}).items():
-        values = getattr(trial, one_of("series", known, tuple(SERIES)))[::step]
+        values = getattr(trial, check_choice("series", known, tuple(SERIES)))[::step]
         columns[known] = (values[:, :2] if known == "center_of_mass" else values, sigma)
     x, y = trial.center_of_mass[0, :2]
     speed = (
@@ -320,7 +322,7 @@ def mean_of_the_greatest(n: int) -> float:
     Raises:
         ValueError: If n is not a whole number >= 1.
     """
-    whole("n", n, 1)
+    check_whole_number("n", n, 1)
     if n == 1:
         return 0.0
     x = np.linspace(-10.0, 10.0, 4001)

@@ -14,7 +14,7 @@ from jaxtyping import Float
 
 from laticauda.identify import unknowns
 from laticauda.identify.measurements import Measurement, Run as Raw, measured_values
-from laticauda.identify.problem import SAMPLE_INTERVAL, Problem, shifted
+from laticauda.identify.problem import SAMPLE_INTERVAL, Problem, shift_start
 from laticauda.planar import rows
 from laticauda.planar.batch import STEP, Block, Run
 from laticauda.scenarios import Planar, Scenario
@@ -112,7 +112,7 @@ def _planar_runs(
     for duration, places in _by_duration(scenarios, swum).items():
         members = [swum[place] for place in places]
         runs = many.runs_of([scenarios[i] for i in members])
-        found = many.collected(
+        found = many.run_batch(
             runs,
             duration,
             SAMPLE_INTERVAL,
@@ -154,7 +154,7 @@ def _planar_jacobian(
         members = sorted({i for i, _ in pairs})
         run_of = dict(zip(members, many.runs_of([scenarios[i] for i in members]), strict=True))
         mine: list[Raw] = [{} for _ in pairs]
-        found = derivatives.slopes(
+        found = derivatives.compute_slopes(
             [run_of[i] for i, _ in pairs],
             [_number(problem, scenarios[i], i, k, values) for i, k in pairs],
             duration,
@@ -202,7 +202,7 @@ def _number(
             scenario=scenario,
             value=value,
             change=lambda _: scenario,
-            start=lambda other: shifted(scenario.start, name, other - value),
+            start=lambda other: shift_start(scenario.start, name, other - value),
         )
     # At the current point of the search, tied numbers are already in proportion.
     change = partial(_changed, scenario, name, unknown.tied)
@@ -210,7 +210,7 @@ def _number(
 
 
 def _changed(scenario: Scenario, name: str, tied: Mapping[str, float], value: float) -> Scenario:
-    return numbers.changed(scenario, unknowns.with_tied(scenario, name, value, tied))
+    return numbers.change_parameters(scenario, unknowns.with_tied(scenario, name, value, tied))
 
 
 def _needs_joints(problem: Problem, members: Sequence[int]) -> bool:

@@ -24,7 +24,7 @@ Chains = Mapping[str, list[np.ndarray]]
 """For each kind of series, the indices of the data of every such series, time first."""
 
 
-def widening(
+def noise_widening(
     problem: Problem,
     jacobian: Float[np.ndarray, "n_residuals n_unknowns"],
     off: Float[np.ndarray, " n_data"],

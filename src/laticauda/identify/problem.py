@@ -9,15 +9,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from laticauda.errors import BadArgument, at_least_one, instance, optional_import
+from laticauda.errors import BadArgument, check_instance, check_not_empty, optional_import
 from laticauda.identify import unknowns
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.unknowns import NUISANCE, SIMULATED, ResolvedUnknown, Unknown
 from laticauda.interfaces import Resumed, Start
-from laticauda.quantities import several
+from laticauda.quantities import check_items
 from laticauda.robot import Robot
 from laticauda.scenarios import Model, Scenario, model_of
-from laticauda.simulate.numbers import Parameter, changed
+from laticauda.simulate.numbers import Parameter, change_parameters
 
 _RARE = 5e-4  # probability that chi^2 is below its range, and that it is above
 SAMPLE_INTERVAL = 0.05  # of the logs that series are interpolated from [s]
@@ -206,12 +206,12 @@ class Problem:
             for unknown, value, moves in zip(self.unknowns, values, self.moves[i], strict=True):
                 name = unknown.parameter.name
                 if moves and name in SIMULATED:
-                    start = shifted(start, name, float(value))
+                    start = shift_start(start, name, float(value))
                 elif moves and name not in NUISANCE:
                     wanted |= unknowns.with_tied(scenario, name, float(value), unknown.tied)
             key = id(scenario.robot), id(scenario.environment), tuple(wanted.items())
             if key not in made:
-                made[key] = changed(scenario, wanted)
+                made[key] = change_parameters(scenario, wanted)
             body = made[key]
             found.append(
                 replace(body, motion=scenario.motion, start=start, duration=scenario.duration)
@@ -362,7 +362,7 @@ def dependence(
     return moves
 
 
-def shifted(start: Start | Resumed, name: str, value: float) -> Start:
+def shift_start(start: Start | Resumed, name: str, value: float) -> Start:
     """Return a start with one number shifted: identified starts are offsets from the stated ones.
 
     Args:
@@ -389,14 +389,14 @@ def _common_model(
 
 
 def _checked(measurements: Sequence[Measurement]) -> tuple[Measurement, ...]:
-    every = several(
-        lambda name, one: instance(name, one, Measurement),
+    every = check_items(
+        lambda name, one: check_instance(name, one, Measurement),
         "a list",
         (),
         "measurements",
         measurements,
     )
-    at_least_one("measurements", every, "Measurement")
+    check_not_empty("measurements", every, "Measurement")
     names = [measurement.name for measurement in every]
     for name in names:
         if names.count(name) > 1:

@@ -9,24 +9,24 @@ from typing import Any, cast
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, one_of, optional_import
+from laticauda.errors import BadArgument, check_choice, optional_import
 from laticauda.identify import measurements, model
 from laticauda.identify.exporting import applied, as_parameters
-from laticauda.identify.identifiability import LIMIT, Identifiability, identifiability
-from laticauda.identify.noise import widening
+from laticauda.identify.identifiability import LIMIT, Identifiability, analyze_identifiability
+from laticauda.identify.noise import noise_widening
 from laticauda.identify.problem import Problem, warnings_of
-from laticauda.quantities import one_among, option, quantity, value
+from laticauda.quantities import check_one_among, option, quantity, value_class
 from laticauda.robot import Parameters, Robot, Water
 from laticauda.simulate.numbers import UNITS
 
 _AT_END = 1e-6  # an unknown closer than this to the end of its range, in sizes, is at that end
 
 
-LOSS = one_among("linear", "soft_l1", "huber", "cauchy", "arctan")
-NOISE = one_among("known", "estimated")
+LOSS = check_one_among("linear", "soft_l1", "huber", "cauchy", "arctan")
+NOISE = check_one_among("known", "estimated")
 
 
-@value
+@value_class
 class Method:
     """Settings of a fit."""
 
@@ -133,7 +133,7 @@ class Fit:
     def __getitem__(self, name: str) -> ParameterEstimate:
         """Return the estimate of an unknown by name."""
         names = [estimate.name for estimate in self.estimates]
-        return self.estimates[names.index(one_of("name", name, names))]
+        return self.estimates[names.index(check_choice("name", name, names))]
 
     @property
     def values(self) -> dict[str, float]:
@@ -319,12 +319,14 @@ def fit_of(
     predicted = model.predict(problem, values).values
     off = (predicted - problem.observed) / problem.sigma
     chi2 = float(np.sum(off**2))
-    by_data = identifiability(problem.information(jacobian), problem.unknowns, limit=method.limit)
-    by_all = identifiability(jacobian.T @ jacobian, problem.unknowns, limit=method.limit)
+    by_data = analyze_identifiability(
+        problem.information(jacobian), problem.unknowns, limit=method.limit
+    )
+    by_all = analyze_identifiability(jacobian.T @ jacobian, problem.unknowns, limit=method.limit)
     n_priors = sum(unknown.prior is not None for unknown in problem.unknowns)
     degrees = float(problem.observed.size - max(len(problem.unknowns) - n_priors, 0))
     is_known = method.noise == "known"
-    wider, lags = widening(problem, jacobian, off, None if is_known else degrees)
+    wider, lags = noise_widening(problem, jacobian, off, None if is_known else degrees)
     covariance, correlations = _covariance(problem, jacobian, by_all)
     total = chi2 + float(np.sum(problem.prior_residuals(values) ** 2))
     quantile = method.quantile(degrees)

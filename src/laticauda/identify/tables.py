@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 import laticauda as lc
-from laticauda.errors import RobotFileError, TrialFileError, one_of, positive
+from laticauda.errors import RobotFileError, TrialFileError, check_choice, check_positive
 from laticauda.identify.measurements import Measurement
-from laticauda.scenarios import scenario
+from laticauda.scenarios import build_scenario
 from laticauda.trial import MeasuredTrials, measured, null_models
 
 TABLE_SIGMA = 0.05
@@ -42,13 +42,13 @@ def from_table1(
     Raises:
         ValueError: If an argument is out of its range.
     """
-    one_of("figure", figure, FIGURES)
-    positive("sigma", sigma)
+    check_choice("figure", figure, FIGURES)
+    check_positive("sigma", sigma)
     robots = cache(lc.load_robot)
     return tuple(
         Measurement(
             name=_name(trial.gait, trial.has_fin),
-            scenario=scenario(robots(trial.robot), trial.gait),
+            scenario=build_scenario(robots(trial.robot), trial.gait),
             figures={figure: (value, sigma * value)},
             selected_from=selected_from if trial.is_maximum else 1,
         )
@@ -77,8 +77,8 @@ def from_table(
         TrialFileError: If anything in it is invalid.
         ValueError: If an argument is out of its range.
     """
-    positive("sigma", sigma)
-    is_speed = one_of("figure", figure, FIGURES) == FIGURES[0]
+    check_positive("sigma", sigma)
+    is_speed = check_choice("figure", figure, FIGURES) == FIGURES[0]
     robots, seen, found = cache(_robot), Counter[str](), list[Measurement]()
     for row in measured.load_speeds(file):
         value, own = (row.v_m_s, row.v_sigma_m_s) if is_speed else (row.P_avg_W, row.P_sigma_W)
@@ -96,7 +96,7 @@ def from_table(
         found.append(
             Measurement(
                 name=name if seen[name] == 1 else f"{name} ({seen[name]})",
-                scenario=scenario(swam, gait, row.duration_s),
+                scenario=build_scenario(swam, gait, row.duration_s),
                 figures={figure: (value, own or sigma * value)},
                 selected_from=row.selected_from,
             )

@@ -33,7 +33,7 @@ from laticauda.gaits import JointAngles, recorded_gait
 from laticauda.identify import candidates, fitting, measurements, result
 from laticauda.identify.unknowns import Unknown
 from laticauda.planar.model import PlanarPlant
-from laticauda.quantities import quantity, value
+from laticauda.quantities import quantity, value_class
 from laticauda.robot import Environment, Robot, Water, load_robot, textbook_water, to_toml
 from laticauda.robot.files import read_table
 from laticauda.simulate.runner import Progress, silent
@@ -52,7 +52,7 @@ _INTERVAL = 0.25  # between samples that are used [s]
 _SMOOTHED = 0.2  # window of a cubic smoothing of joint angles, in cycles: keeps their noise out of the forces [-]
 
 
-@value
+@value_class
 class Noise:
     """Standard deviations of the noise on the tank day."""
 
@@ -98,7 +98,7 @@ class Evaluation:
     """Sentences on which law is the most probable, and on what the data do not determine."""
 
 
-def begin(folder: Path, robot: Robot) -> list[str]:
+def prepare_folder(folder: Path, robot: Robot) -> list[str]:
     """Write the list of runs, the robot, and files to fill in; existing files are kept.
 
     Args:
@@ -348,7 +348,7 @@ def _verdict(
     ]
 
 
-def words(found: Evaluation) -> str:
+def format_evaluation(found: Evaluation) -> str:
     """Format an evaluation as readable text.
 
     Args:
@@ -388,12 +388,12 @@ def write_result(folder: Path, day: Day, found: Evaluation) -> list[str]:
         else found.joints.problem.scenarios_at(found.joints.best)[0].model.joints
     )
     (kept if law is None else replace(kept, joints=law)).save(place / "parameters.toml")
-    files.write(place / "summary.md", words(found) + "\n")
-    files.write(place / "summary.json", files.to_json(facts(found)) + "\n")
+    files.write(place / "summary.md", format_evaluation(found) + "\n")
+    files.write(place / "summary.json", files.to_json(tabulate_evaluation(found)) + "\n")
     return sorted(one.name for one in place.iterdir())
 
 
-def facts(found: Evaluation) -> dict[str, Any]:
+def tabulate_evaluation(found: Evaluation) -> dict[str, Any]:
     """Return an evaluation as plain values.
 
     Args:

@@ -43,13 +43,13 @@ import numpy as np
 
 import laticauda as lc
 from laticauda import codec, scenarios
-from laticauda.errors import BadArgument, RobotFileError, label, one_of
+from laticauda.errors import BadArgument, RobotFileError, check_choice, check_label
 from laticauda.identify.fitting import Keep, fit
 from laticauda.identify.measurements import SERIES, Measurement, from_trial
 from laticauda.identify.result import Fit, Method
 from laticauda.identify.tables import FIGURES, TABLE_SIGMA, from_table, from_table1
 from laticauda.identify.unknowns import Unknown, as_unknowns, numbers_by_name
-from laticauda.quantities import one_among, option, quantity, value
+from laticauda.quantities import check_one_among, option, quantity, value_class
 from laticauda.robot.files import read_table
 from laticauda.robot.parameters import NAMES, adjusted, read_adjustments
 from laticauda.simulate.numbers import UNITS
@@ -66,7 +66,7 @@ PATH = {"center_of_mass": 0.005}
 """Series of a trial used by default: the path as seen by a camera, with its noise [m]."""
 
 
-@value
+@value_class
 class TrialFile:
     """A file with a trial, and the parts of it that are used."""
 
@@ -135,25 +135,25 @@ class TrialFile:
             raise ValueError(f"{self.file}: {error}") from error
 
 
-@value
+@value_class
 class TableFile:
     """A file with one row per trial."""
 
     file: str = option("Path of the table; for its columns see `laticauda.trial.measured`")
     figure: str = option(
-        "forward_velocity or mean_power", default=FIGURES[0], check=one_among(*FIGURES)
+        "forward_velocity or mean_power", default=FIGURES[0], check=check_one_among(*FIGURES)
     )
     sigma: float = quantity(
         "", "Relative noise of rows that do not state their own", default=TABLE_SIGMA, gt=0.0
     )
 
 
-@value
+@value_class
 class _TaskFile:
     """Contents of a task's file apart from the method."""
 
-    name: str = option("Name of the resulting parameter file", check=label)
-    title: str = option("Text for legends", check=label)
+    name: str = option("Name of the resulting parameter file", check=check_label)
+    title: str = option("Text for legends", check=check_label)
     robot: str | None = option(
         "Robot that must have swum, a preset or a file; None: as in the trials", default=None
     )
@@ -234,7 +234,7 @@ class Task:
             self,
             name=f"{self.name}-{law.name}",
             title=f"{self.title}, {law.title}",
-            measurements=tuple(fixed(one, None, law) for one in self.measurements),
+            measurements=tuple(apply_fixed_values(one, None, law) for one in self.measurements),
             base=law,
             options={**joints, **self.options},
         )
@@ -248,11 +248,11 @@ class Task:
         kept, base = found.parameters(self.name, self.title), self.base
         if base is None:
             return kept
-        changes = codec.merged(dict(base.changes), dict(kept.changes))
+        changes = codec.merge_tables(dict(base.changes), dict(kept.changes))
         return replace(
             kept,
             changes=changes,
-            own_changes=codec.merged(dict(base.own_changes), dict(kept.own_changes)),
+            own_changes=codec.merge_tables(dict(base.own_changes), dict(kept.own_changes)),
         )
 
 
@@ -355,9 +355,9 @@ def task_from_table(table: Table, name: str, folder: Path) -> Task:
         options.setdefault("joints", base.joints)
     robot = None if said.robot is None else lc.load_robot(said.robot, said.links)
     trials = [one.beside(folder) for one in said.trials]
-    measured = [fixed(trial.measurement(), None, base) for trial in trials]
+    measured = [apply_fixed_values(trial.measurement(), None, base) for trial in trials]
     rows, files = _tables(said, folder)
-    measured += [fixed(measurement, said.links, base) for measurement in rows]
+    measured += [apply_fixed_values(measurement, said.links, base) for measurement in rows]
     return Task(
         name=said.name,
         title=said.title,
@@ -370,7 +370,9 @@ def task_from_table(table: Table, name: str, folder: Path) -> Task:
     )
 
 
-def fixed(measurement: Measurement, links: int | None, base: lc.Parameters | None) -> Measurement:
+def apply_fixed_values(
+    measurement: Measurement, links: int | None, base: lc.Parameters | None
+) -> Measurement:
     """Return a measurement with the fixed values of robot and water applied.
 
     Args:
@@ -403,7 +405,7 @@ def _base(said: _TaskFile) -> lc.Parameters | None:
     )
     if base is None:
         return lc.Parameters(name=said.name, title=said.name, every_gait=water, changes=changes)
-    return replace(base, every_gait=water, changes=codec.merged(dict(base.changes), changes))
+    return replace(base, every_gait=water, changes=codec.merge_tables(dict(base.changes), changes))
 
 
 def _tables(said: _TaskFile, folder: Path) -> tuple[list[Measurement], list[Path]]:
@@ -422,7 +424,7 @@ def _tables(said: _TaskFile, folder: Path) -> tuple[list[Measurement], list[Path
 
 def _check_there(name: str, trial: lc.Trial, wanted: list[str]) -> None:
     for what in wanted:
-        one_of(f"measured` of `{name}", what, (*UNITS, *SERIES))
+        check_choice(f"measured` of `{name}", what, (*UNITS, *SERIES))
         if what in trial.not_measured:
             raise BadArgument(
                 what, f"of `{name}` must have been measured to be fitted; the file does not have it"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import one_of, optional_import, whole
+from laticauda.errors import check_choice, check_whole_number, optional_import
 from laticauda.identify.fitting import all_residuals, cost_of, minimize
 from laticauda.identify.result import Fit
 from laticauda.simulate.runner import Progress, silent
@@ -20,7 +20,7 @@ Ends = tuple[float | None, float | None]
 """Ends of an interval; None: every value up to the end of its range describes the data as well."""
 
 
-def profile(found: Fit, name: str) -> Ends:
+def profile_interval(found: Fit, name: str) -> Ends:
     """Return the interval of one unknown in which the sum of squares is less than q^2 above its minimum.
 
     q is the quantile used for the fit's own intervals. Where the model is far from linear within
@@ -36,7 +36,7 @@ def profile(found: Fit, name: str) -> Ends:
         ValueError: If there is no such unknown.
     """
     names = found.problem.names
-    k = names.index(one_of("name", name, names))
+    k = names.index(check_choice("name", name, names))
     return _end(found, k, -1.0), _end(found, k, 1.0)
 
 
@@ -112,12 +112,12 @@ class Posterior:
             name: Name of the unknown.
             confidence: Fraction of the samples [-].
         """
-        column = self.values[:, self.names.index(one_of("name", name, self.names))]
+        column = self.values[:, self.names.index(check_choice("name", name, self.names))]
         low, high = np.quantile(column, [0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence])
         return float(low), float(high)
 
 
-def posterior(
+def sample_posterior(
     found: Fit,
     *,
     n_steps: int = 500,
@@ -145,9 +145,13 @@ def posterior(
     References:
         D. Foreman-Mackey et al., emcee: The MCMC Hammer, PASP 125 (2013) 306-312.
     """
-    whole("n_steps", n_steps, 2)
+    check_whole_number("n_steps", n_steps, 2)
     problem, n = found.problem, len(found.estimates)
-    walkers = max(4 * n, 8) if n_walkers is None else whole("n_walkers", n_walkers, 2 * n + 2)
+    walkers = (
+        max(4 * n, 8)
+        if n_walkers is None
+        else check_whole_number("n_walkers", n_walkers, 2 * n + 2)
+    )
     lower, upper = np.array([unknown.ends for unknown in problem.unknowns]).T
 
     def log_probability(points: np.ndarray) -> np.ndarray:

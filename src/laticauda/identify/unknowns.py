@@ -7,11 +7,25 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Literal, NoReturn, cast
 
-from laticauda.errors import BadArgument, at_least_one, finite, label, nearest, positive, shown
+from laticauda.errors import (
+    BadArgument,
+    check_finite,
+    check_label,
+    check_not_empty,
+    check_positive,
+    show_value,
+    suggest_nearest,
+)
 from laticauda.files import read_toml
-from laticauda.quantities import Check, option, quantity, several, value
+from laticauda.quantities import Check, check_items, option, quantity, value_class
 from laticauda.scenarios import Scenario
-from laticauda.simulate.numbers import Parameter, changed, near, parameters, value_of
+from laticauda.simulate.numbers import (
+    Parameter,
+    change_parameters,
+    list_parameters,
+    suggest_names,
+    value_of,
+)
 
 _TABLE: dict[str, Any] = read_toml(Path(__file__).with_name("nuisance.toml"))
 NUISANCE = {name: Parameter(name=name, **told) for name, told in _TABLE.items()}
@@ -36,14 +50,14 @@ def numbers_by_name(what: str) -> Check:
 
     def check(name: str, given: Any) -> dict[str, float]:
         if not isinstance(given, Mapping):
-            raise BadArgument(name, f"must be a table of name = {what}, got {shown(given)}")
+            raise BadArgument(name, f"must be a table of name = {what}, got {show_value(given)}")
         table = cast("Mapping[str, object]", given)
-        return {key: finite(f"{name}.{key}", number) for key, number in table.items()}
+        return {key: check_finite(f"{name}.{key}", number) for key, number in table.items()}
 
     return check
 
 
-@value
+@value_class
 class Unknown:
     """A number to be identified.
 
@@ -61,7 +75,8 @@ class Unknown:
     """
 
     name: str = option(
-        "As in a sweep or in `NUISANCE`; for one group: `eel_like.water.normal_drag`", check=label
+        "As in a sweep or in `NUISANCE`; for one group: `eel_like.water.normal_drag`",
+        check=check_label,
     )
     start: float | None = quantity("", "Value at which the search starts", default=None)
     lower: float | None = quantity("", "Smallest value", default=None)
@@ -84,7 +99,7 @@ class Unknown:
     def __post_init__(self) -> None:
         """Check the fields against each other."""
         if self.prior is not None:
-            positive(f"sd of the prior` of `{self.name}", self.prior[1])
+            check_positive(f"sd of the prior` of `{self.name}", self.prior[1])
         low, high = (
             (-math.inf if self.lower is None else self.lower),
             (math.inf if self.upper is None else self.upper),
@@ -164,15 +179,15 @@ def as_unknowns(
     """
 
     def unknown(name: str, item: Any) -> Unknown:
-        return item if isinstance(item, Unknown) else Unknown(name=label(name, item))
+        return item if isinstance(item, Unknown) else Unknown(name=check_label(name, item))
 
     if isinstance(parameters, Mapping):
         found = [
             Unknown(name=name, lower=low, upper=high) for name, (low, high) in parameters.items()
         ]
     else:
-        found = several(unknown, "a list of names", (), "parameters", parameters)
-    at_least_one("parameters", found, "number to identify")
+        found = check_items(unknown, "a list of names", (), "parameters", parameters)
+    check_not_empty("parameters", found, "number to identify")
     names = [unknown.name for unknown in found]
     for name in names:
         if names.count(name) > 1:
@@ -208,7 +223,7 @@ def split_name(
 
 def _refuse(name: str, known: Sequence[Mapping[str, Parameter]], whose: str) -> NoReturn:
     every = {key: parameter for names in known for key, parameter in names.items()}
-    hint = near(name, every) or nearest(name, tuple(NUISANCE))
+    hint = suggest_names(name, every) or suggest_nearest(name, tuple(NUISANCE))
     raise BadArgument("parameters", f"must name numbers {whose}, got {name!r}{hint}")
 
 
@@ -218,7 +233,7 @@ def known_numbers(scenarios: Sequence[Scenario]) -> list[dict[str, Parameter]]:
     keys = [(id(scenario.robot), id(scenario.environment)) for scenario in scenarios]
     for key, scenario in zip(keys, scenarios, strict=True):
         if key not in made:
-            made[key] = parameters(scenario, each=True) | NUISANCE
+            made[key] = list_parameters(scenario, each=True) | NUISANCE
     return [made[key] for key in keys]
 
 
@@ -327,7 +342,7 @@ def _refusal(name: str, scenario: Scenario, tied: Mapping[str, float], value: fl
     """Return why a value is out of the range of its field; "" if it is not."""
     if name not in NUISANCE:
         try:
-            changed(scenario, with_tied(scenario, name, value, tied))
+            change_parameters(scenario, with_tied(scenario, name, value, tied))
         except (ValueError, ArithmeticError) as err:
             return str(err)
     return ""

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, one_of
+from laticauda.errors import BadArgument, check_choice
 from laticauda.gaits import GAIT_WORDS
 from laticauda.identify import fitting, model, result, tasks, uncertainty
 from laticauda.simulate.runner import Progress, silent
@@ -57,7 +57,7 @@ def leave_out(
     problem = found.problem
     names = (
         [m.name for m in problem.measurements]
-        if one_of("by", by, BY) == "measurement"
+        if check_choice("by", by, BY) == "measurement"
         else list(problem.groups)
     )
     different = list(dict.fromkeys(names))
@@ -197,7 +197,7 @@ def validate(
             groups = leave_out(found, "group", progress=partial(progress, "groups left out"))
         for done, k in enumerate(shown):
             name = found.estimates[k].name
-            kept[name] = uncertainty.profile(found, name)
+            kept[name] = uncertainty.profile_interval(found, name)
             progress("profiles", (done + 1) / len(shown))
     except KeyboardInterrupt:
         found, kept = replace(found, warnings=(fitting.INTERRUPTED, *found.warnings)), {}

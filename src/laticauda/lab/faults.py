@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from laticauda import codec, files, protocol
-from laticauda.errors import BadArgument, LaticaudaError, one_of
-from laticauda.quantities import option, quantity, value
+from laticauda.errors import BadArgument, LaticaudaError, check_choice
+from laticauda.quantities import option, quantity, value_class
 
 _KINDS = files.read_toml(Path(__file__).with_suffix(".toml"))
 KINDS: dict[str, str] = {kind: one["says"] for kind, one in _KINDS.items()}
@@ -26,12 +26,13 @@ class FaultFileError(LaticaudaError, ValueError):
     """A schedule of faults is invalid; the message gives the file, the key, the rule and the value."""
 
 
-@value
+@value_class
 class Fault:
     """One fault."""
 
     kind: str = option(
-        "Kind of fault; see `KINDS`", check=lambda name, kind: one_of(name, kind, tuple(KINDS))
+        "Kind of fault; see `KINDS`",
+        check=lambda name, kind: check_choice(name, kind, tuple(KINDS)),
     )
     time: float = quantity("s", "Time at which it begins, on the lab's clock", ge=0.0, default=0.0)
     duration: float = quantity(

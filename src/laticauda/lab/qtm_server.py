@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from laticauda.errors import LaticaudaError, hostname
+from laticauda.errors import LaticaudaError, check_hostname
 from laticauda.lab.instruments import BODY, MARKERS
 from laticauda.protocol import MocapFrame, ProtocolError, qtm
 
@@ -47,7 +47,7 @@ class QtmServer:
     """
 
     def __init__(self, rate: float, host: str = LOOPBACK, port: int = qtm.PORT) -> None:
-        self.rate, self.host, self.port = rate, hostname("host", host), port
+        self.rate, self.host, self.port = rate, check_hostname("host", host), port
         self._latest: MocapFrame | None = None
         self._clients: set[_Client] = set()
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -155,7 +155,7 @@ class QtmServer:
         names = {word.lower() for word in words}
         asked = {"general", "6d", "3d", "skeleton"} if "all" in names else names
         return qtm.encode_text(
-            qtm.parameters(self.rate, {BODY: MARKERS}, asked), qtm.PacketType.XML
+            qtm.answer_parameters(self.rate, {BODY: MARKERS}, asked), qtm.PacketType.XML
         )
 
     def _current_frame(self, client: _Client, words: Sequence[str]) -> bytes:

@@ -42,7 +42,7 @@ def check(fault: Fault, plant: Plant[Any]) -> None:
         )
 
 
-def altered(body: VirtualRobot, built: Plant[Any], faults: Faults) -> Plant[Any]:
+def plant_with_faults(body: VirtualRobot, built: Plant[Any], faults: Faults) -> Plant[Any]:
     """Return a plant with the present faults; its state stays the same, and what is lost was at rest.
 
     Args:
@@ -70,7 +70,7 @@ def altered(body: VirtualRobot, built: Plant[Any], faults: Faults) -> Plant[Any]
     )
 
 
-class Mistakes:
+class CameraErrors:
     """What cameras report instead of what they see.
 
     Args:

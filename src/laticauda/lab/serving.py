@@ -8,7 +8,7 @@ from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from typing import Any
 
-from laticauda.errors import positive
+from laticauda.errors import check_positive
 from laticauda.lab.qtm_server import LOOPBACK, QtmServer, ServerFailed
 from laticauda.lab.tank import Tank
 from laticauda.protocol import BusAddress, open_bus, qtm, worker
@@ -92,7 +92,7 @@ class Lab:
         port: int = qtm.PORT,
         speed: float = 1.0,
     ) -> None:
-        self.tank, self.speed = tank, positive("speed", speed)
+        self.tank, self.speed = tank, check_positive("speed", speed)
         self.lag = 0.0
         """Total time that the clock has waited because this computer could not keep up [s]."""
         self.behind = 0.0

@@ -1,10 +1,10 @@
 """Settings of the virtual tank. Those that are not in the paper are assumptions, and marked as such."""
 
 from laticauda.errors import BadArgument
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 
 
-@value
+@value_class
 class NodeSettings:
     """Settings of a joint module: its firmware's times and limits, its sensors, its heat. All are assumptions.
 
@@ -81,7 +81,7 @@ class NodeSettings:
             )
 
 
-@value
+@value_class
 class MocapSettings:
     """Settings of cameras that see five markers on the last module, the tail, which also carries the paper's fin.
 
@@ -134,7 +134,7 @@ class MocapSettings:
     )
 
 
-@value
+@value_class
 class SupplySettings:
     """Settings of the power box, its cable, and the meter in the cable."""
 
@@ -150,7 +150,7 @@ class SupplySettings:
     )
 
 
-@value
+@value_class
 class LabSettings:
     """Settings of the whole virtual tank."""
 

@@ -65,7 +65,7 @@ class Tank:
         self._jammed: dict[int, float] = {}
         self._altering: tuple[Fault, ...] = ()
         self._slipped = np.zeros(len(joints))
-        self._mistakes = quiet.Mistakes(self.cameras, self._wire)
+        self._mistakes = quiet.CameraErrors(self.cameras, self._wire)
         self._silent = [False] * len(joints)  # off the bus, or without power
         self._dead = [False] * len(joints)
         self._senses = self._read()
@@ -243,7 +243,7 @@ class Tank:
         if altering != self._altering:
             self._altering, self.body.plant = (
                 altering,
-                quiet.altered(self.body, self._built, faults),
+                quiet.plant_with_faults(self.body, self._built, faults),
             )
         for i, node in enumerate(self.nodes):
             number = node.number

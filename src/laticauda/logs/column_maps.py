@@ -32,8 +32,8 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from laticauda import codec, files, gaits
-from laticauda.errors import BadArgument, TrialFileError, finite, one_of, shown
-from laticauda.quantities import option, quantity, value
+from laticauda.errors import BadArgument, TrialFileError, check_choice, check_finite, show_value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot import Environment, Robot
 from laticauda.scenarios.toml import NAMES, take_chosen
 
@@ -63,7 +63,7 @@ _ANGLE_UNIT = "Unit of the angle; None: the one stated in the file, else rad"
 _PLACE = "Columns of the position: x and y, or x, y and z"
 
 
-@value
+@value_class
 class TimeColumn:
     """Times of the rows; if neither field is given, the file itself must state them."""
 
@@ -79,7 +79,7 @@ class TimeColumn:
             raise BadArgument("rate", f"must not be given beside `column`, got {self.rate}")
 
 
-@value
+@value_class
 class Frame:
     """Pose of the trial's world axes in the axes of the file: first aligned, then shifted, then rotated."""
 
@@ -100,7 +100,7 @@ class Frame:
             )
 
 
-@value
+@value_class
 class Position:
     """A position whose columns represent the center of mass itself, such as the mean of many markers."""
 
@@ -108,7 +108,7 @@ class Position:
     length_unit: LengthUnit = option(_LENGTH_UNIT, default=None)
 
 
-@value
+@value_class
 class Heading:
     """The heading, for logs without joint angles to derive it from."""
 
@@ -116,7 +116,7 @@ class Heading:
     unit: AngleUnit = option(_ANGLE_UNIT, default=None)
 
 
-@value
+@value_class
 class Body:
     """One link tracked by motion capture; together with the joint angles it determines the whole robot."""
 
@@ -158,7 +158,7 @@ class Body:
             raise BadArgument("yaw", rule)
 
 
-@value
+@value_class
 class Ends:
     """A marker on the tail end, on every joint and on the head end: no joint angles are needed."""
 
@@ -176,7 +176,7 @@ class Ends:
             raise BadArgument("columns", f"must hold {{marker}} and {{axis}}, got {self.columns!r}")
 
 
-@value
+@value_class
 class JointColumns:
     """One column per joint."""
 
@@ -220,10 +220,10 @@ class JointColumns:
 
 
 def _voltage(name: str, given: Any) -> str | float | None:
-    return given if given is None or isinstance(given, str) else finite(name, given, "V")
+    return given if given is None or isinstance(given, str) else check_finite(name, given, "V")
 
 
-@value
+@value_class
 class Power:
     """Electrical power, from a meter in the supply line."""
 
@@ -249,11 +249,11 @@ class Power:
 
 def _signals(name: str, given: Any) -> dict[str, str]:
     if not hasattr(given, "values") or not all(isinstance(one, str) for one in given.values()):
-        raise BadArgument(name, f"must be a table of names of columns, got {shown(given)}")
+        raise BadArgument(name, f"must be a table of names of columns, got {show_value(given)}")
     return dict(given)
 
 
-@value
+@value_class
 class ColumnMap:
     """The meaning of the columns of a log, and the robot that it belongs to."""
 
@@ -313,7 +313,7 @@ class ColumnMap:
         for name, section in UNITS.items():
             columns: JointColumns | None = getattr(self, name)
             if columns is not None and columns.unit is not None:
-                one_of(f"{name}.unit", columns.unit, tuple(section))
+                check_choice(f"{name}.unit", columns.unit, tuple(section))
 
 
 # ---- files ---------------------------------------------------------------------------------------

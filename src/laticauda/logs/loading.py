@@ -16,7 +16,7 @@ from laticauda.logs import column_maps, tables, tabular
 from laticauda.logs.placing import Measured, joints_of, place_of
 from laticauda.logs.recording import failures_of
 from laticauda.trial import dataset, metrics
-from laticauda.trial.arrays import Samples, times
+from laticauda.trial.arrays import Samples, check_times
 
 
 def load_trial(
@@ -195,7 +195,7 @@ def _time(
             if n
             else f"`{name}` must have at least 2 samples, got none."
         )
-    kept = times(name, time[rows])
+    kept = check_times(name, time[rows])
     step = float(np.median(np.diff(kept)))
     if step > SLOWEST_SAMPLING:
         raise ValueError(
@@ -224,7 +224,7 @@ def _add_rates(found: dict[str, Any], window: float) -> None:
     }
     for name, its_rate in rates.items():
         if name in found and its_rate not in found:
-            found[its_rate] = rate(found["time"], found[name], window)
+            found[its_rate] = differentiate_signal(found["time"], found[name], window)
 
 
 def _electrical_work(log: Measured) -> Samples:
@@ -238,10 +238,12 @@ def _electrical_work(log: Measured) -> Samples:
         voltage = log.raw(given.voltage) if isinstance(given.voltage, str) else given.voltage
         power = log.raw(given.current) * voltage
     idle = log.column_map.robot.idle_power if given.idle is None else given.idle
-    return metrics.integral(log.time, log.whole(given.column or given.current or "", power) - idle)
+    return metrics.cumulative_integral(
+        log.time, log.whole(given.column or given.current or "", power) - idle
+    )
 
 
-def rate(
+def differentiate_signal(
     time: Samples, signal: Float[np.ndarray, "n ..."], window: float
 ) -> Float[np.ndarray, "n ..."]:
     """Compute the slope of a signal: that of the cubic polynomial fitted over a window around each moment.

@@ -18,7 +18,7 @@ from laticauda.interfaces import ORIENTATION
 from laticauda.logs.recorder import WORLD, Recorder
 from laticauda.logs.recording import Logged, open_recording
 from laticauda.trial import Format, Trial
-from laticauda.trial.dataset import assembled, epoch, variable
+from laticauda.trial.dataset import assembled, describe_series, read_epoch
 
 if TYPE_CHECKING:
     import xarray
@@ -54,7 +54,7 @@ class McapFile(Format):
         """Write a trial as an MCAP file; see `Format.write`."""
         try:
             with Recorder(
-                path, chunk_seconds=10.0, overwrite=True, epoch=epoch(dataset.attrs)
+                path, chunk_seconds=10.0, overwrite=True, epoch=read_epoch(dataset.attrs)
             ) as recorder:
                 _record(dataset, recorder)
         except StorageFailed as error:
@@ -77,7 +77,7 @@ class McapFile(Format):
 
         def read(name: str) -> Any:
             rows = found[name]
-            shape = () if variable(name).dimensions == ("time",) else rows[0].shape
+            shape = () if describe_series(name).dimensions == ("time",) else rows[0].shape
             return np.array(rows).reshape(len(rows), *shape)
 
         return assembled(read, json.loads(recording.metadata[METADATA]["trial"]))

@@ -42,7 +42,7 @@ class Measured:
 
     def whole(self, name: str, values: Samples) -> Samples:
         """Return the `values` of the quantity `name` with gaps filled."""
-        found, lost = filled(
+        found, lost = fill_gaps(
             name, self.time + (self.column_map.start or 0.0), values, self.column_map.longest_gap
         )
         if np.any(lost):
@@ -255,7 +255,7 @@ def joints_of(log: Measured, section: str, chain: robot.Robot) -> Angles:
     return np.stack(found, axis=1) if found else np.zeros((log.time.size, 0))
 
 
-def filled(
+def fill_gaps(
     name: str, time: Samples, signal: Float[np.ndarray, " n_samples"], longest: float
 ) -> tuple[Samples, Bool[np.ndarray, " n_samples"]]:
     """Fill the gaps of a signal by linear interpolation.

@@ -15,7 +15,14 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import Any, BinaryIO, Self, TypeAlias
 
-from laticauda.errors import BadArgument, StorageFailed, finite, optional_import, positive, whole
+from laticauda.errors import (
+    BadArgument,
+    StorageFailed,
+    check_finite,
+    check_positive,
+    check_whole_number,
+    optional_import,
+)
 from laticauda.logs import ros2
 
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "fatal": 50}
@@ -88,8 +95,8 @@ class Recorder:
         need_mcap()
         from mcap.writer import Writer
 
-        self._chunk_ns = round(positive("chunk_seconds", chunk_seconds, "s") * 1e9)
-        self._epoch = whole("epoch", epoch, 0)
+        self._chunk_ns = round(check_positive("chunk_seconds", chunk_seconds, "s") * 1e9)
+        self._epoch = check_whole_number("epoch", epoch, 0)
         self.path = Path(path)
         """The file."""
         mode = "wb" if overwrite else "xb"
@@ -278,7 +285,7 @@ class Recorder:
             text = "" if data is None else json.dumps(data)
         except TypeError as error:
             raise BadArgument("data", f"must be data that JSON can hold: {error}") from error
-        stamp = ros2.stamp(self._moment(time))
+        stamp = ros2.to_ros_time(self._moment(time))
         self.message(
             "/events", time, "rcl_interfaces/Log", (stamp, LEVELS[level], name, text, "", "", 0)
         )
@@ -369,13 +376,13 @@ class Recorder:
 
     def _moment(self, time: float) -> int:
         """Convert a time to that of the file and of ROS [ns]; raises ValueError before 1970."""
-        now = self._epoch + round(finite("time", time, "s") * 1e9)
+        now = self._epoch + round(check_finite("time", time, "s") * 1e9)
         if now < 0:
             raise BadArgument("time", f"must be >= {-1e-9 * self._epoch or 0.0:g} s, got {time}")
         return now
 
     def _header(self, time: float, frame: str) -> tuple[Any, ...]:
-        return ros2.stamp(self._moment(time)), frame
+        return ros2.to_ros_time(self._moment(time)), frame
 
     def _guarded(
         self, act: Callable[[], Any], advice: str = "what was written before is kept"

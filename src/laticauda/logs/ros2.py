@@ -85,7 +85,7 @@ def schema_text(name: str) -> str:
     )
 
 
-def stamp(nanoseconds: int) -> tuple[int, int]:
+def to_ros_time(nanoseconds: int) -> tuple[int, int]:
     """Convert a time to `builtin_interfaces/Time`: seconds and nanoseconds."""
     return divmod(nanoseconds, 10**9)
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.errors import nearest, optional_import
+from laticauda.errors import optional_import, suggest_nearest
 from laticauda.trial.arrays import Samples
 
 MISSING = ("", "nan", "null", "none", "na", "n/a", "-")
@@ -61,7 +61,7 @@ class Table:
             )
             printed = repr(name)[1:-1]
             raise ValueError(
-                f"The file has no column `{printed}`{nearest(name, names).rstrip('.')}; it has {shown}."
+                f"The file has no column `{printed}`{suggest_nearest(name, names).rstrip('.')}; it has {shown}."
             )
         if isinstance(found, str):
             raise ValueError(found)
@@ -78,7 +78,9 @@ class Table:
         return next((len(one) for one in self.columns.values() if not isinstance(one, str)), 0)
 
 
-def numbers(name: str, cells: Sequence[str], first_row: int, decimal: str = ".") -> Samples | str:
+def convert_numbers(
+    name: str, cells: Sequence[str], first_row: int, decimal: str = "."
+) -> Samples | str:
     """Convert a column of cells to numbers; otherwise return a sentence that states which cell is not a number.
 
     Args:
@@ -133,7 +135,7 @@ def csv_table(lines: Sequence[str], separator: str | None, decimal: str) -> Tabl
             )
     first = rows[1][0]
     columns = {
-        name: numbers(name, [row[i] for row in cells[1:]], first, decimal)
+        name: convert_numbers(name, [row[i] for row in cells[1:]], first, decimal)
         for i, name in enumerate(header)
     }
     return Table(columns=columns)
@@ -178,7 +180,7 @@ def qtm_table(lines: Sequence[str]) -> Table:
         line.rstrip("\r\n").removesuffix("\t").split("\t") for line in lines[top:] if line.strip()
     ]
     header: list[str] = []
-    if rows and isinstance(numbers("", rows[0][:1], top), str):
+    if rows and isinstance(convert_numbers("", rows[0][:1], top), str):
         header, rows, top = rows[0], rows[1:], top + 1
     leading = _leading(header, len(rows[0]) if rows else 0, len(names) * len(parts))
     wanted = [f"{name} {part}" for name in names for part in parts]
@@ -190,7 +192,7 @@ def qtm_table(lines: Sequence[str]) -> Table:
     )
     found: dict[str, Samples | str] = {}
     for i, name in enumerate([*leading, *wanted]):
-        found[name] = numbers(name, [row[i] for row in rows], top + 1)
+        found[name] = convert_numbers(name, [row[i] for row in rows], top + 1)
     for name in names:
         _forget_lost(found, name)
     units = {

@@ -25,7 +25,7 @@ from jaxtyping import Float
 from laticauda import files, trial
 from laticauda.errors import optional_import
 from laticauda.trial.arrays import Samples
-from laticauda.trial.dataset import AXES, MARK, assembled, epoch, variable
+from laticauda.trial.dataset import AXES, MARK, assembled, describe_series, read_epoch
 
 if TYPE_CHECKING:
     import xarray
@@ -159,7 +159,7 @@ def series(table: Mapping[str, Samples], name: str) -> Float[np.ndarray, "n_samp
     Raises:
         KeyError: If the series has no column.
     """
-    return _stacked(table, name, variable(name).dimensions[1:])
+    return _stacked(table, name, describe_series(name).dimensions[1:])
 
 
 def _stacked(
@@ -204,7 +204,7 @@ class NetCdfFile(trial.Format):
         # Under the CF conventions no text variable may share its name with a dimension, and time is
         # a date.
         dataset = dataset.rename_dims(axis="axes")
-        zero = np.datetime64(epoch(dataset.attrs) // 1000, "us")
+        zero = np.datetime64(read_epoch(dataset.attrs) // 1000, "us")
         dataset["time"].attrs |= {
             "standard_name": "time",
             "units": f"seconds since {str(zero).replace('T', ' ')}",
@@ -299,7 +299,7 @@ class MatFile(trial.Format):
         def read(name: str) -> Any:
             values = content[name]
             # In MATLAB every array has at least two axes.
-            return values.reshape(-1) if variable(name).dimensions == ("time",) else values
+            return values.reshape(-1) if describe_series(name).dimensions == ("time",) else values
 
         return assembled(read, json.loads(str(content[TEXT].item())))
 

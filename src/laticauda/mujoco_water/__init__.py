@@ -26,7 +26,7 @@ if TYPE_CHECKING:
         Water as Water,
         attach as attach,
         attached as attached,
-        compiled as compiled,
+        compile_spec as compile_spec,
     )
 
 __getattr__, __dir__, __all__ = lazy_exports(
@@ -40,6 +40,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "geom_elements",
         ],
         "laticauda.mujoco_water.ground": ["Contact", "Terrain"],
-        "laticauda.mujoco_water.water": ["Water", "attach", "attached", "compiled"],
+        "laticauda.mujoco_water.water": ["Water", "attach", "attached", "compile_spec"],
     },
+    renamed={"compiled": "compile_spec"},
 )

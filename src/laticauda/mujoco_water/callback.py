@@ -263,7 +263,7 @@ def install() -> None:
         mujoco.set_mjcb_passive(callback().ctypes)
 
 
-def entry(model: Any) -> Any:
+def find_water(model: Any) -> Any:
     """Return the water whose mark a model has, possibly that of the model it was copied from; None: no water."""
     return _entries.get(_mark(model), (None, None))[0]
 
@@ -295,7 +295,7 @@ def enter(model: Any, water: Any) -> None:
     model.opt.o_margin = np.int64(mark).view(np.float64)
 
 
-def leave(model: Any) -> None:
+def remove_mark(model: Any) -> None:
     """Remove the mark from a model; its copies keep theirs."""
     with _lock:
         _leave(model)

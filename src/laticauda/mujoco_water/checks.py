@@ -32,7 +32,7 @@ def body_of(model: Any, name: str) -> int:
     return body
 
 
-def pose(model: Any, data: Any, element: Element) -> tuple[int, np.ndarray, np.ndarray]:
+def element_pose(model: Any, data: Any, element: Element) -> tuple[int, np.ndarray, np.ndarray]:
     """Return the body of an element, and its center [m] and its axes, in world axes."""
     body = body_of(model, element.body)
     axes = data.xmat[body].reshape(3, 3)
@@ -64,7 +64,7 @@ def stable_step(model: Any, elements: Iterable[Element], speed: float) -> float:
     slopes = np.zeros_like(inertia)
     linear, turning = np.zeros((3, model.nv)), np.zeros((3, model.nv))
     for element in elements:
-        body, at, R = pose(model, data, element)
+        body, at, R = element_pose(model, data, element)
         mujoco.mj_jac(model, data, linear, turning, at, body)
         slope, slope_2 = _slopes(element, speed)
         J, K = R.T @ linear, R.T @ turning
@@ -153,7 +153,7 @@ def check_model(model: Any, heavy: set[int], implicit_drag: bool) -> None:
         if any(model.M_rownnz[j] != n + 1 for n, j in enumerate(dofs)):
             rule = f"must store the full inertia matrix of body {name_of(model, body)}, but stores only its diagonal"
             raise BadArgument(
-                "model", f"{rule}; compile its MjSpec with `laticauda.mujoco_water.compiled`"
+                "model", f"{rule}; compile its MjSpec with `laticauda.mujoco_water.compile_spec`"
             )
 
 
@@ -255,7 +255,7 @@ def metacentric_height(model: Any, root: int, water: Any) -> float:
     if not own:
         return 0.0
     _, places, axes = (
-        np.array(each) for each in zip(*(pose(model, data, e) for e in own), strict=True)
+        np.array(each) for each in zip(*(element_pose(model, data, e) for e in own), strict=True)
     )
     places -= data.subtree_com[root]
     shapes = [(float(getattr(hydrostatics, e.shape.upper())), e.half_size) for e in own]

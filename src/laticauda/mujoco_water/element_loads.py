@@ -18,7 +18,7 @@ MuJoCo's matrix M.
 # pyright: reportWildcardImportFromLibrary=false
 # pyright: reportCallIssue=false, reportConstantRedefinition=false
 
-from laticauda.compiling import compiled, kernel
+from laticauda.compiling import compile_scalar, kernel
 from laticauda.compiling.formulas import PLACE
 from laticauda.fluid import inertia
 from laticauda.fluid.laws import plate
@@ -28,11 +28,11 @@ from laticauda.mujoco_water.native import call_2, flags_at, number_at, stop, wor
 from laticauda.mujoco_water.table import *
 from laticauda.mujoco_water.vectors import *
 
-wetted = compiled(hydrostatics.wetted)
-wetting = compiled(hydrostatics.wetting)
-plate_law = compiled(plate)
-carried = compiled(inertia.carried)
-load = compiled(inertia.load)
+wetted = compile_scalar(hydrostatics.wetted)
+wetting = compile_scalar(hydrostatics.wetting)
+plate_law = compile_scalar(plate)
+carried = compile_scalar(inertia.carried)
+load = compile_scalar(inertia.load)
 
 
 @kernel

@@ -11,10 +11,10 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from laticauda.angles import from_quaternion
-from laticauda.errors import BadArgument, instance, load_mujoco, positive
+from laticauda.errors import BadArgument, check_instance, check_positive, load_mujoco
 from laticauda.fluid.laws import DragLaw, PolynomialDrag
 from laticauda.mujoco_water.ground import Contact
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 
 Three: TypeAlias = tuple[float, float, float]
 Quaternion: TypeAlias = tuple[float, float, float, float]
@@ -22,7 +22,7 @@ Shape: TypeAlias = Literal["ellipsoid", "cylinder", "box"]
 _NONE: Three = (0.0, 0.0, 0.0)
 
 
-@value
+@value_class
 class Element:
     """Loads on one piece of a body. A body may have several; different kinds of drag take several at one place.
 
@@ -105,7 +105,7 @@ _ROUND = math.pi / 4.0  # area of a circle over that of the square around it
 _HALF_TURN = 0.5**0.5
 
 
-@value
+@value_class
 class GeomCoefficients:
     """Dimensionless coefficients that turn a geom into an `Element`; areas are those of the geom's projections.
 
@@ -182,7 +182,7 @@ def geom_element(
         ValueError: If there is no such geom, it has no volume, or it is of another type.
     """
     mujoco = load_mujoco()
-    positive("density", density, "kg/m^3")
+    check_positive("density", density, "kg/m^3")
     number = (
         mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, geom) if isinstance(geom, str) else geom
     )
@@ -239,7 +239,7 @@ def geom_elements(
     Raises:
         ValueError: If no geom is left.
     """
-    instance("model", getattr(model, "ptr", model), load_mujoco().MjModel)
+    check_instance("model", getattr(model, "ptr", model), load_mujoco().MjModel)
     found: dict[int, list[tuple[str, Element]]] = {}
     empty: list[str] = []
     touching = (model.geom_contype | model.geom_conaffinity) != 0

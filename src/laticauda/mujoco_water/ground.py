@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from laticauda.compiling import compiled, kernel
+from laticauda.compiling import compile_scalar, kernel
 from laticauda.fluid.laws import dry
 from laticauda.mujoco_water.table import *
 from laticauda.mujoco_water.vectors import (
@@ -179,7 +179,7 @@ def touch(
     return -c_t * v_t, -c_n * v_n, normal
 
 
-_terrain, _uneven, _touch = compiled(terrain), compiled(uneven), compiled(touch)
+_terrain, _uneven, _touch = compile_scalar(terrain), compile_scalar(uneven), compile_scalar(touch)
 
 
 @kernel

@@ -11,17 +11,17 @@ of the law, or of the flow's parts.
 import numpy as np
 from numba import carray, types  # pyright: ignore[reportPrivateImportUsage]
 
-from laticauda.compiling import compiled, for_c
+from laticauda.compiling import compile_scalar, for_c
 from laticauda.compiling.formulas import PLACE, in_numbers, rows_from, summed
 from laticauda.compiling.templates import bindings, named_after
-from laticauda.fluid.flow import Motion, felt
+from laticauda.fluid.flow import Motion, local_flow
 from laticauda.fluid.laws import MOTION, Element
 from laticauda.formulas import MOST_NUMBERS
 from laticauda.mujoco_water.table import LOADS
 
 _names = bindings(__name__)
 _formula, _flow = _names.get("law"), summed(_names.get("flow", ()), len(Motion._fields))
-_felt, _any = compiled(felt), 1 << 40  # as many numbers at an address as needed
+_felt, _any = compile_scalar(local_flow), 1 << 40  # as many numbers at an address as needed
 if _formula is not None:
     _law, _given, _own = (
         in_numbers(_formula, Element, MOTION),

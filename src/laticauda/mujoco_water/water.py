@@ -18,12 +18,19 @@ import numpy as np
 
 from laticauda.compiling.formulas import digest_of
 from laticauda.compiling.templates import load, sources_digest
-from laticauda.errors import BadArgument, finite, instance, load_mujoco, one_of, positive
+from laticauda.errors import (
+    BadArgument,
+    check_choice,
+    check_finite,
+    check_instance,
+    check_positive,
+    load_mujoco,
+)
 from laticauda.fluid.flow import Flow, FunctionFlow, rows_of
 from laticauda.fluid.laws import DragLaw
 from laticauda.formulas import Formula
 from laticauda.mujoco_water import callback, hydrostatics, native, sensors, table as rows
-from laticauda.mujoco_water.checks import body_of, check_model, make_room, pose, warn_of
+from laticauda.mujoco_water.checks import body_of, check_model, element_pose, make_room, warn_of
 from laticauda.mujoco_water.elements import Element, geom_elements
 from laticauda.mujoco_water.ground import Terrain
 
@@ -52,7 +59,7 @@ class Water:
     def detach(self) -> None:
         """Remove the water from the model; copies of it keep theirs."""
         model = self._live()
-        callback.leave(model)
+        callback.remove_mark(model)
         sensors.give_back(model)
 
     @property
@@ -107,7 +114,7 @@ class Water:
         mujoco = load_mujoco()
         force, jacobian = np.zeros((len(self.elements), 3)), np.zeros((3, model.nv))
         for i, element in enumerate(self.elements):
-            body, place, axes = pose(model, data, element)
+            body, place, axes = element_pose(model, data, element)
             mujoco.mj_jac(model, data, jacobian, None, place, body)
             force[i] = axes @ (np.array(element.added_mass) * (axes.T @ (jacobian @ data.qacc)))
         return force
@@ -162,8 +169,8 @@ def attach(
         ValueError: If the model or an argument is not supported; the message gives the reason.
         MissingExtra: If MuJoCo is not installed.
     """
-    instance("model", model := getattr(model, "ptr", model), load_mujoco().MjModel)
-    positive("usual_speed", usual_speed, "m/s")
+    check_instance("model", model := getattr(model, "ptr", model), load_mujoco().MjModel)
+    check_positive("usual_speed", usual_speed, "m/s")
     fitted = elements is None
     make_room(model)
     elements = geom_elements(model, density=density) if elements is None else tuple(elements)
@@ -183,17 +190,17 @@ def attached(model: Any) -> Water | None:
     Args:
         model: A `mujoco.MjModel`, or an object that holds one as `ptr`.
     """
-    instance("model", model := getattr(model, "ptr", model), load_mujoco().MjModel)
-    water = callback.entry(model)
+    check_instance("model", model := getattr(model, "ptr", model), load_mujoco().MjModel)
+    water = callback.find_water(model)
     return water and replace(water, model=weakref.ref(model))
 
 
 def _put(model: Any, elements: tuple[Element, ...], options: dict[str, Any]) -> Water:
-    one_of("form", options["form"], FORMS)
+    check_choice("form", options["form"], FORMS)
     water = np.zeros(rows.WATER_SIZE)
-    water[rows.DENSITY] = positive("density", options["density"], "kg/m^3")
+    water[rows.DENSITY] = check_positive("density", options["density"], "kg/m^3")
     water[rows.LEVEL] = (
-        0.0 if options["surface"] is None else finite("surface", options["surface"], "m")
+        0.0 if options["surface"] is None else check_finite("surface", options["surface"], "m")
     )
     water[rows.OWN_VELOCITY], water[rows.KIRCHHOFF] = (
         options["form"] != "classic",
@@ -238,7 +245,7 @@ def _motion(numbers: dict[str, Any], current: Current) -> tuple[float, float, fl
         if len(velocity) != 3:
             rule = "must be a flow, a function of x, y, z and t, or 3 numbers"
             raise BadArgument("current", f"{rule}, got {velocity!r}")
-        x, y, z = (finite(f"current[{i}]", v, "m/s") for i, v in enumerate(velocity))
+        x, y, z = (check_finite(f"current[{i}]", v, "m/s") for i, v in enumerate(velocity))
         return x, y, z, 0.0
     given = numbers["given"]
     with _lock:
@@ -256,7 +263,7 @@ def _motion(numbers: dict[str, Any], current: Current) -> tuple[float, float, fl
 
 def _reduced(model: Any) -> Any:
     """Return the reduced form of a model for pickle, including its water."""
-    water = callback.entry(model)
+    water = callback.find_water(model)
     if water is None:
         return model.__reduce_ex__(2)
     current = replace(water, model=weakref.ref(model)).current
@@ -272,7 +279,7 @@ def _restored(
     return model
 
 
-def compiled(spec: Any) -> Any:
+def compile_spec(spec: Any) -> Any:
     """Compile a `mujoco.MjSpec` so that every body can have added mass.
 
     MuJoCo stores only the diagonal of the inertia of a free body whose frame is its inertial frame.
@@ -285,7 +292,7 @@ def compiled(spec: Any) -> Any:
     Returns:
         A `mujoco.MjModel`.
     """
-    instance("spec", spec, load_mujoco().MjSpec)
+    check_instance("spec", spec, load_mujoco().MjSpec)
     model = spec.compile()
     simple = [b for b in range(1, model.nbody) if model.body_simple[b] and model.body_dofnum[b]]
     if not simple:

@@ -86,7 +86,7 @@ class Result:
             error = trial.signals.get("cross_track_error")
             if error is not None:
                 found["final_cross_track_error"] = float(error[-1])
-                reached = following.summary(trial)
+                reached = following.summarize_following(trial)
                 found |= {
                     name: reached[name] for name in ("convergence_time", "steady_error", "ripple")
                 }
@@ -335,7 +335,7 @@ def _judged(operator: Operator, state: OperatorState) -> tuple[bool, str]:
     return False, f"The run was ended: {cause_of(state.stopped_by)}."
 
 
-def table(summary: Mapping[str, Any]) -> str:
+def format_summary(summary: Mapping[str, Any]) -> str:
     """Return a summary as text, one figure per line.
 
     Args:

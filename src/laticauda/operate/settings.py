@@ -37,7 +37,7 @@ from laticauda.errors import BadArgument, LaticaudaError
 from laticauda.estimation.samples import Offset
 from laticauda.operate import drivers
 from laticauda.protocol.can import GROUP, PORT
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot import Robot, Water, load_robot
 
 Vector: TypeAlias = NDArray[np.float64]  # two or three components
@@ -47,7 +47,7 @@ LEAST_RATE, MOST_RATE = (
 )  # below, references time out in the modules; above, the bus is full [1/s]
 
 
-@value
+@value_class
 class Placement:
     """Where the robot has to be placed before the run, in the path frame."""
 
@@ -61,7 +61,7 @@ class Placement:
     )
 
 
-@value
+@value_class
 class Connection:
     """Driver and address of each device; the driver defines what an address looks like.
 
@@ -126,7 +126,7 @@ class Connection:
             raise BadArgument(error.name.removesuffix("_address"), error.rule) from None
 
 
-@value
+@value_class
 class CaptureVolume:
     """Part of the tank that the motion capture covers, and where the path lies in it; tank frame."""
 
@@ -183,7 +183,7 @@ class CaptureVolume:
         return float(room)
 
 
-@value
+@value_class
 class Calibration:
     """Settings of the measurements before a run.
 
@@ -230,7 +230,7 @@ class Calibration:
         )
 
 
-@value
+@value_class
 class Limits:
     """Limits that the safety supervisor enforces.
 
@@ -275,7 +275,7 @@ class Limits:
     )
 
 
-@value
+@value_class
 class Acceptance:
     """Limits for accepting a run that reached its end, one for each check of `laticauda.operate.verdict`.
 
@@ -321,7 +321,7 @@ class Acceptance:
     )
 
 
-@value
+@value_class
 class Operation:
     """One run of a robot, from the connections to the last command: the content of a trial file."""
 
@@ -412,7 +412,7 @@ class OperationFileError(LaticaudaError, ValueError):
     """A trial or series file is invalid; the message gives the file, the key, the rule and the value."""
 
 
-@value
+@value_class
 class SeriesFile:
     """Content of a series file."""
 
@@ -474,5 +474,5 @@ def _with_common(table: codec.Table) -> codec.Table:
             codec.table_of(entry, f"trials[{i}]")
             for i, entry in enumerate(cast("list[object]", trials))
         ]
-        table["trials"] = [codec.merged(common, entry) for entry in entries]
+        table["trials"] = [codec.merge_tables(common, entry) for entry in entries]
     return table

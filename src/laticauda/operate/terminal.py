@@ -188,7 +188,7 @@ class Dashboard:
             return ""
         late = 1e3 * float(np.percentile([0.0, *self._late.copy()], 99.9))
         loop = f"loop late by {late:.1f} ms (99.9 % of the last {RECENT}), {1e3 * self._latest:.1f} ms at most"
-        return picture(self._operation, self._state, self._events, loop)
+        return render_dashboard(self._operation, self._state, self._events, loop)
 
     def __enter__(self) -> Self:
         """Start drawing."""
@@ -200,7 +200,7 @@ class Dashboard:
         self._live.stop()
 
 
-def picture(
+def render_dashboard(
     operation: Operation, state: OperatorState, events: tuple[Event, ...], loop: str = ""
 ) -> Any:
     """Return the dashboard as a renderable of rich.

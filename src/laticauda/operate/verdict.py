@@ -151,7 +151,7 @@ def spoken(log: OperationLog, plant: Callable[..., Plant[Any]]) -> Mapping[str, 
 
     Args:
         log: The recording.
-        plant: `laticauda.plant`, which builds the robot to compare with.
+        plant: `laticauda.build_plant`, which builds the robot to compare with.
     """
     found, run = [one.data for one in log.of(Event) if one.kind == "verdict"], log.header.run
     if found:

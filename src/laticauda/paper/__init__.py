@@ -36,7 +36,7 @@ if TYPE_CHECKING:
         fin_gains as fin_gains,
         meter_costs as meter_costs,
         null_predictions as null_predictions,
-        simulated as simulated,
+        score_simulations as score_simulations,
     )
     from laticauda.paper.settings import (
         PARAMETERS as PARAMETERS,
@@ -68,7 +68,12 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.paper.path_following": ["PathFollowingStudy", "run_path_following"],
         "laticauda.paper.report.reproduce": ["Experiments", "paper_experiments", "reproduce"],
         "laticauda.paper.runs": ["Coefficients"],
-        "laticauda.paper.scores": ["fin_gains", "meter_costs", "null_predictions", "simulated"],
+        "laticauda.paper.scores": [
+            "fin_gains",
+            "meter_costs",
+            "null_predictions",
+            "score_simulations",
+        ],
         "laticauda.paper.settings": [
             "PARAMETERS",
             "efficiency_settings",
@@ -76,4 +81,5 @@ __getattr__, __dir__, __all__ = lazy_exports(
         ],
         "laticauda.paper.side_trials": ["SideSettings", "run_side_trials"],
     },
+    renamed={"simulated": "score_simulations"},
 )

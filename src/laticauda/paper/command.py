@@ -5,9 +5,9 @@ from collections import Counter
 from typing import TYPE_CHECKING, Any, Literal
 
 from laticauda.cli import command, scene, tables
-from laticauda.cli.command import progress
+from laticauda.cli.command import show_progress
 from laticauda.cli.flags import File, Folder
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.scenarios import loop_in_words
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ HEADS = {"lateral_undulation": "lateral", "eel_like": "eel-like"}
 FORMAT = "{desc} {n_fmt} of {total_fmt} |{bar}| {remaining} left"
 
 
-@value
+@value_class
 class Reproduce(command.Command):
     """Repeat the paper's experiments in simulation, and compare them with measurements on the robot.
 
@@ -68,7 +68,7 @@ class Reproduce(command.Command):
         )
         repeats = () if self.repeats is None else load_repeats(self.repeats)
         scene.warn_of_compiling(load_water("paper-lateral"))
-        bar = progress(FORMAT)
+        bar = show_progress(FORMAT)
         done = reproduce(
             self.output,
             settings,
@@ -152,7 +152,7 @@ def _errors(
     study: "EfficiencyStudy | PathFollowingStudy", fitted: str, *more: str
 ) -> dict[str, Any]:
     """Return by predictor the number of fitted parameters, and the errors."""
-    from laticauda.paper.scores import scores
+    from laticauda.paper.scores import score_study
 
     groups = [group.name for group in study.settings.groups]
     return {
@@ -162,7 +162,7 @@ def _errors(
             "mape_percent_by_group": dict(zip(groups, score.by_group, strict=True)),
             **{f"{name}_percent": getattr(score, name) for name in more},
         }
-        for score in scores(study)
+        for score in score_study(study)
     }
 
 
@@ -182,14 +182,14 @@ def _trials(study: "PathFollowingStudy") -> list[dict[str, Any]]:
 
 def _table(study: "EfficiencyStudy | PathFollowingStudy", left_out: str = "") -> str:
     """Return a table of the errors, one predictor per line."""
-    from laticauda.paper.scores import scores
+    from laticauda.paper.scores import score_study
 
     heads = [
         f"{HEADS[group.gait]}, fin" if group.has_fin else HEADS[group.gait]
         for group in study.settings.groups
     ]
     rows = [["", "all rows", *heads, *(["rows left out"] if left_out else [])]]
-    for score in scores(study):
+    for score in score_study(study):
         values = [score.overall, *score.by_group, *([getattr(score, left_out)] if left_out else [])]
-        rows.append([score.title, *map(tables.number, values)])
+        rows.append([score.title, *map(tables.format_number, values)])
     return tables.aligned(rows, right=range(1, len(rows[0])))

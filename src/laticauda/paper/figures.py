@@ -25,7 +25,7 @@ from matplotlib.ticker import MaxNLocator
 from laticauda.figures import style
 from laticauda.paper.efficiency import Repeat
 from laticauda.paper.measured import MeasuredCase
-from laticauda.paper.path_following import FollowingCase, by_law
+from laticauda.paper.path_following import FollowingCase, group_by_law
 from laticauda.paper.settings import SweepSettings
 
 Curves = Float[np.ndarray, "n_curves n_values"]
@@ -53,16 +53,16 @@ REPEATS = "#007A5A"  # a green that is darker than the models' colors
 BESIDE = 0.035  # shift of repeated trials to the right of their setting, as a fraction of the axis
 MARKER = 6.5  # [pt]
 MARKS = {
-    "measured, fastest of its sweep": style.points(
+    "measured, fastest of its sweep": style.marker_style(
         "*", 1.5 * MARKER, markerfacecolor=style.INK, markeredgewidth=0.9
     ),
-    "measured, another setting": style.points(
+    "measured, another setting": style.marker_style(
         "o", 0.85 * MARKER, markerfacecolor="white", markeredgewidth=0.9
     ),
 }
 """By legend label."""
-TRIAL = style.points("o", 0.4 * MARKER, REPEATS, markerfacecolor="none", markeredgewidth=0.6)
-MEAN = style.points("D", 0.4 * MARKER, REPEATS)
+TRIAL = style.marker_style("o", 0.4 * MARKER, REPEATS, markerfacecolor="none", markeredgewidth=0.6)
+MEAN = style.marker_style("D", 0.4 * MARKER, REPEATS)
 PANEL_HEIGHT = 2.1  # [in]
 HEAD = 0.42  # height of the title [in]
 LEGEND_LINE = 0.165  # height of a line of the legend [in]
@@ -201,7 +201,7 @@ def _dress(panel: Panel, ax: Axes, ylabel: str) -> Axes:
         ax.set_xlim(float(low) - margin, farthest + margin)
     ax.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2.5, 5, 10]))
     ax.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
-    return style.dress(ax, xlabel=LABELS[panel.sweep.parameter], ylabel=ylabel)
+    return style.style_axes(ax, xlabel=LABELS[panel.sweep.parameter], ylabel=ylabel)
 
 
 def _finish(
@@ -213,7 +213,7 @@ def _finish(
             SYMBOLS[name].format(float(np.degrees(value)))
             for name, value in panel.sweep.fixed.items()
         ]
-        style.letter(ax, place, ", ".join(held), pad=6)
+        style.add_letter(ax, place, ", ".join(held), pad=6)
     for row in rows:
         for ax in row[1:]:
             ax.set_ylabel("")
@@ -248,12 +248,14 @@ GAP = 1.0  # rows between two groups, for the name of the second
 # By joint law, in order; distinguished by shape as well.
 LAWS: tuple[tuple[str, str], ...] = ((style.BLUE, "o"), (style.ORANGE, "^"), (style.AMBER, "s"))
 SPEED_MARKS = {
-    "measured": style.points("D", 6.0, markeredgecolor="white", markeredgewidth=0.6, zorder=4),
-    "chosen": style.points("o", 9.5, markerfacecolor="none", markeredgewidth=0.8, zorder=5),
-    "mean": style.points(
+    "measured": style.marker_style(
+        "D", 6.0, markeredgecolor="white", markeredgewidth=0.6, zorder=4
+    ),
+    "chosen": style.marker_style("o", 9.5, markerfacecolor="none", markeredgewidth=0.8, zorder=5),
+    "mean": style.marker_style(
         "o", 5.5, style.BLUE, markerfacecolor="white", markeredgewidth=1.2, zorder=3
     ),
-    "null": style.points("|", 13.0, style.GRAY, markeredgewidth=2.0, zorder=1),
+    "null": style.marker_style("|", 13.0, style.GRAY, markeredgewidth=2.0, zorder=1),
 }
 RANGE: dict[str, Any] = {
     "color": "#C9DDEA",
@@ -276,9 +278,9 @@ def following_speeds(rows: Sequence[FollowingCase], null: Sequence[float], ax: A
     for row, y, predicted in zip(rows, places, null, strict=True):
         speeds = [run.forward_velocity for run in row.band]
         ax.plot([min(speeds), max(speeds)], [y, y], **RANGE)
-        for (color, marker), runs in zip(LAWS, by_law(row).values(), strict=False):
+        for (color, marker), runs in zip(LAWS, group_by_law(row).values(), strict=False):
             found = [run.forward_velocity for run in runs]
-            ax.plot(found, [y] * len(found), **style.points(marker, 4.0, color), zorder=3)
+            ax.plot(found, [y] * len(found), **style.marker_style(marker, 4.0, color), zorder=3)
         values = {"null": predicted, "mean": row.cycle_mean.forward_velocity}
         values |= {"chosen": row.run.forward_velocity, "measured": row.measured.forward_velocity}
         for name, speed in values.items():
@@ -299,7 +301,7 @@ def following_speeds(rows: Sequence[FollowingCase], null: Sequence[float], ax: A
     ax.set_xlim(left=0.0)
     ax.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
     style.light_grid(ax, "x")
-    style.dress(ax, xlabel="forward velocity [m/s]", ylabel="")
+    style.style_axes(ax, xlabel="forward velocity [m/s]", ylabel="")
     ax.tick_params(axis="y", length=0)
     return ax
 
@@ -327,13 +329,13 @@ def following_speeds_sheet(
     }
     words["null"] = null[0]
     handles = [Line2D([], [], label=label, **SPEED_MARKS[name]) for name, label in words.items()]
-    for (color, marker), (law, runs) in zip(LAWS, by_law(rows[0]).items(), strict=False):
+    for (color, marker), (law, runs) in zip(LAWS, group_by_law(rows[0]).items(), strict=False):
         label = f"{law} joints, {' and '.join(f'{run.offset_bandwidth:g}' for run in runs)} rad/s, raw heading"
-        handles.append(Line2D([], [], label=label, **style.points(marker, 4.0, color)))
+        handles.append(Line2D([], [], label=label, **style.marker_style(marker, 4.0, color)))
     band: dict[str, Any] = {**RANGE, "solid_capstyle": "butt"}
     handles.append(Line2D([], [], label="range of these", **band))
     style.outside_legend(
         figure, handles, "outside lower center", ncols=2, handlelength=1.4, handletextpad=0.7
     )
-    style.head(figure, title)
+    style.add_title(figure, title)
     return figure

@@ -93,7 +93,7 @@ class Table1(MeasuredTrials):
 
     def trials(self) -> tuple[MeasuredTrial, ...]:
         """Return all rows of the table, in its order."""
-        return table1()
+        return read_table1()
 
     def counterpart(
         self, robot: Robot, gait: gaits.Gait, environment: Environment
@@ -117,7 +117,7 @@ class Table1(MeasuredTrials):
 
 
 @cache
-def table1() -> tuple[MeasuredCase, ...]:
+def read_table1() -> tuple[MeasuredCase, ...]:
     """Return Table 1 of the paper, in its order, including settings that were not measured."""
     return tuple(
         MeasuredCase(
@@ -140,7 +140,9 @@ def table1() -> tuple[MeasuredCase, ...]:
 def efficiency_trials() -> tuple[MeasuredCase, ...]:
     """Return Table 1 of the paper, in its order, without settings that were not measured."""
     return tuple(
-        row for row in table1() if row.forward_velocity is not None or row.mean_power is not None
+        row
+        for row in read_table1()
+        if row.forward_velocity is not None or row.mean_power is not None
     )
 
 

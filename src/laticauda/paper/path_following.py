@@ -15,13 +15,13 @@ from laticauda.extensions import name_of
 from laticauda.paper.measured import MeasuredPathFollowing, percent_change
 from laticauda.paper.runs import Runs, Study
 from laticauda.paper.settings import Group, HeldOut, PathFollowingSettings, path_following_settings
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.scenarios import Model, loop_in_words
 from laticauda.trial import Trial, following
 from laticauda.trial.cycles import TRANSIENT
 
 
-@value
+@value_class
 class FollowingRun:
     """Settings of one run, and its figures."""
 
@@ -178,7 +178,7 @@ class PathFollowingStudy(Study[PathFollowingSettings]):
         )
 
 
-def by_law(case: FollowingCase) -> dict[str, list[FollowingRun]]:
+def group_by_law(case: FollowingCase) -> dict[str, list[FollowingRun]]:
     """Return the band of a case, by joint law.
 
     Args:
@@ -222,7 +222,7 @@ def figures_of(trial: Trial, distance: float) -> FollowingRun:
         steady_velocity=trial.steady_velocity if trial.duration >= TRANSIENT + period else None,
         mechanical_power=trial.mechanical_power,
         joules_per_meter=trial.mechanical_power / trial.forward_velocity,
-        figures=following.summary(trial),
+        figures=following.summarize_following(trial),
         last_third_rms=rms,
         last_third_largest=largest,
         offset_swing=float(np.sqrt(2.0) * np.std(trial.signals["offset"][late])),

@@ -9,10 +9,10 @@ import numpy as np
 
 import laticauda as lc
 from laticauda import gaits, packaging
-from laticauda.errors import SimulationFailed, instance
+from laticauda.errors import SimulationFailed, check_instance
 from laticauda.scenarios import Model, ModelChanges, Scenario, model_of, settings_of
 from laticauda.scenarios.scenario import NO_FILTER
-from laticauda.simulate import plant
+from laticauda.simulate import build_plant
 from laticauda.simulate.runner import Until, run_scenario, silent
 from laticauda.studies.sweep import Progress
 from laticauda.trial.contents import Setting
@@ -117,7 +117,7 @@ class Runs:
         Raises:
             SimulationFailed: If the run blows up; the message says which.
         """
-        body = plant(scenario)
+        body = build_plant(scenario)
         try:
             trial = run_scenario(scenario, body, until=until, throw=True)
         except SimulationFailed as error:
@@ -152,7 +152,7 @@ class Runs:
             np.isnan(found.steady_velocity)
         ):  # a run that is too short: its trial raises the error
             _ = lc.swim(scenarios[k]).steady_velocity
-        self.how |= settings_of(plant(scenarios[-1]).settings)
+        self.how |= settings_of(build_plant(scenarios[-1]).settings)
         return vars(found)
 
 
@@ -195,7 +195,7 @@ class Study(Generic[Settings]):
             SimulationFailed: If a run blows up; the message says which.
         """
         chosen: Any = cls.usual() if settings is None else settings
-        instance("settings", chosen, *get_args(cls.__dict__["__orig_bases__"][0]))
+        check_instance("settings", chosen, *get_args(cls.__dict__["__orig_bases__"][0]))
         return cls.by_runs(chosen, Runs(model=model_of(model, **changes), progress=progress))
 
     @classmethod

@@ -96,7 +96,7 @@ def fin_gains(cases: Sequence[AnyCase]) -> tuple[FinGain[AnyCase], ...]:
     )
 
 
-def scores(study: EfficiencyStudy | PathFollowingStudy) -> tuple[Score, ...]:
+def score_study(study: EfficiencyStudy | PathFollowingStudy) -> tuple[Score, ...]:
     """Return the errors of the simulations of a study, then those of the null models.
 
     Args:
@@ -105,7 +105,7 @@ def scores(study: EfficiencyStudy | PathFollowingStudy) -> tuple[Score, ...]:
     return (
         _table1(study)
         if isinstance(study, EfficiencyStudy)
-        else simulated(study) + null_predictions(study)
+        else score_simulations(study) + null_predictions(study)
     )
 
 
@@ -131,7 +131,7 @@ def _table1(study: EfficiencyStudy) -> tuple[Score, ...]:
     return tuple(found)
 
 
-def simulated(study: PathFollowingStudy) -> tuple[Score, ...]:
+def score_simulations(study: PathFollowingStudy) -> tuple[Score, ...]:
     """Return the scores of all ways to simulate Table 2: the chosen one, the rest of the band, cycle mean, own models.
 
     Args:

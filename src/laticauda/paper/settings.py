@@ -12,15 +12,15 @@ from jaxtyping import Float
 
 import laticauda as lc
 from laticauda import codec, files, gaits
-from laticauda.errors import BadArgument, at_least_one
+from laticauda.errors import BadArgument, check_not_empty
 from laticauda.paper.measured import (
     MeasuredCase,
     MeasuredPathFollowing,
     path_following_trials,
-    table1,
+    read_table1,
 )
 from laticauda.paper.runs import Coefficients
-from laticauda.quantities import one_among, option, quantity, value
+from laticauda.quantities import check_one_among, option, quantity, value_class
 from laticauda.trial.null_models import group_name
 
 PARAMETERS = ("amplitude", "frequency", "phase_shift")
@@ -28,11 +28,11 @@ PARAMETERS = ("amplitude", "frequency", "phase_shift")
 LEAST_DURATION = 15.0  # a steady part requires 10 s and one gait cycle, 4 s in Table 2 [s]
 
 
-@value
+@value_class
 class SweepSettings:
     """A range of one parameter of the gait, with the other two held fixed."""
 
-    parameter: str = option("Parameter of the gait", check=one_among(*PARAMETERS))
+    parameter: str = option("Parameter of the gait", check=check_one_among(*PARAMETERS))
     low: float = quantity("rad", "First value")
     high: float = quantity("rad", "Last value; included if the steps reach it")
     step: float = quantity("rad", "Step between values", gt=0.0)
@@ -72,7 +72,7 @@ class SweepSettings:
         return all(abs(getattr(gait, name) - value) < 1e-6 for name, value in self.fixed.items())
 
 
-@value
+@value_class
 class Group:
     """One gait with one configuration of the robot: a part of Tables 1 and 2."""
 
@@ -95,7 +95,7 @@ class Group:
     @property
     def cases(self) -> tuple[MeasuredCase, ...]:
         """Its cases in Table 1."""
-        return tuple(row for row in table1() if row.group == self.name)
+        return tuple(row for row in read_table1() if row.group == self.name)
 
     @property
     def followed(self) -> tuple[MeasuredPathFollowing, ...]:
@@ -105,7 +105,7 @@ class Group:
         ]
 
 
-@value
+@value_class
 class EfficiencySettings:
     """Settings of the efficiency study: every sweep and every case is run for every group and set of coefficients."""
 
@@ -119,7 +119,7 @@ class EfficiencySettings:
     def __post_init__(self) -> None:
         """Check the fields."""
         for name in ("models", "sweeps", "groups"):
-            at_least_one(name, getattr(self, name), "entry")
+            check_not_empty(name, getattr(self, name), "entry")
 
     @property
     def n_runs(self) -> int:
@@ -128,7 +128,7 @@ class EfficiencySettings:
         return len(self.models) * (values + sum(len(group.cases) for group in self.groups))
 
 
-@value
+@value_class
 class HeldOut:
     """A published trial of the same robot, on which no choice here is based."""
 
@@ -144,7 +144,7 @@ class HeldOut:
     offset: tuple[float, float] = quantity("rad", "Smallest and largest offset that was published")
 
 
-@value
+@value_class
 class PathFollowingSettings:
     """Settings of the path-following study: all cases of Table 2 along the x axis, in every combination of the band."""
 
@@ -168,7 +168,7 @@ class PathFollowingSettings:
     def __post_init__(self) -> None:
         """Check the fields."""
         for name in ("joint_laws", "offset_bandwidths", "groups"):
-            at_least_one(name, getattr(self, name), "entry")
+            check_not_empty(name, getattr(self, name), "entry")
         for group in self.groups:
             if (n_cases := len(group.followed)) != len(group.figures):
                 rule = f"must be at most as many as Table 2 has cases of {group.name}, {n_cases}"

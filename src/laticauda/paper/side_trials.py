@@ -18,7 +18,7 @@ from laticauda.errors import BadArgument
 from laticauda.paper.measured import percent_change
 from laticauda.paper.runs import Coefficients, Runs, Study
 from laticauda.paper.settings import SweepSettings, efficiency_settings, paper_coefficients
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.scenarios import Model
 
 ROBOT = "mamba"
@@ -47,7 +47,7 @@ def _held() -> tuple[lc.Gait, ...]:
     return lateral, replace(lateral, envelope=lc.EelLike())
 
 
-@value
+@value_class
 class SideSettings:
     """Settings of the side trials."""
 

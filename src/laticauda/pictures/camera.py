@@ -7,11 +7,11 @@ from typing import Any, Literal
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import load_mujoco, within
+from laticauda.errors import check_within, load_mujoco
 from laticauda.files import read_toml
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot import Robot
-from laticauda.spatial.bodies import center_of_mass
+from laticauda.spatial.bodies import straight_center_of_mass
 from laticauda.trial import Trial
 
 Camera = Literal["follow", "side", "top", "fixed"]
@@ -25,7 +25,7 @@ CALM, CALM_TURN = 0.75, 1.5  # time scales of smoothing, in periods of the gait
 PERIOD, LONGEST_PERIOD = 2.0, 10.0  # period if there is no gait, and longest period [s]
 
 
-@value
+@value_class
 class Film:
     """Contents and size of a film or a picture of a trial.
 
@@ -56,8 +56,8 @@ class Film:
             ValueError: If it is not within the trial.
         """
         first, last = float(trial.time[0]), float(trial.time[-1])
-        begin = first if self.begin is None else within("begin", self.begin, first, last, "s")
-        return begin, last if self.end is None else within("end", self.end, begin, last, "s")
+        begin = first if self.begin is None else check_within("begin", self.begin, first, last, "s")
+        return begin, last if self.end is None else check_within("end", self.end, begin, last, "s")
 
 
 def view(trial: Trial, time: float, height: float, film: Film) -> Any:
@@ -79,14 +79,16 @@ def view(trial: Trial, time: float, height: float, film: Film) -> Any:
         both = np.concatenate((center[:, :2] - ends, center[:, :2] + ends))
         low[:2], high[:2] = both.min(axis=0), both.max(axis=0)
         wide = max(float(high[0] - low[0]), aspect * float(high[1] - low[1]))
-        return look(trial.robot, in_space(0.5 * (low + high), height), 0.0, aspect, camera, wide)
+        return aim_camera(
+            trial.robot, to_space(0.5 * (low + high), height), 0.0, aspect, camera, wide
+        )
     period = ripple_period(trial)
-    center = in_space(calm(trial.time, trial.center_of_mass, time, CALM * period), height)
+    center = to_space(calm(trial.time, trial.center_of_mass, time, CALM * period), height)
     heading = float(calm(trial.time, trial.heading, time, CALM_TURN * period))
-    return look(trial.robot, center, heading, aspect, camera)
+    return aim_camera(trial.robot, center, heading, aspect, camera)
 
 
-def look(
+def aim_camera(
     robot: Robot,
     center: Float[np.ndarray, "3"],
     heading: float,
@@ -106,7 +108,7 @@ def look(
         wide: Minimum width to be seen [m].
     """
     down, aside = DIRECTIONS[camera]
-    reach, ahead = robot.reach, 0.0 if camera == "fixed" else middle(robot)
+    reach, ahead = robot.reach, 0.0 if camera == "fixed" else middle_ahead_of_center(robot)
     below = BELOW * reach if camera == "follow" else 0.0
     half_view = math.atan(math.tan(math.radians(0.5 * VIEW_DEG)) * aspect)
     seen = load_mujoco().MjvCamera()
@@ -116,7 +118,7 @@ def look(
     return seen
 
 
-def in_space(center: np.ndarray, height: float) -> Float[np.ndarray, "3"]:
+def to_space(center: np.ndarray, height: float) -> Float[np.ndarray, "3"]:
     """Return a position in space, at a given height if it is planar [m]."""
     return center if center.size == 3 else np.append(center, height)
 
@@ -126,10 +128,10 @@ def ripple_period(trial: Trial) -> float:
     return min(trial.period or PERIOD, LONGEST_PERIOD)
 
 
-def middle(robot: Robot) -> float:
+def middle_ahead_of_center(robot: Robot) -> float:
     """Return how far the middle of the straight robot with its fin is ahead of its center of mass [m]."""
     behind = robot.caudal_fin.length if robot.caudal_fin else 0.0
-    return 0.5 * (robot.length - behind) - center_of_mass(robot)
+    return 0.5 * (robot.length - behind) - straight_center_of_mass(robot)
 
 
 def calm(

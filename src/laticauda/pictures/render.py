@@ -14,7 +14,13 @@ import matplotlib
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from laticauda.errors import BadArgument, LaticaudaError, MissingProgram, positive, within
+from laticauda.errors import (
+    BadArgument,
+    LaticaudaError,
+    MissingProgram,
+    check_positive,
+    check_within,
+)
 from laticauda.files import write
 from laticauda.pictures import replay, stage
 from laticauda.pictures.camera import Film, ripple_period, view
@@ -31,7 +37,7 @@ PRESET = (
 QUALITY = 20  # on H.264's scale, where lower is better and 18 looks like the original
 
 
-def video(
+def render_film(
     trial: Trial,
     path: str | Path,
     film: Film = Film(),  # noqa: B008 - frozen
@@ -57,7 +63,7 @@ def video(
         MissingProgram: If the system has no ffmpeg or no EGL.
         ValueError: If an argument is out of range.
     """
-    step = positive("speed", speed) / film.frames_per_second
+    step = check_positive("speed", speed) / film.frames_per_second
     begin, end = film.span(trial)
     if any(pixels % 2 for pixels in film.size):
         raise BadArgument("size", f"must be even for a video, got {film.size}")
@@ -67,7 +73,7 @@ def video(
 
     def shown() -> Iterator[stage.Picture]:
         for moment, picture in zip(
-            moments, pictures(trial, film, moments, speed, beside), strict=True
+            moments, draw_pictures(trial, film, moments, speed, beside), strict=True
         ):
             yield picture
             progress(moment - begin)
@@ -75,7 +81,7 @@ def video(
     write_video(shown(), path, size=film.size, frames_per_second=film.frames_per_second)
 
 
-def still(
+def write_still(
     trial: Trial,
     path: str | Path,
     film: Film = Film(),  # noqa: B008 - frozen
@@ -93,12 +99,12 @@ def still(
         beside: Trials of other robots in the same scene.
     """
     begin, end = film.span(trial)
-    moment = end if time is None else within("time", time, begin, end, "s")
-    [picture] = pictures(trial, film, [moment], beside=beside)
+    moment = end if time is None else check_within("time", time, begin, end, "s")
+    [picture] = draw_pictures(trial, film, [moment], beside=beside)
     write(path, partial(Image.fromarray(picture).save, optimize=True))
 
 
-def pictures(
+def draw_pictures(
     trial: Trial,
     film: Film,
     moments: Iterable[float],
@@ -132,7 +138,7 @@ def pictures(
                 (f"{time - trial.time[0]:.1f}", "s"),
                 (f"{speed_at(trial, time):.2f}", "m/s"),
             ]
-            yield write_words(picture, figures, [*words(trial, speed), *studio.water.words])
+            yield write_words(picture, figures, [*describe_run(trial, speed), *studio.water.words])
 
 
 def check_video() -> None:
@@ -146,11 +152,11 @@ def speed_at(trial: Trial, time: float) -> float:
     moments = max(time - ripple_period(trial), float(trial.time[0])), time
     if moments[0] == moments[1]:
         return float(np.linalg.norm(trial.center_of_mass_velocity[0]))
-    start, stop = replay.centers(trial, moments)
+    start, stop = replay.interpolate_centers(trial, moments)
     return float(np.linalg.norm(stop - start)) / (moments[1] - moments[0])
 
 
-def words(trial: Trial, speed: float = 1.0) -> list[str]:
+def describe_run(trial: Trial, speed: float = 1.0) -> list[str]:
     """Return text on the robot, its gait, and the playback speed."""
     lines = [trial.robot.name]
     if trial.gait is not None:

@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda import interfaces, kinematics
-from laticauda.errors import LaticaudaError, load_mujoco, positive
+from laticauda.errors import LaticaudaError, check_positive, load_mujoco
 from laticauda.pictures.camera import Film, view
 from laticauda.pictures.stage import Posture, Studio, flat_posture
 from laticauda.pictures.surroundings import add_piece
@@ -107,7 +107,7 @@ def show(trial: Trial, *, speed: float = 1.0) -> None:
         NoWindow: If there is no screen.
         MissingExtra: If MuJoCo is not installed.
     """
-    speed = positive("speed", speed)
+    speed = check_positive("speed", speed)
     load_mujoco()
     if platform.system() == "Linux" and not (
         os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
@@ -160,7 +160,7 @@ Points = Float[np.ndarray, "n_points n_axes"]
 Dashes = list[tuple[np.ndarray, np.ndarray]]
 
 
-def centers(trial: Trial, moments: Sequence[float]) -> Points:
+def interpolate_centers(trial: Trial, moments: Sequence[float]) -> Points:
     """Return the center of mass at these times, in as many axes as the trial has [m]."""
     columns: list[np.ndarray] = [
         np.interp(moments, trial.time, column) for column in trial.center_of_mass.T
@@ -180,7 +180,7 @@ def trail_points(trial: Trial, time: float, height: float) -> Points:
     # Always at the same times; otherwise the corners of the line would move along it.
     moments = [*(k * TRAIL_STEP for k in range(first, math.floor(time / TRAIL_STEP) + 1)), time]
     points = np.full((len(moments), 3), height)
-    points[:, : trial.center_of_mass.shape[1]] = centers(trial, moments)
+    points[:, : trial.center_of_mass.shape[1]] = interpolate_centers(trial, moments)
     return points
 
 

@@ -13,8 +13,13 @@ from jaxtyping import Float, UInt8
 from laticauda.dynamics.plant import Plant, PlantState
 from laticauda.errors import MissingProgram, load_mujoco, optional_import
 from laticauda.fluid.arrows import MOMENTS, has_waves
-from laticauda.pictures.camera import VIEW_DEG, in_space, look, middle
-from laticauda.pictures.surroundings import MovingWater, add_surroundings, casters, draw_shadows
+from laticauda.pictures.camera import VIEW_DEG, aim_camera, middle_ahead_of_center, to_space
+from laticauda.pictures.surroundings import (
+    MovingWater,
+    add_surroundings,
+    draw_shadows,
+    shadow_casters,
+)
 from laticauda.planar import rows
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Environment, Ground, Robot
@@ -83,11 +88,11 @@ class Studio:
     ) -> None:
         self.robot, self.height = robot, swimming_height(robot, environment)
         scene = model.scene if isinstance(model, Spatial) else None
-        spec = mjcf.spec(
+        spec = mjcf.build_spec(
             robot, environment, sensors=False, scene=scene, ballast_depth=ballast_of(robot, model)
         )
         for k, other in enumerate(others, 1):
-            alone = mjcf.spec(
+            alone = mjcf.build_spec(
                 other, environment, sensors=False, ballast_depth=ballast_of(other, model)
             )
             mjcf.add_robot(spec, alone, k)
@@ -109,13 +114,13 @@ class Studio:
         (picture.offwidth, picture.offheight), picture.fovy = size, VIEW_DEG
         self.model: Any = spec.compile()
         self.data: Any = load_mujoco().MjData(self.model)
-        self._casters = casters(self.model)
+        self._casters = shadow_casters(self.model)
 
     def take(self, posture: Posture, *others: Posture) -> int | None:
         """Set the postures of the robot and of the others; return the mesh to be sent to a renderer, if any."""
         mujoco, data = load_mujoco(), self.data
         for k, one in enumerate((posture, *others)):
-            body = self.model.body(f"{mjcf.prefix(k)}module_0")
+            body = self.model.body(f"{mjcf.robot_prefix(k)}module_0")
             angles = np.append(one.joint_angle, one.fin_angle)
             q = data.qpos[int(self.model.jnt_qposadr[body.jntadr[0]]) :]
             q[:3], q[3:7] = 0.0, one.orientation
@@ -165,9 +170,9 @@ class Studio:
             load_mujoco().mjr_uploadMesh(self.model, renderer._mjr_context, surface)
         aspect = renderer.width / renderer.height
         wide = self.robot.reach + 2.0 * abs(
-            middle(self.robot)
+            middle_ahead_of_center(self.robot)
         )  # the robot may face in any direction
-        camera = camera or look(self.robot, posture.center_of_mass, 0.0, aspect, wide=wide)
+        camera = camera or aim_camera(self.robot, posture.center_of_mass, 0.0, aspect, wide=wide)
         # Infinite planes are placed where the camera was before.
         load_mujoco().mjv_updateCamera(self.model, self.data, camera, renderer.scene)
         renderer.update_scene(self.data, camera)
@@ -240,7 +245,7 @@ def flat_posture(
             np.zeros(robot.n_joints),
         )  # the planar model holds the others straight
         joint_angle[[i for i, joint in enumerate(robot.joints) if joint.axis == "yaw"]] = yaw
-    return Posture(in_space(center, height), upright(tail), joint_angle, fin_angle)
+    return Posture(to_space(center, height), upright(tail), joint_angle, fin_angle)
 
 
 def upright(angle: float) -> Float[np.ndarray, "4"]:

@@ -14,7 +14,7 @@ from jaxtyping import Int
 from laticauda import codec
 from laticauda.errors import load_mujoco
 from laticauda.files import read_toml
-from laticauda.fluid.arrows import Surface, arrows_of, grid, has_waves
+from laticauda.fluid.arrows import Surface, arrows_of, grid_points, has_waves
 from laticauda.robot import Environment, Ground, Water
 from laticauda.spatial.appearance import HULL
 
@@ -185,7 +185,7 @@ def _add_plane(model: Any, name: str, height: float) -> Any:
     )
 
 
-def casters(model: Any) -> Int[np.ndarray, " n"]:
+def shadow_casters(model: Any) -> Int[np.ndarray, " n"]:
     """Return the shapes that cast shadows: the collision shapes of moving bodies, or visual ones if they have none.
 
     Args:
@@ -301,7 +301,7 @@ class MovingWater:
             return None
         # Upright and oblong at first, so that its principal axes, which MuJoCo adopts as its own,
         # are the world's.
-        x, y = grid(self.surface.line, self.surface.line).T
+        x, y = grid_points(self.surface.line, self.surface.line).T
         faces, inertia = self.surface.faces, load_mujoco().mjtMeshInertia.mjMESH_INERTIA_SHELL
         upright = np.column_stack((0.0 * x, x, 2.0 * y)).ravel()
         model.add_mesh(

@@ -11,7 +11,7 @@ A template (see `templates`): `S` is the flat array of `rows`; the scalar laws c
 
 from laticauda.actuation import laws
 from laticauda.actuation.kernels import actuator_of
-from laticauda.compiling import compiled, kernel
+from laticauda.compiling import compile_scalar, kernel
 from laticauda.compiling.formulas import rows_from
 from laticauda.compiling.functions import expm1, sincos
 from laticauda.compiling.lanes import any_lane, first_lane
@@ -20,19 +20,19 @@ from laticauda.dynamics import stages
 from laticauda.gaits import reference
 from laticauda.planar.rows import *
 
-advance_wave = compiled(reference.advance_wave)
-advance_time = compiled(reference.advance_time)
-smooth_start = compiled(reference.smooth_start)
-wave_motion = compiled(reference.wave_motion)
-wave_reference = compiled(reference.wave_reference)
-between_knots = compiled(reference.between_knots)
+advance_wave = compile_scalar(reference.advance_wave)
+advance_time = compile_scalar(reference.advance_time)
+smooth_start = compile_scalar(reference.smooth_start)
+wave_motion = compile_scalar(reference.wave_motion)
+wave_reference = compile_scalar(reference.wave_reference)
+between_knots = compile_scalar(reference.between_knots)
 body_wave = rows_from(PHASE, len(reference.WaveState._fields))
 body_target = rows_from(AMPLITUDE, 4)
 fin_values = rows_from(FIN_PHASE, 5)
-motor_power = compiled(laws.motor_power)
-implicit_inertia = compiled(stages.implicit_inertia)
-second_torque = compiled(stages.second_torque)
-joint_powers = compiled(stages.joint_powers)
+motor_power = compile_scalar(laws.motor_power)
+implicit_inertia = compile_scalar(stages.implicit_inertia)
+second_torque = compile_scalar(stages.second_torque)
+joint_powers = compile_scalar(stages.joint_powers)
 _own = bindings(__name__)["joint_law"]
 by_law = actuator_of(_own)
 drive_of = rows_from(DRIVE, len(laws.Drive._fields))

@@ -71,7 +71,7 @@ class _Body(NamedTuple):
     """Whether there is such a hinge."""
 
 
-def layout(
+def build_layout(
     robot: robots.Robot,
     environment: robots.Environment,
     *,

@@ -8,7 +8,7 @@ flat array of `rows`, `b` the first row of a body's record.
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
-from laticauda.compiling import compiled, kernel
+from laticauda.compiling import compile_scalar, kernel
 from laticauda.compiling.formulas import in_rows, rows_from, summed
 from laticauda.compiling.functions import sincos
 from laticauda.compiling.lanes import first_lane, magnitude, where
@@ -20,13 +20,13 @@ from laticauda.planar.rows import *
 _names = bindings(__name__)
 law = in_rows(_names["law"], Element, MOTION)
 law_numbers = rows_from(LAW, len(_names["law"].fields))
-plate_law = compiled(plate)
+plate_law = compile_scalar(plate)
 plate_numbers = rows_from(PLATE_LAW, PLATE_WATER - PLATE_LAW)
 water_numbers = rows_from(0, 5)
 HAS_FLOW = bool(_names["flow"])
 motion = summed(_names["flow"], len(flow.Motion._fields))
-felt = compiled(flow.felt)
-carried, load = compiled(inertia.carried), compiled(inertia.load)
+felt = compile_scalar(flow.local_flow)
+carried, load = compile_scalar(inertia.carried), compile_scalar(inertia.load)
 
 
 @kernel

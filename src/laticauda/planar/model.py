@@ -14,14 +14,14 @@ from laticauda.actuation.laws import JointLaw
 from laticauda.compiling import Target
 from laticauda.compiling.templates import specialized
 from laticauda.dynamics.plant import Plant, PlantState, Samples
-from laticauda.errors import BadArgument, instance
+from laticauda.errors import BadArgument, check_instance
 from laticauda.fluid import flow as flows
 from laticauda.fluid.laws import DragLaw, PolynomialDrag
 from laticauda.formulas import Formula
 from laticauda.hydrodynamics import Coefficients, link_coefficients
 from laticauda.interfaces import Command, Observation, Start
 from laticauda.planar import rows
-from laticauda.planar.layout import Layout, flow_rows, layout, write_effectors
+from laticauda.planar.layout import Layout, build_layout, flow_rows, write_effectors
 from laticauda.robot import law_of
 from laticauda.scenarios import Planar
 
@@ -101,7 +101,7 @@ class PlanarPlant(Plant[Planar]):
     @cached_property
     def layout(self) -> Layout:
         """The robot in the kernels' form."""
-        return layout(
+        return build_layout(
             self.robot, self.environment, joints=self.joints, coefficients=self.coefficients
         )
 
@@ -143,8 +143,8 @@ class PlanarPlant(Plant[Planar]):
 
     def init(self, start: Start, command: Command) -> PlantState:
         """Return the initial state: straight, the generator at the commanded gait, its offset building up from zero."""
-        instance("start", start, Start)
-        instance("command", command, Command)
+        check_instance("start", start, Start)
+        check_instance("command", command, Command)
         start.check_planar()
         yaw, _, fin = self._first_waves(command)
         values = [0.0] * self._size

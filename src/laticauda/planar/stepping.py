@@ -14,7 +14,7 @@ A template (see `templates`); Python calls its entry points.
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
 # pyright: reportCallIssue=false
 
-from laticauda.compiling import compiled, entry, kernel, lane_types
+from laticauda.compiling import compile_scalar, entry, kernel, lane_types
 from laticauda.compiling.lanes import any_lane, magnitude, where
 from laticauda.compiling.templates import bindings
 from laticauda.dynamics import stages
@@ -25,7 +25,7 @@ _names = bindings(__name__)
 rows_of = lane_types.rows_of(_names["WIDTH"])
 loads, recursion, drives = _names["loads"], _names["recursion"], _names["drives"]
 
-combined = compiled(stages.combined)
+combined = compile_scalar(stages.combined)
 BASE_ROWS = 6  # HEADING ... VY are contiguous
 # Weights of the slopes for each further stage, and for the end (J. C. Butcher, J. Aust. Math. Soc.
 # 4, 1964).

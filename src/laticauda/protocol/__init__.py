@@ -37,7 +37,7 @@ if TYPE_CHECKING:
         References as References,
         Result as Result,
         Sync as Sync,
-        references as references,
+        encode_references as encode_references,
     )
     from laticauda.protocol.meter import MeterReading as MeterReading
     from laticauda.protocol.qtm import BodyPose as BodyPose, MocapFrame as MocapFrame
@@ -74,9 +74,10 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "References",
             "Result",
             "Sync",
-            "references",
+            "encode_references",
         ],
         "laticauda.protocol.meter": ["MeterReading"],
         "laticauda.protocol.qtm": ["BodyPose", "MocapFrame"],
     },
+    renamed={"references": "encode_references"},
 )

@@ -26,10 +26,10 @@ from functools import cached_property
 from importlib import import_module
 from typing import Annotated, Any, Literal, NamedTuple, cast, get_args, get_origin, get_type_hints
 
-from laticauda.errors import BadArgument, LaticaudaError, finite, optional_import
+from laticauda.errors import BadArgument, LaticaudaError, check_finite, optional_import
 from laticauda.protocol import messages
 from laticauda.protocol.messages import N_NODES, Signal
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 
 NUMBERS = {"": range(1), "node": range(1, N_NODES + 1), "group": range(messages.N_GROUPS)}
 """Numbers of the frames of one kind, by the field that identifies the frame."""
@@ -183,7 +183,7 @@ def encode(message: messages.CanMessage) -> tuple[int, bytes]:
         for one, value in zip(numbers, values, strict=True):
             least = max(one.low, 1 + NOT_AVAILABLE)  # the lowest means that the value is unknown
             sound = (
-                value if value is None or math.isfinite(value) else finite(one.name, value)
+                value if value is None or math.isfinite(value) else check_finite(one.name, value)
             )  # which rejects it
             raw = (
                 NOT_AVAILABLE
@@ -274,7 +274,7 @@ class BusFailed(LaticaudaError, OSError):
     """Raised if a CAN bus cannot be opened; the message says which, and why."""
 
 
-@value
+@value_class
 class BusAddress:
     """Address of a CAN bus.
 

@@ -258,7 +258,7 @@ CanMessage: TypeAlias = (
 )
 
 
-def references(angles: Sequence[float]) -> tuple[References, ...]:
+def encode_references(angles: Sequence[float]) -> tuple[References, ...]:
     """Return the frames that carry the references of all joints.
 
     Args:

@@ -161,7 +161,9 @@ def encode_frame(
     return encode_packet(PacketType.DATA, b"".join(parts))
 
 
-def parameters(frequency: float, bodies: Mapping[str, Sequence[Point]], asked: Set[str]) -> str:
+def answer_parameters(
+    frequency: float, bodies: Mapping[str, Sequence[Point]], asked: Set[str]
+) -> str:
     """Return the answer to `getparameters`.
 
     Args:

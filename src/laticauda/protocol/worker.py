@@ -11,7 +11,7 @@ from collections.abc import Generator
 from contextlib import contextmanager, suppress
 from typing import Any, Generic, Self, TypeVar
 
-from laticauda.errors import LaticaudaError, optional_import, positive
+from laticauda.errors import LaticaudaError, check_positive, optional_import
 
 T = TypeVar("T")
 MOST_WAITING = 100_000  # items waiting to be received; beyond this, the oldest are dropped
@@ -121,7 +121,7 @@ class Clock:
     """Whether its time advances by itself, so that a loop may be late."""
 
     def __init__(self, *, speed: float = 1.0) -> None:
-        self.speed = positive("speed", speed)
+        self.speed = check_positive("speed", speed)
         self._origin = time.monotonic()
 
     def now(self) -> float:

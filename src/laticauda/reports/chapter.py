@@ -39,7 +39,7 @@ Pictures = Mapping[str, tuple[str, bytes]]
 
 
 @cache
-def templates(package: str = "laticauda.reports") -> Any:
+def load_templates(package: str = "laticauda.reports") -> Any:
     """Return the Jinja2 environment for a package's templates: texts are escaped, and a missing value is an error.
 
     Args:
@@ -60,13 +60,13 @@ def templates(package: str = "laticauda.reports") -> Any:
     )
     made.filters |= {
         "base64": base64.b64encode,
-        "cell": shown,
+        "cell": format_cell,
         "degrees": math.degrees,
         "digits": in_digits,
         "form_of": form_of,
-        "span": span,
+        "span": format_span,
     }
-    made.globals |= {"is_numeric": is_numeric, "share": share}
+    made.globals |= {"is_numeric": is_numeric, "share": format_share}
     return made
 
 
@@ -86,7 +86,7 @@ class Chapter:
     """Function that yields the figures one by one: name of the files, caption and figure."""
     trials: "Mapping[str, Trial]" = field(default_factory=dict[str, "Trial"])
     """Trials, stored as netCDF files under their names."""
-    templates: Callable[[], Any] = templates
+    templates: Callable[[], Any] = load_templates
     """Function that returns the Jinja2 environment for its template."""
 
     def html(self, pictures: Pictures) -> str:
@@ -182,7 +182,7 @@ def in_digits(value: float, form: str = "") -> str:
     return text.replace("-", "\N{MINUS SIGN}")
 
 
-def shown(cell: Any, form: str = "") -> str:
+def format_cell(cell: Any, form: str = "") -> str:
     """Format a cell of a table for a page.
 
     Args:
@@ -203,7 +203,7 @@ def is_numeric(rows: Iterable[Row], column: str) -> bool:
         rows: Rows of the table.
         column: Name of the column.
     """
-    known = [row[column] for row in rows if shown(row[column]) != "NA"]
+    known = [row[column] for row in rows if format_cell(row[column]) != "NA"]
     return bool(known) and not any(isinstance(cell, str | bool | np.bool_) for cell in known)
 
 
@@ -219,7 +219,7 @@ def form_of(column: str, forms: Mapping[str, str]) -> str:
     )[1]
 
 
-def span(values: Iterable[float], form: str = "") -> str:
+def format_span(values: Iterable[float], form: str = "") -> str:
     """Format the range from the smallest to the largest of several values.
 
     Args:
@@ -231,7 +231,7 @@ def span(values: Iterable[float], form: str = "") -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def share(part: int, whole: int) -> str:
+def format_share(part: int, whole: int) -> str:
     """Format a part of a total: "all 12", "none of the 12", "3 of the 12".
 
     Args:

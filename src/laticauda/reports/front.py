@@ -17,7 +17,7 @@ from matplotlib.ticker import MaxNLocator
 
 import laticauda as lc
 from laticauda.figures import path, style
-from laticauda.simulate.numbers import parameters, place
+from laticauda.simulate.numbers import environment_prefix, list_parameters
 from laticauda.studies import Front
 from laticauda.studies.sweep import LABELS
 from laticauda.trial import MeasuredTrial, all_measured
@@ -88,13 +88,13 @@ def front_figure(fronts: Sequence[Front]) -> Figure:
     figure = style.new_figure(style.DOUBLE_COLUMN, SHEET_HEIGHT + LINE_HEIGHT * more)
     widths = (style.DOUBLE_COLUMN - COLUMN * len(fronts), *[COLUMN] * len(fronts))
     left, *columns = figure.add_gridspec(1, 1 + len(fronts), width_ratios=widths)
-    front(fronts, figure.add_subplot(left))
+    draw_front(fronts, figure.add_subplot(left))
     letters = iter(LETTERS)
     for one, words, (color, _), column in zip(fronts, texts, KINDS, columns, strict=False):
-        bodies(one, words, letters, color, figure.add_subplot(column))
+        draw_bodies(one, words, letters, color, figure.add_subplot(column))
     title = f"{first.capitalize()} against {last}: robot {sought.scenario.robot.name}"
     note = f"{len(sought.names)} parameters free, {trials} trials of {sought.scenario.duration:g} s, {_waters(fronts)}"
-    style.head(figure, title, note)
+    style.add_title(figure, title, note)
     return figure
 
 
@@ -109,7 +109,7 @@ def marked(front: Front) -> list[int]:
 
 def _waters(fronts: Sequence[Front]) -> str:
     names = list(dict.fromkeys(front.optimization.scenario.environment.name for front in fronts))
-    word = place(fronts[0].optimization.scenario.environment)
+    word = environment_prefix(fronts[0].optimization.scenario.environment)
     return (
         f"{word} {names[0]}"
         if len(names) == 1
@@ -147,7 +147,7 @@ def _measured(front: Front) -> list[MeasuredTrial]:
 
 def _numbers(front: Front, i: int) -> str:
     """Return the parameters of a point as text, in one or more lines."""
-    known = parameters(front.optimization.scenario)
+    known = list_parameters(front.optimization.scenario)
     words: list[tuple[str, str]] = []
     for name, value in zip(front.optimization.names, front.values[i], strict=True):
         unit, angle = known[name].unit, known[name].unit.startswith("rad")
@@ -178,7 +178,7 @@ def _words(name: str) -> str:
 # ---- the figure ----------------------------------------------------------------------------------
 
 
-def front(fronts: Sequence[Front], ax: Axes) -> Axes:
+def draw_front(fronts: Sequence[Front], ax: Axes) -> Axes:
     """Draw one or two fronts, with letters at the marked points, together with the measured gaits.
 
     Args:
@@ -205,7 +205,7 @@ def front(fronts: Sequence[Front], ax: Axes) -> Axes:
         }
         for at in zip(x[marked(one)].tolist(), y[marked(one)].tolist(), strict=True):
             ax.plot(*at, shape, color=color, markersize=DOT, clip_on=False, zorder=5)
-            style.note(ax, next(letters), at, shift, bbox=badge, zorder=6, **LETTER)
+            style.add_note(ax, next(letters), at, shift, bbox=badge, zorder=6, **LETTER)
     if any(map(len, others)):
         sources = " and ".join(dict.fromkeys(trial.source for trial in _measured(fronts[0])))
         ax.plot([], [], color=style.GRAY, **OTHER, label=f"{sources}'s gaits, simulated alike")
@@ -216,9 +216,9 @@ def front(fronts: Sequence[Front], ax: Axes) -> Axes:
     ax.set_ylim(min(0.0, float(ys.min())), ROOM * float(ys.max()))
     ax.xaxis.set_major_locator(MaxNLocator(6))
     ax.yaxis.set_major_locator(MaxNLocator(6))
-    style.legend(ax, loc="lower right")
+    style.add_legend(ax, loc="lower right")
     ylabel, xlabel = (LABELS[name] for name in fronts[0].optimization.objectives)
-    return style.dress(ax, xlabel=xlabel, ylabel=ylabel)
+    return style.style_axes(ax, xlabel=xlabel, ylabel=ylabel)
 
 
 def _curve(front: Front) -> Curve:
@@ -241,7 +241,7 @@ def _side(curve: Curve, curves: Sequence[Curve]) -> tuple[int, int]:
     return better
 
 
-def bodies(
+def draw_bodies(
     front: Front, texts: Sequence[str], letters: Iterator[str], color: str, ax: Axes
 ) -> Axes:
     """Draw the marked bodies one below the other on one scale, each in the middle of its wave, with its parameters.
@@ -300,5 +300,5 @@ def _shape(robot: lc.Robot, gait: lc.Gait) -> Points:
         angles = np.concatenate(([0.0], np.cumsum(joints)))
         center = np.zeros(2)
         angles -= angles.mean()
-        shapes.append(path.posture(body, center, angles))
+        shapes.append(path.posture_outline(body, center, angles))
     return min(shapes, key=lambda shape: float(np.ptp(shape[:, 1])))

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from laticauda import extensions, packaging
-from laticauda.files import plain, to_json, write
+from laticauda.files import to_json, to_plain, write
 from laticauda.identify.result import ParameterEstimate
 from laticauda.identify.tasks import Task
 from laticauda.identify.validation import Validation
@@ -103,7 +103,7 @@ def as_dict(done: Validation, command: str = "") -> dict[str, Any]:
         "command": command,
         "version": packaging.__version__,
     }
-    return plain(facts)
+    return to_plain(facts)
 
 
 def sources_of(task: Task) -> dict[str, str]:

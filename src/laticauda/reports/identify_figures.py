@@ -115,7 +115,7 @@ def _residuals(found: Fit) -> Figure:
     figure = new_figure(
         style.DOUBLE_COLUMN, 0.8 + 0.17 * len(rows) + 0.18 * len(set(found.problem.groups))
     )
-    ax = residuals(
+    ax = draw_residuals(
         names,
         [row["in standard deviations [-]"] for row in rows],
         [row["group"] for row in rows],
@@ -138,7 +138,7 @@ def _intervals(done: Validation) -> Figure:
         )
         rows[label] = _share(plain, best), _share(profile, best)
     figure = new_figure(style.DOUBLE_COLUMN, 1.3 + 0.35 * len(rows))
-    ax = intervals(rows, figure.subplots(), confidence=found.method.confidence)
+    ax = draw_intervals(rows, figure.subplots(), confidence=found.method.confidence)
     style.outside_legend(figure, ax.get_legend_handles_labels()[0], "outside lower left")
     return figure
 
@@ -151,7 +151,7 @@ def _correlations(found: Fit) -> Figure:
     shown = found.problem.of_interest
     figure = new_figure(style.DOUBLE_COLUMN, 0.7 + 0.42 * len(shown))
     names = short_names([found.problem.names[k] for k in shown])
-    correlations(names, found.correlations[np.ix_(shown, shown)], figure.subplots())
+    draw_correlations(names, found.correlations[np.ix_(shown, shown)], figure.subplots())
     return figure
 
 
@@ -184,7 +184,7 @@ def parity(groups: Mapping[str, Float[np.ndarray, "2 n"]], ax: Axes, *, what: st
         groups.items(), cycle(MARKS), strict=False
     ):
         ax.plot(measured, predicted, marker, color=color, markersize=size, label=label)
-    style.dress(ax, xlabel=f"measured {what}", ylabel=f"predicted {what}")
+    style.style_axes(ax, xlabel=f"measured {what}", ylabel=f"predicted {what}")
     ax.set(xlim=ends, ylim=ends)
     ax.set_aspect("equal")
     for axis in (ax.xaxis, ax.yaxis):
@@ -192,7 +192,7 @@ def parity(groups: Mapping[str, Float[np.ndarray, "2 n"]], ax: Axes, *, what: st
     return ax
 
 
-def residuals(
+def draw_residuals(
     names: Sequence[str], in_sigmas: Sequence[float], groups: Sequence[str], ax: Axes, *, label: str
 ) -> Axes:
     """Draw the error of the prediction as one bar per measurement, colored by group.
@@ -214,7 +214,7 @@ def residuals(
     ax.axvline(0.0, color=style.INK, linewidth=style.THIN)
     for level in (-2.0, 2.0):
         ax.axvline(level, color=style.GRAY, linewidth=style.THIN, linestyle=(0, (5, 2)))
-    style.dress(ax, xlabel=label, ylabel="")
+    style.style_axes(ax, xlabel=label, ylabel="")
     ax.set_yticks(places, names)
     ax.set_ylim(len(names) - 0.4, -0.6)
     reach = max(2.5, 1.1 * float(np.max(np.abs(in_sigmas))))
@@ -222,7 +222,7 @@ def residuals(
     return ax
 
 
-def correlations(names: Sequence[str], matrix: Float[np.ndarray, "n n"], ax: Axes) -> Axes:
+def draw_correlations(names: Sequence[str], matrix: Float[np.ndarray, "n n"], ax: Axes) -> Axes:
     """Draw correlations of parameters as a matrix of numbers, without the diagonal; a dash means not identified.
 
     Args:
@@ -246,7 +246,7 @@ def correlations(names: Sequence[str], matrix: Float[np.ndarray, "n n"], ax: Axe
             )
             color = "white" if np.isfinite(value) and abs(value) > 0.6 else style.INK
             ax.text(j, i, text, ha="center", va="center", fontsize=style.TICK, color=color)
-    style.dress(ax, xlabel="", ylabel="")
+    style.style_axes(ax, xlabel="", ylabel="")
     ax.set_xticks(range(len(names)), [name.replace(" ", "\n") for name in names])
     ax.set_yticks(range(len(names)), names)
     ax.tick_params(length=0)
@@ -255,7 +255,7 @@ def correlations(names: Sequence[str], matrix: Float[np.ndarray, "n n"], ax: Axe
     return ax
 
 
-def intervals(
+def draw_intervals(
     rows: Mapping[str, tuple[Ends | None, Ends | None]], ax: Axes, *, confidence: float
 ) -> Axes:
     """Draw confidence intervals of parameters, relative to their values.
@@ -279,7 +279,7 @@ def intervals(
             ax.plot(plain, (i, i), color=style.BLUE, linewidth=3.0, solid_capstyle="butt")
             ax.plot(1.0, i, "o", color=style.INK, markersize=3.5)
         else:
-            style.note(ax, "not identified", (1.0, i), (4, 0), va="center")
+            style.add_note(ax, "not identified", (1.0, i), (4, 0), va="center")
         if profile is not None:
             shown, at = np.where(np.isnan(profile), (low, high), profile), (i + 0.22, i + 0.22)
             ax.plot(shown, at, color=style.ORANGE, linewidth=1.6, solid_capstyle="butt")
@@ -299,7 +299,7 @@ def intervals(
             label="from the profile likelihood (open ends: to the edge)",
         )
     ax.axvline(1.0, color=style.GRAY, linewidth=style.THIN)
-    style.dress(ax, xlabel="value / best value [-]", ylabel="")
+    style.style_axes(ax, xlabel="value / best value [-]", ylabel="")
     ax.set_yticks(range(len(rows)), [*rows])
     ax.set_ylim(len(rows) - 0.4, -0.6)
     ax.set_xlim(low, high)
@@ -345,11 +345,11 @@ def shrinking(
         )
     ax.axhline(limit, color=style.GRAY, linewidth=style.THIN, linestyle=(0, (5, 2)))
     at_right: Any = {"xycoords": ("axes fraction", "data"), "ha": "right"}
-    style.note(ax, "not identified above", (1.0, limit), (-2, 2), va="bottom", **at_right)
+    style.add_note(ax, "not identified above", (1.0, limit), (-2, 2), va="bottom", **at_right)
     if not np.all(sigma < top):
-        style.note(ax, "open: not known", (1.0, top), (-2, -4), va="top", **at_right)
-    style.dress(ax, xlabel="further trials", ylabel=ylabel)
+        style.add_note(ax, "open: not known", (1.0, top), (-2, -4), va="top", **at_right)
+    style.style_axes(ax, xlabel="further trials", ylabel=ylabel)
     ax.set_xticks(n)
     ax.set_ylim(top=1.15 * top)
-    style.legend(ax, loc="center left", bbox_to_anchor=(1.01, 0.5))
+    style.add_legend(ax, loc="center left", bbox_to_anchor=(1.01, 0.5))
     return ax

@@ -13,9 +13,9 @@ if TYPE_CHECKING:
         Section as Section,
     )
     from laticauda.robot.describe import (
-        coefficients as coefficients,
+        describe_coefficients as describe_coefficients,
         in_a_line as in_a_line,
-        summary as summary,
+        summarize_robot as summarize_robot,
     )
     from laticauda.robot.effectors import (
         CaudalFin as CaudalFin,
@@ -68,7 +68,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
     {
         "laticauda.robot.body": ["Actuator", "Joint", "Module", "Section"],
-        "laticauda.robot.describe": ["coefficients", "in_a_line", "summary"],
+        "laticauda.robot.describe": ["describe_coefficients", "in_a_line", "summarize_robot"],
         "laticauda.robot.effectors": [
             "CaudalFin",
             "Hinge",
@@ -113,4 +113,5 @@ __getattr__, __dir__, __all__ = lazy_exports(
         ],
     },
     own=["describe"],
+    renamed={"coefficients": "describe_coefficients", "summary": "summarize_robot"},
 )

@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from laticauda.errors import BadArgument
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 
 
-@value
+@value_class
 class Actuator:
     """Actuator of a joint: gains of the `pd` law, and the motor, gear and supply of the `servo` law.
 
@@ -77,7 +77,7 @@ class Actuator:
         return self.voltage * self.idle_current
 
 
-@value
+@value_class
 class Joint:
     """Driven hinge between two modules, with the skin that keeps the water out.
 
@@ -96,7 +96,7 @@ class Joint:
     damping: float = quantity("N m s/rad", "d_s of the skin", ge=0.0, default=0.0)
 
 
-@value
+@value_class
 class Section:
     """Cross-section of a module, an ellipse unless it is a box."""
 
@@ -124,7 +124,7 @@ class Section:
         return math.pi * (3.0 * (a + b) - math.sqrt((3.0 * a + b) * (a + 3.0 * b)))
 
 
-@value
+@value_class
 class Module:
     """Rigid piece of the body with constant cross-section.
 

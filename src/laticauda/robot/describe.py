@@ -7,7 +7,7 @@ from operator import attrgetter
 from typing import TypeVar
 
 from laticauda.fluid.flow import Flow
-from laticauda.quantities import quantities_of, told
+from laticauda.quantities import describe_fields, quantities_of
 from laticauda.robot import body, environment, textbook
 from laticauda.robot.robot import Robot
 
@@ -15,7 +15,7 @@ Row = tuple[str, str]
 T = TypeVar("T")
 
 
-def summary(robot: Robot) -> dict[str, str | int | float | bool]:
+def summarize_robot(robot: Robot) -> dict[str, str | int | float | bool]:
     """Return the main facts about `robot` by name: links, joints, length [m], mass [kg], fin, description.
 
     Args:
@@ -48,12 +48,12 @@ def describe(thing: Robot | environment.Water | environment.Ground | Flow) -> st
         rows = [("current", thing.words), *units.items()]
     else:
         kind = "water" if isinstance(thing, environment.Water) else "ground"
-        rows = [(kind, thing.name), *coefficients(thing).items()]
+        rows = [(kind, thing.name), *describe_coefficients(thing).items()]
     width = max(len(name) for name, _ in rows)
     return "\n".join(f"{name:<{width}}  {text}" for name, text in rows)
 
 
-def coefficients(thing: environment.Environment) -> dict[str, str]:
+def describe_coefficients(thing: environment.Environment) -> dict[str, str]:
     """Return the fields of a water or ground other than its name, as text by field.
 
     Args:
@@ -62,7 +62,7 @@ def coefficients(thing: environment.Environment) -> dict[str, str]:
     if isinstance(thing, environment.Water):
         depth = "far below the surface" if thing.depth is None else f"{thing.depth:g} m"
         return {
-            **told(thing, "name", "density"),
+            **describe_fields(thing, "name", "density"),
             "depth": depth,
             "density": f"{thing.density:g} kg/m^3",
         }
@@ -70,14 +70,14 @@ def coefficients(thing: environment.Environment) -> dict[str, str]:
         ("of the weight", ()) if thing.friction.of_weight else ("N s/m per link", ("gravity",))
     )
     friction = {name: f"{getattr(thing, name):g} {unit}" for name in ("tangential", "normal")}
-    return told(thing, "name", *unused) | friction
+    return describe_fields(thing, "name", *unused) | friction
 
 
 def in_a_line(facts: dict[str, str]) -> str:
     """Join facts in one line, each with its name.
 
     Args:
-        facts: Facts from `laticauda.quantities.told`.
+        facts: Facts from `laticauda.quantities.describe_fields`.
     """
     return ", ".join(f"{name} {text}" for name, text in facts.items())
 
@@ -92,24 +92,27 @@ def _robot_rows(robot: Robot) -> Iterator[Row]:
     yield "mass", f"{robot.mass:.4g} kg" + (" with the fin" if fin else "")
     yield "volume", f"{1e3 * robot.volume:.4g} L"
     for place, module in _runs(robot.modules):
-        yield f"modules {place}", in_a_line(told(module))
+        yield f"modules {place}", in_a_line(describe_fields(module))
     if robot.joints:
         yield "axes", _axes(robot.joints)
     for place, joint in _runs(
         [replace(joint, axis="yaw", actuator=body.Actuator()) for joint in robot.joints]
     ):
-        yield f"joints {place}", in_a_line(told(joint, "axis", "actuator"))
+        yield f"joints {place}", in_a_line(describe_fields(joint, "axis", "actuator"))
     for place, actuator in _runs([joint.actuator for joint in robot.joints]):
         stated = "" if actuator.stated else "not stated; with Mamba's servo: "
-        yield f"actuators {place}", stated + in_a_line(told(actuator, "stated"))
+        yield f"actuators {place}", stated + in_a_line(describe_fields(actuator, "stated"))
     if fin is not None:
         no_hole = () if fin.opening_length else ("opening",)
-        yield "caudal fin", in_a_line({"mass": f"{fin.mass:g} kg", **told(fin, *no_hole)})
+        yield (
+            "caudal fin",
+            in_a_line({"mass": f"{fin.mass:g} kg", **describe_fields(fin, *no_hole)}),
+        )
     for thruster in robot.thrusters:
-        yield f"thruster on link {thruster.link}", in_a_line(told(thruster, "link"))
+        yield f"thruster on link {thruster.link}", in_a_line(describe_fields(thruster, "link"))
     for plate in robot.pectoral_fins:
-        yield f"pectoral fin on link {plate.link}", in_a_line(told(plate, "link"))
-    if tether := told(robot.tether):
+        yield f"pectoral fin on link {plate.link}", in_a_line(describe_fields(plate, "link"))
+    if tether := describe_fields(robot.tether):
         yield "tether", in_a_line(tether)
     yield "surface, ends", f"{robot.surface}, {robot.nose} nose, {robot.tail} tail"
     book = textbook.textbook_water(robot)

@@ -22,7 +22,7 @@ from typing import Literal
 import numpy as np
 
 from laticauda.errors import BadArgument
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot.body import Joint
 
 MOST_HINGES = 6
@@ -83,7 +83,7 @@ def hinge_rule(n: int) -> tuple[tuple[float, float], ...]:
     return tuple((float(s), float(d)) for s, d in zip(place, share, strict=True))
 
 
-@value
+@value_class
 class CaudalFin:
     """Flat, thin, upright plate behind the tail end of link 0: rigid, flexible, or driven about its root.
 
@@ -189,7 +189,7 @@ class CaudalFin:
         return self.density * self.volume
 
 
-@value
+@value_class
 class Mounted:
     """Part mounted rigidly on a link. Its axes are the link's, turned about z, then tilted, then rolled about x.
 
@@ -220,7 +220,7 @@ class Mounted:
         return self.x, self.y, self.z
 
 
-@value
+@value_class
 class Thruster(Mounted):
     """Thruster along its x axis: constant, or driven by the command (`Command.thrusts`) if it has a `max_thrust`."""
 
@@ -230,7 +230,7 @@ class Thruster(Mounted):
     )
 
 
-@value
+@value_class
 class PectoralFin(Mounted):
     """Flat plate with lift, drag and stall, its chord along its x axis: upright, or rolled to form a dive plane.
 
@@ -257,7 +257,7 @@ class PectoralFin(Mounted):
     )
 
 
-@value
+@value_class
 class Tether:
     """Cable at the tail end: F = -k |v| v plus a constant force."""
 

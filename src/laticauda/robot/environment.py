@@ -8,17 +8,17 @@ from typing import Any, ClassVar, Literal, TypeAlias, cast
 
 import numpy as np
 
-from laticauda.errors import BadArgument, label, one_of
+from laticauda.errors import BadArgument, check_choice, check_label
 from laticauda.extensions import Extensible, name_of
 from laticauda.fluid.flow import Flow
 from laticauda.fluid.laws import DragLaw, PolynomialDrag
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot.robot import Robot
 
 Current: TypeAlias = tuple[float, float] | tuple[float, float, float] | Flow
 
 
-@value
+@value_class
 class Water:
     """Still or moving water, with the coefficients and the form of its loads.
 
@@ -26,7 +26,9 @@ class Water:
     own.
     """
 
-    name: str = option("Name used in messages and stored trials", default="custom", check=label)
+    name: str = option(
+        "Name used in messages and stored trials", default="custom", check=check_label
+    )
     density: float = quantity("kg/m^3", "rho", gt=0.0, default=1000.0)
     tangential_friction: float = quantity("", "C_f, drag along the body", ge=0.0)
     normal_drag: float = quantity("", "C_D, drag across the body", ge=0.0)
@@ -131,11 +133,13 @@ class Water:
         return self.flow.velocity(np.concatenate((points, height), axis=-1), t)[..., :size]
 
 
-@value
+@value_class
 class Ground:
     """Flat ground with anisotropic friction: `viscous`, proportional to the speed, or dry (`coulomb`)."""
 
-    name: str = option("Name used in messages and stored trials", default="custom", check=label)
+    name: str = option(
+        "Name used in messages and stored trials", default="custom", check=check_label
+    )
     friction: DragLaw = option("Friction law: `viscous` or `coulomb`")
     tangential: float = quantity(
         "", "Coefficient along a link: N s/m, or fraction of its weight", ge=0.0
@@ -147,7 +151,7 @@ class Ground:
 Environment: TypeAlias = Water | Ground
 
 
-@value
+@value_class
 class Scene(Extensible, group="scenes"):
     """Surroundings of a robot in space: obstacles, walls, terrain. Custom scenes subclass this class.
 
@@ -205,7 +209,7 @@ class Scene(Extensible, group="scenes"):
             return cast("Any", cls.named("mjcf"))(file=str(given))
         if callable(given):
             return cast("Any", cls.named("edited"))(edit=given)
-        return cls.named(one_of("scene", given, cls.names()))()
+        return cls.named(check_choice("scene", given, cls.names()))()
 
 
 def law_of(environment: Environment) -> DragLaw:

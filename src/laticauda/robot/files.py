@@ -20,7 +20,7 @@ from typing import Any, TypeAlias, TypeVar, cast, overload
 
 from laticauda import extensions, files, gaits
 from laticauda.codec import BadKey, Table, decode, encode, keys_of, stamped, take_kind
-from laticauda.errors import BadArgument, LaticaudaError, RobotFileError, nearest
+from laticauda.errors import BadArgument, LaticaudaError, RobotFileError, suggest_nearest
 from laticauda.fluid.flow import Flow
 from laticauda.robot import environment, textbook
 from laticauda.robot.robot import Robot
@@ -134,7 +134,8 @@ def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Pat
         if given in names:
             return PRESETS / FOLDERS[kind] / f"{given}{ending}"
         raise RobotNotFound(
-            f"there is no {kind} preset named `{given}`{nearest(given, names)} ({listed}; a path ends in {ending})"
+            f"there is no {kind} preset named `{given}`{suggest_nearest(given, names)} "
+            f"({listed}; a path ends in {ending})"
         )
     path = folder / given if folder is not None else Path(given)
     try:
@@ -143,7 +144,7 @@ def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Pat
         there = True
     if not there:
         raise RobotNotFound(
-            f"{path if folder else given}: no such file{nearest(path.stem, names)} ({listed})"
+            f"{path if folder else given}: no such file{suggest_nearest(path.stem, names)} ({listed})"
         )
     return path
 

@@ -27,10 +27,10 @@ from typing import Any, TypeAlias
 
 from laticauda import codec, files
 from laticauda.actuation.laws import JointLaw
-from laticauda.errors import BadArgument, RobotFileError, instance, label, one_of
+from laticauda.errors import BadArgument, RobotFileError, check_choice, check_instance, check_label
 from laticauda.fluid.laws import DragLaw
-from laticauda.gaits.gait import kinds
-from laticauda.quantities import hints_of, option, quantities_of, value
+from laticauda.gaits.gait import list_kinds
+from laticauda.quantities import hints_of, option, quantities_of, value_class
 from laticauda.robot.body import Actuator, Joint
 from laticauda.robot.effectors import CaudalFin, Tether
 from laticauda.robot.environment import Water
@@ -122,13 +122,13 @@ def _read(name: str, table: object, path: str) -> dict[str, Any]:
 # ---- parameters and their file -------------------------------------------------------------------
 
 KIND = "parameters"
-GAITS = kinds()
+GAITS = list_kinds()
 """Kinds of gait that may have their own parameters."""
 
 
 def _checked(name: str, changes: Adjustments) -> dict[str, dict[str, Any]]:
     for table in changes:
-        one_of(name, table, NAMES)
+        check_choice(name, table, NAMES)
     try:
         read = read_adjustments(changes, name)
     except codec.BadKey as error:
@@ -140,13 +140,13 @@ def _checked_by_gait(
     name: str, changes: Mapping[str, Adjustments]
 ) -> dict[str, dict[str, dict[str, Any]]]:
     own = {
-        one_of(name, gait, GAITS): _checked(f"{name}.{gait}", tables)
+        check_choice(name, gait, GAITS): _checked(f"{name}.{gait}", tables)
         for gait, tables in changes.items()
     }
     return {gait: tables for gait, tables in own.items() if tables}
 
 
-@value
+@value_class
 class Parameters:
     """Contents of a parameter file: the water, by gait where it differs, and changes to a robot.
 
@@ -155,9 +155,9 @@ class Parameters:
     """
 
     name: str = option(
-        "Name used in files and stored trials; the waters are named after it", check=label
+        "Name used in files and stored trials; the waters are named after it", check=check_label
     )
-    title: str = option("Label in legends", check=label)
+    title: str = option("Label in legends", check=check_label)
     joints: JointLaw | str | None = option(
         "Joint law they belong to, by name or with parameters", default=None
     )
@@ -174,10 +174,10 @@ class Parameters:
 
     def __post_init__(self) -> None:
         if isinstance(self.joints, str):
-            one_of("joints", self.joints, JointLaw.names())
+            check_choice("joints", self.joints, JointLaw.names())
         for gait, water in self.own.items():
-            one_of("own", gait, GAITS)
-            instance(f"own[{gait}]", water, Water)
+            check_choice("own", gait, GAITS)
+            check_instance(f"own[{gait}]", water, Water)
         named = {
             gait: replace(water, name=f"{self.name}, {gait}") for gait, water in self.own.items()
         }

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from laticauda.actuation.laws import JointLaw
-from laticauda.errors import BadArgument, label, whole
-from laticauda.quantities import option, quantity, value
+from laticauda.errors import BadArgument, check_label, check_whole_number
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot import body, effectors
 
 Numbers: TypeAlias = NDArray[np.float64]
@@ -20,7 +20,7 @@ Surface: TypeAlias = Literal["smooth", "jointed", "skinned"]
 End: TypeAlias = Literal["faired", "round", "blunt"]
 
 
-@value
+@value_class
 class Robot:
     """Chain of modules and joints, tail first, with the parts mounted on it.
 
@@ -29,7 +29,7 @@ class Robot:
     it counts as 0.
     """
 
-    name: str = option("Name used in messages and stored trials", check=label)
+    name: str = option("Name used in messages and stored trials", check=check_label)
     description: str = option("One-line description", default="")
     modules: tuple[body.Module, ...] = option("The rigid pieces, from tail to head")
     joints: tuple[body.Joint, ...] = option("Joint i connects modules i and i + 1", default=())
@@ -183,7 +183,7 @@ class Robot:
             ValueError: If the modules or joints are not all identical, or `n_links` is not from 1
                 to 10 000.
         """
-        n = whole("n_links", n_links, 1, MOST_LINKS)
+        n = check_whole_number("n_links", n_links, 1, MOST_LINKS)
         if n == self.n_links:
             return self
         if len(set(self.modules)) > 1 or len(set(self.joints)) != 1:

@@ -66,7 +66,7 @@ class Textbook:
     water: Water
     """Water with the central values."""
     intervals: Mapping[str, tuple[float, float]]
-    """Least and greatest value of each parameter, by its name in `laticauda.simulate.parameters`."""
+    """Least and greatest value of each parameter, by its name in `laticauda.simulate.list_parameters`."""
     sources: Mapping[str, str]
     """Source of each parameter, by name."""
 

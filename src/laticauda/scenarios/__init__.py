@@ -3,7 +3,9 @@
 from typing import TYPE_CHECKING
 
 from laticauda.packaging import lazy_exports
-from laticauda.scenarios.building import scenario as scenario  # at once: a module has its name
+from laticauda.scenarios.building import (
+    build_scenario as build_scenario,
+)  # at once: a module has its name
 
 if TYPE_CHECKING:
     from laticauda.scenarios.building import (

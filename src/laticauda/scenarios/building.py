@@ -8,11 +8,11 @@ from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict, Unpack, cast
 
 from laticauda import extensions, robot as robots
 from laticauda.actuation.laws import JointLaw
-from laticauda.errors import BadArgument, instance, nearest, one_of
+from laticauda.errors import BadArgument, check_choice, check_instance, suggest_nearest
 from laticauda.formulas import Law
 from laticauda.gaits import EelLike, Gait
 from laticauda.interfaces import Controller, Start
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot.files import find
 from laticauda.scenarios.scenario import MODELS, Model, Scenario, Spatial
 
@@ -52,7 +52,7 @@ class Changes(ModelChanges, total=False):
     sample_interval: float
 
 
-def scenario(
+def build_scenario(
     robot: robots.Robot | str | Path,
     motion: Motion,
     duration: float = 30.0,
@@ -84,7 +84,7 @@ def scenario(
     }
     environment, kind = given.pop("environment", None), cast(Any, given.pop("model", "planar"))
     moving = {"current": robots.current_of(given.pop("current"))} if "current" in given else {}
-    instance("gait", motion, Gait, Controller)
+    check_instance("gait", motion, Gait, Controller)
     gait = motion if isinstance(motion, Gait) else motion.gait
     body = robots.load_robot(robot) if isinstance(robot, str | Path) else robot
     where = environment_of(environment, body, gait)
@@ -112,8 +112,10 @@ def model_of(model: Model | str, **changes: Any) -> Model:
         TypeError: If no model has such a field.
     """
     if not isinstance(model, str):
-        instance("model", model, *MODELS.values())
-    base = MODELS[one_of("model", model, tuple(MODELS))]() if isinstance(model, str) else model
+        check_instance("model", model, *MODELS.values())
+    base = (
+        MODELS[check_choice("model", model, tuple(MODELS))]() if isinstance(model, str) else model
+    )
     known = [field.name for field in fields(base)]
     for name, given in changes.items():
         if name in known:
@@ -121,7 +123,7 @@ def model_of(model: Model | str, **changes: Any) -> Model:
         if name in {field.name for field in fields(Spatial)}:
             raise BadArgument(name, f"must be left out unless `model` is `spatial`, got {given!r}")
         raise TypeError(
-            f"There is no argument `{name}`{nearest(name, [*Changes.__annotations__])}."
+            f"There is no argument `{name}`{suggest_nearest(name, [*Changes.__annotations__])}."
         )
     if "joints" in changes:
         changes["joints"] = JointLaw.of(changes["joints"])
@@ -136,7 +138,7 @@ def default_water(robot: robots.Robot, gait: Gait | None = None) -> robots.Water
         gait: Gait of its joints; the paper identified coefficients for each kind, and None selects
             those of lateral undulation.
     """
-    instance("robot", robot, robots.Robot)
+    check_instance("robot", robot, robots.Robot)
     if robot.name not in MAMBA:
         return robots.textbook_of(robot)
     return preset_water(
@@ -202,7 +204,7 @@ class Chosen(NamedTuple):
     """Origin of the environment, in words."""
 
 
-@value
+@value_class
 class Choice:
     """Choice of robot, environment and model, by name.
 

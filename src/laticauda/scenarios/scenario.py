@@ -7,18 +7,18 @@ from typing import Any, Literal, TypeAlias, cast
 import numpy as np
 
 from laticauda.actuation.laws import JointLaw, Prescribed
-from laticauda.errors import BadArgument, instance
+from laticauda.errors import BadArgument, check_instance
 from laticauda.extensions import Unknown, name_of
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, Controller, OpenLoop, Resumed, Start
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot import Environment, Robot, Scene
 
 NO_FILTER = 1e6
 """Bandwidth of a reference generator whose filters pass everything at once [rad/s]."""
 
 
-@value
+@value_class
 class _Model:
     """Common fields of both models."""
 
@@ -48,7 +48,7 @@ class _Model:
             raise BadArgument("offset_bandwidth", f"{rule}, got {self.offset_bandwidth:g}")
 
 
-@value
+@value_class
 class Planar(_Model):
     """The closed-form model in the plane; a robot's pitch joints are held straight.
 
@@ -57,7 +57,7 @@ class Planar(_Model):
     """
 
 
-@value
+@value_class
 class Spatial(_Model):
     """MuJoCo in space, with laticauda's hydrodynamic loads; it needs the extra `spatial`.
 
@@ -122,7 +122,7 @@ def settings_of(model: Model) -> dict[str, str | float | bool | None]:
     return {"model": name_of(type(model)), **words}
 
 
-@value
+@value_class
 class Scenario:
     """Everything that determines a run: the same scenario always gives the same trial (`laticauda.swim`).
 
@@ -153,7 +153,7 @@ class Scenario:
 
     def __post_init__(self) -> None:
         """Check what the types do not express."""
-        instance("motion", self.motion, Gait, Controller)
+        check_instance("motion", self.motion, Gait, Controller)
         if isinstance(self.model, Spatial) and self.model.scene is not None:
             self.model.scene.check(self.environment)
 
@@ -185,7 +185,7 @@ class Scenario:
         return {**found, **settings_of(self.model)}
 
 
-@value
+@value_class
 class Experiment:
     """A run that cannot be repeated: of a real robot, of the tank, or of a page on which something was changed.
 
@@ -203,7 +203,7 @@ class Experiment:
 
     def __post_init__(self) -> None:
         """Check what the types do not express."""
-        instance("notes", self.notes, Mapping)
+        check_instance("notes", self.notes, Mapping)
         notes = {name: _plain(name, note) for name, note in self.notes.items() if note is not None}
         object.__setattr__(self, "notes", notes)
 

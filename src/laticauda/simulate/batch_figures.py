@@ -46,10 +46,10 @@ class Steady(NamedTuple):
 # Kept of a run: position at the start and at the end, position and velocity around the start of its
 # steady part, heading and work at the end.
 _PATH = [rows.X - rows.TIME, rows.Y - rows.TIME, rows.VX - rows.TIME, rows.VY - rows.TIME]
-KEPT = 2 + 2 + 4 + 4 + 1 + 4
+N_SAMPLED_NUMBERS = 2 + 2 + 4 + 4 + 1 + 4
 
 
-def kept(block: Block, before: np.ndarray) -> np.ndarray:
+def sample_block(block: Block, before: np.ndarray) -> np.ndarray:
     """Return the numbers that are kept of the runs of a block.
 
     Args:
@@ -63,7 +63,7 @@ def kept(block: Block, before: np.ndarray) -> np.ndarray:
     )
 
 
-def figures(
+def compute_figures(
     runs: Sequence[Run], weight: np.ndarray, left: np.ndarray, steady: Steady
 ) -> dict[str, np.ndarray]:
     """Compute the figures of all runs from the kept numbers; the results are meaningless where a run diverged.

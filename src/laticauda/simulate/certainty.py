@@ -6,8 +6,8 @@ from operator import attrgetter
 from typing import Any
 
 from laticauda import robot, scenarios
-from laticauda.errors import BadArgument, one_of
-from laticauda.simulate.numbers import changed
+from laticauda.errors import BadArgument, check_choice
+from laticauda.simulate.numbers import change_parameters
 from laticauda.simulate.runner import swim
 from laticauda.trial import Trial
 
@@ -38,7 +38,7 @@ def intervals_of(scenario: scenarios.Scenario) -> Mapping[str, Interval]:
     return found
 
 
-def spread(
+def figure_intervals(
     trial: Trial, intervals: Mapping[str, Interval] | None = None, figures: Figures | None = None
 ) -> dict[str, Interval]:
     """Compute the range of a run's figures if the numbers of its scenario may lie anywhere in their intervals.
@@ -69,7 +69,7 @@ def spread(
         )
     ends, of = intervals_of(scenario) if intervals is None else intervals, figures or _figures
     runs = [
-        [of(swim(changed(scenario, {name: end}), throw=True)) for end in pair]
+        [of(swim(change_parameters(scenario, {name: end}), throw=True)) for end in pair]
         for name, pair in ends.items()
     ]
     found: dict[str, Interval] = {}
@@ -83,14 +83,14 @@ def spread(
     return found
 
 
-def stated(interval: Interval, kind: str) -> Interval:
+def widen_by_textbook_error(interval: Interval, kind: str) -> Interval:
     """Adjust an interval of `spread` for the errors of the textbook water itself observed so far, on one robot.
 
     Args:
         interval: Interval of a figure.
         kind: Kind of motion: swimming, gliding, turning or starting; see `laticauda.robot.SEEN`.
     """
-    less, more = robot.SEEN[one_of("kind", kind, tuple(robot.SEEN))]
+    less, more = robot.SEEN[check_choice("kind", kind, tuple(robot.SEEN))]
     return interval[0] / (1.0 + more), interval[1] / (1.0 + less)
 
 

@@ -16,12 +16,19 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda import interfaces, robot
-from laticauda.errors import BadArgument, one_of
+from laticauda.errors import BadArgument, check_choice
 from laticauda.gaits import Gait
 from laticauda.planar import batch, model
 from laticauda.scenarios import ModelChanges, Scenario
 from laticauda.simulate import many, runner
-from laticauda.simulate.numbers import UNITS, Parameter, changed, look_up, parameters, value_of
+from laticauda.simulate.numbers import (
+    UNITS,
+    Parameter,
+    change_parameters,
+    list_parameters,
+    look_up,
+    value_of,
+)
 from laticauda.trial import metrics
 
 # Points of the differences, in steps, and their weights: eighth order; fourth order at an end of
@@ -74,8 +81,10 @@ class Sensitivities:
             ValueError: If this object has no such figure or parameter.
         """
         names = tuple(known.name for known in self.parameters)
-        column = names.index(one_of("parameter", parameter, names))
-        return self.jacobian[:, self.figures.index(one_of("figure", figure, self.figures)), column]
+        column = names.index(check_choice("parameter", parameter, names))
+        return self.jacobian[
+            :, self.figures.index(check_choice("figure", figure, self.figures)), column
+        ]
 
     @property
     def elasticity(self) -> Float[np.ndarray, "n_trials n_figures n_parameters"]:
@@ -142,7 +151,7 @@ def sensitivities(
     """
     if isinstance(names, str) or not names:
         raise BadArgument("names", f"must hold at least one name of a parameter, got {names!r}")
-    scenarios = many.batch_of(
+    scenarios = many.scenarios_of_batch(
         robots, gaits, environments, starts, duration, sample_interval, **changes
     )
     runs = many.runs_of(scenarios)
@@ -160,7 +169,7 @@ def sensitivities(
         for parameter, value in zip(known, values, strict=True)
     ]
     pairs = [run for run in runs for _ in names]
-    found = slopes(
+    found = compute_slopes(
         pairs,
         numbers,
         duration,
@@ -187,7 +196,7 @@ def _chosen(names: Sequence[str], scenario: Scenario) -> tuple[Parameter, ...]:
     Raises:
         ValueError: If there is no parameter of that name, or it is a count.
     """
-    known = parameters(scenario)
+    known = list_parameters(scenario)
     found = tuple(look_up(name, known, "names") for name in names)
     for parameter in found:
         if parameter.is_whole:
@@ -199,7 +208,7 @@ def _chosen(names: Sequence[str], scenario: Scenario) -> tuple[Parameter, ...]:
 
 
 def _moved(scenario: Scenario, name: str, value: float) -> Scenario:
-    return changed(scenario, {name: value})
+    return change_parameters(scenario, {name: value})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -226,7 +235,7 @@ class _Entry(NamedTuple):
     has_extras: bool
 
 
-def slopes(
+def compute_slopes(
     runs: Sequence[batch.Run],
     numbers: Sequence[Number],
     duration: float,
@@ -277,7 +286,7 @@ def slopes(
             metrics.carried_weight(plant.robot, plant.environment) + 1j * batch.STEP * entry.weight
         )
     how = duration, sample_interval, threads, progress
-    found = many.collected(derived, *how, weights=weights, look=look, with_joints=with_joints)
+    found = many.run_batch(derived, *how, weights=weights, look=look, with_joints=with_joints)
     undefined = complex(math.nan, math.nan)
     return replace(
         found,

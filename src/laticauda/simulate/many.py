@@ -9,17 +9,30 @@ import numpy as np
 from jaxtyping import Bool, Float, Inexact
 
 from laticauda.dynamics.plant import check_size
-from laticauda.errors import BadArgument, at_least_one, instance, one_of, whole
+from laticauda.errors import (
+    BadArgument,
+    check_choice,
+    check_instance,
+    check_not_empty,
+    check_whole_number,
+)
 from laticauda.gaits import Gait
 from laticauda.interfaces import Command, OpenLoop, Start
 from laticauda.planar.batch import Block, Device, Run, march_many
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import Environment, Ground, Robot, Water, load_robot
-from laticauda.scenarios import ModelChanges, Planar, Scenario, Spatial, default_water, scenario
+from laticauda.scenarios import (
+    ModelChanges,
+    Planar,
+    Scenario,
+    Spatial,
+    build_scenario,
+    default_water,
+)
 from laticauda.simulate import batch_figures, runner
 from laticauda.simulate.batch_figures import Figure
 from laticauda.simulate.numbers import UNITS, of_figure
-from laticauda.simulate.plants import plant
+from laticauda.simulate.plants import build_plant
 from laticauda.simulate.several import swim_each
 from laticauda.trial import Trial, metrics
 from laticauda.trial.dataset import AXES
@@ -139,13 +152,15 @@ def swim_many(
         >>> lc.swim_many("mamba", gaits).forward_velocity.round(3)
         array([0.066, 0.091, 0.116])
     """
-    scenarios = batch_of(robots, gaits, environments, starts, duration, sample_interval, **changes)
+    scenarios = scenarios_of_batch(
+        robots, gaits, environments, starts, duration, sample_interval, **changes
+    )
     if scenarios and isinstance(getattr(scenarios[0], "model", None), Spatial):
-        one_of("device", device, (CPU,))
-        found = swum(scenarios, threads, progress)
+        check_choice("device", device, (CPU,))
+        found = run_spatial(scenarios, threads, progress)
     else:
         runs = runs_of(scenarios)
-        found = collected(
+        found = run_batch(
             runs,
             scenarios[0].duration,
             scenarios[0].sample_interval,
@@ -158,7 +173,7 @@ def swim_many(
     return Swims(**named, center_of_mass=end, succeeded=found.succeeded, status=found.status)
 
 
-def swum(
+def run_spatial(
     scenarios: Sequence[Scenario], threads: int | None, progress: runner.Progress
 ) -> "Collected":
     """Compute the figures of spatial scenarios, and `z`; arguments as for `swim_many`."""
@@ -174,7 +189,7 @@ def swum(
         )
 
     for i, one in enumerate(scenarios):
-        instance(f"scenarios[{i}].model", one.model, Spatial)
+        check_instance(f"scenarios[{i}].model", one.model, Spatial)
     numbers, succeeded, status = zip(
         *swim_each(scenarios, figures, threads=threads, progress=progress), strict=True
     )
@@ -182,7 +197,7 @@ def swum(
     return Collected(figures=by_name, succeeded=np.array(succeeded), status=status)
 
 
-def batch_of(
+def scenarios_of_batch(
     robots: Sequence[Scenario] | Robot | Sequence[Robot] | str | Path,
     gaits: Gait | Sequence[Gait] | None,
     environments: Environment | Sequence[Environment] | None = None,
@@ -196,7 +211,7 @@ def batch_of(
     if gaits is None:
         return _each(
             "robots",
-            cast("Sequence[Scenario]", instance("robots", swimming, Sequence)),
+            cast("Sequence[Scenario]", check_instance("robots", swimming, Sequence)),
             0,
             Scenario,
         )
@@ -209,7 +224,7 @@ def batch_of(
         every_environment: Sequence[Environment] = list(map(default_water, every_robot, every_gait))
     else:
         every_environment = _each("environments", environments, n, Water, Ground)
-    base = scenario(
+    base = build_scenario(
         every_robot[0], every_gait[0], duration, sample_interval=sample_interval, **changes
     )
     parts = zip(every_robot, every_gait, every_environment, every_start, strict=True)
@@ -225,23 +240,23 @@ def runs_of(scenarios: Sequence[Scenario]) -> list[Run]:
     Raises:
         ValueError: If they are not planar, or differ in these.
     """
-    at_least_one("scenarios", scenarios, "item")
+    check_not_empty("scenarios", scenarios, "item")
     plants: dict[tuple[int, int, int], PlanarPlant] = {}
     common = scenarios[0].duration, scenarios[0].sample_interval
     runs: list[Run] = []
     for i, one in enumerate(scenarios):
         key = id(one.robot), id(one.environment), id(one.model)  # the scenarios keep them alive
         if key not in plants:
-            instance(f"scenarios[{i}].model", one.model, Planar)
-            plants[key] = cast(PlanarPlant, plant(one))
+            check_instance(f"scenarios[{i}].model", one.model, Planar)
+            plants[key] = cast(PlanarPlant, build_plant(one))
         if (one.duration, one.sample_interval) != common:
             name = "duration" if one.duration != common[0] else "sample_interval"
             raise BadArgument(
                 name, f"must be the same in all scenarios, also got {getattr(one, name):g} s"
             )
-        motion = instance(f"scenarios[{i}].motion", one.motion, Gait, OpenLoop)
+        motion = check_instance(f"scenarios[{i}].motion", one.motion, Gait, OpenLoop)
         command = motion.command if isinstance(motion, OpenLoop) else Command(gait=one.gait)
-        start = cast(Start, instance(f"scenarios[{i}].start", one.start, Start))
+        start = cast(Start, check_instance(f"scenarios[{i}].start", one.start, Start))
         runs.append(Run(plant=plants[key], command=command, start=start))
     return runs
 
@@ -258,7 +273,7 @@ class Collected:
     """How each run ended."""
 
 
-def collected(
+def run_batch(
     runs: Sequence[Run],
     duration: float,
     sample_interval: float,
@@ -288,8 +303,8 @@ def collected(
     """
     check_size(duration, sample_interval)
     if threads is not None:
-        whole("threads", threads, 1)
-    is_here = one_of("device", device, (CPU, *Device.names())) == CPU
+        check_whole_number("threads", threads, 1)
+    is_here = check_choice("device", device, (CPU, *Device.names())) == CPU
     march = march_many if is_here else Device.named(device)().march_many
     n, carried = len(runs), weights
     if carried is None:
@@ -300,12 +315,12 @@ def collected(
         carried = np.array([weight[id(run.plant)] for run in runs])
     n_intervals = max(1, round(duration / sample_interval))
     steady = batch_figures.Steady.of(runs, np.linspace(0.0, duration, n_intervals + 1))
-    left = np.full((batch_figures.KEPT, n), np.nan, dtype=carried.dtype)
+    left = np.full((batch_figures.N_SAMPLED_NUMBERS, n), np.nan, dtype=carried.dtype)
     succeeded, status = np.zeros(n, dtype=bool), ["The run reached its end."] * n
 
     def keep(block: Block) -> np.ndarray:
         look([runs[int(i)] for i in block.index], block)
-        left[:, block.index] = batch_figures.kept(block, steady.before[block.index])
+        left[:, block.index] = batch_figures.sample_block(block, steady.before[block.index])
         succeeded[block.index] = well = block.n_samples == n_intervals + 1
         for i, reached in zip(block.index[~well], block.n_samples[~well], strict=True):
             status[i] = runs[int(i)].plant.what_went_wrong(float(reached) * duration / n_intervals)
@@ -317,7 +332,7 @@ def collected(
     ):
         finished += index.size
         progress(finished / n)
-    found = batch_figures.figures(runs, carried, left, steady)
+    found = batch_figures.compute_figures(runs, carried, left, steady)
     figures = {name: np.where(succeeded, one, np.nan) for name, one in found.items()}
     return Collected(figures=figures, succeeded=succeeded, status=tuple(status))
 
@@ -338,10 +353,10 @@ def _common_length(given: Mapping[str, object]) -> int:
 def _each(name: str, given: Item | Sequence[Item], n: int, *kinds: type) -> Sequence[Item]:
     """Return the argument once per trial, validated."""
     if not isinstance(given, Sequence):
-        instance(name, given, *kinds)
+        check_instance(name, given, *kinds)
         return [given] * n
     items = cast("Sequence[Item]", given)
-    at_least_one(name, items, "item")
+    check_not_empty(name, items, "item")
     for i, item in enumerate(items):
-        instance(f"{name}[{i}]", item, *kinds)
+        check_instance(f"{name}[{i}]", item, *kinds)
     return items

@@ -102,7 +102,7 @@ def of_figure(name: str) -> dict[str, str]:
     return described(getattr(Trial, name).title, getattr(Trial, name).unit)
 
 
-def parameters(scenario: Scenario, *, each: bool = False) -> dict[str, Parameter]:
+def list_parameters(scenario: Scenario, *, each: bool = False) -> dict[str, Parameter]:
     """Return the parameters that can be swept, by name.
 
     Fins, thrusters and tether drag can be swept if the robot has them; coefficients that are still
@@ -114,7 +114,10 @@ def parameters(scenario: Scenario, *, each: bool = False) -> dict[str, Parameter
         each: Whether to list the numbers of every single module and joint as well.
     """
     robot, environment = scenario.robot, scenario.environment
-    found = [*_numbers(scenario.gait, "gait"), *_numbers(environment, place(environment))]
+    found = [
+        *_numbers(scenario.gait, "gait"),
+        *_numbers(environment, environment_prefix(environment)),
+    ]
     found += _numbers(scenario.model.joints, "joints")
     found.append(Parameter(name="robot.n_links", unit="", title="Number of links", is_whole=True))
     found += _numbers(robot, "robot")
@@ -125,7 +128,7 @@ def parameters(scenario: Scenario, *, each: bool = False) -> dict[str, Parameter
     return {parameter.name: parameter for parameter in found}
 
 
-def place(environment: Environment) -> str:
+def environment_prefix(environment: Environment) -> str:
     """Return the prefix of the names of an environment's parameters."""
     return "water" if isinstance(environment, Water) else "ground"
 
@@ -143,13 +146,13 @@ def look_up(name: object, known: Mapping[str, Parameter], argument: str = "point
     """
     if isinstance(name, str) and name in known:
         return known[name]
-    hint = near(name, known) if isinstance(name, str) else ""
+    hint = suggest_names(name, known) if isinstance(name, str) else ""
     medium = "ground" if any(one.startswith("ground.") for one in known) else "water"
     rule = f"must name numbers of gait, {medium} or robot, such as `gait.amplitude`, got {name!r}{hint}"
     raise BadArgument(argument, rule)
 
 
-def changed(scenario: Scenario, values: Mapping[str, float]) -> Scenario:
+def change_parameters(scenario: Scenario, values: Mapping[str, float]) -> Scenario:
     """Return a scenario with other values of its parameters; unchanged parts remain the same objects.
 
     Args:
@@ -175,7 +178,7 @@ def changed(scenario: Scenario, values: Mapping[str, float]) -> Scenario:
         scenario,
         robot=_applied(robot, body),
         motion=_applied(scenario.gait, wanted["gait"]) if "gait" in wanted else scenario.motion,
-        environment=_applied(environment, wanted.get(place(environment), {})),
+        environment=_applied(environment, wanted.get(environment_prefix(environment), {})),
         model=_applied(scenario.model, {"joints": wanted["joints"]})
         if "joints" in wanted
         else scenario.model,
@@ -299,7 +302,7 @@ def _parts(thing: Any, step: str) -> Sequence[Any]:
     return [found] if some is None else found[some]
 
 
-def near(name: str, known: Collection[str]) -> str:
+def suggest_names(name: str, known: Collection[str]) -> str:
     """Return the end of an error message about a mistyped name: up to three similar names or name ends, or "".
 
     Args:

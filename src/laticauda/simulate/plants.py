@@ -6,13 +6,13 @@ from typing import Any, Unpack, cast
 from laticauda import scenarios
 from laticauda.dynamics.plant import Plant
 from laticauda.dynamics.school import School
-from laticauda.errors import BadArgument, instance, load_mujoco
+from laticauda.errors import BadArgument, check_instance, load_mujoco
 from laticauda.interfaces import Command
 from laticauda.robot import Environment, Ground, Robot, Water, law_of, load_robot
 from laticauda.scenarios import Experiment, Model, ModelChanges, Planar, Scenario, Spatial
 
 
-def plant(
+def build_plant(
     robot: Scenario | Experiment | Robot | str | Path,
     environment: Environment | str | Path | None = None,
     model: Model | str = "planar",
@@ -50,11 +50,11 @@ def plant(
     body = (
         load_robot(robot)
         if isinstance(robot, str | Path)
-        else cast(Robot, instance("robot", robot, Robot))
+        else cast(Robot, check_instance("robot", robot, Robot))
     )
     where = cast(
         Environment,
-        instance("environment", scenarios.environment_of(environment, body), Water, Ground),
+        check_instance("environment", scenarios.environment_of(environment, body), Water, Ground),
     )
     given = {name: one for name, one in changes.items() if one is not None}
     return _plant(body, where, scenarios.model_of(model, **given))

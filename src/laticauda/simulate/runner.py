@@ -11,11 +11,11 @@ import numpy as np
 
 from laticauda import gaits, packaging
 from laticauda.dynamics.plant import Plant, Stretch, check_size
-from laticauda.errors import BadArgument, SimulationFailed, instance
+from laticauda.errors import BadArgument, SimulationFailed, check_instance
 from laticauda.interfaces import Command, Controller, Observation, OpenLoop, Resumed, Start
 from laticauda.robot import Robot
-from laticauda.scenarios import Changes, Experiment, Motion, Scenario, scenario
-from laticauda.simulate.plants import plant
+from laticauda.scenarios import Changes, Experiment, Motion, Scenario, build_scenario
+from laticauda.simulate.plants import build_plant
 from laticauda.trial import Trial
 
 Progress = Callable[[float], None]
@@ -209,7 +209,7 @@ class _Swimmer:
         controller, command = self.controller, self.line[-1][1]
         if not self.signals or controller.interval <= pace:
             self.mind, command = controller.step(self.mind, seen)
-            instance("command", command, Command)
+            check_instance("command", command, Command)
         self.signals.append(controller.signals(self.mind))
         self.counts.append(0)
         self.line.append((now + self.delay, command))
@@ -296,7 +296,7 @@ def resume(
     """Continue from the end of a trial; the rest of an open-loop run is the same as if it had never been interrupted.
 
     Args:
-        plant: The plant of the trial (`laticauda.plant` of its scenario).
+        plant: The plant of the trial (`laticauda.build_plant` of its scenario).
         trial: A trial that ran to its end.
         duration: Duration of the continuation [s].
         controller: The controller, which starts from its own initial state; None continues with the
@@ -330,7 +330,7 @@ def resume(
 
 def _motion(controller: Controller[Any]) -> Motion:
     """Return the gait if the controller only holds one, otherwise the controller."""
-    instance("controller", controller, Controller)
+    check_instance("controller", controller, Controller)
     held = isinstance(controller, OpenLoop) and controller == OpenLoop(
         command=Command(gait=controller.gait)
     )
@@ -403,8 +403,8 @@ def swim(
         0.148
     """
     if isinstance(robot, Scenario | Experiment):
-        body, chosen = plant(robot), cast(Scenario, robot)
+        body, chosen = build_plant(robot), cast(Scenario, robot)
     else:
-        chosen = scenario(robot, cast(Motion, gait), duration, **changes)
-        body = plant(chosen)
+        chosen = build_scenario(robot, cast(Motion, gait), duration, **changes)
+        body = build_plant(chosen)
     return run_scenario(chosen, body, link_forces=link_forces, throw=throw, progress=progress)

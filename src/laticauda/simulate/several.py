@@ -7,7 +7,7 @@ from threading import Event, local
 from typing import Any, TypeVar, cast
 
 from laticauda.dynamics.school import usable_cores
-from laticauda.errors import BadArgument, instance
+from laticauda.errors import BadArgument, check_instance
 from laticauda.scenarios import Scenario, Spatial
 from laticauda.simulate import plants, runner
 from laticauda.simulate.runner import Progress, silent
@@ -52,13 +52,13 @@ def swim_each(
     def swum(i: int) -> Result:
         one = scenarios[i]
         try:
-            instance("", one, Scenario)
+            check_instance("", one, Scenario)
             parts = one.robot, one.environment, one.model
             if not all(
                 part is kept
                 for part, kept in zip(parts, getattr(own, "parts", [None] * 3), strict=True)
             ):
-                own.plant, own.parts = plants.plant(one), parts
+                own.plant, own.parts = plants.build_plant(one), parts
             return use(runner.run_scenario(one, own.plant, progress=watch))
         except BadArgument as bad:
             raise BadArgument(f"scenarios[{i}].{bad.name}".rstrip("."), bad.rule) from bad
@@ -106,12 +106,12 @@ def swim_together(scenarios: Sequence[Scenario], *, progress: Progress = silent)
     """
     from laticauda.spatial.school import Together
 
-    instance("scenarios", scenarios, Sequence)
+    check_instance("scenarios", scenarios, Sequence)
     for i, one in enumerate(scenarios):
-        instance(f"scenarios[{i}].model", one.model, Spatial)
+        check_instance(f"scenarios[{i}].model", one.model, Spatial)
         if cast(Spatial, one.model).scene is None:
             raise BadArgument(f"scenarios[{i}].model", "must have a `scene`, such as `open`")
-    bodies = [cast(Any, plants.plant(one)) for one in scenarios]
+    bodies = [cast(Any, plants.build_plant(one)) for one in scenarios]
     for name in ("environment", "duration", "sample_interval", "scene", "gravity", "root"):
         of_all = zip(scenarios, bodies, strict=True)
         if (

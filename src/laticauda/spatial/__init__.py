@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING
 from laticauda.packaging import lazy_exports
 
 if TYPE_CHECKING:
-    from laticauda.spatial.mjcf import spec as spec, write_mjcf as write_mjcf
+    from laticauda.spatial.mjcf import build_spec as build_spec, write_mjcf as write_mjcf
     from laticauda.spatial.water_robot import (
-        contact as contact,
-        on_ground as on_ground,
+        ground_contact as ground_contact,
+        lay_on_ground as lay_on_ground,
         robot_elements as robot_elements,
     )
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
     {
-        "laticauda.spatial.mjcf": ["spec", "write_mjcf"],
-        "laticauda.spatial.water_robot": ["contact", "on_ground", "robot_elements"],
+        "laticauda.spatial.mjcf": ["build_spec", "write_mjcf"],
+        "laticauda.spatial.water_robot": ["ground_contact", "lay_on_ground", "robot_elements"],
     },
+    renamed={"contact": "ground_contact", "on_ground": "lay_on_ground", "spec": "build_spec"},
 )

@@ -80,7 +80,7 @@ def joined(*meshes: Mesh) -> Mesh:
     return Mesh(vertices=np.vstack([mesh.vertices for mesh in meshes]), faces=np.vstack(faces))
 
 
-def checked(meshes: Iterable[str | Path], n_links: int) -> list[Path]:
+def check_meshes(meshes: Iterable[str | Path], n_links: int) -> list[Path]:
     """Return the paths of mesh files, after checking that there is none, or one readable file per module.
 
     Raises:
@@ -148,7 +148,7 @@ def add_shapes(model: Any, robot: Robot, files: list[Path], *, visuals: bool) ->
         if not files:
             looks = {
                 what: library.made(what, module, build)
-                for what, build in parts(is_head=is_head).items()
+                for what, build in mesh_builders(is_head=is_head).items()
             }
         for material, mesh in looks.items():
             body.add_geom(type=kind.mjGEOM_MESH, meshname=mesh, material=material, **UNTOUCHED)
@@ -189,9 +189,11 @@ class _Library:
         return self._names[key]
 
 
-def parts(*, is_head: bool) -> dict[str, Callable[[Module], Mesh]]:
+def mesh_builders(*, is_head: bool) -> dict[str, Callable[[Module], Mesh]]:
     """Return the functions that build a module's parts, by material."""
-    return {"head": head, "collar": collar} if is_head else {"housing": housing, "band": bands}
+    return (
+        {"head": build_head, "collar": collar} if is_head else {"housing": housing, "band": bands}
+    )
 
 
 def hull(module: Module) -> Mesh:
@@ -223,7 +225,7 @@ def bands(module: Module) -> Mesh:
     )
 
 
-def head(module: Module) -> Mesh:
+def build_head(module: Module) -> Mesh:
     """Return a housing with a rounded front."""
     start, stop = 0.5 * min(GAP, 0.2 * module.length), module.length
     nose = min(NOSE * module.section.half_height, 0.75 * (stop - start))
@@ -269,7 +271,7 @@ class Box(NamedTuple):
     """Position of its center [m]."""
 
 
-def plate(fin: CaudalFin, piece: Piece) -> Box | None:
+def build_fin_plate(fin: CaudalFin, piece: Piece) -> Box | None:
     """Return the part of a piece of the fin that lies behind the opening, or None if there is none."""
     begin = max(_opening(fin), piece.begin)
     return _box(fin, piece, begin, piece.end, 0.0, 0.5) if begin < piece.end else None
@@ -299,7 +301,7 @@ def _box(fin: CaudalFin, piece: Piece, begin: float, end: float, up: float, half
 def _add_fin(model: Any, fin: CaudalFin, *, visuals: bool) -> None:
     box = load_mujoco().mjtGeom.mjGEOM_BOX
     for body, piece in zip(fin_bodies(fin), fin.pieces, strict=True):
-        there, behind = model.body(body.name), plate(fin, piece)
+        there, behind = model.body(body.name), build_fin_plate(fin, piece)
         if behind is not None:
             size, pos = behind
             there.add_geom(

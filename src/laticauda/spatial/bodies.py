@@ -59,7 +59,7 @@ class Mount(NamedTuple):
     """Orientation of its axes in the body's frame, as a quaternion (w, x, y, z) [-]."""
 
 
-def bodies(robot: Robot) -> list[Body]:
+def build_bodies(robot: Robot) -> list[Body]:
     """Return all bodies, parents first: the modules from the tail, then the fin from its root."""
     found: list[Body] = []
     for i, module in enumerate(robot.modules):
@@ -125,7 +125,7 @@ def _orientation(one: Thruster | PectoralFin) -> tuple[float, float, float, floa
     return to_quaternion(turned @ turn("yaw", getattr(one, "deflection", 0.0)))
 
 
-def center_of_mass(robot: Robot) -> float:
+def straight_center_of_mass(robot: Robot) -> float:
     """Return the center of mass of the straight robot on its axis, measured from the tail end [m]."""
     return -float(levers(robot).end[0].sum())
 
@@ -145,7 +145,7 @@ def ballast_of(robot: Robot, model: Model | None) -> float:
     return model.ballast_depth if is_free else 0.0
 
 
-def moments(vertical: float, across: float, above: float) -> Three:
+def moments_of_inertia(vertical: float, across: float, above: float) -> Three:
     """Return the moments of inertia of a body about x, y and z, of which the last is exact [kg m^2].
 
     With the second moments s_x, s_y, s_z of the mass, I_z = s_x + s_y and so on. Here I_z is the
@@ -164,10 +164,10 @@ def moments(vertical: float, across: float, above: float) -> Three:
 
 def _module_inertia(module: Module) -> Three:
     m, a, b = module.mass, module.section.half_height, module.section.half_width
-    return moments(module.moment_of_inertia, 0.25 * m * b**2, 0.25 * m * a**2)
+    return moments_of_inertia(module.moment_of_inertia, 0.25 * m * b**2, 0.25 * m * a**2)
 
 
 def _piece_inertia(fin: CaudalFin, piece: Piece) -> Three:
     m = piece.mass
     rod = m * piece.length**2 / 12.0  # as in the planar model
-    return moments(rod, m * fin.thickness**2 / 12.0, m * fin.height**2 / 12.0)
+    return moments_of_inertia(rod, m * fin.thickness**2 / 12.0, m * fin.height**2 / 12.0)

@@ -12,23 +12,23 @@ import numpy as np
 
 from laticauda.actuation import laws
 from laticauda.actuation.kernels import actuator_of
-from laticauda.compiling import compiled, kernel
+from laticauda.compiling import compile_scalar, kernel
 from laticauda.compiling.formulas import rows_from
 from laticauda.compiling.templates import bindings
 from laticauda.dynamics import stages
 from laticauda.gaits import reference
 from laticauda.spatial.rows import *
 
-advance_wave = compiled(reference.advance_wave)
-advance_time = compiled(reference.advance_time)
-smooth_start = compiled(reference.smooth_start)
-wave_motion = compiled(reference.wave_motion)
-wave_reference = compiled(reference.wave_reference)
-between_knots = compiled(reference.between_knots)
+advance_wave = compile_scalar(reference.advance_wave)
+advance_time = compile_scalar(reference.advance_time)
+smooth_start = compile_scalar(reference.smooth_start)
+wave_motion = compile_scalar(reference.wave_motion)
+wave_reference = compile_scalar(reference.wave_reference)
+between_knots = compile_scalar(reference.between_knots)
 wave_of = rows_from(PHASE, len(reference.WaveState._fields))
 target_of = rows_from(AMPLITUDE, 4)
-joint_powers = compiled(stages.joint_powers)
-motor_power = compiled(laws.motor_power)
+joint_powers = compile_scalar(stages.joint_powers)
+motor_power = compile_scalar(laws.motor_power)
 _own = bindings(__name__)["joint_law"]
 by_law = actuator_of(_own)
 drive_of = rows_from(DRIVE, len(laws.Drive._fields))

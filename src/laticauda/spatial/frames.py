@@ -12,7 +12,7 @@ from jaxtyping import Float
 from laticauda.angles import from_quaternion
 from laticauda.robot import Module, Robot
 from laticauda.scenarios import Model
-from laticauda.spatial.bodies import ballast_of, bodies, mounts
+from laticauda.spatial.bodies import ballast_of, build_bodies, mounts
 from laticauda.spatial.urdf import urdf
 
 UNTURNED = (1.0, 0.0, 0.0, 0.0)
@@ -31,7 +31,7 @@ class Frames:
 
     def __init__(self, robot: Robot, model: Model | None = None) -> None:
         self.robot, self.description, self._ballast = robot, urdf(robot), ballast_of(robot, model)
-        self._bodies = bodies(robot)
+        self._bodies = build_bodies(robot)
         still = {
             one.name: (one.parent, one.position, UNTURNED)
             for one in self._bodies

@@ -11,12 +11,12 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Literal
 
-from laticauda.errors import instance, load_mujoco, one_of
+from laticauda.errors import check_choice, check_instance, load_mujoco
 from laticauda.files import write
 from laticauda.robot import Environment, Joint, Module, Robot, Scene, Water, check_fits
 from laticauda.scenarios import Spatial
 from laticauda.spatial import appearance, scene as scenes
-from laticauda.spatial.bodies import bodies, mounts
+from laticauda.spatial.bodies import build_bodies, mounts
 
 ROOTS = ("free", "planar")
 ACTUATORS = ("none", "servo")
@@ -25,7 +25,7 @@ TIMESTEP = 2e-3  # [s]
 DEPTH = 0.5
 
 
-def spec(
+def build_spec(
     robot: Robot,
     environment: Environment,
     *,
@@ -68,11 +68,11 @@ def spec(
         MissingExtra: If MuJoCo is not installed.
         ValueError: If an argument is out of range, or robot and environment are incompatible.
     """
-    instance("robot", robot, Robot)
-    one_of("root", root, ROOTS)
-    one_of("actuators", actuators, ACTUATORS)
+    check_instance("robot", robot, Robot)
+    check_choice("root", root, ROOTS)
+    check_choice("actuators", actuators, ACTUATORS)
     check_fits(robot, environment)
-    files, around = appearance.checked(meshes, robot.n_links), Scene.of(scene)
+    files, around = appearance.check_meshes(meshes, robot.n_links), Scene.of(scene)
     model = _empty(robot)
     if visuals:
         appearance.add_materials(model)
@@ -87,7 +87,7 @@ def spec(
             _add_servo(model, f"servo_{i}", f"joint_{i}", joint)
         for joint in robot.driven_joints[robot.n_joints :]:
             _add_servo(model, "fin_servo", "fin_joint", joint)
-    scenes.add(model, environment, around, visuals=visuals)
+    scenes.add_scene(model, environment, around, visuals=visuals)
     return model
 
 
@@ -115,7 +115,9 @@ def write_mjcf(
         StorageFailed: If the file cannot be written.
     """
     path = Path(path)
-    model = spec(robot, environment, meshes=appearance.checked(meshes, robot.n_links), **options)
+    model = build_spec(
+        robot, environment, meshes=appearance.check_meshes(meshes, robot.n_links), **options
+    )
     files = [Path(mesh.file) for mesh in model.meshes if mesh.file]
     if files:
         names = dict(zip(files, appearance.copied(files, path), strict=True))
@@ -127,7 +129,7 @@ def write_mjcf(
     write(path, model.to_xml())
 
 
-def prefix(k: int) -> str:
+def robot_prefix(k: int) -> str:
     """Return the prefix of names of the k-th robot in a model; it is empty for the first robot, k = 0."""
     return f"robot_{k}_" if k else ""
 
@@ -140,7 +142,7 @@ def add_robot(model: Any, alone: Any, k: int) -> None:
         alone: The `MjSpec` of that robot alone.
         k: Number of that robot, starting at 1; see `prefix`.
     """
-    model.worldbody.add_frame().attach_body(alone.body("module_0"), prefix(k), "")
+    model.worldbody.add_frame().attach_body(alone.body("module_0"), robot_prefix(k), "")
 
 
 def start_height(
@@ -182,7 +184,7 @@ def _empty(robot: Robot) -> Any:
 def _add_bodies(model: Any, robot: Robot, height: float, root: str, ballast: float) -> None:
     """Add all bodies with their masses, joints and sites; module 0 has its tail end at x = y = 0."""
     kind = load_mujoco().mjtJoint
-    for one in bodies(robot):
+    for one in build_bodies(robot):
         parent = model.body(one.parent) if one.parent else model.worldbody
         body = parent.add_body(
             name=one.name, pos=one.position if one.parent else (0.0, 0.0, height)

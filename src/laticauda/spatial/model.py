@@ -11,7 +11,7 @@ import numpy as np
 
 from laticauda import mujoco_water as water
 from laticauda.dynamics.plant import ELASTIC_DT, Plant, PlantState, Samples
-from laticauda.errors import BadArgument, instance
+from laticauda.errors import BadArgument, check_instance
 from laticauda.fluid.flow import Flow
 from laticauda.interfaces import ORIENTATION, Command, Observation, Start, check_waves
 from laticauda.kinematics import to_quaternion, turn
@@ -81,8 +81,8 @@ class SpatialPlant(Plant[Spatial]):
 
     def init(self, start: Start, command: Command) -> PlantState:
         """Return the straight robot's state, with the generator at the commanded gait and its offset still zero."""
-        instance("start", start, Start)
-        instance("command", command, Command)
+        check_instance("start", start, Start)
+        check_instance("command", command, Command)
         twin = self._twin
         self._check(command)
         if self.settings.root == "planar":

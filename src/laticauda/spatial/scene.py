@@ -17,7 +17,7 @@ import numpy as np
 from laticauda.errors import BadArgument, load_mujoco
 from laticauda.fluid.laws import CoulombFriction
 from laticauda.mujoco_water import Terrain
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot import Environment, Ground, Scene
 from laticauda.spatial.bodies import Three
 
@@ -44,7 +44,7 @@ COLORS = {
 SAND = (0.66, 0.60, 0.48, 1.0)
 
 
-@value
+@value_class
 class Pegs(Scene):
     """A field of upright pegs in rows along x, with a passage for a straight robot between the two middle rows."""
 
@@ -69,7 +69,7 @@ class Pegs(Scene):
                 peg.friction, peg.priority = (self.slip, 0.0, 0.0), 1
 
 
-@value
+@value_class
 class Slope(Scene):
     """Flat ground that continues from an edge as a slope along x, up or down."""
 
@@ -113,7 +113,7 @@ class Slope(Scene):
             solid(spec, "floor", "PLANE", (0.0, 0.0, 1.0), (0.0, 0.0, self.bottom))
 
 
-@value
+@value_class
 class Shore(Slope):
     """A shore above the water, on which the robot starts, and a slope down into the water."""
 
@@ -129,7 +129,7 @@ class Shore(Slope):
     wet: ClassVar[bool] = True
 
 
-@value
+@value_class
 class HeightField(Scene):
     """Uneven ground: heights at the nodes of a grid, or waves in both directions."""
 
@@ -187,7 +187,7 @@ class HeightField(Scene):
         ground.hfieldname = "terrain"
 
 
-@value
+@value_class
 class Pipe(Scene):
     """A pipe to swim through or around, with its axis along x unless tilted."""
 
@@ -211,7 +211,7 @@ class Pipe(Scene):
             solid(pipe, f"wall_{k}", "BOX", size, (0.0, y, z), about)
 
 
-@value
+@value_class
 class Tank(Scene):
     """The tank of the experiments: 40 m x 6.45 m, 1.5 m deep, with its floor and walls."""
 
@@ -228,7 +228,7 @@ class Tank(Scene):
         solid(spec, "wall_back", "BOX", (WALL, y, z), (-x - WALL, 0.0, -z))
 
 
-@value
+@value_class
 class Mjcf(Scene):
     """Contents of an MJCF file: its bodies with their joints and assets; its options are ignored."""
 
@@ -241,7 +241,7 @@ class Mjcf(Scene):
         )
 
 
-@value
+@value_class
 class Edited(Scene):
     """A user-defined function that edits a `mujoco.MjSpec`; a file stores only its name: write a class for more."""
 
@@ -259,7 +259,7 @@ class Edited(Scene):
         self.edit(spec)
 
 
-def add(model: Any, environment: Environment, scene: Scene | None, *, visuals: bool) -> None:
+def add_scene(model: Any, environment: Environment, scene: Scene | None, *, visuals: bool) -> None:
     """Add the surroundings to a model that already has its robots; arguments as for `mjcf.spec`.
 
     Raises:
@@ -270,7 +270,7 @@ def add(model: Any, environment: Environment, scene: Scene | None, *, visuals: b
     if scene is None:
         return
     scene.check(environment)
-    with blamed():
+    with reporting_scene_errors():
         scene(model)
     if visuals and not isinstance(environment, Ground):
         size = (
@@ -308,7 +308,7 @@ def solid(
 
 
 @contextmanager
-def blamed() -> Generator[None]:
+def reporting_scene_errors() -> Generator[None]:
     """Turn errors of MuJoCo within this context into errors about the scene; the robot alone causes none."""
     try:
         yield

@@ -19,7 +19,7 @@ contacts, accelerations); with free joints, the steps are those of the planar mo
 
 import numpy as np
 
-from laticauda.compiling import compiled, entry, kernel
+from laticauda.compiling import compile_scalar, entry, kernel
 from laticauda.compiling.templates import bindings
 from laticauda.dynamics import stages
 from laticauda.dynamics.stages import FARTHEST, GAMMA, STRONGEST
@@ -31,8 +31,8 @@ _drives = bindings(__name__)["drives"]
 actuator, count_work = _drives.actuator, _drives.count_work
 advance_reference, set_reference = _drives.advance_reference, _drives.set_reference
 
-implicit_inertia = compiled(stages.implicit_inertia)
-second_torque = compiled(stages.second_torque)
+implicit_inertia = compile_scalar(stages.implicit_inertia)
+second_torque = compile_scalar(stages.second_torque)
 W_1, W_2 = stages.WEIGHTS
 HOLD = 1e8  # kg m^2
 

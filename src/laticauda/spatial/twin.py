@@ -17,7 +17,7 @@ from laticauda.mujoco_water import callback, native, table
 from laticauda.robot import Environment, Ground, Robot, Scene, Water
 from laticauda.scenarios import Spatial
 from laticauda.spatial import mjcf, rows, scene, water_robot
-from laticauda.spatial.bodies import center_of_mass, fin_bodies
+from laticauda.spatial.bodies import fin_bodies, straight_center_of_mass
 
 TEMPLATES = {"drives": ("joint_law",), "stepping": ("joint_law",)}
 
@@ -41,20 +41,24 @@ class Twin:
         others: Sequence[tuple[Robot, Spatial]] = (),
     ) -> None:
         self.lock = RLock()
-        ballast = setup.ballast_depth if floats(setup) else 0.0
+        ballast = setup.ballast_depth if is_floating(setup) else 0.0
         spec = spec_of(robot, environment, setup)
-        members = [(*one, mjcf.prefix(k)) for k, one in enumerate(((robot, setup), *others))]
-        with scene.blamed():
+        members = [(*one, mjcf.robot_prefix(k)) for k, one in enumerate(((robot, setup), *others))]
+        with scene.reporting_scene_errors():
             for k, (other, own) in enumerate(others, 1):
                 mjcf.add_robot(spec, spec_of(other, environment, replace(own, scene=Scene())), k)
-            self.model = water.compiled(spec)
+            self.model = water.compile_spec(spec)
         if setup.dt is not None:
             self.model.opt.timestep = setup.dt
         self._data, self._n_links = load_mujoco().MjData(self.model), robot.n_links
         self.n_qpos, self.n_qvel = self.model.nq, self.model.nv
         self.height = float(self.model.body("module_0").pos[2])
         self.center = np.array(
-            (center_of_mass(robot), 0.0, -ballast * sum(m.mass for m in robot.modules) / robot.mass)
+            (
+                straight_center_of_mass(robot),
+                0.0,
+                -ballast * sum(m.mass for m in robot.modules) / robot.mass,
+            )
         )
         self.joints = _joint_rows(robot, setup.joints)
         self._lay_out(members)
@@ -88,7 +92,7 @@ class Twin:
             elements,
             density=environment.density,
             current=environment.flow or environment.uniform,
-            surface=around.level if floats(setup) else None,
+            surface=around.level if is_floating(setup) else None,
             form=environment.added_mass_form,
             terrain=around.terrain,
         )
@@ -274,12 +278,12 @@ def stepping(joints: JointLaw) -> ModuleType:
 
 def _elements(robot: Robot, environment: Environment, setup: Spatial) -> tuple[water.Element, ...]:
     """Return the elements of a robot on which the water and the ground act."""
-    found = water_robot.robot_elements(robot, environment, floats=floats(setup))
+    found = water_robot.robot_elements(robot, environment, floats=is_floating(setup))
     land = land_of(environment, setup)
     return (
         found
         if land is None
-        else water_robot.on_ground(found, robot, land, wet=not isinstance(environment, Ground))
+        else water_robot.lay_on_ground(found, robot, land, wet=not isinstance(environment, Ground))
     )
 
 
@@ -292,14 +296,14 @@ def spec_of(robot: Robot, environment: Environment, setup: Spatial) -> Any:
         setup: The model's settings.
     """
     mujoco, land = load_mujoco(), land_of(environment, setup)
-    spec = mjcf.spec(
+    spec = mjcf.build_spec(
         robot,
         environment,
         root=setup.root or "free",
         sensors=False,
         visuals=False,
         scene=setup.scene,
-        ballast_depth=setup.ballast_depth if floats(setup) else 0.0,
+        ballast_depth=setup.ballast_depth if is_floating(setup) else 0.0,
     )
     if setup.scene is not None:  # the solver's initial guess must not depend on earlier runs
         spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_WARMSTART
@@ -316,7 +320,7 @@ def spec_of(robot: Robot, environment: Environment, setup: Spatial) -> Any:
     return spec
 
 
-def floats(setup: Spatial) -> bool:
+def is_floating(setup: Spatial) -> bool:
     """Return whether `setup` has weight and buoyancy, and a root that they can move."""
     return setup.gravity and setup.root == "free"
 

@@ -14,8 +14,8 @@ from pathlib import Path
 from laticauda import angles, files, scenarios
 from laticauda.errors import BadArgument
 from laticauda.robot import Joint, Module, Robot
-from laticauda.spatial.appearance import MATERIALS, checked, copied, plate
-from laticauda.spatial.bodies import Body, bodies, mounts
+from laticauda.spatial.appearance import MATERIALS, build_fin_plate, check_meshes, copied
+from laticauda.spatial.bodies import Body, build_bodies, mounts
 
 # Otherwise MuJoCo would merge links that are fixed to each other, and discard visual shapes.
 MUJOCO = {"fusestatic": "false", "discardvisual": "false", "strippath": "false"}
@@ -42,7 +42,7 @@ def urdf(robot: Robot, meshes: Sequence[str] = ()) -> str:
     _add(_add(root, "mujoco"), "compiler", **MUJOCO)
     for name in SHOWN:
         _add(_add(root, "material", name=name), "color", rgba=MATERIALS[name][0])
-    for body in bodies(robot):
+    for body in build_bodies(robot):
         link = _add(root, "link", name=body.name)
         inertial, (ixx, iyy, izz) = _add(link, "inertial"), body.inertia
         below = scenarios.Spatial().ballast_depth if isinstance(body.part, Module) else 0.0
@@ -58,7 +58,8 @@ def urdf(robot: Robot, meshes: Sequence[str] = ()) -> str:
                 "head" if i == robot.n_links - 1 else "housing",
             )
         elif (
-            robot.caudal_fin is not None and (box := plate(robot.caudal_fin, body.part)) is not None
+            robot.caudal_fin is not None
+            and (box := build_fin_plate(robot.caudal_fin, body.part)) is not None
         ):
             size = tuple(2.0 * half for half in box.half_size)
             _add_shape(link, "fin", {"xyz": box.position}, "box", size=size)
@@ -91,7 +92,7 @@ def write_urdf(path: str | Path, robot: Robot, *, meshes: Iterable[str | Path] =
         StorageFailed: If the file cannot be written.
     """
     path = Path(path)
-    files.write(path, urdf(robot, copied(checked(meshes, robot.n_links), path)))
+    files.write(path, urdf(robot, copied(check_meshes(meshes, robot.n_links), path)))
 
 
 def _add_module(link: ET.Element, module: Module, mesh: str | None, material: str) -> None:
@@ -159,7 +160,7 @@ def _add_control(root: ET.Element, robot: Robot) -> None:
     """
     control = _add(root, "ros2_control", name=robot.name, type="system")
     _add(_add(control, "hardware"), "plugin").text = "mock_components/GenericSystem"
-    for body in bodies(robot):
+    for body in build_bodies(robot):
         if not isinstance(body.joint, Joint):
             continue
         joint, most = _add(control, "joint", name=body.joint_name), _text(body.joint.limit)

@@ -22,7 +22,13 @@ import numpy as np
 
 from laticauda.errors import BadArgument
 from laticauda.fluid.laws import CoulombFriction, ViscousFriction
-from laticauda.hydrodynamics import Coefficients, link_coefficients, mass_across, own, wake_mass
+from laticauda.hydrodynamics import (
+    Coefficients,
+    link_coefficients,
+    mass_across,
+    override_or_default,
+    wake_mass,
+)
 from laticauda.mujoco_water.elements import Element
 from laticauda.mujoco_water.ground import SINK, Contact
 from laticauda.robot import CaudalFin, Environment, Ground, Module, Robot, Water, law_of
@@ -49,7 +55,7 @@ def robot_elements(
     return tuple(found)
 
 
-def on_ground(
+def lay_on_ground(
     elements: tuple[Element, ...], robot: Robot, ground: Ground, *, wet: bool
 ) -> tuple[Element, ...]:
     """Return the elements of a robot that lies on the ground with its weight.
@@ -75,16 +81,21 @@ def on_ground(
             )
         if e.body.startswith("module_") and e.shape == "cylinder":
             e = replace(
-                e, contact=contact(robot.modules[int(e.body.removeprefix("module_"))].mass, ground)
+                e,
+                contact=ground_contact(
+                    robot.modules[int(e.body.removeprefix("module_"))].mass, ground
+                ),
             )
         elif k in plates and robot.caudal_fin is not None:
             fin = robot.caudal_fin
-            e = replace(e, contact=contact(fin.mass * 2.0 * e.half_size[0] / fin.length, ground))
+            e = replace(
+                e, contact=ground_contact(fin.mass * 2.0 * e.half_size[0] / fin.length, ground)
+            )
         found.append(e)
     return tuple(found)
 
 
-def contact(mass: float, ground: Ground) -> Contact:
+def ground_contact(mass: float, ground: Ground) -> Contact:
     """Return the ground contact of a piece of a robot.
 
     Args:
@@ -119,7 +130,7 @@ def _module(i: int, module: Module, c: Coefficients, environment: Environment) -
         mu_z = mass_across(module.added_mass, b, environment) * 2.0 * l
         if environment.rotational == "strip":
             about_y = (mu_z * l**2 / 3.0, c_z * l**2 / 3.0, c_z * l**3 / 4.0)
-        share = own(module.added_inertia, environment.added_inertia)
+        share = override_or_default(module.added_inertia, environment.added_inertia)
         roll = environment.density * np.pi * share * (a**2 - b**2) ** 2 / 8.0 * 2.0 * l
     r = 0.5 * (a + b)
     return Element(

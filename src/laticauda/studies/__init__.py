@@ -12,11 +12,11 @@ if TYPE_CHECKING:
         OBJECTIVES as OBJECTIVES,
         Optimization as Optimization,
         SPEED_POWER as SPEED_POWER,
-        unbeaten as unbeaten,
+        pareto_front as pareto_front,
     )
     from laticauda.studies.sampling import Grid as Grid, Rows as Rows, Samples as Samples
     from laticauda.studies.store import (
-        best as best,
+        best_points as best_points,
         count_failed as count_failed,
         open_sweep as open_sweep,
         run_sweep as run_sweep,
@@ -32,11 +32,12 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "OBJECTIVES",
             "Optimization",
             "SPEED_POWER",
-            "unbeaten",
+            "pareto_front",
         ],
         "laticauda.studies.sampling": ["Grid", "Rows", "Samples"],
-        "laticauda.studies.store": ["best", "count_failed", "open_sweep", "run_sweep"],
+        "laticauda.studies.store": ["best_points", "count_failed", "open_sweep", "run_sweep"],
         "laticauda.studies.sweep": ["Sweep"],
     },
     own=["optimize"],
+    renamed={"best": "best_points", "unbeaten": "pareto_front"},
 )

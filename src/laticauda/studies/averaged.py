@@ -5,7 +5,7 @@ from typing import Any
 
 import laticauda as lc
 from laticauda import control, gaits, simulate
-from laticauda.errors import BadArgument, whole
+from laticauda.errors import BadArgument, check_whole_number
 from laticauda.simulate.runner import Progress, silent
 
 N_TRIALS = 4
@@ -42,7 +42,7 @@ def averaged_model(
         >>> round(model.speed(2.0, 0.0), 2)
         0.13
     """
-    whole("n_trials", n_trials, 3)
+    check_whole_number("n_trials", n_trials, 3)
     low, high = frequency_limits or (
         (1.0 - AROUND) * gait.frequency,
         (1.0 + AROUND) * gait.frequency,

@@ -12,11 +12,11 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 import laticauda as lc
-from laticauda.errors import BadArgument, one_of
+from laticauda.errors import BadArgument, check_choice
 from laticauda.files import write
 from laticauda.logs.tabular import csv_text
-from laticauda.quantities import option, quantity, value
-from laticauda.simulate.numbers import parameters
+from laticauda.quantities import option, quantity, value_class
+from laticauda.simulate.numbers import list_parameters
 from laticauda.studies import sampling, sweep
 from laticauda.studies.sweep import (
     COSTS,
@@ -53,7 +53,7 @@ FAILED = (
 def _objectives(name: str, given: str | Sequence[str]) -> tuple[str, ...]:
     wanted = (given,) if isinstance(given, str) else tuple(given)
     for one in wanted:
-        one_of(name, one, OBJECTIVES)
+        check_choice(name, one, OBJECTIVES)
     if len(set(wanted)) != len(wanted) or len(wanted) not in (1, 2):
         raise BadArgument(
             name, f"must be one, or two different ones, got {', '.join(wanted) or 'none'}"
@@ -61,7 +61,7 @@ def _objectives(name: str, given: str | Sequence[str]) -> tuple[str, ...]:
     return wanted
 
 
-@value
+@value_class
 class Limits:
     """Limits that a point must respect, besides those of the joints, to be feasible."""
 
@@ -79,7 +79,7 @@ class Limits:
     )
 
 
-@value
+@value_class
 class Optimization(Limits):
     """A scenario, those of its numbers that may change, and which figures are maximized or minimized.
 
@@ -148,7 +148,7 @@ class Optimization(Limits):
 
     @property
     def _is_whole(self) -> np.ndarray:
-        known = parameters(self.scenario)
+        known = list_parameters(self.scenario)
         return np.array([known[name].is_whole for name in self.names])
 
 
@@ -187,7 +187,7 @@ def evaluate(
     return found
 
 
-def losses(names: Sequence[str], found: Mapping[str, np.ndarray]) -> np.ndarray:
+def compute_losses(names: Sequence[str], found: Mapping[str, np.ndarray]) -> np.ndarray:
     """Return the objectives as losses, of which the smallest is best, one per column; 0 where there is none.
 
     Args:
@@ -346,7 +346,7 @@ class Front:
         )
 
 
-def unbeaten(losses: Losses) -> Bool[np.ndarray, " n_points"]:
+def pareto_front(losses: Losses) -> Bool[np.ndarray, " n_points"]:
     """Find the nondominated points: no other point is better in one objective and at least as good in the others.
 
     Of equal points, only the first counts.

@@ -24,16 +24,16 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda import files
-from laticauda.errors import BadArgument, optional_import, whole
+from laticauda.errors import BadArgument, check_whole_number, optional_import
 from laticauda.simulate.runner import silent
 from laticauda.studies.folder import as_stored, check_same, owned, readable, storage
 from laticauda.studies.optimization import (
     VIOLATION,
     Front,
     Optimization,
+    compute_losses,
     evaluate,
-    losses,
-    unbeaten,
+    pareto_front,
 )
 from laticauda.studies.sweep import QUANTITIES, Progress, Table
 
@@ -167,7 +167,7 @@ class Search:
         self._algorithm.tell(infills=self._generation)
 
 
-def versions() -> dict[str, str]:
+def package_versions() -> dict[str, str]:
     """Return the versions of the packages on which the search's numbers depend, besides its arguments.
 
     Raises:
@@ -226,18 +226,20 @@ def optimize(
         MissingExtra: If pymoo is not installed.
     """
     usual = POPULATION[len(optimization.objectives)]
-    population = whole("population", usual if population is None else population, LEAST_POPULATION)
-    whole("budget", budget, population)
-    whole("seed", seed, 0)
+    population = check_whole_number(
+        "population", usual if population is None else population, LEAST_POPULATION
+    )
+    check_whole_number("budget", budget, population)
+    check_whole_number("seed", seed, 0)
     if threads is not None:
-        whole("threads", threads, 1)
+        check_whole_number("threads", threads, 1)
     low, high = optimization.box()
     search = Search(
         low, high, n_objectives=len(optimization.objectives), population=population, seed=seed
     )
     path = None if folder is None else Path(folder)
     definition = as_stored(
-        {**optimization.definition(), "population": population, "seed": seed, **versions()}
+        {**optimization.definition(), "population": population, "seed": seed, **package_versions()}
     )
     memory = Checkpoint(definition, len(optimization.names), path)
     with nullcontext() if path is None else owned(path, JOB, CHECKPOINT):
@@ -282,13 +284,13 @@ def _search(
             progress(len(memory.tried[POINTS]), budget)
         n_done += n_points
         if n_done < budget:
-            search.tell(losses(optimization.objectives, known), known[VIOLATION])
+            search.tell(compute_losses(optimization.objectives, known), known[VIOLATION])
 
 
 def _front(optimization: Optimization, tried: Columns, seed: int) -> Front:
     feasible = tried[VIOLATION] == 0.0
-    values = losses(optimization.objectives, tried)
-    best = np.flatnonzero(feasible)[unbeaten(values[feasible])]
+    values = compute_losses(optimization.objectives, tried)
+    best = np.flatnonzero(feasible)[pareto_front(values[feasible])]
     best = best[np.argsort(tried[optimization.objectives[-1]][best], kind="stable")]
     return Front(
         optimization=optimization,

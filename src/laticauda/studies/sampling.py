@@ -11,8 +11,14 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, at_least_one, finite, instance, optional_import
-from laticauda.quantities import option, quantity, several, value
+from laticauda.errors import (
+    BadArgument,
+    check_finite,
+    check_instance,
+    check_not_empty,
+    optional_import,
+)
+from laticauda.quantities import check_items, option, quantity, value_class
 
 Values = Float[np.ndarray, " n_values"]
 Table = Float[np.ndarray, "n_points n_names"]
@@ -164,14 +170,14 @@ def checked_ranges(
     Raises:
         ValueError: If there is none, or one is not a range.
     """
-    at_least_one(argument, ranges, "parameter")
+    check_not_empty(argument, ranges, "parameter")
     found: dict[str, tuple[float, float]] = {}
     for name, ends in ranges.items():
         if len(ends) != 2:
             raise BadArgument(
                 argument, f"must be a low and a high value of `{name}`, got {len(ends)} numbers"
             )
-        low, high = finite(name, ends[0]), finite(name, ends[1])
+        low, high = check_finite(name, ends[0]), check_finite(name, ends[1])
         if not low < high:
             raise BadArgument(
                 argument, f"must have low < high, got {low:g} and {high:g} for `{name}`"
@@ -180,7 +186,7 @@ def checked_ranges(
     return found
 
 
-@value
+@value_class
 class Samples:
     """Points that fill a box evenly: the scrambled Halton sequence.
 
@@ -251,12 +257,12 @@ Points: TypeAlias = Grid | Rows | Samples
 
 
 def _checked(values: Mapping[str, Any]) -> dict[str, Values]:
-    instance("values", values, Mapping)
-    at_least_one("values", values, "parameter")
+    check_instance("values", values, Mapping)
+    check_not_empty("values", values, "parameter")
     found: dict[str, Values] = {}
     for name, given in values.items():
-        array = np.array(several(finite, "a list of numbers", (), name, given))
-        at_least_one(name, array, "value")
+        array = np.array(check_items(check_finite, "a list of numbers", (), name, given))
+        check_not_empty(name, array, "value")
         array.setflags(write=False)
         found[name] = array
     return found

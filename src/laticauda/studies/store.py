@@ -23,13 +23,13 @@ from typing import TYPE_CHECKING, Any, BinaryIO, cast
 
 import numpy as np
 
-from laticauda.errors import BadArgument, one_of, optional_import, whole
+from laticauda.errors import BadArgument, check_choice, check_whole_number, optional_import
 from laticauda.files import local, read_text, write
 from laticauda.simulate.runner import silent
 from laticauda.studies import sweep as sweeps
 from laticauda.studies.folder import as_stored, check_same, owned, readable, storage
 from laticauda.studies.sampling import Grid
-from laticauda.studies.sweep import Regions, Sweep, extent
+from laticauda.studies.sweep import Regions, Sweep, block_shape
 
 if TYPE_CHECKING:
     import xarray
@@ -72,7 +72,7 @@ class Store:
         columns = {**found, **dict(zip(self.sweep.points.names, table.T, strict=True))}
         with storage(self.folder, f"{self.n_done} of {self.sweep.n_trials} trials are stored"):
             for name, array in self.arrays.items():
-                array[block] = columns[name].reshape(extent(block))
+                array[block] = columns[name].reshape(block_shape(block))
             self.marks.seek(index)
             self.marks.write(b"\1")
         self.done[index] = True
@@ -80,7 +80,7 @@ class Store:
 
 
 @contextmanager
-def opened(
+def open_store(
     folder: str | Path, sweep: Sweep, *, region_size: int | None, resume: bool
 ) -> Generator[Store]:
     """Open the folder of a sweep, and create it if there is none.
@@ -318,8 +318,8 @@ def run_sweep(
         MissingExtra: If zarr is not installed, or scipy for samples.
     """
     if threads is not None:
-        whole("threads", threads, 1)
-    with opened(folder, sweep, region_size=region_size, resume=resume) as store:
+        check_whole_number("threads", threads, 1)
+    with open_store(folder, sweep, region_size=region_size, resume=resume) as store:
         progress(store.n_done, sweep.n_trials)
         pending = np.flatnonzero(~store.done).tolist()
         with closing(_results(sweep, store.regions, pending, client, threads)) as results:
@@ -329,7 +329,7 @@ def run_sweep(
     return open_sweep(folder)
 
 
-def best(
+def best_points(
     folder: str | Path, quantity: str = "forward_velocity", count: int = 5
 ) -> list[dict[str, float]]:
     """Return the points of a sweep with the highest speed, or the lowest power or cost of transport, best first.
@@ -346,8 +346,8 @@ def best(
     Raises:
         ValueError: If there is no such quantity, or no sweep in the folder.
     """
-    one_of("quantity", quantity, sweeps.FIGURES)
-    whole("count", count, 1)
+    check_choice("quantity", quantity, sweeps.FIGURES)
+    check_whole_number("count", count, 1)
     sign = 1.0 if quantity in sweeps.COSTS else -1.0
     dataset, regions = open_sweep(folder), regions_of(folder)
     values = dataset[quantity].variable

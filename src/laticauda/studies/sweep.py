@@ -14,18 +14,18 @@ from jaxtyping import Shaped
 
 import laticauda as lc
 from laticauda import codec, extensions, packaging
-from laticauda.errors import BadArgument, instance, whole
-from laticauda.quantities import option, quantity, value
+from laticauda.errors import BadArgument, check_instance, check_whole_number
+from laticauda.quantities import option, quantity, value_class
 from laticauda.simulate.batch_figures import Block, Run, joint_peaks
-from laticauda.simulate.many import collected, runs_of
+from laticauda.simulate.many import run_batch, runs_of
 from laticauda.simulate.numbers import (
     UNITS,
-    changed,
+    change_parameters,
     check_whole,
     described,
+    list_parameters,
     look_up,
     of_figure,
-    parameters,
 )
 from laticauda.simulate.runner import silent
 from laticauda.studies import sampling
@@ -65,8 +65,8 @@ def check_scenario(scenario: lc.Scenario) -> None:
     Raises:
         ValueError: If it is not a scenario, or not of the planar model.
     """
-    instance("scenario", scenario, lc.Scenario)
-    instance("scenario.model", scenario.model, lc.Planar)
+    check_instance("scenario", scenario, lc.Scenario)
+    check_instance("scenario.model", scenario.model, lc.Planar)
 
 
 def definition_of(scenario: lc.Scenario) -> dict[str, Any]:
@@ -92,7 +92,9 @@ def attributes_of(scenario: lc.Scenario) -> dict[str, Any]:
 
 def labels_of(scenario: lc.Scenario) -> dict[str, dict[str, str]]:
     """Return the attributes of every stored parameter and quantity by name: description and unit."""
-    known = {name: described(one.phrase, one.unit) for name, one in parameters(scenario).items()}
+    known = {
+        name: described(one.phrase, one.unit) for name, one in list_parameters(scenario).items()
+    }
     return known | {name: of_figure(name) for name in QUANTITIES}
 
 
@@ -113,7 +115,7 @@ def check_ranges(
         ValueError: If there is no such parameter, or a value is out of its range; the message has
             its name.
     """
-    known = parameters(scenario)
+    known = list_parameters(scenario)
     for name, ends in ranges.items():
         parameter = look_up(name, known, argument)
         check_whole(parameter, np.array(ends))
@@ -123,8 +125,8 @@ def check_ranges(
     for corner in corners:
         values = dict(zip(ranges, corner, strict=True))
         try:
-            other = changed(scenario, values)
-            other.gait.joint_envelope(lc.plant(other).robot.planar().n_links)
+            other = change_parameters(scenario, values)
+            other.gait.joint_envelope(lc.build_plant(other).robot.planar().n_links)
         except ValueError as error:
             listed = ", ".join(f"{name} = {value:g}" for name, value in values.items())
             reason = str(error).replace("`", "")  # these are no arguments of the caller
@@ -155,7 +157,7 @@ def swim_points(
             joints[name][block.index] = values
 
     interval = scenario.sample_interval
-    found = collected(
+    found = run_batch(
         runs, scenario.duration, interval, threads, silent, look=look, with_joints=True
     )
     kept = {
@@ -186,7 +188,7 @@ def scenarios_at(scenario: lc.Scenario, names: tuple[str, ...], table: Table) ->
         own = tuple(row[i] for i in roots[root])
         if (root, own) not in made:
             values = dict(zip((names[i] for i in roots[root]), own, strict=True))
-            made[root, own] = getattr(changed(scenario, values), _ROOTS[root])
+            made[root, own] = getattr(change_parameters(scenario, values), _ROOTS[root])
         return made[root, own]
 
     used = [root for root in _ROOTS if roots[root]]
@@ -197,7 +199,7 @@ def scenarios_at(scenario: lc.Scenario, names: tuple[str, ...], table: Table) ->
 # ---- sweeps --------------------------------------------------------------------------------------
 
 
-@value
+@value_class
 class Sweep:
     """A scenario to sweep, and the points at which its numbers change.
 
@@ -225,7 +227,7 @@ class Sweep:
         check_scenario(self.scenario)
         check_ranges(self.scenario, self.points.ranges)
         if not isinstance(self.points, sampling.Samples):
-            known = parameters(self.scenario)
+            known = list_parameters(self.scenario)
             for name in self.points.names:
                 check_whole(known[name], self.points.values[name])
 
@@ -245,7 +247,7 @@ class Sweep:
             cost = TRIAL_TIME if isinstance(s.model.joints, lc.Prescribed) else DRIVEN_TIME
             trial = cost * s.duration / 30.0 * s.robot.n_links / 10.0
             size = int(np.clip(REGION_TIME / trial, LEAST_SIZE, MOST_SIZE))
-        return cut(self.points.shape, whole("region_size", size, 1))
+        return divide_regions(self.points.shape, check_whole_number("region_size", size, 1))
 
     def tables(self, blocks: Iterable[tuple[slice, ...]]) -> Iterator[Table]:
         """Return the points of some regions, one after the other.
@@ -253,7 +255,7 @@ class Sweep:
         Args:
             blocks: Blocks of the regions, in ascending order.
         """
-        known = parameters(self.scenario)
+        known = list_parameters(self.scenario)
         return self.points.tables(
             blocks, [name for name in self.points.names if known[name].is_whole]
         )
@@ -263,7 +265,7 @@ class Sweep:
         return {**definition_of(self.scenario), "points": self.points.definition()}
 
 
-@value
+@value_class
 class Regions:
     """All regions of a sweep; they are the chunks of its stored arrays."""
 
@@ -300,15 +302,15 @@ class Regions:
         Args:
             index: Index of the region.
         """
-        return math.prod(extent(self.at(index)))
+        return math.prod(block_shape(self.at(index)))
 
 
-def extent(block: sampling.Block) -> tuple[int, ...]:
+def block_shape(block: sampling.Block) -> tuple[int, ...]:
     """Return the shape of a block."""
     return tuple(part.stop - part.start for part in block)
 
 
-def cut(shape: tuple[int, ...], size: int) -> Regions:
+def divide_regions(shape: tuple[int, ...], size: int) -> Regions:
     """Form regions of about `size` points: whole along the last dimensions, nearly equal pieces along the others.
 
     Args:

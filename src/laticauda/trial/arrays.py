@@ -6,8 +6,8 @@ from typing import TypeAlias, cast
 import numpy as np
 from jaxtyping import Float, Shaped
 
-from laticauda.errors import BadArgument, instance, one_of
-from laticauda.series import numbers
+from laticauda.errors import BadArgument, check_choice, check_instance
+from laticauda.series import as_floats
 
 # Shapes of a trial's arrays. `Trial` imports them from here and checks the arrays itself, whatever
 # it is given.
@@ -17,9 +17,11 @@ Setting: TypeAlias = str | float | bool | None
 AnyArray: TypeAlias = Shaped[np.ndarray, "..."]
 
 
-def floats(name: str, values: object, shape: tuple[int | None, ...]) -> Float[np.ndarray, "..."]:
+def check_floats(
+    name: str, values: object, shape: tuple[int | None, ...]
+) -> Float[np.ndarray, "..."]:
     """Return `values` as a read-only float64 array of the given shape; None stands for any length."""
-    array = numbers(name, values)
+    array = as_floats(name, values)
     if array.ndim != len(shape) or any(
         n not in (None, size) for n, size in zip(shape, array.shape, strict=True)
     ):
@@ -31,9 +33,9 @@ def floats(name: str, values: object, shape: tuple[int | None, ...]) -> Float[np
     return _read_only(array, values)
 
 
-def times(name: str, values: object) -> Samples:
+def check_times(name: str, values: object) -> Samples:
     """Return `values` as read-only times, at least one, strictly increasing."""
-    time = floats(name, values, (None,))
+    time = check_floats(name, values, (None,))
     if time.size < 1:
         raise BadArgument(name, "must have at least 1 sample, got 0")
     increases = np.diff(time) > 0.0
@@ -43,16 +45,19 @@ def times(name: str, values: object) -> Samples:
     return time
 
 
-def each(name: str, value: object, shape: tuple[int, ...]) -> dict[str, Float[np.ndarray, "..."]]:
+def check_each(
+    name: str, value: object, shape: tuple[int, ...]
+) -> dict[str, Float[np.ndarray, "..."]]:
     """Return every value of a mapping as a read-only array of the given shape."""
     return {
-        key: floats(f"{name}[{key!r}]", one, shape) for key, one in mapping(name, value).items()
+        key: check_floats(f"{name}[{key!r}]", one, shape)
+        for key, one in mapping(name, value).items()
     }
 
 
 def mapping(name: str, value: object) -> Mapping[str, object]:
     """Return `value` as a mapping whose keys can be names of variables in a file."""
-    items = cast("Mapping[object, object]", instance(name, value, Mapping))
+    items = cast("Mapping[object, object]", check_instance(name, value, Mapping))
     for key in items:
         if not isinstance(key, str) or not key.isidentifier():
             raise BadArgument(
@@ -71,22 +76,22 @@ def state_array(name: str, value: object) -> AnyArray:
     return _read_only(np.asarray(array, dtype=array.dtype.newbyteorder("="), order="C"), value)
 
 
-def names(name: str, value: object, choices: tuple[str, ...]) -> tuple[str, ...]:
+def choose_names(name: str, value: object, choices: tuple[str, ...]) -> tuple[str, ...]:
     """Return those names in `choices` that `value` contains, in the order of `choices`."""
     given = tuple(cast("list[object]", value)) if isinstance(value, tuple | list) else (value,)
     for one in given:
-        one_of(name, one, choices)
+        check_choice(name, one, choices)
     return tuple(choice for choice in choices if choice in given)
 
 
-def same(one: object, other: object) -> bool:
+def are_same(one: object, other: object) -> bool:
     """Return whether two contents are the same, arrays bit for bit."""
     if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
         a, b = cast("AnyArray", one), cast("AnyArray", other)
         return a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes()
     if isinstance(one, dict) and isinstance(other, dict):
         a, b = cast("dict[str, object]", one), cast("dict[str, object]", other)
-        return a.keys() == b.keys() and all(same(a[name], b[name]) for name in a)
+        return a.keys() == b.keys() and all(are_same(a[name], b[name]) for name in a)
     plain = cast("object", one)
     # The texts of values distinguish 1 from True and 0 from -0.
     return type(plain) is type(other) and plain == other and repr(plain) == repr(other)

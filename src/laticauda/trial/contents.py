@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 import numpy as np
 
 from laticauda import gaits, scenarios, series
-from laticauda.errors import BadArgument, flag, instance, text
+from laticauda.errors import BadArgument, check_flag, check_instance, check_text
 from laticauda.robot import Ground, Robot, Water
 from laticauda.trial import arrays
 from laticauda.trial.arrays import AnyArray, FinJoints, Setting
@@ -64,14 +64,14 @@ class Contents(series.Log):
 
     def __post_init__(self) -> None:
         """Validate everything and freeze every array, once."""
-        instance("scenario", self.scenario, scenarios.Scenario, scenarios.Experiment)
-        flag("succeeded", self.succeeded)
+        check_instance("scenario", self.scenario, scenarios.Scenario, scenarios.Experiment)
+        check_flag("succeeded", self.succeeded)
         for name in ("version", "created", "status"):
-            text(name, getattr(self, name))
+            check_text(name, getattr(self, name))
         for name, value in self._clean().items():
             object.__setattr__(self, name, value)
         object.__setattr__(
-            self, "not_measured", arrays.names("not_measured", self.not_measured, NOT_NEEDED)
+            self, "not_measured", arrays.choose_names("not_measured", self.not_measured, NOT_NEEDED)
         )
 
     @property
@@ -128,20 +128,20 @@ class Contents(series.Log):
 
     def _clean(self) -> dict[str, object]:
         """Return the arrays and mappings as they are stored."""
-        clean: dict[str, object] = {"time": arrays.times("time", self.time)}
-        center = arrays.floats("center_of_mass", self.center_of_mass, (len(self.time), None))
+        clean: dict[str, object] = {"time": arrays.check_times("time", self.time)}
+        center = arrays.check_floats("center_of_mass", self.center_of_mass, (len(self.time), None))
         n_axes = center.shape[1]
         if n_axes not in (2, 3):
             raise BadArgument("center_of_mass", f"must have 2 or 3 columns, got {n_axes}")
         shapes = shapes_of(self.robot, len(self.time), n_axes)
         for name, shape in shapes.items():
             if name != "time" and getattr(self, name) is not None:
-                clean[name] = arrays.floats(name, getattr(self, name), shape)
+                clean[name] = arrays.check_floats(name, getattr(self, name), shape)
         if self.link_force is not None:
-            clean["link_force"] = arrays.each(
+            clean["link_force"] = arrays.check_each(
                 "link_force", self.link_force, (*shapes["link_angle"], n_axes)
             )
-        clean["signals"] = arrays.each("signals", self.signals, (len(self.time),))
+        clean["signals"] = arrays.check_each("signals", self.signals, (len(self.time),))
         state = arrays.mapping("state", self.state)
         clean["state"] = {key: arrays.state_array(key, value) for key, value in state.items()}
         return clean
@@ -151,7 +151,7 @@ class Contents(series.Log):
         if not isinstance(other, Contents):
             return False
         names = (field.name for field in dataclasses.fields(self))
-        return all(arrays.same(getattr(self, name), getattr(other, name)) for name in names)
+        return all(arrays.are_same(getattr(self, name), getattr(other, name)) for name in names)
 
     def need(self, purpose: str, *names: str) -> None:
         """Reject a measured trial that lacks required arrays.

@@ -162,7 +162,7 @@ def course_cycle_mean(
     middle = cycle_middles(time, period)
     ends = np.concatenate((middle - 0.5 * period, middle + 0.5 * period))
     before, after = np.split(interpolated(time, center_of_mass, velocity, ends), 2)
-    return CycleMean(middle, np.unwrap(direction(after - before)))
+    return CycleMean(middle, np.unwrap(direction_of(after - before)))
 
 
 def cycle_middles(time: Time, period: float) -> Middles:
@@ -191,7 +191,9 @@ def cycle_middles(time: Time, period: float) -> Middles:
     return middle
 
 
-def direction(displacement: Float[np.ndarray, "n_points n_axes"]) -> Float[np.ndarray, " n_points"]:
+def direction_of(
+    displacement: Float[np.ndarray, "n_points n_axes"],
+) -> Float[np.ndarray, " n_points"]:
     """Compute the angles of displacements in the plane from the world x axis, in [-pi, pi] [rad].
 
     Raises:

@@ -54,12 +54,12 @@ WORK = {
 
 
 @cache
-def signals() -> Mapping[str, tuple[str, str]]:
+def describe_signals() -> Mapping[str, tuple[str, str]]:
     """Return unit and meaning of the signals of `laticauda.control` and of spatial runs; other sources may add more."""
     return read_toml(Path(__file__).parent / "signals.toml")
 
 
-def variable(name: str) -> Series:
+def describe_series(name: str) -> Series:
     """Return the description of a time series.
 
     Args:
@@ -75,11 +75,11 @@ def variable(name: str) -> Series:
         )
     if name.startswith(SIGNAL):
         signal = name.removeprefix(SIGNAL)
-        return Series(*signals().get(signal, ("SI", f"signal {signal} of the controller")))
+        return Series(*describe_signals().get(signal, ("SI", f"signal {signal} of the controller")))
     return Series("J", WORK[name]) if name in WORK else SERIES[name]
 
 
-def epoch(attributes: Mapping[str, Any]) -> int:
+def read_epoch(attributes: Mapping[str, Any]) -> int:
     """Return the wall-clock time of a trial's time 0, for files that must state it [ns since 1970].
 
     An operated run records when it began; a simulated run is taken to have begun when it was
@@ -114,7 +114,7 @@ def to_dataset(trial: Contents) -> "xarray.Dataset":
     arrays = {name: arrays.pop(name) for name in PLAIN} | work | arrays
     series: dict[str, Any] = {}
     for name, values in arrays.items():
-        one = variable(name)
+        one = describe_series(name)
         series[name] = one.dimensions, values.copy(), {"units": one.units, "long_name": one.text}
     index = {
         "link": np.arange(trial.link_angle.shape[1], dtype=np.int32),
@@ -138,7 +138,9 @@ def assembled(read: Callable[[str], AnyArray], attributes: Mapping[str, Any]) ->
     """
     import xarray
 
-    variables = {name: (variable(name).dimensions, read(name)) for name in _names(attributes)}
+    variables = {
+        name: (describe_series(name).dimensions, read(name)) for name in _names(attributes)
+    }
     return xarray.Dataset(variables, attrs=dict(attributes))
 
 
@@ -196,7 +198,7 @@ def check_format(attributes: Mapping[str, Any]) -> None:
         )
 
 
-def packed(values: AnyArray) -> dict[str, Any]:
+def pack_array(values: AnyArray) -> dict[str, Any]:
     """Encode a numeric array of any shape and dtype as JSON-compatible data, bit for bit.
 
     Args:
@@ -221,7 +223,7 @@ def _attributes(trial: Contents) -> dict[str, str | int]:
         "link_force": json.dumps(None if trial.link_force is None else list(trial.link_force)),
         "signals": json.dumps(list(trial.signals)),
         "not_measured": json.dumps(trial.not_measured),
-        "state": json.dumps({name: packed(values) for name, values in trial.state.items()}),
+        "state": json.dumps({name: pack_array(values) for name, values in trial.state.items()}),
     }
 
 

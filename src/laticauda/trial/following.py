@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda.errors import BadArgument, positive
+from laticauda.errors import BadArgument, check_positive
 from laticauda.files import read_toml
 from laticauda.trial.cycles import CycleMean, Middles, Time, cycle_mean, interpolated
 from laticauda.trial.trial import Trial
@@ -65,7 +65,7 @@ def convergence(
     Raises:
         ValueError: If the log is shorter than one cycle, or too coarse to resolve one.
     """
-    positive("tolerance", tolerance, "m")
+    check_positive("tolerance", tolerance, "m")
     middle, error = mean_error(time, cross_track_error, period)
     outside = np.flatnonzero(np.abs(error) > tolerance)
     # The error is inside between two excursions, before the first and after the last: take the
@@ -182,7 +182,7 @@ FIGURES: dict[str, tuple[str, str]] = read_toml(Path(__file__).with_suffix(".tom
 """Unit and meaning of the figures of `summary`; errors are cycle means of the distance from the path."""
 
 
-def summary(trial: Trial) -> dict[str, float | None]:
+def summarize_following(trial: Trial) -> dict[str, float | None]:
     """Return the figures of a path-following run by the names of `FIGURES`; None where the run does not define one.
 
     Args:

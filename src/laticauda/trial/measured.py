@@ -24,8 +24,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 from laticauda import extensions, files, gaits
-from laticauda.errors import BadArgument, TrialFileError, nearest
-from laticauda.quantities import option, quantity, value
+from laticauda.errors import BadArgument, TrialFileError, suggest_nearest
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot import Environment, Robot
 from laticauda.trial.trial import Trial
 
@@ -111,7 +111,7 @@ KINDS = {"LU": "lateral_undulation", "EEL": "eel_like"}
 _RADIANS = 3.2  # if no angle [deg] exceeds this, the angles can only be radians
 
 
-@value
+@value_class
 class SpeedTrial:
     """A row of a table of speeds."""
 
@@ -203,7 +203,7 @@ def _check_columns(path: str | Path, given: list[str]) -> None:
     rules = [f"`{name}` is missing." for name in _NEEDED if name not in given]
     for name in given:
         if name not in _COLUMNS:
-            hint = nearest(name, _COLUMNS) or f"; they are {', '.join(_COLUMNS)}"
+            hint = suggest_nearest(name, _COLUMNS) or f"; they are {', '.join(_COLUMNS)}"
             rules.insert(0, f"`{name}` is not known{hint}")
         if given.count(name) > 1:
             rules.insert(0, f"`{name}` must not be given twice.")

@@ -9,7 +9,7 @@ none returns nan.
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda.errors import BadArgument, positive
+from laticauda.errors import BadArgument, check_positive
 from laticauda.fluid.laws import Element
 from laticauda.kinematics import Posture
 from laticauda.robot import Ground, Robot, Water
@@ -27,7 +27,7 @@ STILL = 1e-9  # a speed below this is rounding error [m/s]
 # ---- figures of arrays and numbers ---------------------------------------------------------------
 
 
-def duration(time: Time) -> float:
+def log_duration(time: Time) -> float:
     """Return the length of the log [s].
 
     Raises:
@@ -42,7 +42,7 @@ def duration(time: Time) -> float:
 
 def mean_velocity(time: Time, center_of_mass: Path) -> Float[np.ndarray, " n_axes"]:
     """Compute the displacement of the center of mass over the whole run / its duration [m/s], world axes."""
-    return (center_of_mass[-1] - center_of_mass[0]) / duration(time)
+    return (center_of_mass[-1] - center_of_mass[0]) / log_duration(time)
 
 
 def forward_velocity(time: Time, center_of_mass: Path) -> float:
@@ -71,7 +71,9 @@ def path_speed(time: Time, center_of_mass: Path) -> float:
     Raises:
         ValueError: If the log has fewer than two samples.
     """
-    return float(np.sum(np.linalg.norm(np.diff(center_of_mass, axis=0), axis=1))) / duration(time)
+    return float(np.sum(np.linalg.norm(np.diff(center_of_mass, axis=0), axis=1))) / log_duration(
+        time
+    )
 
 
 def mean_power(time: Time, work: Time) -> float:
@@ -84,10 +86,10 @@ def mean_power(time: Time, work: Time) -> float:
     Raises:
         ValueError: If the log has fewer than two samples.
     """
-    return float(work[-1] - work[0]) / duration(time)
+    return float(work[-1] - work[0]) / log_duration(time)
 
 
-def integral(time: Time, values: Signal) -> Signal:
+def cumulative_integral(time: Time, values: Signal) -> Signal:
     """Compute the cumulative integral of values, starting from 0, by the trapezoidal rule.
 
     Args:
@@ -108,7 +110,7 @@ def joint_work(time: Time, torque: Joints, rate: Joints) -> Float[np.ndarray, "n
     """
     power = torque * rate
     kinds = np.abs(power), power, np.maximum(power, 0.0)
-    return integral(time, np.stack([one.sum(axis=1) for one in kinds], axis=1))
+    return cumulative_integral(time, np.stack([one.sum(axis=1) for one in kinds], axis=1))
 
 
 def joules_per_meter(power: float, speed: float) -> float:
@@ -135,7 +137,7 @@ def cost_of_transport(power: float, weight: float, speed: float) -> float:
     Raises:
         ValueError: If the robot did not move, or has no weight.
     """
-    return power / (positive("weight", weight, "N") * _moving(speed))
+    return power / (check_positive("weight", weight, "N") * _moving(speed))
 
 
 def carried_weight(robot: Robot, environment: Water | Ground) -> float:
@@ -235,7 +237,7 @@ def speed_through_water(trial: Contents) -> float:
         velocity -= (
             around[0]
             if water.flow is None
-            else integral(trial.time, around)[-1] / np.ptp(trial.time)
+            else cumulative_integral(trial.time, around)[-1] / np.ptp(trial.time)
         )
     return float(np.linalg.norm(velocity))
 
@@ -257,7 +259,7 @@ def course(trial: Contents) -> float:
     Raises a ValueError if the trial is too short or the robot stands still.
     """
     displacement = _displacement(trial, cycles.steady_part(trial.time, trial.period))
-    return float(cycles.direction(displacement[np.newaxis])[0])
+    return float(cycles.direction_of(displacement[np.newaxis])[0])
 
 
 def heading_mean(trial: Contents) -> CycleMean:
@@ -327,7 +329,7 @@ def strouhal_number(trial: Contents) -> float:
     bounds = np.linspace(part.start, part.stop, (part.n_cycles or 1) + 1)
     steps = np.diff(cycles.interpolated(time, place, trial.center_of_mass_velocity, bounds), axis=0)
     excursion = 0.0
-    for begin, end, angle in zip(bounds[:-1], bounds[1:], cycles.direction(steps), strict=True):
+    for begin, end, angle in zip(bounds[:-1], bounds[1:], cycles.direction_of(steps), strict=True):
         cycle = edge[(time >= begin) & (time <= end)]
         excursion += float(np.ptp(cycle @ np.array([-np.sin(angle), np.cos(angle)]))) / len(steps)
     return excursion / (period * steady_velocity(trial))

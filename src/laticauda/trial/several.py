@@ -7,7 +7,7 @@ from typing import Any, cast
 import numpy as np
 
 from laticauda import angles, gaits
-from laticauda.errors import BadArgument, instance
+from laticauda.errors import BadArgument, check_instance
 from laticauda.scenarios import Experiment, Scenario
 from laticauda.series import concatenated
 from laticauda.trial.trial import FIGURES, Figure, Trial
@@ -52,7 +52,7 @@ def compare(*trials: Trial | Sequence[Trial]) -> list[ComparedFigure]:
     if len(given) < 2:
         raise BadArgument("trials", f"must hold at least 2 trials to compare, got {len(given)}")
     columns = [
-        cast(Trial, instance(f"trials[{i}]", one, Trial)).figures()[0]
+        cast(Trial, check_instance(f"trials[{i}]", one, Trial)).figures()[0]
         for i, one in enumerate(given)
     ]
     # Mechanical and electrical power differ by a factor of ten: side by side they would be

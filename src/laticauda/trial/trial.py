@@ -13,7 +13,7 @@ import numpy as np
 
 from laticauda.errors import BadArgument
 from laticauda.extensions import above
-from laticauda.quantities import Quantity, html_table, in_words
+from laticauda.quantities import Quantity, describe_field, html_table
 from laticauda.trial import contents, cycles, metrics
 from laticauda.trial.dataset import fields_of, save, to_dataset
 from laticauda.trial.feasibility import Feasibility, feasibility, peak
@@ -65,7 +65,7 @@ class Trial(contents.Contents):
 
     # ---- figures: unit, title, definition; in the order of a table -------------------------------
 
-    duration = Figure("s", "duration", lambda t: metrics.duration(t.time))
+    duration = Figure("s", "duration", lambda t: metrics.log_duration(t.time))
     forward_velocity = Figure(
         "m/s",
         "forward velocity, straight line over the whole run",
@@ -315,7 +315,7 @@ class Trial(contents.Contents):
             getattr(Trial, name): one for name, one in self.figures()[0].items() if one is not None
         }
         rows = {
-            f.title: in_words(one, Quantity(unit=f.unit, text="")) or "0"
+            f.title: describe_field(one, Quantity(unit=f.unit, text="")) or "0"
             for f, one in known.items()
         }
         return html_table(repr(self)[1:-1], rows)

@@ -21,7 +21,7 @@ from laticauda.errors import MissingProgram
 from laticauda.fluid.laws import PolynomialDrag, TotalSpeedDrag
 from laticauda.interfaces import Command, Start
 from laticauda.robot import Joint, Robot
-from laticauda.simulate import plant
+from laticauda.simulate import build_plant
 
 fmpy = pytest.importorskip("fmpy", exc_type=ImportError)
 
@@ -99,7 +99,7 @@ def in_python(robot: Any = "mamba-fin", gait: Any = GAIT, **settings: Any) -> tu
     inputs, start = settings.pop("inputs", "gait"), settings.pop("start", Start())
     usual = lc.load_water("paper-eel" if gait.kind == "eel_like" else "paper-lateral")
     water = settings.pop("environment", usual)
-    body = plant(lc.load_robot(robot) if isinstance(robot, str) else robot, water, **settings)
+    body = build_plant(lc.load_robot(robot) if isinstance(robot, str) else robot, water, **settings)
     command = Command(
         gait=gait,
         references=(0.0,) * len(body.robot.driven_joints) if inputs == "references" else None,
@@ -200,7 +200,7 @@ def test_inputs_that_change_act_as_a_command_that_changes(make, slave):
             gait__amplitude=gait.amplitude, gait__frequency=gait.frequency, gait__offset=gait.offset
         )
         one.set(current__x=current[0], current__y=current[1])
-        moved = plant(body.robot, replace(water, current=current), dt=body.dt)
+        moved = build_plant(body.robot, replace(water, current=current), dt=body.dt)
         state, log, _ = moved.march(state, Command(gait=gait), 0.05, 0.05)
         one.steps([0.05], time=0.05 * k)
     check_equal(one, body, state, log)

@@ -119,7 +119,7 @@ console.log(JSON.stringify({imports: WebAssembly.Module.imports(module).length, 
 @pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
 def test_a_browser_needs_nothing_but_the_module_and_swims_as_python_does(tmp_path):
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
-    body: Any = lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"))
+    body: Any = lc.build_plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"))
     tables = tables_of(body, gait, lc.Start(), inputs="gait")
     module = linked(code_for("wasm32"), PLATFORMS["wasm32"])
     assert len(module) < 200_000
@@ -173,7 +173,7 @@ def test_this_machine_is_known_by_what_python_says_of_it(monkeypatch, system, ma
 
 def test_without_zig_another_platform_says_what_to_install(monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    monkeypatch.setattr(platforms, "here", lambda: PLATFORMS["linux64"])
+    monkeypatch.setattr(platforms, "current_platform", lambda: PLATFORMS["linux64"])
     with pytest.raises(
         MissingExtra, match=r'x86_64-windows needs ziglang; run `pip install "laticauda\[export\]"`'
     ):

@@ -9,9 +9,9 @@ import laticauda as lc
 from laticauda.cosim.native import entry
 from laticauda.cosim.native.tables import Tables, tables_in_c, tables_of
 from laticauda.interfaces import Start
-from laticauda.planar.layout import layout
+from laticauda.planar.layout import build_layout
 from laticauda.robot import Water
-from laticauda.simulate import plant
+from laticauda.simulate import build_plant
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
 COEFFICIENTS = (
@@ -25,7 +25,9 @@ POSITIVE = st.just(0.0) | st.floats(1e-9, 5.0)  # of smaller ones, a product may
 
 
 def tables(water: Water, robot: str = "mamba-fin", **settings: str) -> Tables:
-    return tables_of(plant(lc.load_robot(robot), water, **settings), GAIT, Start(), inputs="gait")
+    return tables_of(
+        build_plant(lc.load_robot(robot), water, **settings), GAIT, Start(), inputs="gait"
+    )
 
 
 def rows_in(told: Tables, water: Water) -> np.ndarray:
@@ -71,10 +73,10 @@ def test_rows_of_another_water_are_those_of_its_own_layout(
     )
     there = replace(here, density=density, **dict(zip(COEFFICIENTS, coefficients, strict=True)))
     robot = lc.load_robot("mamba-fin")
-    expected = layout(robot, there).template
+    expected = build_layout(robot, there).template
     found = rows_in(tables(here), there)
     parameters = expected != 0.0  # the rest are state and what the gait writes
-    scale = np.maximum(np.abs(expected), np.abs(layout(robot, here).template))[parameters]
+    scale = np.maximum(np.abs(expected), np.abs(build_layout(robot, here).template))[parameters]
     gait = np.isin(np.flatnonzero(parameters), np.flatnonzero(rows_of_others(here)))
     assert np.all((np.abs(found - expected)[parameters] <= 1e-11 * scale) | gait)
 
@@ -82,8 +84,8 @@ def test_rows_of_another_water_are_those_of_its_own_layout(
 def rows_of_others(water: Water) -> np.ndarray:
     """Rows that do not come from the layout alone: bandwidth, envelope and so on."""
     return (
-        tables(water).real[: layout(lc.load_robot("mamba-fin"), water).template.size]
-        != layout(lc.load_robot("mamba-fin"), water).template
+        tables(water).real[: build_layout(lc.load_robot("mamba-fin"), water).template.size]
+        != build_layout(lc.load_robot("mamba-fin"), water).template
     )
 
 
@@ -93,7 +95,7 @@ def test_modules_with_coefficients_of_their_own_do_not_follow_the_waters():
     own = replace(
         robot, modules=tuple(replace(module, normal_drag=1.0) for module in robot.modules)
     )
-    told = tables_of(plant(own, water), GAIT, Start(), inputs="gait")
+    told = tables_of(build_plant(own, water), GAIT, Start(), inputs="gait")
     there = replace(water, normal_drag=3.0)
     assert rows_in(told, there) == pytest.approx(told.real[: told.n_rows], abs=0.0)
 

@@ -33,7 +33,7 @@ def program() -> str:
 
 def in_python() -> list[float]:
     water = replace(lc.load_water("paper-lateral"), normal_drag=1.5)
-    body: Any = lc.plant(lc.load_robot("mamba-fin"), water)
+    body: Any = lc.build_plant(lc.load_robot("mamba-fin"), water)
     gait = replace(GAIT, amplitude=0.5)
     state = body.init(Start(), Command(gait=gait))
     for k in range(600):

@@ -88,7 +88,9 @@ def test_an_error_without_words_is_named(tmp_path: Path):
 
 def test_a_sink_keeps_what_is_learnt_behind_the_sample_that_taught_it_and_tells_it(tmp_path: Path):
     water, settings = lc.load_water("paper-lateral"), Learning(unknown=())
-    learner = Learner(settings=settings, robot=ROBOT, plant=lc.plant(ROBOT, water, joints="servo"))
+    learner = Learner(
+        settings=settings, robot=ROBOT, plant=lc.build_plant(ROBOT, water, joints="servo")
+    )
     with OperationRecorder(tmp_path / "a.mcap", replace(HEADER, learning=settings)) as recorder:
         sink = Sink(recorder, learner=learner)
         for sample in samples(jammed(swum((ROBOT, water, 10.5)), begin=6.0)):
@@ -104,8 +106,8 @@ def test_a_sink_keeps_what_is_learnt_behind_the_sample_that_taught_it_and_tells_
         ("learned", learned.line),
         ("changed", changed.message),
     ]
-    assert rerun_learner(log, lc.plant) == [learned]
-    assert rerun_learner(log, lc.plant, replace(settings, stuck=0.95))[0].time < learned.time
+    assert rerun_learner(log, lc.build_plant) == [learned]
+    assert rerun_learner(log, lc.build_plant, replace(settings, stuck=0.95))[0].time < learned.time
 
 
 class Failing(Learner):
@@ -118,7 +120,7 @@ class Failing(Learner):
 
 def test_a_learner_that_fails_ends_no_recording_and_is_said_there_too(tmp_path: Path):
     wrong = Failing(
-        robot=ROBOT, plant=lc.plant(ROBOT, lc.load_water("paper-lateral"), joints="servo")
+        robot=ROBOT, plant=lc.build_plant(ROBOT, lc.load_water("paper-lateral"), joints="servo")
     )
     samples = [ReferenceSample(time=0.1 * k, angle=np.zeros(8)) for k in range(3)]
     with OperationRecorder(tmp_path / "a.mcap", HEADER) as recorder:

@@ -171,7 +171,7 @@ def test_a_recording_without_a_run_is_refused(recorded):
         rerun_controller(bare)
 
 
-TWIN = lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"), joints="servo")
+TWIN = lc.build_plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"), joints="servo")
 
 
 def test_a_recording_makes_the_same_twin_again_and_the_estimates_are_the_same_to_the_last_bit(
@@ -186,7 +186,7 @@ def test_a_recording_makes_the_same_twin_again_and_the_estimates_are_the_same_to
         environment=TWIN.environment,
         model=lc.Planar(joints=Servo(), dt=0.002, offset_bandwidth=10.0, ramp=0.0),
     )
-    again = rerun_estimator(log, plant=lc.plant)
+    again = rerun_estimator(log, plant=lc.build_plant)
     assert len(again) > 200
     assert all(
         np.array_equal(numbers(one), numbers(two))
@@ -217,7 +217,7 @@ def test_a_header_comes_back_from_its_texts_and_is_written_again_as_it_was():
 
 def test_a_twin_whose_law_no_file_can_name_is_refused_at_the_start():
     water = replace(TWIN.environment, drag=FunctionDrag(function=lambda *_: (0.0, 0.0, 0.0)))
-    twin = lc.plant(TWIN.robot, water, joints="servo")
+    twin = lc.build_plant(TWIN.robot, water, joints="servo")
     with pytest.raises(
         ValueError,
         match="`plant` must have a fluid law that is a class, and no scene, to be recorded",

@@ -17,7 +17,11 @@ from laticauda.estimation import (
 )
 from laticauda.kinematics import turn
 from laticauda.operate import Event, Header, OperationLog, PowerReading, trial_of
-from laticauda.operate.recording.to_trial import electrical_work, idle_current, run_of
+from laticauda.operate.recording.to_trial import (
+    estimates_of_run,
+    find_idle_current,
+    measure_electrical_work,
+)
 from laticauda.robot import Joint
 from laticauda.scenarios import Experiment
 
@@ -156,17 +160,17 @@ def test_the_charge_is_that_of_the_averages_where_one_record_goes_on_else_of_the
     found, charge
 ):
     log = replace(log_of(FINNED, *found, supply_voltage=10.0), notes={"idle": {"current": "0.5"}})
-    work, told = electrical_work(log, np.array([0.0, 2.0]))
+    work, told = measure_electrical_work(log, np.array([0.0, 2.0]))
     assert work == pytest.approx([0.0, 10.0 * charge - 10.0 * 0.5 * 2.0])
     assert told == {"supply_voltage": 10.0, "idle_current": 0.5}
 
 
 def test_one_reading_is_no_work_and_a_noted_current_is_not_negative():
     log = log_of(FINNED, readings(average=True)[0], supply_voltage=10.0)
-    assert electrical_work(log, np.array(TIMES)) == (None, {})
-    assert idle_current(log, 10.0) == FINNED.idle_power / 10.0
+    assert measure_electrical_work(log, np.array(TIMES)) == (None, {})
+    assert find_idle_current(log, 10.0) == FINNED.idle_power / 10.0
     with pytest.raises(ValueError, match=r"`idle current` must be >= 0 A, got -1"):
-        idle_current(replace(log, notes={"idle": {"current": "-1"}}), 10.0)
+        find_idle_current(replace(log, notes={"idle": {"current": "-1"}}), 10.0)
 
 
 def test_the_run_is_what_lies_between_its_last_start_and_the_stop_behind_it_each_moment_once():
@@ -175,10 +179,16 @@ def test_the_run_is_what_lies_between_its_last_start_and_the_stop_behind_it_each
         Event(time=time, kind=kind, message="")
         for time, kind in ((0.0, "start"), (0.1, "start"), (0.05, "stop"))
     ]
-    assert [one.time for one in run_of(log_of(FINNED, *found, *events))] == [0.1, 0.2, 0.3]
+    assert [one.time for one in estimates_of_run(log_of(FINNED, *found, *events))] == [
+        0.1,
+        0.2,
+        0.3,
+    ]
     ended = log_of(FINNED, *found, *events, Event(time=0.2, kind="stop", message=""))
-    assert [one.time for one in run_of(ended)] == [0.1, 0.2]
-    assert [one.time for one in run_of(ended, [found[1], found[1], found[2], found[1]])] == [
+    assert [one.time for one in estimates_of_run(ended)] == [0.1, 0.2]
+    assert [
+        one.time for one in estimates_of_run(ended, [found[1], found[1], found[2], found[1]])
+    ] == [
         0.1,
         0.2,
     ]
@@ -187,7 +197,7 @@ def test_the_run_is_what_lies_between_its_last_start_and_the_stop_behind_it_each
         lc.errors.TrialFileError,
         match=r"no run with at least two estimates\. The file is not whole\.",
     ):
-        run_of(cut)
+        estimates_of_run(cut)
 
 
 def test_a_run_that_was_rejected_says_why_and_one_without_an_end_has_none():

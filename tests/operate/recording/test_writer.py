@@ -43,7 +43,9 @@ def test_what_is_kept_is_in_the_file_once_it_is_closed(tmp_path: Path):
 def test_what_is_learnt_in_the_writers_program_is_in_the_file_and_told(tmp_path: Path):
     water = lc.load_water("paper-lateral")
     learner = Learner(
-        settings=Learning(unknown=()), robot=ROBOT, plant=lc.plant(ROBOT, water, joints="servo")
+        settings=Learning(unknown=()),
+        robot=ROBOT,
+        plant=lc.build_plant(ROBOT, water, joints="servo"),
     )
     given = list(samples(jammed(swum((ROBOT, water, 10.5)), begin=6.0)))
     with Writer(tmp_path / "a.mcap", HEADER, learner=learner) as writer:
@@ -53,7 +55,7 @@ def test_what_is_learnt_in_the_writers_program_is_in_the_file_and_told(tmp_path:
     assert learned.changes[0].startswith("Joint 4 is stuck")
     assert [event.kind for event in writer.news] == ["learned", "changed"]
     assert [event.message for event in writer.news] == [learned.line, *learned.changes]
-    again = rerun_learner(read_operation(tmp_path / "a.mcap"), lc.plant, Learning(unknown=()))
+    again = rerun_learner(read_operation(tmp_path / "a.mcap"), lc.build_plant, Learning(unknown=()))
     assert again == [learned]
 
 

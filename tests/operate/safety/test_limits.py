@@ -12,7 +12,7 @@ from laticauda.operate.safety.limits import (
     Modules,
     Reports,
     compare,
-    complaints,
+    list_complaints,
     no_reports,
     updated,
     within_limits,
@@ -218,7 +218,7 @@ SOUND = Heartbeat(node=1, state=NodeState.READY, temperature=30.0, voltage=35.0)
 def test_what_speaks_against_starting_is_said_of_its_module_with_what_to_look_at(beat, says):
     # A third one that is well: what follows a silent module is looked at, too.
     modules = modules_that(SOUND, beat, replace(SOUND, node=3, leak=True))
-    found = complaints(modules, max_temperature=60.0, min_voltage=28.0)
+    found = list_complaints(modules, max_temperature=60.0, min_voltage=28.0)
     assert found == (*says, "module 3 reports water inside: take the robot out and dry it")
 
 
@@ -231,11 +231,11 @@ def test_a_bus_with_more_modules_than_the_robot_has_joints_is_that_of_another_ro
         0,
         18,
     )
-    assert complaints(other, max_temperature=60.0, min_voltage=28.0) == (
+    assert list_complaints(other, max_temperature=60.0, min_voltage=28.0) == (
         "module 18 responds, but the robot has 2: check `robot`",
     )
     same = updated(modules, [(1.0, JointState(node=2, **angles)), (1.0, replace(SOUND, node=1))])
-    assert complaints(same, max_temperature=60.0, min_voltage=28.0) == ()
+    assert list_complaints(same, max_temperature=60.0, min_voltage=28.0) == ()
 
 
 def test_a_robot_that_is_well_and_in_time_breaks_no_limit():

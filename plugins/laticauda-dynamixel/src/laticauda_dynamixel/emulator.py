@@ -26,7 +26,7 @@ from laticauda.protocol import (
     Order,
     Sync,
     decode,
-    references,
+    encode_references,
     to_frame,
 )
 from laticauda_dynamixel import packets
@@ -167,7 +167,7 @@ class Servos(AbstractContextManager["Servos"]):
         ]
         if not steps:
             return
-        self._to_tank += references(
+        self._to_tank += encode_references(
             [(one - packets.MIDDLE) * 2.0 * math.pi / packets.TURN for one in steps]
         )
         self._to_tank.append(Sync(counter=self._counter))
@@ -229,7 +229,9 @@ def tank_of_servos(robot: str = "mamba", seed: int = 0) -> lab.Tank:
         zero_error=0.0,
     )
     what = lc.load_robot(robot)
-    body = lab.VirtualRobot(what, lc.plant(what, lc.load_water("paper-lateral"), joints="servo"))
+    body = lab.VirtualRobot(
+        what, lc.build_plant(what, lc.load_water("paper-lateral"), joints="servo")
+    )
     return lab.Tank(body, replace(usual, nodes=nodes))
 
 

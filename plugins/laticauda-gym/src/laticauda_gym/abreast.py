@@ -13,7 +13,7 @@ from jaxtyping import Float
 
 from laticauda.dynamics import school
 from laticauda.errors import BadArgument
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.scenarios import Scenario, Spatial
 from laticauda.spatial.school import School, Together
 from laticauda_gym.swimming import Numbers, Range, Sight, Step, in_body_axes, ranges, swimmer
@@ -49,7 +49,7 @@ class OneScene(School):
         return np.full(self.n, failure is None)
 
 
-@value
+@value_class
 class Abreast(Steered):
     """Swim abreast along lines that lie side by side, without touching, in a current that is not observed.
 

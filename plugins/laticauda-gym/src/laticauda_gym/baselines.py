@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.errors import BadArgument, instance
+from laticauda.errors import BadArgument, check_instance
 from laticauda_gym.environments import SwimmingVectorEnv
 from laticauda_gym.packages import needed
 
@@ -33,7 +33,7 @@ class StableBaselines(VecEnv):
     """
 
     def __init__(self, envs: SwimmingVectorEnv) -> None:
-        instance("envs", envs, SwimmingVectorEnv)
+        check_instance("envs", envs, SwimmingVectorEnv)
         if envs.autoreset_mode.value != "SameStep":
             advice = 'as in `SwimmingVectorEnv(64, autoreset_mode="SameStep")`'
             got = envs.autoreset_mode.value

@@ -14,7 +14,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from laticauda import codec, scenarios
-from laticauda.errors import BadArgument, one_of, whole
+from laticauda.errors import BadArgument, check_choice, check_whole_number
 from laticauda_gym.episodes import BOUND, Episodes
 from laticauda_gym.swimming import Swimming, swimmer
 from laticauda_gym.tasks import Efficiency, PathFollowing, StationKeeping
@@ -45,7 +45,7 @@ def task_of(task: str | Swimming, settings: Mapping[str, Any]) -> Swimming:
                 "task", f"must be a name if its fields are given, got {task} and {set(settings)}"
             )
         return task
-    return decoded(TASKS[one_of("task", task, tuple(TASKS))], settings)
+    return decoded(TASKS[check_choice("task", task, tuple(TASKS))], settings)
 
 
 def decoded(kind: type[TaskType], settings: Mapping[str, Any]) -> TaskType:
@@ -115,7 +115,7 @@ class _Tasked:
         self, task: Swimming, n: int, render_mode: str | None, threads: int | None = None
     ) -> None:
         if render_mode is not None:
-            one_of("render_mode", render_mode, self.metadata["render_modes"])
+            check_choice("render_mode", render_mode, self.metadata["render_modes"])
         self.task, self.episodes, self.render_mode = (
             task,
             Episodes(task, n, threads=threads),
@@ -261,9 +261,9 @@ class SwimmingVectorEnv(_Tasked, VectorEnv):
     ) -> None:
         mode = autoreset_mode.value if isinstance(autoreset_mode, AutoresetMode) else autoreset_mode
         self.autoreset_mode = AutoresetMode(
-            one_of("autoreset_mode", mode, [each.value for each in AutoresetMode])
+            check_choice("autoreset_mode", mode, [each.value for each in AutoresetMode])
         )
-        self.num_envs = whole("num_envs", num_envs, 1)
+        self.num_envs = check_whole_number("num_envs", num_envs, 1)
         self._set_up(task_of(task, settings), self.num_envs, render_mode, threads)
         self.metadata["autoreset_mode"] = self.autoreset_mode
         self.single_observation_space, self.single_action_space = spaces(self.task)

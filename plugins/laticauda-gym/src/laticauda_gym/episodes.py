@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float
 
 from laticauda import interfaces, robot
 from laticauda.dynamics.school import Motion, School
-from laticauda.errors import BadArgument, finite, one_of
+from laticauda.errors import BadArgument, check_choice, check_finite
 from laticauda.simulate.plants import school_of
 from laticauda_gym.swimming import FLOW, Step, Swimming
 
@@ -180,11 +180,13 @@ class Episodes:
     def _fixed(self, given: Mapping[str, Any]) -> dict[str, np.ndarray]:
         fixed: dict[str, np.ndarray] = {}
         for name, value in given.items():
-            one_of("options", name, tuple(self._drawn))
+            check_choice("options", name, tuple(self._drawn))
             if np.shape(value) == (self.n,):
-                fixed[name] = np.array([finite(f"{name}[{i}]", one) for i, one in enumerate(value)])
+                fixed[name] = np.array(
+                    [check_finite(f"{name}[{i}]", one) for i, one in enumerate(value)]
+                )
             else:
-                fixed[name] = np.full(self.n, finite(name, value))
+                fixed[name] = np.full(self.n, check_finite(name, value))
         return fixed
 
 

@@ -17,12 +17,12 @@ from jaxtyping import Float
 
 import laticauda as lc
 from laticauda.dynamics.school import Motion
-from laticauda.errors import instance, within
+from laticauda.errors import check_instance, check_within
 from laticauda.fluid.flow import Flow
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda.robot import Current, Robot, Water
-from laticauda.scenarios import Changes, Scenario, scenario
-from laticauda.simulate.numbers import changed, look_up, parameters
+from laticauda.scenarios import Changes, Scenario, build_scenario
+from laticauda.simulate.numbers import change_parameters, list_parameters, look_up
 
 Numbers = Float[np.ndarray, " n"]
 
@@ -131,10 +131,10 @@ def swimmer(
     Raises:
         ValueError: If an argument is out of its range.
     """
-    return scenario(robot, gait, duration, **changes)
+    return build_scenario(robot, gait, duration, **changes)
 
 
-@value
+@value_class
 class Swimming(ABC):
     """Robot, water, time between actions and duration of a task; each task defines its own goal.
 
@@ -156,8 +156,8 @@ class Swimming(ABC):
 
     def __post_init__(self) -> None:
         """Check that the fields fit together."""
-        instance("scenario.motion", self.scenario.motion, lc.Gait)
-        within("interval", self.interval, 0.0, self.scenario.duration, "s")
+        check_instance("scenario.motion", self.scenario.motion, lc.Gait)
+        check_within("interval", self.interval, 0.0, self.scenario.duration, "s")
         for end in ("low", "high"):
             self.current({draw.name: getattr(draw, end) for draw in self.flow_draws})
 
@@ -170,7 +170,7 @@ class Swimming(ABC):
     @cached_property
     def flow_draws(self) -> tuple[Range, ...]:
         """Parameters of the flow that every episode draws."""
-        known = parameters(self.scenario)
+        known = list_parameters(self.scenario)
         ranges = {name: SEEDS for name in known if name.startswith(FLOW) and name.endswith("seed")}
         ranges |= {
             look_up(FLOW + name, known, "currents").name: ends
@@ -187,7 +187,7 @@ class Swimming(ABC):
         Args:
             drawn: Values by name, as in `flow_draws` [SI].
         """
-        return cast(Water, changed(self.scenario, drawn).environment).current
+        return cast(Water, change_parameters(self.scenario, drawn).environment).current
 
     @property
     def gait(self) -> lc.Gait:
@@ -202,7 +202,7 @@ class Swimming(ABC):
     @cached_property
     def plant(self) -> lc.Plant[Any]:
         """Plant of the scenario."""
-        return lc.plant(self.scenario)
+        return lc.build_plant(self.scenario)
 
     @property
     @abstractmethod

@@ -5,8 +5,8 @@ import math
 import numpy as np
 
 from laticauda.control.path_following import refuse_offset
-from laticauda.errors import BadArgument, positive
-from laticauda.quantities import quantities_of, quantity, value
+from laticauda.errors import BadArgument, check_positive
+from laticauda.quantities import quantities_of, quantity, value_class
 from laticauda_gym.swimming import Numbers, Range, Sight, Step, Swimming, in_body_axes, ranges
 
 HEADING_RATE = Sight(name="heading_rate", of=lambda step: step.after.heading_rate)
@@ -53,10 +53,10 @@ def check_ends(task: Swimming, *names: str) -> None:
             raise BadArgument(
                 name, f"must be two numbers in {unit}, the lower one first, got {(low, high)}"
             )
-        positive(f"{name}[1]", high, unit)
+        check_positive(f"{name}[1]", high, unit)
 
 
-@value
+@value_class
 class Steered(Swimming):
     """A robot that is steered by its offset, in a current that is not observed.
 
@@ -99,7 +99,7 @@ class Steered(Swimming):
         )
 
 
-@value
+@value_class
 class PathFollowing(Steered):
     """Follow the x axis in an unobserved current; the action is the offset that steering adds, as for line of sight.
 
@@ -139,7 +139,7 @@ class PathFollowing(Steered):
         return progress - step.interval * (error + step.power / self.power_unit)
 
 
-@value
+@value_class
 class Efficiency(Swimming):
     """Swim at the requested speed with the least power, in still water; the actions are the gait.
 
@@ -226,7 +226,7 @@ def _speed(step: Step) -> Numbers:
     return (np.cos(heading) * x + np.sin(heading) * y) / step.interval
 
 
-@value
+@value_class
 class StationKeeping(Steered):
     """Stay at the origin in an unobserved current; the actions are the offset that steering adds, and the frequency.
 

@@ -11,7 +11,7 @@ from gymnasium.error import ResetNeeded
 from gymnasium.spaces import Box
 from gymnasium.utils.seeding import np_random
 
-from laticauda.errors import BadArgument, whole
+from laticauda.errors import BadArgument, check_whole_number
 from laticauda_gym.abreast import OPEN, Abreast, OneScene
 from laticauda_gym.environments import NOT_BEGUN, checked, decoded, spaces
 from laticauda_gym.episodes import Episodes
@@ -41,7 +41,7 @@ class SwimmingParallelEnv(ParallelEnv):
     metadata: dict[str, Any] = {"name": "laticauda_abreast_v0", "render_modes": []}  # noqa: RUF012 - for PettingZoo
 
     def __init__(self, n_robots: int = 3, *, task: Abreast | None = None, **settings: Any) -> None:
-        n = whole("n_robots", n_robots, 2)
+        n = check_whole_number("n_robots", n_robots, 2)
         if task is not None and settings:
             raise BadArgument(
                 "task", f"must be None if its fields are given, got {task} and {set(settings)}"

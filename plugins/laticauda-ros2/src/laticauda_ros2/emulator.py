@@ -18,7 +18,15 @@ from typing import Any
 import laticauda as lc
 from laticauda import lab, protocol
 from laticauda.angles import to_quaternion
-from laticauda.protocol import JointState, NodeCommand, Order, Sync, decode, references, to_frame
+from laticauda.protocol import (
+    JointState,
+    NodeCommand,
+    Order,
+    Sync,
+    decode,
+    encode_references,
+    to_frame,
+)
 from laticauda_ros2 import messages
 from laticauda_ros2.bus import GOALS, MOTORS, STATES
 from laticauda_ros2.node import Node
@@ -77,7 +85,7 @@ class Controllers(AbstractContextManager["Controllers"]):
         ):  # where a computer is too slow, it is less often
             self._due = max(self._due + PERIOD, time.monotonic())
             self._counter = (self._counter + 1) % 65536
-            self._to_tank += [*references(self._goal), Sync(counter=self._counter)]
+            self._to_tank += [*encode_references(self._goal), Sync(counter=self._counter)]
         return to_frame(self._to_tank.popleft()) if self._to_tank else None
 
     def _arrays(self, topic: str) -> list[list[float]]:
@@ -168,7 +176,9 @@ def tank_behind_ros(robot: str = "mamba", seed: int = 0) -> lab.Tank:
         zero_error=0.0,
     )
     what = lc.load_robot(robot)
-    body = lab.VirtualRobot(what, lc.plant(what, lc.load_water("paper-lateral"), joints="servo"))
+    body = lab.VirtualRobot(
+        what, lc.build_plant(what, lc.load_water("paper-lateral"), joints="servo")
+    )
     return lab.Tank(body, replace(usual, nodes=nodes))
 
 

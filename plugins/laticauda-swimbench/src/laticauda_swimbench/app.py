@@ -7,11 +7,11 @@ from typing import Annotated, Any
 
 import tyro
 
-from laticauda.cli.command import SHARE, Command, Outcome, progress
-from laticauda.cli.flags import BadFlag, Folder, Inputs, Listed, Place, read
-from laticauda.errors import BadArgument, LaticaudaError, one_of, whole
+from laticauda.cli.command import SHARE, Command, Outcome, show_progress
+from laticauda.cli.flags import BadFlag, Folder, Inputs, Listed, Place, parse_command
+from laticauda.errors import BadArgument, LaticaudaError, check_choice, check_whole_number
 from laticauda.files import write
-from laticauda.quantities import option, quantity, value
+from laticauda.quantities import option, quantity, value_class
 from laticauda_gym.packages import NotInstalled
 from laticauda_swimbench.challenges import CHALLENGES, challenge
 
@@ -21,7 +21,7 @@ RESULTS = Path(__file__).parent / "results"
 Policies = Annotated[Listed, tyro.conf.Positional]
 
 
-@value
+@value_class
 class List(Command):
     """List the scenarios and the baselines."""
 
@@ -44,7 +44,7 @@ class List(Command):
         return Outcome(facts=facts, text="\n".join(lines))
 
 
-@value
+@value_class
 class Score(Command):
     """Score policies in the scenarios: baselines by name, .onnx and .npz files, Python callables as module:name.
 
@@ -66,7 +66,7 @@ class Score(Command):
         from laticauda_swimbench.table import table
 
         for name in self.scenarios:
-            one_of("scenarios", name, CHALLENGES)
+            check_choice("scenarios", name, CHALLENGES)
         methods, missing = dict[str, Method](), list[str]()
         for text in self.policies or NUMBERS:  # refuse a bad one before the first is scored
             try:
@@ -79,7 +79,9 @@ class Score(Command):
         for text, each in methods.items():
             contents.append(
                 score(
-                    each, self.scenarios, progress(SHARE, what=f"scored {each.name}", patience=2.0)
+                    each,
+                    self.scenarios,
+                    show_progress(SHARE, what=f"scored {each.name}", patience=2.0),
                 )
             )
             if self.output is not None:
@@ -97,7 +99,7 @@ def _file_name(policy: str) -> str:
     return "".join(letter if letter.isalnum() or letter in "-_." else "-" for letter in stem)
 
 
-@value
+@value_class
 class Table(Command):
     """Print the table of score files, after a look at their checksums; of the baselines' own if there are none.
 
@@ -121,7 +123,7 @@ class Table(Command):
         return Outcome(facts=facts, text=table(contents))
 
 
-@value
+@value_class
 class Train(Command):
     """Train a learner in scenarios: hours for all of them. It goes on where it stopped, and needs stable-baselines3.
 
@@ -158,7 +160,7 @@ class Train(Command):
         self.announce({"told": line}, line)
 
 
-@value
+@value_class
 class Search(Command):
     """Search for the numbers of a scenario's reference, as they stand in its file. It needs cma."""
 
@@ -169,7 +171,7 @@ class Search(Command):
         """Search, then swim the scored episodes with the result."""
         from laticauda_swimbench.search import ends, search
 
-        whole("evaluations", self.evaluations, 1)
+        check_whole_number("evaluations", self.evaluations, 1)
         found = search(
             self.scenario, self.evaluations, lambda line: self.announce({"told": line}, line)
         )
@@ -216,8 +218,8 @@ def main(args: Sequence[str] | None = None) -> int:
         )
         return 0
     try:
-        chosen = COMMANDS[one_of("command", words[0], tuple(COMMANDS))]
-        return read(chosen, words[1:], f"{PROGRAM} {words[0]}")()
+        chosen = COMMANDS[check_choice("command", words[0], tuple(COMMANDS))]
+        return parse_command(chosen, words[1:], f"{PROGRAM} {words[0]}")()
     except SystemExit as end:  # tyro has printed its help or an error
         return end.code if isinstance(end.code, int) else 2
     except KeyboardInterrupt:

@@ -15,7 +15,7 @@ from typing import Any, cast
 
 import laticauda as lc
 from laticauda import codec
-from laticauda.errors import one_of
+from laticauda.errors import check_choice
 from laticauda.files import parse_toml
 from laticauda.robot import Robot
 from laticauda.scenarios import Scenario
@@ -77,7 +77,7 @@ def challenge(name: str) -> Challenge:
     Raises:
         ValueError: If there is no scenario of that name.
     """
-    file = FOLDER / f"{one_of('scenario', name, CHALLENGES)}.toml"
+    file = FOLDER / f"{check_choice('scenario', name, CHALLENGES)}.toml"
     content = file.read_bytes().replace(b"\r\n", b"\n")
     table = parse_toml(content.decode(), file)
     swims = cast(Scenario, run_from_table(table["swims"]))

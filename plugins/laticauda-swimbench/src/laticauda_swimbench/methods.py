@@ -18,7 +18,7 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.control import AveragedModel, ModelPredictive
-from laticauda.errors import BadArgument, one_of
+from laticauda.errors import BadArgument, check_choice
 from laticauda.files import read_toml
 from laticauda_gym import Episodes, Pilots
 from laticauda_gym.packages import needed
@@ -257,4 +257,4 @@ def method(text: str, scenarios: Sequence[str] = CHALLENGES) -> Method:
         return _onnx(file) if file.suffix == ".onnx" else _weights(file)
     if ":" in text:
         return _called(text)
-    return _baseline(one_of("policy", text, tuple(NUMBERS)), scenarios)
+    return _baseline(check_choice("policy", text, tuple(NUMBERS)), scenarios)

@@ -4,14 +4,14 @@ import math
 from dataclasses import replace
 
 from laticauda.control.path_following import refuse_offset
-from laticauda.quantities import quantity, value
+from laticauda.quantities import quantity, value_class
 from laticauda_gym.swimming import Numbers, Range, Sight, Step, Swimming, ranges
 from laticauda_gym.tasks import BESIDE_THE_PATH, PHASE, check_ends
 
 _UNIT_POWER = 100.0  # observed as 1 [W]
 
 
-@value
+@value_class
 class Swim(Swimming):
     """Swim along the x axis, close to it and with little energy; the actions are the gait and the steering.
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.errors import one_of
+from laticauda.errors import check_choice
 from laticauda_gym import SwimmingVectorEnv
 from laticauda_gym.packages import needed
 from laticauda_swimbench import networks
@@ -142,7 +142,7 @@ def train(
     Raises:
         NotInstalled: If stable-baselines3 is not installed.
     """
-    one_of("learner", learner, tuple(SETTINGS))
+    check_choice("learner", learner, tuple(SETTINGS))
     library = needed("Training", "stable-baselines3", "stable_baselines3")
     import torch
     from stable_baselines3.common.vec_env import VecNormalize

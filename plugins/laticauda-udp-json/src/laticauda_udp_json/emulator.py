@@ -48,7 +48,9 @@ class Sender:
 def main() -> None:
     """A tank until Ctrl-C."""
     robot = lc.load_robot("mamba")
-    body = lab.VirtualRobot(robot, lc.plant(robot, lc.load_water("paper-lateral"), joints="servo"))
+    body = lab.VirtualRobot(
+        robot, lc.build_plant(robot, lc.load_water("paper-lateral"), joints="servo")
+    )
     sender, bus = Sender(*sys.argv[1:2]), protocol.bus_address("udp_multicast")
     served = lab.Lab(lab.Tank(body), bus=bus)
     served.server = sender

@@ -22,9 +22,9 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 import laticauda as lc
 from laticauda import extensions, files, scenarios
 from laticauda.cosim.native.platforms import linked, object_codes, platforms_of, universal
-from laticauda.cosim.native.tables import Tables, identifier, tables_for, tables_in_c
+from laticauda.cosim.native.tables import Tables, c_identifier, tables_for, tables_in_c
 from laticauda.cosim.native.variables import Variable
-from laticauda.errors import BadArgument, one_of
+from laticauda.errors import BadArgument, check_choice
 
 HERE = Path(__file__).parent
 FOLDER = HERE / "c"
@@ -87,12 +87,12 @@ def export_fmu(
     file = Path(path)
     if file.suffix.lower() != ".fmu":
         raise BadArgument("path", f"must be a file that ends in .fmu, got {path}")
-    one_of("fmi", fmi, VERSIONS)
+    check_choice("fmi", fmi, VERSIONS)
     wanted = platforms_of(platform)
     tables = tables_for(robot, gait, inputs, **changes)
     codes = object_codes(tables.plant, wanted)
     words = Description(
-        identifier=identifier(file.stem),
+        identifier=c_identifier(file.stem),
         tables=tables,
         platforms=", ".join(one.pair for one in wanted),
         version=fmi,

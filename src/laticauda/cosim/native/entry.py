@@ -83,12 +83,12 @@ def bitcode(law: DragLaw, joints: JointLaw, flow: tuple[formulas.Formula, ...] =
     """
     rule = f"a drag law must be plain arithmetic, which needs no Python; `{law.formula.name}`"
     try:
-        with compiling_for(target()):  # the law alone first, which is fast
+        with compiling_for(native_target()):  # the law alone first, which is fast
             count = MOTION + len(Element._fields) + len(law.formula.fields)
             in_numbers(law.formula, Element, MOTION).compile(
                 (types.StarArgUniTuple(types.float64, count),)
             )
-        move = _move(specialize(1, law, joints, flow, target()).run)
+        move = _move(specialize(1, law, joints, flow, native_target()).run)
     except NumbaError as err:
         raise ValueError(f"{rule} is not: {reason_of(err)}.") from err
     module = llvm.parse_assembly(move.inspect_llvm())
@@ -153,7 +153,7 @@ def _log_at(typingctx, numbers):
 
 
 @functools.cache
-def target() -> Target:
+def native_target() -> Target:
     """Return this processor without Python as target; chains are addresses: arrays need Numba's memory management."""
 
     @_inner

@@ -30,7 +30,7 @@ from laticauda import files, formulas
 from laticauda.actuation.laws import JointLaw
 from laticauda.compiling.templates import sources_digest
 from laticauda.cosim.native.entry import NAME, bitcode
-from laticauda.errors import BadArgument, LaticaudaError, MissingExtra, MissingProgram, one_of
+from laticauda.errors import BadArgument, LaticaudaError, MissingExtra, MissingProgram, check_choice
 from laticauda.files import read_toml
 from laticauda.fluid.laws import DragLaw
 from laticauda.planar.model import PlanarPlant, specialize
@@ -93,7 +93,7 @@ class LinkingFailed(LaticaudaError, RuntimeError):
     """Raised if the C compiler is available but fails; the message gives the command and its output."""
 
 
-def here() -> Platform | None:
+def current_platform() -> Platform | None:
     """Return the platform of this machine; None if it is not one of `PLATFORMS`."""
     system = {"win32": "windows"}.get(sys.platform, sys.platform)
     family = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine().lower(), machine().lower())
@@ -110,8 +110,8 @@ def platform_of(name: str = "") -> Platform:
         ValueError: If there is no such platform.
     """
     if name:
-        return PLATFORMS[one_of("platform", name, [*PLATFORMS])]
-    if (own := here()) is None:
+        return PLATFORMS[check_choice("platform", name, [*PLATFORMS])]
+    if (own := current_platform()) is None:
         raise BadArgument(
             "platform", f"must be given on {sys.platform} on {machine()}, which is none of them"
         )
@@ -129,7 +129,7 @@ def platforms_of(names: Sequence[str] = ()) -> list[Platform]:
     """
     libraries = [one for one in PLATFORMS.values() if one.folder]
     for name in names:
-        one_of("platform", name, [*(one.name for one in libraries), "darwin"])
+        check_choice("platform", name, [*(one.name for one in libraries), "darwin"])
     return [one for one in libraries if one.name in names or one.system.name in names] or [
         platform_of()
     ]
@@ -233,9 +233,11 @@ def compiler(platform: Platform) -> list[str]:
     Raises:
         MissingProgram, MissingExtra: If there is no compiler.
     """
-    wanted = shlex.split(os.environ.get("CC", "")) if platform == here() else []
+    wanted = shlex.split(os.environ.get("CC", "")) if platform == current_platform() else []
     for command in (
-        ([wanted] if wanted else [[name] for name in COMPILERS]) if platform == here() else []
+        ([wanted] if wanted else [[name] for name in COMPILERS])
+        if platform == current_platform()
+        else []
     ):
         if shutil.which(command[0]) is not None:
             return command
@@ -248,7 +250,7 @@ def compiler(platform: Platform) -> list[str]:
             "-target",
             f"{platform.processor}-{platform.system.zig}",
         ]
-    if platform != here():
+    if platform != current_platform():
         raise MissingExtra(f"A library for {platform.pair}", "ziglang", "export")
     thing = (
         f"the C compiler `{wanted[0]}` (the environment says CC={' '.join(wanted)})"

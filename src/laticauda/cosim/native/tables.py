@@ -22,9 +22,9 @@ from laticauda import files, scenarios
 from laticauda.cosim.native import entry
 from laticauda.cosim.native.platforms import FOLDER, linked, object_codes, platforms_of, universal
 from laticauda.cosim.native.variables import Variable, variables_of
-from laticauda.errors import BadArgument, instance, one_of
+from laticauda.errors import BadArgument, check_choice, check_instance
 from laticauda.planar import model, rows
-from laticauda.planar.layout import layout
+from laticauda.planar.layout import build_layout
 
 Triples = Sequence[tuple[int, int, float]]
 INPUTS = ("gait", "references")
@@ -67,11 +67,11 @@ def tables_for(
     **changes: Any,
 ) -> Tables:
     """Return the arrays of a planar scenario in water; arguments and errors as for `export_fmu`."""
-    one_of("inputs", inputs, INPUTS)
+    check_choice("inputs", inputs, INPUTS)
     chosen = (
         robot
         if isinstance(robot, lc.Scenario)
-        else lc.scenario(robot, cast(lc.Gait, gait), **changes)
+        else lc.build_scenario(robot, cast(lc.Gait, gait), **changes)
     )
     for name, kind in {
         "environment": lc.Water,
@@ -79,8 +79,8 @@ def tables_for(
         "motion": lc.Gait,
         "start": lc.Start,
     }.items():
-        instance(name, getattr(chosen, name), kind)
-    plant, gait = cast(model.PlanarPlant, lc.plant(chosen)), chosen.gait
+        check_instance(name, getattr(chosen, name), kind)
+    plant, gait = cast(model.PlanarPlant, lc.build_plant(chosen)), chosen.gait
     plant.flow.refuse_tables("an FMU or a library in C")
     if inputs == "references" and plant.joints.prescribed:
         raise BadArgument(
@@ -217,7 +217,7 @@ def _difference(
 ) -> np.ndarray:
     """Return the change of the rows per unit of a field of the water."""
     there: Any = {field: getattr(water, field) + step}
-    other = layout(plant.robot, replace(water, **there), joints=plant.joints).template
+    other = build_layout(plant.robot, replace(water, **there), joints=plant.joints).template
     change = (other - here) / step
     change[np.abs(other - here) <= 1e-13 * np.abs(here)] = 0.0
     return change
@@ -226,7 +226,7 @@ def _difference(
 # ---- in C ----------------------------------------------------------------------------------------
 
 
-def identifier(stem: str) -> str:
+def c_identifier(stem: str) -> str:
     """Return a valid C name derived from that of a file."""
     plain = re.sub(r"\W", "_", stem, flags=re.ASCII)
     return plain if plain[:1].isalpha() else f"robot_{plain}"
@@ -310,7 +310,7 @@ def export_c(
     if file.suffix.lower() != ".h":
         raise BadArgument("path", f"must be a file that ends in .h, got {path}")
     tables = tables_for(robot, gait, inputs, **changes)
-    name, sources = identifier(file.stem), [FOLDER / "library.c"]
+    name, sources = c_identifier(file.stem), [FOLDER / "library.c"]
     header = header_of(tables, name)
     own = [f"#define {word} {name.upper()}_{word}" for word in STATUS]
     own += [f"#define ROBOT {name}", f"#define FUNCTION(what) {name}_##what"]

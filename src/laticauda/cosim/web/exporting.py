@@ -160,7 +160,8 @@ def _entry(given: str | lc.Robot) -> dict[str, Any]:
 
 def _body(body: lc.Robot) -> dict[str, Any]:
     plant, none, one = (
-        cast(PlanarPlant, lc.plant(one)) for one in _in_waters(lc.scenario(body, FIRST_GAIT))
+        cast(PlanarPlant, lc.build_plant(one))
+        for one in _in_waters(lc.build_scenario(body, FIRST_GAIT))
     )
     tables = tables_of(plant, FIRST_GAIT, lc.Start(), inputs="gait")
     number = {variable.name: i for i, variable in enumerate(tables.variables)}

@@ -20,7 +20,12 @@ from numba.extending import overload
 from laticauda.angles import wrap_to_pi, wrapped
 from laticauda.compiling import INLINED, compiling_for
 from laticauda.compiling.formulas import in_numbers, rows_from
-from laticauda.control.guidance import HeadingController, IntegralLineOfSight, grown, mean_over
+from laticauda.control.guidance import (
+    HeadingController,
+    IntegralLineOfSight,
+    extend_integral,
+    mean_over,
+)
 from laticauda.control.paths import Polyline, seen_from
 from laticauda.cosim.native import entry
 from laticauda.formulas import Formula
@@ -49,7 +54,7 @@ def instant(s: Any) -> tuple[float, ...]:
     Args:
         s: Object with the `NUMBERS` as attributes, in the units of `laticauda.control`.
     """
-    now = s.time, s.heading, grown((s.t3, s.heading3, s.integral3), s.time, s.heading)
+    now = s.time, s.heading, extend_integral((s.t3, s.heading3, s.integral3), s.time, s.heading)
     window = (s.t1, s.heading1, s.integral1), (s.t2, s.heading2, 0.0), now
     used = mean_over(window, s.begin) if s.time > s.begin else s.heading
     begin, end = (s.x0, s.y0), (s.x1, s.y1)
@@ -68,7 +73,7 @@ def _fmod(x, y):  # Numba supports only NumPy's version
 
 def bitcode() -> bytes:
     """Return the LLVM module of a function that reads `NUMBERS` from an address and writes `RESULTS` there."""
-    target = entry.target()
+    target = entry.native_target()
     wrapping = target.kernel(inspect.unwrap(wrapped))  # type checks are not part of the formula
     with compiling_for(replace(target, formulas={**target.formulas, wrap_to_pi: wrapping})):
         inner = in_numbers(Formula(name="instant", function=instant, fields=NUMBERS), None, 0)

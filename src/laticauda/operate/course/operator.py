@@ -27,7 +27,14 @@ from laticauda.operate.safety.supervisor import (
     phase_with,
 )
 from laticauda.operate.settings import Operation
-from laticauda.protocol import CanMessage, EmergencyStop, NodeCommand, Order, Sync, references
+from laticauda.protocol import (
+    CanMessage,
+    EmergencyStop,
+    NodeCommand,
+    Order,
+    Sync,
+    encode_references,
+)
 from laticauda.robot import Robot
 
 REPEAT = 0.1  # time after which orders that are not yet obeyed are repeated [s]
@@ -280,7 +287,9 @@ class Operator:
         if supervisor.action == "emergency_stop" and supervisor.since == now and not orders:
             orders.append(stop)
         angles = (
-            references(state.reference.references.tolist()) if supervisor.sends_references else ()
+            encode_references(state.reference.references.tolist())
+            if supervisor.sends_references
+            else ()
         )
         state = replace(
             state, ordered=now if orders else state.ordered, sync=(state.sync + 1) % 65536

@@ -11,7 +11,7 @@ from laticauda.angles import wrap_to_pi
 from laticauda.errors import LaticaudaError
 from laticauda.operate.course.state import OperatorState, Places
 from laticauda.operate.recording.entries import Event
-from laticauda.operate.safety.limits import complaints
+from laticauda.operate.safety.limits import list_complaints
 from laticauda.operate.safety.supervisor import phase_after
 from laticauda.operate.settings import Operation
 
@@ -89,7 +89,7 @@ def _connecting(operation: Operation, state: OperatorState, now: float) -> Answe
 def _checking(operation: Operation, state: OperatorState, now: float) -> Answer:
     """Check every module: firmware state, temperature, leak, voltage, and that it is limp."""
     limits = operation.limits
-    found = complaints(
+    found = list_complaints(
         state.modules, max_temperature=limits.max_temperature, min_voltage=limits.min_voltage
     )
     if not found and state.modules.is_limp(now, limits.heartbeat_timeout):
@@ -115,7 +115,7 @@ def _calibrating(operation: Operation, state: OperatorState, now: float) -> Answ
     if unset and not how.joint_zeros:
         words.append(f"{unset} modules have had no zero since power-on")
     elif unset:
-        zeros = joint_zeros(np.array(prepared.angle), largest=how.max_joint_zero)
+        zeros = measure_joint_zeros(np.array(prepared.angle), largest=how.max_joint_zero)
         words.append(f"joint zeros up to {math.degrees(np.max(np.abs(zeros))):.1f} deg")
         prepared = replace(prepared, sets_zero=True)
     if how.straight_heading is not None:
@@ -124,7 +124,9 @@ def _calibrating(operation: Operation, state: OperatorState, now: float) -> Answ
             raise CalibrationFailed(
                 "The marker body cannot be calibrated: the motion capture hardly sees it."
             )
-        yaw = marker_yaw(rotation, heading=how.straight_heading - operation.tank.path_heading)
+        yaw = measure_marker_yaw(
+            rotation, heading=how.straight_heading - operation.tank.path_heading
+        )
         words.append(f"marker body at {math.degrees(yaw):+.2f} deg to its module")
         prepared = replace(prepared, marker_turned=wrap_to_pi(yaw - how.marker_yaw))
     found = {"without_zero": 0 if how.joint_zeros else unset}
@@ -221,7 +223,7 @@ _STEPS = {phase.__name__.removeprefix("_"): phase for phase in _PHASES}
 # ---- what is measured before a run ---------------------------------------------------------------
 
 
-def joint_zeros(
+def measure_joint_zeros(
     angle: Float[np.ndarray, "n_samples n_joints"], *, largest: float
 ) -> Float[np.ndarray, " n_joints"]:
     """Return what every joint reports while the robot lies straight: the median of the samples.
@@ -251,7 +253,7 @@ def joint_zeros(
     return zero
 
 
-def marker_yaw(rotation: Float[np.ndarray, "n_samples 3 3"], *, heading: float) -> float:
+def measure_marker_yaw(rotation: Float[np.ndarray, "n_samples 3 3"], *, heading: float) -> float:
     """Return the direction of the marker body relative to its module, from the straight robot.
 
     All links of a straight robot point the same way, so the module's direction is the robot's,

@@ -25,7 +25,7 @@ import time
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-from laticauda.errors import BadArgument, hostname
+from laticauda.errors import BadArgument, check_hostname
 from laticauda.estimation import PoseSample
 from laticauda.extensions import Extensible
 from laticauda.operate.recording.entries import PowerReading
@@ -193,4 +193,4 @@ def host_and_port(address: str) -> tuple[str, int]:
         raise BadArgument(
             "address", f"must be HOST:PORT, with a port from 1 to 65535, got {address!r}"
         )
-    return hostname("address", host), int(port)
+    return check_hostname("address", host), int(port)

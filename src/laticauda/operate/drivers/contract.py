@@ -25,7 +25,7 @@ from laticauda.protocol import (
     NodeCommand,
     Order,
     Sync,
-    references,
+    encode_references,
 )
 
 TICK = 0.01  # [s]
@@ -88,7 +88,7 @@ def _heard(one: Any, now: float) -> Heard:
     return Heard("body not seen" if one[1].is_lost else "body", *one)
 
 
-def broken(
+def list_broken_rules(
     kind: str,
     device: str,
     *,
@@ -166,7 +166,7 @@ def _bus(found: list[Any], duration: float) -> Iterator[str]:
 def _limp(driver: Any, clock: Clock, found: list[Any], moves: bool) -> Iterator[str]:
     """Check that modules are limp without references, and after an emergency stop."""
     angles = {one.node: one.angle for one in found if isinstance(one, JointState)}
-    held = references([angles[node] for node in sorted(angles)]) if angles else ()
+    held = encode_references([angles[node] for node in sorted(angles)]) if angles else ()
     steps = [
         ("active with references", (NodeCommand(order=Order.ENABLE), *held), 0.5, True),
         ("limp without references", (), LIMP_WITHIN, False),

@@ -10,7 +10,7 @@ the line.
 import contextlib
 from typing import Any
 
-from laticauda.errors import one_of
+from laticauda.errors import check_choice
 from laticauda.operate.drivers.base import StopInput
 from laticauda.protocol.worker import Clock, DeviceFailed, hardware
 
@@ -40,7 +40,7 @@ class SerialLine(StopInput):
     def check(cls, address: str) -> None:
         """See `Driver.check`."""
         super().check(address)
-        one_of("address", address.partition(":")[2] or LINES[0], LINES)
+        check_choice("address", address.partition(":")[2] or LINES[0], LINES)
 
     def look(self) -> str:
         """See `StopInput.look`."""

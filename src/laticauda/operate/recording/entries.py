@@ -15,16 +15,16 @@ from jaxtyping import Float
 
 from laticauda import codec, estimation, interfaces, packaging, robot
 from laticauda.dynamics.plant import Plant
-from laticauda.errors import BadArgument, instance
+from laticauda.errors import BadArgument, check_instance
 from laticauda.estimation import Estimate, JointSample, Learned, PoseSample, ReferenceSample
 from laticauda.estimation.samples import Status
 from laticauda.fluid.laws import FunctionDrag
 from laticauda.logs import ros2
-from laticauda.quantities import hints_of, option, quantity, value
+from laticauda.quantities import hints_of, option, quantity, value_class
 from laticauda.scenarios import Experiment, run_from_toml, run_to_toml
 
 
-@value
+@value_class
 class PowerReading:
     """Reading of the power meter in the supply cable."""
 
@@ -176,7 +176,7 @@ _PLAIN = {float: "float64", float | None: "float64", Status: "string", **_JSON}
 """ROS types of fields by their Python types; all others are arrays."""
 
 
-def kind_of(kind: type[Any]) -> str:
+def ros_type_of(kind: type[Any]) -> str:
     """Return the ROS type of the entries of a class."""
     return f"laticauda_msgs/{kind.__name__}"
 
@@ -187,7 +187,7 @@ def _definition(kind: type[Any]) -> str:
     )
 
 
-ros2.DEFINITIONS.update({kind_of(kind): _definition(kind) for kind in TOPIC_OF})
+ros2.DEFINITIONS.update({ros_type_of(kind): _definition(kind) for kind in TOPIC_OF})
 
 
 def content_of(entry: Any) -> list[Any]:
@@ -239,7 +239,7 @@ FORMAT = "4"
 Estimators: TypeAlias = estimation.Estimator | estimation.KinematicEstimator
 
 
-@value
+@value_class
 class Header:
     """Header of a recording, about the whole operation."""
 
@@ -265,7 +265,7 @@ class Header:
 
     def __post_init__(self) -> None:
         """Reject what cannot be written, and replace a plant with how it was made."""
-        instance("controller", self.controller, interfaces.Controller, type(None))
+        check_instance("controller", self.controller, interfaces.Controller, type(None))
         if not (self.controller is None or is_dataclass(self.controller)):
             raise BadArgument(
                 "controller", f"must be a dataclass, got {type(self.controller).__name__}"

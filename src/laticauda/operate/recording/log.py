@@ -17,7 +17,7 @@ import numpy as np
 
 from laticauda import codec, interfaces, logs
 from laticauda.dynamics.plant import Plant
-from laticauda.errors import BadArgument, TrialFileError, instance, not_negative
+from laticauda.errors import BadArgument, TrialFileError, check_instance, check_not_negative
 from laticauda.estimation import (
     Estimate,
     Estimator,
@@ -103,13 +103,13 @@ class OperationRecorder(logs.Recorder):
             )
         else:
             time, kind = (
-                entry.time if received is None else not_negative("received", received, "s"),
+                entry.time if received is None else check_not_negative("received", received, "s"),
                 type(entry),
             )
             self.message(
                 entries.TOPIC_OF[kind],
                 time,
-                entries.kind_of(kind),
+                entries.ros_type_of(kind),
                 entries.content_of(entry),
                 unit="SI",
             )
@@ -396,7 +396,7 @@ def rerun_estimator(
         log: The recording.
         estimator: Estimator to run; None: the recorded one, whose estimates equal the recorded ones
             bit for bit.
-        plant: `laticauda.plant`, which rebuilds a recorded estimator's digital twin; needed only if
+        plant: `laticauda.build_plant`, which rebuilds a recorded estimator's digital twin; needed only if
             it had one.
 
     Raises:
@@ -425,7 +425,7 @@ def rerun_learner(
 
     Args:
         log: The recording.
-        plant: `laticauda.plant`, which builds the twin.
+        plant: `laticauda.build_plant`, which builds the twin.
         settings: What is learned; None: the recorded settings, or else the default.
 
     Raises:
@@ -475,7 +475,7 @@ def rerun_controller(
                 f"must have one at every control instant, got none at {decision.time} s",
             )
         state, command = chosen.step(state, known[decision.time])
-        instance("command", command, interfaces.Command)
+        check_instance("command", command, interfaces.Command)
         again.append(Decision(time=decision.time, command=command, signals={}))
     return Rerun(recorded=tuple(recorded), again=tuple(again))
 
@@ -491,6 +491,6 @@ def _recorded_estimator(
         return estimator
     if plant is None:
         raise BadArgument(
-            "plant", "must be `laticauda.plant`, which rebuilds the recorded twin, got None"
+            "plant", "must be `laticauda.build_plant`, which rebuilds the recorded twin, got None"
         )
     return replace(estimator, plant=plant(twin.robot, twin.environment, twin.model))

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import TrialFileError, not_negative
+from laticauda.errors import TrialFileError, check_not_negative
 from laticauda.estimation import Estimate, JointSample, Learned, ReferenceSample
 from laticauda.interfaces import Observation
 from laticauda.logs.loading import interpolated
@@ -29,7 +29,7 @@ Own = Callable[[Robot, str, Column], Column]
 """Selects the joints that a trial has from all joints."""
 
 
-def run_of(log: OperationLog, estimates: list[Estimate] | None = None) -> list[Estimate]:
+def estimates_of_run(log: OperationLog, estimates: list[Estimate] | None = None) -> list[Estimate]:
     """Return the estimates of the run: from the last `start` to the `stop` after it, or the end; without a start, all.
 
     Args:
@@ -69,12 +69,12 @@ def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Tria
     Raises:
         TrialFileError: If the recording holds no run.
     """
-    run = run_of(log, estimates)
+    run = estimates_of_run(log, estimates)
     time = np.array([estimate.time for estimate in run])
     observed: dict[str, Any] = {
         name: np.array([getattr(estimate, name) for estimate in run]) for name in OBSERVED
     }
-    electrical, power_source = electrical_work(log, time)
+    electrical, power_source = measure_electrical_work(log, time)
     own = _all_joints if observed["center_of_mass"].shape[1] == 3 else Robot.yaw_joints
     torque = _torque(log, time, own)
     joints = {"joint_torque": torque, "joint_angle_ref": _references(log, time, own)}
@@ -109,7 +109,7 @@ def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Tria
     )
 
 
-def electrical_work(
+def measure_electrical_work(
     log: OperationLog, time: Column
 ) -> tuple[Column | None, Mapping[str, float | str]]:
     """Return the electrical work above idle at some times [J], and its parameters; None without at least two readings.
@@ -142,17 +142,17 @@ def electrical_work(
         if charge is not None:
             steps[i] = charge
     charge = np.concatenate(([0.0], np.cumsum(steps)))
-    idle = idle_current(log, volts)
+    idle = find_idle_current(log, volts)
     drawn = np.interp(time, when, charge)
     work = volts * (drawn - drawn[0] - idle * (time - time[0]))
     return work, {"supply_voltage": volts, "idle_current": idle}
 
 
-def idle_current(log: OperationLog, supply_voltage: float) -> float:
+def find_idle_current(log: OperationLog, supply_voltage: float) -> float:
     """Return I_0 as noted before the run, or else from the idle power in the robot's file, at `supply_voltage` [A]."""
     noted = log.notes.get("idle", {}).get("current")
     if noted is not None:
-        return not_negative("idle current", float(noted), "A")
+        return check_not_negative("idle current", float(noted), "A")
     return log.header.run.robot.idle_power / supply_voltage
 
 

@@ -119,7 +119,9 @@ def updated(modules: Modules, messages: Iterable[tuple[float, CanMessage]]) -> M
     )
 
 
-def complaints(modules: Modules, *, max_temperature: float, min_voltage: float) -> tuple[str, ...]:
+def list_complaints(
+    modules: Modules, *, max_temperature: float, min_voltage: float
+) -> tuple[str, ...]:
     """Return the reasons not to start, module by module, as sentences that say what to check.
 
     Args:

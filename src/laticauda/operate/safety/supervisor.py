@@ -24,9 +24,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
-from laticauda.errors import nearest
+from laticauda.errors import suggest_nearest
 from laticauda.files import read_rows
-from laticauda.quantities import quantity, value
+from laticauda.quantities import quantity, value_class
 
 
 def _table(name: str) -> list[dict[str, str]]:
@@ -192,7 +192,7 @@ class Reaction:
     """State after the event."""
 
 
-@value
+@value_class
 class Supervisor:
     """Safety supervisor of a robot; its state is a `SupervisorState`.
 
@@ -343,5 +343,5 @@ def _check(events: Set[str]) -> None:
     for event in events:
         if event not in known:
             raise ValueError(
-                f"`events` must hold only events of the table, got {event!r}{nearest(event, known)}"
+                f"`events` must hold only events of the table, got {event!r}{suggest_nearest(event, known)}"
             )

@@ -63,7 +63,7 @@ class Claim:
     """Verdict that follows from the rule and the numbers."""
 
 
-def claims(*studies: runs.Study[Any]) -> tuple[Claim, ...]:
+def load_claims(*studies: runs.Study[Any]) -> tuple[Claim, ...]:
     """Return the claims of the paper's results, remarks and conclusions, judged by the studies.
 
     Args:
@@ -89,7 +89,7 @@ def claims(*studies: runs.Study[Any]) -> tuple[Claim, ...]:
         ]
     if {"side", "efficiency"} <= given.keys():
         known["side"]["optima"] = [known["efficiency"]["optimum"], known["side"]["optimum"]]
-    return tuple(_judged(entry, known) for entry in table()["claims"])
+    return tuple(_judged(entry, known) for entry in read_claims_table()["claims"])
 
 
 def verdict(*parts: bool) -> Verdict:
@@ -104,7 +104,7 @@ def verdict(*parts: bool) -> Verdict:
 
 
 @cache
-def table() -> Mapping[str, Sequence[Mapping[str, Any]]]:
+def read_claims_table() -> Mapping[str, Sequence[Mapping[str, Any]]]:
     """Return the content of `claims.toml`; white space in texts is reduced to single spaces."""
 
     def flat(value: Any) -> Any:
@@ -176,7 +176,7 @@ def _template(text: str) -> Any:
         **_OF_LIMITS,
         **_OF_VALUES,
         "percent": percent,
-        "spread": spread,
+        "spread": format_spread,
     }
     return plain.from_string(text)
 
@@ -191,7 +191,7 @@ def percent(value: float, form: str = "+.0f") -> str:
     return f"{in_digits(value, form)} %"
 
 
-def spread(values: Sequence[float], form: str = "+.0f", unit: str = "%") -> str:
+def format_spread(values: Sequence[float], form: str = "+.0f", unit: str = "%") -> str:
     """Format the range from the smallest to the largest of several values.
 
     Args:
@@ -221,7 +221,8 @@ def misprints() -> tuple[Misprint, ...]:
     """Return misprints and contradictions of the paper; those in its numbers are recomputed from its tables."""
     known = {"tables": quantities.tables(), "robots": quantities.robots()}
     in_words = [
-        {name: _text(text, known) for name, text in entry.items()} for entry in table()["misprints"]
+        {name: _text(text, known) for name, text in entry.items()}
+        for entry in read_claims_table()["misprints"]
     ]
     return (*_changes(), *_same_speed(), *(Misprint(**texts) for texts in in_words))
 

@@ -13,7 +13,7 @@ from laticauda import gaits, scenarios
 from laticauda.paper.efficiency import Case, EfficiencyStudy, maxima
 from laticauda.paper.measured import path_following_trials, percent_change, printed_changes
 from laticauda.paper.path_following import FollowingCase, PathFollowingStudy
-from laticauda.paper.scores import FinGain, Score, fin_gains, scores
+from laticauda.paper.scores import FinGain, Score, fin_gains, score_study
 from laticauda.paper.side_trials import ROBOT, SHALLOW, SideTrials
 from laticauda.robot import load_robot, load_water
 from laticauda.trial import following as figures_of_path
@@ -159,7 +159,7 @@ def _per(power: float, velocity: float) -> float:
 
 def _agreement(study: EfficiencyStudy) -> Numbers:
     """Return the errors of the simulated forward velocity over the measured rows of Table 1 [%]."""
-    groups, found = study.settings.groups, scores(study)
+    groups, found = study.settings.groups, score_study(study)
     mean = {
         one.name: dict(zip((group.name for group in groups), one.by_group, strict=True))
         for one in found

@@ -12,8 +12,8 @@ from laticauda.gaits import GAIT_WORDS
 from laticauda.paper.efficiency import EfficiencyStudy
 from laticauda.paper.measured import MeasuredRow, PrintedChange
 from laticauda.paper.path_following import PathFollowingStudy
-from laticauda.paper.scores import FinGain, scores
-from laticauda.reports.chapter import Chapter, Row, templates
+from laticauda.paper.scores import FinGain, score_study
+from laticauda.reports.chapter import Chapter, Row, load_templates
 
 
 @cache
@@ -23,7 +23,7 @@ def paper_templates() -> Any:
     Raises:
         MissingExtra: If Jinja2 is not installed.
     """
-    made = templates("laticauda.paper.report")
+    made = load_templates("laticauda.paper.report")
     made.filters |= {"cm": _centimeters, "figs": figure_numbers}
     made.globals["words"] = GAIT_WORDS
     return made
@@ -48,7 +48,7 @@ def figure_numbers(numbers: Sequence[int]) -> str:
     return f"{'Fig.' if len(numbers) == 1 else 'Figs.'} {listed}"
 
 
-def degrees(angle: float) -> float:
+def convert_to_degrees(angle: float) -> float:
     """Convert an angle or a rate to degrees for display; a billionth of a degree is rounding noise.
 
     Args:
@@ -60,7 +60,7 @@ def degrees(angle: float) -> float:
     return round(math.degrees(angle), 9)
 
 
-def row(table: str, thing: object) -> Row:
+def build_row(table: str, thing: object) -> Row:
     """Return the columns of `columns.toml` for one row, or a part of it.
 
     Args:
@@ -89,7 +89,7 @@ def _inside(thing: Any, name: str) -> Any:
 
 _SHOWN: Mapping[str, Callable[[Any], Any]] = {
     "": lambda value: value,
-    "deg": lambda angle: degrees(angle),
+    "deg": lambda angle: convert_to_degrees(angle),
     "%": lambda share: 100.0 * share,
     "words": lambda name: (name or "").replace("_", " "),
     "count": len,
@@ -107,7 +107,7 @@ def error_rows(
         titles: Titles of rows that replace the predictor's name.
     """
     groups, rows = [f"{group.name} [%]" for group in study.settings.groups], list[Row]()
-    for score in scores(study):
+    for score in score_study(study):
         row: Row = {
             "predictor of v": titles.get(score.title, score.title),
             fitted: score.n_fitted or 0,

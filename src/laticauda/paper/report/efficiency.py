@@ -8,14 +8,14 @@ from laticauda.paper.claims.quantities import best_null, fin_by_gait
 from laticauda.paper.efficiency import EfficiencyStudy, Repeat, SweepResult, maxima
 from laticauda.paper.measured import percent_change
 from laticauda.paper.report.chapter import (
-    degrees,
+    build_row,
+    convert_to_degrees,
     error_rows,
     fin_row,
     misprinted,
     paper_chapter,
-    row,
 )
-from laticauda.paper.scores import fin_gains, scores
+from laticauda.paper.scores import fin_gains, score_study
 from laticauda.paper.settings import Group, SweepSettings
 from laticauda.reports.chapter import Chapter, Row
 
@@ -48,7 +48,7 @@ def efficiency_chapter(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -
 def _findings(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> dict[str, Any]:
     """Return the values used in the sentences of the chapter."""
     found, gains, starred, models = (
-        scores(study),
+        score_study(study),
         fin_gains(study.cases),
         maxima(study),
         range(len(study.models)),
@@ -80,7 +80,7 @@ def _tables(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> dict[str, list
         "fin-gain": _fin(study),
         "errors": error_rows(study, "numbers fitted here", titles),
         "sweeps": _sweeps(study),
-        **({"repeats": [row("repeats", repeat) for repeat in repeats]} if repeats else {}),
+        **({"repeats": [build_row("repeats", repeat) for repeat in repeats]} if repeats else {}),
     }
 
 
@@ -88,7 +88,7 @@ def _table1(study: EfficiencyStudy) -> list[Row]:
     rows: list[Row] = []
     for case in study.cases:
         measured = case.measured.forward_velocity
-        found = row("table1", case)
+        found = build_row("table1", case)
         for name, velocity, power in zip(
             study.models, case.forward_velocity, case.mechanical_power, strict=True
         ):
@@ -104,9 +104,9 @@ def _table1(study: EfficiencyStudy) -> list[Row]:
 def _maxima(study: EfficiencyStudy) -> list[Row]:
     rows: list[Row] = []
     for entry in maxima(study):
-        found = row("maxima", entry)
+        found = build_row("maxima", entry)
         for i, name in enumerate(study.models):
-            found[f"{name}: fastest at [deg, deg/s]"] = degrees(entry.simulated_at[i])
+            found[f"{name}: fastest at [deg, deg/s]"] = convert_to_degrees(entry.simulated_at[i])
             found[f"{name}: at the end of the range"] = entry.at_the_end[i]
             found[f"{name}: v [m/s]"] = entry.simulated_velocity[i]
         rows.append(found)
@@ -124,7 +124,7 @@ def _fin(study: EfficiencyStudy) -> list[Row]:
             f"{name}: v [%]": speed for name, speed in zip(study.models, speeds, strict=True)
         }
         rows.append(
-            fin_row(gain.measured, row("setting", gain.with_fin.measured.gait), simulated, {})
+            fin_row(gain.measured, build_row("setting", gain.with_fin.measured.gait), simulated, {})
         )
     return rows
 
@@ -135,7 +135,7 @@ def _sweeps(study: EfficiencyStudy) -> list[Row]:
             "model": model,
             "group": group.name,
             "over": sweep.settings.parameter.replace("_", " "),
-            "value [deg, deg/s]": degrees(float(value)),
+            "value [deg, deg/s]": convert_to_degrees(float(value)),
             "v [m/s]": sweep.forward_velocity[m, g, i],
             "steady v [m/s]": sweep.steady_velocity[m, g, i],
             "mechanical power [W]": sweep.mechanical_power[m, g, i],

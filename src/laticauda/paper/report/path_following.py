@@ -14,9 +14,9 @@ from laticauda.paper.path_following import (
     FollowingRun,
     HeldOutRun,
     PathFollowingStudy,
-    by_law,
+    group_by_law,
 )
-from laticauda.paper.report.chapter import error_rows, fin_row, misprinted, paper_chapter, row
+from laticauda.paper.report.chapter import build_row, error_rows, fin_row, misprinted, paper_chapter
 from laticauda.paper.scores import (
     FinGain,
     Score,
@@ -24,7 +24,7 @@ from laticauda.paper.scores import (
     in_all_ways,
     meter_costs,
     null_predictions,
-    simulated,
+    score_simulations,
 )
 from laticauda.reports.chapter import Chapter, Row
 
@@ -56,14 +56,14 @@ def _findings(study: PathFollowingStudy) -> dict[str, Any]:
     settings, cases, ways, gains = (
         study.settings,
         study.cases,
-        simulated(study),
+        score_simulations(study),
         fin_gains(study.cases),
     )
     kinds = dict.fromkeys(gain.with_fin.group.gait for gain in gains)
     by_kind = {kind: [gain for gain in gains if gain.with_fin.group.gait == kind] for kind in kinds}
     return {
         "n_runs": settings.n_runs(cases[0].run.joints, cases[0].run.offset_bandwidth),
-        "laws": by_law(cases[0]),
+        "laws": group_by_law(cases[0]),
         "there": [case.run.figures for case in cases if case.run.converged],
         "kept": [_kept(study, runs) for runs in in_all_ways(study)],
         "errors": ways,
@@ -229,10 +229,10 @@ def _tables(study: PathFollowingStudy) -> dict[str, list[Row]]:
     cases = study.cases
     return {
         "following-trials": [
-            row("case", case)
+            build_row("case", case)
             | {"figure": case.figure}
-            | row("start", case)
-            | row("figures", case.run)
+            | build_row("start", case)
+            | build_row("figures", case.run)
             for case in cases
         ],
         "table2": [_table2(case) for case in cases],
@@ -248,13 +248,13 @@ def _table2(case: FollowingCase) -> Row:
     speeds = [run.forward_velocity for run in case.band]
     error = percent_change(case.measured.forward_velocity, case.run.forward_velocity)
     known = {"case": case, "error": error, "low": min(speeds), "high": max(speeds)}
-    return row("case", case) | row("start", case) | row("table2", known)
+    return build_row("case", case) | build_row("start", case) | build_row("table2", known)
 
 
 def _loop(case: FollowingCase) -> Row:
-    found = row("case", case) | {"unsteered: steady v [m/s]": case.free_velocity}
+    found = build_row("case", case) | {"unsteered: steady v [m/s]": case.free_velocity}
     for heading, run in (("raw", case.run), ("cycle mean", case.cycle_mean)):
-        here = row("loop", {"run": run, "change": case.change_by_the_loop(run)})
+        here = build_row("loop", {"run": run, "change": case.change_by_the_loop(run)})
         found |= {f"{heading}: {title}": one for title, one in here.items()}
     return found
 
@@ -281,7 +281,9 @@ def _joules(study: PathFollowingStudy) -> Iterator[Row]:
 
 def _runs(study: PathFollowingStudy) -> Iterator[Row]:
     runs = [
-        (row("case", case), run) for case in study.cases for run in (*case.band, case.cycle_mean)
+        (build_row("case", case), run)
+        for case in study.cases
+        for run in (*case.band, case.cycle_mean)
     ]
     for names, run in (*runs, ({"group": "held out", "case": 1}, study.held_out.run)):
-        yield {**names, **row("runs", run), **row("figures", run)}
+        yield {**names, **build_row("runs", run), **build_row("figures", run)}

@@ -15,15 +15,15 @@ from typing import Any, NamedTuple, Unpack
 import numpy as np
 
 from laticauda import packaging, robot, scenarios
-from laticauda.errors import deaf, one_of, whole
+from laticauda.errors import check_choice, check_whole_number, defer_interrupts
 from laticauda.files import write
 from laticauda.paper import runs, settings, side_trials
-from laticauda.paper.claims import Claim, claims, misprints
+from laticauda.paper.claims import Claim, load_claims, misprints
 from laticauda.paper.efficiency import EfficiencyStudy, Repeat, run_efficiency
 from laticauda.paper.path_following import PathFollowingStudy, run_path_following
 from laticauda.paper.report import efficiency, path_following
-from laticauda.paper.report.chapter import paper_chapter, paper_templates, row
-from laticauda.paper.scores import scores
+from laticauda.paper.report.chapter import build_row, paper_chapter, paper_templates
+from laticauda.paper.scores import score_study
 from laticauda.reports.chapter import Chapter, writable_folder, write_chapter
 from laticauda.simulate.runner import silent
 
@@ -147,8 +147,8 @@ def reproduce(
         SimulationFailed: If a trial blows up.
     """
     if only is not None:
-        one_of("only", only, tuple(HALVES))
-    whole("workers", workers, 1)
+        check_choice("only", only, tuple(HALVES))
+    check_whole_number("workers", workers, 1)
     folder = writable_folder(folder)
     report = paper_templates().get_template("report.html")
     settings = settings or Experiments()
@@ -158,7 +158,7 @@ def reproduce(
     do = partial(_do, settings, by, folder, repeats)
     done = _run(do, names, workers, progress)
     results = {name: part.study for name, part in done.items()}
-    judged = claims(*results.values())
+    judged = load_claims(*results.values())
     written, first = write_chapter(summary_chapter(results, judged), folder)
     files, listed = write_chapter(claims_chapter(judged, own_verdicts(results)), folder)
     found = [
@@ -189,7 +189,7 @@ def summary_chapter(results: Mapping[str, Any], judged: Sequence[Claim]) -> Chap
         judged: Claims judged by these results.
     """
     studies = {"Table 1": results.get("efficiency"), "Table 2": results.get("path_following")}
-    predictors = {name: scores(study) for name, study in studies.items() if study is not None}
+    predictors = {name: score_study(study) for name, study in studies.items() if study is not None}
 
     def figures() -> Iterator[tuple[str, str, Any]]:
         from laticauda.figures import style
@@ -206,7 +206,7 @@ def summary_chapter(results: Mapping[str, Any], judged: Sequence[Claim]) -> Chap
         figure = style.new_figure(side := 0.55 * style.DOUBLE_COLUMN, side)
         ax = parity(shown, figure.subplots(), what="forward velocity [m/s]")
         ax.set(ylabel="simulated forward velocity [m/s]")
-        style.legend(ax, loc="upper left")
+        style.add_legend(ax, loc="upper left")
         yield "speeds", "Simulated against measured speeds of the robot.", figure
 
     values = {"n_claims": len(judged), "counts": _counted(judged), "predictors": predictors}
@@ -239,7 +239,7 @@ def own_verdicts(results: Mapping[str, Any]) -> dict[str, tuple[Claim, ...]]:
             }
         for one in study.own if isinstance(study, PathFollowingStudy) else ():
             studies.setdefault(one.settings.coefficients.name, []).append(one)
-    return {name: claims(*mine) for name, mine in studies.items()}
+    return {name: load_claims(*mine) for name, mine in studies.items()}
 
 
 def claims_chapter(
@@ -248,11 +248,11 @@ def claims_chapter(
     """Return the claims' contribution to the folder and the report.
 
     Args:
-        found: Result of `laticauda.paper.claims.claims`.
+        found: Result of `laticauda.paper.claims.load_claims`.
         own: Claims judged with other models, by name; their verdicts come before those of `found`.
             None: no others.
     """
-    claims = [row("claims", claim) for claim in found]
+    claims = [build_row("claims", claim) for claim in found]
     for name, others in (own or {}).items():
         for mine, other in zip(claims, others, strict=True):
             mine[f"with {name}"] = other.verdict
@@ -260,7 +260,10 @@ def claims_chapter(
     return paper_chapter(
         name="claims",
         values={"n_claims": len(found), "counts": _counted(found)},
-        tables={"claims": claims, "misprints": [row("misprints", entry) for entry in misprints()]},
+        tables={
+            "claims": claims,
+            "misprints": [build_row("misprints", entry) for entry in misprints()],
+        },
     )
 
 
@@ -283,7 +286,7 @@ def _run(
     with ProcessPoolExecutor(
         workers, mp_context=context, initializer=_remember, initargs=(told,)
     ) as pool:
-        with deaf():  # this process ends them
+        with defer_interrupts():  # this process ends them
             running = {pool.submit(do, name, _tell): name for name in names}
         try:
             done = {running[future]: future.result() for future in as_completed(running)}
