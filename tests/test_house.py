@@ -262,3 +262,20 @@ def test_the_recipe_for_conda_wants_what_the_package_wants():
     wanted = {name: one for name, written in required().items() for one in written}
     assert required("").keys() <= listed.keys() <= {*wanted, "python"}
     assert all(wanted[name].endswith(bounds) for name, bounds in listed.items() if name != "python")
+
+
+KINDS_OF_CHANGE = {kind["directory"] for kind in PYPROJECT["tool"]["towncrier"]["type"]}
+
+
+def test_every_unreleased_change_has_a_file_of_a_known_kind():
+    fragments = [path for path in (ROOT / "changes").iterdir() if path.name != "README.md"]
+    wrong_names = [
+        path.name
+        for path in fragments
+        if path.suffix != ".md" or path.stem.rpartition(".")[2] not in KINDS_OF_CHANGE
+    ]
+    assert not wrong_names
+
+
+def test_the_changelog_says_only_what_a_user_notices():
+    assert (ROOT / "CHANGELOG.md").stat().st_size <= 8_000
