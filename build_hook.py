@@ -17,10 +17,10 @@ sys.path[:0] = sys.argv[2:]
 import laticauda as lc
 from laticauda.compiling import ready
 gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
-scenarios = [lc.scenario(robot, gait) for robot in ("mamba", "amphibot")]
-scenarios += [lc.scenario("mamba", gait, environment=lc.load_ground(name)) for name in ("viscous", "coulomb")]
+scenarios = [lc.build_scenario(robot, gait) for robot in ("mamba", "amphibot")]
+scenarios += [lc.build_scenario("mamba", gait, environment=lc.load_ground(name)) for name in ("viscous", "coulomb")]
 for scenario in scenarios:
-    plant = lc.plant(scenario)
+    plant = lc.build_plant(scenario)
     plant.march(plant.init(lc.Start(), lc.Command(gait=gait)), lc.Command(gait=gait), 1.0, 0.1)
     ready.keep(plant.kernels_of(1).run, Path(sys.argv[1]))
 """

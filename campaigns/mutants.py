@@ -99,7 +99,7 @@ def _swim(module: Any) -> None:
     lc.swim(
         robot, lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7), duration=0.1
     )
-    plant = lc.plant(robot, water, joints="servo")
+    plant = lc.build_plant(robot, water, joints="servo")
     gait = lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)
     lc.run(plant, lc.OpenLoop(command=lc.Command(gait=gait)), 0.1)
     getattr(module, "swum", lambda: None)()

@@ -29,11 +29,11 @@ MODULE = '''
 from laticauda.actuation import JointLaw
 from laticauda.fluid import DragLaw
 from laticauda.gaits import Envelope
-from laticauda.quantities import quantity, value
+from laticauda.quantities import quantity, value_class
 from laticauda.scalars import magnitude
 
 
-@value
+@value_class
 class Carangiform(Envelope):
     """A stiff head, and a wave in the rest."""
 
@@ -43,7 +43,7 @@ class Carangiform(Envelope):
         return max(0.0, 1.0 - i / n - self.share)
 
 
-@value
+@value_class
 class WashedDrag(DragLaw):
     """Drag along that sees the sideways speed, drag across that sees the speed ahead."""
 
@@ -56,7 +56,7 @@ class WashedDrag(DragLaw):
         return f_t, f_n, -element.lambda_3 * magnitude(rate) * rate
 
 
-@value
+@value_class
 class Spring(JointLaw):
     """A spring to the reference, and a damper to its rate."""
 

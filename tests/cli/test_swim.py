@@ -356,7 +356,7 @@ def test_a_gait_of_ones_own_in_a_scenario_file_is_typed_beside_it_and_keeps_its_
 ):
     monkeypatch.setattr(lc.Envelope, "_known", dict(lc.Envelope._known))  # forgotten afterwards
     (folder / "unheard.py").write_text(
-        "import laticauda as lc\nfrom laticauda.quantities import quantity, value\n\n\n@value\n"
+        "import laticauda as lc\nfrom laticauda.quantities import quantity, value_class\n\n\n@value_class\n"
         'class UnheardOf(lc.Envelope):\n    share: float = quantity("", "Of it", ge=0.0, le=1.0, default=0.9)\n\n'
         "    def __call__(self, i, n):\n        return self.share\n"
     )

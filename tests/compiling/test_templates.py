@@ -22,7 +22,7 @@ MADE_OF = [
 # The least of the kernels that the drag law is in, and the one that the joint laws are in.
 TOW = """
 import laticauda as lc
-print(lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral")).towing_load(0.5, 0.3)[1])
+print(lc.build_plant(lc.load_robot("mamba"), lc.load_water("paper-lateral")).towing_load(0.5, 0.3)[1])
 """
 SWIM = """
 import laticauda as lc
@@ -32,7 +32,7 @@ print(lc.swim(lc.load_robot("mamba"), gait, duration=1.0, model="spatial", joint
 
 
 ALIKE = """
-from laticauda.compiling import in_turn
+from laticauda.compiling import compile_once_across_processes
 @in_turn
 def double(x):
     return 2 * x

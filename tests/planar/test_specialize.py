@@ -26,7 +26,7 @@ SCRIPT = textwrap.dedent(
     sys.path.insert(0, {folder!r})
     from {module} import make_law
     water = replace(lc.load_water("paper-lateral"), drag=FunctionDrag(function=make_law(1.0)))
-    plant = lc.plant(lc.load_robot("mamba"), water)
+    plant = lc.build_plant(lc.load_robot("mamba"), water)
     print(is_kept(plant.kernels_of(1).evaluate))
     command = lc.Command(gait=lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7))
     S, a = plant.rows(plant.init(lc.Start(velocity=0.5), command), command), plant.layout

@@ -100,7 +100,7 @@ def swim_together(scenarios: Sequence[Scenario], *, progress: Progress = silent)
         >>> gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
         >>> def one(y):
         ...     start = lc.Start(center_of_mass=(0.0, y))
-        ...     return lc.scenario("mamba", gait, 1.0, model="spatial", scene="open", start=start)
+        ...     return lc.build_scenario("mamba", gait, 1.0, model="spatial", scene="open", start=start)
         >>> [len(trial.time) for trial in lc.swim_together([one(0.0), one(0.5)])]
         [21, 21]
     """

@@ -38,7 +38,7 @@ def averaged_model(
     Example:
         >>> import laticauda as lc
         >>> gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
-        >>> model = averaged_model(lc.plant(lc.load_robot("mamba"), lc.load_water("paper-lateral")), gait)
+        >>> model = averaged_model(lc.build_plant(lc.load_robot("mamba"), lc.load_water("paper-lateral")), gait)
         >>> round(model.speed(2.0, 0.0), 2)
         0.13
     """

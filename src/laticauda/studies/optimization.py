@@ -96,7 +96,7 @@ class Optimization(Limits):
         >>> import laticauda as lc
         >>> gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
         >>> sought = Optimization(
-        ...     scenario=lc.scenario("mamba", gait),
+        ...     scenario=lc.build_scenario("mamba", gait),
         ...     bounds={"gait.amplitude": (0.2, 0.9), "robot.n_links": (6, 12)},
         ... )
         >>> sought.objectives

@@ -212,7 +212,7 @@ class Sweep:
         >>> from laticauda.studies import Grid
         >>> gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
         >>> sweep = Sweep(
-        ...     scenario=lc.scenario("mamba", gait),
+        ...     scenario=lc.build_scenario("mamba", gait),
         ...     points=Grid(values={"gait.amplitude": [0.3, 0.5], "water.normal_drag": [1.0, 1.5, 2.0]}),
         ... )
         >>> sweep.n_trials

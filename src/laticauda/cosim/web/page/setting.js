@@ -172,7 +172,7 @@ function inPython(setting, duration) {
     motion = "following.controller(gait)";
   }
   const current = currentOf(setting).some((one) => one !== 0) ? `, current=(${currentOf(setting).join(", ")})` : "";
-  lines.push(`scenario = lc.scenario(${robot}, ${motion}, ${duration}${current})`);
+  lines.push(`scenario = lc.build_scenario(${robot}, ${motion}, ${duration}${current})`);
   if (water.length) lines.push(`water = replace(scenario.environment, ${water.join(", ")})`, "scenario = replace(scenario, environment=water)");
   lines.push("trial = lc.swim(scenario)", "print(trial.forward_velocity, trial.mean_power)");
   const imports = `${changed.length || water.length ? "from dataclasses import replace\n\n" : ""}import laticauda as lc\n\n`;
