@@ -33,7 +33,7 @@ print(lc.swim(lc.load_robot("mamba"), gait, duration=1.0, model="spatial", joint
 
 ALIKE = """
 from laticauda.compiling import compile_once_across_processes
-@in_turn
+@compile_once_across_processes
 def double(x):
     return 2 * x
 assert double(21) == 42

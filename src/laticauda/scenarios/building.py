@@ -75,7 +75,7 @@ def build_scenario(
     Example:
         >>> import laticauda as lc
         >>> gait = lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)
-        >>> scenario("mamba", gait, joints="servo", environment="paper-lateral").environment.name
+        >>> build_scenario("mamba", gait, joints="servo", environment="paper-lateral").environment.name
         'paper-lateral'
     """
     given = {name: one for name, one in changes.items() if one is not None}
