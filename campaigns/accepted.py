@@ -126,7 +126,7 @@ def run_one(fault: str, seed: int) -> Row:
         return Row(fault, seed, words, "stopped", done.reason, math.nan, "")
     word = "noted" if done.accepted else "WRONG"
     first = min(
-        (one for one in done.verdict.checks if one.word == word),
+        (one for one in done.verdict.checks if one.outcome == word),
         key=lambda one: one.since,
         default=None,
     )

@@ -109,6 +109,10 @@ def _estimation(*names: str) -> tuple[str, ...]:
     return tuple(f"src/laticauda/estimation/{name}.py" for name in names)
 
 
+def _verdict(*names: str) -> tuple[str, ...]:
+    return tuple(f"src/laticauda/operate/verdict/{name}.py" for name in names)
+
+
 TARGETS = (
     Target(
         files=(
@@ -118,7 +122,10 @@ TARGETS = (
         tests=("tests/operate/safety",),
     ),
     Target(
-        files=("src/laticauda/operate/verdict.py",),
+        files=_verdict(
+            *("cameras", "check", "joints", "model_run", "motion", "preparation"),
+            *("recorded_run", "signals", "verdict"),
+        ),
         tests=("tests/operate/test_verdict.py",),
         warm=_swim,
     ),

@@ -29,7 +29,7 @@ ROOT = Path(__file__).parents[1]
 STORED = Path(__file__).with_suffix(".csv")
 TESTS = {
     "operate/safety": ("tests/operate/safety",),
-    "operate/verdict.py": ("tests/operate/test_verdict.py",),
+    "operate/verdict": ("tests/operate/test_verdict.py",),
     "operate/recording": ("tests/operate/recording",),
     "protocol": ("tests/protocol",),
 }

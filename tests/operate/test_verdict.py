@@ -16,9 +16,19 @@ from laticauda.estimation import (
     ReferenceSample,
 )
 from laticauda.kinematics import Posture, turn
-from laticauda.operate import Event, Header, OperationLog, spoken, verdict_of
+from laticauda.operate import (
+    Event,
+    Header,
+    OperationLog,
+    recorded_verdict_summary,
+    verdict_of,
+)
 from laticauda.operate.settings import Acceptance
-from laticauda.operate.verdict import Verdict, _check, _size, _spread, _step
+from laticauda.operate.verdict import Verdict
+from laticauda.operate.verdict.check import Measurement, compare_with_limit
+from laticauda.operate.verdict.recorded_run import CycleMotion
+from laticauda.operate.verdict.signals import range_so_far, swing_of
+from laticauda.operate.verdict.verdict import CHECKS
 from laticauda.planar.model import PlanarPlant
 from laticauda.scenarios import Experiment
 
@@ -120,7 +130,7 @@ def judged(log, plant=PLANT, **limits):
 def test_a_perfect_run_passes_every_check_with_hardly_any_of_its_limits_used(truth):
     verdict = verdict_of(log_of(truth), Acceptance(), PLANT)
     assert verdict.reason == ""
-    assert [one.word for one in verdict.checks] == ["ok"] * len(fields(Acceptance))
+    assert [one.outcome for one in verdict.checks] == ["ok"] * len(fields(Acceptance))
     assert max(one.share for one in verdict.checks) < 0.5
     summary = verdict.summary()
     assert summary["accepted"]
@@ -132,8 +142,8 @@ def test_a_joint_that_stands_still_is_named_after_one_cycle_and_the_run_is_rejec
     angle[len(angle) // 2 :, 3] = angle[len(angle) // 2, 3]
     verdict = verdict_of(log_of(truth, angle=angle), Acceptance(), PLANT)
     found = verdict.checks[0]
-    assert (found.name, found.word) == ("joint_error", "WRONG")
-    assert found.says.endswith("module 4")
+    assert (found.name, found.outcome) == ("joint_error", "WRONG")
+    assert found.description.endswith("module 4")
     assert CYCLES * 1.5 < found.since <= CYCLES * 1.5 + 6.0
     assert verdict.reason.startswith(
         "The run failed a check: joint error not explained by its servo: "
@@ -149,30 +159,30 @@ def test_the_limit_is_what_decides(truth, share):
     angle = truth.joint_angle.copy()
     angle[:, 2] += math.radians(2.0)
     found = judged(log_of(truth, angle=angle), joint_error=math.radians(2.0) / share)["joint_error"]
-    assert found.word == ("ok" if share < 1.0 else "WRONG")
+    assert found.outcome == ("ok" if share < 1.0 else "WRONG")
     assert found.share == pytest.approx(share, rel=0.1)
 
 
 def test_without_a_model_a_joint_may_lack_half_of_its_swing_and_no_more(truth):
     for swing, word in ((0.6, "ok"), (0.1, "WRONG")):
         found = judged(log_of(truth, angle=swing * truth.joint_angle_ref), plant=None)
-        assert found["joint_error"].word == word
-        assert found["swing_error"].word == found["turn_change"].word == "not checked"
+        assert found["joint_error"].outcome == word
+        assert found["swing_error"].outcome == found["turn_change"].outcome == "not checked"
 
 
 def test_without_a_model_a_servo_may_be_late_and_a_joint_that_is_bent_aside_is_wrong(truth):
     assert judged(log_of(truth), plant=None)["joint_error"].share < 0.7
     bent = truth.joint_angle + math.radians(5.0) * np.eye(truth.joint_angle.shape[1])[1]
     found = judged(log_of(truth, angle=bent), plant=None)["joint_error"]
-    assert (found.word, found.says[-8:]) == ("WRONG", "module 2")
+    assert (found.outcome, found.description[-8:]) == ("WRONG", "module 2")
 
 
 def test_a_sensor_that_jumps_is_named_when_it_does(truth):
     angle = truth.joint_angle.copy()
     angle[500:, 5] += math.radians(4.0)
     found = judged(log_of(truth, angle=angle))["angle_jump"]
-    assert found.word == "WRONG"
-    assert found.says.endswith("module 6")
+    assert found.outcome == "WRONG"
+    assert found.description.endswith("module 6")
     assert found.since == pytest.approx(float(truth.time[502]))  # when three of five answers say so
 
 
@@ -182,14 +192,14 @@ def test_answers_that_come_late_for_a_moment_are_no_jump(truth, n_late, word):
     k = 300 + int(rate[300:400].argmax())
     angle = truth.joint_angle.copy()
     angle[k : k + n_late, 1] += math.radians(10.0)  # as if it was 0.1 s late at 100 deg/s
-    assert judged(log_of(truth, angle=angle))["angle_jump"].word == word
+    assert judged(log_of(truth, angle=angle))["angle_jump"].outcome == word
 
 
 def test_a_sensor_that_jumps_while_its_module_does_not_answer_is_named(truth):
     angle = truth.joint_angle.copy()
     angle[500:, 5] += math.radians(4.0)
     angle[495:503, 5] = math.nan
-    assert judged(log_of(truth, angle=angle))["angle_jump"].says.endswith("module 6")
+    assert judged(log_of(truth, angle=angle))["angle_jump"].description.endswith("module 6")
 
 
 @pytest.mark.parametrize(("every", "word"), [(2, "WRONG"), (3, "WRONG"), (4, "not checked")])
@@ -202,7 +212,7 @@ def test_of_answers_that_are_further_apart_than_60_ms_a_jump_is_not_told(truth, 
         for one in log.entries
         if not isinstance(one, JointSample) or round(one.time / STEP) % every == 0
     )
-    assert judged(replace(log, entries=tuple(entries)))["angle_jump"].word == word
+    assert judged(replace(log, entries=tuple(entries)))["angle_jump"].outcome == word
 
 
 @given(share=st.floats(0.2, 5.0))
@@ -225,7 +235,8 @@ def test_samples_that_all_have_the_same_time_tell_no_jump(truth):
         replace(one, time=BEFORE) if isinstance(one, JointSample) else one for one in log.entries
     )
     assert (
-        judged(replace(log, entries=tuple(entries)), plant=None)["angle_jump"].word == "not checked"
+        judged(replace(log, entries=tuple(entries)), plant=None)["angle_jump"].outcome
+        == "not checked"
     )
 
 
@@ -239,11 +250,11 @@ def test_a_marker_body_that_turns_on_its_module_is_seen_at_once(truth):
 def test_water_that_begins_to_move_is_seen_as_sideslip(truth):
     moved = np.maximum(truth.time - 9.0, 0.0) * 0.03
     found = judged(log_of(truth, moved=moved))
-    assert found["sideslip_change"].word == "WRONG"
+    assert found["sideslip_change"].outcome == "WRONG"
     assert found["sideslip_change"].since == pytest.approx(
         12.0
     )  # when the first cycle in it is complete
-    assert found["joint_error"].word == found["swing_error"].word == "ok"
+    assert found["joint_error"].outcome == found["swing_error"].outcome == "ok"
 
 
 def test_a_robot_that_is_seen_aside_for_a_moment_where_a_cycle_ends_has_not_changed(truth):
@@ -263,7 +274,7 @@ def test_a_run_whose_end_was_not_seen_is_rejected(truth):
         for one in log.entries
     )
     found = judged(replace(log, entries=late))["pose_age"]
-    assert (found.word, found.value) == ("WRONG", pytest.approx(0.5 - 3 * STEP))
+    assert (found.outcome, found.value) == ("WRONG", pytest.approx(0.5 - 3 * STEP))
 
 
 def test_what_the_markers_do_before_the_run_does_not_count(truth):
@@ -277,7 +288,7 @@ def test_what_the_markers_do_before_the_run_does_not_count(truth):
 def test_a_robot_that_moves_against_its_model_is_noted_as_one_that_hardly_moves(truth):
     back = 2.0 * truth.center_of_mass[0] - truth.center_of_mass
     found = judged(log_of(truth, path=back))["model_speed"]
-    assert (found.word, found.value) == ("noted", pytest.approx(math.log(1000.0)))
+    assert (found.outcome, found.value) == ("noted", pytest.approx(math.log(1000.0)))
 
 
 def test_a_robot_that_sinks_before_its_run_says_nothing_of_a_current(truth):
@@ -291,17 +302,17 @@ def test_a_robot_that_sinks_before_its_run_says_nothing_of_a_current(truth):
 
 
 def test_a_marker_body_that_was_wrong_from_the_beginning_is_not_seen(truth):
-    assert all(one.word == "ok" for one in judged(log_of(truth, yaw=0.05)).values())
+    assert all(one.outcome == "ok" for one in judged(log_of(truth, yaw=0.05)).values())
 
 
 @pytest.mark.parametrize(("drift", "word"), [(0.005, "ok"), (0.03, "WRONG"), (-0.03, "WRONG")])
 def test_a_clock_that_goes_away_is_seen_at_the_end(truth, drift, word):
-    assert judged(log_of(truth, clock=drift))["clock_drift"].word == word
+    assert judged(log_of(truth, clock=drift))["clock_drift"].outcome == word
 
 
 def test_water_that_moved_before_the_run_and_modules_without_a_zero_are_told(truth):
     found = judged(log_of(truth, still=0.02, unset=3))
-    assert (found["water_speed"].word, found["without_zero"].word) == ("WRONG", "noted")
+    assert (found["water_speed"].outcome, found["without_zero"].outcome) == ("WRONG", "noted")
     assert found["water_speed"].value == pytest.approx(0.02, rel=0.01)
 
 
@@ -312,7 +323,7 @@ def test_a_run_that_ended_within_its_first_cycle_is_not_checked_against_the_mode
         replace(log, entries=(*short, Event(time=BEFORE + 1.0, kind="stop", message="")))
     )
     needs_no_cycle = {"angle_jump", "pose_age", "water_speed", "without_zero"}
-    assert {one.word for name, one in found.items() if name not in needs_no_cycle} == {
+    assert {one.outcome for name, one in found.items() if name not in needs_no_cycle} == {
         "not checked"
     }
 
@@ -333,7 +344,7 @@ def test_at_50_hz_eleven_answers_are_enough_for_a_jump(truth):
     angle[6:, 2] += math.radians(40.0)
     for n_answers, word in ((10, "not checked"), (11, "WRONG")):
         short = until_cycle(log_of(truth, angle=angle), (n_answers - 1) * STEP / 3.0 + 1e-6)
-        assert judged(short)["angle_jump"].word == word
+        assert judged(short)["angle_jump"].outcome == word
 
 
 @pytest.mark.parametrize(("n", "is_right"), [(0.5, False), (1.0, True)])
@@ -350,23 +361,36 @@ def test_a_recording_without_a_verdict_gets_one_by_the_usual_limits_and_one_that
     truth,
 ):
     log = log_of(truth)
-    assert spoken(log, lc.build_plant)["accepted"]
+    assert recorded_verdict_summary(log, lc.build_plant)["accepted"]
     said = {"accepted": False, "checks": [], "lines": ["WRONG"]}
     told = Event(time=99.0, kind="verdict", message="", data=said)
     later = replace(told, data=said | {"accepted": True})
-    assert spoken(replace(log, entries=(*log.entries, told, later)), lc.build_plant) == said
+    assert (
+        recorded_verdict_summary(replace(log, entries=(*log.entries, told, later)), lc.build_plant)
+        == said
+    )
+
+
+def compared(limits, name, begin, times, values, location=""):
+    """The result of the check of that name for a measurement."""
+    (check,) = (check for check in CHECKS if check.name == name)
+    measurement = Measurement(times=np.array(times), values=values, location=location)
+    return compare_with_limit(check, measurement, limits, begin)
+
+
+def test_there_is_a_check_for_every_limit_in_the_same_order():
+    assert [check.name for check in CHECKS] == [field.name for field in fields(Acceptance)]
 
 
 def test_the_first_check_that_is_wrong_is_the_reason():
     limits, times = Acceptance(), [2.0, 3.0]
     worst = {"angle_jump": 0.0, "swing_error": 9.0, "joint_error": 9.0}
     checks = (
-        _check(limits, name, 1.0, times, np.array([0.0, value]), "")
-        for name, value in worst.items()
+        compared(limits, name, 1.0, times, np.array([0.0, value])) for name, value in worst.items()
     )
     assert Verdict(()).reason == ""
     found = Verdict(tuple(checks), is_cut=True)
-    assert found.reason == f"The run failed a check: {found.checks[1].says}."
+    assert found.reason == f"The run failed a check: {found.checks[1].description}."
 
 
 class Diverging(PlanarPlant):
@@ -378,7 +402,7 @@ class Diverging(PlanarPlant):
 
 
 def words(found) -> dict[str, str]:
-    return {name: one.word for name, one in found.items()}
+    return {name: one.outcome for name, one in found.items()}
 
 
 NEEDS_A_MODEL = {
@@ -413,7 +437,7 @@ def without(log: OperationLog, *kinds: type) -> OperationLog:
 def test_what_was_not_recorded_is_not_checked(truth):
     log = log_of(truth)
     bare = judged(without(log, Estimate))
-    assert {name for name, one in bare.items() if one.word != "not checked"} == {
+    assert {name for name, one in bare.items() if one.outcome != "not checked"} == {
         "angle_jump",
         "without_zero",
         "clock_drift",
@@ -449,23 +473,29 @@ def test_a_check_says_how_much_of_its_limit_was_used_in_its_unit_since_when_and_
         [3.0, 4.0, 5.0],
         Acceptance(water_speed=0.01, joint_error=math.radians(3.0), without_zero=0.5),
     )
-    found = _check(limits, "joint_error", 1.0, times, np.radians([1.0, 6.0, 4.5]), "module 2")
+    found = compared(limits, "joint_error", 1.0, times, np.radians([1.0, 6.0, 4.5]), "module 2")
     assert (
-        found.says
+        found.description
         == "joint error not explained by its servo: 6 of 3 deg (200 %), since 3.0 s; module 2"
     )
-    assert (found.word, found.value, found.limit) == ("WRONG", math.radians(6.0), math.radians(3.0))
+    assert (found.outcome, found.value, found.limit) == (
+        "WRONG",
+        math.radians(6.0),
+        math.radians(3.0),
+    )
     assert (found.share, found.since) == (pytest.approx(2.0), 3.0)
-    found = _check(limits, "water_speed", 1.0, times, np.array([0.01, math.nan, 0.004]), "")
-    assert found.says == "drift of the straight robot before the run: 0.01 of 0.01 m/s (100 %)"
-    assert (found.word, found.since, found.share) == ("ok", None, 1.0)
-    found = _check(limits, "without_zero", 1.0, times, np.array([0.0, 0.0, 2.0]), "")
-    assert (found.word, found.since) == ("noted", 4.0)
+    found = compared(limits, "water_speed", 1.0, times, np.array([0.01, math.nan, 0.004]), "")
     assert (
-        found.says
+        found.description == "drift of the straight robot before the run: 0.01 of 0.01 m/s (100 %)"
+    )
+    assert (found.outcome, found.since, found.share) == ("ok", None, 1.0)
+    found = compared(limits, "without_zero", 1.0, times, np.array([0.0, 0.0, 2.0]), "")
+    assert (found.outcome, found.since) == ("noted", 4.0)
+    assert (
+        found.description
         == "modules without a zero (`joint_zeros` sets them): 2 of 0.5 (400 %), since 4.0 s"
     )
-    found = _check(limits, "without_zero", 1.0, times, np.full(3, math.nan), "")
+    found = compared(limits, "without_zero", 1.0, times, np.full(3, math.nan), "")
     assert found == (
         "without_zero",
         None,
@@ -480,7 +510,7 @@ def test_a_check_says_how_much_of_its_limit_was_used_in_its_unit_since_when_and_
 def test_a_cycle_without_its_mean_and_slope_is_what_is_left_of_it():
     place = np.linspace(-1.0, 1.0, 201)
     wave = 0.3 * np.cos(4.0 * math.pi * place)
-    assert _size(np.stack([wave, 2.0 * wave + 5.0, wave + 3.0 * place])) == pytest.approx(
+    assert swing_of(np.stack([wave, 2.0 * wave + 5.0, wave + 3.0 * place])) == pytest.approx(
         np.array([1.0, 2.0, 1.0]) * 0.3 / math.sqrt(2.0), rel=0.01
     )
 
@@ -491,12 +521,13 @@ def test_the_way_to_the_next_cycle_is_told_along_and_to_the_left_of_the_heading_
     center = np.stack([place.real, place.imag], axis=1)[:, np.newaxis] + np.array(
         [[[-0.3, 0.2], [0.3, -0.2]]]
     )
-    ahead, aside = _step(center, heading)
-    assert ahead == pytest.approx([0.3, 0.2]) and aside == pytest.approx([0.1, -0.4])
+    motion = CycleMotion(center_of_mass=center, heading=heading)
+    assert motion.advance == pytest.approx([0.3, 0.2])
+    assert motion.sideslip == pytest.approx([0.1, -0.4])
 
 
 def test_a_spread_is_what_has_changed_up_to_each_moment():
-    assert _spread(np.array([1.0, 3.0, 2.0, 0.5])).tolist() == [0.0, 2.0, 2.0, 2.5]
+    assert range_so_far(np.array([1.0, 3.0, 2.0, 0.5])).tolist() == [0.0, 2.0, 2.0, 2.5]
 
 
 def moved_log(truth, *, turned: float = 0.0, faster=1.0, bent=0.0) -> OperationLog:
@@ -530,22 +561,22 @@ def test_the_choice_of_world_axes_does_not_matter(truth):
     here, there = judged(log_of(truth)), judged(moved_log(truth, turned=2.0))
     for name in NUMBERS:
         assert there[name].value == pytest.approx(here[name].value, abs=2e-3), name
-        assert there[name].word == "ok"
+        assert there[name].outcome == "ok"
 
 
 def test_a_robot_that_becomes_faster_is_seen_and_one_that_always_was_is_noted(truth):
     later = judged(moved_log(truth, faster=np.where(truth.time < 12.0, 1.0, 1.5)))["speed_change"]
-    assert (later.word, later.value) == ("WRONG", pytest.approx(0.5, abs=0.05))
+    assert (later.outcome, later.value) == ("WRONG", pytest.approx(0.5, abs=0.05))
     assert 12.0 < later.since <= 15.1
     always = judged(moved_log(truth, faster=1.5))
-    assert (always["speed_change"].word, always["model_speed"].word) == ("ok", "noted")
+    assert (always["speed_change"].outcome, always["model_speed"].outcome) == ("ok", "noted")
     assert always["model_speed"].value == pytest.approx(math.log(1.5), abs=0.05)
     assert always["model_speed"].since == pytest.approx(CYCLES * 3.0)
 
 
 def test_a_robot_that_always_was_slower_is_noted(truth):
     found = judged(moved_log(truth, faster=0.5))["model_speed"]
-    assert (found.word, found.value) == ("noted", pytest.approx(math.log(2.0), abs=0.05))
+    assert (found.outcome, found.value) == ("noted", pytest.approx(math.log(2.0), abs=0.05))
 
 
 def test_a_robot_that_swims_backward_is_judged_like_one_that_swims_forward():
@@ -561,9 +592,9 @@ def test_a_robot_that_swims_backward_is_judged_like_one_that_swims_forward():
         for moved in (0.0, np.maximum(back.time - 9.0, 0.0) * 0.03)
     )
     assert max(right[name].share for name in NUMBERS) < 0.3
-    assert changed["sideslip_change"].word == "WRONG"
+    assert changed["sideslip_change"].outcome == "WRONG"
     faster = judged(moved_log(back, faster=np.where(back.time < 12.0, 1.0, 1.5)))["speed_change"]
-    assert (faster.word, faster.value) == ("WRONG", pytest.approx(0.5, abs=0.05))
+    assert (faster.outcome, faster.value) == ("WRONG", pytest.approx(0.5, abs=0.05))
 
 
 def test_a_heading_that_begins_to_go_away_is_a_change_of_turning(truth):
@@ -571,7 +602,7 @@ def test_a_heading_that_begins_to_go_away_is_a_change_of_turning(truth):
     found = judged(moved_log(truth, bent=bent), turn_change=math.radians(0.7))["turn_change"]
     # Over five cycles: none of the first five of seven turns but the last, three of the last five.
     assert found.value == pytest.approx(math.radians(2.0 * 2.0 / 5.0), rel=0.1)
-    assert found.word == "WRONG" and found.since > 15.0
+    assert found.outcome == "WRONG" and found.since > 15.0
 
 
 def test_a_robot_that_steers_a_little_better_than_the_model_is_right_and_one_that_steers_much_better_is_not():
@@ -582,7 +613,7 @@ def test_a_robot_that_steers_a_little_better_than_the_model_is_right_and_one_tha
     little, much = (
         judged(moved_log(steered, bent=share * turned))["turn_change"] for share in (0.08, 0.3)
     )
-    assert (little.word, much.word) == ("ok", "WRONG")
+    assert (little.outcome, much.outcome) == ("ok", "WRONG")
     assert little.share < 0.3
 
 
@@ -590,7 +621,7 @@ def test_single_wrong_frames_are_no_change_where_cycles_end_either(truth):
     bent = np.zeros(len(truth.time))
     bent[np.searchsorted(truth.time, 12.0) : np.searchsorted(truth.time, 12.05)] = math.radians(8.0)
     found = judged(moved_log(truth, bent=bent))
-    assert [found[name].word for name in NUMBERS] == ["ok"] * len(NUMBERS)
+    assert [found[name].outcome for name in NUMBERS] == ["ok"] * len(NUMBERS)
     assert max(found["turn_change"].share, found["sideslip_change"].share) < 0.1
 
 
@@ -635,7 +666,7 @@ def test_a_marker_body_may_turn_to_either_side_and_the_first_reference_may_have_
     entries = tuple(replace(one, frequency=0.0) if one is first else one for one in log.entries)
     found = judged(replace(log, entries=entries))
     assert found["marker_jump"].value == pytest.approx(math.radians(5.0), abs=math.radians(0.5))
-    assert found["model_speed"].word == "ok"
+    assert found["model_speed"].outcome == "ok"
 
 
 def test_without_a_model_half_of_the_swing_about_an_offset_may_be_missing(truth):
@@ -671,7 +702,7 @@ def test_of_a_clock_a_second_counts_at_least(truth):
 def test_how_long_a_cycle_is_the_references_say_from_whenever_they_have_a_frequency(
     truth, monkeypatch
 ):
-    monkeypatch.setattr("laticauda.operate.verdict.CYCLE", 20.0)
+    monkeypatch.setattr("laticauda.operate.verdict.recorded_run.PERIOD_WITHOUT_GAIT", 20.0)
     log, first = log_of(truth), True
     entries = []
     for one in log.entries:
@@ -682,7 +713,7 @@ def test_how_long_a_cycle_is_the_references_say_from_whenever_they_have_a_freque
 
 
 def test_references_without_a_frequency_have_cycles_of_the_usual_length(truth, monkeypatch):
-    monkeypatch.setattr("laticauda.operate.verdict.CYCLE", 12.0)
+    monkeypatch.setattr("laticauda.operate.verdict.recorded_run.PERIOD_WITHOUT_GAIT", 12.0)
     log = log_of(truth)
     still = [
         replace(one, frequency=0.0) if isinstance(one, ReferenceSample) else one
@@ -705,7 +736,7 @@ def test_the_age_of_poses_is_that_of_the_whole_run(truth):
     log = log_of(truth)
     late = [replace(one, age=0.2) if isinstance(one, Estimate) else one for one in log.entries]
     found = judged(replace(log, entries=tuple(late)), pose_age=0.1)["pose_age"]
-    assert (found.word, found.since) == ("WRONG", pytest.approx(3.0 * CYCLES, abs=STEP))
+    assert (found.outcome, found.since) == ("WRONG", pytest.approx(3.0 * CYCLES, abs=STEP))
 
 
 @pytest.mark.parametrize(("n", "word"), [(1, "not checked"), (2, "ok")])
@@ -793,12 +824,12 @@ ROUGH = {
 def test_the_verdict_on_a_rough_run_stays_as_it_is(truth):
     verdict = verdict_of(rough_log(truth), Acceptance(), PLANT)
     assert {one.name: one.value for one in verdict.checks} == pytest.approx(ROUGH, rel=1e-6)
-    assert [one.name for one in verdict.checks if one.word != "ok"] == [
+    assert [one.name for one in verdict.checks if one.outcome != "ok"] == [
         "speed_change",
         "without_zero",
     ]
     assert verdict.checks[4].since == pytest.approx(18.0)
-    assert [one.says[-8:] for one in verdict.checks[:2]] == ["module 5", "module 8"]
+    assert [one.description[-8:] for one in verdict.checks[:2]] == ["module 5", "module 8"]
     bare = verdict_of(rough_log(truth), Acceptance(), None)
     assert bare.checks[0].value == pytest.approx(0.0028545947679231554, rel=1e-6)
 
@@ -807,7 +838,7 @@ def test_joint_zeros_that_are_set_shortly_before_the_run_are_no_drift_of_the_rob
     def calibrated(at):
         event = Event(time=at, kind="calibrating", message="", data={"without_zero": 0})
         log = log_of(truth, still=0.02)
-        return judged(replace(log, entries=(event, *log.entries)))["water_speed"].word
+        return judged(replace(log, entries=(event, *log.entries)))["water_speed"].outcome
 
     assert calibrated(BEFORE - 2.0) == "WRONG"
     assert calibrated(BEFORE - 1.0) == "not checked"

@@ -367,7 +367,7 @@ class Replay(Recording):
             sheet = figures.timing_sheet(timing.lateness, timing.latency, timing.interval)
             figures.save_figure(sheet, self.plot_timing)
         rerun = operate.rerun_controller(log, estimates=estimates) if self.control else None
-        verdict = operate.spoken(log, simulate.build_plant)
+        verdict = operate.recorded_verdict_summary(log, simulate.build_plant)
         facts: dict[str, Any] = {"lost": log.lost, "verdict": verdict}
         text = ["\n".join(verdict["lines"])]
         if timing is not None:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from laticauda.operate.recording.to_trial import trial_of as trial_of
     from laticauda.operate.verdict import (
         Verdict as Verdict,
-        spoken as spoken,
+        recorded_verdict_summary as recorded_verdict_summary,
         verdict_of as verdict_of,
     )
 
@@ -51,6 +51,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "rerun_learner",
         ],
         "laticauda.operate.recording.to_trial": ["trial_of"],
-        "laticauda.operate.verdict": ["Verdict", "spoken", "verdict_of"],
+        "laticauda.operate.verdict": ["Verdict", "recorded_verdict_summary", "verdict_of"],
     },
+    renamed={"spoken": "recorded_verdict_summary"},
 )
