@@ -26,6 +26,7 @@ from laticauda.operate import (
 from laticauda.operate.settings import Acceptance
 from laticauda.operate.verdict import Verdict
 from laticauda.operate.verdict.check import Measurement, compare_with_limit
+from laticauda.operate.verdict.model_run import swim_model
 from laticauda.operate.verdict.recorded_run import CycleMotion
 from laticauda.operate.verdict.signals import range_so_far, swing_of
 from laticauda.operate.verdict.verdict import CHECKS
@@ -842,3 +843,40 @@ def test_joint_zeros_that_are_set_shortly_before_the_run_are_no_drift_of_the_rob
 
     assert calibrated(BEFORE - 2.0) == "WRONG"
     assert calibrated(BEFORE - 1.0) == "not checked"
+
+
+def test_the_model_moves_a_driven_fin_by_the_last_of_its_references(truth):
+    bare = lc.load_robot("mamba-fin")
+    fin = replace(bare.caudal_fin, joint=bare.joints[0])
+    plant = lc.build_plant(replace(bare, caudal_fin=fin), WATER, joints="servo")
+    n_joints = len(plant.robot.joints)
+    log = log_of(truth)
+    estimates = log.of_run(Estimate)
+
+    def swim(fin_angle):
+        references = [
+            replace(sample, angle=np.append(sample.angle, fin_angle))
+            for sample in log.of_run(ReferenceSample)[:40]
+        ]
+        columns = range(n_joints + 1)
+        return swim_model(plant, estimates[0], references, columns, marker_link=0)
+
+    straight, bent = swim(0.0), swim(0.3)
+    assert straight.joint_angle.shape == bent.joint_angle.shape == (39, n_joints + 1)
+    assert np.abs(straight.joint_angle[-1, -1]) < 0.1
+    assert bent.joint_angle[-1, -1] == pytest.approx(0.3, abs=0.1)
+
+
+def test_of_a_recording_without_a_start_no_cycle_is_checked(truth):
+    log = log_of(truth)
+    entries = tuple(
+        entry
+        for entry in log.entries
+        if not (isinstance(entry, Event) and entry.kind in ("start", "stop"))
+    )
+    found = judged(replace(log, entries=entries))
+    assert {name for name, check in found.items() if check.outcome != "not checked"} == {
+        "angle_jump",
+        "pose_age",
+        "without_zero",
+    }
