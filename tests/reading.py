@@ -49,6 +49,7 @@ class Count:
     tokens: int = 0
     statements: int = 0
     expressions: int = 0
+    """A table, see `is_table`, is a single one."""
     conditional_expressions: int = 0
     nested_comprehensions: int = 0
     """Comprehensions that hold another one, or loop over more than one thing."""
@@ -64,8 +65,12 @@ class Count:
         """
         tree = ast.parse(text)
         self._add_tokens(text, docstring_lines(tree))
-        for node in ast.walk(tree):
+        nodes: list[ast.AST] = [tree]
+        while nodes:
+            node = nodes.pop()
             self._add_node(node)
+            if not is_table(node):
+                nodes += ast.iter_child_nodes(node)
 
     def _add_tokens(self, text: str, docstrings: set[int]) -> None:
         lines: set[int] = set()
@@ -149,6 +154,14 @@ def docstring_lines(tree: ast.AST) -> set[int]:
         ):
             lines.update(range(node.lineno, (node.end_lineno or node.lineno) + 1))
     return lines
+
+
+def is_table(node: ast.AST) -> bool:
+    """Return whether this is a dictionary of constants, or of lists and dictionaries of them."""
+    if not isinstance(node, ast.Dict):
+        return False
+    kinds = (ast.Dict, ast.List, ast.Constant, ast.expr_context)
+    return all(isinstance(part, kinds) for part in ast.walk(node))
 
 
 def is_nested_comprehension(node: ast.AST) -> bool:

@@ -13,7 +13,7 @@ class Sound(Extensible, group="sounds"):
     """A group."""
 
 
-Sound._homes = {"html-parser": "html.parser"}  # as extensions.toml has them
+Sound._homes = {"html-parser": "html.parser"}  # as `HOMES` has them
 
 
 class LoudBang(Sound):

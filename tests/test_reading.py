@@ -48,6 +48,14 @@ def test_what_is_counted_is_code_and_not_its_description(tmp_path: Path):
     assert body.vague == pytest.approx(100.0 * 2 / 5)  # found, given; not a, row, size
 
 
+def test_a_table_of_constants_is_a_single_expression():
+    table, formula = reading.Count(), reading.Count()
+    table.add_module('TABLE = {"a": {"b": ["c", 1]}, "d": {}}\n')
+    formula.add_module('TABLE = {"a": {"b": ["c", 1]}, "d": {}, **more}\n')
+    assert table.expressions == 2  # the name and the table
+    assert formula.expressions == 7
+
+
 def test_a_limit_is_lowered_and_never_raised():
     limits = {"robot": replace(EASY, tokens=9.0, conditional=2.0)}
     assert reading.update_limits({"robot": EASY}, limits) == {

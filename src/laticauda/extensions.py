@@ -8,20 +8,69 @@ nothing named in a file is imported because of it.
 
 import functools
 import re
-import tomllib
 from collections.abc import Mapping
 from importlib import import_module
 from importlib.metadata import entry_points
-from pathlib import Path
 from typing import Any, ClassVar, Self
 
 from laticauda.errors import BadArgument, suggest_nearest
 
 ENTRY_POINTS = "laticauda."
 """Prefix of the entry-point groups; the group of drag laws is ``laticauda.drag_laws``."""
-HOMES: Mapping[str, Mapping[str, str]] = tomllib.loads(
-    Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")
-)
+HOMES: Mapping[str, Mapping[str, str]] = {
+    "controllers": {
+        "path-following": "laticauda.control.path_following",
+        "spatial-path-following": "laticauda.control.path_following",
+        "model-predictive": "laticauda.control.predictive",
+        "offset-steps": "laticauda.control.averaged",
+    },
+    "drivers.bus": {
+        "can": "laticauda.operate.drivers.can",
+    },
+    "drivers.meter": {
+        "fluke": "laticauda.operate.drivers.meter",
+    },
+    "drivers.mocap": {
+        "qtm": "laticauda.operate.drivers.mocap",
+    },
+    "drivers.stop": {
+        "serial-line": "laticauda.operate.drivers.stop",
+    },
+    "flows": {
+        "lamb-oseen": "laticauda.fluid.eddies",
+        "karman-street": "laticauda.fluid.eddies",
+        "uniform": "laticauda.fluid.uniform",
+        "linear-shear": "laticauda.fluid.uniform",
+        "power-law-shear": "laticauda.fluid.uniform",
+        "waves": "laticauda.fluid.waves",
+        "sea": "laticauda.fluid.waves",
+        "turbulence": "laticauda.fluid.eddies",
+        "gridded": "laticauda.fluid.gridded",
+    },
+    "formats": {
+        "nc": "laticauda.logs.tabular",
+        "mcap": "laticauda.logs.mcap_trials",
+        "parquet": "laticauda.logs.tabular",
+        "mat": "laticauda.logs.tabular",
+        "csv": "laticauda.logs.tabular",
+    },
+    "paths": {
+        "straight-line": "laticauda.control.paths",
+        "circle": "laticauda.control.paths",
+        "polyline": "laticauda.control.paths",
+        "spline": "laticauda.control.paths",
+    },
+    "scenes": {
+        "pegs": "laticauda.spatial.scene",
+        "slope": "laticauda.spatial.scene",
+        "pipe": "laticauda.spatial.scene",
+        "shore": "laticauda.spatial.scene",
+        "tank": "laticauda.spatial.scene",
+        "height-field": "laticauda.spatial.scene",
+        "mjcf": "laticauda.spatial.scene",
+        "edited": "laticauda.spatial.scene",
+    },
+}
 """By group, the module of every member that comes with the package and is imported only on demand."""
 
 
@@ -89,16 +138,6 @@ class Extensible:
     def names(cls) -> tuple[str, ...]:
         """Return the names of all members of this group, those of the package first."""
         return tuple(dict.fromkeys([*cls._homes, *cls._known, *_installed(cls.group)]))
-
-
-def above(name: str) -> Any:
-    """Return a function from a higher layer, which its callers must not import directly; see `extensions.toml`.
-
-    Args:
-        name: Name of the function in that file.
-    """
-    module, _, function = HOMES["above"][name].partition(":")
-    return getattr(import_module(module), function)
 
 
 class Unknown:

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from laticauda.errors import StorageFailed
-from laticauda.extensions import above
 from laticauda.interfaces import ORIENTATION
 from laticauda.logs.recorder import WORLD, Recorder
 from laticauda.logs.recording import Logged, open_recording
+from laticauda.spatial.frames import Frames
 from laticauda.trial import Format, Trial
 from laticauda.trial.dataset import assembled, describe_series, read_epoch
 
@@ -90,7 +90,7 @@ def _record(dataset: "xarray.Dataset", recorder: Recorder) -> None:
         str(name): one for name, one in dataset.variables.items() if one.dims[:1] == ("time",)
     }
     others = {PREFIX + name: one for name, one in series.items() if name not in OF_JOINTS}
-    bodies = above("frames")(trial.robot, trial.scenario.model)
+    bodies = Frames(trial.robot, trial.scenario.model)
     frames = {"robot": _robot(trial)} | _links(trial, bodies)
     recorder.metadata(METADATA, {"trial": json.dumps(dataset.attrs)})
     recorder.robot(float(trial.time[0]), bodies.description, bodies.fixed)
@@ -134,7 +134,7 @@ def _robot(trial: Trial) -> tuple[str, Any, Any]:
     return WORLD, places, _upright(trial.heading)
 
 
-def _links(trial: Trial, bodies: Any) -> dict[str, tuple[str, Any, Any]]:
+def _links(trial: Trial, bodies: Frames) -> dict[str, tuple[str, Any, Any]]:
     """Return the frames of the links, if they were measured."""
     if {"link_angle", "joint_angle"} & {*trial.not_measured}:
         return {}

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, Literal, Self, overload
 import numpy as np
 
 from laticauda.errors import BadArgument
-from laticauda.extensions import above
 from laticauda.quantities import Quantity, describe_field, html_table
 from laticauda.trial import contents, cycles, metrics
 from laticauda.trial.dataset import fields_of, save, to_dataset
@@ -195,7 +194,9 @@ class Trial(contents.Contents):
 
         A notebook displays it; `trial.plot().savefig("run.png")` writes a file.
         """
-        return above("sheet")(self)
+        from laticauda.figures import sheet
+
+        return sheet(self)
 
     def plot_path(self, ax: "axes.Axes | None" = None) -> "axes.Axes":
         """Plot the path of the center of mass with the body drawn along it.
@@ -203,7 +204,9 @@ class Trial(contents.Contents):
         Args:
             ax: Axes to draw in; None: a new figure, available as `figure` of the returned axes.
         """
-        return above("path_strip")(self, ax)
+        from laticauda.figures import path_strip
+
+        return path_strip(self, ax)
 
     def animate(
         self, *, speed: float = 1.0, frames_per_second: float = 15.0
@@ -217,7 +220,9 @@ class Trial(contents.Contents):
             speed: Playback speed relative to real time [-].
             frames_per_second: Frame rate of the film [1/s].
         """
-        return above("swim_film")(self, speed=speed, frames_per_second=frames_per_second)
+        from laticauda.figures import swim_film
+
+        return swim_film(self, speed=speed, frames_per_second=frames_per_second)
 
     # ---- files and tables ------------------------------------------------------------------------
 
