@@ -3,9 +3,6 @@
 from typing import TYPE_CHECKING
 
 from laticauda.packaging import lazy_exports
-from laticauda.scenarios.building import (
-    build_scenario as build_scenario,
-)  # at once: a module has its name
 
 if TYPE_CHECKING:
     from laticauda.scenarios.building import (
@@ -14,6 +11,7 @@ if TYPE_CHECKING:
         Chosen as Chosen,
         ModelChanges as ModelChanges,
         Motion as Motion,
+        build_scenario as build_scenario,
         default_water as default_water,
         environment_of as environment_of,
         model_of as model_of,
@@ -50,6 +48,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "Chosen",
             "ModelChanges",
             "Motion",
+            "build_scenario",
             "default_water",
             "environment_of",
             "model_of",
@@ -77,5 +76,4 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "unknown_in",
         ],
     },
-    own=["scenario"],
 )
