@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt
 import laticauda as lc
 from laticauda.paper.measured import efficiency_trials
 from laticauda.robot import load_parameters, parameter_names, robot_names
-from laticauda.trial.feasibility import feasibility
+from laticauda.trial.feasibility import judge_feasibility
 
 KINDS = {"lateral": lc.lateral_undulation, "eel": lc.eel_like}
 GAITS = [
@@ -64,7 +64,7 @@ for name in parameter_names():
             robot, row.gait, environment=water, joints=model.joints or "prescribed"
         )
         # the same motion and torques with the published servo
-        found = feasibility(published, trial, trial.period)
+        found = judge_feasibility(published, trial, trial.period)
         n_beyond += bool(found.problems)
         most = max(most, found.figures["peak_joint_torque"])
         setting = [

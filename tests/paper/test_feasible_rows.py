@@ -8,7 +8,7 @@ import pytest
 import laticauda as lc
 from laticauda.paper.measured import efficiency_trials
 from laticauda.robot import load_parameters, robot_names
-from laticauda.trial.feasibility import feasibility
+from laticauda.trial.feasibility import judge_feasibility
 
 PAGE = (Path(__file__).parents[2] / "docs" / "theory" / "joints.md").read_text(encoding="utf-8")
 GAITS = (
@@ -33,7 +33,7 @@ def test_the_docs_count_the_gaits_of_table_1_that_are_beyond_the_published_servo
         published, kind = lc.load_robot(row.robot), row.gait.kind
         robot, water = model.robot(published, kind), model.water(kind)
         trial = lc.swim(robot, row.gait, environment=water, joints=model.joints or "prescribed")
-        found = feasibility(published, trial, trial.period)
+        found = judge_feasibility(published, trial, trial.period)
         rows[row.has_fin] += 1
         beyond[row.has_fin] += bool(found.problems)
         most = max(most, trial.peak_joint_torque)

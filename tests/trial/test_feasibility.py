@@ -53,13 +53,13 @@ def test_an_actuator_that_has_just_what_is_needed_can_and_a_little_less_cannot(t
     )
     for share, problems in ((1.001, 0), (0.999, 1)):
         robot = with_actuators(trial.robot, stall_torque=share * needed[late].max())
-        found = feasibility.feasibility(robot, trial, trial.period)
+        found = feasibility.judge_feasibility(robot, trial, trial.period)
         assert len(found.problems) == problems
         assert (found.figures["utilization"] > 1.0) == bool(problems)
 
 
 def test_the_sentence_names_the_joint_what_it_needs_and_what_it_has(trial: lc.Trial):
-    weak = feasibility.feasibility(
+    weak = feasibility.judge_feasibility(
         with_actuators(trial.robot, stall_torque=0.5), trial, trial.period
     )
     (sentence,) = weak.problems
@@ -68,7 +68,7 @@ def test_the_sentence_names_the_joint_what_it_needs_and_what_it_has(trial: lc.Tr
         and " N m at " in sentence
         and "; its servo has 0." in sentence
     )
-    slow = feasibility.feasibility(
+    slow = feasibility.judge_feasibility(
         with_actuators(trial.robot, stall_torque=500, no_load_speed=0.5), trial, trial.period
     )
     assert slow.figures["utilization"] > 1.0 and slow.problems[0].endswith(
@@ -98,7 +98,11 @@ def test_a_sweeps_row_says_what_the_trial_says(name: str):
         )
         for figure in feasibility.NEEDS:
             # A row looks for links that cross in some postures only.
-            rel = 0.02 if feasibility.overlap(alone.chain, alone.joint_angle)[0] > 1.0 else 1e-6
+            rel = (
+                0.02
+                if feasibility.measure_overlap(alone.chain, alone.joint_angle)[0] > 1.0
+                else 1e-6
+            )
             assert found[figure][row] == pytest.approx(getattr(alone, figure), rel=rel), figure
 
 
@@ -150,7 +154,7 @@ def test_links_overlap_where_points_of_theirs_do(angle: list[float], width: floa
     robot = replace(
         robot, modules=tuple(replace(module, section=section) for module in robot.modules)
     )
-    share, i, j = feasibility.overlap(robot, np.array([angle]))
+    share, i, j = feasibility.measure_overlap(robot, np.array([angle]))
     points = rectangles(robot, np.array(angle))
     far = [(a, b) for a in range(9) for b in range(a + 2, 9)]
     apart = min(nearest(points[a], points[b]) for a, b in far)
@@ -167,17 +171,17 @@ def test_links_overlap_where_points_of_theirs_do(angle: list[float], width: floa
 def test_a_body_that_bites_its_tail_overlaps_and_a_straight_one_does_not():
     robot = lc.load_robot("mamba")
     straight, ring = np.zeros((1, 8)), np.full((1, 8), 2 * pi / 8)
-    assert feasibility.overlap(robot, straight)[0] < 1.0
-    share, i, j = feasibility.overlap(robot, np.concatenate((straight, ring, -ring)))
+    assert feasibility.measure_overlap(robot, straight)[0] < 1.0
+    share, i, j = feasibility.measure_overlap(robot, np.concatenate((straight, ring, -ring)))
     assert share > 1.0 and (i, j) == (0, 8)
-    assert feasibility.overlap(robot, ring) == feasibility.overlap(robot, -ring)
+    assert feasibility.measure_overlap(robot, ring) == feasibility.measure_overlap(robot, -ring)
 
 
 def test_neighbors_overlap_where_their_bend_leaves_them_no_room():
     robot = lc.load_robot("mamba")
     fold = 2 * np.arctan(0.09 / 0.05)  # half a link over half its width
     for bend, beyond in ((fold - 1e-3, False), (fold + 1e-3, True)):
-        share, *pair = feasibility.overlap(robot, np.array([[0, 0, bend, 0, 0, 0, 0, 0]]))
+        share, *pair = feasibility.measure_overlap(robot, np.array([[0, 0, bend, 0, 0, 0, 0, 0]]))
         assert (share > 1.0) == beyond
         assert not beyond or pair == [2, 3]
 
@@ -196,19 +200,19 @@ def test_links_that_cross_are_looked_for_in_every_posture_where_there_are_no_mor
     robot, ring = lc.load_robot("mamba"), np.full(8, 2 * pi / 8)
     angle = np.stack([0.8 * ring, ring, 0.8 * ring, 0.8 * ring])
     still, counts = np.zeros((4, 8, 1)), np.full((4, 1), True)
-    found = feasibility.peaks([robot], angle[..., np.newaxis], still, still, counts, most=4)
-    assert found["utilization"][0] == feasibility.overlap(robot, angle)[0] > 1.0
+    found = feasibility.compute_peaks([robot], angle[..., np.newaxis], still, still, counts, most=4)
+    assert found["utilization"][0] == feasibility.measure_overlap(robot, angle)[0] > 1.0
 
 
 def test_a_motor_whose_numbers_are_not_stated_judges_nothing_and_stated_ones_do(trial: lc.Trial):
     unknown = with_actuators(trial.robot, stated=False, stall_torque=0.01, no_load_speed=0.01)
-    found = feasibility.feasibility(unknown, trial, trial.period)
+    found = feasibility.judge_feasibility(unknown, trial, trial.period)
     assert found.problems == ()
     assert found.words.endswith("no actuator is stated")
     assert found.figures["utilization"] == pytest.approx(
         trial.peak_joint_angle / trial.robot.joints[0].limit
     )
-    assert feasibility.feasibility(
+    assert feasibility.judge_feasibility(
         adjusted(unknown, {"actuator": {"voltage": 7.0}}), trial, trial.period
     ).problems
     assert not any(

@@ -12,7 +12,7 @@ from laticauda.cockpit.simulation import TICK, find_measured
 from laticauda.files import read_toml
 from laticauda.reports.chapter import in_digits
 from laticauda.trial import metrics
-from laticauda.trial.feasibility import feasibility
+from laticauda.trial.feasibility import judge_feasibility
 
 STEP = 4  # every STEP-th sample is drawn
 COLORS = ("#56B4E9", "#E69F00", "#8ADB9B")
@@ -56,7 +56,7 @@ def read_figures(live: Live) -> dict[str, Any]:
             found["cycle_velocity"] = float(
                 np.linalg.norm(place[-1] - place[-1 - n]) / (time[-1] - time[-1 - n])
             )
-        lately = feasibility(
+        lately = judge_feasibility(
             robot, record.at(slice(-RECENT, None)), cycle if math.isfinite(cycle) else None
         )
         found["joints"] = (

@@ -18,7 +18,7 @@ from laticauda.identify.problem import SAMPLE_INTERVAL, Problem, shift_start
 from laticauda.planar import rows
 from laticauda.planar.batch import STEP, Block, Run
 from laticauda.scenarios import Planar, Scenario
-from laticauda.simulate import derivatives, many, numbers, several
+from laticauda.simulate import batch_run, batch_scenarios, derivatives, numbers, several
 from laticauda.simulate.runner import silent
 from laticauda.trial import Trial
 
@@ -111,14 +111,14 @@ def _planar_runs(
     (raw, swum), failures = _towed(problem, scenarios), dict[str, str]()
     for duration, places in _by_duration(scenarios, swum).items():
         members = [swum[place] for place in places]
-        runs = many.runs_of([scenarios[i] for i in members])
-        found = many.run_batch(
+        runs = batch_scenarios.runs_of([scenarios[i] for i in members])
+        found = batch_run.run_batch(
             runs,
             duration,
             SAMPLE_INTERVAL,
-            problem.threads,
-            silent,
-            look=_keeper(problem, members, [raw[i] for i in members]),
+            threads=problem.threads,
+            progress=silent,
+            observe=_keeper(problem, members, [raw[i] for i in members]),
             with_joints=_needs_joints(problem, members),
         )
         for place, i in enumerate(members):
@@ -152,7 +152,9 @@ def _planar_jacobian(
     for duration, places in _by_duration(scenarios, [i for i, _ in simulated]).items():
         pairs = [simulated[place] for place in places]
         members = sorted({i for i, _ in pairs})
-        run_of = dict(zip(members, many.runs_of([scenarios[i] for i in members]), strict=True))
+        run_of = dict(
+            zip(members, batch_scenarios.runs_of([scenarios[i] for i in members]), strict=True)
+        )
         mine: list[Raw] = [{} for _ in pairs]
         found = derivatives.compute_slopes(
             [run_of[i] for i, _ in pairs],
@@ -160,7 +162,7 @@ def _planar_jacobian(
             duration,
             sample_interval=SAMPLE_INTERVAL,
             threads=problem.threads,
-            look=_keeper(problem, [i for i, _ in pairs], mine),
+            observe=_keeper(problem, [i for i, _ in pairs], mine),
             with_joints=_needs_joints(problem, members),
         )
         for place, (i, k) in enumerate(pairs):

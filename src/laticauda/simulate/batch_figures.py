@@ -133,8 +133,10 @@ def joint_peaks(runs: Sequence[Run], block: Block) -> dict[str, Figure]:
         2.0 * np.pi / run.command.gait.frequency if run.command.gait.frequency > 0.0 else None
         for run in runs
     ]
-    counts = np.stack([feasibility.settled(block.time, period) for period in periods], axis=1)
+    counts = np.stack(
+        [feasibility.find_settled_samples(block.time, period) for period in periods], axis=1
+    )
     with np.errstate(all="ignore"):
-        return feasibility.peaks(
+        return feasibility.compute_peaks(
             robots, log[:, 0, tail:], log[:, 1, tail:], log[:, 3, tail:], counts
         )

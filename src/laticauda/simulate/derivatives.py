@@ -20,7 +20,7 @@ from laticauda.errors import BadArgument, check_choice
 from laticauda.gaits import Gait
 from laticauda.planar import batch, model
 from laticauda.scenarios import ModelChanges, Scenario
-from laticauda.simulate import many, runner
+from laticauda.simulate import batch_run, batch_scenarios, runner
 from laticauda.simulate.numbers import (
     UNITS,
     Parameter,
@@ -151,10 +151,16 @@ def sensitivities(
     """
     if isinstance(names, str) or not names:
         raise BadArgument("names", f"must hold at least one name of a parameter, got {names!r}")
-    scenarios = many.scenarios_of_batch(
-        robots, gaits, environments, starts, duration, sample_interval, **changes
+    scenarios = batch_scenarios.scenarios_of_batch(
+        robots,
+        gaits,
+        environments=environments,
+        starts=starts,
+        duration=duration,
+        sample_interval=sample_interval,
+        **changes,
     )
-    runs = many.runs_of(scenarios)
+    runs = batch_scenarios.runs_of(scenarios)
     duration, sample_interval = scenarios[0].duration, scenarios[0].sample_interval
     chosen = [_chosen(names, one) for one in scenarios]
     point = [[value_of(parameter.name, one) for parameter in chosen[0]] for one in scenarios]
@@ -243,22 +249,22 @@ def compute_slopes(
     sample_interval: float = 0.05,
     threads: int | None = None,
     progress: runner.Progress = runner.silent,
-    look: many.Look = runner.silent,
+    observe: batch_run.BlockObserver = runner.silent,
     with_joints: bool = False,
-) -> many.Collected:
+) -> batch_run.BatchResult:
     """Compute figures and their derivatives, run i by number i, as complex numbers (see `laticauda.planar.batch`).
 
     Args:
-        runs: Runs from `laticauda.simulate.many.runs_of`; their time steps remain unchanged.
+        runs: Runs from `laticauda.simulate.batch_scenarios.runs_of`; their time steps remain unchanged.
         numbers: The number with respect to which each run is differentiated.
         duration: Duration of every trial [s].
         sample_interval: Sample interval of the logs used for the figures; the logs are not kept
             [s].
         threads: Number of threads; None uses all cores that this process may use.
         progress: Called repeatedly with the completed share, from 0 to 1.
-        look: Called once per block, in the computing threads, before the next block overwrites its
+        observe: Called once per block, in the computing threads, before the next block overwrites its
             log; all numbers there are complex, see `laticauda.planar.batch`.
-        with_joints: Whether the log that `look` receives includes the motion of the joints.
+        with_joints: Whether the log that `observe` receives includes the motion of the joints.
 
     Raises:
         ValueError: If a number cannot change to either side, or another argument is out of its
@@ -285,8 +291,16 @@ def compute_slopes(
         weights[i] = (
             metrics.carried_weight(plant.robot, plant.environment) + 1j * batch.STEP * entry.weight
         )
-    how = duration, sample_interval, threads, progress
-    found = many.run_batch(derived, *how, weights=weights, look=look, with_joints=with_joints)
+    found = batch_run.run_batch(
+        derived,
+        duration,
+        sample_interval,
+        threads=threads,
+        progress=progress,
+        weights=weights,
+        observe=observe,
+        with_joints=with_joints,
+    )
     undefined = complex(math.nan, math.nan)
     return replace(
         found,

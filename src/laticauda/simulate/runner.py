@@ -17,6 +17,7 @@ from laticauda.robot import Robot
 from laticauda.scenarios import Changes, Experiment, Motion, Scenario, build_scenario
 from laticauda.simulate.plants import build_plant
 from laticauda.trial import Trial
+from laticauda.trial.contents import REACHED_END
 
 Progress = Callable[[float], None]
 Until = Callable[[Observation], bool]
@@ -232,7 +233,7 @@ class _Swimmer:
             if duration == scenario.duration
             else replace(scenario, duration=duration),
             version=packaging.__version__,
-            status=failure or "The run reached its end.",
+            status=failure or REACHED_END,
             succeeded=failure is None,
             state=self.plant.pack(self.state) if failure is None else {},
         )

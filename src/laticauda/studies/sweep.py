@@ -17,7 +17,8 @@ from laticauda import codec, extensions, packaging
 from laticauda.errors import BadArgument, check_instance, check_whole_number
 from laticauda.quantities import option, quantity, value_class
 from laticauda.simulate.batch_figures import Block, Run, joint_peaks
-from laticauda.simulate.many import run_batch, runs_of
+from laticauda.simulate.batch_run import run_batch
+from laticauda.simulate.batch_scenarios import runs_of
 from laticauda.simulate.numbers import (
     UNITS,
     change_parameters,
@@ -158,7 +159,13 @@ def swim_points(
 
     interval = scenario.sample_interval
     found = run_batch(
-        runs, scenario.duration, interval, threads, silent, look=look, with_joints=True
+        runs,
+        scenario.duration,
+        interval,
+        threads=threads,
+        progress=silent,
+        observe=look,
+        with_joints=True,
     )
     kept = {
         name: np.where(found.succeeded & np.isfinite(values), values, np.nan)

@@ -12,6 +12,8 @@ from laticauda.robot import Ground, Robot, Water
 from laticauda.trial import arrays
 from laticauda.trial.arrays import AnyArray, FinJoints, Setting
 
+REACHED_END = "The run reached its end."
+"""Status of a run that succeeded."""
 FORCE_COMPONENTS = ("drag", "added_mass", "effector")
 _NEEDED = ("time", "center_of_mass", "center_of_mass_velocity", "electrical_work")
 NOT_NEEDED = tuple(name for name in series.SERIES if name not in _NEEDED)
@@ -53,7 +55,7 @@ class Contents(series.Log):
         default_factory=lambda: datetime.now(UTC).isoformat(timespec="seconds")
     )
     """Creation date and time of day with time zone, ISO 8601."""
-    status: str = "The run reached its end."
+    status: str = REACHED_END
     """How the run ended: a sentence, with advice if it failed."""
     succeeded: bool = True
     """Whether the run reached its end."""

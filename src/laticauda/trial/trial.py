@@ -15,7 +15,7 @@ from laticauda.errors import BadArgument
 from laticauda.quantities import Quantity, describe_field, html_table
 from laticauda.trial import contents, cycles, metrics
 from laticauda.trial.dataset import fields_of, save, to_dataset
-from laticauda.trial.feasibility import Feasibility, feasibility, peak
+from laticauda.trial.feasibility import Feasibility, judge_feasibility, make_peak_figure
 
 if TYPE_CHECKING:
     import xarray
@@ -138,15 +138,17 @@ class Trial(contents.Contents):
     """Strouhal number f A / U of the trailing edge over the steady part [-]."""
 
     peak_joint_angle = Figure(
-        "rad", "largest joint angle, first cycle left out", peak("peak_joint_angle")
+        "rad", "largest joint angle, first cycle left out", make_peak_figure("peak_joint_angle")
     )
     """Largest |phi| of a joint; this and the next three figures exclude the first gait cycle [rad]."""
-    peak_joint_rate = Figure("rad/s", "largest joint rate", peak("peak_joint_rate"))
+    peak_joint_rate = Figure("rad/s", "largest joint rate", make_peak_figure("peak_joint_rate"))
     """Largest |phi'| of a joint [rad/s]."""
-    peak_joint_torque = Figure("N m", "largest joint torque", peak("peak_joint_torque"))
+    peak_joint_torque = Figure("N m", "largest joint torque", make_peak_figure("peak_joint_torque"))
     """Largest |u| of a joint [N m]."""
     utilization = Figure(
-        "", "largest share used of joints, actuators and room between links", peak("utilization")
+        "",
+        "largest share used of joints, actuators and room between links",
+        make_peak_figure("utilization"),
     )
     """Largest used share of a joint's limit, of an actuator's speed or duty, or of the room between links; above 1 the
     robot cannot do it: see `feasibility` [-]."""
@@ -154,7 +156,7 @@ class Trial(contents.Contents):
     @cached_property
     def feasibility(self) -> Feasibility:
         """What the run demands of joints and actuators, what they offer, and why the robot cannot do it, if so."""
-        return feasibility(self.chain, self, self.period)
+        return judge_feasibility(self.chain, self, self.period)
 
     @property
     def mean_power_kind(self) -> Literal["mechanical", "electrical"]:
