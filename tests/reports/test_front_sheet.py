@@ -5,7 +5,7 @@ import laticauda as lc
 from laticauda.figures import style
 from laticauda.reports.front import draw_front, front_figure, marked
 from laticauda.studies import Front, Optimization
-from laticauda.studies.sweep import FIGURES
+from laticauda.studies.point_trials import FIGURES
 
 GAIT = lc.lateral_undulation(amplitude=0.6, frequency=2.0, phase_shift=0.6)
 EEL = lc.eel_like(amplitude=0.6, frequency=2.0, phase_shift=0.6)

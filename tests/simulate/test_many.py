@@ -13,7 +13,7 @@ from laticauda.gaits.gait import Wave
 from laticauda.interfaces import Command
 from laticauda.robot import Tether, load_robot, load_water
 from laticauda.simulate import build_plant
-from laticauda.studies.sweep import labels_of
+from laticauda.studies.point_trials import labels_of
 
 FIGURES = (
     "forward_velocity",

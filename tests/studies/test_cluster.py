@@ -57,8 +57,8 @@ def test_a_scheduler_that_goes_away_is_an_error_and_costs_nothing(tmp_path: Path
 
 
 def test_a_cluster_without_workers_is_said_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(cluster, "PATIENCE", 0.1)
-    monkeypatch.setattr(cluster, "GLANCE", 0.05)
+    monkeypatch.setattr(cluster, "NO_WORKER_TIMEOUT", 0.1)
+    monkeypatch.setattr(cluster, "HEALTH_INTERVAL", 0.05)
     with started(n_workers=0) as (_, address):
         client = cluster.connect(address)
         message = r"the cluster had no worker for 0\.1 s; start some with `dask worker`"
@@ -109,7 +109,7 @@ def test_a_result_that_is_lost_with_its_worker_is_waited_for(tmp_path: Path):
 def test_it_is_not_waited_for_when_no_worker_is_left(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr(cluster, "PATIENCE", 0.01)
+    monkeypatch.setattr(cluster, "NO_WORKER_TIMEOUT", 0.01)
     client = Losing(losses=10**9, threads=0)
     with pytest.raises(ClusterFailed, match="the cluster had no worker"):
         run_sweep(small(), tmp_path / "a", client=client, region_size=4)
@@ -120,7 +120,7 @@ def test_workers_of_another_version_are_refused():
     with pytest.raises(
         ClusterFailed, match=r"the workers must have laticauda 0\.0\.0, as this process does, got "
     ):
-        cluster._swim("0.0.0", small().scenario, (), None)
+        cluster._swim_on_worker("0.0.0", small().scenario, (), None)
 
 
 @pytest.mark.parametrize("address", ["nowhere", "tcp://127.0.0.1:1"])

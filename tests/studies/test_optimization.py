@@ -9,7 +9,7 @@ import xarray
 
 import laticauda as lc
 from laticauda.studies import Front, Optimization, optimization as module, pareto_front
-from laticauda.studies.sweep import QUANTITIES
+from laticauda.studies.point_trials import QUANTITIES
 
 SOUGHT = Optimization(
     scenario=lc.build_scenario(
@@ -38,7 +38,7 @@ def test_a_gait_beyond_the_limits_of_the_joints_is_not_feasible_and_does_not_swi
     )
     swum = []
     monkeypatch.setattr(
-        module.sweep,
+        module,
         "swim_points",
         lambda scenario, names, table, threads: swum.append(table) or _figures(len(table)),
     )
@@ -52,7 +52,7 @@ def test_a_gait_beyond_the_limits_of_the_joints_is_not_feasible_and_does_not_swi
 
 def test_a_run_that_is_too_slow_is_not_feasible(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(
-        module.sweep,
+        module,
         "swim_points",
         lambda *_: {**_figures(3), "forward_velocity": np.array([0.05, 0.2, np.nan])},
     )

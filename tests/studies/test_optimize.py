@@ -14,7 +14,7 @@ import laticauda as lc
 from laticauda.errors import StorageFailed
 from laticauda.studies import Front, Optimization, optimize
 from laticauda.studies.optimization import compute_losses, evaluate
-from laticauda.studies.optimize import Search
+from laticauda.studies.search import Search
 
 kills = campaign("optimize_kills")
 BOUNDS = {"gait.amplitude": (0.2, 0.9), "gait.phase_shift": (0.2, 1.2)}

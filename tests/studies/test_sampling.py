@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from laticauda.studies import Grid, Rows, Samples
-from laticauda.studies.sweep import block_shape, divide_regions
+from laticauda.studies.regions import block_shape, divide_regions
 
 BOX = {"gait.amplitude": (0.2, 0.8), "robot.n_links": (5.0, 8.0), "water.normal_drag": (1.0, 2.0)}
 

@@ -10,7 +10,7 @@ import laticauda as lc
 from laticauda.gaits import Wave
 from laticauda.robot import Robot
 from laticauda.robot.parameters import adjusted
-from laticauda.studies.sweep import swim_points
+from laticauda.studies.point_trials import swim_points
 from laticauda.trial import feasibility
 
 GAIT = lc.lateral_undulation(amplitude_deg=30, frequency_deg_s=130, phase_shift_deg=40)

@@ -17,7 +17,7 @@ from laticauda.errors import BadArgument
 from laticauda.quantities import DEGREES, option, quantity, value_class
 from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import Parameter, list_parameters, suggest_names
-from laticauda.studies.sweep import LABELS, attributes_of
+from laticauda.studies.point_trials import LABELS, attributes_of
 
 # Fields of these are named by their last word alone, like the options.
 SHORT = ("gait", "water", "ground")

@@ -17,7 +17,7 @@ from laticauda.cockpit.live import Live
 from laticauda.cockpit.pages import Event, EventQueue, refusing
 from laticauda.errors import LaticaudaError
 from laticauda.figures import style
-from laticauda.studies.sweep import COSTS, LABELS
+from laticauda.studies.point_trials import COSTS, LABELS
 
 AMPLITUDES = tuple(float(value) for value in range(5, 65, 5))  # [deg]
 FREQUENCIES = tuple(float(value) for value in range(20, 220, 20))  # [deg/s]

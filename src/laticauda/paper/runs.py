@@ -14,7 +14,7 @@ from laticauda.scenarios import Model, ModelChanges, Scenario, model_of, setting
 from laticauda.scenarios.scenario import NO_FILTER
 from laticauda.simulate import build_plant
 from laticauda.simulate.runner import Until, run_scenario, silent
-from laticauda.studies.sweep import Progress
+from laticauda.studies.point_trials import Progress
 from laticauda.trial.contents import Setting
 
 Settings = TypeVar("Settings")

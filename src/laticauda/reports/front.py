@@ -19,7 +19,7 @@ import laticauda as lc
 from laticauda.figures import path, style
 from laticauda.simulate.numbers import environment_prefix, list_parameters
 from laticauda.studies import Front
-from laticauda.studies.sweep import LABELS
+from laticauda.studies.point_trials import LABELS
 from laticauda.trial import MeasuredTrial, all_measured
 
 Curve = tuple[Float[np.ndarray, " _"], Float[np.ndarray, " _"]]

@@ -1,4 +1,20 @@
-"""Studies of many trials: sweeps and searches, and their combined results."""
+"""Studies of many trials: sweeps and searches, and their combined results.
+
+point_trials    the trials of a study: one scenario, other numbers at every point
+sampling        points of a sweep: a grid, a list, or samples
+regions         pieces of a sweep that are computed in one go
+sweep           definition of a sweep
+store           writing a sweep's folder
+stored_sweep    reading it
+running         running a sweep, here or on a cluster (`cluster`)
+optimization    definition of an optimization, and the evaluation of its points
+search          which points to try next
+checkpoint      the points tried so far, in a file
+optimize        an optimization from beginning to end
+front           its result
+folder          folders of jobs that can be stopped and resumed
+averaged        averaged model of a gait, for model-predictive guidance
+"""
 
 from typing import TYPE_CHECKING
 
@@ -7,19 +23,18 @@ from laticauda.studies.optimize import optimize as optimize  # at once: a module
 
 if TYPE_CHECKING:
     from laticauda.studies.averaged import averaged_model as averaged_model
+    from laticauda.studies.front import Front as Front, pareto_front as pareto_front
     from laticauda.studies.optimization import (
-        Front as Front,
         OBJECTIVES as OBJECTIVES,
         Optimization as Optimization,
         SPEED_POWER as SPEED_POWER,
-        pareto_front as pareto_front,
     )
+    from laticauda.studies.running import run_sweep as run_sweep
     from laticauda.studies.sampling import Grid as Grid, Rows as Rows, Samples as Samples
-    from laticauda.studies.store import (
+    from laticauda.studies.stored_sweep import (
         best_points as best_points,
         count_failed as count_failed,
         open_sweep as open_sweep,
-        run_sweep as run_sweep,
     )
     from laticauda.studies.sweep import Sweep as Sweep
 
@@ -27,15 +42,11 @@ __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
     {
         "laticauda.studies.averaged": ["averaged_model"],
-        "laticauda.studies.optimization": [
-            "Front",
-            "OBJECTIVES",
-            "Optimization",
-            "SPEED_POWER",
-            "pareto_front",
-        ],
+        "laticauda.studies.front": ["Front", "pareto_front"],
+        "laticauda.studies.optimization": ["OBJECTIVES", "Optimization", "SPEED_POWER"],
+        "laticauda.studies.running": ["run_sweep"],
         "laticauda.studies.sampling": ["Grid", "Rows", "Samples"],
-        "laticauda.studies.store": ["best_points", "count_failed", "open_sweep", "run_sweep"],
+        "laticauda.studies.stored_sweep": ["best_points", "count_failed", "open_sweep"],
         "laticauda.studies.sweep": ["Sweep"],
     },
     own=["optimize"],

@@ -1,4 +1,4 @@
-"""Averaged model of a gait with one robot, from dedicated trials, with which model-predictive guidance plans."""
+"""Averaged model of a gait with one robot, from trials made for it; model-predictive guidance plans with it."""
 
 from dataclasses import replace
 from typing import Any
@@ -9,7 +9,8 @@ from laticauda.errors import BadArgument, check_whole_number
 from laticauda.simulate.runner import Progress, silent
 
 N_TRIALS = 4
-AROUND = 1.0 / 3.0
+"""Number of trials, unless it is stated."""
+DEFAULT_SPREAD = 1.0 / 3.0
 """Relative distance of the trials' extreme frequencies from the gait's, if no limits are given [-]."""
 
 
@@ -38,27 +39,29 @@ def averaged_model(
     Example:
         >>> import laticauda as lc
         >>> gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
-        >>> model = averaged_model(lc.build_plant(lc.load_robot("mamba"), lc.load_water("paper-lateral")), gait)
+        >>> plant = lc.build_plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"))
+        >>> model = averaged_model(plant, gait)
         >>> round(model.speed(2.0, 0.0), 2)
         0.13
     """
     check_whole_number("n_trials", n_trials, 3)
-    low, high = frequency_limits or (
-        (1.0 - AROUND) * gait.frequency,
-        (1.0 + AROUND) * gait.frequency,
-    )
-    if not 0.0 < low < high:
+    if frequency_limits is None:
+        lowest = (1.0 - DEFAULT_SPREAD) * gait.frequency
+        highest = (1.0 + DEFAULT_SPREAD) * gait.frequency
+    else:
+        lowest, highest = frequency_limits
+    if not 0.0 < lowest < highest:
         raise BadArgument(
-            "frequency_limits", f"must be 0 < smallest < largest in rad/s, got {low:g} and {high:g}"
+            "frequency_limits",
+            f"must be 0 < smallest < largest in rad/s, got {lowest:g} and {highest:g}",
         )
-    frequencies = [low + (high - low) * k / (n_trials - 1) for k in range(n_trials)]
-    turns = [
-        control.OffsetSteps(gait=replace(gait, frequency=frequency)) for frequency in frequencies
-    ]
-    water, trials = plant.environment, list[lc.Trial]()
+    water = plant.environment
     if isinstance(water, lc.Water) and water.flow is not None:
         plant = replace(plant, environment=water.still)
-    for k, each in enumerate(turns):
-        trials.append(simulate.run(plant, each, each.duration))
+    trials: list[lc.Trial] = []
+    for k in range(n_trials):
+        frequency = lowest + (highest - lowest) * k / (n_trials - 1)
+        offset_steps = control.OffsetSteps(gait=replace(gait, frequency=frequency))
+        trials.append(simulate.run(plant, offset_steps, offset_steps.duration))
         progress((k + 1) / n_trials)
     return control.fit_averaged(trials)

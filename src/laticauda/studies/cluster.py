@@ -16,22 +16,42 @@ import socket
 import time
 from collections.abc import Generator, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any
 
 from laticauda import scenarios
 from laticauda.errors import ClusterFailed, LaticaudaError, optional_import
 from laticauda.packaging import __version__
-from laticauda.studies.sweep import Column, Table, swim_points
+from laticauda.studies.point_trials import Column, swim_points
+from laticauda.studies.sampling import Table
 
-Found = tuple[int, Table, dict[str, Column]]
-
-AHEAD = 2  # tasks in flight per thread of the cluster, so that no thread waits for this process
-PATIENCE = 60.0  # timeout with no worker at all [s]
-FETCHING = 20.0  # timeout for a result of some hundred kilobytes [s]
-GLANCE = 2.0  # interval between checks of the cluster's health [s]
-CONNECTING = 10.0  # timeout [s]
-MOST_DEATHS = 3  # of a region's workers, in rounds of the scheduler's own attempts
+TASKS_PER_THREAD = 2
+"""Tasks in flight per thread of the cluster, so that no thread waits for this process."""
+NO_WORKER_TIMEOUT = 60.0
+"""Time that the cluster may have no worker at all [s]."""
+RESULT_TIMEOUT = 20.0
+"""Time that a result of some hundred kilobytes may take [s]."""
+HEALTH_INTERVAL = 2.0
+"""Time between checks of the cluster's health [s]."""
+CONNECT_TIMEOUT = 10.0
+"""Time that the scheduler may take to answer [s]."""
+CLOSE_TIMEOUT = 2.0
+"""Time that is given to closing the client [s]."""
+MOST_DEATHS = 3
+"""Times that the workers of a region may die, each time after the scheduler's own attempts."""
 GO_ON = "Stored results are not lost: run the same again to continue."
+
+
+@dataclass(frozen=True)
+class _Task:
+    """A region on its way through the cluster."""
+
+    index: int
+    """Index of the region."""
+    table: Table
+    """Its points."""
+    n_deaths: int = 0
+    """How often the scheduler gave it up because its workers died."""
 
 
 def connect(address: str) -> Any:
@@ -44,12 +64,13 @@ def connect(address: str) -> Any:
         ClusterFailed: If no scheduler answers there.
         MissingExtra: If dask is not installed.
     """
-    distributed = _distributed()
+    distributed = _import_distributed()
     try:
         # A client that cannot connect is slow to give up, and slower still to close.
-        host = distributed.comm.get_address_host_port(distributed.comm.normalize_address(address))
-        socket.create_connection(host, timeout=CONNECTING).close()
-        return distributed.Client(address, timeout=CONNECTING, set_as_default=False)
+        full_address = distributed.comm.normalize_address(address)
+        host_and_port = distributed.comm.get_address_host_port(full_address)
+        socket.create_connection(host_and_port, timeout=CONNECT_TIMEOUT).close()
+        return distributed.Client(address, timeout=CONNECT_TIMEOUT, set_as_default=False)
     except (OSError, ValueError, RuntimeError) as error:
         raise ClusterFailed(
             f"no Dask scheduler answers at {address}; is it running, and is it reachable?"
@@ -73,7 +94,7 @@ def connected(address: str | None) -> Generator[Any]:
     try:
         yield client
     finally:
-        client.close(timeout=2)
+        client.close(timeout=CLOSE_TIMEOUT)
 
 
 def swim_on(
@@ -81,7 +102,7 @@ def swim_on(
     scenario: scenarios.Scenario,
     names: tuple[str, ...],
     tables: Iterator[tuple[int, Table]],
-) -> Iterator[Found]:
+) -> Iterator[tuple[int, Table, dict[str, Column]]]:
     """Simulate the points of some regions on the workers of a cluster.
 
     Args:
@@ -97,46 +118,45 @@ def swim_on(
         ClusterFailed: If the scheduler goes away, there is no worker for a minute, a region kills
             one worker after another, or workers have a different version of laticauda.
     """
-    distributed = _distributed()
-    under_way: dict[Any, tuple[int, Table, int]] = {}
+    distributed = _import_distributed()
+    tasks: dict[Any, _Task] = {}
     finished: queue.SimpleQueue[Any] = queue.SimpleQueue()
-    n_threads = _counted(client)
+    thread_counts = _watch_threads(client)
 
-    def submit(index: int, table: Table, deaths: int = 0) -> None:
-        key = f"sweep-{index}-{time.time_ns()}"  # never the key of another call
-        future = client.submit(_swim, __version__, scenario, names, table, pure=False, key=key)
-        under_way[future] = (index, table, deaths)
+    def submit(task: _Task) -> None:
+        key = f"sweep-{task.index}-{time.time_ns()}"  # never the key of another call
+        arguments = (__version__, scenario, names, task.table)
+        future = client.submit(_swim_on_worker, *arguments, pure=False, key=key)
+        tasks[future] = task
         future.add_done_callback(finished.put)
+
+    def fill() -> None:
+        most_tasks = max(1, TASKS_PER_THREAD * next(thread_counts))
+        while len(tasks) < most_tasks:
+            region = next(tables, None)
+            if region is None:
+                return
+            index, table = region
+            submit(_Task(index=index, table=table))
 
     try:
         while True:
-            most = max(1, AHEAD * next(n_threads))
-            while len(under_way) < most:
-                try:
-                    submit(*next(tables))
-                except StopIteration:
-                    break
-            if not under_way:
+            fill()
+            if not tasks:
                 return
             try:
-                future = finished.get(timeout=GLANCE)
+                future = finished.get(timeout=HEALTH_INTERVAL)
             except queue.Empty:
                 continue
             try:
-                found = future.result(timeout=FETCHING)
+                results = future.result(timeout=RESULT_TIMEOUT)
             except TimeoutError:  # its worker died with the result, which is computed again
                 finished.put(future)
-                continue
             except distributed.KilledWorker as error:
-                index, table, deaths = under_way.pop(future)
-                if deaths + 1 >= MOST_DEATHS:
-                    raise ClusterFailed(
-                        f"workers keep dying on the same trials; do they have enough memory? {GO_ON}"
-                    ) from error
-                submit(index, table, deaths + 1)
+                submit(_task_after_death(tasks.pop(future), error))
             else:
-                index, table, _ = under_way.pop(future)
-                yield index, table, found
+                task = tasks.pop(future)
+                yield task.index, task.table, results
     except LaticaudaError:
         raise
     except (OSError, distributed.CancelledError, RuntimeError) as error:
@@ -146,28 +166,41 @@ def swim_on(
             f"the workers need laticauda {__version__}: {error}. {GO_ON}"
         ) from error
     finally:
-        if under_way and client.status == "running":
-            client.cancel(list(under_way), force=True)
+        if tasks and client.status == "running":
+            client.cancel(list(tasks), force=True)
 
 
-def _counted(client: Any) -> Iterator[int]:
-    """Yield the current number of threads of the cluster as long as there are a scheduler and workers."""
-    seen = time.monotonic()
+def _task_after_death(task: _Task, error: Exception) -> _Task:
+    """Return the task to submit again after its workers died; raise if they died too often."""
+    n_deaths = task.n_deaths + 1
+    if n_deaths >= MOST_DEATHS:
+        raise ClusterFailed(
+            f"workers keep dying on the same trials; do they have enough memory? {GO_ON}"
+        ) from error
+    return _Task(index=task.index, table=task.table, n_deaths=n_deaths)
+
+
+def _watch_threads(client: Any) -> Iterator[int]:
+    """Yield the cluster's number of threads as long as there are a scheduler and workers."""
+    had_worker_at = time.monotonic()
     while client.status == "running":
-        n_threads, now = sum(client.nthreads().values()), time.monotonic()
-        seen = now if n_threads else seen
-        if now - seen > PATIENCE:
+        n_threads = sum(client.nthreads().values())
+        now = time.monotonic()
+        if n_threads:
+            had_worker_at = now
+        if now - had_worker_at > NO_WORKER_TIMEOUT:
             raise ClusterFailed(
-                f"the cluster had no worker for {PATIENCE:g} s; start some with `dask worker`. {GO_ON}"
+                f"the cluster had no worker for {NO_WORKER_TIMEOUT:g} s; "
+                f"start some with `dask worker`. {GO_ON}"
             )
         yield n_threads
     raise ClusterFailed(f"the Dask scheduler went away. {GO_ON}")
 
 
-def _swim(
+def _swim_on_worker(
     version: str, scenario: scenarios.Scenario, names: tuple[str, ...], table: Table
 ) -> dict[str, Column]:
-    """Simulate points on a worker, with one thread per task: a worker runs as many tasks as it has threads."""
+    """Simulate points with one thread: a worker runs as many tasks as it has threads."""
     if version != __version__:
         raise ClusterFailed(
             f"the workers must have laticauda {version}, as this process does, got {__version__}."
@@ -175,5 +208,5 @@ def _swim(
     return swim_points(scenario, names, table, threads=1)
 
 
-def _distributed() -> Any:
+def _import_distributed() -> Any:
     return optional_import("A sweep on a cluster", "dask", "scale", "distributed")

@@ -17,9 +17,11 @@ from laticauda.files import is_full, local, locked
 FORMAT = 2
 """Format of the definitions; format 1, which was not numbered, held no scenario."""
 MOST_DIFFERENCES = 3
-_UNFINISHED = (
-    ".[0-9]*-*"  # files that `laticauda.files.write` had not moved into place when it was killed
-)
+"""Number of differences, or of foreign files, that a message lists."""
+UNFINISHED_FILES = ".[0-9]*-*"
+"""Pattern of files that `laticauda.files.write` had not moved into place when it was killed."""
+UNFINISHED_ZARR_FILES = "*.partial"
+"""Pattern of files that zarr had not moved into place when it was killed."""
 
 
 def as_stored(definition: Mapping[str, Any]) -> dict[str, Any]:
@@ -37,14 +39,14 @@ def as_stored(definition: Mapping[str, Any]) -> dict[str, Any]:
         raise BadArgument("scenario", f"must be one that a file can hold: {error}") from error
 
 
-def check_same(path: Path, job: str, stored: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
+def check_same(path: Path, job: str, stored: Mapping[str, Any], current: Mapping[str, Any]) -> None:
     """Refuse to continue with a job other than the one that was begun.
 
     Args:
         path: The folder.
         job: Name of the job in messages.
         stored: The stored definition.
-        wanted: Definition of the job to continue.
+        current: Definition of the job to continue.
 
     Raises:
         ValueError: If they differ; the message names the differences.
@@ -52,13 +54,16 @@ def check_same(path: Path, job: str, stored: Mapping[str, Any], wanted: Mapping[
     if stored.get("format") != FORMAT:
         raise BadArgument(
             "folder",
-            f"must be empty, or hold this {job}, got {path} with one started by another release of laticauda: "
-            "use another folder, or continue with that release; the results of a sweep can still be read",
+            f"must be empty, or hold this {job}, got {path} with one started by another release of "
+            "laticauda: use another folder, or continue with that release; the results of a sweep "
+            "can still be read",
         )
-    found = list(_differences(stored, wanted))
-    if found:
-        more = f" and {len(found) - MOST_DIFFERENCES} more" if len(found) > MOST_DIFFERENCES else ""
-        listed = "; ".join(found[:MOST_DIFFERENCES]) + more
+    differences = list(_list_differences(stored, current))
+    if differences:
+        listed = "; ".join(differences[:MOST_DIFFERENCES])
+        n_more = len(differences) - MOST_DIFFERENCES
+        if n_more > 0:
+            listed += f" and {n_more} more"
         raise BadArgument(
             "folder", f"must be empty, or hold this {job}, got {path} with another one: {listed}"
         )
@@ -82,47 +87,60 @@ def owned(path: Path, job: str, mark: str) -> Generator[None]:
     with storage(path, "0 trials are stored"):
         path.mkdir(parents=True, exist_ok=True)
     if not (path / mark).exists():
-        others = sorted(file.name for file in path.iterdir() if not file.match(_UNFINISHED))
-        if others:
-            listed = ", ".join(others[:MOST_DIFFERENCES]) + (
-                ", ..." if len(others) > MOST_DIFFERENCES else ""
-            )
-            raise BadArgument(
-                "folder", f"must be empty, or hold this {job}, got {path} with {listed}"
-            )
-    with ExitStack() as held:
+        _check_without_foreign_files(path, job)
+    with ExitStack() as stack:
         try:
-            held.enter_context(locked(path, wait=False))
+            stack.enter_context(locked(path, wait=False))
         except BlockingIOError as error:
             raise BadArgument(
                 "folder", f"must be one that no other process is writing to, got {path}"
             ) from error
-        # Zarr files have another name until they are complete.
-        for left in (*path.glob(_UNFINISHED), *path.rglob("*.partial")):
-            left.unlink(missing_ok=True)
+        _remove_unfinished_files(path)
         yield
 
 
+def _check_without_foreign_files(path: Path, job: str) -> None:
+    foreign_files = sorted(file.name for file in path.iterdir() if not file.match(UNFINISHED_FILES))
+    if not foreign_files:
+        return
+    listed = ", ".join(foreign_files[:MOST_DIFFERENCES])
+    if len(foreign_files) > MOST_DIFFERENCES:
+        listed += ", ..."
+    raise BadArgument("folder", f"must be empty, or hold this {job}, got {path} with {listed}")
+
+
+def _remove_unfinished_files(path: Path) -> None:
+    """Remove what writers left that were killed: no file has its name until it is complete."""
+    for file in (*path.glob(UNFINISHED_FILES), *path.rglob(UNFINISHED_ZARR_FILES)):
+        file.unlink(missing_ok=True)
+
+
 @contextmanager
-def storage(path: Path, kept: str) -> Generator[None]:
+def storage(path: Path, stored: str) -> Generator[None]:
     """Turn system errors about a folder into a sentence with advice.
 
     Args:
         path: The folder.
-        kept: What is already stored there, in words.
+        stored: What is already stored there, in words.
 
     Raises:
         StorageFailed: In place of an OSError.
     """
     try:
         yield
-    except OSError as failure:  # a StorageFailed of a single file is also one
-        error = failure.__cause__ if isinstance(failure.__cause__, OSError) else failure
-        full = is_full(error)
-        reason = "the disk is full" if full else (error.strerror or str(error)).lower()
-        advice = "free some space" if full else "fix that"
+    except OSError as failure:
+        error = failure
+        if isinstance(failure.__cause__, OSError):  # of a StorageFailed of a single file
+            error = failure.__cause__
+        if is_full(error):
+            reason = "the disk is full"
+            advice = "free some space"
+        else:
+            reason = (error.strerror or str(error)).lower()
+            advice = "fix that"
         raise StorageFailed(
-            f"{path}: {reason}. Nothing that was stored is lost: {kept}; {advice} and run the same again to continue."
+            f"{path}: {reason}. Nothing that was stored is lost: {stored}; "
+            f"{advice} and run the same again to continue."
         ) from error
 
 
@@ -149,25 +167,33 @@ def readable(path: Path, file: str) -> Generator[None]:
         ) from error
 
 
-def _differences(there: Any, here: Any, name: str = "") -> Iterator[str]:
+def _list_differences(stored: Any, current: Any, name: str = "") -> Iterator[str]:
     """Yield the differences between two definitions, with the path to each."""
-    if isinstance(there, dict) and isinstance(here, dict):
-        one, other = cast("dict[str, Any]", there), cast("dict[str, Any]", here)
-        for key in dict.fromkeys([*one, *other]):
-            way = f"{name}.{key}" if name else key
-            yield from _differences(one.get(key, "nothing"), other.get(key, "nothing"), way)
-    elif isinstance(there, list) and isinstance(here, list):
-        items, others = cast("list[Any]", there), cast("list[Any]", here)
-        if len(items) != len(others):
-            yield f"{name} has {len(items)} values there and {len(others)} here"
+    if isinstance(stored, dict) and isinstance(current, dict):
+        stored_table = cast("dict[str, Any]", stored)
+        current_table = cast("dict[str, Any]", current)
+        for key in dict.fromkeys([*stored_table, *current_table]):
+            path = f"{name}.{key}" if name else key
+            yield from _list_differences(
+                stored_table.get(key, "nothing"), current_table.get(key, "nothing"), path
+            )
+    elif isinstance(stored, list) and isinstance(current, list):
+        stored_items = cast("list[Any]", stored)
+        current_items = cast("list[Any]", current)
+        if len(stored_items) != len(current_items):
+            yield (f"{name} has {len(stored_items)} values there and {len(current_items)} here")
             return
-        for i, (item, also) in enumerate(zip(items, others, strict=True)):
-            yield from _differences(item, also, f"{name}[{i}]")
-    elif there != here:
-        yield f"{name} is {_short(there)} there and {_short(here)} here"
+        for i, (stored_item, current_item) in enumerate(
+            zip(stored_items, current_items, strict=True)
+        ):
+            yield from _list_differences(stored_item, current_item, f"{name}[{i}]")
+    elif stored != current:
+        yield f"{name} is {_shorten(stored)} there and {_shorten(current)} here"
 
 
-def _short(value: Any) -> str:
-    if isinstance(value, list):
+def _shorten(content: Any) -> str:
+    if isinstance(content, list):
         return "a list"
-    return "a table" if isinstance(value, dict) else str(value)
+    if isinstance(content, dict):
+        return "a table"
+    return str(content)

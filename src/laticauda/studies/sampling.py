@@ -19,10 +19,10 @@ from laticauda.errors import (
     optional_import,
 )
 from laticauda.quantities import check_items, option, quantity, value_class
+from laticauda.studies.regions import Block
 
 Values = Float[np.ndarray, " n_values"]
 Table = Float[np.ndarray, "n_points n_names"]
-Block: TypeAlias = tuple[slice, ...]
 
 TRIAL = "trial"
 """The dimension of lists and samples."""
@@ -37,7 +37,7 @@ class _Values:
 
     def __post_init__(self) -> None:
         """Check every value."""
-        object.__setattr__(self, "values", _checked(self.values))
+        object.__setattr__(self, "values", _check_values(self.values))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -48,7 +48,8 @@ class _Values:
     def ranges(self) -> dict[str, tuple[float, float]]:
         """Smallest and largest value of each parameter."""
         return {
-            name: (float(np.min(some)), float(np.max(some))) for name, some in self.values.items()
+            name: (float(np.min(values)), float(np.max(values)))
+            for name, values in self.values.items()
         }
 
 
@@ -96,7 +97,8 @@ class Grid(_Values):
                 np.asarray(values)[part]
                 for values, part in zip(self.values.values(), block, strict=True)
             ]
-            yield np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
+            columns = [axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")]
+            yield np.stack(columns, axis=1)
 
     def definition(self) -> dict[str, Any]:
         """Return the definition of the points for a file."""
@@ -158,7 +160,7 @@ class Rows(_Values):
         }
 
 
-def checked_ranges(
+def check_ranges_of_numbers(
     argument: str, ranges: Mapping[str, Sequence[float]]
 ) -> dict[str, tuple[float, float]]:
     """Check ranges, and return the smallest and largest value of each parameter.
@@ -171,19 +173,20 @@ def checked_ranges(
         ValueError: If there is none, or one is not a range.
     """
     check_not_empty(argument, ranges, "parameter")
-    found: dict[str, tuple[float, float]] = {}
+    checked: dict[str, tuple[float, float]] = {}
     for name, ends in ranges.items():
         if len(ends) != 2:
             raise BadArgument(
                 argument, f"must be a low and a high value of `{name}`, got {len(ends)} numbers"
             )
-        low, high = check_finite(name, ends[0]), check_finite(name, ends[1])
+        low = check_finite(name, ends[0])
+        high = check_finite(name, ends[1])
         if not low < high:
             raise BadArgument(
                 argument, f"must have low < high, got {low:g} and {high:g} for `{name}`"
             )
-        found[name] = low, high
-    return found
+        checked[name] = low, high
+    return checked
 
 
 @value_class
@@ -204,7 +207,7 @@ class Samples:
     dims: ClassVar[tuple[str, ...]] = (TRIAL,)
     """The only dimension of the result."""
     ranges: Mapping[str, tuple[float, float]] = option(
-        "Smallest and largest value by name (SI)", check=checked_ranges
+        "Smallest and largest value by name (SI)", check=check_ranges_of_numbers
     )
     n_points: int = quantity("", "Number of points", ge=1)
     seed: int = quantity(
@@ -233,12 +236,12 @@ class Samples:
         engine = qmc.Halton(len(self.ranges), scramble=True, rng=self.seed)
         low, high = np.array(list(self.ranges.values())).T
         is_count = np.array([name in counts for name in self.ranges])
-        at = 0
+        n_drawn = 0
         for (rows,) in blocks:
-            if rows.start > at:
-                engine.fast_forward(rows.start - at)
+            if rows.start > n_drawn:
+                engine.fast_forward(rows.start - n_drawn)
             unit: Table = engine.random(rows.stop - rows.start)
-            at = rows.stop
+            n_drawn = rows.stop
             # Every whole number in the range has an equal share.
             steps = np.minimum(np.floor(unit * (high - low + 1.0)), high - low)
             yield np.where(is_count, low + steps, low + unit * (high - low))
@@ -256,13 +259,14 @@ class Samples:
 Points: TypeAlias = Grid | Rows | Samples
 
 
-def _checked(values: Mapping[str, Any]) -> dict[str, Values]:
+def _check_values(values: Mapping[str, Any]) -> dict[str, Values]:
+    """Return the values of every parameter as an array that cannot be written to."""
     check_instance("values", values, Mapping)
     check_not_empty("values", values, "parameter")
-    found: dict[str, Values] = {}
-    for name, given in values.items():
-        array = np.array(check_items(check_finite, "a list of numbers", (), name, given))
+    arrays: dict[str, Values] = {}
+    for name, numbers in values.items():
+        array = np.array(check_items(check_finite, "a list of numbers", (), name, numbers))
         check_not_empty(name, array, "value")
         array.setflags(write=False)
-        found[name] = array
-    return found
+        arrays[name] = array
+    return arrays

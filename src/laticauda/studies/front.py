@@ -1,0 +1,180 @@
+"""Result of an optimization: the nondominated points, and how they are shown and written."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+import laticauda as lc
+from laticauda.files import write
+from laticauda.logs.tabular import csv_text
+from laticauda.studies.optimization import Optimization
+from laticauda.studies.point_trials import (
+    FIGURES,
+    Column,
+    attributes_of,
+    labels_of,
+    scenarios_at,
+)
+from laticauda.studies.sampling import Table
+
+if TYPE_CHECKING:
+    import xarray
+
+Losses = Float[np.ndarray, "n_points n_objectives"]
+POINT = "point"
+"""The dimension of a front."""
+AT_BOUND = 0.005
+"""Distance from an end of its range within which a number counts as at that end, as a fraction of the range."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Front:
+    """Nondominated points of all that were tried; a single point for one objective.
+
+    They are in ascending order of the last objective. There are none if no point was feasible.
+    """
+
+    optimization: Optimization
+    """The optimization."""
+    values: Table
+    """Values of the parameters, one row per point and one column per name in `optimization.names` (SI, radians)."""
+    figures: Mapping[str, Column]
+    """Every quantity of a sweep by name, with one value per point."""
+    n_trials: int
+    """Number of points tried."""
+    n_infeasible: int
+    """Number of infeasible points among them; see `Optimization`."""
+    seed: int
+    """Seed of the search."""
+
+    def __len__(self) -> int:
+        """Return the number of points."""
+        return len(self.values)
+
+    def scenario(self, point: int) -> lc.Scenario:
+        """Return the scenario of a point.
+
+        Args:
+            point: Index of the point.
+        """
+        optimization = self.optimization
+        scenarios = scenarios_at(optimization.scenario, optimization.names, self.values[[point]])
+        return scenarios[0]
+
+    def gait(self, point: int) -> lc.Gait:
+        """Return the gait of a point.
+
+        Args:
+            point: Index of the point.
+        """
+        return self.scenario(point).gait
+
+    def point(self, point: int) -> dict[str, float]:
+        """Return the parameters and all figures of a point by name.
+
+        Args:
+            point: Index of the point.
+        """
+        values = self.values[point].tolist()
+        parameters = dict(zip(self.optimization.names, values, strict=True))
+        figures = {name: float(self.figures[name][point]) for name in FIGURES}
+        return parameters | figures
+
+    def at_bounds(self) -> list[dict[str, Any]]:
+        """Return where points lie at an end of a range: the range, rather than the robot, may make them the best.
+
+        Returns:
+            One row for every end with points within `AT_BOUND` of it: `name` of the parameter,
+            `end` ("least" or "greatest"), its `value` (SI, radians), and the number of points,
+            `n_points`.
+        """
+        rows: list[dict[str, Any]] = []
+        bounds = self.optimization.bounds
+        for (name, ends), column in zip(bounds.items(), self.values.T, strict=True):
+            tolerance = AT_BOUND * (ends[1] - ends[0])
+            for end, bound in zip(("least", "greatest"), ends, strict=True):
+                is_near = np.abs(column - bound) <= tolerance
+                n_points = int(np.count_nonzero(is_near))
+                if n_points:
+                    row = {"name": name, "end": end, "value": float(bound), "n_points": n_points}
+                    rows.append(row)
+        return rows
+
+    def spread(self, count: int) -> list[int]:
+        """Return the indices of points spaced evenly along the front, including its ends.
+
+        Args:
+            count: Maximum number of points.
+        """
+        if len(self) <= count:
+            return list(range(len(self)))
+        columns = [self.figures[name] for name in self.optimization.objectives]
+        scaled = np.stack([column / np.ptp(column) for column in columns], axis=1)
+        steps = np.linalg.norm(np.diff(scaled, axis=0), axis=1)
+        distances = np.concatenate(([0.0], np.cumsum(steps)))
+        even_distances = np.linspace(0.0, float(distances[-1]), count)
+        nearest = {int(np.argmin(np.abs(distances - distance))) for distance in even_distances}
+        return sorted(nearest)
+
+    def to_dataset(self) -> "xarray.Dataset":
+        """Return the front as an xarray Dataset with the dimension `point`; SI units, angles in radians."""
+        import xarray
+
+        optimization = self.optimization
+        labels = labels_of(optimization.scenario)
+        columns = zip(optimization.names, self.values.T, strict=True)
+        coordinates = {name: (POINT, column, labels[name]) for name, column in columns}
+        variables = {name: (POINT, self.figures[name], labels[name]) for name in FIGURES}
+        attributes = {
+            "title": f"Best in {' and '.join(optimization.objectives)}",
+            **attributes_of(optimization.scenario),
+            "n_trials": self.n_trials,
+            "n_infeasible": self.n_infeasible,
+            "seed": self.seed,
+        }
+        return xarray.Dataset(variables, coords=coordinates, attrs=attributes)
+
+    def write_netcdf(self, path: str | Path) -> None:
+        """Write the front to a netCDF file.
+
+        Args:
+            path: Path of the file; an existing file is replaced.
+        """
+        dataset: Any = self.to_dataset()
+        write(path, lambda new_path: dataset.to_netcdf(new_path, engine="netcdf4"))
+
+    def write_csv(self, path: str | Path) -> None:
+        """Write the front to a CSV file: one row per point, SI units, angles in radians.
+
+        Args:
+            path: Path of the file; an existing file is replaced.
+        """
+        dataset: Any = self.to_dataset()
+        rows: list[tuple[str, str, Any]] = []
+        for name, column in {**dataset.coords, **dataset.data_vars}.items():
+            unit = "-" if column.units == "1" else column.units
+            rows.append((name, unit, column.to_numpy()))
+        write(path, csv_text(rows))
+
+
+def pareto_front(losses: Losses) -> Bool[np.ndarray, " n_points"]:
+    """Find the nondominated points: no other point is better in one objective and at least as good in the others.
+
+    Of equal points, only the first counts.
+
+    Args:
+        losses: One or two objectives; smaller is better.
+    """
+    is_nondominated = np.zeros(len(losses), dtype=bool)
+    smallest = np.inf
+    # In ascending order of the first objective, a point is dominated unless it is the best so far
+    # in the last one.
+    for i in np.lexsort((np.arange(len(losses)), losses[:, -1], losses[:, 0])):
+        if losses[i, -1] < smallest:
+            is_nondominated[i] = True
+            smallest = losses[i, -1]
+    return is_nondominated

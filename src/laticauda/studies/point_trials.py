@@ -1,0 +1,218 @@
+"""The trials of a study: one scenario at many points, each with other values of some of its numbers.
+
+Which values the numbers may take, the scenario of each point, its figures, and the words and units
+with which figures are stored.
+"""
+
+import itertools
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from jaxtyping import Shaped
+
+import laticauda as lc
+from laticauda import codec, extensions, packaging
+from laticauda.errors import BadArgument, check_instance
+from laticauda.simulate.batch_figures import Block, Run, joint_peaks
+from laticauda.simulate.batch_run import run_batch
+from laticauda.simulate.batch_scenarios import runs_of
+from laticauda.simulate.numbers import (
+    UNITS,
+    change_parameters,
+    check_whole,
+    described,
+    list_parameters,
+    look_up,
+    of_figure,
+)
+from laticauda.simulate.runner import silent
+from laticauda.studies.sampling import Table
+from laticauda.trial.feasibility import NEEDS
+
+Column = Shaped[np.ndarray, " n_points"]
+Progress = Callable[[int, int], None]
+"""Called periodically with the number of runs done and the total."""
+
+FIGURES_NOT_STORED = ("positive_power", "x", "y", "heading")
+"""Figures of a batch that no study needs."""
+FIGURES = (*(name for name in UNITS if name not in FIGURES_NOT_STORED), *NEEDS)
+"""Figures that are stored for every trial."""
+QUANTITIES = (*FIGURES, "succeeded")
+"""All that is stored for every trial."""
+LABELS = {
+    name: f"{name.replace('_', ' ')} [{getattr(lc.Trial, name).unit or '-'}]" for name in FIGURES
+}
+"""The figures in words, with their units, as shown in tables and on axes."""
+COSTS = ("mechanical_power", "net_power", "mean_power", "cost_of_transport")
+"""Figures of which the smallest is best; of all others, the largest."""
+PART_OF_ROOT = {
+    "robot": "robot",
+    "gait": "motion",
+    "water": "environment",
+    "ground": "environment",
+}
+"""Field of a scenario that a parameter changes, by the first word of the parameter's name."""
+MOST_CORNERS = 256
+"""Corners of the ranges that are tried; more are not worth the time."""
+
+
+def check_scenario(scenario: lc.Scenario) -> None:
+    """Reject a scenario that cannot be changed point by point.
+
+    Raises:
+        ValueError: If it is not a scenario, or not of the planar model.
+    """
+    check_instance("scenario", scenario, lc.Scenario)
+    check_instance("scenario.model", scenario.model, lc.Planar)
+
+
+def definition_of(scenario: lc.Scenario) -> dict[str, Any]:
+    """Return everything of a scenario that the results depend on, for a file."""
+    plain = codec.encode(scenario, lc.Scenario)
+    plain["robot"].pop("description", None)
+    return {"laticauda": packaging.__version__, **plain}
+
+
+def attributes_of(scenario: lc.Scenario) -> dict[str, Any]:
+    """Return the attributes that describe the scenario of stored results."""
+    return {
+        "Conventions": "CF-1.11",
+        # No date, so that the same sweep gives the same bits.
+        "history": f"made by laticauda {packaging.__version__}",
+        "robot": scenario.robot.name,
+        "gait": scenario.gait.kind,
+        "environment": scenario.environment.name,
+        "duration": scenario.duration,
+        "joints": extensions.name_of(type(scenario.model.joints)),
+        "laticauda": packaging.__version__,
+    }
+
+
+def labels_of(scenario: lc.Scenario) -> dict[str, dict[str, str]]:
+    """Return the attributes of every stored parameter and quantity by name: description and unit."""
+    labels = {
+        name: described(parameter.phrase, parameter.unit)
+        for name, parameter in list_parameters(scenario).items()
+    }
+    return labels | {name: of_figure(name) for name in QUANTITIES}
+
+
+def check_ranges(
+    scenario: lc.Scenario, ranges: Mapping[str, tuple[float, float]], argument: str = "points"
+) -> None:
+    """Reject ranges that cannot be swept, before any work is done.
+
+    The ends of all ranges are tried, alone and together: fields have bounds, and some fields bound
+    others.
+
+    Args:
+        scenario: What all trials share.
+        ranges: Smallest and largest value of each parameter.
+        argument: Name of the argument that they come from, for messages.
+
+    Raises:
+        ValueError: If there is no such parameter, or a value is out of its range; the message has
+            its name.
+    """
+    parameters = list_parameters(scenario)
+    for name, ends in ranges.items():
+        parameter = look_up(name, parameters, argument)
+        check_whole(parameter, np.array(ends))
+    for corner in _corners_of(ranges):
+        _check_point(scenario, dict(zip(ranges, corner, strict=True)), argument)
+
+
+def _corners_of(ranges: Mapping[str, tuple[float, float]]) -> Iterable[tuple[float, ...]]:
+    """Return the corners of the box of all ranges, or only its two extreme ones if there are too many."""
+    if 2 ** len(ranges) > MOST_CORNERS:
+        return zip(*ranges.values(), strict=True)
+    return itertools.product(*ranges.values())
+
+
+def _check_point(scenario: lc.Scenario, values: Mapping[str, float], argument: str) -> None:
+    """Reject a point at which the scenario's plant or gait cannot be made."""
+    try:
+        changed_scenario = change_parameters(scenario, values)
+        n_links = lc.build_plant(changed_scenario).robot.planar().n_links
+        changed_scenario.gait.joint_envelope(n_links)
+    except ValueError as error:
+        listed = ", ".join(f"{name} = {value:g}" for name, value in values.items())
+        reason = str(error).replace("`", "")  # these are no arguments of the caller
+        raise BadArgument(
+            argument,
+            f"must be within the bounds of the parameters, got {listed}: {reason.removesuffix('.')}",
+        ) from error
+
+
+def swim_points(
+    scenario: lc.Scenario, names: tuple[str, ...], table: Table, threads: int | None = None
+) -> dict[str, Column]:
+    """Simulate the trials of some points.
+
+    Args:
+        scenario: What all trials share.
+        names: Names of the parameters, one per column of the table.
+        table: The points, one per row.
+        threads: Number of threads; None uses all cores available to this process.
+
+    Returns:
+        One value per point of every quantity in `QUANTITIES`; nan where a run diverged, or where
+        there is none.
+    """
+    runs = runs_of(scenarios_at(scenario, names, table))
+    peaks = {name: np.full(len(runs), np.nan) for name in NEEDS}
+
+    def look(block_runs: Sequence[Run], block: Block) -> None:
+        for name, values in joint_peaks(block_runs, block).items():
+            peaks[name][block.index] = values
+
+    batch = run_batch(
+        runs,
+        scenario.duration,
+        scenario.sample_interval,
+        threads,
+        silent,
+        look=look,
+        with_joints=True,
+    )
+    results: dict[str, Column] = {}
+    for name in FIGURES:
+        if name in peaks:
+            is_known = batch.succeeded & np.isfinite(peaks[name])
+            results[name] = np.where(is_known, peaks[name], np.nan)
+        else:
+            results[name] = batch.figures[name]
+    results["succeeded"] = batch.succeeded
+    return results
+
+
+def scenarios_at(scenario: lc.Scenario, names: tuple[str, ...], table: Table) -> list[lc.Scenario]:
+    """Return the scenario of every point; equal robots, gaits and environments are one object, created once.
+
+    Args:
+        scenario: What all trials share.
+        names: Names of the parameters, one per column of the table.
+        table: The points, one per row.
+    """
+    columns_of_root: dict[str, list[int]] = {}
+    for column, name in enumerate(names):
+        root = name.split(".")[0]
+        columns_of_root.setdefault(root, []).append(column)
+    roots = [root for root in PART_OF_ROOT if root in columns_of_root]
+    parts: dict[tuple[str, tuple[float, ...]], Any] = {}
+
+    def part_at(root: str, row: Sequence[float]) -> Any:
+        columns = columns_of_root[root]
+        values = tuple(row[column] for column in columns)
+        if (root, values) not in parts:
+            changes = {names[column]: row[column] for column in columns}
+            changed_scenario = change_parameters(scenario, changes)
+            parts[root, values] = getattr(changed_scenario, PART_OF_ROOT[root])
+        return parts[root, values]
+
+    return [
+        replace(scenario, **{PART_OF_ROOT[root]: part_at(root, row) for root in roots})
+        for row in table.tolist()
+    ]

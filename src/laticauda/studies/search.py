@@ -1,0 +1,102 @@
+"""Search for the best points: which ones to try next, by pymoo; all use of pymoo is in this module.
+
+Two objectives: NSGA-II (Deb et al., IEEE Trans. Evol. Comput. 6, 2002), whose generations spread
+over the whole front at once. One objective: differential evolution, DE/rand/1/bin (Storn and Price,
+J. Global Optim. 11, 1997): it needs no derivatives and no scaling of the parameters, respects the
+bounds, and its generations are batches for the kernel. Its control parameters are fixed, because
+pymoo's adaptation draws from a generator that cannot be seeded.
+"""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.errors import optional_import
+from laticauda.studies.sampling import Table
+
+DIFFERENTIAL_WEIGHT = 0.6
+"""F of differential evolution: factor of the difference of two points [-]."""
+CROSSOVER_RATE = 0.9
+"""CR of differential evolution: probability that a number comes from the mutated point [-]."""
+
+
+class Search:
+    """A seeded search with an ask-and-tell interface.
+
+    Args:
+        low: Smallest value of every parameter.
+        high: Largest value of every parameter.
+        n_objectives: 1 or 2.
+        population: Points in a generation.
+        seed: Seed of all random numbers.
+
+    Raises:
+        MissingExtra: If pymoo is not installed.
+    """
+
+    def __init__(
+        self,
+        low: Float[np.ndarray, " n_names"],
+        high: Float[np.ndarray, " n_names"],
+        *,
+        n_objectives: int,
+        population: int,
+        seed: int,
+    ) -> None:
+        problem_module = _import_pymoo("core.problem")
+        self._problem = problem_module.Problem(
+            n_var=low.size, n_obj=n_objectives, n_ieq_constr=1, xl=low, xu=high
+        )
+        self._algorithm = _build_algorithm(n_objectives, population)
+        never = _import_pymoo("core.termination").NoTermination()
+        self._algorithm.setup(self._problem, termination=never, seed=seed, verbose=False)
+        self._generation: Any = None
+
+    def ask(self) -> Table:
+        """Return the next generation; no rows if the search has no new points to try."""
+        self._generation = self._algorithm.ask()
+        if self._generation is None or len(self._generation) == 0:
+            return np.empty((0, self._problem.n_var))
+        return np.array(self._generation.get("X"), dtype=float)
+
+    def tell(
+        self, losses: Float[np.ndarray, "n n_objectives"], violation: Float[np.ndarray, " n"]
+    ) -> None:
+        """Report the results of the points of the last generation.
+
+        Args:
+            losses: Losses (smaller is better); any finite number for infeasible points.
+            violation: 0 for feasible points, otherwise how far they are from being feasible.
+        """
+        self._generation.set("F", losses)
+        self._generation.set("G", violation[:, np.newaxis])
+        for individual in self._generation:
+            individual.evaluated.update(("F", "G"))
+        self._algorithm.tell(infills=self._generation)
+
+
+def package_versions() -> dict[str, str]:
+    """Return the versions of the packages on which the search's numbers depend, besides its arguments.
+
+    Raises:
+        MissingExtra: If pymoo is not installed.
+    """
+    return {"numpy": np.__version__, "pymoo": str(_import_pymoo("version").__version__)}
+
+
+def _build_algorithm(n_objectives: int, population: int) -> Any:
+    if n_objectives > 1:
+        return _import_pymoo("algorithms.moo.nsga2").NSGA2(pop_size=population)
+    differential_evolution = _import_pymoo("algorithms.soo.nonconvex.de").DE
+    return differential_evolution(
+        pop_size=population,
+        variant="DE/rand/1/bin",
+        F=DIFFERENTIAL_WEIGHT,
+        CR=CROSSOVER_RATE,
+        control=_import_pymoo("operators.control").NoParameterControl,
+    )
+
+
+def _import_pymoo(module: str) -> Any:
+    return optional_import("An optimization", "pymoo", "scale", f"pymoo.{module}")
