@@ -164,7 +164,7 @@ def swim_points(
     runs = runs_of(scenarios_at(scenario, names, table))
     peaks = {name: np.full(len(runs), np.nan) for name in NEEDS}
 
-    def look(block_runs: Sequence[Run], block: Block) -> None:
+    def keep_peaks(block_runs: Sequence[Run], block: Block) -> None:
         for name, values in joint_peaks(block_runs, block).items():
             peaks[name][block.index] = values
 
@@ -172,9 +172,9 @@ def swim_points(
         runs,
         scenario.duration,
         scenario.sample_interval,
-        threads,
-        silent,
-        look=look,
+        threads=threads,
+        progress=silent,
+        observe=keep_peaks,
         with_joints=True,
     )
     results: dict[str, Column] = {}
