@@ -26,9 +26,10 @@ from tyro.constructors import (
     StructFieldSpec,
 )
 
+from laticauda.display_units import ANGLE_UNITS, display_unit
 from laticauda.errors import BadArgument, check_whole_number
 from laticauda.files import read_toml
-from laticauda.quantities import DEGREES, Quantity, hints_of, quantities_of, texts_of
+from laticauda.quantities import Quantity, hints_of, quantities_of, texts_of
 
 Command = TypeVar("Command")
 
@@ -41,7 +42,6 @@ LAST = "scenario"
 WIDTH = 110
 OBJECTS: dict[type, tuple[str, Callable[[Sequence[str]], object]]] = {}
 """By type of object that may replace numbers: how the help shows its words, and the function that reads them."""
-_IN_DEGREES = {"rad": "deg", "rad/s": "deg/s"}
 
 
 class BadFlag(Exception):
@@ -223,7 +223,7 @@ def spell_field(name: str, command: object) -> str:
             declared = quantities_of(kind).get(bare)
             return spell_flag(
                 SPELLED.get(bare, bare)
-                + ("" if declared is None else DEGREES.get(declared.unit, ""))
+                + ("" if declared is None else display_unit(declared.unit).ending)
             )
     return spell_flag(SPELLED[bare]) if bare in SPELLED else f"`{name}`"
 
@@ -271,7 +271,7 @@ def _options(kind: type[Any], default: Any, *, nested: bool) -> StructConstructo
             nested and {field.name, f"{kind.__name__.lower()}.{field.name}"} & {*NOT_FLAGS}
         ):
             continue
-        name += "" if declared is None else DEGREES.get(declared.unit, "")
+        name += "" if declared is None else display_unit(declared.unit).ending
         of_flag[name] = field.name
         usual = (
             tyro.MISSING if usual is MISSING or usual == "" else usual
@@ -320,7 +320,10 @@ def _wave_flags(wave: str, gait: Any) -> list[tuple[str, StructFieldSpec]]:
     found: list[tuple[str, StructFieldSpec]] = []
     for name, declared in quantities_of(Wave).items():
         option: Any = Annotated[Any, _numbers(declared, float | None, f"{wave}_{name}")]
-        spelled, help = f"{wave}_{name}{DEGREES[declared.unit]}", f"{text}: {declared.text}."
+        spelled, help = (
+            f"{wave}_{name}{display_unit(declared.unit).ending}",
+            f"{text}: {declared.text}.",
+        )
         if f"{wave}_{name}" not in NOT_FLAGS:
             spec = StructFieldSpec(
                 name=spelled, type=option, default=getattr(usual, name, None), helptext=help
@@ -385,8 +388,8 @@ def _numbers(declared: Quantity, hint: Any, name: str) -> Any:
         if several and len(inner) == 1 and get_args(inner[0])[-1] is not Ellipsis
         else None
     )
-    metavar = _metavar(_IN_DEGREES.get(declared.unit, declared.unit), several, count)
-    typed = spell_flag(name + DEGREES.get(declared.unit, ""))
+    metavar = _metavar(display_unit(declared.unit).name, several, count)
+    typed = spell_flag(name + display_unit(declared.unit).ending)
     read = _reader(declared, int in (inner[0], *get_args(inner[0])), several, typed)
     for kind in OBJECTS.keys() & {*inner}:
         metavar, read = (
@@ -419,7 +422,7 @@ def _metavar(unit: str, several: bool, count: int | None) -> str:
 def _numbers_shown(declared: Quantity, value: Any) -> list[str]:
     if value is None or is_declared(value):
         return ["none" if value is None else value.words]
-    factor = math.degrees(1.0) if declared.unit in DEGREES else 1.0
+    factor = math.degrees(1.0) if declared.unit in ANGLE_UNITS else 1.0
     values = cast("tuple[float, ...]", value if isinstance(value, tuple) else (value,))
     return [f"{factor * one:.12g}" for one in values] or ["none"]
 
@@ -428,7 +431,7 @@ def _reader(
     declared: Quantity, is_whole: bool, several: bool, option: str
 ) -> Callable[[list[str]], Any]:
     """Return a function from words to numbers; it rejects values out of range in the unit that was typed."""
-    in_degrees = declared.unit in DEGREES
+    in_degrees = declared.unit in ANGLE_UNITS
     rule = declared.in_degrees if in_degrees else declared
 
     def number(word: str) -> float:

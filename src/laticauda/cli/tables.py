@@ -4,10 +4,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from laticauda.display_units import display_unit
 from laticauda.errors import BadArgument
 
-# SI units that are shown in other units: factor and name.
-READ_IN = {"rad": (math.degrees(1.0), "deg"), "rad/s": (math.degrees(1.0), "deg/s")}
 MISSING = "-"
 
 
@@ -41,8 +40,10 @@ def format_table(rows: Sequence[Mapping[str, Any]]) -> str:
 
 def read_in(value: float | None, unit: str) -> tuple[str, str]:
     """Return a figure as a table shows it: the number, and the unit in which it is shown."""
-    factor, shown = READ_IN.get(unit, (1.0, unit))
-    return format_number(None if value is None else value * factor), shown
+    display = display_unit(unit)
+    if value is None:
+        return MISSING, display.name
+    return format_number(display.from_si(value)), display.name
 
 
 def format_number(value: float | None) -> str:

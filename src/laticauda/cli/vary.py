@@ -12,9 +12,10 @@ import numpy as np
 
 from laticauda import files, studies
 from laticauda.cli import command, scene
-from laticauda.cli.tables import MISSING, READ_IN, aligned, format_table, parse_numbers, read_in
+from laticauda.cli.tables import MISSING, aligned, format_table, parse_numbers, read_in
+from laticauda.display_units import display_unit
 from laticauda.errors import BadArgument
-from laticauda.quantities import DEGREES, option, quantity, value_class
+from laticauda.quantities import option, quantity, value_class
 from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import Parameter, list_parameters, suggest_names
 from laticauda.studies.point_trials import LABELS, attributes_of
@@ -67,7 +68,7 @@ def spell_parameter(parameter: Parameter) -> str:
     root, *rest = parameter.name.split(".")
     short = (root in SHORT and len(rest) == 1) or rest == ["n_links"]
     return (
-        (".".join(rest) if short else parameter.name) + DEGREES.get(parameter.unit, "")
+        (".".join(rest) if short else parameter.name) + display_unit(parameter.unit).ending
     ).replace("_", "-")
 
 
@@ -162,7 +163,7 @@ def _meant(name: str, known: Known, before: Mapping[str, object]) -> tuple[Param
     for parameter in known.values():
         full, suffix = (
             parameter.name.replace("_", "-"),
-            DEGREES.get(parameter.unit, "").replace("_", "-"),
+            display_unit(parameter.unit).ending.replace("_", "-"),
         )
         if plain in (spell_parameter(parameter), full + suffix, full):
             if parameter.name in before:
@@ -190,7 +191,7 @@ def points_table(
     known = list_parameters(scenario)
     rows = [
         {
-            spell_parameter(known[name]): point[name] * READ_IN.get(known[name].unit, (1.0,))[0]
+            spell_parameter(known[name]): display_unit(known[name].unit).from_si(point[name])
             for name in names
         }
         | {LABELS[name]: point[name] for name in figures}

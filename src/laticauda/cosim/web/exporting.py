@@ -6,7 +6,6 @@ robots, and the descriptions of the sliders, is data.
 
 import base64
 import json
-import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -25,7 +24,7 @@ from laticauda.cosim.web import steering
 from laticauda.gaits.gait import FIRST_GAIT
 from laticauda.planar import rows
 from laticauda.planar.model import PlanarPlant
-from laticauda.quantities import DEGREES, hints_of, quantities_of, texts_of
+from laticauda.quantities import fields_of, hints_of
 
 ROBOTS = ("mamba", "mamba-fin", "mamba-modules-fin", "amphibot", "tendon-fish")
 """Presets that a page contains by default."""
@@ -124,19 +123,27 @@ def _sliders() -> list[dict[str, Any]]:
 
 def _slider(group: str, owner: object, name: str, limits: Any) -> dict[str, Any]:
     """Return one slider, `name` in its group; the owner holds its initial value."""
-    field, axis = (group, f" {name}") if group == "current" else (name, "")
-    unit, now = quantities_of(type(owner))[field].unit, getattr(owner, field)
+    field_name, axis = name, ""
+    if group == "current":
+        field_name, axis = group, f" {name}"
+    field = fields_of(type(owner))[field_name]
+    current_value = getattr(owner, field_name)
+    usual = 0.0
+    if field.display.is_in_degrees:
+        usual = round(field.display.from_si(current_value), 9)
+    elif not axis:
+        usual = current_value
     return {
         "group": group,
-        "field": field,
+        "field": field_name,
         "variable": "" if group == "path" else f"{group}.{name}",
-        "flag": (field + DEGREES.get(unit, "") + axis).replace("_", "-").replace(" ", "-"),
-        "label": field.replace("_", " ") + axis,
-        "unit": unit.replace("rad", "°").replace("^2", "²"),
-        "text": texts_of(type(owner))[field],
+        "flag": (field_name + field.display.ending + axis).replace("_", "-").replace(" ", "-"),
+        "label": field_name.replace("_", " ") + axis,
+        "unit": field.unit.replace("rad", "°").replace("^2", "²"),
+        "text": field.text,
         **dict(zip(("low", "high", "step"), limits, strict=True)),
-        "factor": math.radians(1.0) if unit in DEGREES else 1.0,
-        "usual": round(math.degrees(now), 9) if unit in DEGREES else 0.0 if axis else now,
+        "factor": field.display.in_si_unit,
+        "usual": usual,
     }
 
 
