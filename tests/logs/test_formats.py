@@ -14,6 +14,7 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 
 from laticauda.errors import StorageFailed, TrialFileError
 from laticauda.logs import load_trial
+from laticauda.logs.tabular import mat_columns
 from laticauda.robot import load_robot
 from laticauda.trial import Format, Trial
 
@@ -269,3 +270,21 @@ def test_a_format_of_ones_own_is_one_class(full_trial, tmp_path):
     full_trial.save(tmp_path / "run.pickle")
     assert load_trial(tmp_path / "run.pickle").equals(full_trial)
     del Format._known["pickle"]
+
+
+# ---- .mat, which a process of its own reads ------------------------------------------------------
+
+
+@pytest.mark.parametrize("version", ["4", "5"])
+def test_columns_of_a_mat_file_of_either_version_are_read(version: str, tmp_path: Path):
+    scipy_io = pytest.importorskip("scipy.io")
+    scipy_io.savemat(tmp_path / "run.mat", {"time": np.arange(3.0)}, format=version)
+    np.testing.assert_array_equal(mat_columns(tmp_path / "run.mat")["time"], [0.0, 1.0, 2.0])
+
+
+def test_bytes_that_do_not_begin_like_a_mat_file_start_no_process(monkeypatch, tmp_path: Path):
+    pytest.importorskip("scipy")
+    monkeypatch.setattr(subprocess, "run", None)
+    (tmp_path / "run.mat").write_bytes(b"time,x\n0.0,1.0\n" * 20)
+    with pytest.raises(ValueError, match=r"it is not a \.mat file"):
+        mat_columns(tmp_path / "run.mat")

@@ -13,6 +13,7 @@ import hashlib
 import io
 import itertools
 import json
+import struct
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -332,6 +333,9 @@ def mat_columns(path: Path) -> dict[str, Samples]:
 # Invalid bytes may crash scipy or make it hang, so it runs in a separate process, which returns
 # plain arrays.
 _PATIENCE = 60.0
+_NO_MAT = "it is not a .mat file, or it is damaged."
+_MAT_4_HEADER = "5i"
+"""Of a variable in a file of version 4: kind, rows, columns, whether it is complex, length of its name."""
 _READER = """
 import io, sys, numpy, scipy.io
 found = scipy.io.loadmat(io.BytesIO(sys.stdin.buffer.read()))
@@ -344,6 +348,8 @@ def _content(path: Path) -> dict[str, Any]:
     _scipy()
     words = [sys.executable, "-P", "-c", _READER]
     content = files.read_bytes(path)
+    if not _begins_like_mat(content):  # starting the process takes a third of a second
+        raise ValueError(_NO_MAT)
     try:
         done = subprocess.run(
             words, input=content, capture_output=True, check=False, timeout=_PATIENCE
@@ -353,8 +359,24 @@ def _content(path: Path) -> dict[str, Any]:
     if b"NotImplementedError" in done.stderr:
         raise ValueError("it is a .mat file of version 7.3; save it with `-v7` instead.")
     if done.returncode:
-        raise ValueError("it is not a .mat file, or it is damaged.")
+        raise ValueError(_NO_MAT)
     return {name[1:]: one for name, one in np.load(io.BytesIO(done.stdout)).items()}
+
+
+def _begins_like_mat(content: bytes) -> bool:
+    """Return whether the first bytes are those of a .mat file, of version 4 or a later one."""
+    if content[126:128] in (b"IM", b"MI"):
+        return True
+    if len(content) < struct.calcsize(_MAT_4_HEADER):
+        return False
+    for byte_order in "<>":
+        kind, n_rows, n_columns, is_complex, name_length = struct.unpack_from(
+            byte_order + _MAT_4_HEADER, content
+        )
+        is_sensible = 0 <= kind < 5000 and n_rows >= 0 and n_columns >= 0 and name_length > 0
+        if is_sensible and is_complex in (0, 1):
+            return True
+    return False
 
 
 def _scipy() -> Any:
