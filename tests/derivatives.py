@@ -1,6 +1,7 @@
 """Derivatives of scalar laws in two ways that share nothing."""
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -43,11 +44,17 @@ def check_complex_steps(law: Law, arguments: Sequence[float]) -> None:
 
 def check_compiled(law: Law, arguments: Sequence[float]) -> None:
     """Compiled as the kernels do it, for real and for complex numbers, the law gives what Python gives."""
-    from laticauda.compiling import compile_scalar, for_python
-
-    fast = for_python(compile_scalar(law))
+    fast = _compile(law)
     for kind in (float, complex):
         numbers = [kind(a) for a in arguments]
         np.testing.assert_allclose(
             np.array(fast(*numbers)), np.array(law(*numbers)), rtol=1e-13, atol=1e-15
         )
+
+
+@cache
+def _compile(law: Law) -> Law:
+    """Compile a law once for all arguments that it is tried with."""
+    from laticauda.compiling import compile_scalar, for_python
+
+    return for_python(compile_scalar(law))

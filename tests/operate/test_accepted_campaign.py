@@ -8,9 +8,11 @@ import pytest
 from laticauda.operate.settings import Acceptance
 
 
-@pytest.fixture(scope="module")
-def accepted():
-    return campaign_scripts.campaign("accepted")
+@pytest.fixture
+def accepted(monkeypatch: pytest.MonkeyPatch):
+    campaign = campaign_scripts.campaign("accepted")
+    monkeypatch.setattr(campaign, "DURATION", 25.0)  # the campaign's own runs are longer
+    return campaign
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,8 @@ def test_a_run_whose_cameras_clock_stepped_back_is_right_or_not_accepted():
 
 
 def test_the_same_seed_gives_the_same_bits():
-    one, again, other = schedules.run(14), schedules.run(14), schedules.run(14, ())
+    seed = 10  # four mishaps in a short operation
+    one, again, other = schedules.run(seed), schedules.run(seed), schedules.run(seed, ())
     assert one == again
     assert one.digest != other.digest
 
