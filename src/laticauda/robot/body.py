@@ -84,7 +84,8 @@ class Joint:
     The default limit is the servo's travel.
     """
 
-    counted = ("axis",)  # keys that may be lists in a file entry with a `count`
+    counted = ("axis",)
+    """Keys that may be lists in a file entry with a `count`."""
     axis: Literal["yaw", "pitch"] = option(
         "`yaw` bends the body in the plane, `pitch` out of it", default="yaw"
     )
@@ -113,7 +114,8 @@ class Section:
     @property
     def area(self) -> float:
         """Area: pi a b for an ellipse, 4 a b for a box [m^2]."""
-        return (math.pi if self.shape == "ellipse" else 4.0) * self.half_height * self.half_width
+        factor = 4.0 if self.shape == "box" else math.pi
+        return factor * self.half_height * self.half_width
 
     @property
     def perimeter(self) -> float:
@@ -132,7 +134,8 @@ class Module:
     only.
     """
 
-    counted = ()  # keys that may be lists in a file entry with a `count`
+    counted = ()
+    """Keys that may be lists in a file entry with a `count`."""
     length: float = quantity("m", "Full length 2l", gt=0.0, le=100.0)
     mass: float = quantity("kg", "Mass m", gt=0.0)
     section: Section = option("Cross-section")
@@ -151,8 +154,11 @@ class Module:
 
     def __post_init__(self) -> None:
         if abs(self.center) > self.half_length:
-            rule = f"must lie inside the module, between {-self.half_length:g} and {self.half_length:g} m"
-            raise BadArgument("center", f"{rule}, got {self.center}")
+            raise BadArgument(
+                "center",
+                f"must lie inside the module, between {-self.half_length:g} and "
+                f"{self.half_length:g} m, got {self.center}",
+            )
 
     @property
     def half_length(self) -> float:
@@ -162,7 +168,9 @@ class Module:
     @property
     def moment_of_inertia(self) -> float:
         """J about the center of mass: `inertia` if given, else m l^2 / 3 [kg m^2]."""
-        return self.mass * self.half_length**2 / 3.0 if self.inertia is None else self.inertia
+        if self.inertia is not None:
+            return self.inertia
+        return self.mass * self.half_length**2 / 3.0
 
     @property
     def volume(self) -> float:
@@ -198,40 +206,59 @@ def reduce_to_plane(modules: Sequence[Module], joints: Sequence[Joint]) -> Reduc
         else:
             groups.append([i])
     links: list[Module] = []
+    link_of_module: list[int] = []
     shifts: list[float] = []
-    for group in groups:
-        merged, middles = _merge([modules[i] for i in group])
-        links.append(merged)
+    for k, group in enumerate(groups):
+        group_modules = [modules[i] for i in group]
+        middles = _middles(group_modules)
+        links.append(_merge(group_modules, middles))
+        link_of_module.extend(k for _ in group)
         shifts.extend(middles)
-    owner = tuple(k for k, group in enumerate(groups) for _ in group)
-    return Reduction(modules=tuple(links), link=owner, shift=tuple(shifts))
+    return Reduction(modules=tuple(links), link=tuple(link_of_module), shift=tuple(shifts))
 
 
-def _check_alike(modules: Sequence[Module], first: int, other: int) -> None:
-    for name in ("section", "tangential_friction", "normal_drag", "added_mass", "added_inertia"):
-        if getattr(modules[first], name) != getattr(modules[other], name):
+FIELDS_OF_ONE_LINK = (
+    "section",
+    "tangential_friction",
+    "normal_drag",
+    "added_mass",
+    "added_inertia",
+)
+"""Fields in which modules that are merged must agree."""
+
+
+def _check_alike(modules: Sequence[Module], first: int, second: int) -> None:
+    for name in FIELDS_OF_ONE_LINK:
+        value = getattr(modules[second], name)
+        if value != getattr(modules[first], name):
             raise ValueError(
-                f"`modules[{other}].{name}` must equal that of `modules[{first}]`, because a pitch joint makes them "
-                f"one link of the planar model, got {getattr(modules[other], name)}."
+                f"`modules[{second}].{name}` must equal that of `modules[{first}]`, because a pitch "
+                f"joint makes them one link of the planar model, got {value}."
             )
 
 
-def _merge(pieces: Sequence[Module]) -> tuple[Module, list[float]]:
-    """Merge consecutive `pieces` into one rigid module, and return it with the positions of their middles in it [m]."""
-    if len(pieces) == 1:
-        return pieces[0], [0.0]
-    first = pieces[0]
-    length = math.fsum(piece.length for piece in pieces)
-    mass = math.fsum(piece.mass for piece in pieces)
+def _middles(modules: Sequence[Module]) -> list[float]:
+    """Return the positions of the middles of consecutive modules, from the middle of all of them [m]."""
+    if len(modules) == 1:
+        return [0.0]
     middles: list[float] = []
-    start = -0.5 * length
-    for piece in pieces:
-        middles.append(start + piece.half_length)
-        start += piece.length
-    centers = [middle + piece.center for middle, piece in zip(middles, pieces, strict=True)]
-    center = sum(piece.mass * x for piece, x in zip(pieces, centers, strict=True)) / mass
+    start = -0.5 * math.fsum(module.length for module in modules)
+    for module in modules:
+        middles.append(start + module.half_length)
+        start += module.length
+    return middles
+
+
+def _merge(modules: Sequence[Module], middles: Sequence[float]) -> Module:
+    """Merge consecutive modules, whose middles are at `middles`, into one rigid module."""
+    if len(modules) == 1:
+        return modules[0]
+    length = math.fsum(module.length for module in modules)
+    mass = math.fsum(module.mass for module in modules)
+    centers = [middle + module.center for middle, module in zip(middles, modules, strict=True)]
+    center = sum(module.mass * x for module, x in zip(modules, centers, strict=True)) / mass
     inertia = sum(
-        piece.moment_of_inertia + piece.mass * (x - center) ** 2  # parallel axes
-        for piece, x in zip(pieces, centers, strict=True)
+        module.moment_of_inertia + module.mass * (x - center) ** 2  # parallel axes
+        for module, x in zip(modules, centers, strict=True)
     )
-    return replace(first, length=length, mass=mass, center=center, inertia=inertia), middles
+    return replace(modules[0], length=length, mass=mass, center=center, inertia=inertia)

@@ -53,24 +53,28 @@ def describe(thing: Robot | environment.Water | environment.Ground | Flow) -> st
     return "\n".join(f"{name:<{width}}  {text}" for name, text in rows)
 
 
-def describe_coefficients(thing: environment.Environment) -> dict[str, str]:
+def describe_coefficients(medium: environment.Environment) -> dict[str, str]:
     """Return the fields of a water or ground other than its name, as text by field.
 
     Args:
-        thing: A water or ground.
+        medium: A water or ground.
     """
-    if isinstance(thing, environment.Water):
-        depth = "far below the surface" if thing.depth is None else f"{thing.depth:g} m"
+    if isinstance(medium, environment.Water):
+        depth = "far below the surface" if medium.depth is None else f"{medium.depth:g} m"
         return {
-            **describe_fields(thing, "name", "density"),
+            **describe_fields(medium, "name", "density"),
             "depth": depth,
-            "density": f"{thing.density:g} kg/m^3",
+            "density": f"{medium.density:g} kg/m^3",
         }
-    unit, unused = (
-        ("of the weight", ()) if thing.friction.of_weight else ("N s/m per link", ("gravity",))
-    )
-    friction = {name: f"{getattr(thing, name):g} {unit}" for name in ("tangential", "normal")}
-    return describe_fields(thing, "name", *unused) | friction
+    if medium.friction.of_weight:
+        unit = "of the weight"
+        fields = describe_fields(medium, "name")
+    else:
+        unit = "N s/m per link"
+        fields = describe_fields(medium, "name", "gravity")
+    for name in ("tangential", "normal"):
+        fields[name] = f"{getattr(medium, name):g} {unit}"
+    return fields
 
 
 def in_a_line(facts: dict[str, str]) -> str:
@@ -88,61 +92,73 @@ def _robot_rows(robot: Robot) -> Iterator[Row]:
     if robot.description:
         yield "description", robot.description
     yield "links, joints", f"{robot.n_links}, {robot.n_joints}"
-    yield "length", f"{robot.length:.4g} m" + (" without the fin" if fin else "")
-    yield "mass", f"{robot.mass:.4g} kg" + (" with the fin" if fin else "")
+    if fin is None:
+        yield "length", f"{robot.length:.4g} m"
+        yield "mass", f"{robot.mass:.4g} kg"
+    else:
+        yield "length", f"{robot.length:.4g} m without the fin"
+        yield "mass", f"{robot.mass:.4g} kg with the fin"
     yield "volume", f"{1e3 * robot.volume:.4g} L"
-    for place, module in _runs(robot.modules):
-        yield f"modules {place}", in_a_line(describe_fields(module))
+    for indices, module in _group_equal(robot.modules):
+        yield f"modules {indices}", in_a_line(describe_fields(module))
     if robot.joints:
         yield "axes", _axes(robot.joints)
-    for place, joint in _runs(
-        [replace(joint, axis="yaw", actuator=body.Actuator()) for joint in robot.joints]
-    ):
-        yield f"joints {place}", in_a_line(describe_fields(joint, "axis", "actuator"))
-    for place, actuator in _runs([joint.actuator for joint in robot.joints]):
-        stated = "" if actuator.stated else "not stated; with Mamba's servo: "
-        yield f"actuators {place}", stated + in_a_line(describe_fields(actuator, "stated"))
+    # The axes and the actuators have rows of their own.
+    plain_joints = [replace(joint, axis="yaw", actuator=body.Actuator()) for joint in robot.joints]
+    for indices, joint in _group_equal(plain_joints):
+        yield f"joints {indices}", in_a_line(describe_fields(joint, "axis", "actuator"))
+    for indices, actuator in _group_equal([joint.actuator for joint in robot.joints]):
+        text = in_a_line(describe_fields(actuator, "stated"))
+        if not actuator.stated:
+            text = f"not stated; with Mamba's servo: {text}"
+        yield f"actuators {indices}", text
     if fin is not None:
-        no_hole = () if fin.opening_length else ("opening",)
-        yield (
-            "caudal fin",
-            in_a_line({"mass": f"{fin.mass:g} kg", **describe_fields(fin, *no_hole)}),
-        )
+        left_out = () if fin.opening_length else ("opening",)
+        facts = {"mass": f"{fin.mass:g} kg", **describe_fields(fin, *left_out)}
+        yield "caudal fin", in_a_line(facts)
     for thruster in robot.thrusters:
         yield f"thruster on link {thruster.link}", in_a_line(describe_fields(thruster, "link"))
     for plate in robot.pectoral_fins:
         yield f"pectoral fin on link {plate.link}", in_a_line(describe_fields(plate, "link"))
-    if tether := describe_fields(robot.tether):
+    tether = describe_fields(robot.tether)
+    if tether:
         yield "tether", in_a_line(tether)
     yield "surface, ends", f"{robot.surface}, {robot.nose} nose, {robot.tail} tail"
-    book = textbook.textbook_water(robot)
-    for name, (low, high) in book.intervals.items():
-        number, last = attrgetter(name.removeprefix("water."))(book.water), name.rpartition(".")[2]
-        yield (
-            "textbook water",
-            f"{last} {number:.3g} ({low:.3g} to {high:.3g}): {book.sources[name]}",
-        )
+    yield from _textbook_rows(robot)
     if robot.idle_power:
         yield "power at rest", f"{robot.idle_power:g} W"
     if robot.active_power is not None:
         yield "electronics while swimming", f"{robot.active_power:g} W above power at rest"
 
 
+def _textbook_rows(robot: Robot) -> Iterator[Row]:
+    """Yield a row for each coefficient of the robot's textbook water: value, interval and source."""
+    book = textbook.textbook_water(robot)
+    for name, (low, high) in book.intervals.items():
+        value = attrgetter(name.removeprefix("water."))(book.water)
+        coefficient = name.rpartition(".")[2]
+        text = f"{coefficient} {value:.3g} ({low:.3g} to {high:.3g}): {book.sources[name]}"
+        yield "textbook water", text
+
+
 def _axes(joints: Sequence[body.Joint]) -> str:
-    axes = "".join(joint.axis[0] for joint in joints)  # y and p, tail first
-    if "p" not in axes:
+    initials = "".join(joint.axis[0] for joint in joints)  # y and p, tail first
+    if "p" not in initials:
         return "all yaw"
-    if "yy" not in axes and "pp" not in axes:
+    if "yy" not in initials and "pp" not in initials:
         return f"alternating yaw and pitch, {joints[0].axis} at the tail"
-    return f"{axes} from the tail (y yaw, p pitch)"
+    return f"{initials} from the tail (y yaw, p pitch)"
 
 
-def _runs(things: Sequence[T]) -> list[tuple[str, T]]:
-    """Group equal consecutive things: each once, with its range of indices, such as "0-8"."""
-    runs: list[tuple[str, T]] = []
+def _group_equal(parts: Sequence[T]) -> list[tuple[str, T]]:
+    """Group equal consecutive parts: each once, with its range of indices, such as "0-8"."""
+    groups: list[tuple[str, T]] = []
     start = 0
-    for thing, group in groupby(things):
+    for part, group in groupby(parts):
         stop = start + len(list(group))
-        runs.append((str(start) if stop == start + 1 else f"{start}-{stop - 1}", thing))
+        indices = f"{start}-{stop - 1}"
+        if stop == start + 1:
+            indices = str(start)
+        groups.append((indices, part))
         start = stop
-    return runs
+    return groups

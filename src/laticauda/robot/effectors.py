@@ -26,7 +26,9 @@ from laticauda.quantities import option, quantity, value_class
 from laticauda.robot.body import Joint
 
 MOST_HINGES = 6
-_FREE_END = 4  # power of (1 - s)
+"""Most hinges that a fin may have."""
+FREE_END_POWER = 4
+"""Power of (1 - s) with which the bending energy vanishes at the free end."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,14 +75,19 @@ def hinge_rule(n: int) -> tuple[tuple[float, float], ...]:
     Args:
         n: Number of hinges.
     """
-    k, power = np.arange(n), _FREE_END
-    middle = -(power**2) / ((2.0 * k + power) * (2.0 * k + power + 2.0))
+    # Recurrence coefficients of the Jacobi polynomials, in the notation of Golub and Welsch.
+    power = FREE_END_POWER
+    k = np.arange(n)
+    diagonal = -(power**2) / ((2.0 * k + power) * (2.0 * k + power + 2.0))
     k = k[1:]
-    beside = 2.0 * k * (k + power) / ((2.0 * k + power) * np.sqrt((2.0 * k + power) ** 2 - 1.0))
-    node, vector = np.linalg.eigh(np.diag(middle) + np.diag(beside, 1) + np.diag(beside, -1))
-    place = 0.5 * (1.0 + node)
-    share = vector[0] ** 2 / (power + 1.0) / (1.0 - place) ** power
-    return tuple((float(s), float(d)) for s, d in zip(place, share, strict=True))
+    off_diagonal = (
+        2.0 * k * (k + power) / ((2.0 * k + power) * np.sqrt((2.0 * k + power) ** 2 - 1.0))
+    )
+    matrix = np.diag(diagonal) + np.diag(off_diagonal, 1) + np.diag(off_diagonal, -1)
+    node, vector = np.linalg.eigh(matrix)
+    position = 0.5 * (1.0 + node)
+    share = vector[0] ** 2 / (power + 1.0) / (1.0 - position) ** power
+    return tuple(zip(position.tolist(), share.tolist(), strict=True))
 
 
 @value_class
@@ -161,12 +168,12 @@ class CaudalFin:
             return ()
         return tuple(
             Hinge(
-                position=place * self.length,
+                position=position * self.length,
                 length=share * self.length,
                 stiffness=rigidity / (share * self.length),
                 damping=self.bending_damping / (share * self.length),
             )
-            for place, share in hinge_rule(self.n_hinges)
+            for position, share in hinge_rule(self.n_hinges)
         )
 
     @property

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, ClassVar, Literal, TypeAlias, cast
+from typing import Any, ClassVar, Literal, TypeAlias
 
 import numpy as np
 
@@ -69,17 +69,9 @@ class Water:
     )
 
     def __post_init__(self) -> None:
-        current = (
-            self.current
-            if not isinstance(self.current, Flow)
-            else self.current.constant or self.current
-        )
-        if not isinstance(current, Flow) and current[2:] == (0.0,):
-            current = current[:2]
-        object.__setattr__(self, "current", current)
-        bed = min(
-            getattr(one, "depth", None) or math.inf for one in getattr(current, "flows", (current,))
-        )
+        object.__setattr__(self, "current", _simplest(self.current))
+        flows = getattr(self.current, "flows", (self.current,))
+        bed = min(getattr(flow, "depth", None) or math.inf for flow in flows)
         if (self.depth or 0.0) > bed:
             raise BadArgument(
                 "depth", f"must be <= {bed:g} m, the bed depth of its flow, got {self.depth:g}"
@@ -87,8 +79,9 @@ class Water:
         if self.trailing_edge == "elongated" and self.added_mass_form != "kirchhoff":
             raise BadArgument(
                 "trailing_edge",
-                "must be `none` unless `added_mass_form` is `kirchhoff`, the only form that includes the momentum that "
-                f"an edge sheds (here it is `{self.added_mass_form}`), got 'elongated'",
+                "must be `none` unless `added_mass_form` is `kirchhoff`, the only form that includes "
+                "the momentum that an edge sheds "
+                f"(here it is `{self.added_mass_form}`), got 'elongated'",
             )
 
     @property
@@ -104,15 +97,19 @@ class Water:
     @property
     def uniform(self) -> tuple[float, float, float]:
         """Velocity of the water if it is uniform and constant; 0 if a flow describes the motion [m/s]."""
-        x, y, z = (0.0,) * 3 if isinstance(self.current, Flow) else (*self.current, 0.0)[:3]
-        return x, y, z
+        if isinstance(self.current, Flow):
+            return 0.0, 0.0, 0.0
+        if len(self.current) == 2:
+            return (*self.current, 0.0)
+        return self.current
 
     @property
     def current_words(self) -> str:
         """Motion of the water in words."""
         if isinstance(self.current, Flow):
             return self.current.words
-        return f"({', '.join(f'{one:g}' for one in self.current)}) m/s"
+        components = ", ".join(f"{component:g}" for component in self.current)
+        return f"({components}) m/s"
 
     def velocity(self, points: Any, t: Any = 0.0) -> np.ndarray:
         """Return the velocity of the water at many points.
@@ -131,6 +128,15 @@ class Water:
             return np.broadcast_to(self.uniform[:size], points.shape)
         height = np.broadcast_to(-(self.depth or 0.0), (*points.shape[:-1], 3 - size))
         return self.flow.velocity(np.concatenate((points, height), axis=-1), t)[..., :size]
+
+
+def _simplest(current: Current) -> Current:
+    """Return the simplest current that is the same: of a uniform flow its velocity, without a height of 0."""
+    if isinstance(current, Flow):
+        current = current.constant or current
+    if not isinstance(current, Flow) and current[2:] == (0.0,):
+        return current[0], current[1]
+    return current
 
 
 @value_class
@@ -187,29 +193,32 @@ class Scene(Extensible, group="scenes"):
             environment: Environment in which the robot swims or on which it crawls.
         """
         if self.wet and isinstance(environment, Ground):
-            word = name_of(type(self))
             raise BadArgument(
-                "scene", f"must not be `{word}` without water, got the ground `{environment.name}`"
+                "scene",
+                f"must not be `{name_of(type(self))}` without water, "
+                f"got the ground `{environment.name}`",
             )
 
     @classmethod
-    def of(cls, given: "Scene | Callable[[Any], None] | str | None") -> "Scene | None":
-        """Return a scene, `given` by its name, as an MJCF file, or as a function that edits a `mujoco.MjSpec`.
+    def of(cls, scene: "Scene | Callable[[Any], None] | str | None") -> "Scene | None":
+        """Return a scene from its name, an MJCF file, or a function that edits a `mujoco.MjSpec`.
 
         Args:
-            given: The scene, its name, an MJCF file that ends in .xml, or the function; None for no
+            scene: The scene, its name, an MJCF file that ends in .xml, or the function; None for no
                 scene.
 
         Raises:
             ValueError: If there is no scene of that name.
         """
-        if given is None or isinstance(given, Scene):
-            return given
-        if isinstance(given, str | Path) and Path(given).suffix == ".xml":
-            return cast("Any", cls.named("mjcf"))(file=str(given))
-        if callable(given):
-            return cast("Any", cls.named("edited"))(edit=given)
-        return cls.named(check_choice("scene", given, cls.names()))()
+        if scene is None or isinstance(scene, Scene):
+            return scene
+        if isinstance(scene, str | Path) and Path(scene).suffix == ".xml":
+            mjcf_scene: Any = cls.named("mjcf")
+            return mjcf_scene(file=str(scene))
+        if callable(scene):
+            edited_scene: Any = cls.named("edited")
+            return edited_scene(edit=scene)
+        return cls.named(check_choice("scene", scene, cls.names()))()
 
 
 def law_of(environment: Environment) -> DragLaw:
@@ -218,7 +227,9 @@ def law_of(environment: Environment) -> DragLaw:
     Args:
         environment: Water or ground.
     """
-    return environment.friction if isinstance(environment, Ground) else environment.drag
+    if isinstance(environment, Ground):
+        return environment.friction
+    return environment.drag
 
 
 def check_fits(robot: Robot, environment: Environment) -> None:
@@ -233,12 +244,15 @@ def check_fits(robot: Robot, environment: Environment) -> None:
     """
     if isinstance(environment, Ground) or environment.depth is None:
         return
-    highest = max(
-        (module.section.half_height, f"modules[{i}]") for i, module in enumerate(robot.modules)
-    )
+    half_heights = {
+        f"modules[{i}]": module.section.half_height for i, module in enumerate(robot.modules)
+    }
     if robot.caudal_fin is not None:
-        highest = max(highest, (0.5 * robot.caudal_fin.height, "caudal_fin"))
-    half_height, owner = highest
+        half_heights["caudal_fin"] = 0.5 * robot.caudal_fin.height
+    half_height, part = max((value, name) for name, value in half_heights.items())
     if environment.depth <= half_height:
-        rule = f"must be > {half_height:g} m, the half height of `{owner}` of robot `{robot.name}`"
-        raise BadArgument("depth", f"{rule}, got {environment.depth}")
+        raise BadArgument(
+            "depth",
+            f"must be > {half_height:g} m, the half height of `{part}` of robot `{robot.name}`, "
+            f"got {environment.depth}",
+        )

@@ -33,8 +33,10 @@ KINDS: dict[str, type[Described]] = {
     "water": environment.Water,
     "ground": environment.Ground,
 }
+"""Classes of what files hold, by kind; any other kind is that of a flow."""
 PRESETS = Path(__file__).parent / "presets"
-FOLDERS = {word: f"{word}s" for word in (*KINDS, "current", "parameter", "motion")}
+FOLDERS = {kind: f"{kind}s" for kind in (*KINDS, "current", "parameter", "motion")}
+"""Folders of the presets, by kind."""
 
 
 class RobotNotFound(RobotFileError, FileNotFoundError):
@@ -84,12 +86,18 @@ def from_toml(source: str | Path, kind: type[Any] | None = None) -> Any:
         RobotFileError: If the source is invalid; the message names the file, the key, the rule and
             the value.
     """
-    path = source if isinstance(source, Path) else None
-    shown = "<text>" if path is None else str(path)
-    table = (
-        files.parse_toml(str(source), shown, RobotFileError) if path is None else read_table(path)
-    )
-    return _build(*_complete(table, shown, path, kind, ()), shown)
+    if isinstance(source, Path):
+        return _build_from_table(read_table(source), str(source), source, kind)
+    table = files.parse_toml(str(source), "<text>", RobotFileError)
+    return _build_from_table(table, "<text>", None, kind)
+
+
+def _build_from_table(
+    table: Table, source_name: str, path: Path | None, kind: type[Described] | None
+) -> Described:
+    """Return what a file's table describes; `source_name` stands in messages."""
+    described_class, complete_table = _complete(table, source_name, path, kind, ())
+    return _build(described_class, complete_table, source_name)
 
 
 def read_table(path: Path) -> Table:
@@ -124,81 +132,90 @@ def find(name_or_path: str | Path, kind: str, folder: Path | None = None) -> Pat
         raise BadArgument(
             "name_or_path", f"must be a preset's name or a path, got {name_or_path!r}"
         )
-    names, given = preset_names(kind), str(name_or_path)
+    names = preset_names(kind)
+    text = str(name_or_path)
     listed = f"{FOLDERS[kind]}: {', '.join(names)}"
     ending = ".csv" if kind == "motion" else ".toml"
-    is_path = (
-        isinstance(name_or_path, Path) or given.endswith(ending) or "/" in given or sep in given
-    )
+    is_path = isinstance(name_or_path, Path) or text.endswith(ending) or "/" in text or sep in text
     if not is_path:
-        if given in names:
-            return PRESETS / FOLDERS[kind] / f"{given}{ending}"
+        if text in names:
+            return PRESETS / FOLDERS[kind] / f"{text}{ending}"
         raise RobotNotFound(
-            f"there is no {kind} preset named `{given}`{suggest_nearest(given, names)} "
+            f"there is no {kind} preset named `{text}`{suggest_nearest(text, names)} "
             f"({listed}; a path ends in {ending})"
         )
-    path = folder / given if folder is not None else Path(given)
+    path = Path(text) if folder is None else folder / text
     try:
-        there = path.exists()
+        exists = path.exists()
     except (OSError, ValueError):  # an over-long name, a null byte: reading reports it
-        there = True
-    if not there:
+        exists = True
+    if not exists:
+        shown_path = path if folder else text
         raise RobotNotFound(
-            f"{path if folder else given}: no such file{suggest_nearest(path.stem, names)} ({listed})"
+            f"{shown_path}: no such file{suggest_nearest(path.stem, names)} ({listed})"
         )
     return path
 
 
 def _complete(
     table: Table,
-    shown: str,
+    source_name: str,
     path: Path | None,
     kind: type[Described] | None,
     parents: tuple[Path, ...],
 ) -> tuple[type[Described], Table]:
     """Return the class that a file describes, and its keys with those of the file it extends."""
-    with keys_of(shown, RobotFileError):
+    with keys_of(source_name, RobotFileError):
         is_flow = kind is Flow or (kind is None and table.get("kind") in Flow.names())
-        word = take_kind(table, *(Flow.names() if is_flow else KINDS))
-        if kind not in (None, KINDS.get(word, Flow)):
-            raise BadKey(
-                "kind", f'must be "{extensions.name_of(cast(type, kind))}" here, got {word!r}'
-            )
+        kind_name = take_kind(table, *(Flow.names() if is_flow else KINDS))
+        if kind not in (None, KINDS.get(kind_name, Flow)):
+            expected = extensions.name_of(cast(type, kind))
+            raise BadKey("kind", f'must be "{expected}" here, got {kind_name!r}')
     base = table.pop("extends", None)
     if base is not None:
-        table = {**_inherited(base, shown, path, "current" if is_flow else word, parents), **table}
+        preset_kind = "current" if is_flow else kind_name
+        table = {**_inherited(base, source_name, path, preset_kind, parents), **table}
+    folder = None if path is None else path.parent
     if is_flow:
-        return Flow, current_of({**table, "kind": word}, None if path is None else path.parent)
-    if word == "water" and "current" in table:
-        table["current"] = current_of(table["current"], None if path is None else path.parent)
-    return KINDS[word], table
+        return Flow, current_of({**table, "kind": kind_name}, folder)
+    if kind_name == "water" and "current" in table:
+        table["current"] = current_of(table["current"], folder)
+    return KINDS[kind_name], table
 
 
 def _inherited(
-    base: object, shown: str, path: Path | None, word: str, parents: tuple[Path, ...]
+    base: object,
+    source_name: str,
+    path: Path | None,
+    preset_kind: str,
+    parents: tuple[Path, ...],
 ) -> Table:
     """Return the keys that a file takes from the file it extends, which must be valid by itself."""
     if not isinstance(base, str):
         raise RobotFileError(
-            f"{shown}: key `extends`: must be the name of a preset or a path, got {base!r}"
+            f"{source_name}: key `extends`: must be the name of a preset or a path, got {base!r}"
         )
     try:
-        other = find(base, word, None if path is None else path.parent)
-        found = read_table(other)
+        base_path = find(base, preset_kind, None if path is None else path.parent)
+        base_table = read_table(base_path)
     except LaticaudaError as error:
-        raise type(error)(f"{shown}: key `extends`: {error}") from None
+        raise type(error)(f"{source_name}: key `extends`: {error}") from None
     chain = parents if path is None else (*parents, path.resolve())
-    if other.resolve() in chain:
+    if base_path.resolve() in chain:
         raise RobotFileError(
-            f"{shown}: key `extends`: must not lead back to a file that extends it, got {base!r}"
+            f"{source_name}: key `extends`: must not lead back to a file that extends it, "
+            f"got {base!r}"
         )
-    kind, table = _complete(found, str(other), other, KINDS.get(word, Flow), chain)
-    _build(kind, table, str(other))
-    return {key: value for key, value in table.items() if key not in ("name", "description")}
+    kind = KINDS.get(preset_kind, Flow)
+    base_class, complete_table = _complete(base_table, str(base_path), base_path, kind, chain)
+    _build(base_class, complete_table, str(base_path))
+    return {
+        key: value for key, value in complete_table.items() if key not in ("name", "description")
+    }
 
 
-def _build(kind: type[Described], table: Table, shown: str) -> Described:
-    with keys_of(shown, RobotFileError):
+def _build(kind: type[Described], table: Table, source_name: str) -> Described:
+    with keys_of(source_name, RobotFileError):
         return decode(kind, table)
 
 
@@ -236,7 +253,9 @@ def load_robot(name_or_path: str | Path, n_links: int | None = None) -> Robot:
         11
     """
     robot: Robot = _load(name_or_path, "robot")
-    return robot if n_links is None else robot.with_links(n_links)
+    if n_links is None:
+        return robot
+    return robot.with_links(n_links)
 
 
 def load_water(name_or_path: str | Path, robot: Robot | None = None) -> environment.Water:
@@ -288,28 +307,32 @@ def load_current(name_or_path: str | Path) -> Flow:
     return _load(name_or_path, "current")
 
 
-def current_of(given: Any, folder: Path | None = None) -> Any:
+def current_of(current: Any, folder: Path | None = None) -> Any:
     """Resolve a current: return the flow of a preset's name or a path, and anything else unchanged.
 
     Args:
-        given: As given by a file or a caller; the name of a flow alone means that flow with its
+        current: As stated by a file or a caller; the name of a flow alone means that flow with its
             defaults. In a table, the flows of a sum may also be names, and a source is a path.
         folder: Base of relative paths; None for the working directory.
 
     Raises:
         RobotFileError: If there is no such current (`RobotNotFound`), or its file is invalid.
     """
-    if isinstance(given, list):
-        return [current_of(one, folder) for one in cast("list[Any]", given)]
-    if isinstance(given, dict):
-        table = cast("Table", given)
-        flows, source = (
-            current_of(table.get("flows"), folder),
-            str((folder or Path()) / str(table.get("source"))),
-        )
-        return {key: {"flows": flows, "source": source}.get(key, one) for key, one in table.items()}
-    is_name = isinstance(given, str) and (given in current_names() or given not in Flow.names())
-    return from_toml(find(given, "current", folder), Flow) if is_name else given
+    if isinstance(current, list):
+        return [current_of(part, folder) for part in cast("list[Any]", current)]
+    if isinstance(current, dict):
+        table = dict(cast("Table", current))
+        if "flows" in table:
+            table["flows"] = current_of(table["flows"], folder)
+        if "source" in table:
+            table["source"] = str((folder or Path()) / str(table["source"]))
+        return table
+    if not isinstance(current, str):
+        return current
+    # The name of a flow alone means that flow; a preset of the same name comes first.
+    if current in Flow.names() and current not in current_names():
+        return current
+    return from_toml(find(current, "current", folder), Flow)
 
 
 def load_joint_angles(name_or_path: str | Path, folder: Path | None = None) -> gaits.JointAngles:

@@ -46,12 +46,16 @@ SECTIONS: dict[str, type[Any]] = {
     "caudal_fin": CaudalFin,
     "tether": Tether,
 }
-OF_ROBOT = ("active_power", "electronics_power")
-REFUSED = {
+"""Classes whose fields a file may change, by the name of the table."""
+FIELDS_OF_ROBOT = ("active_power", "electronics_power")
+"""Fields of the robot itself that a file may change, in the table `robot`."""
+REFUSED_FIELDS_OF_JOINT = {
     "axis": "a parameter file cannot change the axes of joints",
     "actuator": "use the separate table `actuator`",
 }
+"""Fields of a joint that a file may not change, and why."""
 NAMES = (*SECTIONS, "robot")
+"""Names of the tables that change a robot."""
 
 
 def read_adjustments(tables: Mapping[str, object], path: str = "") -> dict[str, dict[str, Any]]:
@@ -73,7 +77,7 @@ def read_adjustments(tables: Mapping[str, object], path: str = "") -> dict[str, 
     }
 
 
-def adjusted(robot: Robot, adjustments: Adjustments) -> Robot:
+def adjust(robot: Robot, adjustments: Adjustments) -> Robot:
     """Return a robot with adjusted parameters; those of parts it lacks are ignored.
 
     Args:
@@ -84,39 +88,55 @@ def adjusted(robot: Robot, adjustments: Adjustments) -> Robot:
         ValueError: If a parameter is inconsistent with the rest of the robot.
     """
     changes: dict[str, Any] = dict(adjustments.get("robot", {}))
-    of_joint, of_actuator = adjustments.get("joint", {}), dict(adjustments.get("actuator", {}))
-    if of_joint or of_actuator:
-        of_actuator |= {"stated": True} if of_actuator else {}
-        new = {
-            joint: replace(joint, actuator=replace(joint.actuator, **of_actuator), **of_joint)
+    joint_changes = adjustments.get("joint", {})
+    actuator_changes = dict(adjustments.get("actuator", {}))
+    if actuator_changes:
+        actuator_changes["stated"] = True
+    if joint_changes or actuator_changes:
+        # Equal joints stay one object.
+        changed_joints = {
+            joint: replace(
+                joint, actuator=replace(joint.actuator, **actuator_changes), **joint_changes
+            )
             for joint in set(robot.joints)
         }
-        changes["joints"] = tuple(new[joint] for joint in robot.joints)
+        changes["joints"] = tuple(changed_joints[joint] for joint in robot.joints)
     if adjustments.get("caudal_fin") and robot.caudal_fin is not None:
         changes["caudal_fin"] = replace(robot.caudal_fin, **adjustments["caudal_fin"])
     if adjustments.get("tether"):
         changes["tether"] = replace(robot.tether, **adjustments["tether"])
-    return replace(robot, **changes) if changes else robot
+    if not changes:
+        return robot
+    return replace(robot, **changes)
 
 
 def _read(name: str, table: object, path: str) -> dict[str, Any]:
-    values = codec.table_of(table, path)
-    for key, given in values.items():
-        if given is None:
+    """Return the values of one table, by field, as its class stores them."""
+    entries = codec.table_of(table, path)
+    for key, value in entries.items():
+        if value is None:
             raise codec.BadKey(
                 f"{path}.{key}", "must be left out to keep the robot's own value, got None"
             )
     if name == "robot":
-        codec.check_keys(values, OF_ROBOT, path)
-        with codec.arguments_of(path):
-            return {
-                key: quantities_of(Robot)[key].checked(key, value) for key, value in values.items()
-            }
-    for key in sorted(REFUSED.keys() & values if name == "joint" else ()):
-        raise codec.BadKey(f"{path}.{key}", f"must not be given: {REFUSED[key]}")
-    read = codec.decode(SECTIONS[name], values, path)
-    fields = (key if hasattr(read, key) else key.removesuffix("_deg") for key in values)
-    return {field: getattr(read, field) for field in fields}
+        return _read_fields_of_robot(entries, path)
+    if name == "joint":
+        for key in sorted(REFUSED_FIELDS_OF_JOINT.keys() & entries):
+            reason = REFUSED_FIELDS_OF_JOINT[key]
+            raise codec.BadKey(f"{path}.{key}", f"must not be given: {reason}")
+    decoded = codec.decode(SECTIONS[name], entries, path)
+    values: dict[str, Any] = {}
+    for key in entries:
+        field = key if hasattr(decoded, key) else key.removesuffix("_deg")
+        values[field] = getattr(decoded, field)
+    return values
+
+
+def _read_fields_of_robot(entries: Mapping[str, Any], path: str) -> dict[str, Any]:
+    codec.check_keys(entries, FIELDS_OF_ROBOT, path)
+    quantities = quantities_of(Robot)
+    with codec.arguments_of(path):
+        return {key: quantities[key].checked(key, value) for key, value in entries.items()}
 
 
 # ---- parameters and their file -------------------------------------------------------------------
@@ -126,24 +146,26 @@ GAITS = list_kinds()
 """Kinds of gait that may have their own parameters."""
 
 
-def _checked(name: str, changes: Adjustments) -> dict[str, dict[str, Any]]:
+def _check_changes(name: str, changes: Adjustments) -> dict[str, dict[str, Any]]:
     for table in changes:
         check_choice(name, table, NAMES)
     try:
-        read = read_adjustments(changes, name)
+        adjustments = read_adjustments(changes, name)
     except codec.BadKey as error:
         raise BadArgument(error.name, error.rule) from None
-    return {table: values for table, values in read.items() if values}
+    return {table: values for table, values in adjustments.items() if values}
 
 
-def _checked_by_gait(
+def _check_changes_by_gait(
     name: str, changes: Mapping[str, Adjustments]
 ) -> dict[str, dict[str, dict[str, Any]]]:
-    own = {
-        check_choice(name, gait, GAITS): _checked(f"{name}.{gait}", tables)
-        for gait, tables in changes.items()
-    }
-    return {gait: tables for gait, tables in own.items() if tables}
+    checked: dict[str, dict[str, dict[str, Any]]] = {}
+    for gait, tables in changes.items():
+        check_choice(name, gait, GAITS)
+        gait_changes = _check_changes(f"{name}.{gait}", tables)
+        if gait_changes:
+            checked[gait] = gait_changes
+    return checked
 
 
 @value_class
@@ -164,12 +186,12 @@ class Parameters:
     every_gait: Water = option("Water for the gaits without their own")
     own: Mapping[str, Water] = option("Water by kind of gait", default_factory=dict[str, Water])
     changes: Adjustments = option(
-        "Robot changes, by table", default_factory=dict[str, dict[str, Any]], check=_checked
+        "Robot changes, by table", default_factory=dict[str, dict[str, Any]], check=_check_changes
     )
     own_changes: Mapping[str, Adjustments] = option(
         "Further changes, by kind of gait",
         default_factory=dict[str, Adjustments],
-        check=_checked_by_gait,
+        check=_check_changes_by_gait,
     )
 
     def __post_init__(self) -> None:
@@ -203,7 +225,7 @@ class Parameters:
         Raises:
             ValueError: If a parameter is inconsistent with the rest of the robot.
         """
-        return adjusted(adjusted(robot, self.changes), self.own_changes.get(gait_kind, {}))
+        return adjust(adjust(robot, self.changes), self.own_changes.get(gait_kind, {}))
 
     def to_toml(self) -> str:
         """Return the file's text, which `load_parameters` reads back to equal parameters.
@@ -274,18 +296,20 @@ def _parameters(table: codec.Table) -> Parameters:
     for key in ("name", "title", "water"):
         if key not in table:
             raise codec.BadKey(key, "is missing; every parameter file needs it")
-    joints, every_gait = (
-        table.get("joints"),
-        codec.decode(Water, _water_table(table["water"], "water"), "water"),
-    )
+    every_gait = codec.decode(Water, _water_table(table["water"], "water"), "water")
+    joints = table.get("joints")
+    if joints is not None and not isinstance(joints, str):
+        joints = codec.decode(JointLaw, joints, "joints")
     own: dict[str, Water] = {}
     own_changes: dict[str, Adjustments] = {}
-    for gait in (gait for gait in GAITS if gait in table):
+    for gait in GAITS:
+        if gait not in table:
+            continue
         entries = codec.table_of(table[gait], gait)
         codec.check_keys(entries, ("water", *NAMES), gait)
         if "water" in entries:
-            where = f"{gait}.water"
-            own[gait] = codec.updated(every_gait, _water_table(entries["water"], where), where)
+            path = f"{gait}.water"
+            own[gait] = codec.updated(every_gait, _water_table(entries["water"], path), path)
         own_changes[gait] = read_adjustments(
             {key: entries[key] for key in NAMES if key in entries}, gait
         )
@@ -293,9 +317,7 @@ def _parameters(table: codec.Table) -> Parameters:
         return Parameters(
             name=table["name"],
             title=table["title"],
-            joints=joints
-            if joints is None or isinstance(joints, str)
-            else codec.decode(JointLaw, joints, "joints"),
+            joints=joints,
             every_gait=every_gait,
             own=own,
             changes=read_adjustments({key: table[key] for key in NAMES if key in table}),
@@ -306,17 +328,21 @@ def _parameters(table: codec.Table) -> Parameters:
 def _differences(own: Any, usual: Any) -> codec.Table:
     """Return, in the form of a file, the fields in which a gait's water, or one of its laws, differs from the usual."""
     table: codec.Table = {}
-    for one in fields(own):
-        mine, its = getattr(own, one.name), getattr(usual, one.name)
-        if one.name == "name" or mine == its:
+    hints = hints_of(own.__class__)
+    for field in fields(own):
+        name = field.name
+        own_value = getattr(own, name)
+        usual_value = getattr(usual, name)
+        if name == "name" or own_value == usual_value:
             continue
-        if mine is None:
+        if own_value is None:
             raise BadArgument(
-                one.name, "must be a number, as it is for every gait; a file cannot remove it"
+                name, "must be a number, as it is for every gait; a file cannot remove it"
             )
-        hint = hints_of(own.__class__)[one.name]
-        is_same_law = isinstance(mine, DragLaw) and mine.__class__ is its.__class__
-        table[one.name] = _differences(mine, its) if is_same_law else codec.encode(mine, hint)
+        if isinstance(own_value, DragLaw) and own_value.__class__ is usual_value.__class__:
+            table[name] = _differences(own_value, usual_value)
+        else:
+            table[name] = codec.encode(own_value, hints[name])
     return table
 
 

@@ -58,8 +58,11 @@ class Robot:
         if n == 0:
             raise BadArgument("modules", "must hold at least one Module, got none")
         if len(self.joints) != n - 1:
-            rule = f"must hold one Joint fewer than there are modules, {n - 1} for {n} modules"
-            raise BadArgument("joints", f"{rule}, got {len(self.joints)}")
+            raise BadArgument(
+                "joints",
+                f"must hold one Joint fewer than there are modules, {n - 1} for {n} modules, "
+                f"got {len(self.joints)}",
+            )
         for group in ("thrusters", "pectoral_fins"):
             for i, effector in enumerate(getattr(self, group)):
                 if effector.link >= n:
@@ -96,7 +99,9 @@ class Robot:
     @property
     def reach(self) -> float:
         """Length of the straight robot with its fin [m]."""
-        return self.length + (0.0 if self.caudal_fin is None else self.caudal_fin.length)
+        if self.caudal_fin is None:
+            return self.length
+        return self.length + self.caudal_fin.length
 
     @property
     def mass(self) -> float:
@@ -113,14 +118,18 @@ class Robot:
     @property
     def driven_joints(self) -> tuple[body.Joint, ...]:
         """All joints with an actuator: those of the body, tail first, then the joint of a driven fin."""
-        fin = self.caudal_fin.joint if self.caudal_fin else None
-        return self.joints if fin is None else (*self.joints, fin)
+        if self.caudal_fin is None or self.caudal_fin.joint is None:
+            return self.joints
+        return (*self.joints, self.caudal_fin.joint)
 
     @property
     def fin_joints(self) -> range:
         """Joints about which the fin moves, from the root: 0 is a driven root, 1 and above are passive hinges."""
         fin = self.caudal_fin
-        return range(0) if fin is None else range(0 if fin.joint else 1, fin.n_hinges + 1)
+        if fin is None:
+            return range(0)
+        first = 0 if fin.joint else 1
+        return range(first, fin.n_hinges + 1)
 
     @property
     def idle_power(self) -> float:
@@ -139,18 +148,18 @@ class Robot:
         Raises:
             ValueError: If modules that would merge differ in section or fluid coefficients.
         """
-        held = [joint for joint in self.joints if joint.axis == "pitch"]
-        if not held:
+        pitch_joints = [joint for joint in self.joints if joint.axis == "pitch"]
+        if not pitch_joints:
             return self
         reduction = body.reduce_to_plane(self.modules, self.joints)
+        idle_power = sum(joint.actuator.idle_power for joint in pitch_joints)
         return replace(
             self,
             modules=reduction.modules,
             joints=tuple(joint for joint in self.joints if joint.axis == "yaw"),
-            thrusters=tuple(_moved(thruster, reduction) for thruster in self.thrusters),
-            pectoral_fins=tuple(_moved(fin, reduction) for fin in self.pectoral_fins),
-            electronics_power=self.electronics_power
-            + sum(joint.actuator.idle_power for joint in held),
+            thrusters=tuple(_move(thruster, reduction) for thruster in self.thrusters),
+            pectoral_fins=tuple(_move(fin, reduction) for fin in self.pectoral_fins),
+            electronics_power=self.electronics_power + idle_power,
         )
 
     def yaw_joints(self, name: str, values: Numbers) -> Numbers:
@@ -187,8 +196,11 @@ class Robot:
         if n == self.n_links:
             return self
         if len(set(self.modules)) > 1 or len(set(self.joints)) != 1:
-            rule = f"must stay {self.n_links} for robot `{self.name}`, whose modules or joints are not all alike"
-            raise BadArgument("n_links", f"{rule}, got {n}")
+            raise BadArgument(
+                "n_links",
+                f"must stay {self.n_links} for robot `{self.name}`, "
+                f"whose modules or joints are not all alike, got {n}",
+            )
         return replace(self, modules=self.modules[:1] * n, joints=self.joints[:1] * (n - 1))
 
 
@@ -203,7 +215,7 @@ def has_power_model(robot: Robot, joints: JointLaw) -> bool:
     return joints.powered or robot.active_power is not None
 
 
-def _moved(effector: Effector, reduction: body.Reduction) -> Effector:
+def _move(effector: Effector, reduction: body.Reduction) -> Effector:
     """Return the same effector on the link that its module became part of."""
-    old = effector.link
-    return replace(effector, link=reduction.link[old], x=effector.x + reduction.shift[old])
+    module = effector.link
+    return replace(effector, link=reduction.link[module], x=effector.x + reduction.shift[module])

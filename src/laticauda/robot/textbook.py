@@ -28,11 +28,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from pathlib import Path
-from typing import Any
 
 from laticauda.errors import BadArgument
-from laticauda.files import read_toml
 from laticauda.fluid.laws import TotalSpeedDrag
 from laticauda.robot.body import Section
 from laticauda.robot.environment import Water
@@ -42,6 +39,8 @@ TEXTBOOK = "textbook"
 """Name of this water."""
 VISCOSITY = 1.14e-6
 """Kinematic viscosity of fresh water at 15 deg C [m^2/s] [1]."""
+FRESH_WATER_DENSITY = 1000.0
+"""Density of fresh water [kg/m^3]."""
 BODY_LENGTHS = 0.5
 """Default speed in body lengths [1/s]: C_f changes by 8 % for twice the speed."""
 
@@ -53,10 +52,104 @@ SEEN = {
 }
 """Simulated / measured - 1 on AmphiBot: speeds, angle, distance. `tendon-fish` with its broad fin is off far more."""
 
-Range = tuple[float, float, float]
-_WRINKLED = 0.010, 0.014  # C_F of a rough plate, and its largest value in the chart [6]
-_SKINNED = 10.0  # Mamba, in a skin and on a tether, has ten times the drag of the tables
-_TOLD: Any = read_toml(Path(__file__).with_suffix(".toml"))
+ROUGH_PLATE_FRICTION = 0.010
+"""C_F of a rough plate [6]: that of a loose skin, which wrinkles [-]."""
+LARGEST_PLATE_FRICTION = 0.014
+"""Largest C_F of a rough plate in the chart [6] [-]."""
+LARGEST_SKINNED_FACTOR = 10.0
+"""Drag of a robot in a skin, at most, by that of the tables: Mamba, in a skin and on a tether, has ten times [-]."""
+ADDED_MASS_SHARES = (0.8, 1.2)
+"""Interval of the added mass, as shares of its value: judgment [-]."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number with its interval."""
+
+    value: float
+    """Central value."""
+    low: float
+    """Smallest plausible value."""
+    high: float
+    """Largest plausible value."""
+
+
+@dataclass(frozen=True)
+class DragArea:
+    """A part of the drag along the body: an area times a coefficient."""
+
+    name: str
+    """Name in the text of the source."""
+    area: float
+    """Area on which the coefficient is based [m^2]."""
+    coefficient: Estimate
+    """Drag coefficient [-]."""
+
+    @property
+    def value(self) -> float:
+        """Drag area [m^2]."""
+        return self.area * self.coefficient.value
+
+
+NOSE_DRAG: Mapping[str, Estimate] = {
+    "faired": Estimate(0.02, 0.01, 0.05),
+    "round": Estimate(0.1, 0.05, 0.2),
+    "blunt": Estimate(0.65, 0.58, 0.72),
+}
+"""Share of the head end in the drag along the body, by its shape, based on the largest section [-].
+
+The sums of both ends are those of an airship, a sphere, a cylinder along the flow and, faired
+before blunt, a bullet [2, 3].
+"""
+TAIL_DRAG: Mapping[str, Estimate] = {
+    "faired": Estimate(0.03, 0.01, 0.1),
+    "round": Estimate(0.3, 0.2, 0.4),
+    "blunt": Estimate(0.25, 0.22, 0.28),
+}
+"""Share of the tail end, likewise [-]."""
+GAP_DRAG: Mapping[str, Estimate] = {
+    "smooth": Estimate(0.0, 0.0, 0.0),
+    "jointed": Estimate(0.01, 0.0, 0.03),
+    "skinned": Estimate(0.0, 0.0, 0.0),
+}
+"""Drag of the gap at a joint, by the surface of the body, based on the section there [-]."""
+
+SectionTable = Sequence[tuple[float, float]]
+"""Coefficients of a section by its ratio of width to height."""
+DRAG_ACROSS: Mapping[str, SectionTable] = {
+    "ellipse": [(0.0, 1.98), (1.0, 1.20), (2.0, 0.60)],
+    "box": [(0.0, 2.0), (0.67, 2.6), (1.0, 2.0)],
+}
+"""Drag coefficient across the body, by the shape of the section [2, 4, 5]."""
+ADDED_MASS_ACROSS: Mapping[str, SectionTable] = {
+    "ellipse": [(1.0, 1.0)],
+    "box": [
+        (0.02, 1.046),
+        (0.1, 1.141),
+        (0.2, 1.217),
+        (0.5, 1.364),
+        (1.0, 1.513),
+        (2.0, 1.696),
+        (3.0, 1.816),
+        (5.0, 1.980),
+    ],
+}
+"""Added mass coefficient across the body, by potential flow.
+
+That of an ellipse is the same whatever the axes; that of a box is by Schwarz-Christoffel, as the
+tests compute it anew.
+"""
+LOWEST_DRAG_SHARE: Mapping[str, SectionTable] = {"ellipse": [(1.0, 0.8)], "box": [(1.0, 0.6)]}
+"""Low end of the drag across the body, as a share of its value: round corners have less [-]."""
+HIGHEST_DRAG_SHARE: Mapping[str, SectionTable] = {"ellipse": [(1.0, 1.2)], "box": [(1.0, 1.1)]}
+"""High end, likewise [-]."""
+
+SOURCES: Mapping[str, str] = {
+    "water.normal_drag": "sections across the flow [2, 4, 5]; interval: judgment (corners, Reynolds number)",
+    "water.added_mass": "potential flow about the section; interval: judgment",
+    "water.drag.beta": "between cross-flow principle (0) and drag along the velocity (1)",
+}
+"""Sources of the parameters, by name, but for the friction, whose source lists its parts."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,16 +189,14 @@ def textbook_water(
     v = BODY_LENGTHS * robot.length if speed is None else speed
     if not 0.0 < v < math.inf:
         raise BadArgument("speed", f"must be > 0 m/s, got {speed}")
-    friction, of_friction = _friction(body, v)
-    drag = _across(robot, _TOLD["drag"], 1)
-    mass = _across(robot, _TOLD["mass"], 2)
-    spread = [
-        _across(robot, {name: ((1.0, pair[i]),) for name, pair in _TOLD["spread"].items()}, 1)
-        for i in (0, 1)
-    ]
+    friction, friction_source = _friction(body, v)
+    drag = _average_across(robot, DRAG_ACROSS, power=1)
+    mass = _average_across(robot, ADDED_MASS_ACROSS, power=2)
+    lowest_share = _average_across(robot, LOWEST_DRAG_SHARE, power=1)
+    highest_share = _average_across(robot, HIGHEST_DRAG_SHARE, power=1)
     water = Water(
         name=TEXTBOOK,
-        tangential_friction=friction[0],
+        tangential_friction=friction.value,
         normal_drag=drag,
         added_mass=mass,
         drag=TotalSpeedDrag(beta=0.5),
@@ -114,12 +205,12 @@ def textbook_water(
         trailing_edge="elongated",
     )
     intervals = {
-        "water.tangential_friction": (friction[1], friction[2]),
-        "water.normal_drag": (spread[0] * drag, spread[1] * drag),
-        "water.added_mass": (0.8 * mass, 1.2 * mass),
+        "water.tangential_friction": (friction.low, friction.high),
+        "water.normal_drag": (lowest_share * drag, highest_share * drag),
+        "water.added_mass": (ADDED_MASS_SHARES[0] * mass, ADDED_MASS_SHARES[1] * mass),
         "water.drag.beta": (0.0, 1.0),
     }
-    sources = _TOLD["sources"] | {"water.tangential_friction": of_friction}
+    sources = {**SOURCES, "water.tangential_friction": friction_source}
     return Textbook(water=water, intervals=intervals, sources=sources)
 
 
@@ -140,7 +231,8 @@ def skin_friction(speed: float, length: float) -> float:
         speed: Speed [m/s].
         length: Length along the flow [m].
     """
-    reynolds = max(speed * length / VISCOSITY, 1e3)  # below, there is hardly any turbulent friction
+    # Below a Reynolds number of 1000, there is hardly any turbulent friction.
+    reynolds = max(speed * length / VISCOSITY, 1e3)
     return 0.075 / (math.log10(reynolds) - 2.0) ** 2
 
 
@@ -152,51 +244,100 @@ def tether_drag(length: float, diameter: float, speed: float) -> float:
         diameter: Diameter [m].
         speed: Speed [m/s].
     """
-    return 0.5 * 1000.0 * skin_friction(speed, length) * math.pi * diameter * length
+    return 0.5 * FRESH_WATER_DENSITY * skin_friction(speed, length) * math.pi * diameter * length
 
 
-def _friction(robot: Robot, speed: float) -> tuple[Range, str]:
-    """Return C_f with its interval, from areas whose uncertainties are independent of each other."""
+def _friction(robot: Robot, speed: float) -> tuple[Estimate, str]:
+    """Return C_f with its interval, and its source in words.
+
+    The uncertainties of the drag areas are independent of each other.
+    """
+    parts = _drag_areas(robot, speed)
+    value = sum(part.value for part in parts)
+    margin_below = math.hypot(
+        *(part.area * (part.coefficient.low - part.coefficient.value) for part in parts)
+    )
+    margin_above = math.hypot(
+        *(part.area * (part.coefficient.high - part.coefficient.value) for part in parts)
+    )
+    highest = value + margin_above
+    if robot.surface == "skinned":
+        highest = LARGEST_SKINNED_FACTOR * value
+    reference = _reference_area(robot)
+    estimate = Estimate(
+        value=value / reference,
+        low=(value - margin_below) / reference,
+        high=highest / reference,
+    )
+    listed = ", ".join(f"{part.name} {1e4 * part.value:.3g}" for part in parts)
+    source = f"drag areas in cm^2 at {speed:.3g} m/s, {robot.surface}: {listed}; interval: judgment"
+    return estimate, source
+
+
+def _drag_areas(robot: Robot, speed: float) -> list[DragArea]:
+    """Return the parts of the drag along the straight robot: skin, both ends, gaps at the joints."""
     sections = [module.section for module in robot.modules]
+    wetted = sum(module.section.perimeter * module.length for module in robot.modules)
+    smooth = skin_friction(speed, robot.length)
+    skin = Estimate(value=smooth, low=0.5 * smooth, high=1.5 * smooth)
+    if robot.surface == "skinned":
+        skin = Estimate(
+            value=max(smooth, ROUGH_PLATE_FRICTION),
+            low=smooth,
+            high=max(smooth, LARGEST_PLATE_FRICTION),
+        )
+    nose = NOSE_DRAG[robot.nose]
+    tail = TAIL_DRAG[robot.tail]
+    ends = Estimate(
+        value=nose.value + tail.value, low=nose.low + tail.low, high=nose.high + tail.high
+    )
+    largest_section = max(section.area for section in sections)
+    joint_sections = sum(min(behind.area, ahead.area) for behind, ahead in pairwise(sections))
+    return [
+        DragArea("skin (ITTC-57 [1])", wetted + _fin_surface(robot), skin),
+        DragArea(f"{robot.nose} nose and {robot.tail} tail [2, 3]", largest_section, ends),
+        DragArea("gaps", joint_sections, GAP_DRAG[robot.surface]),
+    ]
+
+
+def _fin_surface(robot: Robot) -> float:
+    """Return the area of both faces of the caudal fin, 0 without one [m^2]."""
     fin = robot.caudal_fin
-    hole = fin.opening_length if fin and fin.opening == "open" else 0.0
-    plate = 2.0 * fin.height * (fin.length - hole) if fin else 0.0
-    wetted = sum(module.section.perimeter * module.length for module in robot.modules) + plate
-    reference = plate + 0.5 * math.pi * sum(
+    if fin is None:
+        return 0.0
+    opening_length = fin.opening_length if fin.opening == "open" else 0.0
+    return 2.0 * fin.height * (fin.length - opening_length)
+
+
+def _reference_area(robot: Robot) -> float:
+    """Return the area on which C_f is based, see `laticauda.hydrodynamics` [m^2]."""
+    body = sum(
         (module.section.half_height + module.section.half_width) * module.length
         for module in robot.modules
     )
-    end = max(section.area for section in sections)
-    joints = sum(min(one.area, other.area) for one, other in pairwise(sections))
-    smooth = skin_friction(speed, robot.length)
-    skin = (smooth, 0.5 * smooth, 1.5 * smooth)
-    if robot.surface == "skinned":
-        skin = (max(smooth, _WRINKLED[0]), smooth, max(smooth, _WRINKLED[1]))
-    nose, tail = _TOLD["nose"][robot.nose], _TOLD["tail"][robot.tail]
-    ends = nose[0] + tail[0], nose[1] + tail[1], nose[2] + tail[2]
-    parts = [(wetted, skin), (end, ends), (joints, _TOLD["gaps"][robot.surface])]
-    value = sum(area * one[0] for area, one in parts)
-    less, more = (math.hypot(*(area * (one[i] - one[0]) for area, one in parts)) for i in (1, 2))
-    high = _SKINNED * value if robot.surface == "skinned" else value + more
-    names = "skin (ITTC-57 [1])", f"{robot.nose} nose and {robot.tail} tail [2, 3]", "gaps"
-    shown = ", ".join(
-        f"{name} {1e4 * area * one[0]:.3g}" for name, (area, one) in zip(names, parts, strict=True)
-    )
-    text = f"drag areas in cm^2 at {speed:.3g} m/s, {robot.surface}: {shown}; interval: judgment"
-    return (value / reference, (value - less) / reference, high / reference), text
+    return _fin_surface(robot) + 0.5 * math.pi * body
 
 
-def _across(robot: Robot, tables: Mapping[str, Sequence[tuple[float, float]]], power: int) -> float:
+def _average_across(robot: Robot, tables: Mapping[str, SectionTable], *, power: int) -> float:
     """Average a coefficient over the sections, weighted like the modules' loads: by height or its square."""
     weights = [module.length * module.section.half_height**power for module in robot.modules]
-    found = [_looked_up(tables[module.section.shape], module.section) for module in robot.modules]
-    return sum(w * one for w, one in zip(weights, found, strict=True)) / sum(weights)
+    coefficients = [
+        _look_up(tables[module.section.shape], module.section) for module in robot.modules
+    ]
+    weighted = sum(
+        weight * coefficient for weight, coefficient in zip(weights, coefficients, strict=True)
+    )
+    return weighted / sum(weights)
 
 
-def _looked_up(table: Sequence[tuple[float, float]], section: Section) -> float:
+def _look_up(table: SectionTable, section: Section) -> float:
     """Interpolate a table linearly at the section's ratio of width to height; constant beyond its ends."""
     ratio = section.half_width / section.half_height
-    for (x, low), (following, high) in pairwise(table):
-        if x <= ratio < following:
-            return low + (high - low) * (ratio - x) / (following - x)
-    return table[0][1] if ratio < table[0][0] else table[-1][1]
+    first_ratio, first_coefficient = table[0]
+    if ratio < first_ratio:
+        return first_coefficient
+    for (left, low), (right, high) in pairwise(table):
+        if left <= ratio < right:
+            return low + (high - low) * (ratio - left) / (right - left)
+    _, last_coefficient = table[-1]
+    return last_coefficient
