@@ -14,10 +14,13 @@ from laticauda.operate.safety.supervisor import (
     CONFIRM_TIME,
     HOLD_AFTER,
     LIMP_AFTER,
+    LIMP_FROM,
     MARGIN,
     RULES,
+    TORQUE,
     TRANSITIONS,
     Supervisor,
+    SupervisorState,
 )
 from laticauda.operate.settings import Limits
 from laticauda.protocol import Heartbeat, NodeState
@@ -35,7 +38,14 @@ def seen(now: float, *, beyond: bool) -> Reports:
     beat = Heartbeat(node=1, state=NodeState.ACTIVE, temperature=30.0, voltage=35.0)
     times = {name: np.full(1, now - 0.1) for name in ("heartbeat_time", "angle_time")}
     modules = replace(no_reports(1), **one, **times, heartbeat=(beat,))
-    at = {"now": now, "lateness": 0.01, "mocap_age": 0.1, "meter_age": 0.1, "room": 1.0}
+    at = {
+        "now": now,
+        "lateness": 0.01,
+        "pause": 0.02,
+        "mocap_age": 0.1,
+        "meter_age": 0.1,
+        "room": 1.0,
+    }
     return Reports(**at, modules=modules, references=np.full(1, 0.5))
 
 
@@ -58,7 +68,7 @@ TEXT = """\
 # What stops the robot
 
 These are all events, actions, deadlines, phases and transitions of an operation, from the tables that the supervisor
-reads (`rules.csv` and `transitions.csv` of `operate/safety`), and no others.
+reads (`rules.csv`, `torque.csv` and `transitions.csv` of `operate/safety`), and no others.
 [Operate the robot](how-to/operate.md) says what they mean for who stands at the tank.
 
 ## Events
@@ -71,6 +81,22 @@ at the latest; {margin:g} s more are for ticks and frames on their way. Modules 
 {rules}
 
 `fault` is left by an acknowledgment alone, when nothing is wrong any more.
+
+## Torque
+
+Torque never returns without a person: what the motors are told depends on the supervisor alone, and it has them
+switched on only when a run is made ready.
+
+{torque}
+
+- `enable`: motors are switched on until all are on, for at most {limp_from:g} s after the robot is made ready; from
+  then on as `hold`. Every such order is an entry of the recording. A tick that takes too long sends none.
+- `hold`: what is on follows its references; what is off stays off.
+- `off`: motors are switched off. `cut`: the same by an emergency stop, which has to be cleared.
+
+A module that was on and is off has gone limp (`went_limp`): the robot goes limp at once, and somebody has to
+acknowledge it. So has every module if the program was away for more than {limp_from:g} s, whatever they said last.
+`python campaigns/supervisor_states.py` tries every step from every state that can be reached.
 
 ## Limits
 
@@ -101,7 +127,9 @@ def page() -> str:
         limp=LIMP_AFTER,
         margin=MARGIN,
         confirm=CONFIRM_TIME,
+        limp_from=LIMP_FROM,
         rules="\n".join(rules()),
+        torque="\n".join(torque()),
         limits="\n".join(limits()),
         transitions="\n".join(rows),
         diagram=state_diagram(),
@@ -121,6 +149,16 @@ def rules() -> list[str]:
         then = f"{within:g} s | {'fault' if rule.is_fault else 'idle'}" if within < 1e9 else "- | -"
         named = ", ".join(f"`{name}`" for name in of_event.get(rule.event, ())) or "-"
         found.append(f"| `{rule.event}` | {rule.says} | {named} | {action} | {then} |")
+    return found
+
+
+def torque() -> list[str]:
+    """The table of what the motors are told."""
+    found = ["| supervisor | action | motors | references |", "|---|---|---|---|"]
+    for (state, action), told in TORQUE.items():
+        sends = SupervisorState(state=state, action=action).sends_references
+        name = action.replace("_", " ").replace("none", "-")
+        found.append(f"| {state} | {name} | `{told}` | {'yes' if sends else '-'} |")
     return found
 
 

@@ -49,6 +49,7 @@ class Rig:
     # Switches.
     dead: set[int] = field(default_factory=set)
     stuck: set[int] = field(default_factory=set)
+    lazy: set[int] = field(default_factory=set)  # do not switch on
     leak: set[int] = field(default_factory=set)
     temperature: float = 25.0
     current: float = 0.3
@@ -118,6 +119,8 @@ class Rig:
                 Order.CLEAR: NodeState.READY,
             }
             for k, state in enumerate(self.states):
+                if message.order == Order.ENABLE and k in self.lazy:
+                    continue
                 if message.order in turn and (
                     state != NodeState.FAULT or message.order == Order.CLEAR
                 ):

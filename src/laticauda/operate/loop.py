@@ -26,6 +26,11 @@ MOST_TICKS = (
     200_000  # ticks whose times are kept, half an hour at 100 Hz; then the oldest are overwritten
 )
 MOST_ERRORS = 3  # consecutive errors of the tick after which the operation is given up
+SWITCHES_ON_WITHIN = 0.1
+"""Time from the beginning of a tick within which its order to switch motors on is sent [s].
+
+Of a later one nobody knows any more whether the motors have gone limp in the meantime.
+"""
 Show = Callable[[OperatorState, Outputs], None]
 """Function that is called with every tick; must be fast."""
 
@@ -144,6 +149,7 @@ def run_loop(
                     raise RuntimeError(
                         f"The operation was aborted with an emergency stop: {error}"
                     ) from failed
+            outputs = without_late_enabling(outputs, now, clock.now())
             sent = devices.bus.send(outputs.messages)
             if devices.meter is not None and any(event.kind == "start" for event in outputs.events):
                 devices.meter.restart()  # its averages start over
@@ -165,6 +171,26 @@ def run_loop(
     return state, entries.Timing(
         times=np.sort(ticks[:n_ticks], axis=0), interval=interval
     ) if clock.is_real else None
+
+
+def without_late_enabling(outputs: Outputs, began: float, now: float) -> Outputs:
+    """Return the outputs of a tick, without orders to switch motors on if they would be sent too late.
+
+    Args:
+        outputs: Outputs of the tick.
+        began: When the tick began [s].
+        now: Current time [s].
+    """
+    enable = protocol.NodeCommand(order=protocol.Order.ENABLE)
+    took = now - began
+    if enable not in outputs.messages or took <= SWITCHES_ON_WITHIN:
+        return outputs
+    message = f"not switched on: the tick took {took:.1f} s"
+    refused = entries.Event(time=now, kind="torque", message=message)
+    return Outputs(
+        messages=tuple(one for one in outputs.messages if one != enable),
+        entries=(*outputs.entries, refused),
+    )
 
 
 METER_INTERVAL = 0.2  # time between two queries of the meter [s]

@@ -14,6 +14,7 @@ from laticauda.estimation import ReferenceSample
 from laticauda.gaits import Generator
 from laticauda.operate.course import preparing
 from laticauda.operate.course.operator import Operator
+from laticauda.operate.course.state import Outputs
 from laticauda.operate.safety.supervisor import BY_EVENT
 from laticauda.operate.settings import (
     Calibration,
@@ -402,6 +403,105 @@ def test_an_error_of_the_controller_or_of_the_estimation_stops_the_robot_and_not
     run.until("done")
     assert run.state.supervisor.state == "fault"
     assert any("the controller divides by zero" in event.message for event in run.events)
+    assert run.rig.is_limp
+
+
+# ---- torque never returns without a person -------------------------------------------------------
+
+
+def ticked_until_done(run: Run, patience: float = 30.0) -> None:
+    """Tick until the operation is done and has been for a while; no motor comes on that was off."""
+    end, was_limp, ticks_after = run.rig.time + patience, set[int](), 0
+    while ticks_after < 50:
+        was_limp |= {k for k, state in enumerate(run.rig.states) if not state.is_on}
+        if run.state.is_done:
+            run.rig.advance(0.04, run.outputs.messages)
+            ticks_after += 1
+        else:
+            run.tick()
+        returned = {k for k in was_limp if run.rig.states[k].is_on}
+        assert not returned, f"torque returned at {run.rig.time:.2f} s: {run.log}"
+        assert run.rig.time < end, run.log
+    assert run.rig.is_limp
+
+
+def frozen(run: Run, duration: float) -> None:
+    """After what was sent last, nothing is heard of us; modules go limp by themselves if it is long enough."""
+    run.rig.advance(0.04, run.outputs.messages)
+    run.outputs = Outputs()
+    for _ in range(round(duration / 0.04)):
+        run.rig.advance(0.04, ())
+
+
+@pytest.mark.parametrize("duration", [0.3, 0.7, 1.0, 1.3, 2.0, 15.0])
+@pytest.mark.parametrize("moment", [0.1, 0.9, 2.3], ids=["at first", "in the run", "at its end"])
+def test_after_a_freeze_no_motor_comes_on_that_went_limp(moment, duration):
+    run = running(limits=Limits(straighten_time=3.0, max_lateness=20.0, heartbeat_timeout=20.0))
+    run.tick(round(moment * 25.0))
+    frozen(run, duration)
+    ticked_until_done(run)
+    if duration > 1.2:
+        assert run.state.supervisor.state == "fault"
+        assert "went_limp" in run.log
+
+
+def test_a_freeze_while_motors_are_being_switched_on_does_not_switch_them_on_later():
+    run = run_of(Operator(operation=operation(limits=Limits(max_lateness=20.0))))
+    while run.state.supervisor.torque != "enable":
+        run.tick()
+    frozen(run, 1.6)
+    assert run.rig.is_limp
+    ticked_until_done(run)
+    assert run.state.supervisor.cause == "went_limp"
+
+
+@pytest.mark.parametrize("timeout", [0.5, 20.0])
+@pytest.mark.parametrize("duration", [0.2, 0.6, 1.0, 1.3, 1.9, 3.0])
+def test_a_cable_that_is_pulled_and_plugged_in_again_brings_no_motor_back(duration, timeout):
+    patient = Limits(straighten_time=3.0, heartbeat_timeout=timeout, joint_timeout=timeout)
+    run = running(duration=3.0, limits=patient)
+    run.tick(20)
+    run.rig.hears = False
+    run.tick(round(duration * 25.0))
+    run.rig.hears = True
+    ticked_until_done(run)
+    if duration > 1.2:
+        assert run.state.supervisor.state == "fault"
+
+
+@pytest.mark.parametrize("phase", ["settling", "running", "stopping"])
+def test_a_module_that_restarts_makes_the_whole_robot_limp_at_once(phase):
+    run = run_of(Operator(operation=operation()))
+    run.until(phase)
+    while phase == "settling" and run.state.supervisor.torque != "hold":
+        run.tick()
+    run.rig.states[3] = NodeState.STARTUP
+    run.tick(4)  # heartbeats come every 0.1 s
+    assert "went_limp" in run.log
+    assert run.state.supervisor.torque == "off"
+    ticked_until_done(run)
+    assert run.state.supervisor.state == "fault"
+
+
+def test_an_order_to_switch_on_that_is_lost_is_repeated_and_every_one_is_recorded():
+    run = run_of(Operator(operation=operation()))
+    while run.state.supervisor.torque != "enable":
+        run.tick()
+    run.rig.hears = False
+    run.tick(3)
+    run.rig.hears = True
+    run.until("done")
+    told = [event.message for event in run.events if event.kind == "torque"]
+    again = "enable again: module 1, 2, 3, 4, 5, 6, 7, 8 is off"
+    assert told == ["off -> enable", again, "enable -> hold", "hold -> off"]
+
+
+def test_a_run_waits_for_the_last_motor_and_is_given_up_without_it():
+    run = run_of(Operator(operation=operation()))
+    run.rig.lazy = {6}
+    run.until("done")
+    assert run.state.begun is None
+    assert "module_fault" in run.log
     assert run.rig.is_limp
 
 

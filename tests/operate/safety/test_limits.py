@@ -8,7 +8,6 @@ import pytest
 
 from laticauda.operate.safety.limits import (
     SPIN_UP,
-    LimitState,
     Modules,
     Reports,
     compare,
@@ -17,7 +16,7 @@ from laticauda.operate.safety.limits import (
     updated,
     within_limits,
 )
-from laticauda.operate.safety.supervisor import BY_EVENT
+from laticauda.operate.safety.supervisor import BY_EVENT, LIMP_FROM
 from laticauda.operate.settings import Limits
 from laticauda.protocol import Acceleration, Heartbeat, JointState, NodeState, Sync
 
@@ -54,6 +53,7 @@ def seen_at(now: float, *beats: Heartbeat, **measured: float) -> Reports:
     return Reports(
         now=now,
         lateness=0.0,
+        pause=0.02,
         modules=modules,
         references=references,
         mocap_age=0.0,
@@ -348,6 +348,38 @@ def test_modules_have_a_second_to_follow_the_first_references():
     assert compare(LIMITS, state, replace(seen_at(9.0), modules=silent))[1] == {}
 
 
+def test_a_module_that_was_on_and_is_off_has_gone_limp_and_one_that_was_never_on_has_not():
+    ready = Heartbeat(node=2, state=NodeState.READY)
+    state, found = compare(LIMITS, within_limits(2), seen_at(5.0, WELL, ready))
+    assert found == {}  # it is being switched on
+    state, found = compare(LIMITS, state, seen_at(5.1, replace(WELL, state=NodeState.LIMP), ready))
+    assert found == {"went_limp": "module 1"}
+    on = compare(LIMITS, within_limits(2), seen_at(5.0))[0]
+    for off in set(NodeState) - {NodeState.ACTIVE, NodeState.HOLD}:
+        _, found = compare(
+            LIMITS, on, seen_at(5.1, *(replace(WELL, node=k, state=off) for k in (1, 2)))
+        )
+        assert found == {"went_limp": "module 1, 2"}
+    assert compare(LIMITS, on, seen_at(5.1, replace(WELL, state=NodeState.HOLD), WELL))[1] == {}
+
+
+def test_what_was_on_before_references_are_sent_does_not_count():
+    on = compare(LIMITS, within_limits(2), seen_at(5.0))[0]
+    off = seen_at(5.1, *(Heartbeat(node=k, state=NodeState.LIMP) for k in (1, 2)))
+    state, found = compare(LIMITS, on, replace(off, references=None))
+    assert found == {}
+    assert compare(LIMITS, state, off)[1] == {}
+
+
+def test_modules_that_heard_nothing_for_longer_than_they_wait_are_limp_whatever_they_said_last():
+    assert compare(LIMITS, within_limits(2), replace(seen_at(10.0), pause=LIMP_FROM))[1] == {}
+    late = replace(seen_at(10.0), pause=LIMP_FROM + 0.1)
+    assert compare(LIMITS, within_limits(2), late)[1] == {
+        "went_limp": "they had no references for 0.9 s"
+    }
+    assert compare(LIMITS, within_limits(2), replace(late, references=None))[1] == {}
+
+
 def test_the_error_of_a_joint_is_that_beside_its_reference():
     state = replace(within_limits(2), joint_error=np.zeros(2))
     seen = replace(seen_at(10.0, angle=0.5), references=np.array([0.0, 0.5]))
@@ -358,7 +390,7 @@ def test_the_error_of_a_joint_is_that_beside_its_reference():
 
 def test_of_several_that_are_wrong_the_first_is_named():
     seen = seen_at(10.0, WELL, replace(WELL, node=2))
-    state = LimitState(current=np.zeros(2), joint_error=np.zeros(2))
+    state = replace(within_limits(2), current=np.zeros(2), joint_error=np.zeros(2))
     modules = replace(seen.modules, current=np.full(2, 5.0), angle=np.full(2, 1.0))
     found = compare(LIMITS, state, replace(seen, modules=modules))[1]
     assert found == {"over_current": "module 1: 5.0 A", "joint_error": "module 1: -57 deg"}

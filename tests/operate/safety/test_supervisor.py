@@ -14,6 +14,7 @@ from laticauda.operate.safety.supervisor import (
     CONFIRM_TIME,
     HOLD_AFTER,
     LIMP_AFTER,
+    LIMP_FROM,
     PHASES,
     REQUESTS,
     RULES,
@@ -51,9 +52,16 @@ def brought_to(state: str) -> SupervisorState:
 
 
 def step(
-    state: SupervisorState, now: float, *events: str, straight: bool = False, limp: bool = False
+    state: SupervisorState,
+    now: float,
+    *events: str,
+    straight: bool = False,
+    limp: bool = False,
+    on: bool | None = None,
 ):
-    return supervisor.step(state, now, set(events), is_straight=straight, is_limp=limp)
+    """One tick; unless it is said, modules are on if they are not limp."""
+    is_on = not limp if on is None else on
+    return supervisor.step(state, now, set(events), is_straight=straight, is_limp=limp, is_on=is_on)
 
 
 def test_the_rows_name_phases_and_states_and_no_two_contradict_each_other():
@@ -115,14 +123,16 @@ def test_from_any_state_any_events_lead_to_no_references_within_the_stated_time(
     now, at = 0.0, brought_to(state)
     for events, straight, limp, dt in before:
         now += dt
-        at, _ = supervisor.step(at, now, events, is_straight=straight, is_limp=limp)
+        at, _ = supervisor.step(at, now, events, is_straight=straight, is_limp=limp, is_on=not limp)
     now += TICK
     at, _ = step(at, now, event)
     end = over = now + supervisor.within(BY_EVENT[event].action)
     # Whatever else happens, as long as nobody starts anew.
     for events, straight, limp, dt in after:
         now += dt
-        at, _ = supervisor.step(at, now, events - set(REQUESTS), is_straight=straight, is_limp=limp)
+        at, _ = supervisor.step(
+            at, now, events - set(REQUESTS), is_straight=straight, is_limp=limp, is_on=not limp
+        )
         assert now < end or not at.sends_references
         over = max(
             [
@@ -149,7 +159,7 @@ def test_a_fault_is_left_by_an_acknowledgment_only_and_only_when_nothing_is_wron
     for events, straight, limp, dt in after:
         now += dt
         at, _ = supervisor.step(
-            at, now, events - {"acknowledged"}, is_straight=straight, is_limp=limp
+            at, now, events - {"acknowledged"}, is_straight=straight, is_limp=limp, is_on=not limp
         )
         assert at.state == "fault"
     at, _ = step(at, now, event, "acknowledged", limp=True)
@@ -165,7 +175,9 @@ def test_what_is_done_only_becomes_graver_until_the_robot_is_limp(steps):
     now, at = 0.0, brought_to("stopping")
     for events, straight, limp, dt in steps:
         now += dt
-        after, _ = supervisor.step(at, now, events, is_straight=straight, is_limp=limp)
+        after, _ = supervisor.step(
+            at, now, events, is_straight=straight, is_limp=limp, is_on=not limp
+        )
         if after.state in ("stopping", "fault") and at.state in ("stopping", "fault"):
             assert ACTIONS.index(after.action) >= ACTIONS.index(at.action)
         at = after
@@ -176,7 +188,9 @@ def test_every_event_is_logged_once_when_it_begins_and_every_change_of_state_wit
     now, at, present = 0.0, brought_to("running"), frozenset()
     for events, straight, limp, dt in steps:
         now += dt
-        after, entries = supervisor.step(at, now, events, is_straight=straight, is_limp=limp)
+        after, entries = supervisor.step(
+            at, now, events, is_straight=straight, is_limp=limp, is_on=not limp
+        )
         wrong = frozenset(events) & BY_EVENT.keys()
         logged = [entry.event for entry in entries]
         assert all(logged.count(event) == 1 for event in wrong - present)
@@ -262,9 +276,10 @@ def test_an_event_that_is_not_in_the_table_is_refused():
 def test_what_is_known_of_modules_and_times_is_what_the_documentation_promises():
     nodes = NodeSettings()
     assert (HOLD_AFTER, LIMP_AFTER) == (0.2, 1.2)
+    assert nodes.hold_after == HOLD_AFTER
     assert (
-        nodes.hold_after == HOLD_AFTER and nodes.limp_after < LIMP_AFTER
-    )  # it counts on more than they take
+        LIMP_FROM < nodes.limp_after < LIMP_AFTER
+    )  # it counts on less, and on more, than they take
     assert Supervisor().straighten_time == Limits().straighten_time == 2.0
     assert [supervisor.within(action) for action in ACTIONS] == [
         math.inf,
@@ -289,13 +304,74 @@ def test_the_operation_goes_from_phase_to_phase_by_the_table():
     assert phase_with("countdown", "ready", "running") == "running"
 
 
-def test_references_are_sent_while_the_joints_are_held_or_move_or_are_straightened_and_never_else():
+def test_motors_have_torque_in_ready_running_and_while_the_robot_straightens_and_never_else():
+    told = {
+        ("ready", "none"): "enable",
+        ("running", "none"): "hold",
+        ("stopping", "straighten"): "hold",
+        ("stopping", "emergency_stop"): "cut",
+        ("fault", "emergency_stop"): "cut",
+    }
     for state in STATES:
         for action in ACTIONS:
-            sends = SupervisorState(state=state, action=action).sends_references
-            assert sends is (
-                state in ("ready", "running") or (state, action) == ("stopping", "straighten")
-            )
+            at = SupervisorState(state=state, action=action)
+            assert at.torque == told.get((state, action), "off")
+            assert at.sends_references == (at.torque in ("enable", "hold"))
+
+
+def test_motors_are_switched_on_until_all_are_on_and_never_again_in_the_same_run():
+    at, _ = step(supervisor.init(), 0.0, "checked", limp=True)
+    assert at.torque == "enable"
+    at, _ = step(at, 0.1, limp=False, on=False)
+    assert at.torque == "enable"  # some are on
+    at, _ = step(at, 0.2, on=True)
+    assert at.torque == "hold"
+    at, _ = step(at, 0.3, on=False)
+    assert (at.state, at.torque) == ("ready", "hold")
+
+
+def test_motors_are_not_switched_on_for_longer_than_a_module_surely_stays_on_without_references():
+    at, _ = step(supervisor.init(), 0.0, "checked", limp=True)
+    at, _ = step(at, LIMP_FROM - TICK, on=False)
+    assert at.torque == "enable"
+    at, _ = step(at, LIMP_FROM, on=False)
+    assert at.torque == "hold"
+
+
+def test_a_run_begins_only_when_every_motor_is_on():
+    at, _ = step(supervisor.init(), 0.0, "checked", limp=True)
+    assert step(at, 1.0, "started", on=False)[0].state == "ready"
+    assert step(at, 1.0, "started", on=True)[0].state == "running"
+
+
+def test_at_one_tick_one_request_counts_and_that_to_end_before_all_others():
+    assert step(supervisor.init(), 0.0, "checked", "started", on=True)[0].state == "ready"
+    assert step(supervisor.init(), 0.0, "checked", "ended", on=True)[0].state == "idle"
+    assert step(brought_to("ready"), 0.0, "started", "ended", on=True)[0].state == "stopping"
+
+
+def test_a_robot_that_is_limp_in_part_is_not_straightened():
+    at, _ = step(brought_to("running"), 0.0, "operator_key", on=True)
+    assert (at.action, at.torque) == ("straighten", "hold")
+    at, _ = step(at, 0.1, "operator_key", on=False)
+    assert (at.state, at.action, at.torque, at.is_fault) == ("stopping", "limp", "off", False)
+
+
+@pytest.mark.parametrize("state", ["ready", "running", "stopping"])
+def test_what_went_limp_makes_the_whole_robot_limp_at_once_and_somebody_acknowledges_it(state):
+    at, _ = step(brought_to(state), 1.0, "went_limp", on=False)
+    assert (at.state, at.action, at.torque, at.is_fault) == ("stopping", "limp", "off", True)
+    at, _ = step(at, 1.1, limp=True)
+    assert (at.state, at.cause) == ("fault", "went_limp")
+    assert step(at, 9.0, "checked", limp=True)[0].state == "fault"
+    assert step(at, 9.0, "acknowledged", limp=True)[0].state == "idle"
+
+
+@pytest.mark.parametrize("event", ["operator_key", "edge"])
+def test_a_key_at_the_tick_of_a_request_is_stronger_than_the_request(event):
+    assert step(supervisor.init(), 0.0, "checked", event, limp=True)[0].state == "idle"
+    fault = brought_to("fault")
+    assert step(fault, 0.0, "acknowledged", event, limp=True)[0].state == "fault"
 
 
 def course(

@@ -37,10 +37,12 @@ from laticauda.protocol import (
 )
 from laticauda.robot import Robot
 
-REPEAT = 0.1  # time after which orders that are not yet obeyed are repeated [s]
-STRAIGHT_SHARE = (
-    0.7  # share of the straightening time in which the references move; then the joints catch up
-)
+REPEAT = 0.1
+"""Time after which orders that are not yet obeyed are repeated [s]."""
+SYNC_COUNTS = 65536
+"""Number of the values that the counter of a Sync has."""
+STRAIGHT_SHARE = 0.7
+"""Share of the straightening time in which the references move; then the joints catch up."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -121,7 +123,7 @@ class Operator:
         state, requests = self._requested(state, now)
         state, reacted = self._supervised(state, now, wrong, requests)
         state = self._with_references(state, now)
-        state, messages = self._with_orders(state, now)
+        state, messages = self._with_orders(state, before.supervisor.torque, now)
         found: list[Entry] = list(samples)
         if state.estimate is not None:
             found.append(state.estimate)
@@ -139,6 +141,7 @@ class Operator:
             *events,
             *(_event(entry, wrong) for entry in reacted),
             *_milestones(before, state, now),
+            *_torque_events(before, state, messages, now),
         )
         return replace(state, now=now), Outputs(messages=messages, entries=tuple(found))
 
@@ -154,9 +157,11 @@ class Operator:
             room = tank.room(tank.to_tank(state.estimate.center_of_mass), velocity)
         sent = before.supervisor.sends_references
         started = state.since if state.since is not None else now
+        pause = 0.0 if before.now is None else now - before.now
         reports = Reports(
             now=now,
-            lateness=0.0 if before.now is None else now - before.now - 1.0 / self.operation.rate,
+            lateness=0.0 if before.now is None else pause - 1.0 / self.operation.rate,
+            pause=pause,
             modules=state.modules,
             references=state.reference.references if sent else None,
             mocap_age=now - (started if state.frame_time is None else state.frame_time),
@@ -214,7 +219,12 @@ class Operator:
         is_straight = at_rest and bool(np.all(np.abs(angle) < limits.straight))
         events = {*wrong, *requests}
         after, entries = self.supervisor.step(
-            before, now, events, is_straight=is_straight, is_limp=is_limp
+            before,
+            now,
+            events,
+            is_straight=is_straight,
+            is_limp=is_limp,
+            is_on=modules.all_active(),
         )
         state = replace(state, supervisor=after)
         if after.state != before.state:
@@ -265,36 +275,58 @@ class Operator:
             return replace(state, error=f"controller: {error}")
 
     def _with_orders(
-        self, state: OperatorState, now: float
+        self, state: OperatorState, torque_before: str, now: float
     ) -> tuple[OperatorState, tuple[CanMessage, ...]]:
         """Return the messages of this tick: orders first, then references, and the Sync last."""
+        supervisor, prepared = state.supervisor, state.prepared
         orders: list[CanMessage] = []
-        supervisor, modules = state.supervisor, state.modules
-        is_limp = modules.is_limp(now, self.operation.limits.heartbeat_timeout)
-        stop = EmergencyStop(reason=1 if supervisor.cause == "emergency_key" else 2)
-        if now - state.ordered >= REPEAT:
-            if supervisor.action == "emergency_stop" and not is_limp:
-                orders.append(stop)
-            elif supervisor.sends_references and not modules.all_active():
-                orders.append(NodeCommand(order=Order.ENABLE))
-            elif not supervisor.sends_references and not is_limp:
-                orders.append(NodeCommand(order=Order.DISABLE))
-            elif self.clears and state.phase == "connecting":
+        is_new = supervisor.torque != torque_before
+        if is_new or now - state.ordered >= REPEAT:
+            orders += self._torque_orders(state, now, is_new=is_new)
+            if not orders and self.clears and state.phase == "connecting":
                 orders.append(NodeCommand(order=Order.CLEAR))
-            elif state.prepared.sets_zero:
+            elif not orders and prepared.sets_zero:
                 orders.append(NodeCommand(order=Order.SET_ZERO))
-                state = replace(state, prepared=replace(state.prepared, sets_zero=False))
-        if supervisor.action == "emergency_stop" and supervisor.since == now and not orders:
-            orders.append(stop)
-        angles = (
-            encode_references(state.reference.references.tolist())
-            if supervisor.sends_references
-            else ()
-        )
+                prepared = replace(prepared, sets_zero=False)
+        angles: tuple[CanMessage, ...] = ()
+        if supervisor.sends_references:
+            angles = encode_references(state.reference.references.tolist())
+        sync = Sync(counter=state.sync)
         state = replace(
-            state, ordered=now if orders else state.ordered, sync=(state.sync + 1) % 65536
+            state,
+            prepared=prepared,
+            ordered=now if orders else state.ordered,
+            sync=(state.sync + 1) % SYNC_COUNTS,
         )
-        return state, (*orders, *angles, Sync(counter=state.sync))
+        return state, (*orders, *angles, sync)
+
+    def _torque_orders(
+        self, state: OperatorState, now: float, *, is_new: bool
+    ) -> tuple[CanMessage, ...]:
+        """Return the order that the supervisor's torque requires, if the modules do not obey it yet."""
+        supervisor = state.supervisor
+        is_limp = state.modules.is_limp(now, self.operation.limits.heartbeat_timeout)
+        if supervisor.torque == "enable":
+            return (NodeCommand(order=Order.ENABLE),)
+        if supervisor.torque == "cut" and (is_new or not is_limp):
+            reason = 1 if supervisor.cause == "emergency_key" else 2
+            return (EmergencyStop(reason=reason),)
+        if supervisor.torque == "off" and not is_limp:
+            return (NodeCommand(order=Order.DISABLE),)
+        return ()
+
+
+def _torque_events(
+    before: OperatorState, state: OperatorState, messages: tuple[CanMessage, ...], now: float
+) -> list[Event]:
+    """Return an event for every change of what the motors are told, and for every order to switch them on."""
+    was, torque = before.supervisor.torque, state.supervisor.torque
+    if torque != was:
+        return [Event(time=now, kind="torque", message=f"{was} -> {torque}")]
+    if NodeCommand(order=Order.ENABLE) in messages:
+        off = ", ".join(str(node) for node in np.flatnonzero(~state.modules.are_on()) + 1)
+        return [Event(time=now, kind="torque", message=f"{torque} again: module {off} is off")]
+    return []
 
 
 def _milestones(before: OperatorState, state: OperatorState, now: float) -> list[Event]:

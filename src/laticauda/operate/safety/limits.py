@@ -8,8 +8,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
+from laticauda.operate.safety.supervisor import LIMP_FROM
 from laticauda.operate.settings import Limits
 from laticauda.protocol import CanMessage, Heartbeat, JointState, NodeState
 
@@ -65,9 +66,13 @@ class Modules:
             for beat, time in zip(self.heartbeat, self.heartbeat_time, strict=True)
         )
 
+    def are_on(self) -> Bool[np.ndarray, " n_joints"]:
+        """Return whether each module has reported that its motor is on, when it was last heard."""
+        return np.array([beat is not None and beat.state.is_on for beat in self.heartbeat])
+
     def all_active(self) -> bool:
         """Return whether every module follows its references."""
-        return all(beat is not None and beat.state.is_on for beat in self.heartbeat)
+        return bool(np.all(self.are_on()))
 
     def silent(self, now: float, timeout: float) -> tuple[int, ...]:
         """Return the nodes that have sent no heartbeat for longer than `timeout`.
@@ -167,6 +172,8 @@ class LimitState:
     """Joint errors, by joint [s]."""
     sending: float = math.inf
     """Time since which references have been sent [s]."""
+    has_been_on: Bool[np.ndarray, " n_joints"]
+    """Whether each module has reported that its motor is on since references have been sent [-]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -177,6 +184,8 @@ class Reports:
     """Current time [s]."""
     lateness: float
     """Lateness of this tick [s]."""
+    pause: float
+    """Time since the last tick, thus since the modules last heard from us [s]."""
     modules: Modules
     """State of the modules."""
     references: Numbers | None
@@ -196,7 +205,7 @@ def within_limits(n_joints: int) -> LimitState:
         n_joints: Number of the driven joints.
     """
     never = np.full(n_joints, np.inf)
-    return LimitState(current=never, joint_error=never)
+    return LimitState(current=never, joint_error=never, has_been_on=np.zeros(n_joints, dtype=bool))
 
 
 def compare(
@@ -217,14 +226,20 @@ def compare(
     is_off = np.zeros(modules.n, dtype=bool)
     if reports.references is not None:
         is_off = np.abs(reports.references - modules.angle) > limits.max_joint_error
-    sending = math.inf if reports.references is None else min(state.sending, now)
+    sending, has_been_on = math.inf, np.zeros(modules.n, dtype=bool)
+    if reports.references is not None:
+        sending, has_been_on = min(state.sending, now), state.has_been_on | modules.are_on()
     after = LimitState(
         current=np.where(is_high, np.minimum(state.current, now), np.inf),
         joint_error=np.where(is_off, np.minimum(state.joint_error, now), np.inf),
         sending=sending,
+        has_been_on=has_been_on,
     )
     # What a module reports about itself says more than what it does.
     found = {**_of_motors(after, reports, limits), **_of_modules(modules, limits, now)}
+    why = _gone_limp(after, reports)
+    if why:
+        found["went_limp"] = why
     if reports.lateness > limits.max_lateness:
         found["late_loop"] = f"a tick came {reports.lateness:.3f} s late"
     if reports.references is not None:
@@ -287,3 +302,20 @@ def _of_motors(state: LimitState, reports: Reports, limits: Limits) -> dict[str,
                     "module_fault", f"module {node} does not move: {beat.state.name.lower()}"
                 )
     return found
+
+
+def _gone_limp(state: LimitState, reports: Reports) -> str:
+    """Return why modules count as limp although references are being sent; "" if they do not.
+
+    A module that has never been on since references are sent has not gone limp: it is being switched
+    on. If we were away for longer than modules wait for references, they are limp whatever they last
+    said.
+    """
+    if reports.references is None:
+        return ""
+    if reports.pause > LIMP_FROM:
+        return f"they had no references for {reports.pause:.1f} s"
+    nodes = np.flatnonzero(state.has_been_on & ~reports.modules.are_on()) + 1
+    if nodes.size:
+        return f"module {', '.join(map(str, nodes))}"
+    return ""

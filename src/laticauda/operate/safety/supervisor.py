@@ -14,6 +14,11 @@ remembered of it. It is a value with a pure step: no clock, no bus, no threads. 
 gets the time, everything that is wrong at that moment, and what the robot reports; it returns the
 next state.
 
+It also decides what the modules' motors are told. Torque never returns without a person: motors are
+switched on in `ready` only, which nothing but the start of a run leads to, and only until every
+module has said that its motor is on. Whatever has gone limp since then stays limp: it is an event
+that makes the whole robot limp at once, and a fault, which somebody has to acknowledge.
+
 The last line of defense is in the modules: without references they hold after `HOLD_AFTER` and go
 limp after `LIMP_AFTER`. Not sending references is thus a way to stop that needs no bus; every time
 stated here relies on it.
@@ -30,7 +35,7 @@ from laticauda.quantities import quantity, value_class
 
 
 def _table(name: str) -> list[dict[str, str]]:
-    """Return the rows of one of the two tables next to this file; they are read when it is imported."""
+    """Return the rows of one of the tables next to this file; they are read when it is imported."""
     return [row for _, row in read_rows(Path(__file__).with_name(f"{name}.csv"))[1]]
 
 
@@ -91,6 +96,18 @@ RULES: tuple[Rule, ...] = tuple(
 BY_EVENT = {rule.event: rule for rule in RULES}
 
 
+# ---- torque --------------------------------------------------------------------------------------
+
+TORQUE = {(row["state"], row["action"]): row["torque"] for row in _table("torque")}
+"""What the modules' motors are told, by the supervisor's state and action; what is not listed is "off".
+
+    enable  switch on, and follow references; from the first time that all motors are on: hold
+    hold    what is on follows references; what is off stays off
+    off     switch off
+    cut     switch off by an emergency stop, which has to be cleared
+"""
+
+
 def cause_of(event: str) -> str:
     """Return what happened, in words; the event itself if there is no rule for it.
 
@@ -141,14 +158,20 @@ def granted(state: str, request: str) -> str:
 
 # ---- the step ------------------------------------------------------------------------------------
 
-HOLD_AFTER, LIMP_AFTER = (
-    0.2,
-    1.2,
-)  # when a module holds and goes limp by itself without references [s]
-CONFIRM_TIME = (
-    0.5  # modules that have not reported that they are limp by then get an emergency stop [s]
-)
-MARGIN = 0.3  # for ticks, and for frames in transit [s]
+HOLD_AFTER = 0.2
+"""When a module holds by itself without references [s]."""
+LIMP_AFTER = 1.2
+"""When a module is limp by itself without references, at the latest [s]."""
+LIMP_FROM = 0.8
+"""When a module may be limp by itself without references, at the earliest [s].
+
+Motors are switched on for no longer than this: a module that was told to switch on in that time, and
+heard nothing more, is not limp yet when it is told again.
+"""
+CONFIRM_TIME = 0.5
+"""Modules that have not reported that they are limp by then get an emergency stop [s]."""
+MARGIN = 0.3
+"""For ticks, and for frames in transit [s]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,13 +190,21 @@ class SupervisorState:
     """When the action began [s]."""
     present: frozenset[str] = frozenset()
     """Events that were present at the last step, so that each is logged once."""
+    is_enabled: bool = False
+    """Whether switching on is over; no motor is switched on again before the next `ready`."""
+
+    @property
+    def torque(self) -> str:
+        """What the modules' motors are told; one of the values of `TORQUE`."""
+        torque = TORQUE.get((self.state, self.action), "off")
+        if torque == "enable" and self.is_enabled:
+            return "hold"
+        return torque
 
     @property
     def sends_references(self) -> bool:
         """Whether references are sent; without them, the modules go limp by themselves."""
-        return self.state in ("ready", "running") or (
-            self.state == "stopping" and self.action == "straighten"
-        )
+        return self.torque in ("enable", "hold")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -198,7 +229,8 @@ class Supervisor:
 
     Example:
         >>> supervisor = Supervisor()
-        >>> state, entries = supervisor.step(supervisor.init(), 0.0, {"leak"}, is_straight=False, is_limp=True)
+        >>> seen = {"is_straight": False, "is_limp": True, "is_on": False}
+        >>> state, entries = supervisor.step(supervisor.init(), 0.0, {"leak"}, **seen)
         >>> state.state, state.action, entries[0].event
         ('fault', 'emergency_stop', 'leak')
     """
@@ -233,6 +265,7 @@ class Supervisor:
         *,
         is_straight: bool,
         is_limp: bool,
+        is_on: bool,
     ) -> tuple[SupervisorState, tuple[Reaction, ...]]:
         """Perform one tick.
 
@@ -241,7 +274,8 @@ class Supervisor:
             now: Current time [s].
             events: Everything that is wrong now, as event names of `RULES`, and the `REQUESTS`.
             is_straight: Whether every joint that reports is at zero.
-            is_limp: Whether every module that is heard reports that it is limp.
+            is_limp: Whether every module that is heard reports that its motor is off.
+            is_on: Whether every module has reported that its motor is on, and none that it is off.
 
         Returns:
             The new state, and what is to be logged: every event once, when it begins, and every
@@ -250,44 +284,51 @@ class Supervisor:
         Raises:
             ValueError: If an event is unknown.
         """
+        _check(events)
         entries: list[Reaction] = []
         wrong = [rule for rule in RULES if rule.event in events]  # the most severe first
-        _check(events)
         for rule in wrong:
             after = _reacted(state, rule, now)
             if rule.event not in state.present:
                 entries.append(_entry(now, rule.event, rule.action, state, after))
             state = after
-        for request in REQUESTS:
-            if request in events:
-                after = _requested(
-                    state, request, now, any(rule.is_fault for rule in wrong), is_limp
-                )
-                if after is not state:
-                    entries.append(_entry(now, request, after.action, state, after))
-                    state = after
-        after = self._progress(state, now, is_straight, is_limp)
+        request = _request_in(events)
+        if request and _is_allowed(request, wrong, is_limp=is_limp, is_on=is_on):
+            after = _requested(state, request, now)
+            if after is not state:
+                entries.append(_entry(now, request, after.action, state, after))
+                state = after
+        after = self._progress(state, now, is_straight=is_straight, is_limp=is_limp, is_on=is_on)
         if after is not state:
-            event = "" if after.state == state.state else after.state
-            entries.append(_entry(now, event or after.action, after.action, state, after))
-        return replace(after, present=frozenset(rule.event for rule in wrong)), tuple(entries)
+            event = after.action if after.state == state.state else after.state
+            entries.append(_entry(now, event, after.action, state, after))
+        present = frozenset(rule.event for rule in wrong)
+        is_enabled = _is_enabled(after, now, is_on)
+        return replace(after, present=present, is_enabled=is_enabled), tuple(entries)
 
     def _progress(
-        self, state: SupervisorState, now: float, is_straight: bool, is_limp: bool
+        self,
+        state: SupervisorState,
+        now: float,
+        *,
+        is_straight: bool,
+        is_limp: bool,
+        is_on: bool,
     ) -> SupervisorState:
         """Go on from straightening to limp, and from limp to idle or fault."""
         if state.state != "stopping":
             return state
-        gone = now - state.since
+        elapsed = now - state.since
         if state.action == "straighten":
-            return (
-                replace(state, action="limp", since=now)
-                if is_straight or gone >= self.straighten_time
-                else state
-            )
-        if is_limp or (state.action == "emergency_stop" and gone >= LIMP_AFTER):
-            return replace(state, state="fault") if state.is_fault else SupervisorState(since=now)
-        if state.action == "limp" and gone >= CONFIRM_TIME:
+            # Only what still holds is straightened: a robot that is limp in part may be in hands.
+            if is_straight or not is_on or elapsed >= self.straighten_time:
+                return replace(state, action="limp", since=now)
+            return state
+        if is_limp or (state.action == "emergency_stop" and elapsed >= LIMP_AFTER):
+            if state.is_fault:
+                return replace(state, state="fault")
+            return SupervisorState(since=now)
+        if state.action == "limp" and elapsed >= CONFIRM_TIME:
             cause = state.cause or "not_limp"
             return replace(
                 state, state="fault", action="emergency_stop", is_fault=True, cause=cause
@@ -295,36 +336,64 @@ class Supervisor:
         return state
 
 
-def _requested(
-    state: SupervisorState, request: str, now: float, is_wrong: bool, is_limp: bool
-) -> SupervisorState:
-    """Return the state that the operation requests, if it is allowed; a request to stop always is."""
+def _is_enabled(state: SupervisorState, now: float, is_on: bool) -> bool:
+    """Return whether switching on is over: all motors are on, or have had the time for it."""
+    if state.state != "ready":
+        return False
+    return state.is_enabled or is_on or now - state.since >= LIMP_FROM
+
+
+def _request_in(events: Set[str]) -> str:
+    """Return the one request that counts at this tick, before all others that to end; "" without any."""
+    for request in ("ended", *REQUESTS):
+        if request in events:
+            return request
+    return ""
+
+
+def _is_allowed(request: str, wrong: list[Rule], *, is_limp: bool, is_on: bool) -> bool:
+    """Return whether the operation may have what it requests; a request to stop is always allowed."""
+    if request == "ended":
+        return True
+    if any(rule.action != "finish" for rule in wrong):
+        return False
+    if request == "started":
+        return is_on
+    if request == "acknowledged":
+        return is_limp
+    return True
+
+
+def _requested(state: SupervisorState, request: str, now: float) -> SupervisorState:
+    """Return the state that the operation requests; the same if the table has no such request in this state."""
     after = granted(state.state, request)
-    allowed = request == "ended" or (not is_wrong and (request != "acknowledged" or is_limp))
-    if after == state.state or not allowed:
+    if after == state.state:
         return state
-    return SupervisorState(
-        state=after, action="straighten" if after == "stopping" else "none", since=now
-    )
+    if after == "stopping":
+        return SupervisorState(state=after, action="straighten", since=now)
+    return SupervisorState(state=after, since=now)
 
 
 def _reacted(state: SupervisorState, rule: Rule, now: float) -> SupervisorState:
     """Return the state with the action of a rule, if that is more severe than the current action."""
-    is_graver = ACTIONS.index(rule.action) > ACTIONS.index(state.action)
     if rule.action == "finish" or (state.state == "idle" and not rule.is_fault):
         return state  # nothing moves that would have to stop
+    is_graver = ACTIONS.index(rule.action) > ACTIONS.index(state.action)
     if state.state == "fault":
-        return (
-            replace(state, action=rule.action, cause=rule.event, since=now) if is_graver else state
-        )
+        if is_graver:
+            return replace(state, action=rule.action, cause=rule.event, since=now)
+        return state
     if state.state == "stopping" and not is_graver:
+        is_fault = state.is_fault or rule.is_fault
+        return replace(state, is_fault=is_fault, cause=state.cause or rule.event)
+    if state.state == "idle":  # limp already: a fault at once, with nothing to straighten
+        action = "limp" if rule.action == "straighten" else rule.action
         return replace(
-            state, is_fault=state.is_fault or rule.is_fault, cause=state.cause or rule.event
+            state, state="fault", action=action, cause=rule.event, is_fault=True, since=now
         )
     return SupervisorState(
-        # A robot that is already limp enters the fault state at once, and need not straighten.
-        state="fault" if state.state == "idle" else "stopping",
-        action="limp" if state.state == "idle" and rule.action == "straighten" else rule.action,
+        state="stopping",
+        action=rule.action,
         cause=rule.event,
         is_fault=state.is_fault or rule.is_fault,
         since=now,
