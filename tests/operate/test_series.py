@@ -114,6 +114,28 @@ def test_a_key_ends_the_series_even_when_it_is_pressed_after_a_run_that_counts(
     assert [len(setting.results) for setting in done.settings] == [1]
 
 
+@pytest.mark.parametrize("is_acknowledged", [True, False])
+def test_after_a_fault_a_series_goes_on_only_if_somebody_has_looked_at_the_robot(
+    is_acknowledged: bool, tmp_path: Path, swum: Trial
+):
+    faulty = partial(replace, needs_acknowledgment=True)
+    asked: list[str] = []
+
+    def acknowledge(result: Result) -> bool:
+        asked.append(result.name)
+        return is_acknowledged
+
+    def run(operation: Operation, _: Path) -> Result:
+        found = result(operation.name, swum)
+        return faulty(found) if operation.name.endswith("case-1-1") else found
+
+    done = run_series(small(), tmp_path, run, acknowledge=acknowledge)
+    assert asked == ["lateral-undulation-case-1-1"]
+    assert done.is_complete == is_acknowledged
+    unasked = run_series(small(), tmp_path / "unasked", run)
+    assert [len(setting.results) for setting in unasked.settings] == [1]
+
+
 def test_a_series_goes_on_where_it_was_stopped(tmp_path: Path, swum: Trial):
     runs: list[str] = []
 

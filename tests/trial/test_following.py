@@ -105,3 +105,29 @@ def test_a_run_that_goes_on_behind_the_end_of_its_path_says_when_it_was_there():
     passed, trial = end_of((0.0, 0.0), (1.0, 0.0))
     assert np.interp(passed, trial.time, trial.center_of_mass[:, 0]) == pytest.approx(1.0, abs=0.03)
     assert end_of((0.0, 0.0), (100.0, 0.0))[0] is None
+
+
+def test_a_run_that_was_cut_has_no_error_of_its_last_third_and_the_figures_that_it_allows():
+    gait = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
+    whole = lc.swim("mamba-fin", Following().controller(gait), 20.0)
+    kept = (whole.time < 8.0) | (whole.time > 19.99)
+    cut = lc.Trial.measured(
+        {
+            "time": whole.time[kept],
+            "center_of_mass": whole.center_of_mass[kept],
+            "center_of_mass_velocity": whole.center_of_mass_velocity[kept],
+            "joint_angle": whole.joint_angle[kept],
+            "joint_rate": whole.joint_rate[kept],
+            "link_angle": whole.link_angle[kept],
+            "heading": whole.heading[kept],
+        },
+        signals={name: signal[kept] for name, signal in whole.signals.items()},
+        scenario=whole.scenario,
+        version=whole.version,
+        status="cut",
+        succeeded=False,
+    )
+    figures = following.summary(cut)
+    assert figures["last_third_error"] is None
+    assert figures["overshoot"] is not None
+    assert following.summary(whole)["last_third_error"] is not None

@@ -108,7 +108,13 @@ class Operate(command.Command):
     def _series(self, series: settings.SeriesFile, folder: Path) -> command.Outcome:
         trials = tuple(map(self._chosen, series.trials))
         series = replace(series, repeats=self.repeats or series.repeats, trials=trials)
-        done = run_series(series, folder / series.name, self._operate, place=self._place)
+        done = run_series(
+            series,
+            folder / series.name,
+            self._operate,
+            place=self._place,
+            acknowledge=self._acknowledged,
+        )
         return command.Outcome(facts=done.summary(), text=done.table(), succeeded=done.is_complete)
 
     def _place(self, operation: settings.Operation, repeat: int) -> None:
@@ -122,6 +128,14 @@ class Operate(command.Command):
         )
         if sys.stdin.isatty():
             input("Press Enter when it is in place: ")
+
+    def _acknowledged(self, result: session.Result) -> bool:
+        """Ask somebody to look at the robot that a fault has stopped; without a terminal, nobody does."""
+        print(f"{result.name}: {result.aftermath or result.reason}", file=sys.stderr, flush=True)
+        if not sys.stdin.isatty():
+            return False
+        input("Look at the robot, and press Enter when it may have torque again: ")
+        return True
 
     def _shown(self, operation: settings.Operation) -> Any:
         """Return what displays the ticks: the dashboard, or plain lines on standard error."""

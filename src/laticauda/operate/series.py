@@ -22,6 +22,8 @@ FIGURES: dict[str, tuple[str, int, int] | None] = {
 """Figures of a setting, with title, width and digits of their column in the table; None: not in the table."""
 Run = Callable[[Operation, Path], Result]
 Place = Callable[[Operation, int], None]
+Acknowledge = Callable[[Result], bool]
+"""Function that asks whether somebody has looked at a robot that a fault has stopped."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -116,7 +118,12 @@ def mean_and_deviation(values: Sequence[float]) -> tuple[float, float | None]:
 
 
 def run_series(
-    series: SeriesFile, folder: Path, run: Run, *, place: Place = lambda _, number: None
+    series: SeriesFile,
+    folder: Path,
+    run: Run,
+    *,
+    place: Place = lambda _, number: None,
+    acknowledge: Acknowledge = lambda _: False,
 ) -> Series:
     """Run every setting until it has all its repeats, or has been rejected too often.
 
@@ -131,10 +138,12 @@ def run_series(
         run: Function that operates once and writes into a folder.
         place: Called before every run with the setting and the number of the run, so that the robot
             can be placed.
+        acknowledge: Called after a run that a fault has stopped: whether somebody has looked at the
+            robot, and it may have torque again. By default nobody has.
 
     Returns:
         The outcome. The series ends early if the operator presses a key to stop, even after a run
-        (`Result.stopped`).
+        (`Result.stopped`), and if a fault is not acknowledged.
 
     Raises:
         StorageFailed: If the table cannot be written.
@@ -155,7 +164,7 @@ def run_series(
             result = run(replace(operation, name=f"{operation.name}-{number}"), folder)
             setting = replace(setting, results=(*setting.results, result))
             _write_repeats(folder, [*settings, setting])
-            if result.stopped:
+            if result.stopped or (result.needs_acknowledgment and not acknowledge(result)):
                 return Series(file=series, settings=(*settings, setting), folder=folder)
         settings.append(setting)
     _write_repeats(folder, settings)

@@ -62,6 +62,8 @@ class Result:
     """Verdict on the run; None if there was no run, or it was not recorded."""
     stopped: bool = False
     """Whether the operator has asked to stop, during the run or after it."""
+    needs_acknowledgment: bool = False
+    """Whether a fault has stopped the robot: somebody has to look at it before it gets torque again."""
 
     def summary(self) -> dict[str, Any]:
         """Return the figures of the run by name, ready for JSON."""
@@ -310,6 +312,7 @@ def result_of(
         timing=timing,
         aftermath=_aftermath(state) if accepted else "",
         verdict=verdict,
+        needs_acknowledgment=state.supervisor.is_fault,
     )
 
 

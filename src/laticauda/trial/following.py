@@ -157,7 +157,21 @@ def last_third(time: Time, cross_track_error: Time, period: float) -> Middles:
         ValueError: If the log is shorter than one cycle, or too coarse to resolve one.
     """
     middle, error = mean_error(time, cross_track_error, period)
-    return error[_since(time[0], middle, 2.0 / 3.0 * float(time[-1] - time[0]))]
+    return error[_since(time[0], middle, _begin_of_last_third(time))]
+
+
+def _begin_of_last_third(time: Time) -> float:
+    """Return the time since the start of the run at which its last third begins [s]."""
+    return 2.0 / 3.0 * float(time[-1] - time[0])
+
+
+def _has_last_third(time: Time, cross_track_error: Time, period: float) -> bool:
+    """Return whether a whole gait cycle lies around a sample of the last third of the run.
+
+    It does not if the run was cut: nothing was recorded while the computer stood still.
+    """
+    middle = mean_error(time, cross_track_error, period).time
+    return float(middle[-1] - time[0]) >= _begin_of_last_third(time)
 
 
 def saturated_share(time: Time, is_saturated: Time) -> float:
@@ -207,11 +221,11 @@ def summarize_following(trial: Trial) -> dict[str, float | None]:
     if period is None or time[-1] - time[0] < 1.5 * period:
         return found
     found["overshoot"] = overshoot(time, error, period)
-    found["last_third_error"] = last_third_error(time, error, period)
-    if "height_error" in trial.signals:
-        found["last_third_height_error"] = last_third_error(
-            time, trial.signals["height_error"], period
-        )
+    if _has_last_third(time, error, period):
+        found["last_third_error"] = last_third_error(time, error, period)
+        if "height_error" in trial.signals:
+            height_error = trial.signals["height_error"]
+            found["last_third_height_error"] = last_third_error(time, height_error, period)
     reached = convergence(time, error, trial.signals["along_track_distance"], period)
     if reached is not None:
         found["convergence_time"], found["convergence_distance"] = reached

@@ -296,10 +296,11 @@ def _of_motors(state: LimitState, reports: Reports, limits: Limits) -> dict[str,
         error = math.degrees(reports.references[k] - reports.modules.angle[k])
         found.setdefault("joint_error", f"module {k + 1}: {error:+.0f} deg")
     if reports.now - state.sending > SPIN_UP:
-        for node, beat in enumerate(reports.modules.heartbeat, start=1):
-            if beat is not None and not beat.state.is_on:
+        for k in np.flatnonzero(~state.has_been_on):
+            beat = reports.modules.heartbeat[k]
+            if beat is not None:
                 found.setdefault(
-                    "module_fault", f"module {node} does not move: {beat.state.name.lower()}"
+                    "module_fault", f"module {k + 1} does not move: {beat.state.name.lower()}"
                 )
     return found
 
