@@ -127,7 +127,7 @@ def test_a_run_that_was_cut_has_no_error_of_its_last_third_and_the_figures_that_
         status="cut",
         succeeded=False,
     )
-    figures = following.summarize(cut)
+    figures = following.summarize_following(cut)
     assert figures["last_third_error"] is None
     assert figures["overshoot"] is not None
-    assert following.summarize(whole)["last_third_error"] is not None
+    assert following.summarize_following(whole)["last_third_error"] is not None
