@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from laticauda.access import LOCAL as LOCAL
-from laticauda.cli.flags import OutputFile, marks_of, parse_command, parts_of
+from laticauda.cli.flags import Options, OutputFile, marks_of, parse_command, parts_of
 from laticauda.errors import BadArgument
 from laticauda.files import to_json
 from laticauda.quantities import option, value_class
@@ -37,7 +37,7 @@ class Outcome:
 
 
 @value_class
-class Command:
+class Command(Options):
     """A command: a value whose fields are its flags."""
 
     json: bool = option("Print one JSON object in SI units instead of text", default=False)

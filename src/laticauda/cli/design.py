@@ -11,7 +11,7 @@ import numpy as np
 
 from laticauda import figures, gaits, packaging, scenarios
 from laticauda.cli.command import PATIENCE, SHARE, Command, Outcome, show_progress
-from laticauda.cli.flags import File, Picture, Place, Words
+from laticauda.cli.flags import File, Options, Picture, Place, Words
 from laticauda.cli.tables import aligned, parse_numbers
 from laticauda.errors import BadArgument, check_not_empty
 from laticauda.identify import tasks
@@ -42,7 +42,7 @@ def _deg(*angles: float) -> tuple[float, ...]:
 
 
 @value_class
-class Unknowns:
+class Unknowns(Options):
     """What is to be identified, and what is already known about it."""
 
     after: File = option(
@@ -62,7 +62,7 @@ class Unknowns:
 
 
 @value_class
-class Candidates:
+class Candidates(Options):
     """Candidate trials: every combination of gait parameters, and trials with the straight robot."""
 
     gait: Literal["lateral-undulation", "eel-like", "both"] = option(

@@ -5,7 +5,7 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from laticauda.cli.command import SHARE, Command, Outcome, show_progress
 from laticauda.cli.flags import (
@@ -14,6 +14,7 @@ from laticauda.cli.flags import (
     Files,
     Folder,
     Inputs,
+    Options,
     Words,
     options_of,
     spell_flag,
@@ -39,8 +40,10 @@ FORM = "NAME, NAME=LOW:HIGH or NAME=MEAN+-SD, such as water.normal_drag=0.5:4"
 
 
 @value_class
-class IdentificationTarget:
+class IdentificationTarget(Options):
     """What is identified, and from which measurements."""
+
+    heading: ClassVar[str] = "what"
 
     parameters: Words = option(
         "NAME, NAME=LOW:HIGH or NAME=MEAN+-SD: parameters of robot and water, dotted as in a sweep, with a range "
@@ -67,7 +70,7 @@ class IdentificationTarget:
 
 
 @value_class
-class Fixed:
+class Fixed(Options):
     """What is held fixed."""
 
     robot: str | None = option(
@@ -85,7 +88,7 @@ class Fixed:
 
 
 @value_class
-class Method:
+class Method(Options):
     """How parameters are fitted."""
 
     noise: Literal["known", "estimated"] = option(

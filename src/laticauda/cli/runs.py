@@ -190,7 +190,7 @@ class SwimOn(Recording):
 
 
 @value_class
-class Route(control.Course):
+class Route(control.Course, flags.Options):
     """Where to go, and by which guidance law."""
 
     waypoints: tuple[float, ...] = quantity(
@@ -245,7 +245,7 @@ class Follow(Run):
         """Return the command that was typed; see `OfScenario.read`."""
         names, route = (
             scene.Names.read(words, prog),
-            flags.parse_command(Route, words, prog, first=True),
+            flags.parse_command(Route, words, prog, known_only=True),
         )
         scenario, origin = names.scenario(words)
         kind = FollowPlanned if route.guidance == "model-predictive" else cls

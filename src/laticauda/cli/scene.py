@@ -10,7 +10,7 @@ from typing import Any, Self, TypeVar, cast
 import laticauda as lc
 from laticauda import codec, robot, simulate
 from laticauda.cli.command import Command
-from laticauda.cli.flags import OBJECTS, BadFlag, File, parse_command, was_typed
+from laticauda.cli.flags import BadFlag, File, Options, accept_objects, parse_command, was_typed
 from laticauda.cli.tables import parse_numbers
 from laticauda.errors import BadArgument, LaticaudaError
 from laticauda.extensions import Extensible, name_of
@@ -31,7 +31,7 @@ Kind = TypeVar("Kind", bound=Extensible)
 
 
 @value_class
-class Names(Choice):
+class Names(Choice, Options):
     """What swims, how and where, by name. The other flags change individual numbers."""
 
     water: str | None = option(
@@ -62,7 +62,7 @@ class Names(Choice):
             words: Words that were typed.
             prog: Name of the command in the help.
         """
-        return parse_command(cls, words, prog, first=True)
+        return parse_command(cls, words, prog, known_only=True)
 
     def motion(self) -> lc.Gait:
         """Return the gait of Mamba's first trial in the paper with the requested envelope, or a recorded gait."""
@@ -236,7 +236,7 @@ def parse_current(words: Sequence[str]) -> Flow:
 
 
 CHANGES = "a preset or a file and NAME=NUMBER ..., such as swell height=0.2"
-OBJECTS[Flow] = "NAME|PATH [NAME=NUMBER ...]", parse_current
+accept_objects(Flow, "NAME|PATH [NAME=NUMBER ...]", parse_current)
 
 
 def warn_of_compiling(environment: robot.Environment, model: Model | str = "planar") -> None:

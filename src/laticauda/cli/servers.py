@@ -13,7 +13,7 @@ from typing import Literal
 import laticauda as lc
 from laticauda import cosim, lab, packaging, protocol, robot
 from laticauda.cli.command import LOCAL, Command, Outcome, until_stopped
-from laticauda.cli.flags import File, Files, ScenarioFile, Stored, parse_command
+from laticauda.cli.flags import File, Files, Options, ScenarioFile, Stored, parse_command
 from laticauda.cli.scene import OfScenario, warn_of_compiling
 from laticauda.errors import BadArgument
 from laticauda.files import to_json
@@ -25,7 +25,7 @@ from laticauda.scenarios import model_of, named_after, water_for
 
 
 @value_class
-class Body:
+class Body(Options):
     """What swims, and where."""
 
     robot: str = option(
@@ -48,7 +48,7 @@ class Body:
 
 
 @value_class
-class Wires:
+class Wires(Options):
     """How the tank is reached."""
 
     bus: str = option(
@@ -65,7 +65,7 @@ class Wires:
 
 
 @value_class
-class Time:
+class Time(Options):
     """Clock, random numbers and faults of the tank."""
 
     speed: float = quantity("", "Seconds in the lab per second of real time", gt=0.0, default=1.0)
@@ -101,7 +101,7 @@ class LabCommand(Command):
     @classmethod
     def read(cls, words: Sequence[str], prog: str) -> "LabCommand":
         """Return the command that was typed; see `Command.read`."""
-        body: Body = parse_command(Body, words, prog, first=True)
+        body: Body = parse_command(Body, words, prog, known_only=True)
         settings = model_of(
             body.model, joints=body.joints, **({} if body.scene is None else {"scene": body.scene})
         )

@@ -1,0 +1,113 @@
+"""Types of fields that are files, folders or words: how their flags are shown in the help, and read.
+
+A field of such a type is declared like any other: ``save: Stored = option("Write the trial", default=None)``.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, TypeAlias, cast
+
+import tyro
+from tyro.constructors import PrimitiveConstructorSpec
+
+Number: TypeAlias = int | Literal["*"]
+"""How many words a flag takes; "*": any number."""
+
+
+class BadFlag(Exception):
+    """A flag that cannot be used; the message is the sentence that the user reads."""
+
+
+@dataclass(frozen=True)
+class OutputFile:
+    """Mark for the name of a file that a command will write."""
+
+    endings: tuple[str, ...] = ()
+    """Allowed endings; if empty, those of the trial formats."""
+
+
+def words_flag(
+    *,
+    n_words: Number,
+    metavar: str,
+    read: Callable[[list[str]], Any],
+    show: Callable[[Any], list[str]] | None = None,
+    choices: tuple[str, ...] | None = None,
+) -> Any:
+    """Return the specification of a flag that takes one or several words.
+
+    Args:
+        n_words: How many words it takes.
+        metavar: What stands for them in the help.
+        read: Function from the typed words to the value.
+        show: Function from the default to its words in the help; None: `str` of it.
+        choices: Accepted words; None: any.
+    """
+    return PrimitiveConstructorSpec[Any](
+        nargs=n_words,
+        metavar=metavar,
+        instance_from_str=read,
+        is_instance=lambda value: True,
+        str_from_instance=show or show_default,
+        choices=choices,
+    )
+
+
+def read_first(typed: list[str]) -> str:
+    """Return the only word that was typed."""
+    return typed[0]
+
+
+def show_default(value: Any) -> list[str]:
+    """Return the words of a default as the help shows them."""
+    if isinstance(value, tuple):
+        entries = [str(entry) for entry in cast("tuple[object, ...]", value)]
+        return entries or ["none"]
+    if value is None:
+        return ["none"]
+    return [str(value)]
+
+
+def _path_flag(metavar: str, n_words: Number = 1) -> Any:
+    """Return the specification of a flag that takes one or several names of files or folders."""
+
+    def read(typed: list[str]) -> Any:
+        if "" in typed:
+            raise ValueError("must be the name of a file or a folder, got an empty text")
+        if n_words == 1:
+            return typed[0]
+        return tuple(typed)
+
+    return words_flag(n_words=n_words, metavar=metavar, read=read)
+
+
+def _split_at_commas(typed: list[str]) -> tuple[str, ...]:
+    return tuple(",".join(typed).split(","))
+
+
+_NAMES_WITH_VALUES = words_flag(n_words="*", metavar="NAME=VALUES ...", read=tuple)
+_LISTED_NAMES = words_flag(n_words="*", metavar="NAME[,NAME...]", read=_split_at_commas)
+_PRESET = words_flag(n_words=1, metavar="NAME|PATH", read=read_first)
+_SCENARIO_FILE = words_flag(n_words=1, metavar="FILE", read=read_first)
+
+PICTURES = OutputFile((".png", ".pdf", ".svg"))
+
+File = Annotated[str | None, _path_flag("FILE")]
+Files = Annotated[tuple[str, ...], _path_flag("FILE ...", "*")]
+Folder = Annotated[str, _path_flag("DIR")]
+Place = Annotated[str | None, _path_flag("DIR")]
+
+Stored = Annotated[File, OutputFile()]
+Picture = Annotated[File, PICTURES]
+Mp4 = Annotated[File, OutputFile((".mp4",))]
+Toml = Annotated[File, OutputFile((".toml",))]
+Made = Annotated[str, _path_flag("FILE")]
+
+Words = Annotated[tuple[str, ...], _NAMES_WITH_VALUES]
+Listed = Annotated[tuple[str, ...], _LISTED_NAMES]
+
+Input = Annotated[str, tyro.conf.Positional, _path_flag("FILE")]
+Inputs = Annotated[tuple[str, ...], tyro.conf.Positional, _path_flag("FILES ...", "*")]
+Output = Annotated[str, tyro.conf.Positional, _path_flag("OUTPUT")]
+Preset = Annotated[str | None, tyro.conf.Positional, _PRESET]
+ScenarioFile = Annotated[str | None, tyro.conf.Positional, _SCENARIO_FILE]
