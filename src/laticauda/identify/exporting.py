@@ -11,7 +11,7 @@ from laticauda import extensions, quantities
 from laticauda.errors import BadArgument
 from laticauda.identify.problem import Problem
 from laticauda.identify.unknowns import with_tied
-from laticauda.robot.parameters import GAITS, NAMES, OF_ROBOT
+from laticauda.robot.parameters import FIELDS_OF_ROBOT, GAITS, NAMES
 from laticauda.simulate.numbers import change_parameters, list_parameters
 
 Changes = dict[str, dict[str, Any]]
@@ -102,7 +102,7 @@ def _changes(problem: Problem, values: Values, gait_kind: str) -> Changes:
         if (
             table not in NAMES
             or last.endswith(("_x", "_y"))
-            or (table == "robot" and last not in OF_ROBOT)
+            or (table == "robot" and last not in FIELDS_OF_ROBOT)
         ):
             rule = f"must be numbers that a parameter file can hold, got `{name}`"
             raise BadArgument("parameters", f"{rule}; `Fit.robot` returns a robot with it")
