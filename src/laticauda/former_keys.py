@@ -2,19 +2,24 @@
 
 A class may list the keys of older files in `former`, each with its current place ("" for none), or
 provide a function that converts such a table to the current form. Those of version 0.1 are in
-``former_keys.toml``, by class name.
+`FORMER_KEYS`, by class name.
 """
 
-import tomllib
 from collections.abc import Callable, Mapping
-from pathlib import Path
 
 from laticauda.file_tables import Table
 
-FORMER_KEYS: Mapping[str, dict[str, str]] = tomllib.loads(
-    Path(__file__).with_suffix(".toml").read_text("utf-8")
-)
-"""Keys of version 0.1 with their current places, by name of the class that a table describes."""
+FORMER_KEYS = {
+    "Water": {
+        "linear_drag": "drag.linear",
+        "quadratic_drag": "drag.quadratic",
+        "reference_speed": "drag.reference_speed",
+        "sway_friction": "drag.sway_friction",
+    },
+    "Ground": {"regularization_speed": "friction.regularization_speed"},
+    "ViscousFriction": {"regularization_speed": ""},  # it did not use it
+}
+"""Keys of version 0.1 with their current places, "" for none, by name of the class that a table describes."""
 
 
 def with_new_names(kind: type, table: Table) -> Table:

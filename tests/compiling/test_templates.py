@@ -1,7 +1,6 @@
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -60,8 +59,7 @@ def copy_with_machine_code(tmp_path):
 def test_an_edit_of_any_file_that_a_kernel_is_made_of_changes_its_digest(copy, modules):
     before = digest_of(*modules, package=copy)
     assert before == digest_of(*modules)
-    sources = closure(*modules, package=copy)
-    for path in (*sources, *filter(Path.exists, (path.with_suffix(".toml") for path in sources))):
+    for path in closure(*modules, package=copy):
         text = path.read_text()
         path.write_text(text + "# an edit\n")
         assert digest_of(*modules, package=copy) != before, path
@@ -119,8 +117,8 @@ def test_what_only_type_checkers_import_does_not_count(tmp_path):
         (
             SWIM,
             "actuation/laws.py",
-            "k_p * (reference - angle), k_p",
-            "0.5 * k_p * (reference - angle), k_p",
+            "k_p * (reference - angle),",
+            "0.5 * k_p * (reference - angle),",
         ),
     ],
     ids=["planar", "spatial"],

@@ -7,8 +7,6 @@ Floats, complex steps and lanes use the same source.
 # pyright: reportCallIssue=false
 
 import math
-import tomllib
-from pathlib import Path
 
 import numpy as np
 from numba.extending import overload
@@ -17,14 +15,42 @@ from laticauda.compiling.inner import INLINED, inlined
 from laticauda.compiling.lane_types import Lanes
 from laticauda.compiling.lanes import bit, power_of_two, where
 
-# Adding it to a number below 2^51 rounds the number to an integer, which the last bits of the sum
-# then hold.
 SHIFT = 6755399441055744.0
-# Polynomials for sine and cosine, and the power series of (exp(x) - 1) / x; highest power first.
-SINE, COSINE = map(
-    tuple, tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")).values()
+"""1.5 * 2^52: adding it to a number below 2^51 rounds to an integer, which the last bits of the sum then hold."""
+TWO_PER_PI = 0.6366197723675814
+"""2 / pi."""
+HALF_PI = 1.5707963267341256
+"""pi / 2 to its first 33 bits, so that its product with a small integer is exact."""
+HALF_PI_REST = 6.077100506303966e-11
+"""The next 33 bits of pi / 2."""
+HALF_PI_REST_OF_REST = 2.0222662487959506e-21
+"""What is left of pi / 2."""
+SINE = (
+    1.58969099521155010221e-10,
+    -2.50507602534068634195e-08,
+    2.75573137070700676789e-06,
+    -1.98412698298579493134e-04,
+    8.33333333332248946124e-03,
+    -1.66666666666666324348e-01,
 )
+"""(sin(x) / x - 1) / x^2 as a polynomial of x^2 for |x| < pi / 4, highest power first.
+
+The minimax polynomial S1 to S6 of `k_sin.c` in fdlibm (Sun Microsystems, 1993).
+"""
+COSINE = (
+    -1.13596475577881948265e-11,
+    2.08757232129817482790e-09,
+    -2.75573143513906633035e-07,
+    2.48015872894767294178e-05,
+    -1.38888888888741095749e-03,
+    4.16666666666666019037e-02,
+)
+"""(cos(x) - 1 + x^2 / 2) / x^4 as a polynomial of x^2 for |x| < pi / 4, highest power first.
+
+The minimax polynomial C1 to C6 of `k_cos.c` in fdlibm (Sun Microsystems, 1993).
+"""
 EXPONENTIAL = tuple(1.0 / math.factorial(k) for k in range(13, 0, -1))
+"""Power series of (exp(x) - 1) / x, highest power first."""
 
 
 @inlined
@@ -42,11 +68,11 @@ def sincos(x):
 
     Reduction by multiples of pi/2 in three parts (Cody and Waite), then polynomials.
     """
-    shifted = x.real * 0.6366197723675814 + SHIFT
+    shifted = x.real * TWO_PER_PI + SHIFT
     q = shifted - SHIFT
-    y = x - q * 1.5707963267341256
-    y = y - q * 6.077100506303966e-11
-    y = y - q * 2.0222662487959506e-21
+    y = x - q * HALF_PI
+    y = y - q * HALF_PI_REST
+    y = y - q * HALF_PI_REST_OF_REST
     z = y * y
     s = y + y * z * polynomial(z, SINE)
     c = 1.0 - 0.5 * z + z * z * polynomial(z, COSINE)

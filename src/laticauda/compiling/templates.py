@@ -56,7 +56,7 @@ def closure(*modules: str, package: Path = PACKAGE) -> tuple[Path, ...]:
 
 
 def digest_of(*modules: str, package: Path = PACKAGE) -> str:
-    """Return the digest of the text of the `closure` of modules and their tables, 16 hexadecimal digits.
+    """Return the digest of the text of the `closure` of modules, 16 hexadecimal digits.
 
     Args:
         modules: Full module names.
@@ -64,8 +64,7 @@ def digest_of(*modules: str, package: Path = PACKAGE) -> str:
     """
     digest = hashlib.sha256()
     for path in closure(*modules, package=package):
-        for part in (path, path.with_suffix(".toml")):  # a table next to a module is part of it
-            digest.update(part.read_bytes() if part.exists() else b"")
+        digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
 
 

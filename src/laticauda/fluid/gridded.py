@@ -22,7 +22,6 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from laticauda.errors import BadArgument, check_instance, show_value
-from laticauda.files import read_toml
 from laticauda.fluid.flow import Flow
 from laticauda.formulas import Formula
 from laticauda.quantities import option, quantity, value_class
@@ -33,7 +32,16 @@ if TYPE_CHECKING:
 
 COMPONENTS = ("u", "v", "w", "elevation")
 AXES = ("time", "z", "y", "x")
-NAMES: dict[str, list[str]] = read_toml(Path(__file__).with_suffix(".toml"))
+NAMES = {
+    "u": ["u", "sea_water_x_velocity", "eastward_sea_water_velocity", "uo"],
+    "v": ["v", "sea_water_y_velocity", "northward_sea_water_velocity", "vo"],
+    "w": ["w", "upward_sea_water_velocity", "wo"],
+    "elevation": ["elevation", "sea_surface_height_above_mean_sea_level", "zeta"],
+    "time": ["t", "time"],
+    "z": ["z", "height", "depth", "altitude"],
+    "y": ["y", "projection_y_coordinate"],
+    "x": ["x", "projection_x_coordinate"],
+}
 """Accepted names of variables and coordinates: their name or attribute `standard_name`, which is the second entry."""
 _METERS = {"m": 1.0, "meter": 1.0, "meters": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0}
 _SPEEDS = {

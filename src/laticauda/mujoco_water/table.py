@@ -1,10 +1,8 @@
 """Layout of the numbers that the compiled loads read: the table of one model, its water, and its elements."""
 
 # pyright: reportUntypedNamedTuple=false
-import tomllib
 from collections import namedtuple
 from itertools import accumulate
-from pathlib import Path
 
 from laticauda.fluid.laws import MOTION, Element
 from laticauda.formulas import MOST_NUMBERS
@@ -56,28 +54,52 @@ IN_MODEL = namedtuple("IN_MODEL", "gravity disableflags o_friction timestep dof_
 # --- Numbers of the water
 (DENSITY, LEVEL, OWN_VELOCITY, KIRCHHOFF, TERRAIN, WATER_SIZE) = (*range(5), 8)
 
-# --- One record of numbers per element: start of each field
-RECORD: dict[str, int] = tomllib.loads(
-    Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")
-)
+# --- One record of numbers per element
+RECORD = {
+    "position": 3,  # in the body's frame
+    "rotation": 9,  # from element axes to the body's, row by row
+    "drag": 3,
+    "torque_linear": 3,
+    "torque_quadratic": 3,
+    "added_mass": 3,
+    "added_inertia": 3,
+    "half_size": 3,
+    "thrust": 3,
+    "pull": 3,
+    "volume": 1,
+    "tether_drag": 1,
+    "wake_mass": 1,
+    "shape": 1,
+    "plate": 5,  # as in fluid.laws.plate
+    "contact": 5,  # the fields of ground.Contact; those of ground.Terrain are 4 numbers of the water
+    "own_mass": 1,  # of the body and what is fixed to it, per element on them
+    "own_inertia": 1,  # the least, likewise
+}
+"""Fields of a record, and how many numbers each holds."""
 PLACES = (*accumulate(RECORD.values(), initial=0),)
-(POSITION, ROTATION, DRAG, TORQUE_LINEAR, TORQUE_QUADRATIC, MASS, INERTIA, HALF, THRUST) = PLACES[
-    :9
-]
-(
-    PULL,
-    VOLUME,
-    TETHER_DRAG,
-    WAKE_MASS,
-    SHAPE,
-    PLATE,
-    CONTACT,
-    OWN_MASS,
-    OWN_INERTIA,
-    LAW_NUMBERS,
-) = PLACES[9:]
+"""Start of each field in a record, then the end of them all."""
+_start = dict(zip(RECORD, PLACES, strict=False))
+POSITION = _start["position"]
+ROTATION = _start["rotation"]
+DRAG = _start["drag"]
+TORQUE_LINEAR = _start["torque_linear"]
+TORQUE_QUADRATIC = _start["torque_quadratic"]
+MASS = _start["added_mass"]
+INERTIA = _start["added_inertia"]
+HALF = _start["half_size"]
+THRUST = _start["thrust"]
+PULL = _start["pull"]
+VOLUME = _start["volume"]
+TETHER_DRAG = _start["tether_drag"]
+WAKE_MASS = _start["wake_mass"]
+SHAPE = _start["shape"]
+PLATE = _start["plate"]
+CONTACT = _start["contact"]
+OWN_MASS = _start["own_mass"]
+OWN_INERTIA = _start["own_inertia"]
+LAW_NUMBERS = PLACES[-1]
+"""The record ends with the drag law's own numbers, in the order of its fields."""
 ELEMENT_SIZE = LAW_NUMBERS + MOST_NUMBERS
-# A record ends with the drag law's own numbers, in the order of its fields.
 OUT_SIZE = 13  # drag, added mass (its velocity part), buoyancy, effectors [N] in world axes, submerged share [-]
 
 # --- Arguments of a drag law: velocities and the element's coefficients, followed by its loads
