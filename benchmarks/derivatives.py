@@ -9,7 +9,7 @@ import time
 from _timing import fastest, of_links, print_load, random_gaits
 
 import laticauda as lc
-from laticauda.simulate import sensitivities
+from laticauda.simulate import compute_sensitivities
 
 NAMES = ("gait.amplitude", "gait.frequency", "gait.phase_shift", "gait.offset")
 TRIALS = 64
@@ -23,10 +23,12 @@ def main() -> None:
     )
     pairs = TRIALS * len(NAMES)
     derivative = (
-        fastest(time.process_time, lambda: sensitivities(robot, gaits, names=NAMES, threads=1))
+        fastest(
+            time.process_time, lambda: compute_sensitivities(robot, gaits, names=NAMES, threads=1)
+        )
         / pairs
     )
-    alone = fastest(time.perf_counter, lambda: sensitivities(robot, gaits[0], names=NAMES))
+    alone = fastest(time.perf_counter, lambda: compute_sensitivities(robot, gaits[0], names=NAMES))
     print(f"trial of a batch               {1e3 * trial:7.3f} ms")
     print(f"derivative to one parameter    {1e3 * derivative:7.3f} ms, x {derivative / trial:.1f}")
     print(f"by two trials                  {2e3 * trial:7.3f} ms, x 2.0")

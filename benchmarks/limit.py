@@ -38,7 +38,7 @@ def costs() -> dict[str, float]:
     """Least time of one core of every call [s]."""
     from laticauda.control import HeadingController, LineOfSight, PathFollowing, StraightLine
     from laticauda.planar.layout import build_layout
-    from laticauda.simulate import sensitivities
+    from laticauda.simulate import compute_sensitivities
 
     robot, gaits, clock = of_links(10), random_gaits(TRIALS), time.process_time
     water, gait = lc.load_water("paper-lateral"), gaits[0]
@@ -52,7 +52,7 @@ def costs() -> dict[str, float]:
         )
     names = ["gait.amplitude", "gait.frequency", "gait.phase_shift", "gait.offset"]
     slopes = fastest(
-        clock, lambda: sensitivities(robot, gaits[:64], names=names, threads=1), ROUNDS
+        clock, lambda: compute_sensitivities(robot, gaits[:64], names=names, threads=1), ROUNDS
     )
     found["derivative"] = (slopes / 64 - found["batch, per trial"]) / len(names)
     heading, guidance = (

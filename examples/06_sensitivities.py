@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
-from laticauda.simulate import sensitivities
+from laticauda.simulate import compute_sensitivities
 
 robot = lc.load_robot("mamba-fin")
 gait = lc.lateral_undulation(
@@ -28,7 +28,7 @@ names = [
     "robot.caudal_fin.length",
     "robot.caudal_fin.height",
 ]
-found = sensitivities(robot, gait, names=names)
+found = compute_sensitivities(robot, gait, names=names)
 speed, power = (
     found.figures.index(figure) for figure in ("forward_velocity", "mean_power")
 )

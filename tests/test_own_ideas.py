@@ -18,7 +18,7 @@ from laticauda.gaits import Envelope, Gait, LateralUndulation
 from laticauda.identify import fit, from_trial
 from laticauda.robot import Water, from_toml, to_toml
 from laticauda.scenarios import build_scenario
-from laticauda.simulate import list_parameters, sensitivities
+from laticauda.simulate import compute_sensitivities, list_parameters
 from laticauda.simulate.numbers import change_parameters
 
 pytestmark = pytest.mark.slow
@@ -160,7 +160,7 @@ def test_sweeps_know_their_numbers(ideas, gait, water):
 def test_the_derivatives_to_their_numbers_are_those_of_differences(ideas, gait, water):
     how = {"joints": ideas.Spring(), "dt": 0.002}
     names = ["water.drag.wash", "water.drag.floor", "joints.stiffness"]
-    found = sensitivities(ROBOT, gait, 2.0, environments=water, names=names, **how)
+    found = compute_sensitivities(ROBOT, gait, 2.0, environments=water, names=names, **how)
     own = build_scenario(ROBOT, gait, 2.0, environment=water, **how)
     ends = [change_parameters(own, {"joints.stiffness": 30.0 + step}) for step in (1e-3, -1e-3)]
     up, down = lc.swim_many(ends).forward_velocity

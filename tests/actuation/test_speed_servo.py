@@ -16,7 +16,7 @@ from laticauda.codec import decode, encode
 from laticauda.dynamics.stages import GAMMA, combined, implicit_inertia
 from laticauda.robot import Actuator, Joint, load_robot
 from laticauda.robot.parameters import adjusted
-from laticauda.simulate import list_parameters, sensitivities
+from laticauda.simulate import compute_sensitivities, list_parameters
 from laticauda.simulate.numbers import change_parameters
 
 angles = st.floats(-1.5, 1.5)
@@ -295,7 +295,7 @@ def test_files_sweeps_and_derivatives_know_its_numbers():
         "N m s/rad",
     ]
     name, step = "joints.speed_gain", 1e-3
-    found = sensitivities([scenario], names=[name]).of("forward_velocity", name)[0]
+    found = compute_sensitivities([scenario], names=[name]).of("forward_velocity", name)[0]
     up, down = lc.swim_many(
         [change_parameters(scenario, {name: 20.0 + one}) for one in (step, -step)]
     ).forward_velocity

@@ -15,7 +15,7 @@ from laticauda.cosim.fmu import export_fmu
 from laticauda.fluid.flow import Flow, FunctionFlow
 from laticauda.fluid.gridded import Gridded, to_dataset
 from laticauda.robot import load_robot, load_water
-from laticauda.simulate import sensitivities
+from laticauda.simulate import compute_sensitivities
 
 GAIT = lc.Gait(amplitude=0.5, frequency=2.2, phase_shift=0.7)
 WATER = load_water("paper-lateral")
@@ -144,9 +144,9 @@ def test_derivatives_go_through_the_tables():
         "environments": replace(WATER, current=flow),
         "names": ["gait.amplitude", "gait.frequency"],
     }
-    found = sensitivities(load_robot("mamba"), GAIT, 4.0, **settings)
+    found = compute_sensitivities(load_robot("mamba"), GAIT, 4.0, **settings)
     settings["environments"] = replace(WATER, current=SHEAR)
-    known = sensitivities(load_robot("mamba"), GAIT, 4.0, **settings)
+    known = compute_sensitivities(load_robot("mamba"), GAIT, 4.0, **settings)
     np.testing.assert_allclose(found.jacobian, known.jacobian, rtol=1e-9, atol=1e-12)
 
 

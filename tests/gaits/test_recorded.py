@@ -17,7 +17,7 @@ from laticauda.gaits import Generator
 from laticauda.gaits.reference import between_knots
 from laticauda.identify import Measurement, fit
 from laticauda.pictures.render import describe_run
-from laticauda.simulate import sensitivities
+from laticauda.simulate import compute_sensitivities
 
 ANGLES = lc.JointAngles(
     time=(0.0, 0.3, 0.55, 1.0, 1.4, 2.0),
@@ -127,7 +127,7 @@ def test_a_batch_of_recordings_and_gaits_gives_what_single_runs_give():
 
 def test_derivatives_of_recordings_are_slopes():
     gaits, step = [lc.recorded_gait(ANGLES), WAVE], 1e-4
-    found = sensitivities(
+    found = compute_sensitivities(
         CHAIN, gaits, 2.5, names=["water.normal_drag"], environments=WATER, dt=0.01
     )
     up, down = (

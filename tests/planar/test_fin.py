@@ -16,7 +16,7 @@ from laticauda.planar import rows
 from laticauda.planar.layout import build_layout
 from laticauda.planar.model import PlanarPlant
 from laticauda.robot import CaudalFin, Joint, Module, Robot, Section, load_robot, load_water
-from laticauda.simulate.derivatives import sensitivities
+from laticauda.simulate import compute_sensitivities
 
 GAIT = lc.lateral_undulation(
     amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40)
@@ -340,7 +340,7 @@ def test_a_batch_gives_what_single_trials_give(name):
 def test_sensitivities_to_the_stiffness_are_those_of_differences():
     names = ["robot.caudal_fin.flexural_rigidity", "robot.caudal_fin.bending_damping"]
     robot = fitted(n_hinges=3, flexural_rigidity=1.0, bending_damping=0.05)
-    found = sensitivities(robot, GAIT, 20.0, names=names)
+    found = compute_sensitivities(robot, GAIT, 20.0, names=names)
     for i, (name, value) in enumerate(zip(names, (1.0, 0.05), strict=True)):
         step = 1e-5 * value
         plus, minus = (

@@ -6,7 +6,7 @@ import pytest
 import laticauda as lc
 from laticauda.fluid.laws import PolynomialDrag, TotalSpeedDrag
 from laticauda.robot import Tether, load_robot, load_water
-from laticauda.simulate.derivatives import sensitivities
+from laticauda.simulate import compute_sensitivities
 from laticauda.simulate.numbers import UNITS, change_parameters
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.31, phase_shift=0.7, offset=0.03)
@@ -46,9 +46,9 @@ def by_differences(robot, gait, water, names, **settings):
     steps = 2.0 ** -np.arange(19, 22)
     scenario, points = lc.build_scenario(robot, gait, environment=water, **settings), []
     for name in names:
-        value = sensitivities(robot, gait, 0.1, environments=water, names=[name], **settings).point[
-            0, 0
-        ]
+        value = compute_sensitivities(
+            robot, gait, 0.1, environments=water, names=[name], **settings
+        ).point[0, 0]
         points += [
             (change_parameters(scenario, {name: value * (1 + s * h)}), value)
             for h in steps
@@ -73,11 +73,11 @@ def test_figures_follow_the_numbers_of_a_flow():
         "water.current.largest",
         "water.current.evolution",
     )
-    found = sensitivities(load_robot("mamba"), GAIT, 30.0, environments=water, names=names)
+    found = compute_sensitivities(load_robot("mamba"), GAIT, 30.0, environments=water, names=names)
     expected = by_differences(load_robot("mamba"), GAIT, water, names)
     check(found, expected, 1e-7)
     with pytest.raises(ValueError, match=r"got `water\.current\.seed`, a count"):
-        sensitivities(
+        compute_sensitivities(
             load_robot("mamba"), GAIT, 3.0, environments=water, names=["water.current.seed"]
         )
 
@@ -89,7 +89,7 @@ def check(found, expected, bound):
 
 
 def test_derivatives_are_those_of_extrapolated_differences_over_a_whole_trial():
-    found = sensitivities(FINNED, GAIT, environments=WATER, names=NAMES, dt=0.05)
+    found = compute_sensitivities(FINNED, GAIT, environments=WATER, names=NAMES, dt=0.05)
     check(found, by_differences(FINNED, GAIT, WATER, NAMES, dt=0.05), 1e-7)
     trial = lc.swim(FINNED, GAIT, environment=WATER, dt=0.05)
     assert found.values[0, 0] == pytest.approx(trial.forward_velocity, rel=1e-10)
@@ -109,12 +109,12 @@ def test_friction_that_grows_with_the_sideways_speed_has_its_derivatives(drag, o
     # of no use.
     water = replace(WATER, drag=drag)
     names = [*(f"water.drag.{name}" for name in own), "gait.amplitude", "water.added_mass"]
-    found = sensitivities(FINNED, GAIT, environments=water, names=names, dt=0.05)
+    found = compute_sensitivities(FINNED, GAIT, environments=water, names=names, dt=0.05)
     check(found, by_differences(FINNED, GAIT, water, names, dt=0.05), 1e-7)
 
 
 def test_the_dimensionless_form_says_by_how_many_percent():
-    found = sensitivities(FINNED, GAIT, names=["gait.amplitude", "water.current_x"])
+    found = compute_sensitivities(FINNED, GAIT, names=["gait.amplitude", "water.current_x"])
     share = (
         found.of("net_power", "gait.amplitude")
         * GAIT.amplitude
@@ -133,7 +133,7 @@ def test_driven_joints_have_derivatives_to_their_actuators_too(joints):
         "pd": "robot.joint.actuator.proportional_gain",
         "servo": "robot.joint.actuator.stall_torque",
     }[joints]
-    found = sensitivities(
+    found = compute_sensitivities(
         robot, GAIT, 1.0, environments=WATER, names=[name], joints=joints, dt=0.002
     )
     value, step = found.point[0, 0], 1e-5
@@ -151,9 +151,9 @@ def test_a_batch_has_the_derivatives_of_its_trials():
     gaits = [replace(GAIT, amplitude=a) for a in (0.3, 0.4, 0.5)]
     robots = [load_robot("mamba"), FINNED, load_robot("mamba")]
     names = ["gait.frequency", "water.normal_drag", "robot.module.mass"]
-    whole = sensitivities(robots, gaits, 15.0, environments=WATER, names=names, threads=2)
+    whole = compute_sensitivities(robots, gaits, 15.0, environments=WATER, names=names, threads=2)
     for i in range(3):
-        alone = sensitivities(
+        alone = compute_sensitivities(
             robots[i], gaits[i], 15.0, environments=WATER, names=names[::-1], threads=1
         )
         np.testing.assert_array_equal(whole.values[i], alone.values[0])
@@ -167,7 +167,7 @@ def test_numbers_at_the_end_of_their_range_are_differentiated_on_one_side():
     # kernels leave out then.
     robot, water = load_robot("mamba"), load_water("paper-lateral")
     names = ["robot.tether.drag", "water.tangential_added_mass"]
-    found = sensitivities(robot, GAIT, environments=water, names=names, dt=0.05)
+    found = compute_sensitivities(robot, GAIT, environments=water, names=names, dt=0.05)
     step = 2.0**-16
     for k, name in enumerate(names):
         scenario = lc.build_scenario(robot, GAIT, environment=water, dt=0.05)
@@ -181,7 +181,7 @@ def test_numbers_at_the_end_of_their_range_are_differentiated_on_one_side():
 
 
 def test_a_modules_own_coefficient_begins_at_the_waters():
-    found = sensitivities(
+    found = compute_sensitivities(
         load_robot("mamba"), GAIT, 5.0, names=["robot.module.normal_drag", "water.normal_drag"]
     )
     np.testing.assert_array_equal(found.point[:, 0], found.point[:, 1])
@@ -192,7 +192,7 @@ def test_a_modules_own_coefficient_begins_at_the_waters():
 
 def test_a_trial_that_diverges_has_no_derivatives():
     wild = replace(WATER, normal_drag=1e4)
-    found = sensitivities(
+    found = compute_sensitivities(
         FINNED, GAIT, 14.0, environments=[WATER, wild], names=["gait.amplitude"], dt=0.05
     )
     assert found.succeeded.tolist() == [True, False]
@@ -225,7 +225,7 @@ def test_a_trial_that_diverges_has_no_derivatives():
 )
 def test_names_of_no_use_are_refused(names, message):
     with pytest.raises(ValueError) as refused:
-        sensitivities(load_robot("mamba"), GAIT, 1.0, names=names)
+        compute_sensitivities(load_robot("mamba"), GAIT, 1.0, names=names)
     assert message in str(refused.value)
 
 
@@ -233,4 +233,4 @@ def test_modules_that_differ_have_no_common_number():
     robot = load_robot("mamba")
     odd = replace(robot, modules=(replace(robot.modules[0], mass=2.0), *robot.modules[1:]))
     with pytest.raises(ValueError, match=r"the same in all parts, got `robot\.module\.mass`"):
-        sensitivities(odd, GAIT, 1.0, names=["robot.module.mass"])
+        compute_sensitivities(odd, GAIT, 1.0, names=["robot.module.mass"])

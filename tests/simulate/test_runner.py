@@ -111,7 +111,7 @@ def test_what_a_controller_commands_is_a_command():
 
 
 def test_progress_is_told_on_the_way_and_at_the_end(monkeypatch):
-    monkeypatch.setattr(runner, "CHUNK", 50)
+    monkeypatch.setattr(runner, "LONGEST_SPAN", 50)
     told = []
     lc.swim(load_robot("mamba"), GAIT, duration=10.0, progress=told.append)
     assert told == pytest.approx([2.5, 5.0, 7.5, 10.0])
@@ -119,7 +119,7 @@ def test_progress_is_told_on_the_way_and_at_the_end(monkeypatch):
 
 def test_a_run_in_chunks_is_the_same_run(monkeypatch):
     whole = lc.swim(load_robot("mamba"), GAIT, duration=10.0)
-    monkeypatch.setattr(runner, "CHUNK", 50)
+    monkeypatch.setattr(runner, "LONGEST_SPAN", 50)
     chunks = lc.swim(load_robot("mamba"), GAIT, duration=10.0)
     np.testing.assert_array_equal(chunks.center_of_mass, whole.center_of_mass)
 

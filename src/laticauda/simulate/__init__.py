@@ -1,4 +1,20 @@
-"""Creating plants by name and running them: `plant`, `run`, `swim`, and `swim_many` for many runs at once."""
+"""Creating plants by name and running them: `build_plant`, `run`, `swim`, and `swim_many` for many runs at once.
+
+plants.py           plants of scenarios
+runner.py           one run over time, with its controller and log
+several.py          several runs on threads, or several robots in one scene
+many.py             `swim_many`: figures of many runs
+batch_scenarios.py  scenarios and runs of a batch, from the arguments of `swim_many`
+batch_run.py        running a batch, block by block
+batch_figures.py    what is kept of each run, and the figures computed from it
+run_figures.py      names, units and titles of these figures
+numbers.py          parameters that can be swept, by dotted name
+parameter_paths.py  steps of these names, and changing what they lead to
+sensitivity.py      `compute_sensitivities`: figures and their derivatives
+derivatives.py      batches that carry derivatives
+row_derivatives.py  how a number enters a run
+certainty.py        intervals of figures, from those of coefficients
+"""
 
 from typing import TYPE_CHECKING
 
@@ -10,9 +26,9 @@ if TYPE_CHECKING:
         figure_intervals as figure_intervals,
         widen_by_textbook_error as widen_by_textbook_error,
     )
-    from laticauda.simulate.derivatives import (
+    from laticauda.simulate.sensitivity import (
         Sensitivities as Sensitivities,
-        sensitivities as sensitivities,
+        compute_sensitivities as compute_sensitivities,
     )
     from laticauda.simulate.many import Swims as Swims, swim_many as swim_many
     from laticauda.simulate.numbers import (
@@ -34,7 +50,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "figure_intervals",
             "widen_by_textbook_error",
         ],
-        "laticauda.simulate.derivatives": ["Sensitivities", "sensitivities"],
+        "laticauda.simulate.sensitivity": ["Sensitivities", "compute_sensitivities"],
         "laticauda.simulate.many": ["Swims", "swim_many"],
         "laticauda.simulate.numbers": ["Parameter", "list_parameters"],
         "laticauda.simulate.plants": ["needs_compiling", "build_plant"],
@@ -44,6 +60,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
     renamed={
         "parameters": "list_parameters",
         "plant": "build_plant",
+        "sensitivities": "compute_sensitivities",
         "spread": "figure_intervals",
         "stated": "widen_by_textbook_error",
     },

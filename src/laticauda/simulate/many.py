@@ -13,10 +13,9 @@ from laticauda.gaits import Gait
 from laticauda.interfaces import Start
 from laticauda.robot import Environment, Robot
 from laticauda.scenarios import ModelChanges, Scenario, Spatial
-from laticauda.simulate.batch_figures import Figure
 from laticauda.simulate.batch_run import CPU, BatchResult, run_batch
 from laticauda.simulate.batch_scenarios import runs_of, scenarios_of_batch
-from laticauda.simulate.numbers import UNITS, of_figure
+from laticauda.simulate.run_figures import UNITS, Figure, RunFigures, of_figure
 from laticauda.simulate.runner import Progress, silent
 from laticauda.simulate.several import swim_each
 from laticauda.trial import Trial
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Swims:
+class Swims(RunFigures):
     """Figures of many trials, in the order of the arguments; each is defined as in a `Trial`.
 
     A figure is nan where a trial has none: all figures where the trial diverged, `steady_velocity`
@@ -35,20 +34,6 @@ class Swims:
     move.
     """
 
-    forward_velocity: Figure
-    """Straight-line displacement / time over the whole run (5) [m/s]."""
-    steady_velocity: Figure
-    """Displacement / time over whole gait cycles after the first third of the run and 10 s [m/s]."""
-    mechanical_power: Figure
-    """Mean of sum |u phi'| [W]."""
-    net_power: Figure
-    """Mean of sum u phi' [W]."""
-    positive_power: Figure
-    """Mean of sum max(u phi', 0) [W]."""
-    mean_power: Figure
-    """Electrical power with servo joints or a `Robot.active_power`, otherwise mechanical power [W]."""
-    cost_of_transport: Figure
-    """`mean_power` / (weight of the displaced water x `forward_velocity`) [-]."""
     center_of_mass: Float[np.ndarray, "n_trials n_axes"]
     """Final position of the center of mass [m]."""
     heading: Figure

@@ -36,31 +36,32 @@ def build_plant(
         MissingExtra: If the model needs a package that is not installed.
     """
     if isinstance(robot, Experiment):
-        raise BadArgument(
-            "scenario",
-            f"must be that of a simulated run to be run again; this one lacks {robot.lacks}",
-        )
+        rule = "must be that of a simulated run to be run again"
+        raise BadArgument("scenario", f"{rule}; this one lacks {robot.lacks}")
     if isinstance(robot, Scenario):
-        for one in scenarios.unknown_in(robot):
-            advice = "import the module that defines it, or install its package"
-            raise BadArgument(
-                "scenario", f"cannot be run here: its `{one.kind}` is not defined; {advice}"
-            )
-        return _plant(robot.robot, robot.environment, robot.model)
-    body = (
-        load_robot(robot)
-        if isinstance(robot, str | Path)
-        else cast(Robot, check_instance("robot", robot, Robot))
+        _check_defined(robot)
+        return _plant_of_model(robot.robot, robot.environment, robot.model)
+    if isinstance(robot, str | Path):
+        robot = load_robot(robot)
+    check_instance("robot", robot, Robot)
+    surroundings = scenarios.environment_of(environment, robot)
+    check_instance("environment", surroundings, Water, Ground)
+    stated_changes = {name: value for name, value in changes.items() if value is not None}
+    return _plant_of_model(
+        robot, cast(Environment, surroundings), scenarios.model_of(model, **stated_changes)
     )
-    where = cast(
-        Environment,
-        check_instance("environment", scenarios.environment_of(environment, body), Water, Ground),
-    )
-    given = {name: one for name, one in changes.items() if one is not None}
-    return _plant(body, where, scenarios.model_of(model, **given))
 
 
-def _plant(robot: Robot, environment: Environment, model: Model) -> Plant[Any]:
+def _check_defined(scenario: Scenario) -> None:
+    """Reject a scenario that names a law or a controller that is not defined here."""
+    for stand_in in scenarios.unknown_in(scenario):
+        rule = f"cannot be run here: its `{stand_in.kind}` is not defined"
+        advice = "import the module that defines it, or install its package"
+        raise BadArgument("scenario", f"{rule}; {advice}")
+
+
+def _plant_of_model(robot: Robot, environment: Environment, model: Model) -> Plant[Any]:
+    """Make the plant that a model is computed by; its module is imported only now."""
     law_of(environment).check()
     model.joints.check()
     if isinstance(model, Planar):

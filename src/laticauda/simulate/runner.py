@@ -1,11 +1,16 @@
-"""Simulation of a plant over time, with its log."""
+"""Simulation of plants over time, with their logs.
+
+A run is split into spans at the control instants, where controllers see their robots and decide. A
+command may take effect later, inside a span, which is then split into legs with one command each.
+`run_all` is the loop; `run`, `run_scenario`, `resume` and `swim` lead to it.
+"""
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, TypedDict, Unpack, cast
+from typing import Any, NamedTuple, TypedDict, Unpack, cast
 
 import numpy as np
 
@@ -20,21 +25,24 @@ from laticauda.trial import Trial
 from laticauda.trial.contents import REACHED_END
 
 Progress = Callable[[float], None]
+"""Receives how far the computation has come."""
 Until = Callable[[Observation], bool]
+"""Decides at a control instant whether a run ends there."""
 States = Sequence[Any]
+"""States of all plants of a run."""
 Marched = tuple[States, Sequence[Stretch], str | None]
 """States of all plants after a stretch of time, the resulting stretches of log, and a failure message, if any."""
 March = Callable[[States, Sequence[Command], float, float], Marched]
-"""Like `Plant.advance`, for all plants at once."""
+"""Like `Plant.advance`, for all plants at once: states, commands, length [s], sample interval [s]."""
+
+CLOSE = 1e-9
+"""Times closer than this are equal [s]."""
+LONGEST_SPAN = 2000
+"""Samples between two calls of `progress`: some tens of milliseconds of work."""
 
 
 def silent(*_: object) -> None:
     """Do nothing; the default callback."""
-
-
-CLOSE = 1e-9  # [s]: times closer than this are equal
-# Samples between two calls of `progress`: some tens of milliseconds of work.
-CHUNK = 2000
 
 
 class Watching(TypedDict, total=False):
@@ -106,6 +114,16 @@ def run(
     )
 
 
+def _motion(controller: Controller[Any]) -> Motion:
+    """Return the gait if the controller only holds one, otherwise the controller."""
+    check_instance("controller", controller, Controller)
+    if not isinstance(controller, OpenLoop):
+        return controller
+    if controller == OpenLoop(command=Command(gait=controller.gait)):
+        return controller.gait
+    return controller
+
+
 def run_scenario(scenario: Scenario, plant: Plant[Any], **how: Unpack[Watching]) -> Trial:
     """Run a scenario on its plant; errors as for `run`.
 
@@ -122,16 +140,21 @@ def run_scenario(scenario: Scenario, plant: Plant[Any], **how: Unpack[Watching])
     link_forces = how.get("link_forces", False)
 
     def march(
-        states: States, commands: Sequence[Command], share: float, interval: float
+        states: States, commands: Sequence[Command], length: float, sample_interval: float
     ) -> Marched:
         state, stretch, failure = plant.advance(
-            states[0], commands[0], share, interval, link_forces=link_forces
+            states[0], commands[0], length, sample_interval, link_forces=link_forces
         )
         return [state], [stretch], failure
 
-    (trial,) = run_all(
-        [scenario], [plant], march, until=how.get("until"), progress=how.get("progress", silent)
+    trials = run_all(
+        [scenario],
+        [plant],
+        march,
+        until=how.get("until"),
+        progress=how.get("progress", silent),
     )
+    trial = trials[0]
     if how.get("throw") and not trial.succeeded:
         raise SimulationFailed(trial.status)
     return trial
@@ -143,7 +166,7 @@ def run_all(
     march: March,
     *,
     until: Until | None = None,
-    check: Callable[[States], object] = lambda states: None,
+    check: Callable[[States], object] = silent,
     progress: Progress = silent,
 ) -> list[Trial]:
     """Run plants that advance together under the controllers of their scenarios; see `run`.
@@ -159,30 +182,45 @@ def run_all(
     Raises:
         ValueError: If an argument is out of its range, or a controller rejects its robot.
     """
-    duration, sample_interval = scenarios[0].duration, scenarios[0].sample_interval
+    duration = scenarios[0].duration
+    sample_interval = scenarios[0].sample_interval
     check_size(duration, sample_interval)
-    for one, body in zip(scenarios, plants, strict=True):
-        one.controller.check(body.robot)
+    for scenario, plant in zip(scenarios, plants, strict=True):
+        scenario.controller.check(plant.robot)
     swimmers = [
-        _Swimmer(plant=body, scenario=one) for body, one in zip(plants, scenarios, strict=True)
+        _Swimmer(plant=plant, scenario=scenario)
+        for plant, scenario in zip(plants, scenarios, strict=True)
     ]
-    check([one.state for one in swimmers])
-    pace = min(one.controller.interval for one in swimmers)
+    check([swimmer.state for swimmer in swimmers])
+    control_interval = min(swimmer.controller.interval for swimmer in swimmers)
     failure: str | None = None
-    reached, now = 0, 0.0
-    for share, count, done in _stretches(duration, sample_interval, pace):
-        seen = [one.plant.observe(one.state) for one in swimmers]
-        if until is not None and reached and until(seen[0]):
-            duration = _cut(duration, pace, reached)
+    n_finished = 0
+    now = 0.0
+    for span in _spans(duration, sample_interval, control_interval):
+        observations = [swimmer.plant.observe(swimmer.state) for swimmer in swimmers]
+        if until is not None and n_finished and until(observations[0]):
+            duration = _cut(duration, control_interval, n_finished)
             break
-        for one, observation in zip(swimmers, seen):  # noqa: B905 - many times a second
-            one.decide(observation, now, pace)
-        failure = _march_on(swimmers, march, now, share, count)
+        for swimmer, observation in zip(swimmers, observations):  # noqa: B905 - many times a second
+            swimmer.decide(observation, now, control_interval)
+        failure = _advance(swimmers, march, now, span)
         if failure is not None:
             break
-        reached, now = reached + 1, done
-        progress(done)
-    return [one.trial(duration, failure) for one in swimmers]
+        n_finished += 1
+        now = span.end
+        progress(now)
+    return [swimmer.trial(duration, failure) for swimmer in swimmers]
+
+
+# ---- one robot of a run --------------------------------------------------------------------------
+
+
+class _DueCommand(NamedTuple):
+    """A command on its way from the controller to the joints."""
+
+    due: float
+    """When it takes effect, or did [s]."""
+    command: Command
 
 
 class _Swimmer:
@@ -194,83 +232,90 @@ class _Swimmer:
     """
 
     def __init__(self, plant: Plant[Any], scenario: Scenario) -> None:
-        self.plant, self.scenario, self.controller = plant, scenario, scenario.controller
-        self.state = _begun(plant, scenario.start, scenario.gait)
-        self.mind = self.controller.init()
+        self.plant = plant
+        self.scenario = scenario
+        self.controller = scenario.controller
+        self.state = _initial_state(plant, scenario.start, scenario.gait)
+        self.controller_state = self.controller.init()
         self.delay = _delay(plant, self.controller, scenario.start)
-        # The delay line between controller and joints: when each command takes effect [s]; the
-        # first one already has.
-        self.line = [(0.0, Command(gait=self.controller.gait))]
-        self.log: list[Stretch] = []
+        """Time after which a command takes effect [s]."""
+        self.commands = [_DueCommand(0.0, Command(gait=self.controller.gait))]
+        """The command that acts, and those on their way, in the order in which they take effect."""
+        self.stretches: list[Stretch] = []
         self.signals: list[Mapping[str, float]] = []
-        self.counts: list[int] = []  # number of samples after each control instant
+        """Signals of the controller at every control instant."""
+        self.n_samples: list[int] = []
+        """Number of samples after each control instant."""
 
-    def decide(self, seen: Observation, now: float, pace: float) -> None:
-        """Perform one control step; a controller slower than the `pace` of the others keeps its first command."""
-        controller, command = self.controller, self.line[-1][1]
-        if not self.signals or controller.interval <= pace:
-            self.mind, command = controller.step(self.mind, seen)
+    def decide(self, observation: Observation, now: float, control_interval: float) -> None:
+        """Perform one control step at a control instant of the run.
+
+        A controller slower than the fastest one in the run keeps its first command.
+        """
+        command = self.commands[-1].command
+        if not self.signals or self.controller.interval <= control_interval:
+            self.controller_state, command = self.controller.step(
+                self.controller_state, observation
+            )
             check_instance("command", command, Command)
-        self.signals.append(controller.signals(self.mind))
-        self.counts.append(0)
-        self.line.append((now + self.delay, command))
-        while len(self.line) > 1 and self.line[1][0] <= now + CLOSE:
-            del self.line[0]
+        self.signals.append(self.controller.signals(self.controller_state))
+        self.n_samples.append(0)
+        self.commands.append(_DueCommand(now + self.delay, command))
+        while len(self.commands) > 1 and self.commands[1].due <= now + CLOSE:
+            del self.commands[0]
+
+    def command_at(self, now: float, elapsed: float) -> Command:
+        """Return the command that acts some time after a control instant.
+
+        Args:
+            now: Time of the control instant [s].
+            elapsed: Time since then [s].
+        """
+        acting = self.commands[0].command
+        for due, command in self.commands:
+            if due - now <= elapsed + CLOSE:
+                acting = command
+        return acting
+
+    def log(self, stretch: Stretch) -> None:
+        """Keep the samples of a stretch, whose first one the stretch before has, too."""
+        self.stretches.append(stretch)
+        self.n_samples[-1] += len(stretch.samples) - 1
 
     def trial(self, duration: float, failure: str | None) -> Trial:
         """Return the trial of a run of the given duration [s], which may have ended with a failure."""
-        log, scenario = self.plant.log(self.log), self.scenario
-        self.counts[-1] += (
-            1  # a sample at a control instant has its signals, but the very last one those before it
-        )
-        said = {
-            name: np.repeat([one[name] for one in self.signals], self.counts)
-            for name in self.signals[0]
-        }
+        log = self.plant.log(self.stretches)
+        scenario = self.scenario
+        if duration != scenario.duration:
+            scenario = replace(scenario, duration=duration)
+        series = replace(log, signals={**self._sampled_signals(), **log.signals})
         return Trial(
-            **vars(replace(log, signals={**said, **log.signals})),
-            scenario=scenario
-            if duration == scenario.duration
-            else replace(scenario, duration=duration),
+            **vars(series),
+            scenario=scenario,
             version=packaging.__version__,
             status=failure or REACHED_END,
             succeeded=failure is None,
             state=self.plant.pack(self.state) if failure is None else {},
         )
 
+    def _sampled_signals(self) -> dict[str, np.ndarray]:
+        """Return the signals of the controller at every sample.
 
-def _march_on(
-    swimmers: Sequence[_Swimmer], march: March, now: float, share: float, count: int
-) -> str | None:
-    """Advance by a stretch of time, split where a command takes effect; return the failure message, if any."""
-    interval = share / count
-    turns = [due - now for one in swimmers for due, _ in one.line[1:] if due < now + share - CLOSE]
-    samples, moments = [], (0.0, share)
-    if turns:
-        samples = [i * interval for i in range(count + 1)]
-        between = {turn for turn in turns if min(abs(turn - sample) for sample in samples) > CLOSE}
-        moments = sorted([*samples, *between])
-    for begin, end in pairwise(moments):
-        acting = [
-            [command for due, command in one.line if due - now <= begin + CLOSE][-1]
-            for one in swimmers
-        ]
-        length = end - begin
-        states, found, failure = march(
-            [one.state for one in swimmers], acting, length, length if turns else interval
-        )
-        for one, state, stretch in zip(swimmers, states, found):  # noqa: B905
-            one.state = state
-            one.log.append(stretch if not turns or end in samples else stretch.at(slice(None, -1)))
-            one.counts[-1] += len(one.log[-1].samples) - 1
-        if failure is not None:
-            return failure
-    return None
+        A sample at a control instant has the signals of that instant, but the very last one those
+        before it.
+        """
+        n_samples = [*self.n_samples[:-1], self.n_samples[-1] + 1]
+        return {
+            name: np.repeat([signals[name] for signals in self.signals], n_samples)
+            for name in self.signals[0]
+        }
 
 
 def _delay(plant: Plant[Any], controller: Controller[Any], start: Start | Resumed | None) -> float:
     """Return the delay after which commands take effect [s]."""
-    delay = 0.0 if isinstance(controller, OpenLoop) else plant.settings.loop_delay
+    if isinstance(controller, OpenLoop):
+        return 0.0
+    delay = plant.settings.loop_delay
     if delay and isinstance(start, Resumed):
         rule = (
             "must be 0 to continue from the end of a trial, which does not store delayed commands"
@@ -279,11 +324,115 @@ def _delay(plant: Plant[Any], controller: Controller[Any], start: Start | Resume
     return delay
 
 
-def _begun(plant: Plant[Any], start: Start | Resumed, gait: gaits.Gait) -> Any:
+def _initial_state(plant: Plant[Any], start: Start | Resumed, gait: gaits.Gait) -> Any:
     """Return the plant's initial state: that of a start, or the final state of a trial."""
     if isinstance(start, Resumed):
-        return plant.unpack({name: np.array(one) for name, one in start.state.items()})
+        return plant.unpack({name: np.array(values) for name, values in start.state.items()})
     return plant.init(start, Command(gait=gait))
+
+
+# ---- time: spans between control instants, and legs with one command -----------------------------
+
+
+class _Span(NamedTuple):
+    """Time without a control instant inside."""
+
+    length: float
+    """Its length [s]."""
+    n_samples: int
+    """Number of samples, the one at its end included."""
+    end: float
+    """Time reached at its end [s]."""
+
+
+def _spans(duration: float, sample_interval: float, control_interval: float) -> Iterator[_Span]:
+    """Split a run at its control instants, and long spans so that `progress` is called often enough."""
+    n_intervals = max(1, math.ceil(duration / control_interval - 1e-9))
+    length = duration / n_intervals
+    n_samples = max(1, round(length / sample_interval))
+    for i in range(n_intervals):
+        for first in range(0, n_samples, LONGEST_SPAN):
+            count = min(LONGEST_SPAN, n_samples - first)
+            yield _Span(
+                length=length * count / n_samples,
+                n_samples=count,
+                end=length * (i + (first + count) / n_samples),
+            )
+
+
+def _cut(duration: float, control_interval: float, n_finished: int) -> float:
+    """Return the shortened duration of a run that ends after `n_finished` control instants [s].
+
+    Repeated with this duration, the run has control instants at the same times to the last bit,
+    if one of the neighboring floating-point numbers allows it.
+    """
+    length = duration / max(1, math.ceil(duration / control_interval - 1e-9))
+    cut = length * n_finished
+    for candidate in (cut, math.nextafter(cut, 0.0), math.nextafter(cut, 2.0 * cut)):
+        if candidate / n_finished == length:
+            return candidate
+    return cut
+
+
+class _Leg(NamedTuple):
+    """Part of a span during which every swimmer has one command; times since the span's begin."""
+
+    begin: float
+    """Begin [s]."""
+    end: float
+    """End [s]."""
+    sample_interval: float
+    """Time between its samples [s]."""
+    ends_at_sample: bool
+    """Whether the log has a sample at its end."""
+
+
+def _advance(swimmers: Sequence[_Swimmer], march: March, now: float, span: _Span) -> str | None:
+    """Advance by a span, leg by leg; return the failure message, if any."""
+    for leg in _legs(swimmers, now, span):
+        states, stretches, failure = march(
+            [swimmer.state for swimmer in swimmers],
+            [swimmer.command_at(now, leg.begin) for swimmer in swimmers],
+            leg.end - leg.begin,
+            leg.sample_interval,
+        )
+        for swimmer, state, stretch in zip(swimmers, states, stretches):  # noqa: B905
+            swimmer.state = state
+            if not leg.ends_at_sample:
+                stretch = stretch.at(slice(None, -1))
+            swimmer.log(stretch)
+        if failure is not None:
+            return failure
+    return None
+
+
+def _legs(swimmers: Sequence[_Swimmer], now: float, span: _Span) -> list[_Leg]:
+    """Return the legs of a span: all of it, or from sample to sample if a command takes effect inside.
+
+    In the latter case it is also split where the command takes effect between two samples.
+    """
+    sample_interval = span.length / span.n_samples
+    changes = _changes_of_command(swimmers, now, span.length)
+    if not changes:
+        return [_Leg(0.0, span.length, sample_interval, ends_at_sample=True)]
+    samples = [i * sample_interval for i in range(span.n_samples + 1)]
+    between_samples = {
+        change for change in changes if min(abs(change - sample) for sample in samples) > CLOSE
+    }
+    return [
+        _Leg(begin, end, sample_interval=end - begin, ends_at_sample=end in samples)
+        for begin, end in pairwise(sorted([*samples, *between_samples]))
+    ]
+
+
+def _changes_of_command(swimmers: Sequence[_Swimmer], now: float, length: float) -> list[float]:
+    """Return the times since the begin of a span at which a command takes effect inside it [s]."""
+    changes: list[float] = []
+    for swimmer in swimmers:
+        for due, _ in swimmer.commands[1:]:
+            if due < now + length - CLOSE:
+                changes.append(due - now)
+    return changes
 
 
 def resume(
@@ -315,9 +464,9 @@ def resume(
             this plant.
         SimulationFailed: If the run blows up and `throw` is set.
     """
-    steered = getattr(trial.scenario, "motion", None)  # an experiment has none
-    if isinstance(steered, Controller):
-        _delay(plant, cast("Controller[Any]", steered), Resumed(state={}))
+    motion = getattr(trial.scenario, "motion", None)  # an experiment has none
+    if isinstance(motion, Controller):
+        _delay(plant, cast("Controller[Any]", motion), Resumed(state={}))
     if not trial.succeeded or not trial.state:
         raise ValueError(
             f"`trial` must have run to its end and hold its final state; its status: {trial.status}"
@@ -327,40 +476,6 @@ def resume(
             raise BadArgument("controller", "must be given to continue a trial that has no gait")
         controller = OpenLoop(command=Command(gait=trial.gait))
     return run(plant, controller, duration, start=Resumed(state=trial.state), **how)
-
-
-def _motion(controller: Controller[Any]) -> Motion:
-    """Return the gait if the controller only holds one, otherwise the controller."""
-    check_instance("controller", controller, Controller)
-    held = isinstance(controller, OpenLoop) and controller == OpenLoop(
-        command=Command(gait=controller.gait)
-    )
-    return controller.gait if held else controller
-
-
-def _cut(duration: float, interval: float, n_reached: int) -> float:
-    """Return the shortened duration of a run that ends after `n_reached` control instants [s]."""
-    length = duration / max(1, math.ceil(duration / interval - 1e-9))
-    cut = length * n_reached
-    around = cut, math.nextafter(cut, 0.0), math.nextafter(cut, 2.0 * cut)
-    return next((duration for duration in around if duration / n_reached == length), cut)
-
-
-def _stretches(
-    duration: float, sample_interval: float, control_interval: float
-) -> Iterator[tuple[float, int, float]]:
-    """Split a run at its control instants, and split long stretches so that `progress` is called often enough.
-
-    Yields:
-        Length of the stretch [s], samples in it, time reached at its end [s].
-    """
-    n_stretches = max(1, math.ceil(duration / control_interval - 1e-9))
-    length = duration / n_stretches
-    n_samples = max(1, round(length / sample_interval))
-    for i in range(n_stretches):
-        for first in range(0, n_samples, CHUNK):
-            count = min(CHUNK, n_samples - first)
-            yield length * count / n_samples, count, length * (i + (first + count) / n_samples)
 
 
 def swim(
@@ -404,8 +519,9 @@ def swim(
         0.148
     """
     if isinstance(robot, Scenario | Experiment):
-        body, chosen = build_plant(robot), cast(Scenario, robot)
+        plant = build_plant(robot)  # rejects an experiment
+        scenario = cast(Scenario, robot)
     else:
-        chosen = build_scenario(robot, cast(Motion, gait), duration, **changes)
-        body = build_plant(chosen)
-    return run_scenario(chosen, body, link_forces=link_forces, throw=throw, progress=progress)
+        scenario = build_scenario(robot, cast(Motion, gait), duration, **changes)
+        plant = build_plant(scenario)
+    return run_scenario(scenario, plant, link_forces=link_forces, throw=throw, progress=progress)

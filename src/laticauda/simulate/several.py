@@ -1,11 +1,16 @@
-"""Several trials at once, of models that do not vectorize: in parallel on threads, or all robots in one scene."""
+"""Several trials at once, of models that do not vectorize: each alone on a thread, or all robots in one scene.
+
+`swim_each` runs independent trials side by side; `swim_together` puts their robots into one scene,
+where they meet.
+"""
 
 import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from threading import Event, local
-from typing import Any, TypeVar, cast
+from typing import Any, Generic, TypeVar, cast
 
+from laticauda.dynamics.plant import Plant
 from laticauda.dynamics.school import usable_cores
 from laticauda.errors import BadArgument, check_instance
 from laticauda.scenarios import Scenario, Spatial
@@ -15,8 +20,11 @@ from laticauda.trial import Trial
 
 Result = TypeVar("Result")
 
+SAME_IN_ONE_SCENE = ("environment", "duration", "sample_interval", "scene", "gravity", "root")
+"""Fields of scenarios and their models that robots in one scene share."""
 
-class _Given(Exception):
+
+class _Abandoned(Exception):
     """Raised in a trial whose result is no longer needed."""
 
 
@@ -43,37 +51,64 @@ def swim_each(
         BadArgument: If a scenario cannot be run; the argument's name gives its index, and the
             others are abandoned.
     """
-    own, is_over, results = local(), Event(), list[Result]()
-
-    def watch(_: float) -> None:
-        if is_over.is_set():
-            raise _Given
-
-    def swum(i: int) -> Result:
-        one = scenarios[i]
+    results: list[Result] = []
+    runs = _ParallelRuns(scenarios, use)
+    with ThreadPoolExecutor(threads or usable_cores()) as pool:
         try:
-            check_instance("", one, Scenario)
-            parts = one.robot, one.environment, one.model
-            if not all(
-                part is kept
-                for part, kept in zip(parts, getattr(own, "parts", [None] * 3), strict=True)
-            ):
-                own.plant, own.parts = plants.build_plant(one), parts
-            return use(runner.run_scenario(one, own.plant, progress=watch))
-        except BadArgument as bad:
-            raise BadArgument(f"scenarios[{i}].{bad.name}".rstrip("."), bad.rule) from bad
+            for result in pool.map(runs.run, range(len(scenarios))):
+                results.append(result)
+                progress(len(results) / len(scenarios))
+        finally:
+            runs.is_over.set()
+    return results
+
+
+class _ParallelRuns(Generic[Result]):
+    """Scenarios that threads run, each with the last plant it made.
+
+    Args:
+        scenarios: The scenarios.
+        use: Called with every trial.
+    """
+
+    def __init__(self, scenarios: Sequence[Scenario], use: Callable[[Trial], Result]) -> None:
+        self.scenarios = scenarios
+        self.use = use
+        self.is_over = Event()
+        """Set when no more results are needed."""
+        self._of_thread = local()
+
+    def run(self, i: int) -> Result:
+        """Run scenario `i`, and return what `use` makes of its trial."""
+        scenario = self.scenarios[i]
+        try:
+            check_instance("", scenario, Scenario)
+            plant = self._plant_of(scenario)
+            return self.use(runner.run_scenario(scenario, plant, progress=self._stop_if_over))
+        except BadArgument as error:
+            name = f"scenarios[{i}].{error.name}".rstrip(".")
+            raise BadArgument(name, error.rule) from error
         except Exception as error:
             error.add_note(f"This happened in scenarios[{i}].")
             raise
 
-    with ThreadPoolExecutor(threads or usable_cores()) as pool:
-        try:
-            for result in pool.map(swum, range(len(scenarios))):
-                results.append(result)
-                progress(len(results) / len(scenarios))
-        finally:
-            is_over.set()
-    return results
+    def _plant_of(self, scenario: Scenario) -> Plant[Any]:
+        """Return the plant of this thread's last scenario if that had the same objects, else a new one."""
+        last: Scenario | None = getattr(self._of_thread, "scenario", None)
+        is_same = (
+            last is not None
+            and scenario.robot is last.robot
+            and scenario.environment is last.environment
+            and scenario.model is last.model
+        )
+        if not is_same:
+            self._of_thread.plant = plants.build_plant(scenario)
+            self._of_thread.scenario = scenario
+        return self._of_thread.plant
+
+    def _stop_if_over(self, _: float) -> None:
+        if self.is_over.is_set():
+            raise _Abandoned
 
 
 def swim_together(scenarios: Sequence[Scenario], *, progress: Progress = silent) -> list[Trial]:
@@ -107,21 +142,27 @@ def swim_together(scenarios: Sequence[Scenario], *, progress: Progress = silent)
     from laticauda.spatial.school import Together
 
     check_instance("scenarios", scenarios, Sequence)
-    for i, one in enumerate(scenarios):
-        check_instance(f"scenarios[{i}].model", one.model, Spatial)
-        if cast(Spatial, one.model).scene is None:
+    for i, scenario in enumerate(scenarios):
+        check_instance(f"scenarios[{i}].model", scenario.model, Spatial)
+        if cast(Spatial, scenario.model).scene is None:
             raise BadArgument(f"scenarios[{i}].model", "must have a `scene`, such as `open`")
-    bodies = [cast(Any, plants.build_plant(one)) for one in scenarios]
-    for name in ("environment", "duration", "sample_interval", "scene", "gravity", "root"):
-        of_all = zip(scenarios, bodies, strict=True)
-        if (
-            len({repr(getattr(one, name, getattr(body.settings, name, 0))) for one, body in of_all})
-            != 1
-        ):
-            raise BadArgument(name, "must be the same for all robots in one scene")
-    if len({one.controller.interval for one in scenarios} - {math.inf}) > 1:
-        raise BadArgument("interval", "must be the same for all controllers in one scene")
+    bodies = [cast(Any, plants.build_plant(scenario)) for scenario in scenarios]
+    _check_same_scene(scenarios, bodies)
     together = Together(bodies)
     return runner.run_all(
         scenarios, bodies, together.march, check=together.check, progress=progress
     )
+
+
+def _check_same_scene(scenarios: Sequence[Scenario], bodies: Sequence[Plant[Any]]) -> None:
+    """Reject robots that cannot share one scene."""
+    for name in SAME_IN_ONE_SCENE:
+        values: set[str] = set()
+        for scenario, body in zip(scenarios, bodies, strict=True):
+            setting = getattr(body.settings, name, 0)
+            values.add(repr(getattr(scenario, name, setting)))
+        if len(values) != 1:
+            raise BadArgument(name, "must be the same for all robots in one scene")
+    intervals = {scenario.controller.interval for scenario in scenarios} - {math.inf}
+    if len(intervals) > 1:
+        raise BadArgument("interval", "must be the same for all controllers in one scene")
