@@ -51,7 +51,7 @@ from laticauda.identify.tables import FIGURES, TABLE_SIGMA, from_table, from_tab
 from laticauda.identify.unknowns import Unknown, as_unknowns, numbers_by_name
 from laticauda.quantities import check_one_among, option, quantity, value_class
 from laticauda.robot.files import read_table
-from laticauda.robot.parameters import NAMES, adjusted, read_adjustments
+from laticauda.robot.parameters import NAMES, adjust, read_adjustments
 from laticauda.simulate.numbers import UNITS
 from laticauda.simulate.runner import Progress, silent
 
@@ -363,7 +363,7 @@ def task_from_table(table: Table, name: str, folder: Path) -> Task:
         title=said.title,
         measurements=tuple(measured),
         unknowns=said.parameters,
-        robot=None if robot is None else adjusted(robot, base.changes if base else {}),
+        robot=None if robot is None else adjust(robot, base.changes if base else {}),
         base=base,
         options=options,
         sources=(*(path for trial in trials for path in trial.sources), *files),
