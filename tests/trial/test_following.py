@@ -107,27 +107,35 @@ def test_a_run_that_goes_on_behind_the_end_of_its_path_says_when_it_was_there():
     assert end_of((0.0, 0.0), (100.0, 0.0))[0] is None
 
 
-def test_a_run_that_was_cut_has_no_error_of_its_last_third_and_the_figures_that_it_allows():
-    gait = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
-    whole = lc.swim("mamba-fin", Following().controller(gait), 20.0)
-    kept = (whole.time < 8.0) | (whole.time > 19.99)
-    cut = lc.Trial.measured(
-        {
-            "time": whole.time[kept],
-            "center_of_mass": whole.center_of_mass[kept],
-            "center_of_mass_velocity": whole.center_of_mass_velocity[kept],
-            "joint_angle": whole.joint_angle[kept],
-            "joint_rate": whole.joint_rate[kept],
-            "link_angle": whole.link_angle[kept],
-            "heading": whole.heading[kept],
-        },
+def cut(whole: lc.Trial, begin: float, end: float) -> lc.Trial:
+    """A run of which nothing was recorded between two times, as if the computer had stood still."""
+    kept = (whole.time < begin) | (whole.time > end)
+    names = ("time", "center_of_mass", "center_of_mass_velocity", "joint_angle", "joint_rate")
+    series = {name: getattr(whole, name)[kept] for name in (*names, "link_angle", "heading")}
+    return lc.Trial.measured(
+        series,
         signals={name: signal[kept] for name, signal in whole.signals.items()},
         scenario=whole.scenario,
         version=whole.version,
         status="cut",
         succeeded=False,
     )
-    figures = following.summarize_following(cut)
+
+
+@pytest.fixture(scope="module")
+def followed() -> lc.Trial:
+    gait = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
+    return lc.swim("mamba-fin", Following().controller(gait), 20.0)
+
+
+def test_a_run_that_was_cut_has_no_error_of_its_last_third_and_the_figures_that_it_allows(followed):
+    figures = following.summarize_following(cut(followed, 8.0, 19.99))
     assert figures["last_third_error"] is None
     assert figures["overshoot"] is not None
-    assert following.summarize_following(whole)["last_third_error"] is not None
+    assert following.summarize_following(followed)["last_third_error"] is not None
+
+
+def test_a_run_that_was_cut_soon_has_too_few_samples_for_any_mean_over_a_cycle(followed):
+    figures = following.summarize_following(cut(followed, 0.7, 19.9))
+    assert figures["overshoot"] is figures["convergence_time"] is None
+    assert figures["saturated_share"] is not None

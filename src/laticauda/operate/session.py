@@ -209,6 +209,8 @@ def operate(
                         )
                     ),
                 )
+            if isinstance(sink, Writer):
+                sink.flush()
             read = _read(path)
             if read is None:
                 note = "The run has not been checked yet: `laticauda replay` does that."

@@ -206,10 +206,24 @@ def direction_of(
     return np.arctan2(y, x)
 
 
+def resolves_cycles(time: Time, period: float) -> bool:
+    """Return whether a log has enough samples for means over its gait cycles; one that was cut may not.
+
+    Args:
+        time: Times of the samples [s], strictly increasing; at least two.
+        period: Gait period [s].
+    """
+    return _mean_step(time) * SAMPLES_PER_CYCLE <= period * (1.0 + _ROUNDING)
+
+
+def _mean_step(time: Time) -> float:
+    return float(time[-1] - time[0]) / (time.size - 1)
+
+
 def _refuse_coarse(time: Time, period: float) -> None:
     if time.size < 2:
         raise BadArgument("time", f"must have at least 2 samples, got {time.size}")
-    step = float(time[-1] - time[0]) / (time.size - 1)
-    if step * SAMPLES_PER_CYCLE > period * (1.0 + _ROUNDING):
+    if not resolves_cycles(time, period):
+        step = _mean_step(time)
         rule = f"must have at least {SAMPLES_PER_CYCLE} samples per gait cycle of {period:.4g} s"
         raise BadArgument("time", f"{rule}, got one every {step:.4g} s")

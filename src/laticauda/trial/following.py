@@ -13,7 +13,14 @@ from jaxtyping import Bool, Float
 
 from laticauda.errors import BadArgument, check_positive
 from laticauda.files import read_toml
-from laticauda.trial.cycles import CycleMean, Middles, Time, cycle_mean, interpolated
+from laticauda.trial.cycles import (
+    CycleMean,
+    Middles,
+    Time,
+    cycle_mean,
+    interpolated,
+    resolves_cycles,
+)
 from laticauda.trial.trial import Trial
 
 TOLERANCE = 0.1  # cycle-mean error within which a run counts as converged [m]
@@ -218,7 +225,7 @@ def summarize_following(trial: Trial) -> dict[str, float | None]:
         )
     if time.size > 1:
         found["saturated_share"] = saturated_share(time, trial.signals["is_saturated"])
-    if period is None or time[-1] - time[0] < 1.5 * period:
+    if period is None or time[-1] - time[0] < 1.5 * period or not resolves_cycles(time, period):
         return found
     found["overshoot"] = overshoot(time, error, period)
     if _has_last_third(time, error, period):

@@ -40,6 +40,16 @@ def test_what_is_kept_is_in_the_file_once_it_is_closed(tmp_path: Path):
     assert read_operation(tmp_path / "a.mcap").of(PowerReading) == found
 
 
+def test_what_a_tick_left_waiting_is_handed_over_without_a_next_tick(tmp_path: Path):
+    found = readings(20_000)  # far more than a pipe takes at once
+    with Writer(tmp_path / "a.mcap", HEADER) as writer:
+        writer.keep(0.0, (*found, Event(time=300.0, kind="phase", message="stopping -> done")))
+        writer.flush()
+        until(lambda: len(read_operation(tmp_path / "a.mcap").of(Event)) == 1)
+        writer.keep(301.0, readings(1))
+        assert not writer.trouble
+
+
 def test_what_is_learnt_in_the_writers_program_is_in_the_file_and_told(tmp_path: Path):
     water = lc.load_water("paper-lateral")
     learner = Learner(

@@ -80,11 +80,16 @@ class Writer(AbstractContextManager["Writer"]):
         if not self.trouble:
             self._send((now, found))
 
-    def close(self) -> None:
-        """Have everything written, and wait until it is done."""
+    def flush(self) -> None:
+        """Hand over everything that waits, such as a tick with all that came while the computer stood still."""
         os.set_blocking(self._pipe, True)
         while self._waiting and self._process.poll() is None:
             self._pass_on()
+        os.set_blocking(self._pipe, False)
+
+    def close(self) -> None:
+        """Have everything written, and wait until it is done."""
+        self.flush()
         self._process.stdin.close()
         self._process.wait()
         if self._listener.ident is not None:
