@@ -4,7 +4,7 @@ from figures.runs import RUNS, run
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 
-from laticauda.figures import new_figure, path as postures, path_strip
+from laticauda.figures import new_figure, path_strip, posture as postures
 from laticauda.kinematics import Posture
 
 

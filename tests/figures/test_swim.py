@@ -23,7 +23,7 @@ from laticauda.figures import (
     swim_sheet,
 )
 from laticauda.figures.style import DOUBLE_COLUMN
-from laticauda.figures.swim import plot_timing
+from laticauda.figures.timing import plot_timing
 
 LABELS = ["x [m]", "y [m]", "time [s]", "speed [m/s]", "joint angle [deg]", "joint torque [N m]"]
 

@@ -1,4 +1,16 @@
-"""Figures of trials: one function per figure, which takes data and axes and returns the axes."""
+"""Figures of trials: one function per figure, which takes data and axes and returns the axes.
+
+style     sizes, colors and labels of all figures
+posture   the body, true to scale
+water     the motion of the water under a path
+path      the path of a run, with postures along it
+swim      speed, joint angles and torques; the sheet of a run
+follow    the sheet of a run that followed a path
+sheets    which of the two a run gets
+several   several runs in one figure, and sweeps
+timing    how late the loop of an operated run was
+film      a run in the plane as a film
+"""
 
 from typing import TYPE_CHECKING
 
@@ -9,15 +21,15 @@ if TYPE_CHECKING:
     from laticauda.figures.path import path_strip as path_strip
     from laticauda.figures.several import plot_overlay as plot_overlay, sweep_sheet as sweep_sheet
     from laticauda.figures.style import new_figure as new_figure, save_figure as save_figure
+    from laticauda.figures.follow import follow_sheet as follow_sheet
+    from laticauda.figures.sheets import sheet as sheet
     from laticauda.figures.swim import (
-        follow_sheet as follow_sheet,
         plot_joint_angle as plot_joint_angle,
         plot_joint_torque as plot_joint_torque,
-        sheet as sheet,
         plot_speed as plot_speed,
         swim_sheet as swim_sheet,
-        timing_sheet as timing_sheet,
     )
+    from laticauda.figures.timing import timing_sheet as timing_sheet
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
@@ -26,15 +38,15 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.figures.path": ["path_strip"],
         "laticauda.figures.several": ["plot_overlay", "sweep_sheet"],
         "laticauda.figures.style": ["new_figure", "save_figure"],
+        "laticauda.figures.follow": ["follow_sheet"],
+        "laticauda.figures.sheets": ["sheet"],
         "laticauda.figures.swim": [
-            "follow_sheet",
             "plot_joint_angle",
             "plot_joint_torque",
-            "sheet",
             "plot_speed",
             "swim_sheet",
-            "timing_sheet",
         ],
+        "laticauda.figures.timing": ["timing_sheet"],
     },
     renamed={
         "joint_angle": "plot_joint_angle",

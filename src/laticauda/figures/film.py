@@ -18,15 +18,23 @@ from PIL import Image
 
 from laticauda.errors import check_positive
 from laticauda.figures import style
-from laticauda.figures.path import draw_posture, draw_water, outline
+from laticauda.figures.posture import draw_posture, outline
 from laticauda.figures.swim import title_of
+from laticauda.figures.water import draw_water
 from laticauda.files import write
 from laticauda.pictures.render import write_video
 from laticauda.trial import Trial, following
 
-HEIGHT, LABELS = (1.2, 4.5), 1.1  # of the plan view, and of title and labels [in]
+PLAN_HEIGHTS = (1.2, 4.5)
+"""Smallest and largest height of the plan view [in]."""
+LABELS_HEIGHT = 1.1
+"""Height of title and labels [in]."""
+GIF_COLORS = 64
+"""Colors of a GIF."""
 Draw = Callable[[int], Sequence[Artist]]
+"""Draws one sample, and returns the moving artists."""
 FORMATS = {".gif": "GIF", ".webp": "WEBP"}
+"""Formats that are written by Pillow, by the ending of the file."""
 
 
 class Film(FuncAnimation):
@@ -42,59 +50,81 @@ class Film(FuncAnimation):
     def __init__(
         self, figure: Figure, draw: Draw, moments: list[int], frames_per_second: float
     ) -> None:
-        self._how = figure, draw, moments, 1e3 / frames_per_second
+        self._shown_figure = figure
+        self._draw_sample = draw
+        self._moments = moments
+        self._frame_interval = 1e3 / frames_per_second
+        """Time between two frames [ms]."""
         super().__init__(
-            figure, draw, moments, blit=True, interval=self._how[-1], cache_frame_data=False
+            figure, draw, moments, blit=True, interval=self._frame_interval, cache_frame_data=False
         )  # pyright: ignore
         self._draw_was_started = True  # an animation that is never shown is not a mistake
 
     def pictures(self) -> Iterator[np.ndarray]:
         """Yield all frames in order."""
-        figure, draw, moments, _ = self._how
+        figure = self._shown_figure
         canvas: Any = figure.canvas
-        for artist in draw(moments[0]):
+        for artist in self._draw_sample(self._moments[0]):
             artist.set_animated(True)
         canvas.draw()
-        still = canvas.copy_from_bbox(figure.bbox)
-        for moment in moments:
-            canvas.restore_region(still)
-            for artist in sorted(draw(moment), key=Artist.get_zorder):
+        background = canvas.copy_from_bbox(figure.bbox)
+        for moment in self._moments:
+            canvas.restore_region(background)
+            for artist in sorted(self._draw_sample(moment), key=Artist.get_zorder):
                 figure.draw_artist(artist)
             pixels = np.asarray(canvas.buffer_rgba())
-            yield pixels[: pixels.shape[0] // 2 * 2, : pixels.shape[1] // 2 * 2, :3].copy()
+            # Films want even numbers of pixels.
+            height = pixels.shape[0] // 2 * 2
+            width = pixels.shape[1] // 2 * 2
+            yield pixels[:height, :width, :3].copy()
 
-    def save(self, filename: str | Path, *how: Any, **more: Any) -> None:
+    def save(self, filename: str | Path, *arguments: Any, **keywords: Any) -> None:
         """Write the film: .gif or .webp, or .mp4 with the program ffmpeg; matplotlib writes all other files.
 
         Args:
             filename: The file; an existing one is replaced.
-            how: Arguments of matplotlib's `Animation.save`, which then writes the file.
-            more: Keyword arguments of `Animation.save`, which then writes the file.
+            arguments: Arguments of matplotlib's `Animation.save`, which then writes the file.
+            keywords: Keyword arguments of `Animation.save`, which then writes the file.
         """
         ending = Path(filename).suffix.lower()
-        if how or more or ending not in (*FORMATS, ".mp4"):
-            super().save(str(filename), *how, **more)
+        if arguments or keywords or ending not in (*FORMATS, ".mp4"):
+            super().save(str(filename), *arguments, **keywords)
         elif ending in FORMATS:
-            write(filename, partial(self._written, form=FORMATS[ending]))
+            write(filename, partial(self._write_images, image_format=FORMATS[ending]))
         else:
             pictures = [*self.pictures()]
             height, width, _ = pictures[0].shape
             write_video(
-                pictures, filename, size=(width, height), frames_per_second=1e3 / self._how[-1]
+                pictures,
+                filename,
+                size=(width, height),
+                frames_per_second=1e3 / self._frame_interval,
             )
 
-    def _written(self, file: Any, form: str) -> None:
-        pictures = [Image.fromarray(one) for one in self.pictures()]
-        if form == "GIF":  # a separate palette for each frame would take ten times as long
-            how: Any = {"method": Image.Quantize.FASTOCTREE, "dither": Image.Dither.NONE}
-            pictures = [one.quantize(64, **how) for one in pictures]
-        how = {"duration": self._how[-1], "loop": 0, "method": 1}
-        pictures[0].save(file, form, save_all=True, append_images=pictures[1:], **how)
+    def _write_images(self, file: Any, image_format: str) -> None:
+        images = [Image.fromarray(picture) for picture in self.pictures()]
+        if image_format == "GIF":  # a separate palette for each frame would take ten times as long
+            images = [
+                image.quantize(
+                    GIF_COLORS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE
+                )
+                for image in images
+            ]
+        images[0].save(
+            file,
+            image_format,
+            save_all=True,
+            append_images=images[1:],
+            duration=self._frame_interval,
+            loop=0,
+            method=1,
+        )
 
     def _repr_html_(self) -> str:
         content = io.BytesIO()
-        self._written(content, "WEBP")
-        return f'<img src="data:image/webp;base64,{base64.b64encode(content.getvalue()).decode()}">'
+        self._write_images(content, "WEBP")
+        encoded = base64.b64encode(content.getvalue()).decode()
+        return f'<img src="data:image/webp;base64,{encoded}">'
 
 
 def swim_film(trial: Trial, *, speed: float = 1.0, frames_per_second: float = 15.0) -> Film:
@@ -105,37 +135,37 @@ def swim_film(trial: Trial, *, speed: float = 1.0, frames_per_second: float = 15
         speed: Playback speed as a multiple of real time [-].
         frames_per_second: Frame rate of the film [1/s].
     """
-    step = check_positive("speed", speed) / check_positive(
-        "frames_per_second", frames_per_second, "1/s"
-    )
+    frame_rate = check_positive("frames_per_second", frames_per_second, "1/s")
+    step = check_positive("speed", speed) / frame_rate
     moments = np.arange(trial.time[0], trial.time[-1] + 0.5 * step, step)
-    shown = np.clip(np.searchsorted(trial.time, moments - 1e-9), 0, trial.time.size - 1).tolist()
-    bodies = {sample: outline(trial.chain, trial, sample) for sample in shown}
+    following_samples = np.searchsorted(trial.time, moments - 1e-9)
+    samples = np.clip(following_samples, 0, trial.time.size - 1).tolist()
+    bodies = {sample: outline(trial.chain, trial, sample) for sample in samples}
     corners = np.vstack([*bodies.values()])
     width, height = np.ptp(corners, axis=0)
-    figure = style.new_figure(
-        style.DOUBLE_COLUMN, np.clip(style.DOUBLE_COLUMN * height / width, *HEIGHT) + LABELS
-    )
+    plan_height = np.clip(style.DOUBLE_COLUMN * height / width, *PLAN_HEIGHTS)
+    figure = style.new_figure(style.DOUBLE_COLUMN, plan_height + LABELS_HEIGHT)
     ax = style.style_axes(figure.add_subplot(), xlabel="x [m]", ylabel="y [m]")
     ax.update_datalim(corners)
     ax.autoscale_view()
     title = title_of(trial)
-    words = style.add_title(figure, title, "0 s")
+    title_text = style.add_title(figure, title, "0 s")
     if "cross_track_error" in trial.signals:
         ax.plot(*following.nearest_points(trial).T, zorder=0.5, **style.AIM)
-    ax.set_aspect("equal", adjustable="box" if draw_water(trial, ax) else "datalim")
+    has_field = draw_water(trial, ax)
+    ax.set_aspect("equal", adjustable="box" if has_field else "datalim")
     style.freeze_layout(figure)
     ax.set_adjustable("box")
     ax.autoscale(False)
-    (way,) = ax.plot([], [], color=style.INK, linewidth=0.8, zorder=4)
-    fixed = len(ax.collections)
+    (path_line,) = ax.plot([], [], color=style.INK, linewidth=0.8, zorder=4)
+    n_fixed = len(ax.collections)
 
     def draw(sample: int) -> Sequence[Artist]:
-        for artist in ax.collections[fixed:]:
+        for artist in ax.collections[n_fixed:]:
             artist.remove()
         draw_posture(ax, trial.chain, bodies[sample], 0.0)
-        way.set_data(*trial.center_of_mass[: sample + 1, :2].T)
-        words.set_text(f"{title}\n{trial.time[sample]:.1f} s")
-        return [*ax.collections[fixed:], way, words]
+        path_line.set_data(*trial.center_of_mass[: sample + 1, :2].T)
+        title_text.set_text(f"{title}\n{trial.time[sample]:.1f} s")
+        return [*ax.collections[n_fixed:], path_line, title_text]
 
-    return Film(figure, draw, shown, frames_per_second)
+    return Film(figure, draw, samples, frames_per_second)

@@ -7,6 +7,7 @@
 import itertools
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,10 +23,14 @@ if TYPE_CHECKING:
 
 SHOWN = {"forward_velocity": "forward velocity", "cost_of_transport": "cost of transport"}
 """Quantities of a sweep that are drawn, and their names on an axis."""
-HEIGHT = 3.0  # of a figure, without its legend or title [in]
-ROW = 0.2  # of a legend [in]
-CLEAR = 3.0  # a maximum of this many times the 90 % quantile would leave the other values dark
-MOST_MARKS = 40  # largest number of points on a line that are marked
+HEIGHT = 3.0
+"""Height of a figure, without its legend or title [in]."""
+LEGEND_ROW = 0.2
+"""Height of a row of a legend [in]."""
+SATURATION = 3.0
+"""A maximum of this many times the 90 % quantile would leave the other values dark."""
+MOST_MARKS = 40
+"""Largest number of points on a line that are marked."""
 
 
 def plot_overlay(trials: Sequence[Trial], names: Sequence[str]) -> Figure:
@@ -35,14 +40,20 @@ def plot_overlay(trials: Sequence[Trial], names: Sequence[str]) -> Figure:
         trials: Any trials; for one without whole gait cycles, the forward speed itself is drawn.
         names: Name of each trial.
     """
-    figure = style.new_figure(style.DOUBLE_COLUMN, HEIGHT + ROW * math.ceil(len(trials) / 2))
+    n_rows = math.ceil(len(trials) / 2)
+    figure = style.new_figure(style.DOUBLE_COLUMN, HEIGHT + LEGEND_ROW * n_rows)
     path, velocity = figure.subplots(1, 2, width_ratios=(1.2, 1.0))
-    for trial, name, (color, dashes) in zip(trials, names, itertools.cycle(_looks()), strict=False):
+    for trial, name, (color, dashes) in zip(
+        trials, names, itertools.cycle(_line_looks()), strict=False
+    ):
         look: Any = {"color": color, "linestyle": dashes, "linewidth": style.LINE}
-        mean = cycle_mean_speed(trial)
         path.plot(*trial.center_of_mass[:, :2].T, **look, label=name)
         path.plot(*trial.center_of_mass[-1, :2], **style.marker_style("o", 3.5, color))
-        velocity.plot(*((trial.time, forward_speed(trial)) if mean is None else mean), **look)
+        mean = cycle_mean_speed(trial)
+        if mean is None:
+            velocity.plot(trial.time, forward_speed(trial), **look)
+        else:
+            velocity.plot(mean.time, mean.speed, **look)
     path.set_aspect("equal", adjustable="datalim")
     style.outside_legend(figure, path.get_legend_handles_labels()[0], "outside lower left", ncols=2)
     style.style_axes(path, xlabel="x [m]", ylabel="y [m]")
@@ -50,90 +61,131 @@ def plot_overlay(trials: Sequence[Trial], names: Sequence[str]) -> Figure:
     return figure
 
 
-def _looks() -> list[tuple[str, Any]]:
+def _line_looks() -> list[tuple[str, Any]]:
     """Return all distinct combinations of line colors and dashes."""
-    n = len(style.LINES)
-    return [
-        (style.LINES[i][0], style.LINES[(i + turn) % n][1]) for turn in range(n) for i in range(n)
-    ]
+    n_lines = len(style.LINES)
+    looks: list[tuple[str, Any]] = []
+    for shift in range(n_lines):
+        for i, (color, _) in enumerate(style.LINES):
+            _, dashes = style.LINES[(i + shift) % n_lines]
+            looks.append((color, dashes))
+    return looks
 
 
-def sweep_sheet(found: "xarray.Dataset") -> Figure:
+@dataclass(frozen=True)
+class _Plane:
+    """The part of a sweep that is drawn."""
+
+    dataset: "xarray.Dataset"
+    names: list[str]
+    """The one or two quantities of its axes."""
+    remark: str
+    """Text about all other quantities; "" without any."""
+
+
+def sweep_sheet(sweep: "xarray.Dataset") -> Figure:
     """Plot forward velocity and cost of transport over the varied quantities: lines for one, maps for two.
 
     For a grid of more, the map lies in the plane of the first two through the fastest point, and
     the figure says so; for lists and samples, every point is a dot over the first two.
 
     Args:
-        found: Sweep as read by `laticauda.studies.open_sweep`.
+        sweep: Sweep as read by `laticauda.studies.open_sweep`.
     """
-    found, names, held = _plane(found)
+    plane = _plane_of(sweep)
+    dataset = plane.dataset
     figure = style.new_figure(style.DOUBLE_COLUMN, HEIGHT)
     axes: Sequence[Axes] = figure.subplots(1, len(SHOWN))
     for quantity, ax in zip(SHOWN, axes, strict=True):
-        (_over_one if len(names) == 1 else _over_two)(found, names, quantity, ax)
-    lost = int(np.count_nonzero(~np.isfinite(found.forward_velocity.to_numpy())))
-    about = f"Sweep of {found.attrs['robot']}, {found.attrs['gait'].replace('_', ' ')}, {found.attrs['duration']:g} s"
-    notes = [held, f"{lost} of {found.forward_velocity.size} without a value" if lost else ""]
-    style.add_title(figure, about, "; ".join(filter(None, notes)))
+        if len(plane.names) == 1:
+            _plot_line(dataset, plane.names[0], quantity, ax)
+        else:
+            _plot_map(dataset, plane.names, quantity, ax)
+    speeds = dataset.forward_velocity.to_numpy()
+    n_lost = int(np.count_nonzero(~np.isfinite(speeds)))
+    remarks = [plane.remark] if plane.remark else []
+    if n_lost:
+        remarks.append(f"{n_lost} of {speeds.size} without a value")
+    gait = dataset.attrs["gait"].replace("_", " ")
+    title = f"Sweep of {dataset.attrs['robot']}, {gait}, {dataset.attrs['duration']:g} s"
+    style.add_title(figure, title, "; ".join(remarks))
     return figure
 
 
-def _plane(found: "xarray.Dataset") -> tuple["xarray.Dataset", list[str], str]:
-    """Return the part of a sweep to draw, the one or two quantities of its axes, and a text about the others."""
-    names = [str(name) for name in found.coords if name != "trial"]
-    varied = [name for name in names if np.unique(found[name].to_numpy()).size > 1] or names[:1]
-    shown, others = varied[:2], varied[2:]
-    if not others or found.forward_velocity.dims == ("trial",):
-        rest = f"over all of {', '.join(_label(found, name) for name in others)}" if others else ""
-        return found.squeeze(({*names} - {*shown}) & {*map(str, found.dims)}), shown, rest
-    speed = np.nan_to_num(found.forward_velocity.to_numpy(), nan=-np.inf)
-    best = dict(zip(found.dims, np.unravel_index(int(np.argmax(speed)), speed.shape), strict=True))
-    plane = found.isel({name: int(i) for name, i in best.items() if name not in shown})
-    said = ", ".join(f"{_label(plane, name)} {_read(plane, name):.4g}" for name in others)
-    return plane, shown, f"through the fastest point, {said}"
+def _plane_of(sweep: "xarray.Dataset") -> _Plane:
+    """Return the part of a sweep to draw: of a grid of three and more, the plane through the fastest point."""
+    names = [str(name) for name in sweep.coords if name != "trial"]
+    varied = [name for name in names if np.unique(sweep[name].to_numpy()).size > 1] or names[:1]
+    shown = varied[:2]
+    hidden = varied[2:]
+    if not hidden or sweep.forward_velocity.dims == ("trial",):
+        remark = ""
+        if hidden:
+            remark = f"over all of {', '.join(_label(sweep, name) for name in hidden)}"
+        dims = {str(dim) for dim in sweep.dims}
+        fixed_dims = dims.intersection(names).difference(shown)
+        return _Plane(sweep.squeeze(fixed_dims), shown, remark)
+    speed = np.nan_to_num(sweep.forward_velocity.to_numpy(), nan=-np.inf)
+    fastest = np.unravel_index(int(np.argmax(speed)), speed.shape)
+    indices = {dim: int(i) for dim, i in zip(sweep.dims, fastest, strict=True) if dim not in shown}
+    plane = sweep.isel(indices)
+    listed = ", ".join(f"{_label(plane, name)} {_read(plane, name):.4g}" for name in hidden)
+    return _Plane(plane, shown, f"through the fastest point, {listed}")
 
 
-def _over_one(found: "xarray.Dataset", names: list[str], quantity: str, ax: Axes) -> Axes:
+def _plot_line(sweep: "xarray.Dataset", name: str, quantity: str, ax: Axes) -> None:
     """Draw a line, with its points marked if they can be distinguished."""
-    x, y = _read(found, names[0]), found[quantity].to_numpy()
+    x = _read(sweep, name)
+    y = sweep[quantity].to_numpy()
     order = np.argsort(x)
     marker = "o" if x.size <= MOST_MARKS else ""
     ax.plot(x[order], y[order], color=style.BLUE, linewidth=style.LINE, marker=marker, markersize=3)
-    return style.style_axes(ax, xlabel=_label(found, names[0]), ylabel=_label(found, quantity))
+    style.style_axes(ax, xlabel=_label(sweep, name), ylabel=_label(sweep, quantity))
 
 
-def _over_two(found: "xarray.Dataset", names: list[str], quantity: str, ax: Axes) -> Axes:
+def _plot_map(sweep: "xarray.Dataset", names: list[str], quantity: str, ax: Axes) -> None:
     """Draw a filled map for a grid, colored dots for anything else; values far above the rest saturate."""
-    x, y, values = *(_read(found, name) for name in names), found[quantity]
-    known = values.to_numpy()[np.isfinite(values.to_numpy())]
-    high = float(np.quantile(known, 0.9)) if known.size else 1.0
-    is_cut = known.size > 0 and float(known.max()) > CLEAR * high > 0.0
-    look: Any = {"cmap": "viridis", "vmax": high if is_cut else None}
-    if values.dims == ("trial",):
-        drawn: Any = ax.scatter(x, y, c=values.to_numpy(), s=10, **look)
+    x_name, y_name = names
+    x = _read(sweep, x_name)
+    y = _read(sweep, y_name)
+    variable = sweep[quantity]
+    values = variable.to_numpy()
+    finite = values[np.isfinite(values)]
+    quantile = float(np.quantile(finite, 0.9)) if finite.size else 1.0
+    is_cut = finite.size > 0 and float(finite.max()) > SATURATION * quantile > 0.0
+    look: Any = {"cmap": "viridis", "vmax": quantile if is_cut else None}
+    if variable.dims == ("trial",):
+        colored: Any = ax.scatter(x, y, c=values, s=10, **look)
     else:
-        drawn = ax.pcolormesh(
-            x, y, values.transpose(names[1], names[0]).to_numpy(), shading="nearest", **look
-        )
+        rows = variable.transpose(y_name, x_name).to_numpy()
+        colored = ax.pcolormesh(x, y, rows, shading="nearest", **look)
     figure: Any = ax.get_figure(root=True)
-    bar = figure.colorbar(drawn, ax=ax, extend="max" if is_cut else "neither")
-    bar.set_label(_label(found, quantity), fontsize=style.LABEL, color=style.INK)
+    bar = figure.colorbar(colored, ax=ax, extend="max" if is_cut else "neither")
+    bar.set_label(_label(sweep, quantity), fontsize=style.LABEL, color=style.INK)
     bar.ax.tick_params(labelsize=style.TICK, labelcolor=style.INK)
     bar.outline.set_visible(False)
-    return style.style_axes(ax, xlabel=_label(found, names[0]), ylabel=_label(found, names[1]))
+    style.style_axes(ax, xlabel=_label(sweep, x_name), ylabel=_label(sweep, y_name))
 
 
-def _label(found: "xarray.Dataset", name: str) -> str:
+def _label(sweep: "xarray.Dataset", name: str) -> str:
     """Return the label of an axis, with angles in degrees."""
-    about = found[name].attrs
-    unit = (
-        about["units"].replace("rad", "deg") if about["units"].startswith("rad") else about["units"]
-    )
-    return f"{SHOWN.get(name, about['long_name'])} [{'-' if unit == '1' else unit}]"
+    attributes = sweep[name].attrs
+    unit = attributes["units"]
+    if _is_angle(sweep, name):
+        unit = unit.replace("rad", "deg")
+    if unit == "1":
+        unit = "-"
+    return f"{SHOWN.get(name, attributes['long_name'])} [{unit}]"
 
 
-def _read(found: "xarray.Dataset", name: str) -> np.ndarray:
+def _read(sweep: "xarray.Dataset", name: str) -> np.ndarray:
     """Return the values as plotted on an axis, with angles in degrees."""
-    values = found[name].to_numpy()
-    return np.degrees(values) if found[name].attrs["units"].startswith("rad") else values
+    values = sweep[name].to_numpy()
+    if _is_angle(sweep, name):
+        return np.degrees(values)
+    return values
+
+
+def _is_angle(sweep: "xarray.Dataset", name: str) -> bool:
+    """Return whether a quantity is an angle or a rate of one."""
+    return sweep[name].attrs["units"].startswith("rad")

@@ -21,11 +21,18 @@ from matplotlib.text import Text
 
 from laticauda.files import write
 
-DOUBLE_COLUMN = 7.16  # width [in]
-LABEL = 9  # size of labels [pt]
-TICK = 8  # size of tick labels and legends [pt]
-THIN, LINE = 0.6, 1.2  # line widths [pt]
+DOUBLE_COLUMN = 7.16
+"""Width of two columns of a journal [in]."""
+LABEL = 9
+"""Size of labels [pt]."""
+TICK = 8
+"""Size of tick labels and legends [pt]."""
+THIN = 0.6
+"""Width of thin lines [pt]."""
+LINE = 1.2
+"""Width of lines [pt]."""
 DOTS_PER_INCH = 300
+"""Resolution of pictures."""
 
 # Okabe and Ito's colors, distinguishable by the color-blind and, as their lightness differs, in
 # gray print.
@@ -34,19 +41,26 @@ BLUE = "#0072B2"
 ORANGE = "#D55E00"
 AMBER = "#E69F00"
 GRAY = "#8A8A8A"
-# For several lines, which also differ in their dashes.
+GRID = "#E4E4E4"
+"""Color of lines behind the data."""
+
+SOLID = "-"
+DASHED = (0, (5, 2))
+DOTTED = (0, (1, 1.5))
+DASH_DOT = (0, (5, 1, 1, 1))
 LINES: tuple[tuple[str, Any], ...] = (
-    (BLUE, "-"),
-    (ORANGE, (0, (5, 2))),
-    (INK, (0, (1, 1.5))),
-    (AMBER, (0, (5, 1, 1, 1))),
+    (BLUE, SOLID),
+    (ORANGE, DASHED),
+    (INK, DOTTED),
+    (AMBER, DASH_DOT),
 )
+"""Colors and dashes of several lines."""
 LEGEND: Any = {"fontsize": TICK, "labelcolor": INK, "frameon": False}
-AIM: Any = {
-    "color": ORANGE,
-    "linewidth": LINE,
-    "linestyle": (0, (4, 2)),
-}  # targets and measured values
+"""Look of legends."""
+AIM: Any = {"color": ORANGE, "linewidth": LINE, "linestyle": (0, (4, 2))}
+"""Look of targets and measured values."""
+PANEL_LETTERS = "abcdefgh"
+"""Letters of panels."""
 
 Outside = Literal["outside lower center", "outside lower left", "outside right upper"]
 
@@ -83,24 +97,26 @@ def save_figure(figure: Figure, *paths: str | Path) -> None:
         StorageFailed: If a file cannot be written.
     """
     # A date or a version in a file would make every file different.
-    metadata: dict[str, Any] = {
+    metadata_of_format: dict[str, Any] = {
         ".pdf": {"CreationDate": None, "Creator": None},
         ".svg": {"Date": None},
     }
     freeze_layout(figure)
     for path in paths:
-        about = metadata.get(Path(path).suffix.lower(), {"Software": None})
-        write(path, functools.partial(figure.savefig, dpi=DOTS_PER_INCH, metadata=about))
+        metadata = metadata_of_format.get(Path(path).suffix.lower(), {"Software": None})
+        write(path, functools.partial(figure.savefig, dpi=DOTS_PER_INCH, metadata=metadata))
 
 
 def freeze_layout(figure: Figure) -> None:
     """Fix the layout of a figure; otherwise matplotlib draws everything twice each time, to compute the layout."""
-    if (layout := figure.get_layout_engine()) is not None:
-        before = figure.get_dpi()
-        figure.set_dpi(DOTS_PER_INCH)
-        layout.execute(figure)
-        figure.set_dpi(before)
-        figure.set_layout_engine("none")
+    layout = figure.get_layout_engine()
+    if layout is None:
+        return
+    resolution = figure.get_dpi()
+    figure.set_dpi(DOTS_PER_INCH)
+    layout.execute(figure)
+    figure.set_dpi(resolution)
+    figure.set_layout_engine("none")
 
 
 def style_axes(ax: Axes, *, xlabel: str, ylabel: str) -> Axes:
@@ -125,11 +141,11 @@ def add_title(figure: Figure, title: str, note: str = "") -> Text:
         title: What the figure shows.
         note: The second line; "" for none.
     """
-    shown = figure.suptitle(
+    text = figure.suptitle(
         f"{title}\n{note}" if note else title, fontsize=LABEL, color=INK, x=0.01, ha="left"
     )
-    shown.set_linespacing(1.35)
-    return shown
+    text.set_linespacing(1.35)
+    return text
 
 
 def add_legend(ax: Axes, **settings: Any) -> None:
@@ -137,45 +153,49 @@ def add_legend(ax: Axes, **settings: Any) -> None:
     ax.legend(handlelength=1.6, borderaxespad=0.2, **LEGEND, **settings)
 
 
-def outside_legend(figure: Figure, handles: Sequence[Any], place: Outside, **settings: Any) -> None:
+def outside_legend(
+    figure: Figure, handles: Sequence[Any], location: Outside, **settings: Any
+) -> None:
     """Add a legend outside all panels.
 
     Args:
         figure: Any figure of `new_figure`.
         handles: Artists to show, each with its label.
-        place: Location of the legend.
+        location: Location of the legend.
         settings: Further settings of matplotlib's legend.
     """
-    figure.legend(handles=handles, loc=place, **LEGEND, **settings)
+    figure.legend(handles=handles, loc=location, **LEGEND, **settings)
 
 
-def add_letter(ax: Axes, place: int, words: str = "", pad: float = 4.0) -> None:
+def add_letter(ax: Axes, panel: int, description: str = "", pad: float = 4.0) -> None:
     """Add the letter of a panel above its left corner, with a description.
 
     Args:
         ax: Axes of the panel.
-        place: Index of the panel, from 0.
-        words: Description; "" for none.
+        panel: Index of the panel, from 0.
+        description: Description; "" for none.
         pad: Space between the text and the panel [pt].
     """
-    text = f"({'abcdefgh'[place]})  {words}" if words else f"({'abcdefgh'[place]})"
+    text = f"({PANEL_LETTERS[panel]})"
+    if description:
+        text += f"  {description}"
     ax.set_title(text, fontsize=TICK, color=INK, loc="left", pad=pad)
 
 
 def add_note(
-    ax: Axes, text: str, at: tuple[float, float], shift: tuple[float, float], **look: Any
+    ax: Axes, text: str, point: tuple[float, float], shift: tuple[float, float], **look: Any
 ) -> Text:
     """Add a small text beside a point, gray unless specified otherwise.
 
     Args:
         ax: Axes to draw on.
         text: The text.
-        at: The point, in data coordinates unless `look` specifies others (`xycoords`).
+        point: The point, in data coordinates unless `look` specifies others (`xycoords`).
         shift: Offset from the point to the text [pt].
         look: Further arguments of matplotlib's `annotate`.
     """
-    usual: dict[str, Any] = {"fontsize": TICK, "color": GRAY, **look}
-    return ax.annotate(text, at, xytext=shift, textcoords="offset points", **usual)
+    properties: dict[str, Any] = {"fontsize": TICK, "color": GRAY, **look}
+    return ax.annotate(text, point, xytext=shift, textcoords="offset points", **properties)
 
 
 def marker_style(marker: str, size: float, color: str = INK, **look: Any) -> dict[str, Any]:
@@ -197,7 +217,7 @@ def light_grid(ax: Axes, axis: Literal["x", "y"]) -> None:
         ax: Axes to draw on.
         axis: Axis whose ticks are used.
     """
-    ax.grid(axis=axis, color="#E4E4E4", linewidth=THIN)
+    ax.grid(axis=axis, color=GRID, linewidth=THIN)
     ax.set_axisbelow(True)
 
 

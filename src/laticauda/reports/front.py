@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 import laticauda as lc
-from laticauda.figures import path, style
+from laticauda.figures import posture, style
 from laticauda.simulate.numbers import environment_prefix, list_parameters
 from laticauda.studies import Front
 from laticauda.studies.point_trials import LABELS
@@ -261,7 +261,9 @@ def draw_bodies(
         low, high = shape.min(axis=0), shape.max(axis=0)
         middle = 0.5 * (low + high)
         height = float(high[1] - low[1]) + THICK * longest
-        path.draw_posture(ax, one.robot.planar(), shape - middle + (0.0, top - 0.5 * height), 0.0)
+        posture.draw_posture(
+            ax, one.robot.planar(), shape - middle + (0.0, top - 0.5 * height), 0.0
+        )
         lines = text.count("\n") + 1
         ax.text(
             -0.66 * longest,
@@ -300,5 +302,5 @@ def _shape(robot: lc.Robot, gait: lc.Gait) -> Points:
         angles = np.concatenate(([0.0], np.cumsum(joints)))
         center = np.zeros(2)
         angles -= angles.mean()
-        shapes.append(path.posture_outline(body, center, angles))
+        shapes.append(posture.posture_outline(body, center, angles))
     return min(shapes, key=lambda shape: float(np.ptp(shape[:, 1])))
