@@ -213,7 +213,7 @@ def resolves_cycles(time: Time, period: float) -> bool:
         time: Times of the samples [s], strictly increasing; at least two.
         period: Gait period [s].
     """
-    return _mean_step(time) * SAMPLES_PER_CYCLE <= period * (1.0 + _ROUNDING)
+    return bool(_mean_step(time) * SAMPLES_PER_CYCLE <= period * (1.0 + _ROUNDING))
 
 
 def _mean_step(time: Time) -> float:
