@@ -1,7 +1,6 @@
 """Numbers and plots of a run."""
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,14 +8,38 @@ import numpy as np
 from laticauda.cockpit.live import Live, read_tilt
 from laticauda.cockpit.pages import time_scale
 from laticauda.cockpit.simulation import TICK, find_measured
-from laticauda.files import read_toml
 from laticauda.reports.chapter import in_digits
 from laticauda.trial import metrics
 from laticauda.trial.feasibility import judge_feasibility
 
 STEP = 4  # every STEP-th sample is drawn
 COLORS = ("#56B4E9", "#E69F00", "#8ADB9B")
-PLOTS: dict[str, dict[str, str]] = read_toml(Path(__file__).with_suffix(".toml"))
+PLOTS = {
+    "Speed [m/s]": {
+        "speed": "speed",
+    },
+    "Power [W]": {
+        "power": "power",
+    },
+    "Cross-track error [m]": {
+        "cross_track_error": "error",
+    },
+    "Heading [deg]": {
+        "heading": "heading",
+    },
+    "Depth [m], in space": {
+        "depth": "depth",
+    },
+    "Pitch and roll [deg], in space": {
+        "pitch": "pitch",
+        "roll": "roll",
+    },
+    "Joint angles [deg]": {
+        "joint_tail": "tail",
+        "joint_middle": "middle",
+        "joint_head": "head",
+    },
+}
 """Lines of each plot, by its title with unit: column of `Live.plots` and name."""
 HEIGHT = 165  # [px]
 FIGURES = ("forward_velocity", "cycle_velocity", "mean_power", "cost_of_transport")

@@ -5,7 +5,6 @@ Moving water is shown as arrows around the robot, and as a surface that rises an
 
 import math
 from collections import deque
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,6 @@ import numpy as np
 from laticauda import kinematics, series
 from laticauda.cockpit.shapes import Color, Poses, build_shapes, compute_poses
 from laticauda.dynamics.plant import Plant
-from laticauda.files import read_toml
 from laticauda.fluid.arrows import MOMENTS, Arrows, Surface, arrows_of, has_waves
 from laticauda.pictures.camera import to_space
 from laticauda.robot import Environment, Robot, Water
@@ -43,7 +41,35 @@ PHONE = (BELOW + 1.9 * np.subtract(*HOME), BELOW)
 """`HOME` for a page that is much taller than wide."""
 FIELD_OF_VIEW = math.radians(55.0)  # vertical [rad]
 PER_NEWTON = 0.06  # length of an arrow per newton [m]
-LOOKS = read_toml(Path(__file__).with_suffix(".toml"))
+LOOKS: dict[str, dict[str, Any]] = {
+    "grid": {
+        "plane": "xy",
+        "cell_size": 0.5,
+        "section_size": 2.5,
+        "cell_color": [62, 118, 132],
+        "section_color": [98, 158, 170],
+        "fade_distance": 18.0,
+        "shadow_opacity": 0.0,
+    },
+    "forces": {
+        "shaft_radius": 0.008,
+        "head_radius": 0.02,
+        "head_length": 0.045,
+    },
+    "arrows": {
+        "shaft_radius": 0.006,
+        "head_radius": 0.018,
+        "head_length": 0.05,
+    },
+    "surface": {
+        "wireframe": True,
+        "opacity": 0.35,
+        "color": [120, 200, 220],
+        "cast_shadow": False,
+        "receive_shadow": False,
+    },
+}
+"""Arguments of viser for the floor, forces on links, and moving water; lengths in m."""
 TRAIL_STEP, N_TRAIL = (
     0.02,
     600,

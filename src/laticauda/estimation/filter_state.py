@@ -2,14 +2,12 @@
 
 import math
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from laticauda.estimation import digital_twin, samples
-from laticauda.files import read_toml
 from laticauda.quantities import quantity, value_class
 
 # The filter runs hundreds of times per second: shapes are given in docstrings and not checked at
@@ -76,8 +74,20 @@ class Noise:
         )
 
 
-BESIDE_TWIN: dict[str, float] = read_toml(Path(__file__).with_name("beside_twin.toml"))
-"""Limits on how fast the motion that a twin does not explain changes."""
+BESIDE_TWIN = {
+    "turning": 0.012,
+    "turn_gain": 0.03,
+    "slip_gain": 0.01,
+    "heading_gain": 0.05,
+    "across_gain": 0.002,
+    "heading_ripple": 0.003,
+    "position_ripple": 0.0025,
+}
+"""Limits on how fast the motion that a twin does not explain changes, in the units of `Noise`.
+
+They were chosen on runs of their own, with the right plant and with a wrong one; see
+docs/theory/estimation.md.
+"""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -9,23 +9,38 @@ group gives its kind: swim, tow or coast-down.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 import laticauda as lc
 from laticauda.errors import check_choice, check_instance, check_positive
-from laticauda.files import read_toml
 from laticauda.identify import model, tables
 from laticauda.identify.measurements import LOADS, SERIES, Measurement, Tow
 from laticauda.identify.problem import Problem, other_measurements, with_starts
 from laticauda.robot import Environment, Robot, Water
 from laticauda.simulate.runner import Progress, silent
 
-SENSORS: Mapping[str, tuple[str, float]] = read_toml(Path(__file__).with_name("sensors.toml"))
-"""Figure or series that each sensor measures, by sensor name, and the standard deviation of its noise."""
+
+class Sensor(NamedTuple):
+    """What a trial may be measured by."""
+
+    quantity: str
+    """Figure or series that it measures."""
+    sigma: float
+    """Standard deviation of its noise, in the unit of the quantity."""
+
+
+SENSORS = {
+    "speed": Sensor("forward_velocity", 0.005),
+    "power": Sensor("mean_power", 2.0),
+    "path": Sensor("center_of_mass", 0.005),
+    "heading": Sensor("heading", 0.01),
+    "joint-angle": Sensor("joint_angle", 0.01),
+    "joint-torque": Sensor("joint_torque", 0.05),
+}
+"""Sensors by name, with their usual noise."""
 FORCE_SIGMA, FORCE_SHARE, MISALIGNMENT = 0.05, 0.02, math.radians(0.5)
 """Noise of the loads of a tow: of a force [N], as a fraction of it [-], and of the angle [rad]."""
 STRAIGHT = lc.Gait(amplitude=0.0, frequency=1.0, phase_shift=0.5)
@@ -197,7 +212,7 @@ def _candidate(
     series: dict[str, tuple[np.ndarray, float]] = {}
     shapes = {"center_of_mass": (time.size, 2), "heading": (time.size,)}
     for word, sigma in sensors.items():
-        what, _ = SENSORS[word]
+        what = SENSORS[word].quantity
         if what not in SERIES:
             figures[what] = (0.0, sigma)
         else:

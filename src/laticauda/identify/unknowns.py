@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from pathlib import Path
 from typing import Any, Literal, NoReturn, cast
 
 from laticauda.errors import (
@@ -16,7 +15,6 @@ from laticauda.errors import (
     show_value,
     suggest_nearest,
 )
-from laticauda.files import read_toml
 from laticauda.quantities import Check, check_items, option, quantity, value_class
 from laticauda.scenarios import Scenario
 from laticauda.simulate.numbers import (
@@ -27,8 +25,29 @@ from laticauda.simulate.numbers import (
     value_of,
 )
 
-_TABLE: dict[str, Any] = read_toml(Path(__file__).with_name("nuisance.toml"))
-NUISANCE = {name: Parameter(name=name, **told) for name, told in _TABLE.items()}
+NUISANCE = {
+    parameter.name: parameter
+    for parameter in (
+        Parameter(
+            name="measured.heading_offset", unit="rad", title="What the tracker adds to the heading"
+        ),
+        Parameter(
+            name="measured.offset_x", unit="m", title="Tracked point ahead of the center of mass"
+        ),
+        Parameter(
+            name="measured.offset_y",
+            unit="m",
+            title="Tracked point to the left of the center of mass",
+        ),
+        Parameter(
+            name="measured.power_offset", unit="W", title="What the meter adds to the mean power"
+        ),
+        Parameter(name="start.x", unit="m", title="Where the trial begins: x"),
+        Parameter(name="start.y", unit="m", title="Where the trial begins: y"),
+        Parameter(name="start.heading", unit="rad", title="Heading at the begin"),
+        Parameter(name="start.velocity", unit="m/s", title="Speed at the begin, along the heading"),
+    )
+}
 """Nuisance parameters: those of the measurement rather than of robot and water."""
 SIMULATED = ("start.heading", "start.velocity")
 """Nuisance parameters on which a run depends; the others change only what is seen of it."""

@@ -17,9 +17,40 @@ from laticauda import codec, files, protocol
 from laticauda.errors import BadArgument, LaticaudaError, check_choice
 from laticauda.quantities import option, quantity, value_class
 
-_KINDS = files.read_toml(Path(__file__).with_suffix(".toml"))
-KINDS: dict[str, str] = {kind: one["says"] for kind, one in _KINDS.items()}
-ON_NODES = tuple(kind for kind, one in _KINDS.items() if one.get("at_a_module"))
+KINDS = {
+    "frame_loss": "a `share` of the frames on the bus is lost",
+    "frame_corruption": "a `share` of the frames on the bus arrives with wrong bytes",
+    "bus_off": "a node neither sends nor hears",
+    "dead_module": "a node has no power; when it comes back, it starts up anew",
+    "stuck_servo": "a joint is jammed where it stands",
+    "leak": "water in a module",
+    "over_temperature": "a motor is as hot as `temperature`",
+    "body_lost": "the cameras do not see the markers",
+    "mocap_silent": "the cameras' server sends nothing",
+    "meter_silent": "the meter does not answer",
+    "late_computer": "frames of the operator's computer arrive late by `delay`",
+    # What no device tells of; only who looks at the whole run may notice it.
+    "weak_servo": "a motor has only a `share` of its torque",
+    "slipped_zero": "a horn slips on its shaft by `angle_deg`, and the motor's sensor does not show it",
+    "lost_fin": "the fin comes off",
+    "moving_water": "the water moves at `speed`, `towards` an angle",
+    "marker_slip": "the marker body turns on its module by `angle_deg`",
+    "wrong_body": "the cameras mistake another body, which lies still, for the robot's",
+    "clock_drift": "the cameras' clock is fast by a `share`",
+}
+"""What may go wrong in the virtual tank."""
+ON_NODES = (
+    "frame_loss",
+    "frame_corruption",
+    "bus_off",
+    "dead_module",
+    "stuck_servo",
+    "leak",
+    "over_temperature",
+    "weak_servo",
+    "slipped_zero",
+)
+"""Kinds of faults of one module."""
 
 
 class FaultFileError(LaticaudaError, ValueError):

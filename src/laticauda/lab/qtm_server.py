@@ -2,10 +2,8 @@
 
 import asyncio
 import threading
-import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 
 from laticauda.errors import LaticaudaError, check_hostname
 from laticauda.lab.instruments import BODY, MARKERS
@@ -15,7 +13,17 @@ LOOPBACK = "127.0.0.1"
 MOST_CLIENTS = 16
 MOST_WAITING = 1 << 20  # bytes that a client may leave unread before it misses frames
 OLDEST, NEWEST = (1, 8), (1, 25)
-ANSWERS = tomllib.loads(Path(__file__).with_name("qtm_answers.toml").read_text())
+ANSWERS = {
+    "qtmversion": "QTM Version is that of laticauda's virtual tank",
+    "byteorder": "Byte order is little endian",
+    "releasecontrol": "You are now a regular client",
+    "new": "Already connected",
+    "start": "Starting measurement",
+    "stop": "Stopping measurement",
+    "close": "Closing connection",
+    "takecontrol": "You are now master",
+}
+"""Answers to commands that change nothing here."""
 PARSE_ERROR = qtm.encode_text("Parse error", qtm.PacketType.ERROR)
 
 

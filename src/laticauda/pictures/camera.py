@@ -1,14 +1,12 @@
 """Cameras: one that follows a robot smoothly, one beside it, one above it, and a fixed one that shows everything."""
 
 import math
-from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from laticauda.errors import check_within, load_mujoco
-from laticauda.files import read_toml
 from laticauda.quantities import option, quantity, value_class
 from laticauda.robot import Robot
 from laticauda.spatial.bodies import straight_center_of_mass
@@ -16,9 +14,23 @@ from laticauda.trial import Trial
 
 Camera = Literal["follow", "side", "top", "fixed"]
 VIEW_DEG = 36.0  # vertical angle of view
-# Angle below the horizontal, and direction relative to the robot's: `follow` is to its right with
-# the head toward us.
-DIRECTIONS: dict[str, tuple[float, float]] = read_toml(Path(__file__).with_suffix(".toml"))
+
+
+class Direction(NamedTuple):
+    """Where a camera looks."""
+
+    below_horizontal: float
+    """[deg]."""
+    from_heading: float
+    """Direction relative to the robot's own [deg]."""
+
+
+DIRECTIONS = {
+    "follow": Direction(24.0, 118.0),  # from its right, with the head toward us
+    "side": Direction(3.0, 90.0),
+    "top": Direction(89.9, 90.0),
+    "fixed": Direction(32.0, 90.0),
+}
 ROOM = 1.36  # width of the picture at the robot, in robot lengths
 BELOW = 0.07  # how far below the robot `follow` looks, in robot lengths, to show its shadow
 CALM, CALM_TURN = 0.75, 1.5  # time scales of smoothing, in periods of the gait

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from laticauda.errors import BadArgument, load_mujoco
-from laticauda.files import read_toml, write
+from laticauda.files import write
 from laticauda.robot import CaudalFin, Module, Piece, Robot
 from laticauda.spatial.bodies import fin_bodies
 
@@ -32,11 +32,26 @@ CORE, BELLOWS, PROUD = (
 )  # sizes of parts inside and outside a housing, relative to the housing
 AROUND = 20  # vertices around a section, enough to look smooth
 NOSE = 1.5  # length of the rounded front, in half heights
-_MATERIALS = read_toml(Path(__file__).with_suffix(".toml"))
-MATERIALS: dict[str, Any] = {
-    name: (tuple(color), shine) for name, (color, shine) in _MATERIALS.items()
+
+
+class Material(NamedTuple):
+    """What a shape is made of."""
+
+    color: tuple[float, float, float, float]
+    """Red, green, blue and opacity [-]."""
+    shine: float
+    """How much it reflects [-]."""
+
+
+MATERIALS = {
+    "housing": Material((0.075, 0.085, 0.1, 1.0), 0.45),
+    "band": Material((1.0, 0.62, 0.05, 1.0), 0.25),
+    "bellows": Material((0.16, 0.17, 0.18, 1.0), 0.05),
+    "head": Material((0.95, 0.3, 0.04, 1.0), 0.45),
+    "collar": Material((0.03, 0.035, 0.045, 1.0), 0.45),
+    "fin": Material((0.13, 0.15, 0.17, 1.0), 0.4),
 }
-"""Red, green, blue and opacity, and the shine, of each material."""
+"""What the shapes of a robot are made of."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

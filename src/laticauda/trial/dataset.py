@@ -12,7 +12,6 @@ import base64
 import datetime
 import json
 from collections.abc import Callable, Mapping
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -20,7 +19,7 @@ import numpy as np
 
 from laticauda import codec, scenarios
 from laticauda.extensions import Extensible
-from laticauda.files import read_toml, write
+from laticauda.files import write
 from laticauda.series import LINK_FORCE, SERIES, SIGNAL, Series, log_of
 from laticauda.trial.arrays import AnyArray
 from laticauda.trial.contents import Contents
@@ -53,10 +52,39 @@ WORK = {
 """Columns of `Trial.work`."""
 
 
-@cache
-def describe_signals() -> Mapping[str, tuple[str, str]]:
-    """Return unit and meaning of the signals of `laticauda.control` and of spatial runs; other sources may add more."""
-    return read_toml(Path(__file__).parent / "signals.toml")
+SIGNALS = {
+    "heading_ref": ("rad", "heading commanded by guidance"),
+    "heading_used": ("rad", "heading used by the controller"),
+    "cross_track_error": ("m", "distance from the path, positive to the left"),
+    "along_track_distance": ("m", "length of the path up to the nearest point"),
+    "path_tangential_angle": ("rad", "direction of the path at the nearest point"),
+    "offset": ("rad", "offset of all joints, commanded by steering"),
+    "is_saturated": ("1", "whether the offset is at its limit: 0 or 1"),
+    "orientation_w": ("1", "quaternion of module 0 to the world axes, w"),
+    "orientation_x": ("1", "quaternion of module 0 to the world axes, x"),
+    "orientation_y": ("1", "quaternion of module 0 to the world axes, y"),
+    "orientation_z": ("1", "quaternion of module 0 to the world axes, z"),
+    "drift_x": ("m/s", "estimated velocity with which the robot is carried, along x"),
+    "drift_y": ("m/s", "estimated velocity with which the robot is carried, along y"),
+    "drift_x_std": ("m/s", "standard deviation of that velocity along x"),
+    "drift_y_std": ("m/s", "standard deviation of that velocity along y"),
+    "crab_angle": (
+        "rad",
+        "angle by which the robot is to point upstream of its course, positive to the right",
+    ),
+    "is_crab_limited": ("1", "whether the current is too strong for that: 0 or 1"),
+    "frequency": ("rad/s", "commanded frequency of the gait"),
+    "solver_iterations": ("1", "solver iterations of the plan"),
+    "is_fallback": ("1", "whether there was no plan and line of sight took over: 0 or 1"),
+    "climb_ref": ("rad", "climb commanded by guidance"),
+    "climb_used": ("rad", "climb used by the controller"),
+    "height_error": ("m", "distance from the path in profile, positive above"),
+    "path_climb": ("rad", "climb of the path at the nearest point"),
+    "climb_offset": ("rad", "offset commanded for climbing, positive upward"),
+    "climb_is_saturated": ("1", "whether that offset is at its limit: 0 or 1"),
+    "pitch": ("rad", "mean pitch of the links, positive downward"),
+}
+"""Unit and meaning of the signals of `laticauda.control` and of spatial runs; other sources may add more."""
 
 
 def describe_series(name: str) -> Series:
@@ -75,7 +103,7 @@ def describe_series(name: str) -> Series:
         )
     if name.startswith(SIGNAL):
         signal = name.removeprefix(SIGNAL)
-        return Series(*describe_signals().get(signal, ("SI", f"signal {signal} of the controller")))
+        return Series(*SIGNALS.get(signal, ("SI", f"signal {signal} of the controller")))
     return Series("J", WORK[name]) if name in WORK else SERIES[name]
 
 

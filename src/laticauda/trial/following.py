@@ -5,14 +5,12 @@ mean over the gait cycle: the center of mass of a swimming snake swings across i
 swing is the ripple, not an error.
 """
 
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda.errors import BadArgument, check_positive
-from laticauda.files import read_toml
 from laticauda.trial.cycles import (
     CycleMean,
     Middles,
@@ -199,7 +197,17 @@ def saturated_share(time: Time, is_saturated: Time) -> float:
     return float(np.sum(is_saturated[:-1] * np.diff(time)) / (time[-1] - time[0]))
 
 
-FIGURES: dict[str, tuple[str, str]] = read_toml(Path(__file__).with_suffix(".toml"))
+FIGURES = {
+    "convergence_time": ("s", "time until the mean error stays within 0.1 m for a cycle"),
+    "convergence_distance": ("m", "progress along the path until then"),
+    "overshoot": ("m", "overshoot: largest mean error on the far side of the path"),
+    "steady_error": ("m", "root mean square of the mean error after that"),
+    "ripple": ("m", "root mean square of the swing about the mean after that"),
+    "last_third_error": ("m", "mean error over the last third of the run"),
+    "last_third_height_error": ("m", "mean height above the path over the last third of the run"),
+    "end_time": ("s", "time until the end of the path, beyond which the robot swam on"),
+    "saturated_share": ("", "share of the run with the offset at its limit"),
+}
 """Unit and meaning of the figures of `summary`; errors are cycle means of the distance from the path."""
 
 

@@ -30,8 +30,33 @@ ROBOTS = ("mamba", "mamba-fin", "mamba-modules-fin", "amphibot", "tendon-fish")
 """Presets that a page contains by default."""
 MOTION = rows.ANGLE, rows.RATE
 
-LIMITS: Mapping[str, Mapping[str, Any]] = files.read_toml(Path(__file__).with_name("limits.toml"))
-"""Ranges and steps of the sliders, by group."""
+LIMITS: Mapping[str, Mapping[str, Any]] = {
+    "gait": {  # the paper's sweeps and some more
+        "amplitude": [0.0, 60.0, 1.0],
+        "frequency": [0.0, 220.0, 5.0],
+        "phase_shift": [-90.0, 90.0, 1.0],
+        "offset": [-20.0, 20.0, 0.5],
+    },
+    "fin": {
+        "flexural_rigidity": [0.02, 1.0, 0.01],
+    },
+    "water": {
+        "tangential_friction": [0.0, 1.0, 0.005],
+        "normal_drag": [0.0, 4.0, 0.05],
+        "added_mass": [0.0, 3.0, 0.05],
+    },
+    "current": {
+        "x": [-0.3, 0.3, 0.005],
+        "y": [-0.3, 0.3, 0.005],
+    },
+    "path": {
+        "look_ahead_distance": [0.05, 3.0, 0.01],
+        "integral_gain": [0.0, 0.5, 0.01],
+        "gain": [0.05, 1.5, 0.05],
+        "max_offset": [1.0, 30.0, 1.0],
+    },
+}
+"""Least and greatest value and step of the sliders of a page, by group; angles in degrees."""
 WATER = LIMITS["water"]
 WORKS = {
     "mechanical_work": "work_absolute",

@@ -4,10 +4,8 @@
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 
 from collections.abc import Iterable
-from pathlib import Path
 from typing import Any
 
-from laticauda.files import read_toml
 from laticauda.operate.drivers.base import Bus, Frame
 from laticauda.protocol import (
     BusFailed,
@@ -22,7 +20,12 @@ from laticauda.protocol.worker import Clock, DeviceFailed
 
 POLL = 0.05  # longest wait for a frame [s, wall clock]
 BUS_OFF = 0x40  # bit in the identifier of Linux's error frames
-ADVICE: dict[str, str] = read_toml(Path(__file__).with_suffix(".toml"))
+ADVICE = {
+    "socketcan": "Check that the interface is up: `ip link set can0 up type can bitrate 1000000`.",
+    "udp_multicast": "Check the address and that this computer has a network.",
+    "virtual": "Check the channel's name.",
+}
+"""What to check where a bus cannot be opened, by its interface."""
 
 
 class CanDriver(Bus):
