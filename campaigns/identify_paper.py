@@ -32,7 +32,7 @@ from laticauda.paper.measured import efficiency_trials, path_following_trials
 from laticauda.paper.path_following import figures_of
 from laticauda.paper.settings import path_following_settings
 from laticauda.robot import PectoralFin, Robot, Tether, Water, textbook_of
-from laticauda.robot.parameters import adjusted
+from laticauda.robot.parameters import adjust
 from laticauda.simulate import build_plant, figure_intervals, intervals_of, run
 from laticauda.trial import Trial
 from laticauda.trial.null_models import group_name, mape
@@ -102,7 +102,7 @@ class Candidate:
         robots: dict[bool, Robot] = {}
         for has_fin in (False, True):
             robot = lc.load_robot("mamba-fin" if has_fin else "mamba")
-            robot = adjusted(
+            robot = adjust(
                 robot, {"actuator": actuator, **({"caudal_fin": FIN} if has_fin else {})}
             )
             if self.place == "tail":

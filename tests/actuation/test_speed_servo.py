@@ -15,7 +15,7 @@ from laticauda.actuation import Drive, JointLaw, Servo, SpeedServo, motor_power
 from laticauda.codec import decode, encode
 from laticauda.dynamics.stages import GAMMA, combined, implicit_inertia
 from laticauda.robot import Actuator, Joint, load_robot
-from laticauda.robot.parameters import adjusted
+from laticauda.robot.parameters import adjust
 from laticauda.simulate import compute_sensitivities, list_parameters
 from laticauda.simulate.numbers import change_parameters
 
@@ -203,7 +203,7 @@ def test_its_duty_is_what_its_power_is_made_of(angle, rate, reference, dry, visc
 
 
 def with_motor(robot, **numbers):
-    return adjusted(load_robot(robot), {"actuator": numbers})
+    return adjust(load_robot(robot), {"actuator": numbers})
 
 
 @pytest.mark.parametrize("robot", ["mamba-fin", "mamba-modules"])
@@ -261,7 +261,7 @@ def test_a_batch_has_the_figures_of_single_runs_to_rounding_and_a_run_goes_on():
 def test_the_model_in_space_agrees_with_that_in_the_plane_with_friction_and_skin():
     pytest.importorskip("mujoco")
     rubbing = {"actuator": {"friction_torque": 0.1, "viscous_friction": 0.05}}
-    robot = adjusted(
+    robot = adjust(
         load_robot("mamba-fin"), {**rubbing, "joint": {"stiffness": 0.5, "damping": 0.1}}
     )
     planar = lc.swim(robot, GAIT, 3.0, joints=SLOW, dt=0.001)

@@ -9,7 +9,7 @@ from scipy.spatial import KDTree
 import laticauda as lc
 from laticauda.gaits import Wave
 from laticauda.robot import Robot
-from laticauda.robot.parameters import adjusted
+from laticauda.robot.parameters import adjust
 from laticauda.studies.point_trials import swim_points
 from laticauda.trial import feasibility
 
@@ -213,7 +213,7 @@ def test_a_motor_whose_numbers_are_not_stated_judges_nothing_and_stated_ones_do(
         trial.peak_joint_angle / trial.robot.joints[0].limit
     )
     assert feasibility.judge_feasibility(
-        adjusted(unknown, {"actuator": {"voltage": 7.0}}), trial, trial.period
+        adjust(unknown, {"actuator": {"voltage": 7.0}}), trial, trial.period
     ).problems
     assert not any(
         joint.actuator.stated
