@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import laticauda as lc
-from laticauda.cockpit import Cockpit, Live
+from laticauda.show.cockpit import Cockpit, Live
 
 PAGES = 3
 PAGE = Path(__file__).with_name("_page.py")

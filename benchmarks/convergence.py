@@ -12,7 +12,7 @@ Last answer (2026-11-21), at the default steps and at half of them:
 import numpy as np
 
 import laticauda as lc
-from laticauda.gaits import envelope_of
+from laticauda.motion.gaits import envelope_of
 
 SETTINGS = (
     ("lateral_undulation", 30, 130, 40),

@@ -26,8 +26,8 @@ TRIALS, ROUNDS = 256, 5
 
 def currents() -> dict[str, Any]:
     """What is in the table besides still water."""
-    from laticauda.fluid.gridded import Gridded, to_dataset
-    from laticauda.fluid.waves import Sea
+    from laticauda.water.fluid.gridded import Gridded, to_dataset
+    from laticauda.water.fluid.waves import Sea
 
     sea = Sea(significant_height=0.02, peak_period=1.5, spread=0.3)
     axes = {

@@ -9,7 +9,7 @@ import time
 from _timing import fastest, of_links, print_load, random_gaits
 
 import laticauda as lc
-from laticauda.simulate import compute_sensitivities
+from laticauda.models.simulate import compute_sensitivities
 
 NAMES = ("gait.amplitude", "gait.frequency", "gait.phase_shift", "gait.offset")
 TRIALS = 64

@@ -16,12 +16,12 @@ from _timing import print_load
 FILM = """
 import math, resource, sys, time
 import laticauda as lc
-from laticauda.pictures import render
+from laticauda.show.pictures import render
 
 gait = lc.eel_like(amplitude=math.radians(30), frequency=math.radians(110), phase_shift=math.radians(40))
 trial = lc.swim(lc.load_robot("mamba-modules-fin"), gait, duration=float(sys.argv[2]))
 try:
-    from laticauda.pictures.camera import Film
+    from laticauda.show.pictures.camera import Film
     settings = {"film": Film(size=(640, 360))}
 except ImportError:  # as it was
     settings = {"width": 640, "height": 360}

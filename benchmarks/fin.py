@@ -6,9 +6,9 @@ from math import pi, radians, sqrt
 import numpy as np
 
 import laticauda as lc
-from laticauda.hydrodynamics import bending_frequencies
 from laticauda.paper.measured import efficiency_trials
 from laticauda.robot import CaudalFin
+from laticauda.robot.hydrodynamics import bending_frequencies
 
 WATER = lc.load_water("paper-lateral")
 ROBOT = lc.load_robot("mamba-fin")

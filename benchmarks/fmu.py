@@ -17,7 +17,7 @@ import numpy as np
 from _timing import fastest, print_load
 
 import laticauda as lc
-from laticauda.cosim import export_fmu
+from laticauda.connect import export_fmu
 
 GAIT = lc.lateral_undulation(
     amplitude=math.radians(30), frequency=math.radians(130), phase_shift=math.radians(40)

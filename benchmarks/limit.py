@@ -37,8 +37,8 @@ def reference_of(program: Path) -> float:
 def costs() -> dict[str, float]:
     """Least time of one core of every call [s]."""
     from laticauda.control import HeadingController, LineOfSight, PathFollowing, StraightLine
-    from laticauda.planar.layout import build_layout
-    from laticauda.simulate import compute_sensitivities
+    from laticauda.models.planar.layout import build_layout
+    from laticauda.models.simulate import compute_sensitivities
 
     robot, gaits, clock = of_links(10), random_gaits(TRIALS), time.process_time
     water, gait = lc.load_water("paper-lateral"), gaits[0]

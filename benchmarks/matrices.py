@@ -15,8 +15,8 @@ from _timing import fastest, print_load
 from scipy.integrate import solve_ivp
 
 import laticauda as lc
-from laticauda.gaits import reference
-from laticauda.hydrodynamics import link_coefficients
+from laticauda.motion.gaits import reference
+from laticauda.robot.hydrodynamics import link_coefficients
 
 sys.path.append(str(Path(__file__).parent.parent / "tests"))
 import printed_equations as equations  # the oracle of the tests

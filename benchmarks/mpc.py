@@ -22,7 +22,7 @@ from _timing import print_load
 
 import laticauda as lc
 from laticauda.control import ModelPredictive, OffsetSteps, fit_averaged
-from laticauda.trial import following
+from laticauda.trials import following
 
 CURRENTS = (0.0, 0.03, 0.06)  # across, to the left [m/s]
 FREQUENCIES_DEG_S = (60.0, 80.0, 100.0, 120.0)

@@ -33,11 +33,17 @@ from _timing import print_load
 
 import laticauda as lc
 from laticauda.control import Following
-from laticauda.estimation import Learning
-from laticauda.figures import save_figure, timing_sheet
-from laticauda.operate.session import operate
-from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Limits, Operation
-from laticauda.protocol import worker
+from laticauda.control.estimation import Learning
+from laticauda.show.figures import save_figure, timing_sheet
+from laticauda.tank.operate.session import operate
+from laticauda.tank.operate.settings import (
+    Calibration,
+    CaptureVolume,
+    Connection,
+    Limits,
+    Operation,
+)
+from laticauda.tank.protocol import worker
 
 BUS = "udp_multicast:239.74.163.2:43119"
 BARE = """

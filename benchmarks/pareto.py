@@ -32,7 +32,7 @@ import numpy as np
 from pymoo.indicators.hv import HV
 
 import laticauda as lc
-from laticauda.gaits import envelope_of
+from laticauda.motion.gaits import envelope_of
 from laticauda.studies import Optimization, optimize
 from laticauda.studies.optimization import compute_losses, evaluate
 

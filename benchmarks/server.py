@@ -14,7 +14,7 @@ import time
 
 from _timing import print_load
 
-from laticauda.cosim import Server, clients_folder
+from laticauda.connect import Server, clients_folder
 
 COUNT = 500
 OCTAVE = """

@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 import laticauda as lc
-from laticauda.hydrodynamics import link_coefficients
+from laticauda.robot.hydrodynamics import link_coefficients
 
 sys.path.append(str(Path(__file__).parent.parent / "tests"))
 import printed_equations as equations  # the oracle of the tests

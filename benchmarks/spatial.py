@@ -37,9 +37,9 @@ import numpy as np
 from _timing import print_load
 
 import laticauda as lc
-from laticauda import mujoco_water as water
-from laticauda.interfaces import Command, OpenLoop
-from laticauda.simulate import build_plant, run
+from laticauda.models.simulate import build_plant, run
+from laticauda.scenarios.interfaces import Command, OpenLoop
+from laticauda.water import mujoco as water
 
 N, DURATION, STEP, FINE = 20, 10.0, 2e-3, 1e-4
 ROUNDS = 5

@@ -9,7 +9,7 @@ import time
 from _timing import fastest, of_links, print_load, random_gaits
 
 import laticauda as lc
-from laticauda.dynamics.school import usable_cores
+from laticauda.models.dynamics.school import usable_cores
 
 TRIALS = {"prescribed": 3200, "pd": 320}
 

@@ -117,9 +117,9 @@ def left_over_of(session: int) -> int:
 def recorded(folder: Path, duration: float) -> None:
     """Operate a robot in the virtual tank, without wires and bit for bit repeatable: ``run.mcap`` and ``run.nc``."""
     import laticauda as lc
-    from laticauda.lab import LabSettings, NodeSettings, Tank, VirtualRobot
-    from laticauda.operate.session import operate
-    from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Operation
+    from laticauda.tank.lab import LabSettings, NodeSettings, Tank, VirtualRobot
+    from laticauda.tank.operate.session import operate
+    from laticauda.tank.operate.settings import Calibration, CaptureVolume, Connection, Operation
 
     robot = lc.load_robot("mamba")
     world = VirtualRobot(
@@ -173,8 +173,8 @@ def _cut_reproduce() -> None:
 def _operate(words: list[str]) -> int:
     import laticauda as lc
     from laticauda import cli
-    from laticauda.lab import Lab, LabSettings, NodeSettings, Tank, VirtualRobot
-    from laticauda.protocol import bus_address
+    from laticauda.tank.lab import Lab, LabSettings, NodeSettings, Tank, VirtualRobot
+    from laticauda.tank.protocol import bus_address
 
     robot = lc.load_robot("mamba")
     world = VirtualRobot(

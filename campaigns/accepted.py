@@ -30,11 +30,17 @@ from _rows import gone_on
 
 import laticauda as lc
 from laticauda.control import Following
-from laticauda.gaits import envelope_of
-from laticauda.lab import Fault, LabSettings, Tank, VirtualRobot
-from laticauda.lab.faults import ON_NODES
-from laticauda.operate.session import operate
-from laticauda.operate.settings import Acceptance, Calibration, CaptureVolume, Connection, Operation
+from laticauda.motion.gaits import envelope_of
+from laticauda.tank.lab import Fault, LabSettings, Tank, VirtualRobot
+from laticauda.tank.lab.faults import ON_NODES
+from laticauda.tank.operate.session import operate
+from laticauda.tank.operate.settings import (
+    Acceptance,
+    Calibration,
+    CaptureVolume,
+    Connection,
+    Operation,
+)
 
 FAULTS = {
     "jammed joint": ("stuck_servo", {}),

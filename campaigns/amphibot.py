@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 
 import laticauda as lc
+from laticauda.models.simulate import figure_intervals, widen_by_textbook_error
 from laticauda.robot import textbook_of
 from laticauda.robot.files import PRESETS
-from laticauda.simulate import figure_intervals, widen_by_textbook_error
-from laticauda.trial.markers import Track, marker_distance, marker_places
+from laticauda.trials.markers import Track, marker_distance, marker_places
 
 LINK = 0.0965  # m
 ALONG = (

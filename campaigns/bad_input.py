@@ -39,7 +39,7 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.cli.app import COMMANDS, main
-from laticauda.errors import LaticaudaError
+from laticauda.values.errors import LaticaudaError
 
 GIGABYTES, SECONDS = 6, 60
 ROBOTS = ("mamba", "mamba-fin", "mamba-thruster")
@@ -766,8 +766,8 @@ def exports(rng: random.Random) -> Iterator[Case]:
 
 def values(rng: random.Random) -> Iterator[Case]:
     """Numbers at the ends of what a declared quantity may be, and beyond; a file keeps what is accepted."""
-    from laticauda import codec
-    from laticauda.quantities import hints_of, quantities_of
+    from laticauda.values import codec
+    from laticauda.values.quantities import hints_of, quantities_of
 
     classes = [one for _, one in public() if inspect.isclass(one) and dataclasses.is_dataclass(one)]
     kinds = [one for one in classes if quantities_of(one)]

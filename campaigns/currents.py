@@ -29,10 +29,10 @@ from scipy.stats import t as student
 
 import laticauda as lc
 from laticauda.control import CurrentObserver, ModelPredictive
-from laticauda.fluid.eddies import KarmanStreet, Turbulence
-from laticauda.fluid.flow import Flow
 from laticauda.studies import averaged_model
-from laticauda.trial import following
+from laticauda.trials import following
+from laticauda.water.fluid.eddies import KarmanStreet, Turbulence
+from laticauda.water.fluid.flow import Flow
 
 STORED = Path(__file__).with_suffix(".csv")
 SEEDS, DURATION = 20, 90.0  # [-], [s]
@@ -48,14 +48,14 @@ Water = Flow | tuple[float, float]
 
 def shear() -> Water:
     """Across the line, from none at the origin to 0.06 m/s 10 m further."""
-    from laticauda.fluid.uniform import LinearShear
+    from laticauda.water.fluid.uniform import LinearShear
 
     return LinearShear(direction=LEFT, across=-0.006)
 
 
 def sea(seed: int) -> Water:
     """Short-crested waves across the line, of 6 m."""
-    from laticauda.fluid.waves import Sea
+    from laticauda.water.fluid.waves import Sea
 
     return Sea(
         significant_height=0.08,
@@ -69,7 +69,7 @@ def sea(seed: int) -> Water:
 
 def regular(height: float, period: float, direction: float, phase: float) -> Water:
     """Waves of one period."""
-    from laticauda.fluid.waves import Waves
+    from laticauda.water.fluid.waves import Waves
 
     return Waves(height=height, period=period, direction=direction, phase=phase)
 
@@ -277,7 +277,7 @@ def tables(runs: list[Run]) -> str:
 
 def figure(runs: list[Run], path: str) -> None:
     """The error of every run, by water and law."""
-    from laticauda.figures import save_figure, style
+    from laticauda.show.figures import save_figure, style
 
     drawn = style.new_figure(style.DOUBLE_COLUMN, 0.45 * style.DOUBLE_COLUMN)
     ax, names = drawn.subplots(), [*dict.fromkeys(one.law for one in runs)]

@@ -9,7 +9,7 @@ ones. In the first of the newest, every extra is weighed.
     python campaigns/environments.py                                  # beside the stored answer
     python campaigns/environments.py --write                          # writes environments.csv
     python campaigns/environments.py --weigh export                   # the large one, too
-    python campaigns/environments.py --pythons python3.12 --only lowest --tests tests/logs -x
+    python campaigns/environments.py --pythons python3.12 --only lowest --tests tests/trials/logs -x
 
 Pythons are those called python3.11 to python3.14 that start. The package `uv` resolves and
 installs; where it is missing, it is installed into the temporary folder. An environment takes five
@@ -52,9 +52,10 @@ TOOLS = [
 """What the tests need beside the package."""
 TESTS = """
 tests/cli/test_app.py tests/cli/test_swim.py tests/cli/test_sweep.py tests/cli/test_optimize.py tests/studies
-tests/cockpit/test_pages.py tests/compiling/test_lanes.py tests/control/test_predictive.py plugins/laticauda-gym/tests
-tests/figures/test_swim.py tests/identify/test_uncertainty.py tests/logs tests/mujoco_water/test_water.py
-tests/operate/drivers tests/reports/test_page.py tests/simulate/test_reference_numbers.py tests/trial
+tests/show/cockpit/test_pages.py tests/compiling/test_lanes.py tests/control/mpc/test_predictive.py
+plugins/laticauda-gym/tests tests/show/figures/test_swim.py tests/identify/test_uncertainty.py tests/trials/logs
+tests/water/mujoco/test_water.py tests/tank/operate/drivers tests/show/reports/test_page.py
+tests/models/simulate/test_reference_numbers.py tests/trials
 """.split()
 """Those that touch other packages."""
 BESIDE = tomllib.loads((ROOT / "plugins/laticauda-gym/pyproject.toml").read_text(encoding="utf-8"))[

@@ -81,7 +81,7 @@ from typing import Any
 import numpy as np
 
 import laticauda as lc
-from laticauda.estimation import (
+from laticauda.control.estimation import (
     Estimate,
     Estimator,
     JointSample,
@@ -90,8 +90,8 @@ from laticauda.estimation import (
     ReferenceSample,
     Sample,
 )
-from laticauda.kinematics import Posture
 from laticauda.robot import load_water
+from laticauda.robot.kinematics import Posture
 
 INTERVAL = 0.01  # between two samples of everything [s]
 SETTLED = 3.0  # errors count from here on [s]

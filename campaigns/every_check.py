@@ -6,7 +6,7 @@ need. Does anything fail if every call is checked, and every example is a progra
 which warnings are errors from its first import on?
 
     python campaigns/every_check.py                # all tests
-    python campaigns/every_check.py tests/lab -x   # some; what follows is for pytest
+    python campaigns/every_check.py tests/tank/lab -x   # some; what follows is for pytest
 
 It takes about twice as long as `make test`.
 """

@@ -25,7 +25,7 @@ import zipfile
 from pathlib import Path
 
 import laticauda as lc
-from laticauda.cosim import export_fmu
+from laticauda.connect import export_fmu
 
 DRIVER = Path(__file__).with_suffix(".c")
 GCC = "gcc -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all"

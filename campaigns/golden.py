@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 
 import laticauda as lc
-from laticauda.fluid.laws import PolynomialDrag
 from laticauda.robot import PectoralFin
+from laticauda.water.fluid.laws import PolynomialDrag
 
 STORE = Path(__file__).with_suffix(".npz")
 TOLERANCE = 1e-12

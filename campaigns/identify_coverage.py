@@ -37,7 +37,7 @@ import numpy as np
 import laticauda as lc
 from laticauda.identify import Fit, Measurement, Unknown, fit, from_trial
 from laticauda.robot import CaudalFin, Joint, Module, Robot, Section
-from laticauda.trial import Trial
+from laticauda.trials import Trial
 
 ROBOTS = 120
 SEED = 6

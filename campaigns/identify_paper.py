@@ -27,15 +27,15 @@ import numpy as np
 from scipy.optimize import least_squares, nnls
 
 import laticauda as lc
-from laticauda.fluid.laws import PolynomialDrag, TotalSpeedDrag
+from laticauda.models.simulate import build_plant, figure_intervals, intervals_of, run
 from laticauda.paper.measured import efficiency_trials, path_following_trials
 from laticauda.paper.path_following import figures_of
 from laticauda.paper.settings import path_following_settings
 from laticauda.robot import PectoralFin, Robot, Tether, Water, textbook_of
 from laticauda.robot.parameters import adjust
-from laticauda.simulate import build_plant, figure_intervals, intervals_of, run
-from laticauda.trial import Trial
-from laticauda.trial.null_models import group_name, mape
+from laticauda.trials import Trial
+from laticauda.trials.null_models import group_name, mape
+from laticauda.water.fluid.laws import PolynomialDrag, TotalSpeedDrag
 
 Numbers = tuple[float, float]
 """What is fitted: a drag, and the joints' speed [rad/s]."""

@@ -24,7 +24,7 @@ from tempfile import TemporaryDirectory
 
 from laticauda.identify.tasks import load_task, task_from_table
 from laticauda.paper.measured import efficiency_trials
-from laticauda.trial.measured import KINDS
+from laticauda.trials.measured import KINDS
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "mamba-identified.toml"
 HEAD = "gait,config,alpha_deg,omega_deg_s,delta_deg,v_m_s,P_avg_W"

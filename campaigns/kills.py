@@ -59,8 +59,8 @@ def contents(folder: Path) -> dict[str, str]:
 
 def is_beginning(folder: Path, whole: Path) -> bool:
     """Whether a recording that broke off is readable, and is the beginning of a whole one."""
-    from laticauda.errors import LaticaudaError
-    from laticauda.operate.recording.log import read_operation
+    from laticauda.tank.operate.recording.log import read_operation
+    from laticauda.values.errors import LaticaudaError
 
     file = folder / "out" / "run.mcap"
     if not file.exists() or file.stat().st_size == 0:  # it had not begun

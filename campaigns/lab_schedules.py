@@ -46,21 +46,32 @@ from pathlib import Path
 from typing import Any
 
 import laticauda as lc
-from laticauda import protocol
 from laticauda.control import Following
-from laticauda.errors import LaticaudaError
-from laticauda.gaits import envelope_of
-from laticauda.lab import Fault, LabSettings, NodeSettings, Tank, VirtualRobot
-from laticauda.operate import Event
-from laticauda.operate.course.operator import Operator
-from laticauda.operate.course.state import OperatorState, Outputs
-from laticauda.operate.drivers import Frame
-from laticauda.operate.loop import TankBus, TankCameras, TankDevices, run_loop
-from laticauda.operate.recording.log import OperationLog, OperationRecorder, Sink, read_operation
-from laticauda.operate.safety.supervisor import BY_EVENT
-from laticauda.operate.session import header_of, result_of
-from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Limits, Operation
-from laticauda.operate.verdict import verdict_of
+from laticauda.motion.gaits import envelope_of
+from laticauda.tank import protocol
+from laticauda.tank.lab import Fault, LabSettings, NodeSettings, Tank, VirtualRobot
+from laticauda.tank.operate import Event
+from laticauda.tank.operate.course.operator import Operator
+from laticauda.tank.operate.course.state import OperatorState, Outputs
+from laticauda.tank.operate.drivers import Frame
+from laticauda.tank.operate.loop import TankBus, TankCameras, TankDevices, run_loop
+from laticauda.tank.operate.recording.log import (
+    OperationLog,
+    OperationRecorder,
+    Sink,
+    read_operation,
+)
+from laticauda.tank.operate.safety.supervisor import BY_EVENT
+from laticauda.tank.operate.session import header_of, result_of
+from laticauda.tank.operate.settings import (
+    Calibration,
+    CaptureVolume,
+    Connection,
+    Limits,
+    Operation,
+)
+from laticauda.tank.operate.verdict import verdict_of
+from laticauda.values.errors import LaticaudaError
 
 STORED = Path(__file__).with_suffix(".json")
 AT_ONE = (

@@ -25,13 +25,13 @@ from statistics import median
 from _rows import gone_on
 
 import laticauda as lc
-from laticauda.estimation import Learned, Learner, Learning, Sample
-from laticauda.estimation.learning import CRAB
-from laticauda.lab import Fault, LabSettings, Tank, VirtualRobot
-from laticauda.lab.faults import ON_NODES
-from laticauda.operate.course.operator import Operator
-from laticauda.operate.loop import TankDevices, run_loop
-from laticauda.operate.settings import Calibration, CaptureVolume, Connection, Operation
+from laticauda.control.estimation import Learned, Learner, Learning, Sample
+from laticauda.control.estimation.learning import CRAB
+from laticauda.tank.lab import Fault, LabSettings, Tank, VirtualRobot
+from laticauda.tank.lab.faults import ON_NODES
+from laticauda.tank.operate.course.operator import Operator
+from laticauda.tank.operate.loop import TankDevices, run_loop
+from laticauda.tank.operate.settings import Calibration, CaptureVolume, Connection, Operation
 
 FAULTS = {"lost fin": "lost_fin", "jammed joint": "stuck_servo", "weak joint, half": "weak_servo"}
 FAULTS["moving water, 3 cm/s"] = "moving_water"

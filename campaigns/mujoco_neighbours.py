@@ -22,7 +22,7 @@ ROOT = Path(__file__).parent.parent
 NEIGHBOURS = (["mujoco"], ["gymnasium[mujoco]"], ["mujoco-warp"], ["dm-control", "mujoco<4"])
 PROBE = """
 import mujoco
-from laticauda.mujoco_water import native
+from laticauda.water.mujoco import native
 assert native.library().mj_version() == mujoco.mj_version()
 print(mujoco.__version__)
 """

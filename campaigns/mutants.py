@@ -106,34 +106,34 @@ def _swim(module: Any) -> None:
 
 
 def _estimation(*names: str) -> tuple[str, ...]:
-    return tuple(f"src/laticauda/estimation/{name}.py" for name in names)
+    return tuple(f"src/laticauda/control/estimation/{name}.py" for name in names)
 
 
 def _verdict(*names: str) -> tuple[str, ...]:
-    return tuple(f"src/laticauda/operate/verdict/{name}.py" for name in names)
+    return tuple(f"src/laticauda/tank/operate/verdict/{name}.py" for name in names)
 
 
 TARGETS = (
     Target(
         files=(
-            "src/laticauda/operate/safety/limits.py",
-            "src/laticauda/operate/safety/supervisor.py",
+            "src/laticauda/tank/operate/safety/limits.py",
+            "src/laticauda/tank/operate/safety/supervisor.py",
         ),
-        tests=("tests/operate/safety",),
+        tests=("tests/tank/operate/safety",),
     ),
     Target(
         files=_verdict(
             *("cameras", "check", "joints", "model_run", "motion", "preparation"),
             *("recorded_run", "signals", "verdict"),
         ),
-        tests=("tests/operate/test_verdict.py",),
+        tests=("tests/tank/operate/test_verdict.py",),
         warm=_swim,
     ),
     Target(
         files=_estimation(
             "samples", "filter_state", "kinematics", "digital_twin", "motion_model", "filter"
         ),
-        tests=("tests/estimation",),
+        tests=("tests/control/estimation",),
         left_out=(
             "test_estimator_campaign",
             "turning_tells_a_current",
@@ -154,7 +154,10 @@ TARGETS = (
     ),
     Target(
         files=_estimation("learning", "stretches"),
-        tests=("tests/estimation/test_learning.py", "tests/estimation/test_stretches.py"),
+        tests=(
+            "tests/control/estimation/test_learning.py",
+            "tests/control/estimation/test_stretches.py",
+        ),
         warm=_swim,
     ),
 )

@@ -26,13 +26,13 @@ from pathlib import Path
 import numpy as np
 
 import laticauda as lc
-from laticauda.lab import LabSettings, Tank, VirtualRobot
-from laticauda.operate.series import Series, run_series
-from laticauda.operate.session import Result, operate
-from laticauda.operate.settings import Operation, load_operation
 from laticauda.paper.efficiency import TABLE2
 from laticauda.paper.measured import path_following_trials
-from laticauda.trial import following
+from laticauda.tank.lab import LabSettings, Tank, VirtualRobot
+from laticauda.tank.operate.series import Series, run_series
+from laticauda.tank.operate.session import Result, operate
+from laticauda.tank.operate.settings import Operation, load_operation
+from laticauda.trials import following
 
 PLACED, TURNED = (
     0.02,

@@ -22,13 +22,13 @@ import numpy as np
 from jaxtyping import Float
 from matplotlib.figure import Figure
 
-from laticauda.errors import BadArgument
-from laticauda.figures import save_figure, style
-from laticauda.gaits import Anguilliform, EelLike, Envelope
+from laticauda.models.simulate import swim_many
+from laticauda.motion.gaits import Anguilliform, EelLike, Envelope
 from laticauda.paper import Repeat, load_repeats
-from laticauda.reports.identify_figures import parity
 from laticauda.robot import load_robot, load_water
-from laticauda.simulate import swim_many
+from laticauda.show.figures import save_figure, style
+from laticauda.show.reports.identify_figures import parity
+from laticauda.values.errors import BadArgument
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -7,7 +7,7 @@ out. The planar run has a quarter of the smallest step.
 
     python campaigns/parity.py [FIGURE]    run all, write parity.csv and print the worst of the cases; draw the figure
 
-The tests run slices of it, in tests/spatial/test_parity.py and tests/spatial/test_fin.py, and the
+The tests run slices of it, in tests/models/spatial/test_parity.py and tests/models/spatial/test_fin.py, and the
 paper's claim that both models agree is judged by its answer, in tests/paper/test_claims.py.
 
 Last answer (2 shared cores, 2026-11-22; 40 s), the worst of lateral, eel-like, turning, fin and
@@ -41,8 +41,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 import laticauda as lc
-from laticauda.figures import new_figure, save_figure, style
 from laticauda.scenarios import Scenario, model_of
+from laticauda.show.figures import new_figure, save_figure, style
 
 STORE = Path(__file__).with_suffix(".csv")
 STEPS = {

@@ -32,12 +32,12 @@ from xml.etree.ElementTree import fromstring
 import numpy as np
 
 import laticauda as lc
-from laticauda.cosim import export_c, export_fmu
-from laticauda.cosim.native.platforms import PLATFORMS, compiler
-from laticauda.fluid import DragLaw
-from laticauda.interfaces import Command
-from laticauda.quantities import quantity, value_class
-from laticauda.scalars import magnitude
+from laticauda.connect import export_c, export_fmu
+from laticauda.connect.native.platforms import PLATFORMS, compiler
+from laticauda.scenarios.interfaces import Command
+from laticauda.values.quantities import quantity, value_class
+from laticauda.values.scalars import magnitude
+from laticauda.water.fluid import DragLaw
 
 STORED = Path(__file__).with_suffix(".csv")
 DRIVER = Path(__file__).with_suffix(".c")

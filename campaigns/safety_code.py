@@ -28,10 +28,10 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 STORED = Path(__file__).with_suffix(".csv")
 TESTS = {
-    "operate/safety": ("tests/operate/safety",),
-    "operate/verdict": ("tests/operate/test_verdict.py",),
-    "operate/recording": ("tests/operate/recording",),
-    "protocol": ("tests/protocol",),
+    "tank/operate/safety": ("tests/tank/operate/safety",),
+    "tank/operate/verdict": ("tests/tank/operate/test_verdict.py",),
+    "tank/operate/recording": ("tests/tank/operate/recording",),
+    "tank/protocol": ("tests/tank/protocol",),
 }
 """The safety code, in laticauda, and its tests."""
 COLUMNS = ("file", "statements", "branches", "not_run", "branches_not_taken")

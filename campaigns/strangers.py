@@ -26,7 +26,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from laticauda import mujoco_water as water
+from laticauda.water import mujoco as water
 
 QUADRUPED = """<mujoco><option timestep="0.002"/><worldbody><light pos="0 0 3"/><body name="trunk" pos="0 0 -0.03">
 <freejoint/><geom type="box" size=".25 .1 .06" density="450"/>{legs}</body></worldbody>

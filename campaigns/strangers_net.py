@@ -341,7 +341,7 @@ class Counted:
     """Sessions of a server in this process, and how many requests they have done."""
 
     def __init__(self) -> None:
-        from laticauda.cosim import server
+        from laticauda.connect import server
 
         self.done, usual, counted = 0, server.Session, self
 
@@ -358,7 +358,7 @@ def origins(options: argparse.Namespace) -> Iterator[Row]:
     import viser
     from playwright.sync_api import sync_playwright
 
-    from laticauda.cosim import Server
+    from laticauda.connect import Server
 
     class Page(http.server.BaseHTTPRequestHandler):
         def do_GET(self) -> None:
@@ -680,7 +680,7 @@ def poisoned(folder: Path, seed: int) -> list[tuple[str, Callable[[], object]]]:
     """Files and messages in which names, expressions and pickles stand where texts, numbers and arrays should."""
     import laticauda as lc
     from laticauda import scenarios
-    from laticauda.cosim import Session
+    from laticauda.connect import Session
 
     chance = random.Random(seed)
     words = (

@@ -24,7 +24,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-from laticauda.operate.safety.supervisor import (
+from laticauda.tank.operate.safety.supervisor import (
     ACTIONS,
     BY_EVENT,
     REQUESTS,

@@ -21,7 +21,7 @@ import time
 from pathlib import Path
 
 import laticauda as lc
-from laticauda.simulate import swim_many
+from laticauda.models.simulate import swim_many
 from laticauda.studies import Samples, Sweep, best_points, run_sweep
 
 SIZES = (100_000, 1_000_000, 10_000_000)

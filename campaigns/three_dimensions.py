@@ -9,8 +9,8 @@ measured, and the center of mass lies 0.5 cm below it), a path or a radius withi
 
     python campaigns/three_dimensions.py
 
-The tests run slices of it, in tests/control/test_following.py, tests/operate/test_in_space.py and
-tests/cockpit/test_controls.py.
+The tests run slices of it, in tests/control/test_following.py, tests/tank/operate/test_in_space.py and
+tests/show/cockpit/test_controls.py.
 
 Last answer (2 shared cores, 2026-11-22; some 4 minutes):
     depth step from 0.5 to 0.8 m       depth within 0.5 cm, path within 0.0 cm
@@ -29,12 +29,12 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.control import Following
-from laticauda.lab import LabSettings, Tank, VirtualRobot
-from laticauda.operate import Decision
-from laticauda.operate.course.operator import Operator
-from laticauda.operate.loop import TankDevices, run_loop
-from laticauda.operate.settings import load_operation
-from laticauda.spatial.scene import Pipe
+from laticauda.models.spatial.scene import Pipe
+from laticauda.tank.lab import LabSettings, Tank, VirtualRobot
+from laticauda.tank.operate import Decision
+from laticauda.tank.operate.course.operator import Operator
+from laticauda.tank.operate.loop import TankDevices, run_loop
+from laticauda.tank.operate.settings import load_operation
 
 ROBOT, WATER = lc.load_robot("mamba-modules"), lc.load_water("paper-lateral")
 GAIT = lc.lateral_undulation(

@@ -27,8 +27,8 @@ from firefox import FIREFOX, firefox
 from web_pages import NODE, by_python, difference, some_links, trials
 
 import laticauda as lc
-from laticauda.cosim.web import export_web
-from laticauda.errors import BadArgument
+from laticauda.connect.web import export_web
+from laticauda.values.errors import BadArgument
 
 LINK = "robot=mamba-fin&current-y=0.03&waypoints=0.2+-0.5+2.4+-0.5+3.8+0.6"
 SIZES = {"desk": (1366, 768), "phone": (390, 844)}

@@ -16,9 +16,9 @@ from math import radians
 import matplotlib.pyplot as plt
 
 import laticauda as lc
-from laticauda.fluid import DragLaw
-from laticauda.quantities import quantity, value_class
-from laticauda.scalars import magnitude
+from laticauda.values.quantities import quantity, value_class
+from laticauda.values.scalars import magnitude
+from laticauda.water.fluid import DragLaw
 
 
 @value_class

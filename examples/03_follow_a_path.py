@@ -10,7 +10,7 @@ controller's signals.
 from math import degrees, radians
 
 import laticauda as lc
-from laticauda.trial import following
+from laticauda.trials import following
 
 controller = lc.PathFollowing(
     gait=lc.lateral_undulation(

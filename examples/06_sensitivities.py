@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
-from laticauda.simulate import compute_sensitivities
+from laticauda.models.simulate import compute_sensitivities
 
 robot = lc.load_robot("mamba-fin")
 gait = lc.lateral_undulation(

@@ -14,7 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
-from laticauda.spatial.scene import Shore
+from laticauda.models.spatial.scene import Shore
 
 robot = lc.load_robot("mamba-modules")
 # neutrally buoyant

@@ -12,7 +12,7 @@ from math import radians
 import matplotlib.pyplot as plt
 
 import laticauda as lc
-from laticauda.hydrodynamics import bending_frequencies
+from laticauda.robot.hydrodynamics import bending_frequencies
 
 robot = lc.load_robot("mamba-fin")
 water = lc.load_water("paper-lateral")

@@ -14,10 +14,10 @@ import matplotlib.pyplot as plt
 
 import laticauda as lc
 from laticauda.control import Following
-from laticauda.lab import Fault, LabSettings, Tank, VirtualRobot
-from laticauda.operate.course.operator import Operator
-from laticauda.operate.loop import TankDevices, run_loop
-from laticauda.operate.settings import (
+from laticauda.tank.lab import Fault, LabSettings, Tank, VirtualRobot
+from laticauda.tank.operate.course.operator import Operator
+from laticauda.tank.operate.loop import TankDevices, run_loop
+from laticauda.tank.operate.settings import (
     Calibration,
     CaptureVolume,
     Connection,

@@ -16,7 +16,7 @@ import matplotlib.pyplot as plt
 import laticauda as lc
 from laticauda.control import ModelPredictive
 from laticauda.studies import averaged_model
-from laticauda.trial import following
+from laticauda.trials import following
 
 gait = lc.lateral_undulation(
     amplitude=radians(30), frequency=radians(90), phase_shift=radians(40)

@@ -15,7 +15,7 @@ from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi2 import FMU2Slave
 
 import laticauda as lc
-from laticauda.cosim import export_fmu
+from laticauda.connect import export_fmu
 
 robot = lc.load_robot("mamba-fin")
 gait = lc.lateral_undulation(

@@ -12,7 +12,7 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.robot.files import PRESETS
-from laticauda.trial.markers import Track, marker_distance, marker_places
+from laticauda.trials.markers import Track, marker_distance, marker_places
 
 # The water comes from textbook tables: friction of skin, nose and gaps; drag and
 # added mass of an elliptic section.

@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt
 import laticauda as lc
 from laticauda.paper.measured import efficiency_trials
 from laticauda.robot import load_parameters, parameter_names, robot_names
-from laticauda.trial.feasibility import judge_feasibility
+from laticauda.trials.feasibility import judge_feasibility
 
 KINDS = {"lateral": lc.lateral_undulation, "eel": lc.eel_like}
 GAITS = [

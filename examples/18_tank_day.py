@@ -18,11 +18,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
-from laticauda.actuation import SpeedServo
 from laticauda.identify import tank_day
 from laticauda.identify.measurements import Tow
-from laticauda.kinematics import Posture
+from laticauda.motion.joints import SpeedServo
 from laticauda.robot import textbook_water
+from laticauda.robot.kinematics import Posture
 
 rng, folder = np.random.default_rng(1), Path("day")
 robot = lc.load_robot("amphibot")

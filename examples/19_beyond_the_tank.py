@@ -14,7 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
-from laticauda.trial import following
+from laticauda.trials import following
 
 rate = {"frequency_deg_s": 90, "phase_shift_deg": 40}
 lateral = (

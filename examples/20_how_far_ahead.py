@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
-from laticauda.trial import following
+from laticauda.trials import following
 
 distances, gains = (
     (0.09, 0.18, 0.36, 0.54, 0.9, 1.62, 3.24, 4.24),

@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
-from laticauda.spatial.scene import HeightField
+from laticauda.models.spatial.scene import HeightField
 
 robot = lc.load_robot("mamba-modules")
 gait = lc.lateral_undulation(

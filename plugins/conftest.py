@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from typechecker import check_shapes
 
-from laticauda import extensions
+from laticauda.values import extensions
 
 HERE = Path(__file__).parent
 

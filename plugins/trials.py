@@ -3,9 +3,9 @@
 import math
 
 import laticauda as lc
-from laticauda import lab
-from laticauda.operate.session import operate
-from laticauda.operate.settings import (
+from laticauda.tank import lab
+from laticauda.tank.operate.session import operate
+from laticauda.tank.operate.settings import (
     Acceptance,
     Calibration,
     CaptureVolume,

@@ -7,12 +7,12 @@ from itertools import pairwise
 import numpy as np
 import printed_equations as equations
 
-from laticauda.fluid.laws import PolynomialDrag
-from laticauda.hydrodynamics import link_coefficients
-from laticauda.planar import rows
-from laticauda.planar.layout import Layout, build_layout
-from laticauda.planar.model import specialize
+from laticauda.models.planar import rows
+from laticauda.models.planar.layout import Layout, build_layout
+from laticauda.models.planar.model import specialize
 from laticauda.robot import CaudalFin, Joint, Module, Robot, Section, Thruster, Water
+from laticauda.robot.hydrodynamics import link_coefficients
+from laticauda.water.fluid.laws import PolynomialDrag
 
 FORMS = ("relative", "kirchhoff", "classic")
 

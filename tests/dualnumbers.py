@@ -8,10 +8,10 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from laticauda.actuation import laws as joint_laws
-from laticauda.dynamics import stages
-from laticauda.fluid import flow, inertia, laws
-from laticauda.planar import rows
+from laticauda.models.dynamics import stages
+from laticauda.models.planar import rows
+from laticauda.motion.joints import laws as joint_laws
+from laticauda.water.fluid import flow, inertia, laws
 
 PLANAR = Path(rows.__file__).parent
 
@@ -113,7 +113,7 @@ def python_kernels(law=None):
         "magnitude": lambda x: -x if x.real < 0.0 else x,
         "sincos": lambda x: (dual(x).sin(), dual(x).cos()),
         "expm1": _expm1,
-        "laws": __import__("laticauda.actuation.laws", fromlist=["laws"]),
+        "laws": __import__("laticauda.motion.joints.laws", fromlist=["laws"]),
         "in_rows": _by_numbers,
         "rows_from": lambda first, count: lambda S, b=0: tuple(S[b + first : b + first + count]),
         "actuator_of": lambda own: _driven,
@@ -123,7 +123,7 @@ def python_kernels(law=None):
         "summed": lambda kinds, count: None,
         "Element": laws.Element,
         "MOTION": laws.MOTION,
-        "reference": __import__("laticauda.gaits.reference", fromlist=["reference"]),
+        "reference": __import__("laticauda.motion.gaits.reference", fromlist=["reference"]),
         "stages": stages,
         **{name: value for name, value in vars(stages).items() if name.isupper()},
         "lane_types": SimpleNamespace(rows_of=lambda width: same),

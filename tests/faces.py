@@ -2,7 +2,7 @@
 
     python tests/faces.py --update   # after a change of a table
 
-The table is an argument of `lazy_exports`, see `laticauda.packaging`. Type checkers and
+The table is an argument of `lazy_exports`, see `laticauda.values.packaging`. Type checkers and
 import-linter do not read it, so that its names also stand as imports under `if TYPE_CHECKING`.
 """
 

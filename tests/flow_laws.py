@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from laticauda.fluid.flow import Flow, FunctionFlow, Motion
-from laticauda.quantities import quantity, value_class
+from laticauda.values.quantities import quantity, value_class
+from laticauda.water.fluid.flow import Flow, FunctionFlow, Motion
 
 
 def check_incompressible(flow, x, y, z, t):

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from llvmlite import binding
 
-from laticauda.files import locked
+from laticauda.values.files import locked
 
 SOURCES = Path(__file__).parent.parent / "src" / "laticauda"
 ROOT = Path(os.environ.get("LATICAUDA_KERNELS") or Path.home() / ".cache" / "laticauda-kernels")

@@ -1,9 +1,9 @@
 """A tank without wires and without chance, for tests."""
 
-from laticauda.lab import LabSettings, MocapSettings, NodeSettings, Tank, VirtualRobot
-from laticauda.protocol import NodeCommand, Order, Sync, decode, encode, encode_references
+from laticauda.models.simulate import build_plant
 from laticauda.robot import load_robot, load_water
-from laticauda.simulate import build_plant
+from laticauda.tank.lab import LabSettings, MocapSettings, NodeSettings, Tank, VirtualRobot
+from laticauda.tank.protocol import NodeCommand, Order, Sync, decode, encode, encode_references
 
 EXACT = LabSettings(
     nodes=NodeSettings(

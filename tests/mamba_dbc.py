@@ -5,8 +5,8 @@ python tests/mamba_dbc.py
 
 from pathlib import Path
 
-from laticauda import protocol
-from laticauda.protocol.can import LAYOUTS, NOT_AVAILABLE, NUMBERS
+from laticauda.tank import protocol
+from laticauda.tank.protocol.can import LAYOUTS, NOT_AVAILABLE, NUMBERS
 
 FILE = Path(protocol.__file__).with_name("mamba.dbc")
 OPERATOR = "Operator"

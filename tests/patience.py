@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
-from laticauda.operate.drivers import contract
+from laticauda.tank.operate.drivers import contract
 
 LONG = 120.0
 """Time in which anything that is going to end ends [s], also on a computer that is busy with other tests."""

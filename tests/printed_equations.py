@@ -28,8 +28,9 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda.errors import BadArgument, check_choice, check_not_negative, check_positive
-from laticauda.fluid.laws import DragLaw, Element, PolynomialDrag
+from laticauda.values.checks import check_choice, check_not_negative, check_positive
+from laticauda.values.errors import BadArgument
+from laticauda.water.fluid.laws import DragLaw, Element, PolynomialDrag
 
 AddedMassForm = Literal["relative", "kirchhoff", "classic"]
 Plane = Float[np.ndarray, "2"]

@@ -4,13 +4,13 @@ from functools import cache
 
 import pytest
 
-from laticauda.errors import MissingExtra, MissingProgram
+from laticauda.values.errors import MissingExtra, MissingProgram
 
 
 @cache
 def reason_why_not() -> str | None:
     try:
-        from laticauda.pictures.render import check_video
+        from laticauda.show.pictures.render import check_video
 
         check_video()
     except (MissingExtra, MissingProgram) as error:

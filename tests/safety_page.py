@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from laticauda.operate.safety.limits import Reports, compare, no_reports, within_limits
-from laticauda.operate.safety.supervisor import (
+from laticauda.tank.operate.safety.limits import Reports, compare, no_reports, within_limits
+from laticauda.tank.operate.safety.supervisor import (
     CONFIRM_TIME,
     HOLD_AFTER,
     LIMP_AFTER,
@@ -22,9 +22,9 @@ from laticauda.operate.safety.supervisor import (
     Supervisor,
     SupervisorState,
 )
-from laticauda.operate.settings import Limits
-from laticauda.protocol import Heartbeat, NodeState
-from laticauda.quantities import quantities_of, texts_of
+from laticauda.tank.operate.settings import Limits
+from laticauda.tank.protocol import Heartbeat, NodeState
+from laticauda.values.quantities import quantities_of, texts_of
 
 PAGE = Path(__file__).parent.parent / "docs" / "safety-tables.md"
 WORDS = {"finish": "finish the run", "straighten": "straighten, then limp"}
@@ -68,7 +68,7 @@ TEXT = """\
 # What stops the robot
 
 These are all events, actions, deadlines, phases and transitions of an operation, from the tables that the supervisor
-reads (`rules.csv`, `torque.csv` and `transitions.csv` of `operate/safety`), and no others.
+reads (`rules.csv`, `torque.csv` and `transitions.csv` of `tank/operate/safety`), and no others.
 [Operate the robot](how-to/operate.md) says what they mean for who stands at the tank.
 
 ## Events

@@ -6,11 +6,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from laticauda.gaits import Custom, Gait
-from laticauda.kinematics import heading, joint_angles
+from laticauda.motion.gaits import Custom, Gait
 from laticauda.robot import Ground, Module, Robot, Section, Water, load_robot, load_water
+from laticauda.robot.kinematics import heading, joint_angles
 from laticauda.scenarios import Experiment
-from laticauda.trial import Trial
+from laticauda.trials import Trial
 
 PERIOD = 2.5
 USUAL_GAIT = Gait(

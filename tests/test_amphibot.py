@@ -4,7 +4,7 @@ import campaign_scripts
 import numpy as np
 import pytest
 
-from laticauda.simulate import figure_intervals, widen_by_textbook_error
+from laticauda.models.simulate import figure_intervals, widen_by_textbook_error
 
 amphibot = campaign_scripts.campaign("amphibot")
 BOUNDS = {"swim 1": 0.1, "swim 2": 0.1, "glide 1": 0.2, "glide 2": 0.2, "start": 0.3}

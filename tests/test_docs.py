@@ -32,7 +32,7 @@ from markdown import Markdown
 from rendering import skip_without_rendering
 
 from laticauda.cli import main
-from laticauda.extensions import Extensible
+from laticauda.values.extensions import Extensible
 
 ROOT = Path(__file__).parent.parent
 MADE = {"gallery": "examples/*.py", "notebooks": "docs/notebooks/*.ipynb"}

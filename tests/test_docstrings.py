@@ -17,8 +17,8 @@ from typing import Any
 
 import pytest
 
-from laticauda.errors import MissingExtra
-from laticauda.quantities import texts_of
+from laticauda.values.errors import MissingExtra
+from laticauda.values.quantities import texts_of
 
 SOURCES = Path(__file__).parent.parent / "src"
 PACKAGES = sorted(path.parent for path in SOURCES.rglob("__init__.py"))
@@ -34,7 +34,7 @@ def dotted(path: Path) -> str:
 def public() -> dict[str, Any]:
     """Everything that is offered to users, by its full name where it is defined."""
     found: dict[str, Any] = {}
-    for name in [*map(dotted, PACKAGES), "laticauda.angles", "laticauda.errors"]:
+    for name in [*map(dotted, PACKAGES), "laticauda.values.angles", "laticauda.values.errors"]:
         module = importlib.import_module(name)
         offered = getattr(
             module, "__all__", [key for key in vars(module) if not key.startswith("_")]
@@ -78,7 +78,7 @@ def undocumented_parameters(function: Any) -> list[str]:
 
 # Whose interface it is that we fill: its arguments are documented there.
 OF_OTHERS = ("Type", "VecEnv")
-# What `laticauda.codec` and `laticauda.extensions` look for in any class, and say what it is.
+# What `laticauda.values.codec` and `laticauda.values.extensions` look for in any class, and say what it is.
 OF_THE_CODEC = {"called", "counted", "former"}
 
 

@@ -76,7 +76,7 @@ def test_every_name_that_laticauda_offers_exists():
 
 
 def test_shapes_are_checked_while_tests_run():
-    from laticauda import kinematics
+    from laticauda.robot import kinematics
 
     with pytest.raises(TypeCheckError):
         kinematics.link_angles(np.zeros(3), angle=np.zeros(2))

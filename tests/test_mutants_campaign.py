@@ -166,7 +166,7 @@ def test_of_the_faults_in_safety_code_and_estimation_enough_are_noticed():
     rows = {row["file"]: row for row in mutants.stored()}
     asked = [file for target in mutants.TARGETS for file in target.files]
     assert set(rows) == {*asked, "all"}
-    for part in ("operate/safety", "estimation"):
+    for part in ("tank/operate/safety", "control/estimation"):
         these = [row for file, row in rows.items() if part in file]
         tried, noticed = (sum(int(row[name]) for row in these) for name in ("tried", "seen"))
         assert tried == sum(int(row["mutants"]) for row in these)

@@ -8,7 +8,7 @@ import pytest
 from campaign_scripts import campaign
 
 import laticauda as lc
-from laticauda.gaits import Anguilliform, EelLike
+from laticauda.motion.gaits import Anguilliform, EelLike
 from laticauda.paper import Repeat
 
 optima = campaign("optima")

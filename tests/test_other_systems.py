@@ -13,7 +13,7 @@ PACKAGE = Path(laticauda.__file__).parent
 WITHOUT_POSIX = textwrap.dedent(
     """
     import builtins, importlib, os, pkgutil, signal, sys
-    import laticauda, laticauda.errors
+    import laticauda, laticauda.values.errors
 
     gone = {"fcntl", "termios", "tty", "pty", "resource", "pwd", "grp", "posix", "syslog"}
     ordinary = builtins.__import__
@@ -27,14 +27,14 @@ WITHOUT_POSIX = textwrap.dedent(
     for module in pkgutil.walk_packages(laticauda.__path__, "laticauda."):
         try:
             importlib.import_module(module.name)
-        except laticauda.errors.MissingExtra:
+        except laticauda.values.errors.MissingExtra:
             pass
         except KeyError as error:  # a template of kernels, which is loaded for something
             assert error.args == (module.name,), module.name
     import pathlib, tempfile
-    from laticauda import files
-    from laticauda.lab.serving import SerialLine
-    from laticauda.operate.terminal import Keys, Terminal
+    from laticauda.values import files
+    from laticauda.tank.lab.serving import SerialLine
+    from laticauda.tank.operate.terminal import Keys, Terminal
     for name in ("openpty", "tcgetpgrp", "getpgrp", "sched_getaffinity", "fork", "getuid", "ttyname"):
         delattr(os, name)
     for name in ("SIGKILL", "SIGHUP", "SIGUSR1", "SIGALRM", "pthread_sigmask"):
@@ -44,7 +44,7 @@ WITHOUT_POSIX = textwrap.dedent(
             pass
     try:
         SerialLine(lambda line: b"")
-    except laticauda.errors.LaticaudaError as error:
+    except laticauda.values.errors.LaticaudaError as error:
         print(error)
     gait = laticauda.lateral_undulation(amplitude=0.5, frequency=2.2, phase_shift=0.7)
     print(laticauda.swim("mamba", gait, 1.0).succeeded)

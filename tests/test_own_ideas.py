@@ -9,28 +9,28 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.actuation import JointLaw
 from laticauda.cli import main
-from laticauda.codec import decode, encode
-from laticauda.cosim import Session, export_fmu
-from laticauda.fluid import DragLaw
-from laticauda.gaits import Envelope, Gait, LateralUndulation
+from laticauda.connect import Session, export_fmu
 from laticauda.identify import fit, from_trial
+from laticauda.models.simulate import compute_sensitivities, list_parameters
+from laticauda.models.simulate.numbers import change_parameters
+from laticauda.motion.gaits import Envelope, Gait, LateralUndulation
+from laticauda.motion.joints import JointLaw
 from laticauda.robot import Water, from_toml, to_toml
 from laticauda.scenarios import build_scenario
-from laticauda.simulate import compute_sensitivities, list_parameters
-from laticauda.simulate.numbers import change_parameters
+from laticauda.values.codec import decode, encode
+from laticauda.water.fluid import DragLaw
 
 pytestmark = pytest.mark.slow
 
 # The laws of the docs, letter by letter: the kernels are compiled for a formula once, whoever holds
 # it.
 MODULE = '''
-from laticauda.actuation import JointLaw
-from laticauda.fluid import DragLaw
-from laticauda.gaits import Envelope
-from laticauda.quantities import quantity, value_class
-from laticauda.scalars import magnitude
+from laticauda.motion.joints import JointLaw
+from laticauda.water.fluid import DragLaw
+from laticauda.motion.gaits import Envelope
+from laticauda.values.quantities import quantity, value_class
+from laticauda.values.scalars import magnitude
 
 
 @value_class
@@ -258,7 +258,7 @@ def test_they_are_learnt_with_in_gymnasium(ideas, gait, water):
 
 def test_the_page_shows_and_chooses_them(ideas, gait, water):
     pytest.importorskip("viser")
-    from laticauda.cockpit import Cockpit, Live
+    from laticauda.show.cockpit import Cockpit, Live
 
     own = build_scenario(ROBOT, gait, environment=water, joints=ideas.Spring(stiffness=25.0))
     page = Cockpit(Live(replace(own, motion=replace(gait, envelope=LateralUndulation()))), port=0)

@@ -5,8 +5,8 @@ import math
 import pytest
 from campaign_scripts import campaign
 
-from laticauda.cosim import export_fmu
-from laticauda.cosim.native.platforms import PLATFORMS, current_platform
+from laticauda.connect import export_fmu
+from laticauda.connect.native.platforms import PLATFORMS, current_platform
 
 platforms = campaign("platforms")
 

@@ -5,7 +5,7 @@ import re
 import pytest
 from campaign_scripts import campaign
 
-from laticauda.cosim import Server
+from laticauda.connect import Server
 
 strangers_net = campaign("strangers_net")
 

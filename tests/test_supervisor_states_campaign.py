@@ -3,7 +3,7 @@
 import pytest
 from campaign_scripts import campaign
 
-from laticauda.operate.safety import supervisor
+from laticauda.tank.operate.safety import supervisor
 
 states = campaign("supervisor_states")
 

@@ -67,7 +67,7 @@ def shaped(*, typechecker: Callable[..., Any]) -> Callable[[Any], Any]:
     Args:
         typechecker: Decorator that makes a function check what it gets and gives.
 
-    Values (`laticauda.quantities.value_class`) check their fields themselves, and make tuples of lists:
+    Values (`laticauda.values.quantities.value_class`) check their fields themselves, and make tuples of lists:
     only shapes are left.
     """
 
@@ -77,7 +77,7 @@ def shaped(*, typechecker: Callable[..., Any]) -> Callable[[Any], Any]:
         if dataclasses.is_dataclass(thing) and "__init__" in vars(thing):
             is_value = (
                 getattr(getattr(thing, "__post_init__", None), "__module__", "")
-                == "laticauda.quantities"
+                == "laticauda.values.quantities"
             )
             if not is_value or _has_shapes(tuple(thing.__init__.__annotations__.values())):
                 thing.__init__ = _checked(thing.__init__, typechecker)

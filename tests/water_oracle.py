@@ -1,4 +1,4 @@
-"""The water's loads computed outside of any callback, from Jacobians, as an oracle for `laticauda.mujoco_water.water`.
+"""The water's loads computed outside of any callback, from Jacobians, as an oracle for `laticauda.water.mujoco.water`.
 
 Way (b): the force that makes a model without added mass accelerate as one with it. Nothing of the
 compiled code is used: velocities and their rates come from `mj_jac` and `mj_jacDot`, the velocity
@@ -10,8 +10,8 @@ from collections.abc import Callable, Sequence
 import mujoco
 import numpy as np
 
-from laticauda.fluid.laws import PolynomialDrag
-from laticauda.mujoco_water.elements import Element
+from laticauda.water.fluid.laws import PolynomialDrag
+from laticauda.water.mujoco.elements import Element
 
 
 def snake(

@@ -14,7 +14,7 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.cli.runs import Follow, Swim
-from laticauda.logs.tabular import flat_columns
+from laticauda.trials.logs.tabular import flat_columns
 
 NODE = shutil.which("node")
 SCRIPT = Path(__file__).parent / "cosim" / "web" / "trials.js"

@@ -22,8 +22,8 @@ from PIL import Image
 
 import laticauda as lc
 from laticauda.cli import main as command
-from laticauda.figures import save_figure, style, swim_sheet
-from laticauda.gaits import envelope_of
+from laticauda.models.spatial.scene import Shore
+from laticauda.motion.gaits import envelope_of
 from laticauda.paper.measured import (
     MeasuredPathFollowing,
     MeasuredTrial,
@@ -31,12 +31,12 @@ from laticauda.paper.measured import (
     path_following_trials,
 )
 from laticauda.paper.settings import path_following_settings
-from laticauda.pictures.camera import Film
-from laticauda.pictures.render import write_still
-from laticauda.reports.front import front_figure
-from laticauda.spatial.scene import Shore
+from laticauda.show.figures import save_figure, style, swim_sheet
+from laticauda.show.pictures.camera import Film
+from laticauda.show.pictures.render import write_still
+from laticauda.show.reports.front import front_figure
 from laticauda.studies import Optimization, optimize
-from laticauda.trial.null_models import mape
+from laticauda.trials.null_models import mape
 
 FOLDER = Path(__file__).parent
 
@@ -291,7 +291,7 @@ def cockpit(folder: Path) -> None:
     """The live page: following a path with its plots, the controls, and the map of the gaits."""
     from page import camera  # here alone: it needs a browser
 
-    from laticauda.cockpit.simulation import adapt_scenario
+    from laticauda.show.cockpit.simulation import adapt_scenario
 
     robot = lc.load_robot("mamba-fin")
     gait = lc.lateral_undulation(

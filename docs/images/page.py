@@ -12,7 +12,7 @@ from PIL import Image
 from playwright.sync_api import sync_playwright
 
 import laticauda as lc
-from laticauda.cockpit import Cockpit, Live
+from laticauda.show.cockpit import Cockpit, Live
 
 SIZE = {"width": 1600, "height": 900}
 # Without a graphics card.

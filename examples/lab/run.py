@@ -16,8 +16,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import laticauda as lc
-from laticauda.operate.settings import load_operation
-from laticauda.trial import following
+from laticauda.tank.operate.settings import load_operation
+from laticauda.trials import following
 
 HERE = Path(__file__).parent
 BUS = "udp_multicast:239.74.163.2:43117"

@@ -10,10 +10,11 @@ heavy library.
 import os
 from typing import TYPE_CHECKING
 
-from laticauda.packaging import lazy_exports
+from laticauda.values import moved
+from laticauda.values.packaging import lazy_exports
 
 if TYPE_CHECKING:
-    from laticauda.actuation import (
+    from laticauda.motion.joints import (
         JointLaw as JointLaw,
         PD as PD,
         Prescribed as Prescribed,
@@ -31,8 +32,8 @@ if TYPE_CHECKING:
         Spline as Spline,
         StraightLine as StraightLine,
     )
-    from laticauda.dynamics.plant import Plant as Plant
-    from laticauda.fluid import (
+    from laticauda.models.dynamics.plant import Plant as Plant
+    from laticauda.water.fluid import (
         CoulombFriction as CoulombFriction,
         DragLaw as DragLaw,
         FunctionDrag as FunctionDrag,
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
         TotalSpeedDrag as TotalSpeedDrag,
         ViscousFriction as ViscousFriction,
     )
-    from laticauda.gaits import (
+    from laticauda.motion.gaits import (
         Anguilliform as Anguilliform,
         Custom as Custom,
         EelLike as EelLike,
@@ -54,15 +55,15 @@ if TYPE_CHECKING:
         lateral_undulation as lateral_undulation,
         recorded_gait as recorded_gait,
     )
-    from laticauda.interfaces import (
+    from laticauda.scenarios.interfaces import (
         Command as Command,
         Controller as Controller,
         Observation as Observation,
         OpenLoop as OpenLoop,
         Start as Start,
     )
-    from laticauda.logs import load_trial as load_trial
-    from laticauda.packaging import __version__ as __version__
+    from laticauda.trials.logs import load_trial as load_trial
+    from laticauda.values.packaging import __version__ as __version__
     from laticauda.robot import (
         Ground as Ground,
         Parameters as Parameters,
@@ -83,7 +84,7 @@ if TYPE_CHECKING:
         save_scenario as save_scenario,
         build_scenario as build_scenario,
     )
-    from laticauda.simulate import (
+    from laticauda.models.simulate import (
         Swims as Swims,
         build_plant as build_plant,
         resume as resume,
@@ -92,17 +93,17 @@ if TYPE_CHECKING:
         swim_many as swim_many,
         swim_together as swim_together,
     )
-    from laticauda.trial import Trial as Trial, compare as compare, joined as joined
+    from laticauda.trials import Trial as Trial, compare as compare, joined as joined
 
 if not os.path.isdir(__path__[0]):
     raise ImportError(
         "laticauda must be installed in a folder: it reads kernels and presets from files, not archives"
     )
-
+moved.accept_former_paths()
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
     {
-        "laticauda.actuation": ["JointLaw", "PD", "Prescribed", "Servo", "SpeedServo"],
+        "laticauda.motion.joints": ["JointLaw", "PD", "Prescribed", "Servo", "SpeedServo"],
         "laticauda.control": [
             "Following",
             "HeadingController",
@@ -114,8 +115,8 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "Spline",
             "StraightLine",
         ],
-        "laticauda.dynamics.plant": ["Plant"],
-        "laticauda.fluid": [
+        "laticauda.models.dynamics.plant": ["Plant"],
+        "laticauda.water.fluid": [
             "CoulombFriction",
             "DragLaw",
             "FunctionDrag",
@@ -123,7 +124,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "TotalSpeedDrag",
             "ViscousFriction",
         ],
-        "laticauda.gaits": [
+        "laticauda.motion.gaits": [
             "Anguilliform",
             "Custom",
             "EelLike",
@@ -137,9 +138,15 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "lateral_undulation",
             "recorded_gait",
         ],
-        "laticauda.interfaces": ["Command", "Controller", "Observation", "OpenLoop", "Start"],
-        "laticauda.logs": ["load_trial"],
-        "laticauda.packaging": ["__version__"],
+        "laticauda.scenarios.interfaces": [
+            "Command",
+            "Controller",
+            "Observation",
+            "OpenLoop",
+            "Start",
+        ],
+        "laticauda.trials.logs": ["load_trial"],
+        "laticauda.values.packaging": ["__version__"],
         "laticauda.robot": [
             "Ground",
             "Parameters",
@@ -160,7 +167,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "save_scenario",
             "build_scenario",
         ],
-        "laticauda.simulate": [
+        "laticauda.models.simulate": [
             "Swims",
             "build_plant",
             "resume",
@@ -169,7 +176,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "swim_many",
             "swim_together",
         ],
-        "laticauda.trial": ["Trial", "compare", "joined"],
+        "laticauda.trials": ["Trial", "compare", "joined"],
     },
     renamed={"plant": "build_plant", "scenario": "build_scenario"},
 )

@@ -131,7 +131,7 @@ def test_the_help_of_every_command_has_an_example_that_runs_and_offers_json(
     if words == "view":
         skip_without_rendering()
     if words == "replay":
-        from operate.tank import record
+        from tank.operate.tank import record
 
         record(Path("run.mcap"))
     done = run(example_of(run, words))
@@ -199,10 +199,14 @@ def test_a_swim_loads_neither_plots_nor_files_unless_asked():
             "laticauda: b: no such file or directory.\n",
         ),
         (OSError("no space"), 2, "laticauda: no space.\n"),
-        (laticauda.errors.TrialFileError("Cannot read `x`."), 2, "laticauda: Cannot read `x`.\n"),
+        (
+            laticauda.values.errors.TrialFileError("Cannot read `x`."),
+            2,
+            "laticauda: Cannot read `x`.\n",
+        ),
         (ValueError("`json` must be nice."), 2, "laticauda: `json` must be nice.\n"),
         (
-            laticauda.errors.BadArgument("json", "must be nice"),
+            laticauda.values.errors.BadArgument("json", "must be nice"),
             2,
             "laticauda: --json must be nice.\n",
         ),

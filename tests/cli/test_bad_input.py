@@ -155,7 +155,9 @@ def test_bad_input_is_refused_with_a_message(run, with_files, line):
 @pytest.mark.parametrize("option", ["--save run.nc", "--plot run.png"])
 def test_a_folder_without_permission_is_refused_before_the_run(run, monkeypatch, option):
     monkeypatch.setattr("laticauda.cli.command.os.access", lambda path, mode: False)
-    monkeypatch.setattr("laticauda.simulate.swim", lambda *args, **settings: pytest.fail("it swam"))
+    monkeypatch.setattr(
+        "laticauda.models.simulate.swim", lambda *args, **settings: pytest.fail("it swam")
+    )
     done = run(f"swim {option}")
     assert done.status == 2
     assert "must be a writable file, got run" in done.err

@@ -11,8 +11,8 @@ from laticauda import cli
 from laticauda.cli import command
 from laticauda.cli.command import Command, Outcome, until_stopped
 from laticauda.cli.flags import Picture, Stored
-from laticauda.errors import BadArgument
-from laticauda.quantities import option, value_class
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import option, value_class
 
 
 @value_class

@@ -5,8 +5,8 @@ from lab_parts import make_tank
 from patience import complaints
 
 from laticauda.cli import main
-from laticauda.lab import BODY, Lab
-from laticauda.protocol import bus_address
+from laticauda.tank.lab import BODY, Lab
+from laticauda.tank.protocol import bus_address
 
 
 @pytest.fixture(scope="module")

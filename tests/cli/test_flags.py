@@ -3,10 +3,10 @@ from dataclasses import fields, replace
 import pytest
 
 from laticauda.cli.flags import BadFlag, options_of, parse_command, spell_field, spell_flag
-from laticauda.fluid.laws import PolynomialDrag
-from laticauda.gaits import Gait, Wave, lateral_undulation
-from laticauda.quantities import option, quantity, texts_of, value_class
+from laticauda.motion.gaits import Gait, Wave, lateral_undulation
 from laticauda.robot import Water, load_water
+from laticauda.values.quantities import option, quantity, texts_of, value_class
+from laticauda.water.fluid.laws import PolynomialDrag
 
 
 @value_class

@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from laticauda.logs import load_trial
+from laticauda.trials.logs import load_trial
 
 
 def test_follow_prints_how_soon_the_robot_came_to_the_path(run):

@@ -9,7 +9,7 @@ from patience import LONG, running
 
 from laticauda import load_trial
 from laticauda.cli import main
-from laticauda.protocol import JointState, Sync, bus_address, from_frame, open_bus, to_frame
+from laticauda.tank.protocol import JointState, Sync, bus_address, from_frame, open_bus, to_frame
 
 PROGRAM = [
     sys.executable,

@@ -7,17 +7,17 @@ from pathlib import Path
 
 import pytest
 from lab_parts import EXACT
-from operate.tank import DRAWN, IDLE, record
+from tank.operate.tank import DRAWN, IDLE, record
 
 import laticauda as lc
-from laticauda import operate
 from laticauda.cli import main
-from laticauda.estimation import Learned
-from laticauda.lab import Lab, Tank, VirtualRobot
-from laticauda.logs import load_trial
-from laticauda.operate import session
-from laticauda.operate.verdict import verdict_of
-from laticauda.protocol import bus_address
+from laticauda.control.estimation import Learned
+from laticauda.tank import operate
+from laticauda.tank.lab import Lab, Tank, VirtualRobot
+from laticauda.tank.operate import session
+from laticauda.tank.operate.verdict import verdict_of
+from laticauda.tank.protocol import bus_address
+from laticauda.trials.logs import load_trial
 
 TRIAL = """
 kind = "trial"

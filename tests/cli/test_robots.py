@@ -3,7 +3,6 @@ from pathlib import Path
 
 import pytest
 
-from laticauda.extensions import name_of
 from laticauda.robot import (
     Robot,
     current_names,
@@ -19,6 +18,7 @@ from laticauda.robot import (
     to_toml,
     water_names,
 )
+from laticauda.values.extensions import name_of
 
 ALL = {
     **{name: load_robot(name) for name in robot_names()},

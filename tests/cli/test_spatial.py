@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from laticauda.logs import load_trial
+from laticauda.trials.logs import load_trial
 
 
 def test_both_models_of_one_robot_print_the_same_speed(run):

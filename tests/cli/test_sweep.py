@@ -12,7 +12,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.cli import vary
-from laticauda.simulate import list_parameters
+from laticauda.models.simulate import list_parameters
 from laticauda.studies import open_sweep, sweep
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)

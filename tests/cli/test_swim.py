@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.actuation.laws import PD, JointLaw, Servo
-from laticauda.fluid.laws import PolynomialDrag
-from laticauda.trial import FIGURES
+from laticauda.motion.joints.laws import PD, JointLaw, Servo
+from laticauda.trials import FIGURES
+from laticauda.water.fluid.laws import PolynomialDrag
 
 PAPER = (
     "swim --robot mamba --gait lateral-undulation --amplitude-deg 30 --frequency-deg-s 130 --phase-shift-deg 40 "
@@ -242,7 +242,9 @@ def test_a_picture_is_drawn(run, name, start):
 
 
 def test_the_first_run_on_a_machine_says_that_it_compiles(run, monkeypatch):
-    monkeypatch.setattr("laticauda.simulate.needs_compiling", lambda environment, model: True)
+    monkeypatch.setattr(
+        "laticauda.models.simulate.needs_compiling", lambda environment, model: True
+    )
     done = run("swim --duration 1 --json")
     assert done.err == "compiling the kernels for this machine (once, about 10 s) ...\n"
     assert json.loads(done.out)["succeeded"]
@@ -356,7 +358,7 @@ def test_a_gait_of_ones_own_in_a_scenario_file_is_typed_beside_it_and_keeps_its_
 ):
     monkeypatch.setattr(lc.Envelope, "_known", dict(lc.Envelope._known))  # forgotten afterwards
     (folder / "unheard.py").write_text(
-        "import laticauda as lc\nfrom laticauda.quantities import quantity, value_class\n\n\n@value_class\n"
+        "import laticauda as lc\nfrom laticauda.values.quantities import quantity, value_class\n\n\n@value_class\n"
         'class UnheardOf(lc.Envelope):\n    share: float = quantity("", "Of it", ge=0.0, le=1.0, default=0.9)\n\n'
         "    def __call__(self, i, n):\n        return self.share\n"
     )

@@ -10,7 +10,7 @@ import pytest
 from rendering import skip_without_rendering
 
 from laticauda import load_trial
-from laticauda.pictures import render, replay
+from laticauda.show.pictures import render, replay
 
 
 @pytest.fixture

@@ -8,7 +8,6 @@ from dualnumbers import Dual, python_kernels
 from numba import njit
 
 import laticauda as lc
-from laticauda.actuation import JointLaw
 from laticauda.compiling import (
     PROCESSOR,
     compile_scalar,
@@ -17,11 +16,12 @@ from laticauda.compiling import (
     lane_types,
     lanes,
 )
-from laticauda.interfaces import Command, Start
-from laticauda.planar import rows
-from laticauda.planar.model import PlanarPlant, specialize
+from laticauda.models.planar import rows
+from laticauda.models.planar.model import PlanarPlant, specialize
+from laticauda.motion.joints import JointLaw
 from laticauda.robot import PectoralFin, Tether, load_robot, load_water
 from laticauda.scenarios import Planar
+from laticauda.scenarios.interfaces import Command, Start
 
 WIDTH = 8
 STEP = 2.0**-100

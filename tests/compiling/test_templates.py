@@ -5,18 +5,18 @@ import sys
 import pytest
 
 from laticauda.compiling.templates import PACKAGE, closure, digest_of
-from laticauda.fluid.flow import rows_of
-from laticauda.fluid.laws import TotalSpeedDrag
-from laticauda.fluid.uniform import LinearShear
-from laticauda.fluid.waves import Waves
-from laticauda.planar.model import TEMPLATES, specialize
+from laticauda.models.planar.model import TEMPLATES, specialize
+from laticauda.water.fluid.flow import rows_of
+from laticauda.water.fluid.laws import TotalSpeedDrag
+from laticauda.water.fluid.uniform import LinearShear
+from laticauda.water.fluid.waves import Waves
 
-PLANAR = tuple(f"laticauda.planar.{name}" for name in TEMPLATES)
+PLANAR = tuple(f"laticauda.models.planar.{name}" for name in TEMPLATES)
 MADE_OF = [
     PLANAR,
-    ("laticauda.spatial.drives", "laticauda.spatial.stepping"),
-    ("laticauda.mujoco_water.callback",),
-    ("laticauda.cosim.native.platforms",),
+    ("laticauda.models.spatial.drives", "laticauda.models.spatial.stepping"),
+    ("laticauda.water.mujoco.callback",),
+    ("laticauda.connect.native.platforms",),
 ]
 # The least of the kernels that the drag law is in, and the one that the joint laws are in.
 TOW = """
@@ -70,7 +70,7 @@ def test_an_edit_of_any_file_that_a_kernel_is_made_of_changes_its_digest(copy, m
 @pytest.mark.parametrize("modules", MADE_OF, ids=lambda modules: modules[-1])
 def test_kernels_are_made_of_the_laws_and_of_the_compiler_s_own_sources_too(modules):
     found = {str(path.relative_to(PACKAGE)) for path in closure(*modules)}
-    assert found >= {"scalars.py", "compiling/__init__.py", "compiling/lanes.py"}
+    assert found >= {"values/scalars.py", "compiling/__init__.py", "compiling/lanes.py"}
 
 
 def test_specializations_have_in_common_what_does_not_know_how_they_differ():
@@ -113,10 +113,10 @@ def test_what_only_type_checkers_import_does_not_count(tmp_path):
 @pytest.mark.parametrize(
     ("script", "file", "old", "new"),
     [
-        (TOW, "fluid/laws.py", "f_n = -element.c_n", "f_n = -2.0 * element.c_n"),
+        (TOW, "water/fluid/laws.py", "f_n = -element.c_n", "f_n = -2.0 * element.c_n"),
         (
             SWIM,
-            "actuation/laws.py",
+            "motion/joints/laws.py",
             "k_p * (reference - angle),",
             "0.5 * k_p * (reference - angle),",
         ),

@@ -8,7 +8,7 @@ from hypothesis import assume, given, strategies as st
 import laticauda as lc
 from laticauda.control import AveragedModel, Following
 from laticauda.control.current import BEND, PSI, CurrentObserver, crab_angle
-from laticauda.trial import following
+from laticauda.trials import following
 
 FREQUENCY = 1.5
 MODEL = AveragedModel(

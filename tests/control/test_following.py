@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 import laticauda as lc
-from laticauda.angles import wrap_to_pi
 from laticauda.control import Circle, Following, PathFollowing, SpatialPathFollowing
+from laticauda.values.angles import wrap_to_pi
 
 GAIT = lc.lateral_undulation(
     amplitude=math.radians(30), frequency=math.radians(130), phase_shift=math.radians(40)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from laticauda.angles import wrap_to_pi
 from laticauda.control import IntegralLineOfSight, LineOfSight, PathFrame, StraightLine
+from laticauda.values.angles import wrap_to_pi
 
 ANGLE = st.floats(-10.0, 10.0)
 DELTA = st.floats(0.05, 10.0)

@@ -15,7 +15,7 @@ from laticauda.control import (
     Spline,
     StraightLine,
 )
-from laticauda.trial import following
+from laticauda.trials import following
 
 GAIT = lc.lateral_undulation(
     amplitude=math.radians(30), frequency=math.radians(90), phase_shift=math.radians(40)

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import assume, example, given, strategies as st
 from scipy.integrate import quad
 
-from laticauda.angles import wrap_to_pi
 from laticauda.control import Polyline, Spline, StraightLine
+from laticauda.values.angles import wrap_to_pi
 
 COORDINATE = st.floats(-20.0, 20.0)
 POINT = st.tuples(COORDINATE, COORDINATE)

@@ -19,8 +19,8 @@ from laticauda.identify.design import (
 from laticauda.identify.identifiability import marginal
 from laticauda.identify.measurements import Tow
 from laticauda.identify.problem import make_problem
-from laticauda.interfaces import Start
-from laticauda.trial.metrics import towing_drag
+from laticauda.scenarios.interfaces import Start
+from laticauda.trials.metrics import towing_drag
 
 WANTED = ["water.tangential_friction", "water.normal_drag", "water.added_mass"]
 

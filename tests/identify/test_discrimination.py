@@ -7,7 +7,6 @@ from hypothesis import given, settings, strategies as st
 from identify.trials import DRAG, FRICTION, ROBOT
 
 import laticauda as lc
-from laticauda.fluid.laws import TotalSpeedDrag
 from laticauda.identify import Unknown, fit
 from laticauda.identify.candidates import from_tow
 from laticauda.identify.design import discriminate, misidentification_probability
@@ -15,6 +14,7 @@ from laticauda.identify.identifiability import marginal
 from laticauda.identify.measurements import Tow
 from laticauda.identify.problem import make_problem
 from laticauda.robot import textbook_water
+from laticauda.water.fluid.laws import TotalSpeedDrag
 
 BOOK = textbook_water(ROBOT).water
 BETAS = {beta: replace(BOOK, drag=TotalSpeedDrag(beta=beta)) for beta in (0.0, 0.5, 1.0)}

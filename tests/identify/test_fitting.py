@@ -6,9 +6,9 @@ import pytest
 from identify.trials import DRAG, FINNED, FRICTION, MASS, ROBOT, WATER, gaits, speeds, within
 
 import laticauda as lc
-from laticauda.errors import SimulationFailed
 from laticauda.identify import Measurement, Unknown, fit, from_table1, from_trial
 from laticauda.identify.fitting import minimize
+from laticauda.values.errors import SimulationFailed
 
 
 @cache

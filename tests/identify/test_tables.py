@@ -4,10 +4,10 @@ from math import degrees
 import pytest
 from identify.trials import FRICTION
 
-from laticauda.errors import TrialFileError
 from laticauda.identify import compare_laws, fit, from_table, from_table1
-from laticauda.trial import MeasuredTrials
-from laticauda.trial.measured import KINDS
+from laticauda.trials import MeasuredTrials
+from laticauda.trials.measured import KINDS
+from laticauda.values.errors import TrialFileError
 
 ROW = {"gait": "LU", "alpha_deg": 30, "omega_deg_s": 130, "delta_deg": 40, "v_m_s": 0.15}
 

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.actuation.speed_servo import SpeedServo
-from laticauda.errors import TrialFileError
-from laticauda.fluid.laws import TotalSpeedDrag
 from laticauda.identify import tank_day
 from laticauda.identify.measurements import Tow
-from laticauda.kinematics import Posture
+from laticauda.motion.joints.speed_servo import SpeedServo
 from laticauda.robot import load_parameters, textbook_water
-from laticauda.trial.metrics import towing_drag
+from laticauda.robot.kinematics import Posture
+from laticauda.trials.metrics import towing_drag
+from laticauda.values.errors import TrialFileError
+from laticauda.water.fluid.laws import TotalSpeedDrag
 
 ROBOT = lc.load_robot("chain", n_links=6)
 BOOK = textbook_water(ROBOT).water

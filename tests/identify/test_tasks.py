@@ -5,10 +5,10 @@ import pytest
 from identify.trials import speeds
 
 import laticauda as lc
-from laticauda.errors import RobotFileError
 from laticauda.identify.model import predict, scaled_jacobian
 from laticauda.identify.problem import make_problem
 from laticauda.identify.tasks import Task, load_task
+from laticauda.values.errors import RobotFileError
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "mamba-identified.toml"
 HEAD = 'kind = "identification"\nparameters = ["water.normal_drag"]\n'

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from cli.conftest import folder, run
-from trial.conftest import make_trial
+from synthetic_trials import make_trial
 
 from laticauda.paper import (
     EfficiencyStudy,

@@ -5,7 +5,7 @@ import html
 import io
 import re
 
-from laticauda.reports.chapter import Chapter, Pictures, as_csv
+from laticauda.show.reports.chapter import Chapter, Pictures, as_csv
 
 
 def said(chapter: Chapter, pictures: Pictures | None = None) -> str:

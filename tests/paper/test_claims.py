@@ -11,7 +11,7 @@ from laticauda.paper import Claim, fin_gains, path_following_trials, run_side_tr
 from laticauda.paper.claims import Verdict, judge, load_claims, misprints, quantities
 from laticauda.paper.claims.judge import format_spread, percent, verdict
 from laticauda.paper.measured import printed_changes
-from laticauda.trial import Trial
+from laticauda.trials import Trial
 
 CURVES = ("forward_velocity", "steady_velocity", "mechanical_power")
 

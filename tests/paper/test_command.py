@@ -3,8 +3,8 @@ from pathlib import Path
 
 import pytest
 
-from laticauda.errors import SimulationFailed
 from laticauda.paper.report import reproduce as MODULE  # noqa: N812
+from laticauda.values.errors import SimulationFailed
 
 
 @pytest.mark.usefixtures("short_reproduction")

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.errors import SimulationFailed, TrialFileError
 from laticauda.paper import efficiency_settings, load_repeats, run_efficiency, runs as module
+from laticauda.values.errors import SimulationFailed, TrialFileError
 
 
 def test_every_row_of_table_1_is_what_swim_gives_at_its_setting(study):

@@ -8,7 +8,7 @@ import pytest
 import laticauda as lc
 from laticauda.paper.measured import efficiency_trials
 from laticauda.robot import load_parameters, robot_names
-from laticauda.trial.feasibility import judge_feasibility
+from laticauda.trials.feasibility import judge_feasibility
 
 PAGE = (Path(__file__).parents[2] / "docs" / "theory" / "joints.md").read_text(encoding="utf-8")
 GAITS = (

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from matplotlib.text import Text
 
-from laticauda.figures import new_figure
 from laticauda.paper import (
     Repeat,
     efficiency_settings,
@@ -27,6 +26,7 @@ from laticauda.paper.figures import (
 from laticauda.paper.measured import read_table1
 from laticauda.paper.path_following import FollowingCase
 from laticauda.paper.settings import Group
+from laticauda.show.figures import new_figure
 
 
 def panel(velocity=(0.1, np.nan), power=(90.0, 95.0)) -> Panel:

@@ -10,7 +10,7 @@ from campaign_scripts import FOLDER, campaign
 
 import laticauda as lc
 from laticauda.paper.measured import efficiency_trials
-from laticauda.trial.null_models import mape
+from laticauda.trials.null_models import mape
 
 sys.modules["amphibot"] = campaign("amphibot")  # as the script finds it beside itself
 paper: Any = campaign("identify_paper")

@@ -3,10 +3,10 @@ import math
 
 import pytest
 
-from laticauda.gaits import Custom, Gait, envelope_of, lateral_undulation
+from laticauda.motion.gaits import Custom, Gait, envelope_of, lateral_undulation
 from laticauda.paper import efficiency_trials, measured_trial, path_following_trials
 from laticauda.robot import load_ground, load_parameters, load_robot
-from laticauda.trial import measured_counterpart
+from laticauda.trials import measured_counterpart
 
 
 def gait_deg(alpha, omega, delta, kind="lateral_undulation"):
@@ -122,7 +122,7 @@ def test_table_1_has_twelve_stars_three_in_each_group():
 
 
 def test_the_table_is_found_by_whoever_asks_what_was_measured():
-    from laticauda.trial import MeasuredTrials, all_measured
+    from laticauda.trials import MeasuredTrials, all_measured
 
     assert "table1" in MeasuredTrials.names()
     (table,) = (one for one in all_measured() if type(one).__module__ == "laticauda.paper.measured")

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.errors import SimulationFailed
 from laticauda.paper import path_following_settings, run_path_following
-from laticauda.trial import following as figures
+from laticauda.trials import following as figures
+from laticauda.values.errors import SimulationFailed
 
 SETTINGS = replace(path_following_settings(), own=())
 ONE = replace(

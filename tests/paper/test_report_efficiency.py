@@ -8,7 +8,7 @@ from paper.reading import cells, said
 import laticauda as lc
 from laticauda.paper import Repeat
 from laticauda.paper.report.efficiency import efficiency_chapter, efficiency_figures
-from laticauda.reports.chapter import write_chapter
+from laticauda.show.reports.chapter import write_chapter
 
 
 def gait(alpha: float, omega: float, delta: float) -> lc.Gait:

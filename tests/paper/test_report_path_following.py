@@ -6,7 +6,7 @@ from paper.reading import cells, said
 
 import laticauda as lc
 from laticauda.paper.report.path_following import path_following_chapter
-from laticauda.reports.chapter import write_chapter
+from laticauda.show.reports.chapter import write_chapter
 
 
 def words_of(study) -> str:

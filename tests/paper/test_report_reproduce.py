@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from laticauda.gaits import eel_like
+from laticauda.motion.gaits import eel_like
 from laticauda.paper import Experiments, SideSettings, paper_experiments, reproduce
 from laticauda.paper.report import reproduce as module
 from laticauda.paper.report.reproduce import CHAPTERS, HALVES, RUNS
-from laticauda.reports.chapter import Chapter
 from laticauda.robot import Parameters, load_parameters, load_robot, load_water
+from laticauda.show.reports.chapter import Chapter
 
 
 @pytest.fixture(scope="session")

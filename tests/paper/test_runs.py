@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.errors import SimulationFailed
+from laticauda.models.simulate.runner import silent
 from laticauda.paper import Coefficients, path_following_settings
 from laticauda.paper.runs import Runs
 from laticauda.paper.settings import paper_coefficients
 from laticauda.scenarios import Planar, model_of
-from laticauda.simulate.runner import silent
+from laticauda.values.errors import SimulationFailed
 
 LATERAL = path_following_settings().groups[0].followed[0].gait
 EEL = path_following_settings().groups[2].followed[0].gait

@@ -6,7 +6,7 @@ from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
 from laticauda.paper.scores import score_study
-from laticauda.trial.null_models import mape
+from laticauda.trials.null_models import mape
 
 SPEEDS = arrays(float, 7, elements=st.floats(0.01, 1.0))
 

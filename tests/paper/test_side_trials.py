@@ -7,7 +7,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.paper import Coefficients, SideSettings, run_side_trials
-from laticauda.trial import Trial
+from laticauda.trials import Trial
 
 
 @pytest.fixture(scope="module")

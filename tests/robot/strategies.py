@@ -4,7 +4,6 @@ import math
 
 from hypothesis import strategies as st
 
-from laticauda.fluid.laws import CoulombFriction, PolynomialDrag, ViscousFriction
 from laticauda.robot import (
     Actuator,
     CaudalFin,
@@ -18,6 +17,7 @@ from laticauda.robot import (
     Thruster,
     Water,
 )
+from laticauda.water.fluid.laws import CoulombFriction, PolynomialDrag, ViscousFriction
 
 
 def numbers(low: float, high: float) -> st.SearchStrategy[float]:

@@ -6,8 +6,8 @@ from dataclasses import fields
 
 import pytest
 
-from laticauda.fluid.laws import CoulombFriction, PolynomialDrag, ViscousFriction
 from laticauda.robot import Ground, Water, check_fits, load_ground, load_robot, load_water
+from laticauda.water.fluid.laws import CoulombFriction, PolynomialDrag, ViscousFriction
 
 
 def water(**changes):

@@ -7,8 +7,6 @@ import pytest
 from hypothesis import given
 from robot.strategies import grounds, robots, waters
 
-from laticauda.errors import LaticaudaError, RobotFileError
-from laticauda.fluid.flow import Flow
 from laticauda.robot import (
     Joint,
     Robot,
@@ -22,6 +20,8 @@ from laticauda.robot import (
     robot_names,
     to_toml,
 )
+from laticauda.values.errors import LaticaudaError, RobotFileError
+from laticauda.water.fluid.flow import Flow
 
 ROBOT = """\
 kind = "robot"

@@ -7,8 +7,6 @@ from pathlib import Path
 import pytest
 
 import laticauda as lc
-from laticauda.errors import RobotFileError
-from laticauda.fluid.laws import CoulombFriction, PolynomialDrag, ViscousFriction
 from laticauda.robot import (
     Ground,
     PectoralFin,
@@ -21,6 +19,8 @@ from laticauda.robot import (
     load_parameters,
     to_toml,
 )
+from laticauda.values.errors import RobotFileError
+from laticauda.water.fluid.laws import CoulombFriction, PolynomialDrag, ViscousFriction
 
 FOLDER = Path(__file__).parent.parent / "data" / "files-0.1.0"
 FILES = [path for path in sorted(FOLDER.glob("*.toml")) if path.stem != "parameters"]

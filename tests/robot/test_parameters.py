@@ -6,8 +6,6 @@ import pytest
 from hypothesis import given, strategies as st
 from robot.strategies import names, waters
 
-from laticauda.errors import RobotFileError, StorageFailed
-from laticauda.fluid.laws import PolynomialDrag, TotalSpeedDrag
 from laticauda.robot import (
     Parameters,
     RobotNotFound,
@@ -18,6 +16,8 @@ from laticauda.robot import (
     parameter_names,
 )
 from laticauda.robot.parameters import GAITS
+from laticauda.values.errors import RobotFileError, StorageFailed
+from laticauda.water.fluid.laws import PolynomialDrag, TotalSpeedDrag
 
 numbers = st.floats(0.01, 3.0)
 tables = st.fixed_dictionaries(

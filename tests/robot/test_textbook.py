@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 import laticauda as lc
 from laticauda.robot import Module, Robot, Section, Tether, tether_drag, textbook_water
 from laticauda.robot.textbook import VISCOSITY, skin_friction
-from laticauda.trial.metrics import towing_drag
+from laticauda.trials.metrics import towing_drag
 
 MAMBA = lc.load_robot("mamba")
 SIZES = st.floats(0.01, 0.3)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.actuation.laws import JointLaw
 from laticauda.control import (
     AveragedModel,
     HeadingController,
@@ -18,8 +17,9 @@ from laticauda.control import (
     Polyline,
     Spline,
 )
-from laticauda.interfaces import Controller
+from laticauda.motion.joints.laws import JointLaw
 from laticauda.scenarios import Experiment, run_from_toml, run_to_toml
+from laticauda.scenarios.interfaces import Controller
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
 FOLLOWING = lc.PathFollowing(

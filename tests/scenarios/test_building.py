@@ -8,7 +8,7 @@ import pytest
 import tomli_w
 
 import laticauda as lc
-from laticauda.actuation.laws import PD, Servo
+from laticauda.motion.joints.laws import PD, Servo
 from laticauda.robot import textbook_of
 from laticauda.scenarios import Choice, default_water, named_after
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 
 import laticauda as lc
-from laticauda.actuation.laws import Servo
-from laticauda.errors import RobotFileError
+from laticauda.motion.joints.laws import Servo
 from laticauda.scenarios import run_from_toml
+from laticauda.values.errors import RobotFileError
 
 GAIT = """[gait]
 amplitude = 0.5

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from studies.sweeps import small
 
-from laticauda.errors import ClusterFailed
 from laticauda.studies import cluster, open_sweep, run_sweep
+from laticauda.values.errors import ClusterFailed
 
 CLUSTER = """\
 import asyncio, distributed

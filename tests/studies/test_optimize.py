@@ -11,10 +11,10 @@ from campaign_scripts import campaign
 from pymoo.indicators.hv import HV
 
 import laticauda as lc
-from laticauda.errors import StorageFailed
 from laticauda.studies import Front, Optimization, optimize
 from laticauda.studies.optimization import compute_losses, evaluate
 from laticauda.studies.search import Search
+from laticauda.values.errors import StorageFailed
 
 kills = campaign("optimize_kills")
 BOUNDS = {"gait.amplitude": (0.2, 0.9), "gait.phase_shift": (0.2, 1.2)}

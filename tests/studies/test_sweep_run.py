@@ -11,7 +11,6 @@ import xarray
 from studies.sweeps import AMPLITUDE, DRAG, GAIT, small
 
 import laticauda as lc
-from laticauda.errors import StorageFailed
 from laticauda.studies import (
     Grid,
     Rows,
@@ -22,6 +21,7 @@ from laticauda.studies import (
     run_sweep,
     store,
 )
+from laticauda.values.errors import StorageFailed
 
 
 def bits(folder: Path) -> dict[str, bytes]:

@@ -34,8 +34,8 @@ SLICE = textwrap.dedent(
         for name in ("forward_velocity", "net_power", "mean_power", "heading", "center_of_mass"):
             np.testing.assert_allclose(getattr(there, name), getattr(here, name), rtol=1e-9, err_msg=name)
         assert there.status == here.status
-    from laticauda.fluid.gridded import Gridded
-    from laticauda.fluid.gridded import to_dataset
+    from laticauda.water.fluid.gridded import Gridded
+    from laticauda.water.fluid.gridded import to_dataset
     lake = to_dataset(lc.load_current("vortex"), x=[-5.0, 5.0], y=[-5.0, 5.0])
     try:
         lc.swim_many(robot, gaits[:1], 0.1, environments=[replace(calm, current=Gridded(source=lake))], device="cuda")

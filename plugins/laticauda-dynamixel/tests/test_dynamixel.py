@@ -10,9 +10,9 @@ from patience import complaints, until
 from trials import swum
 
 import laticauda as lc
-from laticauda import lab
-from laticauda.operate.drivers import Clock, DeviceFailed, contract, driver_named
-from laticauda.protocol import (
+from laticauda.tank import lab
+from laticauda.tank.operate.drivers import Clock, DeviceFailed, contract, driver_named
+from laticauda.tank.protocol import (
     Heartbeat,
     JointState,
     NodeCommand,
@@ -193,7 +193,7 @@ def test_a_whole_trial_runs_over_it(tmp_path: Path, monkeypatch):
         "LIMP_AFTER": 100.0,
     }.items():  # on a computer that is busy
         monkeypatch.setattr(f"laticauda_dynamixel.driver.{name}", never)
-    monkeypatch.setattr("laticauda.operate.safety.limits.SPIN_UP", 15.0)
+    monkeypatch.setattr("laticauda.tank.operate.safety.limits.SPIN_UP", 15.0)
     tank = tank_of_servos()
     for node in tank.nodes:  # references that are late jump, and jumps take current
         node.settings = replace(node.settings, current_limit=100.0, stuck_time=100.0)

@@ -14,9 +14,9 @@ from gymnasium.vector import AutoresetMode
 from rendering import skip_without_rendering
 
 import laticauda as lc
-from laticauda.fluid.gridded import Gridded, to_dataset
-from laticauda.quantities import value_class
-from laticauda.simulate.numbers import change_parameters
+from laticauda.models.simulate.numbers import change_parameters
+from laticauda.values.quantities import value_class
+from laticauda.water.fluid.gridded import Gridded, to_dataset
 from laticauda_gym import (
     IDS,
     Efficiency,

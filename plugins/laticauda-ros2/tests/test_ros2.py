@@ -18,9 +18,9 @@ pytest.importorskip("cyclonedds", reason="the DDS library is not installed: pip 
 from cyclonedds.core import Policy, Qos
 
 import laticauda as lc
-from laticauda import lab
-from laticauda.operate.drivers import Clock, DeviceFailed, contract, driver_named
-from laticauda.protocol import (
+from laticauda.tank import lab
+from laticauda.tank.operate.drivers import Clock, DeviceFailed, contract, driver_named
+from laticauda.tank.protocol import (
     EmergencyStop,
     Heartbeat,
     JointState,

@@ -9,9 +9,9 @@ from patience import complaints, until
 from trials import swum
 
 import laticauda as lc
-from laticauda import lab
-from laticauda.operate.drivers import Clock, DeviceFailed, driver_named
-from laticauda.protocol import bus_address
+from laticauda.tank import lab
+from laticauda.tank.operate.drivers import Clock, DeviceFailed, driver_named
+from laticauda.tank.protocol import bus_address
 from laticauda_udp_json.driver import NoPose, decoded
 from laticauda_udp_json.emulator import Sender
 
@@ -34,7 +34,7 @@ def address():
 @pytest.fixture
 def sender(address):
     """Sends datagrams, of the body `fish` unless they are given, 100 times a second, in a thread of the tank's kind."""
-    from laticauda.protocol.worker import Worker
+    from laticauda.tank.protocol.worker import Worker
 
     class Repeated(Worker[None]):
         bodies, sent = ("fish",), 0

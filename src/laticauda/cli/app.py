@@ -16,8 +16,9 @@ import tyro
 
 from laticauda.cli.command import Command
 from laticauda.cli.flags import BadFlag, spell_field, wrap_text
-from laticauda.errors import BadArgument, LaticaudaError, SimulationFailed, suggest_nearest
-from laticauda.files import read_toml
+from laticauda.values.checks import suggest_nearest
+from laticauda.values.errors import BadArgument, LaticaudaError, SimulationFailed
+from laticauda.values.files import read_toml
 
 PROGRAM = "laticauda"
 DESCRIPTION = (
@@ -52,7 +53,7 @@ def main(args: Sequence[str] | None = None) -> int:
     command: Command | None = None
     try:
         if words == ["--version"]:
-            from laticauda.packaging import __version__
+            from laticauda.values.packaging import __version__
 
             print(f"{PROGRAM} {__version__}")
             return 0

@@ -15,11 +15,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from laticauda.access import LOCAL as LOCAL
 from laticauda.cli.flags import Options, OutputFile, marks_of, parse_command, parts_of
-from laticauda.errors import BadArgument
-from laticauda.files import to_json
-from laticauda.quantities import option, value_class
+from laticauda.values.access import LOCAL as LOCAL
+from laticauda.values.errors import BadArgument
+from laticauda.values.files import to_json
+from laticauda.values.quantities import option, value_class
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,7 +110,7 @@ def files_of(command: Any) -> Iterator[tuple[str, str | None, Sequence[str]]]:
     Args:
         command: Command, or a part of it.
     """
-    from laticauda.trial import Format
+    from laticauda.trials import Format
 
     for part in parts_of(command):
         for name, marks in marks_of(part.__class__).items():
@@ -143,7 +143,7 @@ def check_output(option: str, path: str | None, endings: Sequence[str]) -> None:
     if not os.access(file.parent, os.W_OK) or (file.exists() and not os.access(file, os.W_OK)):
         raise BadArgument(option, f"must be a writable file, got {path}: permission denied")
     if file.suffix.lower() == ".mp4":
-        from laticauda.pictures.render import check_video
+        from laticauda.show.pictures.render import check_video
 
         check_video()
 

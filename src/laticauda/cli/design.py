@@ -9,11 +9,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from laticauda import figures, gaits, packaging, scenarios
+from laticauda import scenarios
 from laticauda.cli.command import PATIENCE, SHARE, Command, Outcome, show_progress
 from laticauda.cli.flags import File, Options, Picture, Place, Words
 from laticauda.cli.tables import aligned, parse_numbers
-from laticauda.errors import BadArgument, check_not_empty
 from laticauda.identify import tasks
 from laticauda.identify.candidates import SENSORS, coast_down, from_tow, swim_candidates
 from laticauda.identify.design import (
@@ -30,8 +29,13 @@ from laticauda.identify.identifiability import LIMIT, marginal
 from laticauda.identify.measurements import Measurement, Tow
 from laticauda.identify.problem import Problem, make_problem
 from laticauda.identify.unknowns import Unknown
-from laticauda.quantities import option, quantity, value_class
+from laticauda.motion import gaits
 from laticauda.robot import TEXTBOOK, load_robot, water_names
+from laticauda.show import figures
+from laticauda.values import packaging
+from laticauda.values.checks import check_not_empty
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import option, quantity, value_class
 
 FORM = "NAME, NAME=VALUE or NAME=MEAN+-SD, such as water.normal_drag=1.75+-0.5"
 SENSOR_FORM = "one of speed, power, path, heading, joint-angle, joint-torque, alone or with =SIGMA, such as path=0.003"
@@ -357,8 +361,8 @@ def _numbered(steps: Iterable[Judged]) -> list[tuple[str, Any]]:
 
 
 def _draw(found: Design, path: str) -> None:
-    from laticauda.figures import style
-    from laticauda.reports.identify_figures import short_names, shrinking
+    from laticauda.show.figures import style
+    from laticauda.show.reports.identify_figures import short_names, shrinking
 
     figure = figures.new_figure(style.DOUBLE_COLUMN, 3.0)
     ax = figure.subplots()

@@ -1,11 +1,11 @@
 """`laticauda drivers`: the available drivers, and the data from one of them alone."""
 
 from laticauda.cli import command, tables
-from laticauda.errors import BadArgument
-from laticauda.operate import drivers
-from laticauda.operate.drivers.contract import listen
-from laticauda.operate.settings import Connection
-from laticauda.quantities import option, quantity, value_class
+from laticauda.tank.operate import drivers
+from laticauda.tank.operate.drivers.contract import listen
+from laticauda.tank.operate.settings import Connection
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import option, quantity, value_class
 
 
 @value_class

@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 import laticauda as lc
 from laticauda.cli import command, flags
 from laticauda.cli.scene import OfScenario, warn_of_compiling
-from laticauda.errors import BadArgument
-from laticauda.quantities import option, quantity, value_class
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import option, quantity, value_class
 
 OUTPUT = "File to write; an existing one is replaced"
 
@@ -46,7 +46,7 @@ class Urdf(command.Command):
         Args:
             robot: Robot to write.
         """
-        from laticauda.spatial.urdf import write_urdf
+        from laticauda.models.spatial.urdf import write_urdf
 
         write_urdf(self.output, robot, meshes=self.meshes)
 
@@ -80,7 +80,7 @@ class Mjcf(Urdf):
         """Write the file; see `Urdf.write`."""
         if self.ground is not None and self.water:
             raise BadArgument("water", "must not be given with --ground")
-        from laticauda.spatial.mjcf import write_mjcf
+        from laticauda.models.spatial.mjcf import write_mjcf
 
         place = (
             lc.load_water(self.water or "paper-lateral")
@@ -158,7 +158,7 @@ class Fmu(Compiled):
 
     def run(self) -> command.Outcome:
         """Write the file."""
-        from laticauda.cosim.fmu import export_fmu
+        from laticauda.connect.fmu import export_fmu
 
         return self.written(export_fmu, "fmi", "platform", "author", "model_version", "license")
 
@@ -184,7 +184,7 @@ class C(Compiled):
 
     def run(self) -> command.Outcome:
         """Write the files."""
-        from laticauda.cosim.native.tables import export_c
+        from laticauda.connect.native.tables import export_c
 
         return self.written(export_c, "platform", "static")
 
@@ -203,7 +203,7 @@ class Web(command.Command):
 
     def run(self) -> command.Outcome:
         """Write the files."""
-        from laticauda.cosim.web import export_web
+        from laticauda.connect.web import export_web
 
         sizes = [path.stat().st_size for path in export_web(self.output, self.robots)]
         text = f"{self.output}: {len(sizes)} files ({sum(sizes) / 1000.0:.0f} kB); open {self.output}/index.html"

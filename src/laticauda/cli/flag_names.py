@@ -1,7 +1,7 @@
 """How fields are called where people type them, and which fields of a command are options.
 
 ``flag_names.toml`` lists the fields that have no flag or are called otherwise. An angle has the
-ending of its unit in degrees, see `laticauda.display_units`.
+ending of its unit in degrees, see `laticauda.values.display_units`.
 """
 
 import typing
@@ -14,8 +14,8 @@ from typing import Any, cast
 
 import tyro
 
-from laticauda.files import read_toml
-from laticauda.quantities import Field, fields_of, texts_of
+from laticauda.values.files import read_toml
+from laticauda.values.quantities import Field, fields_of, texts_of
 
 
 @dataclass(frozen=True)

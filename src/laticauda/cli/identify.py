@@ -21,20 +21,21 @@ from laticauda.cli.flags import (
     was_typed,
 )
 from laticauda.cli.tables import format_table, parse_numbers
-from laticauda.codec import keys_of
-from laticauda.errors import BadArgument, check_choice
-from laticauda.files import write
 from laticauda.identify import fitting, measurements, result, tasks, validation
-from laticauda.quantities import option, quantity, value_class
-from laticauda.reports.chapter import load_templates, writable_folder
-from laticauda.reports.identify import (
+from laticauda.models.simulate.numbers import UNITS
+from laticauda.robot import load_parameters
+from laticauda.show.reports.chapter import load_templates, writable_folder
+from laticauda.show.reports.identify import (
     as_dict,
     errors_of,
     identification_tables,
     write_identification,
 )
-from laticauda.robot import load_parameters
-from laticauda.simulate.numbers import UNITS
+from laticauda.values.checks import check_choice
+from laticauda.values.codec import keys_of
+from laticauda.values.errors import BadArgument
+from laticauda.values.files import write
+from laticauda.values.quantities import option, quantity, value_class
 
 FORM = "NAME, NAME=LOW:HIGH or NAME=MEAN+-SD, such as water.normal_drag=0.5:4"
 

@@ -5,12 +5,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias, cast
 
-from laticauda.annotations import Annotation, TupleAnnotation, is_tuple
 from laticauda.cli.flag_names import is_declared, spell_flag
 from laticauda.cli.flag_types import BadFlag, Number, words_flag
-from laticauda.display_units import DisplayUnit
-from laticauda.errors import BadArgument, check_whole_number
-from laticauda.quantities import Quantity
+from laticauda.values.annotations import Annotation, TupleAnnotation, is_tuple
+from laticauda.values.checks import check_whole_number
+from laticauda.values.display_units import DisplayUnit
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import Quantity
 
 LARGEST_EXACT_INTEGER = 2**53
 """Up to this, a float holds every whole number."""

@@ -7,13 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from laticauda import simulate
 from laticauda.cli import command, flags
-from laticauda.errors import RobotFileError
-from laticauda.files import read_text
-from laticauda.operate import drivers, session, settings, terminal
-from laticauda.operate.series import run_series
-from laticauda.quantities import option, quantity, value_class
+from laticauda.models import simulate
+from laticauda.tank.operate import drivers, session, settings, terminal
+from laticauda.tank.operate.series import run_series
+from laticauda.values.errors import RobotFileError
+from laticauda.values.files import read_text
+from laticauda.values.quantities import option, quantity, value_class
 
 
 @value_class

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from laticauda import gaits, scenarios
+from laticauda import scenarios
 from laticauda.cli.tables import aligned, format_number, percent, read_in
-from laticauda.quantities import describe_fields
+from laticauda.motion import gaits
 from laticauda.robot import SEEN, TEXTBOOK, Ground, describe_coefficients, in_a_line
-from laticauda.trial import FIGURES, MeasuredTrial, Trial, following, measured_counterpart
+from laticauda.trials import FIGURES, MeasuredTrial, Trial, following, measured_counterpart
+from laticauda.values.quantities import describe_fields
 
 WIDTH = 110
 LEFT_OUT = ("duration",)  # stated once, at the top
@@ -163,7 +164,7 @@ def interval_table(
 
     Args:
         trial: Trial of the run.
-        intervals: Intervals from `laticauda.simulate.figure_intervals`.
+        intervals: Intervals from `laticauda.models.simulate.figure_intervals`.
         varied: Names of the coefficients that were varied.
     """
     rows = [("if the coefficients lie in their intervals", "from", "to", "")]

@@ -7,10 +7,11 @@ from typing import Any
 
 from laticauda import robot
 from laticauda.cli import command, flags, tables
-from laticauda.errors import BadArgument, check_choice
-from laticauda.fluid.flow import Flow
-from laticauda.quantities import option, value_class
 from laticauda.robot import Ground, Parameters, Robot, Water, files, parameters
+from laticauda.values.checks import check_choice
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import option, value_class
+from laticauda.water.fluid.flow import Flow
 
 KINDS: dict[str, tuple[Callable[[], Sequence[str]], Callable[[str], Any]]] = {
     "robots": (robot.robot_names, robot.load_robot),

@@ -10,11 +10,15 @@ from pathlib import Path
 from typing import Any, Literal
 
 import laticauda as lc
-from laticauda import control, estimation, figures, operate, simulate
+from laticauda import control
 from laticauda.cli import command, flags, report, scene, trial
 from laticauda.cli.flags import BadFlag, File, Files, Picture, ScenarioFile, Stored, Toml
-from laticauda.errors import BadArgument
-from laticauda.quantities import option, quantity, value_class
+from laticauda.control import estimation
+from laticauda.models import simulate
+from laticauda.show import figures
+from laticauda.tank import operate
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import option, quantity, value_class
 
 
 @value_class

@@ -8,15 +8,12 @@ from pathlib import Path
 from typing import Any, Self, TypeVar, cast
 
 import laticauda as lc
-from laticauda import codec, robot, simulate
+from laticauda import robot
 from laticauda.cli.command import Command
 from laticauda.cli.flags import BadFlag, File, Options, accept_objects, parse_command, was_typed
 from laticauda.cli.tables import parse_numbers
-from laticauda.errors import BadArgument, LaticaudaError
-from laticauda.extensions import Extensible, name_of
-from laticauda.fluid.flow import Flow
-from laticauda.gaits.gait import FIRST_GAIT
-from laticauda.quantities import option, quantity, value_class
+from laticauda.models import simulate
+from laticauda.motion.gaits.gait import FIRST_GAIT
 from laticauda.scenarios import (
     Choice,
     Model,
@@ -26,6 +23,11 @@ from laticauda.scenarios import (
     model_of,
     named_after,
 )
+from laticauda.values import codec
+from laticauda.values.errors import BadArgument, LaticaudaError
+from laticauda.values.extensions import Extensible, name_of
+from laticauda.values.quantities import option, quantity, value_class
+from laticauda.water.fluid.flow import Flow
 
 Kind = TypeVar("Kind", bound=Extensible)
 
@@ -164,7 +166,7 @@ def _recorded(name: str) -> lc.JointAngles:
     """Return the joint angles of a preset, a table, or a trial in any of its formats."""
     if Path(name).suffix in ("", ".csv"):
         return lc.load_joint_angles(name)
-    from laticauda.logs import load_trial
+    from laticauda.trials.logs import load_trial
 
     return lc.JointAngles.of(load_trial(name))
 

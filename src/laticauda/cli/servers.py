@@ -11,15 +11,17 @@ from pathlib import Path
 from typing import Literal
 
 import laticauda as lc
-from laticauda import cosim, lab, packaging, protocol, robot
+from laticauda import connect as cosim, robot
 from laticauda.cli.command import LOCAL, Command, Outcome, until_stopped
 from laticauda.cli.flags import File, Files, Options, ScenarioFile, Stored, parse_command
 from laticauda.cli.scene import OfScenario, warn_of_compiling
-from laticauda.errors import BadArgument
-from laticauda.files import to_json
-from laticauda.quantities import option, quantity, value_class
 from laticauda.robot import Scene, Water, load_robot
 from laticauda.scenarios import model_of, named_after, water_for
+from laticauda.tank import lab, protocol
+from laticauda.values import packaging
+from laticauda.values.errors import BadArgument
+from laticauda.values.files import to_json
+from laticauda.values.quantities import option, quantity, value_class
 
 # ---- the virtual tank ----------------------------------------------------------------------------
 
@@ -283,7 +285,7 @@ class CockpitCommand(OfScenario):
 
     def run(self) -> None:
         """Serve until Ctrl-C."""
-        from laticauda.cockpit import Cockpit, Live, pages
+        from laticauda.show.cockpit import Cockpit, Live, pages
 
         pages.load_viser()
         scenario = self.chosen

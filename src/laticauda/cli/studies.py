@@ -10,20 +10,22 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
-from laticauda import figures, studies
+from laticauda import studies
 from laticauda.cli import vary
 from laticauda.cli.command import Outcome, stored_trials
 from laticauda.cli.flags import File, Folder, Picture, Words
 from laticauda.cli.scene import warn_of_compiling
 from laticauda.cli.tables import read_in
 from laticauda.cli.vary import Known, Study
-from laticauda.errors import BadArgument, check_choice
-from laticauda.quantities import option, quantity, value_class
+from laticauda.models.simulate.numbers import list_parameters
 from laticauda.scenarios import Scenario
-from laticauda.simulate.numbers import list_parameters
+from laticauda.show import figures
 from laticauda.studies.cluster import connected
 from laticauda.studies.optimization import Limits
 from laticauda.studies.sampling import Points
+from laticauda.values.checks import check_choice
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import option, quantity, value_class
 
 N_BEST, N_SHOWN = 5, 8
 SHOWN_OF_BEST = ("forward_velocity", "mean_power", "cost_of_transport", "utilization")
@@ -182,7 +184,7 @@ class Optimize(Study):
 
     def studied(self, scenario: Scenario, known: Known) -> Outcome:
         """Search, and write the front."""
-        from laticauda.reports.front import write_front_figure
+        from laticauda.show.reports.front import write_front_figure
 
         folder = Path(self.output)
         front = self._front(scenario, folder)

@@ -4,8 +4,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from laticauda.display_units import display_unit
-from laticauda.errors import BadArgument
+from laticauda.values.display_units import display_unit
+from laticauda.values.errors import BadArgument
 
 MISSING = "-"
 

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from typing import Annotated
 
 import laticauda as lc
-from laticauda import figures, logs
 from laticauda.cli import command, flags, report, tables
-from laticauda.errors import BadArgument, TrialFileError
-from laticauda.pictures.camera import Film
-from laticauda.quantities import option, quantity, value_class
-from laticauda.trial import ComparedFigure, Format
+from laticauda.show import figures
+from laticauda.show.pictures.camera import Film
+from laticauda.trials import ComparedFigure, Format, logs
+from laticauda.values.errors import BadArgument, TrialFileError
+from laticauda.values.quantities import option, quantity, value_class
 
 TRIAL = (
     "The trial, as `laticauda swim --save` or `trial convert` wrote it, or a log (with --columns)"
@@ -34,7 +34,7 @@ class Filming(command.Command):
             beside: Trials of other robots in the same scene.
         """
         if self.video is not None:
-            from laticauda.pictures.render import render_film
+            from laticauda.show.pictures.render import render_film
 
             begin, end = self.film.span(trial)
             render_film(
@@ -72,12 +72,12 @@ class View(Filming):
             raise BadArgument("time", "must be given with --still: it is the time of the picture")
         trial, *beside = [lc.load_trial(name) for name in (self.file, *self.beside)]
         if self.still is not None:
-            from laticauda.pictures.render import write_still
+            from laticauda.show.pictures.render import write_still
 
             write_still(trial, self.still, self.film, time=self.time, beside=beside)
         self.write_film(trial, self.speed, beside)
         if self.video is None and self.still is None:
-            from laticauda.pictures.replay import show
+            from laticauda.show.pictures.replay import show
 
             show(trial, speed=self.speed)
         when = "the end" if self.time is None else f"{self.time:g} s"

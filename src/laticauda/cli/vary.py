@@ -10,15 +10,16 @@ from typing import Any
 
 import numpy as np
 
-from laticauda import files, studies
+from laticauda import studies
 from laticauda.cli import command, scene
 from laticauda.cli.tables import MISSING, aligned, format_table, parse_numbers, read_in
-from laticauda.display_units import display_unit
-from laticauda.errors import BadArgument
-from laticauda.quantities import option, quantity, value_class
+from laticauda.models.simulate.numbers import Parameter, list_parameters, suggest_names
 from laticauda.scenarios import Scenario
-from laticauda.simulate.numbers import Parameter, list_parameters, suggest_names
 from laticauda.studies.point_trials import LABELS, attributes_of
+from laticauda.values import files
+from laticauda.values.display_units import display_unit
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import option, quantity, value_class
 
 # Fields of these are named by their last word alone, like the options.
 SHORT = ("gait", "water", "ground")

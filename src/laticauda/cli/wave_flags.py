@@ -11,10 +11,10 @@ from typing import Annotated, Any
 
 from tyro.constructors import StructFieldSpec
 
-from laticauda.annotations import Annotation
 from laticauda.cli.flag_names import FLAG_NAMES
 from laticauda.cli.number_flags import numbers_flag
-from laticauda.quantities import Field, quantities_of
+from laticauda.values.annotations import Annotation
+from laticauda.values.quantities import Field, quantities_of
 
 COMMON_NUMBERS = ("frequency", "phase_shift")
 """Numbers that a new wave has from its gait."""

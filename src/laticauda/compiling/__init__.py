@@ -20,12 +20,12 @@ from numba import cfunc, config, njit
 from numba.core.errors import NumbaError
 from numba.extending import overload
 
-from laticauda import scalars
-from laticauda.arguments import explain
+from laticauda.values import scalars
+from laticauda.values.arguments import explain
 from laticauda.compiling import functions, lanes, ready
 from laticauda.compiling.inner import INLINED, OPTIONS, inlined
 from laticauda.compiling.lane_types import Lanes
-from laticauda.files import locked
+from laticauda.values.files import locked
 
 
 def _find_folder() -> str:

@@ -1,4 +1,4 @@
-"""Formulas of laws (`laticauda.formulas`) as functions that kernels call with plain numbers or with lanes.
+"""Formulas of laws (`laticauda.values.formulas`) as functions that kernels call with plain numbers or with lanes.
 
 The motion of water is the sum of the formulas of many parts (`summed`).
 """
@@ -16,8 +16,8 @@ from typing import Any, cast
 from numba.core.errors import NumbaError
 
 from laticauda.compiling import compile_scalar, current_target, fingerprint, for_python, kernel
-from laticauda.formulas import Formula
-from laticauda.scalars import first_lane
+from laticauda.values.formulas import Formula
+from laticauda.values.scalars import first_lane
 
 _checked: set[str] = set()
 

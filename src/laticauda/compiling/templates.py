@@ -25,7 +25,7 @@ from typing import Any, cast
 
 from laticauda.compiling import PROCESSOR, Target, compiling_for, formulas, globals_of, ready
 from laticauda.compiling.inner import is_inner
-from laticauda.formulas import Formula
+from laticauda.values.formulas import Formula
 
 PACKAGE = Path(__file__).parent.parent
 _loading: dict[str, Mapping[str, Any]] = {}
@@ -42,7 +42,7 @@ def closure(*modules: str, package: Path = PACKAGE) -> tuple[Path, ...]:
     packages.
 
     Args:
-        modules: Full module names, such as ``laticauda.planar.stepping``; may be kernel templates.
+        modules: Full module names, such as ``laticauda.models.planar.stepping``; may be kernel templates.
         package: Folder of the package.
     """
     found: set[Path] = set()
@@ -131,7 +131,7 @@ def specialized(
     """Return the last of a package's templates, compiled on first call.
 
     Args:
-        package: Name of the package, such as ``laticauda.planar``.
+        package: Name of the package, such as ``laticauda.models.planar``.
         made_for: Names that each template is specialized for; it may use earlier templates with no
             further names.
         names: Values of the names: a number, a law's formula, or None.

@@ -6,7 +6,7 @@ tank.
 
 from typing import TYPE_CHECKING
 
-from laticauda.packaging import lazy_exports
+from laticauda.values.packaging import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.control.averaged import (
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
         Spline as Spline,
         StraightLine as StraightLine,
     )
-    from laticauda.control.predictive import (
+    from laticauda.control.mpc.predictive import (
         ModelPredictive as ModelPredictive,
         PlanLimits as PlanLimits,
         PredictiveState as PredictiveState,
@@ -63,6 +63,6 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "SpatialPathFollowingState",
         ],
         "laticauda.control.paths": ["Circle", "Polyline", "Spline", "StraightLine"],
-        "laticauda.control.predictive": ["ModelPredictive", "PlanLimits", "PredictiveState"],
+        "laticauda.control.mpc.predictive": ["ModelPredictive", "PlanLimits", "PredictiveState"],
     },
 )

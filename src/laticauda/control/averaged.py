@@ -25,12 +25,12 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from laticauda.errors import BadArgument
-from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Controller, Observation
-from laticauda.quantities import option, quantity, value_class
+from laticauda.motion.gaits import Gait
 from laticauda.robot import Robot, Water
-from laticauda.trial import Trial, metrics
+from laticauda.scenarios.interfaces import Command, Controller, Observation
+from laticauda.trials import Trial, metrics
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import option, quantity, value_class
 
 State: TypeAlias = tuple[Any, Any, Any, Any, Any, Any]
 

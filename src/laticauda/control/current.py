@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from laticauda.control.averaged import AveragedModel
-from laticauda.interfaces import Observation
-from laticauda.quantities import option, quantity, value_class
+from laticauda.scenarios.interfaces import Observation
+from laticauda.values.quantities import option, quantity, value_class
 
 Array = np.ndarray
 X, Y, PSI, BEND, SPEED, SWAY, DRIFT_X, DRIFT_Y, RIPPLE, QUADRATURE = range(10)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument
+from laticauda.values.errors import BadArgument
 
 Numbers = Float[np.ndarray, " n_points"]
 Vectors = Float[np.ndarray, "n_points 2"]

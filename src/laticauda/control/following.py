@@ -7,9 +7,9 @@ from laticauda.control import current, path_following
 from laticauda.control.frames import Path
 from laticauda.control.guidance import Guidance, HeadingController, IntegralLineOfSight, LineOfSight
 from laticauda.control.paths import Circle, Polyline, Spline, StraightLine
-from laticauda.errors import BadArgument
-from laticauda.gaits import Gait
-from laticauda.quantities import option, quantity, value_class
+from laticauda.motion.gaits import Gait
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import option, quantity, value_class
 
 LEVEL = 1.0  # level stretch of a profile before its first and after its last depth [m]
 

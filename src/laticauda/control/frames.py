@@ -5,7 +5,7 @@ from typing import Generic, NamedTuple, TypeAlias, TypeVar
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.extensions import Extensible
+from laticauda.values.extensions import Extensible
 
 State = TypeVar("State")
 # The path modules import these from here, so that no import hook of the tests checks their fields

@@ -9,11 +9,11 @@ from bisect import bisect_right
 from operator import itemgetter
 from typing import Generic, TypeAlias, TypeVar
 
-from laticauda.angles import wrap_to_pi
 from laticauda.control.frames import PathFrame
-from laticauda.errors import BadArgument
-from laticauda.extensions import Extensible
-from laticauda.quantities import quantity, value_class
+from laticauda.values.angles import wrap_to_pi
+from laticauda.values.errors import BadArgument
+from laticauda.values.extensions import Extensible
+from laticauda.values.quantities import quantity, value_class
 
 State = TypeVar("State")
 

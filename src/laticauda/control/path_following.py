@@ -8,14 +8,16 @@ from typing import Any, Literal, cast
 
 import numpy as np
 
-from laticauda import angles, gaits
 from laticauda.control.current import SPEED, CurrentObserver, ObserverState, crab_angle
 from laticauda.control.frames import Path
 from laticauda.control.guidance import Guidance, HeadingController, HeadingEstimate, HeadingWindow
-from laticauda.errors import BadArgument, check_positive
-from laticauda.interfaces import Command, Controller, Observation
-from laticauda.quantities import option, quantity, value_class
+from laticauda.motion import gaits
 from laticauda.robot import Robot
+from laticauda.scenarios.interfaces import Command, Controller, Observation
+from laticauda.values import angles
+from laticauda.values.checks import check_positive
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import option, quantity, value_class
 
 _SLOWEST = 0.5  # lower bound of the speed used for a crab angle, as a fraction of the gait's speed
 
@@ -51,7 +53,7 @@ class PathFollowing(Controller[PathFollowingState]):
 
     Example:
         >>> from laticauda.control import LineOfSight, StraightLine
-        >>> from laticauda.gaits import Gait
+        >>> from laticauda.motion.gaits import Gait
         >>> controller = PathFollowing(
         ...     gait=Gait(amplitude=0.5, frequency=1.6, phase_shift=0.7),
         ...     path=StraightLine(),
@@ -226,7 +228,7 @@ class SpatialPathFollowing(PathFollowing):
 
     Example:
         >>> from laticauda.control import LineOfSight, StraightLine
-        >>> from laticauda.gaits import Gait
+        >>> from laticauda.motion.gaits import Gait
         >>> controller = SpatialPathFollowing(
         ...     gait=Gait(amplitude=0.5, frequency=1.6, phase_shift=0.7),
         ...     path=StraightLine(),

@@ -8,11 +8,11 @@ from functools import cached_property
 
 import numpy as np
 
-from laticauda.angles import wrap_to_pi
 from laticauda.control.curve import Curve, natural_cubic
 from laticauda.control.frames import Distances, Path, PathFrame, Points, Position
-from laticauda.errors import BadArgument
-from laticauda.quantities import quantity, value_class
+from laticauda.values.angles import wrap_to_pi
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import quantity, value_class
 
 Waypoints = tuple[tuple[float, float], ...]
 

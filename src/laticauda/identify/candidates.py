@@ -15,12 +15,12 @@ import numpy as np
 from jaxtyping import Float
 
 import laticauda as lc
-from laticauda.errors import check_choice, check_instance, check_positive
 from laticauda.identify import model, tables
 from laticauda.identify.measurements import LOADS, SERIES, Measurement, Tow
 from laticauda.identify.problem import Problem, other_measurements, with_starts
+from laticauda.models.simulate.runner import Progress, silent
 from laticauda.robot import Environment, Robot, Water
-from laticauda.simulate.runner import Progress, silent
+from laticauda.values.checks import check_choice, check_instance, check_positive
 
 
 class Sensor(NamedTuple):

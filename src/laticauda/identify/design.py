@@ -44,13 +44,14 @@ from statistics import NormalDist
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, check_choice, check_not_empty, check_whole_number
 from laticauda.identify import identifiability, model, result
 from laticauda.identify.candidates import rows_of
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.problem import Problem
 from laticauda.identify.unknowns import ResolvedUnknown
-from laticauda.simulate.runner import Progress, silent
+from laticauda.models.simulate.runner import Progress, silent
+from laticauda.values.checks import check_choice, check_not_empty, check_whole_number
+from laticauda.values.errors import BadArgument
 
 CRITERIA = ("D", "A")
 """D: determinant of the information (volume of the region of possible values); A: mean variance."""

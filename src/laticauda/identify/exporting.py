@@ -7,12 +7,12 @@ from typing import Any, cast
 import numpy as np
 
 import laticauda as lc
-from laticauda import extensions, quantities
-from laticauda.errors import BadArgument
 from laticauda.identify.problem import Problem
 from laticauda.identify.unknowns import with_tied
+from laticauda.models.simulate.numbers import change_parameters, list_parameters
 from laticauda.robot.parameters import FIELDS_OF_ROBOT, GAITS, NAMES
-from laticauda.simulate.numbers import change_parameters, list_parameters
+from laticauda.values import extensions, quantities
+from laticauda.values.errors import BadArgument
 
 Changes = dict[str, dict[str, Any]]
 Values = Mapping[str, float]

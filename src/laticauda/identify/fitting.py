@@ -8,14 +8,15 @@ from typing import Unpack
 import numpy as np
 from jaxtyping import Float, Int
 
-from laticauda.errors import BadArgument, SimulationFailed, optional_import
 from laticauda.identify import identifiability, result, unknowns
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.model import Predicted, predict, scaled_jacobian
 from laticauda.identify.problem import Problem, make_problem
+from laticauda.models.simulate.runner import Progress, silent
 from laticauda.robot import Robot
 from laticauda.scenarios import Model, ModelChanges
-from laticauda.simulate.runner import Progress, silent
+from laticauda.values.errors import BadArgument, SimulationFailed
+from laticauda.values.optional import optional_import
 
 SPREAD = 3.0  # additional starts lie within this factor of the first
 _ROUNDS = 20  # iterations of the noise estimate when there are priors

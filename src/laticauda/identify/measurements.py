@@ -10,11 +10,12 @@ import numpy as np
 from jaxtyping import Float
 
 import laticauda as lc
-from laticauda.errors import BadArgument, check_choice, check_instance, check_whole_number
-from laticauda.planar.model import PlanarPlant
-from laticauda.quantities import LARGEST, Quantity, check_items, quantity, value_class
-from laticauda.simulate.numbers import UNITS
-from laticauda.trial import arrays
+from laticauda.models.planar.model import PlanarPlant
+from laticauda.models.simulate.numbers import UNITS
+from laticauda.trials import arrays
+from laticauda.values.checks import check_choice, check_instance, check_whole_number
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import LARGEST, Quantity, check_items, quantity, value_class
 
 SERIES = {"center_of_mass": "m", "heading": "rad", "joint_angle": "rad", "joint_torque": "N m"}
 """Time series with which a trial can be compared, and their units."""

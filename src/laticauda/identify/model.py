@@ -15,12 +15,12 @@ from jaxtyping import Float
 from laticauda.identify import unknowns
 from laticauda.identify.measurements import Measurement, Run as Raw, measured_values
 from laticauda.identify.problem import SAMPLE_INTERVAL, Problem, shift_start
-from laticauda.planar import rows
-from laticauda.planar.batch import STEP, Block, Run
+from laticauda.models.planar import rows
+from laticauda.models.planar.batch import STEP, Block, Run
+from laticauda.models.simulate import batch_run, batch_scenarios, derivatives, numbers, several
+from laticauda.models.simulate.runner import silent
 from laticauda.scenarios import Planar, Scenario
-from laticauda.simulate import batch_run, batch_scenarios, derivatives, numbers, several
-from laticauda.simulate.runner import silent
-from laticauda.trial import Trial
+from laticauda.trials import Trial
 
 TOW_DIFFERENCE = 2.0**-12  # step of the finite differences of a tow's loads, relative to the value
 DIFFERENCE = 1e-3  # step of the 3D twin's finite differences, as a fraction of a large change

@@ -12,8 +12,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import optional_import
 from laticauda.identify.problem import Problem
+from laticauda.values.optional import optional_import
 
 _SURE = 3.1  # standard deviations; white noise is this far off in 1 of 1000 cases
 _ROUNDING = 1e-3  # of the stated noise: smaller residuals do not come from a measurement

@@ -9,15 +9,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from laticauda.errors import BadArgument, check_instance, check_not_empty, optional_import
 from laticauda.identify import unknowns
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.unknowns import NUISANCE, SIMULATED, ResolvedUnknown, Unknown
-from laticauda.interfaces import Resumed, Start
-from laticauda.quantities import check_items
+from laticauda.models.simulate.numbers import Parameter, change_parameters
 from laticauda.robot import Robot
 from laticauda.scenarios import Model, Scenario, model_of
-from laticauda.simulate.numbers import Parameter, change_parameters
+from laticauda.scenarios.interfaces import Resumed, Start
+from laticauda.values.checks import check_instance, check_not_empty
+from laticauda.values.errors import BadArgument
+from laticauda.values.optional import optional_import
+from laticauda.values.quantities import check_items
 
 _RARE = 5e-4  # probability that chi^2 is below its range, and that it is above
 SAMPLE_INTERVAL = 0.05  # of the logs that series are interpolated from [s]

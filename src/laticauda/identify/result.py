@@ -9,15 +9,17 @@ from typing import Any, cast
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, check_choice, optional_import
 from laticauda.identify import measurements, model
 from laticauda.identify.exporting import applied, as_parameters
 from laticauda.identify.identifiability import LIMIT, Identifiability, analyze_identifiability
 from laticauda.identify.noise import noise_widening
 from laticauda.identify.problem import Problem, warnings_of
-from laticauda.quantities import check_one_among, option, quantity, value_class
+from laticauda.models.simulate.numbers import UNITS
 from laticauda.robot import Parameters, Robot, Water
-from laticauda.simulate.numbers import UNITS
+from laticauda.values.checks import check_choice
+from laticauda.values.errors import BadArgument
+from laticauda.values.optional import optional_import
+from laticauda.values.quantities import check_one_among, option, quantity, value_class
 
 _AT_END = 1e-6  # an unknown closer than this to the end of its range, in sizes, is at that end
 

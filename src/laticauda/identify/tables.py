@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 
 import laticauda as lc
-from laticauda.errors import RobotFileError, TrialFileError, check_choice, check_positive
 from laticauda.identify.measurements import Measurement
 from laticauda.scenarios import build_scenario
-from laticauda.trial import MeasuredTrials, measured, null_models
+from laticauda.trials import MeasuredTrials, measured, null_models
+from laticauda.values.checks import check_choice, check_positive
+from laticauda.values.errors import RobotFileError, TrialFileError
 
 TABLE_SIGMA = 0.05
 """Default noise of a table's numbers, as a fraction of each value; the paper states none [-]."""
@@ -64,7 +65,7 @@ def from_table(
     sigma: float = TABLE_SIGMA,
     robot: str = "mamba",
 ) -> tuple[Measurement, ...]:
-    """Read speeds or powers from a CSV file with one row per trial; `laticauda.trial.measured` describes its columns.
+    """Read speeds or powers from a CSV file with one row per trial; `laticauda.trials.measured` describes its columns.
 
     Args:
         file: Path of the file.

@@ -27,16 +27,17 @@ from typing import Any
 import numpy as np
 
 import laticauda as lc
-from laticauda import codec, files, packaging
-from laticauda.errors import RobotFileError, TrialFileError, optional_import
-from laticauda.gaits import JointAngles, recorded_gait
 from laticauda.identify import candidates, fitting, measurements, result
 from laticauda.identify.unknowns import Unknown
-from laticauda.planar.model import PlanarPlant
-from laticauda.quantities import quantity, value_class
+from laticauda.models.planar.model import PlanarPlant
+from laticauda.models.simulate.runner import Progress, silent
+from laticauda.motion.gaits import JointAngles, recorded_gait
 from laticauda.robot import Environment, Robot, Water, load_robot, textbook_water, to_toml
 from laticauda.robot.files import read_table
-from laticauda.simulate.runner import Progress, silent
+from laticauda.values import codec, files, packaging
+from laticauda.values.errors import RobotFileError, TrialFileError
+from laticauda.values.optional import optional_import
+from laticauda.values.quantities import quantity, value_class
 
 FILES = Path(__file__).parent / "tank_day_files"
 DAY = "tank-day.toml"

@@ -24,7 +24,7 @@
     interval = 0.5                         # between the samples of series that are used [s]
     free_start = true                      # also identify where it began, if the path is used
 
-    [table]                                # speeds, one row per trial: a CSV file, see `laticauda.trial.measured`
+    [table]                                # speeds, one row per trial: a CSV file, see `laticauda.trials.measured`
     file = "speeds.csv"
     sigma = 0.05                           # of rows that do not state their own, as a fraction
 
@@ -42,18 +42,20 @@ from typing import Any
 import numpy as np
 
 import laticauda as lc
-from laticauda import codec, scenarios
-from laticauda.errors import BadArgument, RobotFileError, check_choice, check_label
+from laticauda import scenarios
 from laticauda.identify.fitting import Keep, fit
 from laticauda.identify.measurements import SERIES, Measurement, from_trial
 from laticauda.identify.result import Fit, Method
 from laticauda.identify.tables import FIGURES, TABLE_SIGMA, from_table, from_table1
 from laticauda.identify.unknowns import Unknown, as_unknowns, numbers_by_name
-from laticauda.quantities import check_one_among, option, quantity, value_class
+from laticauda.models.simulate.numbers import UNITS
+from laticauda.models.simulate.runner import Progress, silent
 from laticauda.robot.files import read_table
 from laticauda.robot.parameters import NAMES, adjust, read_adjustments
-from laticauda.simulate.numbers import UNITS
-from laticauda.simulate.runner import Progress, silent
+from laticauda.values import codec
+from laticauda.values.checks import check_choice, check_label
+from laticauda.values.errors import BadArgument, RobotFileError
+from laticauda.values.quantities import check_one_among, option, quantity, value_class
 
 KIND = "identification"
 _METHOD = ("model", "joints", "noise", "loss", "n_starts", "seed", "confidence")
@@ -139,7 +141,7 @@ class TrialFile:
 class TableFile:
     """A file with one row per trial."""
 
-    file: str = option("Path of the table; for its columns see `laticauda.trial.measured`")
+    file: str = option("Path of the table; for its columns see `laticauda.trials.measured`")
     figure: str = option(
         "forward_velocity or mean_power", default=FIGURES[0], check=check_one_among(*FIGURES)
     )

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import check_choice, check_whole_number, optional_import
 from laticauda.identify.fitting import all_residuals, cost_of, minimize
 from laticauda.identify.result import Fit
-from laticauda.simulate.runner import Progress, silent
+from laticauda.models.simulate.runner import Progress, silent
+from laticauda.values.checks import check_choice, check_whole_number
+from laticauda.values.optional import optional_import
 
 _CLOSE = 1e-3  # relative accuracy of the distance to an end
 _FAR = 1e3  # sizes, beyond which no end is searched for, and standard deviations

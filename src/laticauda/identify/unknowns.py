@@ -6,8 +6,15 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Literal, NoReturn, cast
 
-from laticauda.errors import (
-    BadArgument,
+from laticauda.models.simulate.numbers import (
+    Parameter,
+    change_parameters,
+    list_parameters,
+    suggest_names,
+    value_of,
+)
+from laticauda.scenarios import Scenario
+from laticauda.values.checks import (
     check_finite,
     check_label,
     check_not_empty,
@@ -15,15 +22,8 @@ from laticauda.errors import (
     show_value,
     suggest_nearest,
 )
-from laticauda.quantities import Check, check_items, option, quantity, value_class
-from laticauda.scenarios import Scenario
-from laticauda.simulate.numbers import (
-    Parameter,
-    change_parameters,
-    list_parameters,
-    suggest_names,
-    value_of,
-)
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import Check, check_items, option, quantity, value_class
 
 NUISANCE = {
     parameter.name: parameter

@@ -8,11 +8,12 @@ from functools import partial
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import BadArgument, check_choice
-from laticauda.gaits import GAIT_WORDS
 from laticauda.identify import fitting, model, result, tasks, uncertainty
-from laticauda.simulate.runner import Progress, silent
-from laticauda.trial.null_models import NullModel, Row, compared
+from laticauda.models.simulate.runner import Progress, silent
+from laticauda.motion.gaits import GAIT_WORDS
+from laticauda.trials.null_models import NullModel, Row, compared
+from laticauda.values.checks import check_choice
+from laticauda.values.errors import BadArgument
 
 BY = ("measurement", "group")
 

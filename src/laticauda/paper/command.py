@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Literal
 from laticauda.cli import command, scene, tables
 from laticauda.cli.command import show_progress
 from laticauda.cli.flags import File, Folder
-from laticauda.quantities import option, quantity, value_class
 from laticauda.scenarios import loop_in_words
+from laticauda.values.quantities import option, quantity, value_class
 
 if TYPE_CHECKING:
     from laticauda.paper.efficiency import EfficiencyStudy
@@ -88,7 +88,7 @@ def facts_of(done: "Reproduction") -> dict[str, Any]:
     Args:
         done: What was run and written.
     """
-    from laticauda.packaging import __version__
+    from laticauda.values.packaging import __version__
 
     results = done.results
     found: dict[str, Any] = {"status": "All runs reached their end."}

@@ -5,7 +5,7 @@ contents of the table, the maxima of sweeps, with the maxima of the simulated sw
 the speeds are computed in `scores`.
 
 Repeated trials from a user's CSV file show the scatter of measurements of the same setting. The
-file is a table of speeds (`laticauda.trial.measured`), intended to have several rows per setting.
+file is a table of speeds (`laticauda.trials.measured`), intended to have several rows per setting.
 """
 
 from collections.abc import Sequence
@@ -16,12 +16,13 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from laticauda import gaits, scenarios
-from laticauda.operate.series import mean_and_deviation
+from laticauda import scenarios
+from laticauda.motion import gaits
 from laticauda.paper.measured import MeasuredCase
 from laticauda.paper.runs import Runs, Study
 from laticauda.paper.settings import EfficiencySettings, Group, SweepSettings, efficiency_settings
-from laticauda.trial import measured, null_models
+from laticauda.tank.operate.series import mean_and_deviation
+from laticauda.trials import measured, null_models
 
 Curves = Float[np.ndarray, "n_models n_groups n_values"]
 CURVES = ("forward_velocity", "steady_velocity", "mechanical_power")

@@ -22,11 +22,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from laticauda.figures import style
 from laticauda.paper.efficiency import Repeat
 from laticauda.paper.measured import MeasuredCase
 from laticauda.paper.path_following import FollowingCase, group_by_law
 from laticauda.paper.settings import SweepSettings
+from laticauda.show.figures import style
 
 Curves = Float[np.ndarray, "n_curves n_values"]
 Values = Float[np.ndarray, " _"]

@@ -7,9 +7,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from laticauda import files, gaits
+from laticauda.motion import gaits
 from laticauda.robot import Actuator, Environment, Ground, Robot, load_robot
-from laticauda.trial import MeasuredTrial, MeasuredTrials, measured, null_models
+from laticauda.trials import MeasuredTrial, MeasuredTrials, measured, null_models
+from laticauda.values import files
 
 PRINTED_TO = 0.02  # tolerance, as the printed changes come from unrounded speeds [%]
 DURATION = 30.0  # of the trials of Table 1 [s]

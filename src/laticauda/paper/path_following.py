@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 import laticauda as lc
-from laticauda.extensions import name_of
 from laticauda.paper.measured import MeasuredPathFollowing, percent_change
 from laticauda.paper.runs import Runs, Study
 from laticauda.paper.settings import Group, HeldOut, PathFollowingSettings, path_following_settings
-from laticauda.quantities import option, quantity, value_class
 from laticauda.scenarios import Model, loop_in_words
-from laticauda.trial import Trial, following
-from laticauda.trial.cycles import TRANSIENT
+from laticauda.trials import Trial, following
+from laticauda.trials.cycles import TRANSIENT
+from laticauda.values.extensions import name_of
+from laticauda.values.quantities import option, quantity, value_class
 
 
 @value_class
@@ -41,7 +41,7 @@ class FollowingRun:
     mechanical_power: float = quantity("W", "mechanical power, mean of sum |u phi'|")
     joules_per_meter: float = quantity("J/m", "mechanical power / forward velocity")
     figures: Mapping[str, float | None] = option(
-        "By the names of `laticauda.trial.following.FIGURES`; None: undefined"
+        "By the names of `laticauda.trials.following.FIGURES`; None: undefined"
     )
     # So that a limit cycle cannot pass as converged:
     last_third_rms: float | None = quantity(

@@ -8,14 +8,16 @@ from typing import Any, ClassVar, Generic, Self, TypeVar, Unpack, get_args
 import numpy as np
 
 import laticauda as lc
-from laticauda import gaits, packaging
-from laticauda.errors import SimulationFailed, check_instance
+from laticauda.models.simulate import build_plant
+from laticauda.models.simulate.runner import Until, run_scenario, silent
+from laticauda.motion import gaits
 from laticauda.scenarios import Model, ModelChanges, Scenario, model_of, settings_of
 from laticauda.scenarios.scenario import NO_FILTER
-from laticauda.simulate import build_plant
-from laticauda.simulate.runner import Until, run_scenario, silent
 from laticauda.studies.point_trials import Progress
-from laticauda.trial.contents import Setting
+from laticauda.trials.contents import Setting
+from laticauda.values import packaging
+from laticauda.values.checks import check_instance
+from laticauda.values.errors import SimulationFailed
 
 Settings = TypeVar("Settings")
 _robot = cache(lc.load_robot)

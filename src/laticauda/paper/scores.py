@@ -23,7 +23,7 @@ from laticauda.paper.measured import (
 )
 from laticauda.paper.path_following import FollowingCase, FollowingRun, PathFollowingStudy
 from laticauda.scenarios import loop_in_words
-from laticauda.trial.null_models import PREDICTORS, Values, compared, mape, predict
+from laticauda.trials.null_models import PREDICTORS, Values, compared, mape, predict
 
 AnyCase = TypeVar("AnyCase", Case, FollowingCase)
 

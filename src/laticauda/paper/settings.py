@@ -11,8 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 import laticauda as lc
-from laticauda import codec, files, gaits
-from laticauda.errors import BadArgument, check_not_empty
+from laticauda.motion import gaits
 from laticauda.paper.measured import (
     MeasuredCase,
     MeasuredPathFollowing,
@@ -20,8 +19,11 @@ from laticauda.paper.measured import (
     read_table1,
 )
 from laticauda.paper.runs import Coefficients
-from laticauda.quantities import check_one_among, option, quantity, value_class
-from laticauda.trial.null_models import group_name
+from laticauda.trials.null_models import group_name
+from laticauda.values import codec, files
+from laticauda.values.checks import check_not_empty
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import check_one_among, option, quantity, value_class
 
 PARAMETERS = ("amplitude", "frequency", "phase_shift")
 """Gait parameters that the paper sweeps."""

@@ -14,12 +14,12 @@ import numpy as np
 from jaxtyping import Float
 
 import laticauda as lc
-from laticauda.errors import BadArgument
 from laticauda.paper.measured import percent_change
 from laticauda.paper.runs import Coefficients, Runs, Study
 from laticauda.paper.settings import SweepSettings, efficiency_settings, paper_coefficients
-from laticauda.quantities import option, quantity, value_class
 from laticauda.scenarios import Model
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import option, quantity, value_class
 
 ROBOT = "mamba"
 SHALLOW = 0.06  # depth of the axis with the back just covered; a is 0.055 m [m]

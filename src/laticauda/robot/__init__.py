@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from laticauda.packaging import lazy_exports
+from laticauda.values.packaging import lazy_exports
 from laticauda.robot.describe import describe as describe  # at once: a module has its name
 
 if TYPE_CHECKING:

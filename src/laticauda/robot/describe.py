@@ -6,10 +6,10 @@ from itertools import groupby
 from operator import attrgetter
 from typing import TypeVar
 
-from laticauda.fluid.flow import Flow
-from laticauda.quantities import describe_fields, quantities_of
 from laticauda.robot import body, environment, textbook
 from laticauda.robot.robot import Robot
+from laticauda.values.quantities import describe_fields, quantities_of
+from laticauda.water.fluid.flow import Flow
 
 Row = tuple[str, str]
 T = TypeVar("T")
@@ -81,7 +81,7 @@ def in_a_line(facts: dict[str, str]) -> str:
     """Join facts in one line, each with its name.
 
     Args:
-        facts: Facts from `laticauda.quantities.describe_fields`.
+        facts: Facts from `laticauda.values.quantities.describe_fields`.
     """
     return ", ".join(f"{name} {text}" for name, text in facts.items())
 

@@ -21,9 +21,9 @@ from typing import Literal
 
 import numpy as np
 
-from laticauda.errors import BadArgument
-from laticauda.quantities import option, quantity, value_class
 from laticauda.robot.body import Joint
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import option, quantity, value_class
 
 MOST_HINGES = 6
 """Most hinges that a fin may have."""

@@ -8,12 +8,13 @@ from typing import Any, ClassVar, Literal, TypeAlias
 
 import numpy as np
 
-from laticauda.errors import BadArgument, check_choice, check_label
-from laticauda.extensions import Extensible, name_of
-from laticauda.fluid.flow import Flow
-from laticauda.fluid.laws import DragLaw, PolynomialDrag
-from laticauda.quantities import option, quantity, value_class
 from laticauda.robot.robot import Robot
+from laticauda.values.checks import check_choice, check_label
+from laticauda.values.errors import BadArgument
+from laticauda.values.extensions import Extensible, name_of
+from laticauda.values.quantities import option, quantity, value_class
+from laticauda.water.fluid.flow import Flow
+from laticauda.water.fluid.laws import DragLaw, PolynomialDrag
 
 Current: TypeAlias = tuple[float, float] | tuple[float, float, float] | Flow
 
@@ -183,7 +184,7 @@ class Scene(Extensible, group="scenes"):
 
     @property
     def terrain(self) -> Any:
-        """Ground of the scene, as a `laticauda.mujoco_water.Terrain`; None if it has no ground of its own."""
+        """Ground of the scene, as a `laticauda.water.mujoco.Terrain`; None if it has no ground of its own."""
         return None
 
     def check(self, environment: "Environment") -> None:

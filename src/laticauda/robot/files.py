@@ -1,7 +1,7 @@
 """TOML files of robots, waters, grounds and currents, and the presets that come with laticauda.
 
 A file first states its kind: ``kind = "robot"``, ``"water"``, ``"ground"``, or the kind of a flow
-(`laticauda.fluid.flow`), which is a current. The other keys are the fields of the class of that
+(`laticauda.water.fluid.flow`), which is a current. The other keys are the fields of the class of that
 name, in the same units (lengths in m, angles in rad). Four features keep a file short:
 
 - an angle may be given in degrees under its name with ``_deg``: ``limit_deg = 90``;
@@ -18,12 +18,14 @@ from os import sep
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar, cast, overload
 
-from laticauda import extensions, files, gaits
-from laticauda.codec import BadKey, Table, decode, encode, keys_of, stamped, take_kind
-from laticauda.errors import BadArgument, LaticaudaError, RobotFileError, suggest_nearest
-from laticauda.fluid.flow import Flow
+from laticauda.motion import gaits
 from laticauda.robot import environment, textbook
 from laticauda.robot.robot import Robot
+from laticauda.values import extensions, files
+from laticauda.values.checks import suggest_nearest
+from laticauda.values.codec import BadKey, Table, decode, encode, keys_of, stamped, take_kind
+from laticauda.values.errors import BadArgument, LaticaudaError, RobotFileError
+from laticauda.water.fluid.flow import Flow
 
 Described: TypeAlias = Robot | environment.Water | environment.Ground | Flow
 Kind = TypeVar("Kind", Robot, environment.Water, environment.Ground, Flow)

@@ -7,10 +7,11 @@ from typing import Literal, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from laticauda.actuation.laws import JointLaw
-from laticauda.errors import BadArgument, check_label, check_whole_number
-from laticauda.quantities import option, quantity, value_class
+from laticauda.motion.joints.laws import JointLaw
 from laticauda.robot import body, effectors
+from laticauda.values.checks import check_label, check_whole_number
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import option, quantity, value_class
 
 Numbers: TypeAlias = NDArray[np.float64]
 Effector = TypeVar("Effector", effectors.Thruster, effectors.PectoralFin)

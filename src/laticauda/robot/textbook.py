@@ -2,7 +2,7 @@
 
 The resistance of a straight robot is an area times rho v^2 / 2: skin friction C_F on the wetted
 surface, form drag of both ends, gaps at the joints. This area divided by the reference area of C_f
-(`laticauda.hydrodynamics`) is C_f:
+(`laticauda.robot.hydrodynamics`) is C_f:
 
     C_f = (C_F S + C_e A + C_g sum A_j) / (sum pi (a + b)/2 2l + 2 h L)      C_F = .075 / (log10 Re - 2)^2
 
@@ -29,11 +29,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from laticauda.errors import BadArgument
-from laticauda.fluid.laws import TotalSpeedDrag
 from laticauda.robot.body import Section
 from laticauda.robot.environment import Water
 from laticauda.robot.robot import Robot, Surface
+from laticauda.values.errors import BadArgument
+from laticauda.water.fluid.laws import TotalSpeedDrag
 
 TEXTBOOK = "textbook"
 """Name of this water."""
@@ -159,7 +159,7 @@ class Textbook:
     water: Water
     """Water with the central values."""
     intervals: Mapping[str, tuple[float, float]]
-    """Least and greatest value of each parameter, by its name in `laticauda.simulate.list_parameters`."""
+    """Least and greatest value of each parameter, by its name in `laticauda.models.simulate.list_parameters`."""
     sources: Mapping[str, str]
     """Source of each parameter, by name."""
 
@@ -310,7 +310,7 @@ def _fin_surface(robot: Robot) -> float:
 
 
 def _reference_area(robot: Robot) -> float:
-    """Return the area on which C_f is based, see `laticauda.hydrodynamics` [m^2]."""
+    """Return the area on which C_f is based, see `laticauda.robot.hydrodynamics` [m^2]."""
     body = sum(
         (module.section.half_height + module.section.half_width) * module.length
         for module in robot.modules

@@ -6,15 +6,17 @@ from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict, Unpack, cast
 
-from laticauda import extensions, robot as robots
-from laticauda.actuation.laws import JointLaw
-from laticauda.errors import BadArgument, check_choice, check_instance, suggest_nearest
-from laticauda.formulas import Law
-from laticauda.gaits import EelLike, Gait
-from laticauda.interfaces import Controller, Start
-from laticauda.quantities import option, quantity, value_class
+from laticauda import robot as robots
+from laticauda.motion.gaits import EelLike, Gait
+from laticauda.motion.joints.laws import JointLaw
 from laticauda.robot.files import find
+from laticauda.scenarios.interfaces import Controller, Start
 from laticauda.scenarios.scenario import MODELS, Model, Scenario, Spatial
+from laticauda.values import extensions
+from laticauda.values.checks import check_choice, check_instance, suggest_nearest
+from laticauda.values.errors import BadArgument
+from laticauda.values.formulas import Law
+from laticauda.values.quantities import option, quantity, value_class
 
 Motion: TypeAlias = Gait | Controller[Any]
 

@@ -6,13 +6,14 @@ from typing import Any, Literal, TypeAlias, cast
 
 import numpy as np
 
-from laticauda.actuation.laws import JointLaw, Prescribed
-from laticauda.errors import BadArgument, check_instance
-from laticauda.extensions import Unknown, name_of
-from laticauda.gaits import Gait
-from laticauda.interfaces import Command, Controller, OpenLoop, Resumed, Start
-from laticauda.quantities import option, quantity, value_class
+from laticauda.motion.gaits import Gait
+from laticauda.motion.joints.laws import JointLaw, Prescribed
 from laticauda.robot import Environment, Robot, Scene
+from laticauda.scenarios.interfaces import Command, Controller, OpenLoop, Resumed, Start
+from laticauda.values.checks import check_instance
+from laticauda.values.errors import BadArgument
+from laticauda.values.extensions import Unknown, name_of
+from laticauda.values.quantities import option, quantity, value_class
 
 NO_FILTER = 1e6
 """Bandwidth of a reference generator whose filters pass everything at once [rad/s]."""

@@ -29,12 +29,14 @@ from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any, cast
 
-from laticauda import codec, extensions, files, gaits, quantities, robot
-from laticauda.errors import RobotFileError
-from laticauda.fluid.gridded import Grid
-from laticauda.interfaces import Controller
+from laticauda import robot
+from laticauda.motion import gaits
 from laticauda.scenarios import building
+from laticauda.scenarios.interfaces import Controller
 from laticauda.scenarios.scenario import Experiment, Scenario
+from laticauda.values import codec, extensions, files, quantities
+from laticauda.values.errors import RobotFileError
+from laticauda.water.fluid.gridded import Grid
 
 NAMES = ("robot", "n_links", "water", "ground", "parameters")
 

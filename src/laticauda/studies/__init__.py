@@ -18,7 +18,7 @@ averaged        averaged model of a gait, for model-predictive guidance
 
 from typing import TYPE_CHECKING
 
-from laticauda.packaging import lazy_exports
+from laticauda.values.packaging import lazy_exports
 from laticauda.studies.optimize import optimize as optimize  # at once: a module has its name
 
 if TYPE_CHECKING:

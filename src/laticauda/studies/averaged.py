@@ -4,9 +4,12 @@ from dataclasses import replace
 from typing import Any
 
 import laticauda as lc
-from laticauda import control, gaits, simulate
-from laticauda.errors import BadArgument, check_whole_number
-from laticauda.simulate.runner import Progress, silent
+from laticauda import control
+from laticauda.models import simulate
+from laticauda.models.simulate.runner import Progress, silent
+from laticauda.motion import gaits
+from laticauda.values.checks import check_whole_number
+from laticauda.values.errors import BadArgument
 
 N_TRIALS = 4
 """Number of trials, unless it is stated."""

@@ -15,11 +15,11 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from laticauda import files
-from laticauda.errors import BadArgument
 from laticauda.studies.folder import check_same, readable, storage
 from laticauda.studies.optimization import VIOLATION
 from laticauda.studies.point_trials import QUANTITIES
+from laticauda.values import files
+from laticauda.values.errors import BadArgument
 
 CHECKPOINT = "checkpoint.npz"
 """Name of the file."""

@@ -11,15 +11,15 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, cast
 
-from laticauda.errors import BadArgument, MissingExtra, StorageFailed
-from laticauda.files import is_full, local, locked
+from laticauda.values.errors import BadArgument, MissingExtra, StorageFailed
+from laticauda.values.files import is_full, local, locked
 
 FORMAT = 2
 """Format of the definitions; format 1, which was not numbered, held no scenario."""
 MOST_DIFFERENCES = 3
 """Number of differences, or of foreign files, that a message lists."""
 UNFINISHED_FILES = ".[0-9]*-*"
-"""Pattern of files that `laticauda.files.write` had not moved into place when it was killed."""
+"""Pattern of files that `laticauda.values.files.write` had not moved into place when it was killed."""
 UNFINISHED_ZARR_FILES = "*.partial"
 """Pattern of files that zarr had not moved into place when it was killed."""
 

@@ -9,8 +9,6 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 import laticauda as lc
-from laticauda.files import write
-from laticauda.logs.tabular import csv_text
 from laticauda.studies.optimization import Optimization
 from laticauda.studies.point_trials import (
     FIGURES,
@@ -20,6 +18,8 @@ from laticauda.studies.point_trials import (
     scenarios_at,
 )
 from laticauda.studies.sampling import Table
+from laticauda.trials.logs.tabular import csv_text
+from laticauda.values.files import write
 
 if TYPE_CHECKING:
     import xarray

@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 
 import laticauda as lc
-from laticauda.errors import BadArgument, check_choice
-from laticauda.quantities import option, quantity, value_class
-from laticauda.simulate.numbers import list_parameters
+from laticauda.models.simulate.numbers import list_parameters
 from laticauda.studies import sampling
 from laticauda.studies.point_trials import (
     COSTS,
@@ -24,7 +22,10 @@ from laticauda.studies.point_trials import (
     swim_points,
 )
 from laticauda.studies.sampling import Table
-from laticauda.trial.feasibility import ROUNDING
+from laticauda.trials.feasibility import ROUNDING
+from laticauda.values.checks import check_choice
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import option, quantity, value_class
 
 OBJECTIVES = (
     "forward_velocity",

@@ -13,12 +13,10 @@ import numpy as np
 from jaxtyping import Shaped
 
 import laticauda as lc
-from laticauda import codec, extensions, packaging
-from laticauda.errors import BadArgument, check_instance
-from laticauda.simulate.batch_figures import Block, Run, joint_peaks
-from laticauda.simulate.batch_run import run_batch
-from laticauda.simulate.batch_scenarios import runs_of
-from laticauda.simulate.numbers import (
+from laticauda.models.simulate.batch_figures import Block, Run, joint_peaks
+from laticauda.models.simulate.batch_run import run_batch
+from laticauda.models.simulate.batch_scenarios import runs_of
+from laticauda.models.simulate.numbers import (
     UNITS,
     change_parameters,
     check_whole,
@@ -27,9 +25,12 @@ from laticauda.simulate.numbers import (
     look_up,
     of_figure,
 )
-from laticauda.simulate.runner import silent
+from laticauda.models.simulate.runner import silent
 from laticauda.studies.sampling import Table
-from laticauda.trial.feasibility import NEEDS
+from laticauda.trials.feasibility import NEEDS
+from laticauda.values import codec, extensions, packaging
+from laticauda.values.checks import check_instance
+from laticauda.values.errors import BadArgument
 
 Column = Shaped[np.ndarray, " n_points"]
 Progress = Callable[[int, int], None]

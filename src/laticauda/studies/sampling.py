@@ -11,15 +11,11 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import (
-    BadArgument,
-    check_finite,
-    check_instance,
-    check_not_empty,
-    optional_import,
-)
-from laticauda.quantities import check_items, option, quantity, value_class
 from laticauda.studies.regions import Block
+from laticauda.values.checks import check_finite, check_instance, check_not_empty
+from laticauda.values.errors import BadArgument
+from laticauda.values.optional import optional_import
+from laticauda.values.quantities import check_items, option, quantity, value_class
 
 Values = Float[np.ndarray, " n_values"]
 Table = Float[np.ndarray, "n_points n_names"]

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.errors import optional_import
 from laticauda.studies.sampling import Table
+from laticauda.values.optional import optional_import
 
 DIFFERENTIAL_WEIGHT = 0.6
 """F of differential evolution: factor of the difference of two points [-]."""

@@ -17,8 +17,6 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from laticauda.errors import BadArgument
-from laticauda.files import write
 from laticauda.studies.folder import as_stored, check_same, owned, readable, storage
 from laticauda.studies.point_trials import QUANTITIES, Column, attributes_of, labels_of
 from laticauda.studies.regions import Regions, block_shape
@@ -35,6 +33,8 @@ from laticauda.studies.stored_sweep import (
     regions_of_definition,
 )
 from laticauda.studies.sweep import Sweep
+from laticauda.values.errors import BadArgument
+from laticauda.values.files import write
 
 
 @dataclass(kw_only=True, eq=False)

@@ -17,11 +17,13 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from laticauda.errors import BadArgument, check_choice, check_whole_number, optional_import
-from laticauda.files import local, read_text
 from laticauda.studies.folder import readable
 from laticauda.studies.point_trials import COSTS, FIGURES, QUANTITIES
 from laticauda.studies.regions import Regions
+from laticauda.values.checks import check_choice, check_whole_number
+from laticauda.values.errors import BadArgument
+from laticauda.values.files import local, read_text
+from laticauda.values.optional import optional_import
 
 if TYPE_CHECKING:
     import xarray

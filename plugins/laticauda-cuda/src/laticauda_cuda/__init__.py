@@ -18,12 +18,20 @@ import numpy as np
 from numba import cuda
 from numba.cuda import config
 
-from laticauda import scalars
 from laticauda.compiling import Target
-from laticauda.errors import BadArgument
-from laticauda.planar import rows
-from laticauda.planar.batch import PATH_ROWS, Block, Device, Run, block_of, columns_of, kinds_of
-from laticauda.planar.model import specialize
+from laticauda.models.planar import rows
+from laticauda.models.planar.batch import (
+    PATH_ROWS,
+    Block,
+    Device,
+    Run,
+    block_of,
+    columns_of,
+    kinds_of,
+)
+from laticauda.models.planar.model import specialize
+from laticauda.values import scalars
+from laticauda.values.errors import BadArgument
 
 Result = TypeVar("Result")
 

@@ -13,9 +13,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from laticauda.errors import BadArgument
-from laticauda.operate.drivers import Bus, Clock, DeviceFailed, Frame
-from laticauda.protocol import (
+from laticauda.tank.operate.drivers import Bus, Clock, DeviceFailed, Frame
+from laticauda.tank.protocol import (
     EVERY_NODE,
     CanMessage,
     EmergencyStop,
@@ -28,7 +27,8 @@ from laticauda.protocol import (
     Sync,
     encode,
 )
-from laticauda.protocol.worker import hardware
+from laticauda.tank.protocol.worker import hardware
+from laticauda.values.errors import BadArgument
 from laticauda_dynamixel import packets
 from laticauda_dynamixel.packets import BROADCAST, Instruction, Packet, Reader, Register
 
@@ -102,7 +102,7 @@ class Dynamixel(Bus):
 
     @classmethod
     def check(cls, address: str) -> None:
-        """See `laticauda.operate.drivers.base.Driver.check`."""
+        """See `laticauda.tank.operate.drivers.base.Driver.check`."""
         super().check(address)
         if cls._parts(address)[1] <= 0:
             raise BadArgument("address", f"must be PORT or PORT:BAUD_RATE, got {address!r}")

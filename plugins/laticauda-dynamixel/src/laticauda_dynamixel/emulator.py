@@ -18,8 +18,8 @@ from dataclasses import replace
 from typing import Any
 
 import laticauda as lc
-from laticauda import lab
-from laticauda.protocol import (
+from laticauda.tank import lab
+from laticauda.tank.protocol import (
     Heartbeat,
     JointState,
     NodeCommand,
@@ -39,7 +39,7 @@ FOR_EVER = 1e6  # s; a servo goes on holding without references
 
 
 class Servos(AbstractContextManager["Servos"]):
-    """Stands for the CAN bus of a `laticauda.lab.Lab`.
+    """Stands for the CAN bus of a `laticauda.tank.lab.Lab`.
 
     Args:
         n: How many servos there are.

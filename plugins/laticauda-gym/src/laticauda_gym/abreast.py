@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.dynamics import school
-from laticauda.errors import BadArgument
-from laticauda.quantities import option, quantity, value_class
+from laticauda.models.dynamics import school
+from laticauda.models.spatial.school import School, Together
 from laticauda.scenarios import Scenario, Spatial
-from laticauda.spatial.school import School, Together
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import option, quantity, value_class
 from laticauda_gym.swimming import Numbers, Range, Sight, Step, in_body_axes, ranges, swimmer
 from laticauda_gym.tasks import BESIDE_THE_PATH, Steered, check_ends, log_square
 

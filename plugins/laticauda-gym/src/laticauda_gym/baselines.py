@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.errors import BadArgument, check_instance
+from laticauda.values.checks import check_instance
+from laticauda.values.errors import BadArgument
 from laticauda_gym.environments import SwimmingVectorEnv
 from laticauda_gym.packages import needed
 

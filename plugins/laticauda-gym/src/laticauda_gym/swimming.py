@@ -16,13 +16,13 @@ import numpy as np
 from jaxtyping import Float
 
 import laticauda as lc
-from laticauda.dynamics.school import Motion
-from laticauda.errors import check_instance, check_within
-from laticauda.fluid.flow import Flow
-from laticauda.quantities import option, quantity, value_class
+from laticauda.models.dynamics.school import Motion
+from laticauda.models.simulate.numbers import change_parameters, list_parameters, look_up
 from laticauda.robot import Current, Robot, Water
 from laticauda.scenarios import Changes, Scenario, build_scenario
-from laticauda.simulate.numbers import change_parameters, list_parameters, look_up
+from laticauda.values.checks import check_instance, check_within
+from laticauda.values.quantities import option, quantity, value_class
+from laticauda.water.fluid.flow import Flow
 
 Numbers = Float[np.ndarray, " n"]
 

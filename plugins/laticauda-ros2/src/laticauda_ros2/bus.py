@@ -14,9 +14,8 @@ from typing import Any
 
 from cyclonedds.core import DDSException
 
-from laticauda.errors import BadArgument
-from laticauda.operate.drivers import Bus, Clock, DeviceFailed, Frame
-from laticauda.protocol import (
+from laticauda.tank.operate.drivers import Bus, Clock, DeviceFailed, Frame
+from laticauda.tank.protocol import (
     EVERY_NODE,
     N_NODES,
     CanMessage,
@@ -30,6 +29,7 @@ from laticauda.protocol import (
     Sync,
     encode,
 )
+from laticauda.values.errors import BadArgument
 from laticauda_ros2 import messages
 from laticauda_ros2.node import PATIENCE, TOPIC, Node, name_and_domain, waited
 
@@ -98,7 +98,7 @@ class Ros2Control(Bus):
 
     @classmethod
     def check(cls, address: str) -> None:
-        """See `laticauda.operate.drivers.base.Driver.check`."""
+        """See `laticauda.tank.operate.drivers.base.Driver.check`."""
         space, names, _ = cls._parts(address)
         unique = all(names) and len(set(names)) == len(names) <= N_NODES
         if not unique or (space and not TOPIC.fullmatch(space)):

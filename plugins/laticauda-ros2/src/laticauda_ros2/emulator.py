@@ -16,9 +16,8 @@ from dataclasses import replace
 from typing import Any
 
 import laticauda as lc
-from laticauda import lab, protocol
-from laticauda.angles import to_quaternion
-from laticauda.protocol import (
+from laticauda.tank import lab, protocol
+from laticauda.tank.protocol import (
     JointState,
     NodeCommand,
     Order,
@@ -27,6 +26,7 @@ from laticauda.protocol import (
     encode_references,
     to_frame,
 )
+from laticauda.values.angles import to_quaternion
 from laticauda_ros2 import messages
 from laticauda_ros2.bus import GOALS, MOTORS, STATES
 from laticauda_ros2.node import Node
@@ -38,7 +38,7 @@ TOPIC = f"/{lab.BODY.replace('-', '_')}/pose"
 
 
 class Controllers(AbstractContextManager["Controllers"]):
-    """Stands for the CAN bus of a `laticauda.lab.Lab`.
+    """Stands for the CAN bus of a `laticauda.tank.lab.Lab`.
 
     Args:
         n: How many joints there are.
@@ -123,7 +123,7 @@ class Controllers(AbstractContextManager["Controllers"]):
 
 
 class Poses:
-    """Stands for the cameras' server of a `laticauda.lab.Lab`: `PoseStamped` of one body.
+    """Stands for the cameras' server of a `laticauda.tank.lab.Lab`: `PoseStamped` of one body.
 
     Args:
         domain: Of DDS.

@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.errors import BadArgument
-from laticauda.estimation import PoseSample
-from laticauda.kinematics import from_quaternion
-from laticauda.operate.drivers import Clock, DeviceFailed, MotionCapture
+from laticauda.control.estimation import PoseSample
+from laticauda.robot.kinematics import from_quaternion
+from laticauda.tank.operate.drivers import Clock, DeviceFailed, MotionCapture
+from laticauda.values.errors import BadArgument
 from laticauda_ros2.messages import PoseStamped
 from laticauda_ros2.node import PATIENCE, TOPIC, Node, name_and_domain, waited
 
@@ -80,7 +80,7 @@ class Ros2Poses(MotionCapture):
 
     @classmethod
     def check(cls, address: str) -> None:
-        """See `laticauda.operate.drivers.base.Driver.check`."""
+        """See `laticauda.tank.operate.drivers.base.Driver.check`."""
         if not TOPIC.fullmatch(name_and_domain(address)[0]):
             raise BadArgument(
                 "address", f"must be TOPIC or TOPIC:DOMAIN, such as /tail/pose:0, got {address!r}"

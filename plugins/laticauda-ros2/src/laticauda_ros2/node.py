@@ -23,8 +23,8 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from laticauda.errors import BadArgument
-from laticauda.operate.drivers import DeviceFailed
+from laticauda.tank.operate.drivers import DeviceFailed
+from laticauda.values.errors import BadArgument
 
 TOPIC = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 DOMAINS = range(233)

@@ -9,9 +9,10 @@ import tyro
 
 from laticauda.cli.command import SHARE, Command, Outcome, show_progress
 from laticauda.cli.flags import BadFlag, Folder, Inputs, Listed, Place, parse_command
-from laticauda.errors import BadArgument, LaticaudaError, check_choice, check_whole_number
-from laticauda.files import write
-from laticauda.quantities import option, quantity, value_class
+from laticauda.values.checks import check_choice, check_whole_number
+from laticauda.values.errors import BadArgument, LaticaudaError
+from laticauda.values.files import write
+from laticauda.values.quantities import option, quantity, value_class
 from laticauda_gym.packages import NotInstalled
 from laticauda_swimbench.challenges import CHALLENGES, challenge
 

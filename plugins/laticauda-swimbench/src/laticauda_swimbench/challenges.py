@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import Any, cast
 
 import laticauda as lc
-from laticauda import codec
-from laticauda.errors import check_choice
-from laticauda.files import parse_toml
 from laticauda.robot import Robot
 from laticauda.scenarios import Scenario
 from laticauda.scenarios.toml import run_from_table
+from laticauda.values import codec
+from laticauda.values.checks import check_choice
+from laticauda.values.files import parse_toml
 from laticauda_gym.environments import SwimmingEnv, SwimmingVectorEnv
 from laticauda_swimbench.task import Swim
 

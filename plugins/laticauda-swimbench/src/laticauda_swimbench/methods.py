@@ -18,8 +18,9 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.control import AveragedModel, ModelPredictive
-from laticauda.errors import BadArgument, check_choice
-from laticauda.files import read_toml
+from laticauda.values.checks import check_choice
+from laticauda.values.errors import BadArgument
+from laticauda.values.files import read_toml
 from laticauda_gym import Episodes, Pilots
 from laticauda_gym.packages import needed
 from laticauda_swimbench import networks

@@ -16,9 +16,9 @@ from typing import Any, cast
 
 import numpy as np
 
-from laticauda.errors import LaticaudaError
-from laticauda.files import read_text, read_toml, to_json
-from laticauda.packaging import __version__
+from laticauda.values.errors import LaticaudaError
+from laticauda.values.files import read_text, read_toml, to_json
+from laticauda.values.packaging import __version__
 from laticauda_gym import Episodes
 from laticauda_swimbench.challenges import CHALLENGES, Challenge, challenge
 from laticauda_swimbench.methods import Method, method

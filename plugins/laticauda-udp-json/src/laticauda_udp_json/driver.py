@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.estimation import PoseSample
-from laticauda.kinematics import from_quaternion
-from laticauda.operate.drivers import Clock, DeviceFailed, MotionCapture
-from laticauda.operate.drivers.base import host_and_port
+from laticauda.control.estimation import PoseSample
+from laticauda.robot.kinematics import from_quaternion
+from laticauda.tank.operate.drivers import Clock, DeviceFailed, MotionCapture
+from laticauda.tank.operate.drivers.base import host_and_port
 
 LONGEST = 4096  # bytes of a datagram
 LISTENS = 0.1  # until it looks whether it is to end [s]
@@ -83,7 +83,7 @@ class UdpJson(MotionCapture):
 
     @classmethod
     def check(cls, address: str) -> None:
-        """See `laticauda.operate.drivers.base.Driver.check`."""
+        """See `laticauda.tank.operate.drivers.base.Driver.check`."""
         host_and_port(address)
 
     def _find_body(self) -> None:

@@ -9,15 +9,15 @@ import socket
 import sys
 
 import laticauda as lc
-from laticauda import lab, protocol
-from laticauda.angles import to_quaternion
-from laticauda.operate.drivers.base import host_and_port
+from laticauda.tank import lab, protocol
+from laticauda.tank.operate.drivers.base import host_and_port
+from laticauda.values.angles import to_quaternion
 
 USUAL = "127.0.0.1:9870"
 
 
 class Sender:
-    """Stands for the cameras' server of a `laticauda.lab.Lab`.
+    """Stands for the cameras' server of a `laticauda.tank.lab.Lab`.
 
     Args:
         address: HOST:PORT where the driver listens.

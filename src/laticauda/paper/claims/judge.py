@@ -13,11 +13,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from laticauda.files import read_toml
 from laticauda.paper import efficiency, measured, path_following, runs, side_trials
 from laticauda.paper.claims import quantities
 from laticauda.paper.report.chapter import paper_templates
-from laticauda.reports.chapter import in_digits
+from laticauda.show.reports.chapter import in_digits
+from laticauda.values.files import read_toml
 
 Verdict = Literal["holds", "holds in part", "does not hold", "not tested here"]
 STUDIES: Mapping[str, tuple[type[runs.Study[Any]], str]] = {

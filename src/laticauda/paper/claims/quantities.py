@@ -9,14 +9,15 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from laticauda import gaits, scenarios
+from laticauda import scenarios
+from laticauda.motion import gaits
 from laticauda.paper.efficiency import Case, EfficiencyStudy, maxima
 from laticauda.paper.measured import path_following_trials, percent_change, printed_changes
 from laticauda.paper.path_following import FollowingCase, PathFollowingStudy
 from laticauda.paper.scores import FinGain, Score, fin_gains, score_study
 from laticauda.paper.side_trials import ROBOT, SHALLOW, SideTrials
 from laticauda.robot import load_robot, load_water
-from laticauda.trial import following as figures_of_path
+from laticauda.trials import following as figures_of_path
 
 PAPERS = ("analytical-set", "vortex-set")
 """Names of the paper's coefficients for its analytical model and for its Vortex model."""

@@ -7,13 +7,13 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any, cast
 
-from laticauda.files import read_toml
-from laticauda.gaits import GAIT_WORDS
+from laticauda.motion.gaits import GAIT_WORDS
 from laticauda.paper.efficiency import EfficiencyStudy
 from laticauda.paper.measured import MeasuredRow, PrintedChange
 from laticauda.paper.path_following import PathFollowingStudy
 from laticauda.paper.scores import FinGain, score_study
-from laticauda.reports.chapter import Chapter, Row, load_templates
+from laticauda.show.reports.chapter import Chapter, Row, load_templates
+from laticauda.values.files import read_toml
 
 
 @cache

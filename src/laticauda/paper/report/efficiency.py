@@ -17,7 +17,7 @@ from laticauda.paper.report.chapter import (
 )
 from laticauda.paper.scores import fin_gains, score_study
 from laticauda.paper.settings import Group, SweepSettings
-from laticauda.reports.chapter import Chapter, Row
+from laticauda.show.reports.chapter import Chapter, Row
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

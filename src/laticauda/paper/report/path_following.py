@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from laticauda.gaits import GAIT_WORDS
+from laticauda.motion.gaits import GAIT_WORDS
 from laticauda.paper.claims.quantities import band_gains
 from laticauda.paper.measured import percent_change
 from laticauda.paper.path_following import (
@@ -26,7 +26,7 @@ from laticauda.paper.scores import (
     null_predictions,
     score_simulations,
 )
-from laticauda.reports.chapter import Chapter, Row
+from laticauda.show.reports.chapter import Chapter, Row
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -168,8 +168,8 @@ def path_following_figures(study: PathFollowingStudy) -> Iterator[tuple[str, str
     Args:
         study: Result of `run_path_following`.
     """
-    from laticauda.figures import follow_sheet
     from laticauda.paper.figures import following_speeds_sheet
+    from laticauda.show.figures import follow_sheet
 
     null = _best_null(study)
     title = "Forward velocity in path following (Table 2)"

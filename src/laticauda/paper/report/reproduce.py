@@ -14,9 +14,8 @@ from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 
-from laticauda import packaging, robot, scenarios
-from laticauda.errors import check_choice, check_whole_number, defer_interrupts
-from laticauda.files import write
+from laticauda import robot, scenarios
+from laticauda.models.simulate.runner import silent
 from laticauda.paper import runs, settings, side_trials
 from laticauda.paper.claims import Claim, load_claims, misprints
 from laticauda.paper.efficiency import EfficiencyStudy, Repeat, run_efficiency
@@ -24,8 +23,11 @@ from laticauda.paper.path_following import PathFollowingStudy, run_path_followin
 from laticauda.paper.report import efficiency, path_following
 from laticauda.paper.report.chapter import build_row, paper_chapter, paper_templates
 from laticauda.paper.scores import score_study
-from laticauda.reports.chapter import Chapter, writable_folder, write_chapter
-from laticauda.simulate.runner import silent
+from laticauda.show.reports.chapter import Chapter, writable_folder, write_chapter
+from laticauda.values import packaging
+from laticauda.values.checks import check_choice, check_whole_number
+from laticauda.values.files import write
+from laticauda.values.interrupts import defer_interrupts
 
 RUNS: Mapping[str, Callable[..., Any]] = {
     "path_following": run_path_following,
@@ -192,8 +194,8 @@ def summary_chapter(results: Mapping[str, Any], judged: Sequence[Claim]) -> Chap
     predictors = {name: score_study(study) for name, study in studies.items() if study is not None}
 
     def figures() -> Iterator[tuple[str, str, Any]]:
-        from laticauda.figures import style
-        from laticauda.reports.identify_figures import parity
+        from laticauda.show.figures import style
+        from laticauda.show.reports.identify_figures import parity
 
         shown = {
             f"{name}: {one.name.split(',')[0]}": np.array([one.measured, one.speeds])

@@ -1,0 +1,40 @@
+"""Co-simulation: plants driven by other tools.
+
+A server for Octave, MATLAB and any other program with sockets and JSON, and FMUs and C libraries,
+which run without Python.
+"""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from laticauda.values.packaging import lazy_exports
+
+if TYPE_CHECKING:
+    from laticauda.connect.fmu import LinkingFailed as LinkingFailed, export_fmu as export_fmu
+    from laticauda.connect.messages import (
+        MESSAGE_BYTES as MESSAGE_BYTES,
+        PROTOCOL_VERSION as PROTOCOL_VERSION,
+    )
+    from laticauda.connect.native.tables import export_c as export_c
+    from laticauda.connect.schema import message_schema as message_schema
+    from laticauda.connect.server import Server as Server, ServerFailed as ServerFailed
+    from laticauda.connect.session import Session as Session
+
+
+def clients_folder() -> Path:
+    """Return the folder with the server's clients: `c`, `julia`, and `matlab`, which also works in GNU Octave."""
+    return Path(__file__).parent / "clients"
+
+
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda.connect.fmu": ["LinkingFailed", "export_fmu"],
+        "laticauda.connect.messages": ["MESSAGE_BYTES", "PROTOCOL_VERSION"],
+        "laticauda.connect.native.tables": ["export_c"],
+        "laticauda.connect.schema": ["message_schema"],
+        "laticauda.connect.server": ["Server", "ServerFailed"],
+        "laticauda.connect.session": ["Session"],
+    },
+    own=["clients_folder"],
+)

@@ -1,0 +1,55 @@
+"""State estimation: position and motion of the robot from joint samples and motion-capture frames."""
+
+from typing import TYPE_CHECKING
+
+from laticauda.values.packaging import lazy_exports
+
+if TYPE_CHECKING:
+    from laticauda.control.estimation.digital_twin import TwinState as TwinState
+    from laticauda.control.estimation.filter import Estimator as Estimator
+    from laticauda.control.estimation.filter_state import (
+        EstimatorState as EstimatorState,
+        FilterState as FilterState,
+        Noise as Noise,
+    )
+    from laticauda.control.estimation.kinematics import (
+        KinematicEstimator as KinematicEstimator,
+        KinematicState as KinematicState,
+    )
+    from laticauda.control.estimation.learning import (
+        Learned as Learned,
+        Learner as Learner,
+        LearnerState as LearnerState,
+        Learning as Learning,
+    )
+    from laticauda.control.estimation.motion_model import MotionModel as MotionModel
+    from laticauda.control.estimation.samples import (
+        Estimate as Estimate,
+        JointSample as JointSample,
+        Mount as Mount,
+        PoseSample as PoseSample,
+        ReferenceSample as ReferenceSample,
+        Sample as Sample,
+        StateEstimator as StateEstimator,
+    )
+
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda.control.estimation.digital_twin": ["TwinState"],
+        "laticauda.control.estimation.filter": ["Estimator"],
+        "laticauda.control.estimation.filter_state": ["EstimatorState", "FilterState", "Noise"],
+        "laticauda.control.estimation.kinematics": ["KinematicEstimator", "KinematicState"],
+        "laticauda.control.estimation.learning": ["Learned", "Learner", "LearnerState", "Learning"],
+        "laticauda.control.estimation.motion_model": ["MotionModel"],
+        "laticauda.control.estimation.samples": [
+            "Estimate",
+            "JointSample",
+            "Mount",
+            "PoseSample",
+            "ReferenceSample",
+            "Sample",
+            "StateEstimator",
+        ],
+    },
+)

@@ -1,0 +1,245 @@
+"""Inputs and outputs of state estimation: samples, the mount of the markers on the robot, and estimates.
+
+Every sample carries the time at which it was taken, on the one clock of the recording. Samples may
+arrive late and out of order.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.robot import Robot, body
+from laticauda.scenarios.interfaces import Observation
+from laticauda.values.checks import check_finite, check_instance, check_not_negative
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import option, quantity, value_class
+
+Offset: TypeAlias = tuple[float, float] | tuple[float, float, float]
+Vector: TypeAlias = Float[np.ndarray, " _"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PoseSample:
+    """Pose of the marker body from motion capture; if the body is lost, its position contains nan."""
+
+    time: float
+    """Time at which the cameras took the frame [s]."""
+    position: Float[np.ndarray, " 3"]
+    """Position of the marker body, world axes [m]."""
+    rotation: Float[np.ndarray, "3 3"] | None = None
+    """Rotation from the axes of the marker body to world axes; None if only its position is known [-]."""
+    residual: float = 0.0
+    """Residual of the fit of the markers to the body, root mean square distance [m]."""
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        _check(self, position=(3,), rotation=(3, 3))
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether the body was not seen."""
+        return not bool(np.isfinite(self.position).all())
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JointSample:
+    """Joint measurements, tail first; nan if a module did not answer."""
+
+    time: float
+    """Time at which all joints were sampled, at the Sync [s]."""
+    angle: Vector
+    """phi of every joint of the robot, or of its yaw joints only [rad]."""
+    rate: Vector | None = None
+    """phi', as reported by the modules; None if they do not report it [rad/s]."""
+    torque: Vector | None = None
+    """Torque of every drive; None if the modules do not report it [N m]."""
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        _check(self, angle=(None,))
+        _check(self, rate=self.angle.shape, torque=self.angle.shape)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ReferenceSample:
+    """Joint references from this time on."""
+
+    time: float
+    """Time at which they took effect, at the Sync [s]."""
+    angle: Vector
+    """phi_ref of every joint of the robot, and of a driven fin, or of its yaw joints only [rad]."""
+    frequency: float = 0.0
+    """Angular frequency of the gait; 0 while no gait runs [rad/s]."""
+
+    def __post_init__(self) -> None:
+        """Check every field once."""
+        _check(self, angle=(None,))
+        object.__setattr__(
+            self, "frequency", check_not_negative("frequency", self.frequency, "rad/s")
+        )
+
+
+Sample: TypeAlias = PoseSample | JointSample | ReferenceSample
+
+
+def _check(sample: Sample, **shapes: tuple[int | None, ...]) -> None:
+    """Check that the time is finite, and store read-only arrays of these shapes; None stays None."""
+    object.__setattr__(sample, "time", check_finite("time", sample.time, "s"))
+    for name, shape in shapes.items():
+        given: object = getattr(sample, name)
+        if given is None:
+            continue
+        array = np.array(given, dtype=np.float64)
+        have = array.shape
+        if len(have) != len(shape) or any(
+            size not in (None, n) for size, n in zip(shape, have, strict=True)
+        ):
+            expected = " x ".join("n" if size is None else str(size) for size in shape)
+            raise BadArgument(name, f"must hold {expected} numbers, got an array of shape {have}")
+        array.flags.writeable = False
+        object.__setattr__(sample, name, array)
+
+
+Status: TypeAlias = Literal["tracking", "bridging", "lost"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Estimate(Observation):
+    """Estimated observation of the robot with its uncertainty, as input of a controller."""
+
+    status: Status
+    """`tracking`: motion capture sees the robot; `bridging`: bridging a drop-out; `lost`: it lasts too long [-]."""
+    age: float
+    """Time since the last accepted frame [s]."""
+    center_of_mass_std: float = 0.0
+    """Standard deviation of p per axis; 0 if the estimator does not provide it [m]."""
+    heading_std: float = 0.0
+    """Standard deviation of the heading; 0 if the estimator does not provide it [rad]."""
+    current: Float[np.ndarray, " 2"] | None = None
+    """Velocity that the water moves to; None if it is not estimated [m/s]."""
+    current_std: float = 0.0
+    """Standard deviation of the current along its less certain direction [m/s]."""
+
+
+@value_class
+class Mount:
+    """Mount of the marker body on the robot.
+
+    In the paper, it is on "the last module", which also carries the caudal fin: the tail, module 0
+    here.
+    """
+
+    module: int = quantity("", "the module that carries it, 0 = tail", ge=0, default=0)
+    offset: Offset = quantity(
+        "m", "its position from that module's middle: forward, left, up", default=(0.0, 0.0)
+    )
+    angle: float = quantity(
+        "rad", "from the module's axis to the x axis of the marker body", default=0.0
+    )
+
+    def on_link(self, robot: Robot) -> tuple[int, tuple[float, float]]:
+        """Return the link of `robot.planar()` that carries the body, and its position from the link's middle [m].
+
+        Args:
+            robot: Robot that the module belongs to; its pitch joints are straight.
+
+        Raises:
+            ValueError: If the robot has no such module.
+        """
+        check_instance("robot", robot, Robot)
+        if self.module >= len(robot.modules):
+            raise BadArgument(
+                "module",
+                f"must be < {len(robot.modules)}, the number of modules, got {self.module}",
+            )
+        plane = body.reduce_to_plane(robot.modules, robot.joints)
+        along, across = self.offset[:2]
+        return plane.link[self.module], (plane.shift[self.module] + along, across)
+
+    def link_yaw(self, rotation: Float[np.ndarray, "3 3"]) -> float:
+        """Return the link angle that follows from a measured `rotation`, to within whole turns [rad].
+
+        Args:
+            rotation: Rotation from the body's axes to world axes.
+        """
+        return math.atan2(float(rotation[1, 0]), float(rotation[0, 0])) - self.angle
+
+
+@value_class
+class StateEstimator:
+    """Base class of `Estimator` and `KinematicEstimator`, which turn samples into estimates. The state is a value.
+
+    Raises:
+        ValueError: If a field is out of its range, or the robot has no module that carries the
+            markers.
+    """
+
+    robot: Robot = option("the robot; in the plane, with straight pitch joints")
+    mount: Mount = option("where the marker body sits", default_factory=Mount)
+    bridging_after: float = quantity(
+        "s", "after this long without a frame, it is `bridging`", gt=0.0, default=0.05
+    )
+    lost_after: float = quantity(
+        "s", "after this long without a frame, it is `lost`", gt=0.0, default=1.5
+    )
+
+    def __post_init__(self) -> None:
+        """Reject a mount that is not on the robot."""
+        _ = self.on_link
+
+    @cached_property
+    def on_link(self) -> tuple[int, tuple[float, float]]:
+        """See `Mount.on_link`."""
+        return self.mount.on_link(self.robot)
+
+    def init(self) -> Any:
+        """Return the state before the first sample."""
+        raise NotImplementedError
+
+    def step(self, state: Any, sample: Sample) -> Any:
+        """Return the state that follows `state` after one more `sample`.
+
+        Args:
+            state: State so far.
+            sample: Measurement and its time.
+        """
+        raise NotImplementedError
+
+    def steps(self, state: Any, samples: Sequence[Sample]) -> Any:
+        """Return the state that follows `state` after several `samples` that arrived at once, in this order.
+
+        Args:
+            state: State so far.
+            samples: Measurements in the order in which they are processed.
+        """
+        for sample in samples:
+            state = self.step(state, sample)
+        return state
+
+    def estimate(self, state: Any, time: float | None = None) -> Estimate | None:
+        """Return the estimate for `state`, at `time` [s] or at the last sample; None if it is not known yet.
+
+        Args:
+            state: State so far.
+            time: Requested time; None for that of the last sample [s].
+        """
+        raise NotImplementedError
+
+    def status_at(self, age: float) -> Status:
+        """Return the status for the time since the last accepted frame, `age` [s].
+
+        Args:
+            age: Time since the last accepted frame [s].
+        """
+        return (
+            "tracking"
+            if age <= self.bridging_after
+            else "bridging"
+            if age <= self.lost_after
+            else "lost"
+        )

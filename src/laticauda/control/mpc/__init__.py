@@ -1,0 +1,1 @@
+"""Model-predictive guidance, which plans ahead in a current; needs the extra `mpc`."""

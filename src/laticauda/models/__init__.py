@@ -1,0 +1,1 @@
+"""Models of a robot in its surroundings: a scenario goes in, a trial comes out."""

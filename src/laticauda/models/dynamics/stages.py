@@ -1,0 +1,84 @@
+"""Linearly implicit step and joint powers of both models: scalar formulas that the kernels compile.
+
+ROS2 (Verwer, Spee, Blom and Hundsdorfer, SIAM J. Sci. Comput. 20, 1999), a Rosenbrock W-method of
+order 2 with gamma = 1 - 1/sqrt(2), L-stable. Its approximate Jacobian is that of the joint law, so
+an implicit step only adds gamma h K_d + (gamma h)^2 K_p to each joint's own inertia. The second
+stage is solved for a = k2 + 2 k1, which avoids the mass matrix:
+
+    y(t + h) = y + h (3/2 k1 + 1/2 k2)
+
+With `rate` and `acceleration` of a degree of freedom, k1 is (rate + gamma h acceleration,
+acceleration).
+"""
+
+from laticauda.values.scalars import magnitude
+
+GAMMA = 1.0 - 0.5**0.5
+WEIGHTS = (1.5, 0.5)
+"""Weights of the slopes of the first and second stage."""
+FARTHEST, STRONGEST = 1e6, 1e12
+"""Bounds of positions and rates, and of torques, of a swimming robot; a run that exceeds them has diverged."""
+
+
+def implicit_inertia(slope_p: float, slope_d: float, gamma_dt: float) -> float:
+    """Return the inertia that an implicit step adds to a joint [kg m^2].
+
+    Args:
+        slope_p: Total K_p at the joint [N m/rad].
+        slope_d: Total K_d at the joint [N m s/rad].
+        gamma_dt: gamma h [s].
+    """
+    return gamma_dt * (slope_d + gamma_dt * slope_p)
+
+
+def second_torque(
+    torque: float,
+    slope_p: float,
+    inertia: float,
+    rate: float,
+    first_rate: float,
+    first: float,
+    gamma_dt: float,
+) -> float:
+    """Return the effective torque on a joint in the second stage [N m].
+
+    Args:
+        torque: Torque in the state at which the second stage is evaluated [N m].
+        slope_p: K_p in the first stage [N m/rad].
+        inertia: Value of `implicit_inertia` in the first stage [kg m^2].
+        rate: Joint rate in the state at which the second stage is evaluated [rad/s].
+        first_rate: Rate in k1 [rad/s].
+        first: Acceleration in k1 [rad/s^2].
+        gamma_dt: gamma h [s].
+    """
+    rest = rate - 2.0 * first_rate
+    return torque - gamma_dt * slope_p * rest + 2.0 * inertia * first
+
+
+def combined(
+    rate: float, acceleration: float, first_rate: float, first: float, gamma_dt: float
+) -> tuple[float, float]:
+    """Return the slopes of position and rate over the whole step, 3/2 k1 + 1/2 k2.
+
+    Args:
+        rate: Rate in the state at which the second stage is evaluated.
+        acceleration: Solution a of the second stage.
+        first_rate: Rate in k1.
+        first: Acceleration in k1.
+        gamma_dt: gamma h [s].
+    """
+    second = acceleration - 2.0 * first
+    second_rate = rate - 2.0 * first_rate + gamma_dt * second
+    one, two = WEIGHTS
+    return one * first_rate + two * second_rate, one * first + two * second
+
+
+def joint_powers(torque: float, rate: float) -> tuple[float, float, float]:
+    """Return |u phi'|, u phi' and max(u phi', 0) of one joint [W].
+
+    Args:
+        torque: u [N m].
+        rate: phi' [rad/s].
+    """
+    power = torque * rate
+    return magnitude(power), power, 0.5 * (power + magnitude(power))

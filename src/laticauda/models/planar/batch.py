@@ -1,0 +1,311 @@
+"""Many planar runs at once: eight side by side in the processor's vector registers, and blocks of eight on all cores.
+
+The kernels are those of a single run, compiled for more lanes; the results of a run do not depend
+on its neighbors, on the order, or on the number of threads.
+
+Runs may carry derivatives. Every number of a block is then complex, and its imaginary part is
+`STEP` times the derivative with respect to the run's parameter.
+"""
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import groupby, islice
+from typing import Any, TypeVar, cast
+
+import numpy as np
+from jaxtyping import Float, Inexact, Int
+
+from laticauda.compiling.formulas import digest_of
+from laticauda.compiling.lane_types import split
+from laticauda.models.dynamics.school import TOLD, usable_cores
+from laticauda.models.planar import rows
+from laticauda.models.planar.layout import Layout
+from laticauda.models.planar.model import PlanarPlant
+from laticauda.scenarios.interfaces import Command, Start
+from laticauda.values.extensions import Extensible
+
+Result = TypeVar("Result")
+
+# Fills an AVX-512 register; processors without AVX-512 use two or four registers for the same
+# numbers, and 16 lanes are no faster.
+WIDTH = 8
+# Rows of a wave's parameters (`TOLD`), and the rows of the initial state that hold the first of
+# them.
+COMMAND = slice(rows.AMPLITUDE, rows.OFFSET + 1)
+BEGUN = [rows.AMPLITUDE_NOW, rows.FREQUENCY_NOW, rows.PHASE_SHIFT_NOW]
+# Maximum number of blocks that one thread takes at a time, and of samples that are logged at a
+# time.
+_BLOCKS = 8
+_SAMPLES = 2000
+# Step of the derivatives: far below rounding, and a power of two, so that scaling by it changes no
+# digits.
+STEP = 2.0**-100
+# The log holds the header's state rows from TIME to VY: few enough to stay in the processor's
+# cache.
+_X, _VX = rows.X - rows.TIME, rows.VX - rows.TIME
+PATH_ROWS = _VX + 2
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """One run of a batch: the plant, its constant command and its start."""
+
+    plant: PlanarPlant
+    """Robot, environment and settings."""
+    command: Command
+    """Command, held throughout the run."""
+    start: Start = Start()  # noqa: RUF009 - frozen
+    """Start; by default straight and at rest."""
+    slope: Float[np.ndarray, " rows"] | None = None
+    """Derivative of the run's rows with respect to a parameter, to differentiate the results; for all runs or none."""
+
+    @property
+    def rows(self) -> Float[np.ndarray, " rows"]:
+        """Rows that are passed to the kernels."""
+        return self.plant.rows(self.plant.init(self.start, self.command), self.command)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Block:
+    """Results of a few runs of the same kind, runs along the last axis; the next block overwrites the path."""
+
+    index: Int[np.ndarray, " n_runs"]
+    """Indices of these runs in the batch."""
+    time: Float[np.ndarray, " n_samples"]
+    """Times of the samples [s]."""
+    center_of_mass: Inexact[np.ndarray, "n_samples 2 n_runs"]
+    """p [m]."""
+    center_of_mass_velocity: Inexact[np.ndarray, "n_samples 2 n_runs"]
+    """p' [m/s]."""
+    log: Inexact[np.ndarray, "n_samples n_rows n_runs"]
+    """The header's state rows from TIME to VY; complete logs also include the joints (see `rows.LOG_STATE`)."""
+    heading: Inexact[np.ndarray, " n_runs"]
+    """Heading at the end [rad]."""
+    work: Inexact[np.ndarray, "4 n_runs"]
+    """Work at the end: absolute, net and positive work of the joints, electrical work [J]."""
+    n_samples: Int[np.ndarray, " n_runs"]
+    """Number of samples before the run diverged; all samples if the run reached its end."""
+
+
+class Device(Extensible, group="devices"):
+    """Device that runs batches instead of the processor's cores; provided by installed packages."""
+
+    def march_many(self, *batch: Any, **how: Any) -> Iterator[Any]:
+        """Run a batch, with the arguments of the function `march_many`."""
+        raise NotImplementedError
+
+
+def march_many(
+    runs: Sequence[Run],
+    duration: float,
+    sample_interval: float,
+    use: Callable[[Block], Result],
+    *,
+    threads: int | None = None,
+    with_joints: bool = False,
+) -> Iterator[Result]:
+    """Simulate every run for `duration` and pass the results to `use`, block by block.
+
+    Only a few blocks are in memory at any time.
+
+    Args:
+        runs: Runs of the batch.
+        duration: Duration of every run [s].
+        sample_interval: Time between two samples [s]; adjusted so that it divides `duration`.
+        use: Function that is called once per block, in the computing threads.
+        threads: Number of threads; None: one per core that this process may use.
+        with_joints: Whether to log everything that the kernels can log, including the joints.
+
+    Yields:
+        Return values of `use`, in no particular order of runs.
+    """
+    n_intervals = max(1, round(duration / sample_interval))
+    n_threads = threads or usable_cores()
+    tasks = _tasks(runs, duration / n_intervals, n_threads)
+
+    def work(task: np.ndarray) -> list[Result]:
+        alike = [runs[int(i)] for i in task]
+        first, columns = (
+            alike[0].plant,
+            columns_of(alike),
+        )  # kernel and rows are the same for all runs of a kind
+        n_rows = rows.LOG_STATE + 4 * (first.layout.n_bodies - 1) if with_joints else PATH_ROWS
+        log = aligned(
+            (1 + min(n_intervals, _SAMPLES), n_rows, WIDTH),
+            float if runs[0].slope is None else complex,
+        )
+        blocks = [slice(i, i + WIDTH) for i in range(0, len(alike), WIDTH)]
+        states = ((task[one], _side_by_side(columns[:, one], alike[one])) for one in blocks)
+        return [use(_march(first, index, S, duration, n_intervals, log)) for index, S in states]
+
+    with ThreadPoolExecutor(n_threads) as pool:
+        waiting = deque[Future[list[Result]]](
+            pool.submit(work, task) for task in islice(tasks, 2 * n_threads)
+        )
+        try:
+            while waiting:
+                done = waiting.popleft().result()
+                waiting.extend(pool.submit(work, task) for task in islice(tasks, 1))
+                yield from done
+        finally:
+            for future in waiting:
+                future.cancel()
+
+
+def _tasks(runs: Sequence[Run], interval: float, n_threads: int) -> Iterator[np.ndarray]:
+    """Yield indices of runs that can run side by side, a few blocks of WIDTH per task."""
+    for alike in kinds_of(runs, interval):
+        size = WIDTH * min(max(len(alike) // (4 * WIDTH * n_threads), 1), _BLOCKS)
+        for i in range(0, len(alike), size):
+            yield np.array(alike[i : i + size])
+
+
+def kinds_of(runs: Sequence[Run], interval: float) -> Iterable[list[int]]:
+    """Group the indices of runs that can run side by side; `interval` is the sample interval [s]."""
+    kinds: dict[object, list[int]] = {}
+    of_plant: dict[int, object] = {}
+    of_law: dict[object, str] = {}
+    for i, run in enumerate(runs):
+        plant = run.plant
+        if id(plant) not in of_plant:
+            flow = plant.flow
+            law = (
+                type(plant.law),
+                getattr(plant.law, "function", None),
+                type(plant.joints),
+                flow.parts,
+                flow.counts,
+            )
+            if law not in of_law:
+                own = plant.joints.own
+                moving = (
+                    [digest_of(formula) for formula in flow.kinds],
+                    [part[2] for part in flow.parts],
+                )
+                of_law[law] = (
+                    f"{digest_of(plant.law.formula)} {own and digest_of(own)} {moving} {flow.counts}"
+                )
+            of_plant[id(plant)] = _kind(plant, interval, of_law[law])
+        recorded = run.command.gait.recorded  # lanes share its times, not its angles
+        kinds.setdefault((of_plant[id(plant)], recorded and recorded.time), []).append(i)
+    return kinds.values()
+
+
+def _kind(plant: PlanarPlant, interval: float, law_digest: str) -> object:
+    """Return what runs side by side must have in common: the chain's shape, the laws, the number of steps."""
+    a: Layout = plant.layout
+    shape = (
+        a.n_bodies,
+        a.first_strip.tobytes(),
+        a.first_plate.tobytes(),
+        a.law.tobytes(),
+        a.tail_link,
+        a.has_extras,
+    )
+    return shape, plant.steps_in(interval), law_digest
+
+
+def _march(
+    plant: PlanarPlant,
+    index: np.ndarray,
+    S: np.ndarray,
+    duration: float,
+    n_intervals: int,
+    log: np.ndarray,
+) -> Block:
+    """Simulate up to WIDTH runs of one kind side by side, starting from their rows."""
+    every = plant.steps_in(duration / n_intervals)
+    dt = duration / n_intervals / every
+    paths: list[np.ndarray] = []
+    well, n_samples = np.full(WIDTH, True), np.zeros(WIDTH, dtype=int)
+    for first in range(0, n_intervals, _SAMPLES):
+        count = min(_SAMPLES, n_intervals - first)
+        part = log[: count + 1]
+        plant.kernels_of(WIDTH).run(
+            S, *plant.layout.chain, plant.is_implicit, count * every, dt, every, part
+        )
+        here = np.real(_numbers(S[rows.SAMPLES])).astype(int)
+        n_samples += well * (here if first == 0 else np.maximum(here - 1, 0))
+        well &= here == count + 1
+        if n_intervals > _SAMPLES:
+            paths.append(_numbers(part[0 if first == 0 else 1 :]).copy())
+        if not well.any():
+            break
+    path = np.concatenate(paths) if paths else _numbers(log)
+    n = index.size
+    return block_of(index, path[..., :n], _numbers(S)[:, :n], n_samples[:n])
+
+
+def block_of(index: np.ndarray, path: np.ndarray, end: np.ndarray, n_samples: np.ndarray) -> Block:
+    """Return the results of runs, from their logs and their rows at the end."""
+    return Block(
+        index=index,
+        time=np.real(path[:, 0, 0]),
+        center_of_mass=path[:, _X : _X + 2],
+        center_of_mass_velocity=path[:, _VX : _VX + 2],
+        log=path,
+        heading=end[rows.HEADING].copy(),
+        work=end[rows.WORK_ABSOLUTE : rows.WORK_ELECTRICAL + 1].copy(),
+        n_samples=n_samples,
+    )
+
+
+def _side_by_side(columns: np.ndarray, runs: Sequence[Run]) -> np.ndarray:
+    """Return the rows of up to WIDTH runs as lanes, complex if they have slopes; unused lanes repeat the last run."""
+    S = aligned((columns.shape[0], WIDTH), float if runs[0].slope is None else complex)
+    real, n = S, len(runs)
+    if runs[0].slope is not None:
+        real, slopes = split(S)
+        slopes[:, :n] = STEP * np.stack([cast(np.ndarray, run.slope) for run in runs], axis=1)
+        slopes[:, n:] = slopes[:, n - 1 : n]
+    real[:, :n] = columns
+    real[:, n:] = columns[:, -1:]
+    return S
+
+
+def columns_of(runs: Sequence[Run]) -> np.ndarray:
+    """Return the rows of several runs, one column per run."""
+    return np.concatenate(
+        [_columns(list(of_one)) for _, of_one in groupby(runs, lambda run: id(run.plant))], axis=1
+    )
+
+
+def _columns(runs: Sequence[Run]) -> np.ndarray:
+    """Return the columns of one plant's runs; if only their waves differ, most rows are computed once."""
+    first = runs[0]
+    if len(runs) == 1 or not all(_differ_in_waves(first, run) for run in runs[1:]):
+        return np.stack([run.rows for run in runs], axis=1)
+    S = np.repeat(first.rows[:, np.newaxis], len(runs), axis=1)
+    waves = np.array([[getattr(run.command.gait, name) for name in TOLD] for run in runs]).T
+    S[COMMAND], S[BEGUN] = waves, waves[: len(BEGUN)]
+    S[rows.OFFSET] += first.command.offset
+    return S
+
+
+def _differ_in_waves(one: Run, other: Run) -> bool:
+    """Return whether two runs of a plant differ only in `TOLD`."""
+    a, b = one.command, other.command
+    return one.start == other.start and _same(a, b, ("gait",)) and _same(a.gait, b.gait, TOLD)
+
+
+def _same(one: object, other: object, but: Sequence[str]) -> bool:
+    """Return whether two objects of a class are equal in all fields except those in `but`."""
+    return all(vars(other)[name] == value for name, value in vars(one).items() if name not in but)
+
+
+def _numbers(lanes: np.ndarray) -> np.ndarray:
+    """Return the kernels' output as plain numbers, complex if the runs had slopes."""
+    if lanes.dtype == float:
+        return lanes
+    real, imaginary = split(lanes)
+    return real + 1j * imaginary
+
+
+def aligned(shape: tuple[int, ...], kind: type) -> np.ndarray:
+    """Return an array of zeros that is aligned to the size of a vector register."""
+    size = int(np.prod(shape)) * np.dtype(kind).itemsize // 8
+    raw: np.ndarray = np.zeros(size + 8)
+    first = -raw.__array_interface__["data"][0] % 64 // 8
+    return cast(np.ndarray, raw[first : first + size].view(kind)).reshape(shape)

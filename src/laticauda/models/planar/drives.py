@@ -1,0 +1,215 @@
+"""Drives of the joints: the reference generator, the joint laws, and the work of the joints.
+
+A template (see `templates`): `S` is the flat array of `rows`; the scalar laws come from
+`gaits.reference` and `joints.laws`. The joint law is identified by `law`, one number per joint
+(LOCKED ... OWN_DRIVEN).
+"""
+
+# pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
+# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
+
+from laticauda.compiling import compile_scalar, kernel
+from laticauda.compiling.formulas import rows_from
+from laticauda.compiling.functions import expm1, sincos
+from laticauda.compiling.lanes import any_lane, first_lane
+from laticauda.compiling.templates import bindings
+from laticauda.models.dynamics import stages
+from laticauda.models.planar.rows import *
+from laticauda.motion.gaits import reference
+from laticauda.motion.joints import laws
+from laticauda.motion.joints.kernels import actuator_of
+
+advance_wave = compile_scalar(reference.advance_wave)
+advance_time = compile_scalar(reference.advance_time)
+smooth_start = compile_scalar(reference.smooth_start)
+wave_motion = compile_scalar(reference.wave_motion)
+wave_reference = compile_scalar(reference.wave_reference)
+between_knots = compile_scalar(reference.between_knots)
+body_wave = rows_from(PHASE, len(reference.WaveState._fields))
+body_target = rows_from(AMPLITUDE, 4)
+fin_values = rows_from(FIN_PHASE, 5)
+motor_power = compile_scalar(laws.motor_power)
+implicit_inertia = compile_scalar(stages.implicit_inertia)
+second_torque = compile_scalar(stages.second_torque)
+joint_powers = compile_scalar(stages.joint_powers)
+_own = bindings(__name__)["joint_law"]
+by_law = actuator_of(_own)
+drive_of = rows_from(DRIVE, len(laws.Drive._fields))
+motor_of = rows_from(MOTOR, 5)
+law_numbers = rows_from(JOINT_LAW, 0 if _own is None else len(_own.fields))
+
+
+@kernel
+def set_decay(S, dt):
+    """Set the decay of the filters over one step `dt`, which `advance_reference` needs."""
+    S[DECAY] = 1.0 + expm1(-S[BANDWIDTH] * dt)
+
+
+@kernel
+def advance_reference(S, n, law, tail_link, dt):
+    """Advance the generator by dt, which must be the step given to `set_decay`, and set the reference."""
+    w, decay = S[BANDWIDTH], S[DECAY]
+    if has_driven_fin(law, tail_link):
+        phase, a, a_1, f, f_1, _, _, o, o_1 = advance_wave(fin_wave(S), fin_target(S), w, decay, dt)
+        for row, value in enumerate((phase, a, a_1, f, f_1, o, o_1)):
+            S[FIN_PHASE + row] = value
+    for row, value in enumerate(advance_wave(body_wave(S), body_target(S), w, decay, dt)):
+        S[PHASE + row] = value
+    S[TIME], S[TIME_REST] = advance_time(S[TIME], S[TIME_REST], dt)
+    set_reference(S, n, law, tail_link)
+
+
+@kernel
+def has_driven_fin(law, tail_link):
+    """Return whether the joint between fin and tail link has an actuator."""
+    return tail_link > 0 and law[tail_link] != LOCKED and law[tail_link] != PASSIVE
+
+
+@kernel
+def fin_wave(S):
+    """Return the state of a driven fin's wave, which has one joint and no phase shift."""
+    none = 0.0 * S[FIN_PHASE]
+    return (*fin_values(S), none, none, S[FIN_OFFSET_NOW], S[FIN_OFFSET_RATE])
+
+
+@kernel
+def fin_target(S):
+    """Return the target of a driven fin's wave."""
+    return S[FIN_AMPLITUDE], S[FIN_FREQUENCY], 0.0 * S[FIN_FREQUENCY], S[FIN_OFFSET]
+
+
+@kernel
+def set_reference(S, n, law, tail_link):
+    """Set phi_ref and its derivatives for every driven joint from the generator's state."""
+    ramp = smooth_start(S[TIME], S[RAMP])
+    if has_driven_fin(law, tail_link):
+        b = HEADER_ROWS + tail_link * BODY_ROWS
+        motion = wave_motion(fin_wave(S), fin_target(S), S[BANDWIDTH], ramp)
+        s, c = sincos(S[FIN_PHASE] + S[FIN_LEAD])
+        take_reference(S, b, law[tail_link], wave_reference(s, c, S[b + ENVELOPE], 0.0, motion))
+    motion = wave_motion(body_wave(S), body_target(S), S[BANDWIDTH], ramp)
+    S[SIN_PHASE], S[COS_PHASE] = sincos(S[PHASE])
+    S[SIN_SHIFT], S[COS_SHIFT] = sincos(S[PHASE_SHIFT_NOW])
+    k = 0.0
+    for i in range(tail_link + 1, n):
+        if law[i] != LOCKED and law[i] != PASSIVE:
+            b = HEADER_ROWS + i * BODY_ROWS
+            s, c = S[SIN_PHASE], S[COS_PHASE]
+            take_reference(S, b, law[i], wave_reference(s, c, S[b + ENVELOPE], k, motion))
+            # Rotate to the next joint; stored in rows, so that the compiler rounds the products one
+            # at a time.
+            S[SIN_PHASE] = s * S[COS_SHIFT] + c * S[SIN_SHIFT]
+            S[COS_PHASE] = c * S[COS_SHIFT] - s * S[SIN_SHIFT]
+            k += 1.0
+    if first_lane(S[KNOTS].real) > 0.0:
+        add_recorded(S, n, law, tail_link)
+
+
+@kernel
+def add_recorded(S, n, law, tail_link):
+    """Add the angles of a recording to the references of the body's joints."""
+    width = 1 + 2 * (n - 1 - tail_link)
+    a = recorded_knot(S, width)
+    b = a + width
+    for i in range(tail_link + 1, n):
+        j, r = 2 * (i - tail_link) - 1, HEADER_ROWS + i * BODY_ROWS
+        knots = S[a], S[b], S[a + j], S[a + j + 1], S[b + j], S[b + j + 1]
+        angle, rate, acceleration = between_knots(S[TIME], *knots)
+        reference = (
+            S[r + REFERENCE] + angle,
+            S[r + REFERENCE_1] + rate,
+            S[r + REFERENCE_2] + acceleration,
+        )
+        take_reference(S, r, law[i], reference)
+
+
+@kernel
+def recorded_knot(S, width):
+    """Return the first row of the last knot before the current time, the same in all lanes."""
+    first, last = int(first_lane(S[KNOTS].real)), int(first_lane(S[N_KNOTS].real)) - 2
+    k, time = int(first_lane(S[KNOT].real)), first_lane(S[TIME].real)
+    while k < last and time >= first_lane(S[first + (k + 1) * width].real):
+        k += 1
+    while k > 0 and time < first_lane(S[first + k * width].real):
+        k -= 1
+    S[KNOT] = float(k)
+    return first + k * width
+
+
+@kernel
+def take_reference(S, b, law, reference):
+    """Store a joint's reference, which a prescribed joint follows immediately."""
+    angle, rate, acceleration = reference
+    S[b + REFERENCE] = angle
+    S[b + REFERENCE_1] = rate
+    S[b + REFERENCE_2] = acceleration
+    if law == PRESCRIBED:
+        S[b + ANGLE] = angle
+        S[b + RATE] = rate
+
+
+@kernel
+def joint_torques(S, n, law, gamma_dt):
+    """Set the torque of every free joint for the first stage of an implicit step, and the inertia the step adds."""
+    for i in range(1, n):
+        b = HEADER_ROWS + i * BODY_ROWS
+        if law[i] >= FIRST_FREE:
+            torque, slope_p, slope_d = actuator(S, b, law[i])
+            slope_p += S[b + STIFFNESS]
+            slope_d += S[b + DAMPING]
+            S[b + TORQUE] = torque
+            S[b + SLOPE_P] = slope_p
+            S[b + SLOPE_D] = slope_d
+            S[b + IMPLICIT] = implicit_inertia(slope_p, slope_d, gamma_dt)
+            total = torque - skin(S, b) - gamma_dt * slope_p * S[b + RATE]
+            S[b + TOTAL_TORQUE] = total
+
+
+@kernel
+def second_torques(S, n, law, gamma_dt):
+    """Set the right-hand side of the second stage for a = k2 + 2 k1, which avoids the mass matrix."""
+    for i in range(1, n):
+        b = HEADER_ROWS + i * BODY_ROWS
+        if law[i] >= FIRST_FREE:
+            torque, _, _ = actuator(S, b, law[i])
+            torque -= skin(S, b)
+            inertia, first_rate, first = S[b + IMPLICIT], S[b + SLOPE_ANGLE], S[b + SLOPE_RATE]
+            S[b + TOTAL_TORQUE] = second_torque(
+                torque, S[b + SLOPE_P], inertia, S[b + RATE], first_rate, first, gamma_dt
+            )
+
+
+@kernel
+def skin(S, b):
+    """Return the torque of the skin (or a hinge) against the joint's angle and rate."""
+    return S[b + STIFFNESS] * S[b + ANGLE] + S[b + DAMPING] * S[b + RATE]
+
+
+@kernel
+def actuator(S, b, law):
+    """Return the torque of the joint's actuator and its slopes."""
+    motion = S[b + ANGLE], S[b + RATE], S[b + REFERENCE], S[b + REFERENCE_1], S[b + REFERENCE_2]
+    return by_law(law, motion, drive_of(S, b), law_numbers(S))
+
+
+@kernel
+def count_work(S, n, law, dt):
+    """Set the torques that the actuators deliver, and add the work since the last step by the trapezoidal rule."""
+    absolute = 0.0 * S[TIME]
+    net, positive = absolute, absolute
+    electrical = absolute + S[ACTIVE_POWER]
+    for i in range(1, n):
+        b = HEADER_ROWS + i * BODY_ROWS
+        if law[i] < FIRST_FREE:
+            S[b + TORQUE] = S[b + TOTAL_TORQUE] + skin(S, b)
+        size, signed, given = joint_powers(S[b + TORQUE], S[b + RATE])
+        if any_lane(S[b + STALL_POWER].real > 0.0):
+            electrical += motor_power(S[b + TORQUE], S[b + RATE], *motor_of(S, b))
+        absolute += size
+        net += signed
+        positive += given
+    half = 0.5 * dt
+    for k, power in enumerate((absolute, net, positive, electrical)):
+        S[WORK_ABSOLUTE + k] += half * (S[POWER_ABSOLUTE + k] + power)
+        S[POWER_ABSOLUTE + k] = power

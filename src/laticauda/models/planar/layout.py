@@ -1,0 +1,360 @@
+"""Convert a robot and its environment to the flat array of `rows` that the kernels work on."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from itertools import accumulate
+from typing import NamedTuple, cast
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from laticauda import robot as robots
+from laticauda.models.dynamics.plant import joint_table
+from laticauda.models.planar import rows
+from laticauda.motion.joints.laws import JointLaw, Prescribed
+from laticauda.robot.hydrodynamics import Coefficients, link_coefficients, wake_mass
+from laticauda.values.errors import BadArgument
+from laticauda.water.fluid.flow import Rows, rows_of
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Layout:
+    """One trial's parameters as rows, and the shape of its chain: the arguments of the kernels."""
+
+    template: Float[np.ndarray, " rows"]
+    """All rows of one lane, with the robot straight and at rest."""
+    n_bodies: int
+    """Number of links, plus the fin bodies if the fin is not folded into the tail link."""
+    first_strip: Int[np.ndarray, " n_bodies_plus_1"]
+    """Strips first_strip[i] to first_strip[i + 1] are rigidly attached to body i."""
+    first_plate: Int[np.ndarray, " n_bodies_plus_1"]
+    """The same for pectoral fins."""
+    law: Int[np.ndarray, " n_bodies"]
+    """Joint law at the tail end of each body (`rows.LOCKED` ... `rows.OWN_DRIVEN`); unused for body 0."""
+    tail_link: int
+    """Index of the body that is the robot's tail link; fin bodies come before it."""
+    has_extras: bool
+    """Whether any body has loads in addition to its own drag."""
+
+    @cached_property
+    def chain(self) -> tuple[object, ...]:
+        """Shape of the chain, as the kernels take it."""
+        return (
+            self.n_bodies,
+            self.first_strip,
+            self.first_plate,
+            self.law,
+            self.tail_link,
+            self.has_extras,
+        )
+
+
+class _Part(NamedTuple):
+    """Mass without water: m [kg], center x from the body's tail end [m], inertia about it [kg m^2]."""
+
+    mass: float
+    position: float
+    inertia: float
+
+
+class _Body(NamedTuple):
+    """One rigid body of the chain while the array is assembled."""
+
+    length: float
+    parts: tuple[_Part, ...]
+    strips: Coefficients | None = None
+    """Coefficients of its strips, positions from the body's tail end."""
+    law: int = rows.LOCKED
+    """Joint law of the hinge at the head end of a piece of the fin."""
+    is_hinged: bool = False
+    """Whether there is such a hinge."""
+
+
+def build_layout(
+    robot: robots.Robot,
+    environment: robots.Environment,
+    *,
+    joints: JointLaw | None = None,
+    coefficients: Coefficients | None = None,
+) -> Layout:
+    """Lay out a planar robot for the kernels.
+
+    Args:
+        robot: Robot whose joints all turn about the vertical axis (see `Robot.planar`).
+        environment: Water or ground that the robot moves in or on.
+        joints: Law by which the driven joints follow the gait; None: they are prescribed.
+        coefficients: `link_coefficients` of robot and environment, if already known.
+
+    Returns:
+        The layout, straight and at rest at the origin.
+    """
+    joints = joints or Prescribed()
+    coefficients = coefficients or link_coefficients(robot, environment)
+    links, fin = _links_and_fin(robot, coefficients, joints)
+    bodies = [*reversed(fin), *links]
+    n = len(bodies)
+    first_strip = [0, *accumulate(body.strips.mass.size if body.strips else 0 for body in bodies)]
+    on_links = [plate.link + len(fin) for plate in robot.pectoral_fins]
+    first_plate = [sum(body < i for body in on_links) for i in range(n + 1)]
+    size = rows.HEADER_ROWS + n * rows.BODY_ROWS + first_strip[-1] * rows.STRIP_ROWS
+    S = np.zeros(size + first_plate[-1] * rows.PLATE_ROWS)
+    _write_environment(S, environment, robot, joints, folded=not fin)
+    records = S[rows.HEADER_ROWS : rows.HEADER_ROWS + n * rows.BODY_ROWS].reshape(n, rows.BODY_ROWS)
+    strips = S[rows.HEADER_ROWS + records.size : size].reshape(-1, rows.STRIP_ROWS)
+    _write_bodies(records, bodies, coefficients, environment)
+    records[:, rows.HEADING_SHARE] = [
+        (len(links) - max(i - len(fin), 0)) / len(links) for i in range(n)
+    ]
+    for i, body in enumerate(bodies):
+        if body.strips is not None:
+            own = strips[first_strip[i] : first_strip[i + 1]]
+            own[:, 0], own[:, 1 : rows.STRIP_DISPLACED + 1] = (
+                body.strips.position,
+                _loads(body.strips).T,
+            )
+    law = _write_joints(records, robot, fin, joints)
+    write_effectors(S, robot, environment, first_link=len(fin))
+    flow = flow_rows(environment).numbers
+    S[rows.FLOW] = S.size
+    tether = robot.tether
+    pulled = isinstance(environment, robots.Water) and (
+        environment.trailing_edge != "none" or tether.drag > 0.0 or any(tether.force)
+    )
+    return Layout(
+        template=np.concatenate((S, flow)),
+        n_bodies=n,
+        first_strip=np.array(first_strip),
+        first_plate=np.array(first_plate),
+        law=law,
+        tail_link=len(fin),
+        has_extras=bool(robot.thrusters or first_strip[-1] or first_plate[-1] or pulled),
+    )
+
+
+def _links_and_fin(
+    robot: robots.Robot, coefficients: Coefficients, joints: JointLaw
+) -> tuple[list[_Body], list[_Body]]:
+    """Return the bodies of the links and of a movable fin, root first; a rigid fin is part of the tail link."""
+    # A batch of an identification lays out one robot per run: what modules or joints share is
+    # computed only once.
+    modules = {id(m): m for m in robot.modules}
+    part = {
+        key: _Part(m.mass, m.length / 2.0 + m.center, m.moment_of_inertia)
+        for key, m in modules.items()
+    }
+    known = {key: _Body(m.length, (part[key],)) for key, m in modules.items()}
+    links = [known[id(m)] for m in robot.modules]
+    if robot.caudal_fin is None or coefficients.fin is None:
+        return links, []
+    fin = _fin_bodies(robot.caudal_fin, coefficients.fin, joints.code)
+    if len(fin) == 1 and fin[0].law == rows.LOCKED:
+        links[0] = _fold(links[0], fin.pop())
+    return links, fin
+
+
+def _fin_bodies(fin: robots.CaudalFin, strips: Coefficients, joints: int) -> list[_Body]:
+    """Cut the fin at its hinges, which never cut through a strip; `joints` is the law of a driven root."""
+    middle = -strips.position
+    bodies: list[_Body] = []
+    for piece in fin.pieces:
+        joint = fin.joint if piece.begin == 0.0 else None
+        passive = rows.LOCKED if piece.hinge is None else rows.PASSIVE
+        bodies.append(
+            _Body(
+                length=piece.length,
+                parts=(_Part(piece.mass, piece.length / 2.0, piece.mass * piece.length**2 / 12.0),),
+                strips=_moved(strips, (middle > piece.begin) & (middle < piece.end), piece.end),
+                law=passive if joint is None else joints,
+                is_hinged=joint is not None or piece.hinge is not None,
+            )
+        )
+    return bodies
+
+
+def _moved(strips: Coefficients, own: np.ndarray, end: float) -> Coefficients:
+    """Return the strips selected by `own`, with positions measured from `end` behind the root."""
+    taken = {
+        field.name: getattr(strips, field.name)[own]
+        for field in fields(strips)
+        if field.name != "fin"
+    }
+    return Coefficients(**{**taken, "position": taken["position"] + end})
+
+
+def _fold(tail: _Body, piece: _Body) -> _Body:
+    """Return the tail link with a fin of one rigid piece as part of it."""
+    part, strips = piece.parts[0], cast(Coefficients, piece.strips)
+    parts = *tail.parts, part._replace(position=-part.position)
+    return tail._replace(
+        parts=parts, strips=replace(strips, position=strips.position - piece.length)
+    )
+
+
+def _write_environment(
+    S: np.ndarray,
+    environment: robots.Environment,
+    robot: robots.Robot,
+    joints: JointLaw,
+    *,
+    folded: bool,
+) -> None:
+    S[rows.OWN_VELOCITY] = 1.0
+    S[rows.BANDWIDTH] = 1.0
+    S[rows.ACTIVE_POWER] = robot.active_power or 0.0
+    for first, numbers in (
+        (rows.LAW, robots.law_of(environment).numbers),
+        (rows.JOINT_LAW, joints.numbers),
+    ):
+        S[first : first + len(numbers)] = numbers
+    if isinstance(environment, robots.Ground):
+        return
+    S[rows.TETHER_DRAG] = robot.tether.drag
+    S[rows.TETHER_FORCE_X], S[rows.TETHER_FORCE_Y] = robot.tether.force
+    S[rows.CURRENT_X], S[rows.CURRENT_Y], upward = environment.uniform
+    if upward:
+        rule = "must be horizontal unless `model` is `spatial`, got"
+        raise BadArgument("current", f"{rule} {upward:g} m/s upward")
+    S[rows.HEIGHT] = -(environment.depth or 0.0)
+    S[rows.OWN_VELOCITY] = environment.added_mass_form != "classic"
+    S[rows.KIRCHHOFF] = environment.added_mass_form == "kirchhoff"
+    if environment.trailing_edge == "elongated":
+        S[rows.WAKE_MASS] = wake_mass(robot, environment)
+        S[rows.WAKE_POSITION] = -robot.caudal_fin.length if robot.caudal_fin and folded else 0.0
+
+
+def _write_bodies(
+    records: np.ndarray, bodies: Sequence[_Body], w: Coefficients, environment: robots.Environment
+) -> None:
+    """Write masses and added masses of the bodies about their tail ends, and their own drag at their centers."""
+    known = {id(body): _solid(body) for body in {id(body): body for body in bodies}.values()}
+    length, mass, moment, rigid = np.array([known[id(body)] for body in bodies]).T
+    mu_t, mu_n, moment_t, moment_n, added = _added_mass(bodies, w, length[-w.mass.size :] / 2.0)
+    classic = isinstance(environment, robots.Water) and environment.added_mass_form == "classic"
+    total = sum(part.mass for body in bodies for part in body.parts)
+    # In the other forms the centripetal term of mu_t cancels its velocity term.
+    centripetal = moment + moment_t if classic else moment
+    inertia = rigid + added, moment + moment_n, centripetal
+    masses = mass + mu_t, mass + mu_n, mu_t, mu_n, moment_t, moment_n, mass / total, moment / total
+    records[:, rows.LENGTH : rows.CENTER + 1] = np.array(
+        (length, *inertia, *masses, length / 2.0)
+    ).T
+    records[-w.mass.size :, rows.C_T : rows.DISPLACED + 1] = _loads(w).T
+
+
+def _loads(w: Coefficients) -> np.ndarray:
+    """Return the load coefficients of elements: the rows of an element from C_T on."""
+    return np.array((w.c_t, w.c_n, w.lambda_2, w.lambda_3, w.mu_t, w.mu_n, w.displaced))
+
+
+def _solid(body: _Body) -> tuple[float, float, float, float]:
+    """Return the length and, without water, m, m x and the moment of inertia about the tail end."""
+    mass = moment = inertia = 0.0
+    for part in body.parts:
+        mass += part.mass
+        moment += part.mass * part.position
+        inertia += part.inertia + part.mass * part.position**2
+    return body.length, mass, moment, inertia
+
+
+def flow_rows(environment: robots.Environment) -> Rows:
+    """Return the flow of the water in the kernels' form; empty for the ground or a constant uniform current.
+
+    Args:
+        environment: Water or ground.
+    """
+    if not isinstance(environment, robots.Water) or environment.flow is None:
+        return Rows()
+    return rows_of(environment.flow, -(environment.depth or 0.0))
+
+
+def _added_mass(bodies: Sequence[_Body], w: Coefficients, x: np.ndarray) -> np.ndarray:
+    """Sum mu_t, mu_n, mu_t x, mu_n x and lambda_1 + mu_n x^2 over each body and its strips, x from its tail end.
+
+    The last bodies are the links, whose own coefficients `w` apply at `x`.
+    """
+    found = np.zeros((5, len(bodies)))
+    found[:, -x.size :] = w.mu_t, w.mu_n, w.mu_t * x, w.mu_n * x, w.lambda_1 + w.mu_n * (x * x)
+    for i, body in enumerate(bodies):
+        if (strips := body.strips) is not None:
+            at, (mu_t, mu_n) = strips.position, (strips.mu_t, strips.mu_n)
+            found[:, i] += (
+                mu_t.sum(),
+                mu_n.sum(),
+                mu_t @ at,
+                mu_n @ at,
+                strips.lambda_1.sum() + mu_n @ (at * at),
+            )
+    return found
+
+
+def write_effectors(
+    S: np.ndarray, robot: robots.Robot, environment: robots.Environment, *, first_link: int
+) -> None:
+    """Write the rows of thrusters and pectoral fins.
+
+    Args:
+        S: All rows of a lane, with those of the fins at the end.
+        robot: Robot that has the thrusters and fins.
+        environment: Water or ground that the robot moves in or on.
+        first_link: Index of the body that is the robot's tail link.
+
+    Raises:
+        ValueError: If a thruster or fin acts out of the plane.
+    """
+    for group in ("thrusters", "pectoral_fins"):
+        for i, one in enumerate(getattr(robot, group)):
+            for name in ("elevation", "roll"):
+                if getattr(one, name) != 0.0:
+                    rule = (
+                        "must be 0 unless `model` is `spatial`, since it acts out of the plane, got"
+                    )
+                    raise BadArgument(f"{group}[{i}].{name}", f"{rule} {getattr(one, name)}")
+    records = S[rows.HEADER_ROWS :][first_link * rows.BODY_ROWS :][: robot.n_links * rows.BODY_ROWS]
+    records = records.reshape(-1, rows.BODY_ROWS)
+    records[:, rows.THRUST_T : rows.THRUST_MOMENT + 1] = 0.0
+    for thruster in robot.thrusters:
+        _add_thruster(records[thruster.link], robot, thruster.link, thruster)
+    half_density = 0.5 * environment.density if isinstance(environment, robots.Water) else 0.0
+    plates = sorted(robot.pectoral_fins, key=lambda plate: plate.link)
+    of_plates = S[S.size - len(plates) * rows.PLATE_ROWS :].reshape(-1, rows.PLATE_ROWS)
+    for record, plate in zip(of_plates, plates, strict=True):
+        record[: rows.PLATE_WATER] = _plate_numbers(plate, robot.modules[plate.link], half_density)
+
+
+def _add_thruster(
+    record: np.ndarray, robot: robots.Robot, link: int, thruster: robots.Thruster
+) -> None:
+    along, across = (
+        thruster.thrust * np.cos(thruster.angle),
+        thruster.thrust * np.sin(thruster.angle),
+    )
+    x = robot.modules[link].length / 2.0 + thruster.x
+    record[[rows.THRUST_T, rows.THRUST_N]] += along, across
+    record[rows.THRUST_MOMENT] += x * across - thruster.y * along
+
+
+def _write_joints(
+    records: np.ndarray, robot: robots.Robot, fin: Sequence[_Body], joints: JointLaw
+) -> Int[np.ndarray, " n_bodies"]:
+    """Write the parameters of the joint at the tail end of every body; return the joint laws."""
+    table = joint_table(robot, joints)
+    records[len(fin) + 1 :, : rows.JOINT_ROWS] = table[: robot.n_joints]
+    law, of_fin = np.full(len(records), joints.code), iter(table[robot.n_joints :])
+    law[0] = rows.LOCKED
+    for i, piece in zip(
+        range(len(fin), 0, -1), fin, strict=True
+    ):  # its hinge is at the tail end of the body ahead
+        law[i] = piece.law
+        if piece.is_hinged:
+            records[i, : rows.JOINT_ROWS] = next(of_fin)
+    return law
+
+
+def _plate_numbers(
+    plate: robots.PectoralFin, module: robots.Module, half_density: float
+) -> tuple[float, ...]:
+    """Return the rows of a pectoral fin."""
+    place = plate.x + module.length / 2.0, plate.y, plate.angle + plate.deflection
+    shape = plate.lift_slope, plate.stall_angle, plate.stall_sharpness, plate.parasitic_drag
+    return *place, half_density * plate.area, *shape

@@ -1,0 +1,292 @@
+"""Loads of the water (or the ground) and the effectors on the bodies of the chain.
+
+Forces are in link axes, moments about the link's tail end. A template (see `templates`): `S` is the
+flat array of `rows`, `b` the first row of a body's record.
+"""
+
+# pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
+# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
+
+from laticauda.compiling import compile_scalar, kernel
+from laticauda.compiling.formulas import in_rows, rows_from, summed
+from laticauda.compiling.functions import sincos
+from laticauda.compiling.lanes import first_lane, magnitude, where
+from laticauda.compiling.templates import bindings
+from laticauda.models.planar.rows import *
+from laticauda.water.fluid import flow, inertia
+from laticauda.water.fluid.laws import MOTION, Element, plate
+
+_names = bindings(__name__)
+law = in_rows(_names["law"], Element, MOTION)
+law_numbers = rows_from(LAW, len(_names["law"].fields))
+plate_law = compile_scalar(plate)
+plate_numbers = rows_from(PLATE_LAW, PLATE_WATER - PLATE_LAW)
+water_numbers = rows_from(0, 5)
+HAS_FLOW = bool(_names["flow"])
+motion = summed(_names["flow"], len(flow.Motion._fields))
+felt = compile_scalar(flow.local_flow)
+carried, load = compile_scalar(inertia.carried), compile_scalar(inertia.load)
+
+
+@kernel
+def water_around(S, n, first_strip, first_plate, tail_link, has_extras):
+    """Set the water's motion at every element if the water has a flow; otherwise the velocities already include it."""
+    if HAS_FLOW:
+        places(S, n)
+        for i in range(n):
+            b = HEADER_ROWS + i * BODY_ROWS
+            strips, plates = (
+                first_strip[i + 1] - first_strip[i],
+                first_plate[i + 1] - first_plate[i],
+            )
+            for k in range(
+                3 + strips + plates
+                if has_extras and (i == 0 or i == tail_link)
+                else 1 + strips + plates
+            ):
+                x, y, found = S[b + CENTER], 0.0 * S[b + CENTER], b + WATER_T
+                if 0 < k <= strips:
+                    e = HEADER_ROWS + n * BODY_ROWS + (first_strip[i] + k - 1) * STRIP_ROWS
+                    x, found = S[e + STRIP_POSITION], e + WATER_OF
+                elif strips < k <= strips + plates:
+                    e = HEADER_ROWS + n * BODY_ROWS + first_strip[n] * STRIP_ROWS
+                    e += (first_plate[i] + k - 1 - strips) * PLATE_ROWS
+                    x, y, found = S[e + PLATE_X], S[e + PLATE_Y], e + PLATE_WATER
+                elif k == strips + plates + 1 and i == tail_link:
+                    x, found = y, TETHER_WATER
+                elif k > strips + plates and i == 0:
+                    x, found = S[WAKE_POSITION] + y, WAKE_WATER
+                put_water(S, b, x, y, found)
+
+
+@kernel
+def places(S, n):
+    """Set the world position of every body's tail end from that of the center of mass."""
+    px, py, mean_x, mean_y = 0.0, 0.0, 0.0, 0.0
+    for i in range(n):
+        b = HEADER_ROWS + i * BODY_ROWS
+        S[b + PX] = px
+        S[b + PY] = py
+        c, s = S[b + COS], S[b + SIN]
+        mean_x += S[b + MASS_SHARE] * px + S[b + FIRST_MOMENT_SHARE] * c
+        mean_y += S[b + MASS_SHARE] * py + S[b + FIRST_MOMENT_SHARE] * s
+        px += S[b + LENGTH] * c
+        py += S[b + LENGTH] * s
+    for i in range(n):
+        b = HEADER_ROWS + i * BODY_ROWS
+        S[b + PX] += S[X] - mean_x
+        S[b + PY] += S[Y] - mean_y
+
+
+@kernel
+def put_water(S, b, x, y, found):
+    """Write the water's motion at a point of body b to five rows: velocity and acceleration in link axes, rotation."""
+    c, s = S[b + COS], S[b + SIN]
+    first = int(first_lane(S[FLOW].real))  # first row of the flow, the same in all lanes
+    place_x, place_y = S[b + PX] + c * x - s * y, S[b + PY] + s * x + c * y
+    u, v, _, a_x, a_y, _, _, _, spin, _ = felt(
+        motion(S, first, place_x, place_y, S[HEIGHT], S[TIME])
+    )
+    S[found] = c * u + s * v
+    S[found + 1] = c * v - s * u
+    S[found + 2] = c * a_x + s * a_y
+    S[found + 3] = c * a_y - s * a_x
+    S[found + 4] = spin
+
+
+@kernel
+def through_water(S, b, x, water):
+    """Return velocity and angular velocity of a point on the axis of body b, relative to the water there."""
+    rate = S[b + LINK_RATE]
+    if HAS_FLOW:
+        return S[b + V_T] - S[water], S[b + V_N] + x * rate - S[water + 1], rate - S[water + 4]
+    return S[b + V_T], S[b + V_N] + x * rate, rate
+
+
+@kernel
+def element_drag(S, b, e):
+    """Return the drag of one element rigidly attached to body b, link axes, and its moment about the tail end of b.
+
+    `e` is the first row of the element: its distance from the tail end, c_t, c_n, lambda_2,
+    lambda_3. The rows of a body's own element (from CENTER on) and of a strip (from STRIP_POSITION
+    on) have the same order.
+    """
+    x = S[e]
+    v_t, v_n, rate = through_water(S, b, x, e + WATER_OF)
+    f_t, f_n, tau = law(
+        v_t, v_n, magnitude(v_n), rate, S[e + 1], S[e + 2], S[e + 3], S[e + 4], *law_numbers(S)
+    )
+    return f_t, f_n, tau + x * f_n
+
+
+@kernel
+def added_mass_velocity_terms(S, b):
+    """Return the velocity-dependent part of the added-mass force (link axes) and its moment about the tail end.
+
+    It covers the body with its strips or, if the water has a flow, only the body's own element.
+    """
+    if HAS_FLOW:
+        return element_inertia(S, b, b + CENTER)
+    rate = S[b + LINK_RATE]
+    v_t, v_n = S[b + V_T], S[b + V_N]
+    mu_t, mu_n = S[b + MU_T], S[b + MU_N]
+    moment_t, moment_n = S[b + MOMENT_T], S[b + MOMENT_N]
+    # The classic form includes the current only: its velocity is -V where the others have v - V.
+    own, keep = S[OWN_VELOCITY], S[KIRCHHOFF]
+    c, s = S[b + COS], S[b + SIN]
+    V_t = c * S[CURRENT_X] + s * S[CURRENT_Y]
+    V_n = c * S[CURRENT_Y] - s * S[CURRENT_X]
+    seen_t = own * (v_t + V_t) - V_t
+    seen_n = own * (v_n + V_n) - V_n
+    momentum_n = mu_n * v_n + moment_n * rate
+    f_t = rate * (keep * momentum_n - mu_t * seen_n)
+    f_n = rate * (mu_n * seen_t - keep * mu_t * v_t)
+    munk = -keep * v_t * (momentum_n - mu_t * v_n - moment_t * rate)
+    return f_t, f_n, munk + rate * (moment_n * seen_t - keep * moment_t * v_t)
+
+
+@kernel
+def element_inertia(S, b, e):
+    """Return the inertial load of moving water on one element, without terms of tail-end or angular acceleration.
+
+    The laws are those of `fluid.inertia`, plus the force that accelerates the displaced water
+    itself.
+    """
+    x, rate, own = S[e], S[b + LINK_RATE], S[OWN_VELOCITY]
+    u_t, u_n, turning = through_water(S, b, x, e + WATER_OF)
+    mu_t, mu_n, displaced = S[e + MU_T_OF], S[e + MU_N_OF], S[e + DISPLACED_OF]
+    V_t, V_n, flow_t, flow_n, spin = water_numbers(S, e + WATER_OF)
+    # Seen from the tail end, whose axes rotate; the x rate^2 part of the classic form is in
+    # CENTRIPETAL.
+    rate_t = rate * (own * S[b + V_N] - V_n) - carried(flow_t, 0.0, spin, u_n, 0.0)
+    rate_n = -rate * (own * S[b + V_T] - V_t) - carried(flow_n, spin, 0.0, 0.0, u_t)
+    f_t = load(S[KIRCHHOFF], mu_t, rate_t, -turning * mu_n * u_n) + displaced * flow_t
+    f_n = load(S[KIRCHHOFF], mu_n, rate_n, turning * mu_t * u_t) + displaced * flow_n
+    return f_t, f_n, load(S[KIRCHHOFF], 0.0, 0.0, (mu_n - mu_t) * u_t * u_n) + x * f_n
+
+
+@kernel
+def extra_loads(S, n, first_strip, first_plate, tail_link):
+    """Set the loads that only some bodies have: thrusters, fin strips, pectoral fins, tether and trailing edge."""
+    H = HEADER_ROWS
+    for i in range(n):
+        b = H + i * BODY_ROWS
+        S[b + EXTRA_T] = S[b + THRUST_T]
+        S[b + EXTRA_N] = S[b + THRUST_N]
+        S[b + EXTRA_MOMENT] = S[b + THRUST_MOMENT]
+        for e in range(first_strip[i], first_strip[i + 1]):
+            add_extra(S, b, element_drag(S, b, H + n * BODY_ROWS + e * STRIP_ROWS + STRIP_POSITION))
+            strip_inertia(S, b, H + n * BODY_ROWS + e * STRIP_ROWS)
+        for e in range(first_plate[i], first_plate[i + 1]):
+            plate_load(S, b, H + n * BODY_ROWS + first_strip[n] * STRIP_ROWS + e * PLATE_ROWS)
+    tether(S, H + tail_link * BODY_ROWS)
+    trailing_edge(S)
+
+
+@kernel
+def strip_inertia(S, b, e):
+    """Add the inertial load of moving water on one strip; without a flow the body's own load includes it."""
+    if HAS_FLOW:
+        add_extra(S, b, element_inertia(S, b, e + STRIP_POSITION))
+
+
+@kernel
+def add_extra(S, b, found):
+    """Add a force and a moment to the extra loads of body b."""
+    f_t, f_n, moment = found
+    S[b + EXTRA_T] += f_t
+    S[b + EXTRA_N] += f_n
+    S[b + EXTRA_MOMENT] += moment
+
+
+@kernel
+def plate_load(S, b, e):
+    """Add lift and drag of one pectoral fin mounted on body b."""
+    x, y = S[e + PLATE_X], S[e + PLATE_Y]
+    v_t, v_n, _ = through_water(S, b, x, e + PLATE_WATER)
+    v_t -= y * S[b + LINK_RATE]
+    s, c = sincos(S[e + PLATE_ANGLE])
+    f_chord, f_normal = plate_law(c * v_t + s * v_n, c * v_n - s * v_t, *plate_numbers(S, e))
+    f_t = c * f_chord - s * f_normal
+    f_n = s * f_chord + c * f_normal
+    add_extra(S, b, (f_t, f_n, x * f_n - y * f_t))
+
+
+@kernel
+def tether(S, b):
+    """Add the tether force F = -k |v| v + constant at the tail end of the tail link."""
+    c, s = S[b + COS], S[b + SIN]
+    v_t, v_n, _ = through_water(S, b, 0.0, TETHER_WATER)
+    drag = S[TETHER_DRAG] * (v_t * v_t + v_n * v_n) ** 0.5
+    S[b + EXTRA_T] += c * S[TETHER_FORCE_X] + s * S[TETHER_FORCE_Y] - drag * v_t
+    S[b + EXTRA_N] += c * S[TETHER_FORCE_Y] - s * S[TETHER_FORCE_X] - drag * v_n
+
+
+@kernel
+def trailing_edge(S):
+    """Add the momentum flux into the wake (Lighthill 1971): m'/2 w^2 t - m' u w n while u > 0."""
+    b = HEADER_ROWS
+    x = S[WAKE_POSITION]
+    u, w, _ = through_water(S, b, x, WAKE_WATER)
+    shed = where(u.real > 0.0, S[WAKE_MASS], 0.0 * u)
+    f_n = -shed * u * w
+    add_extra(S, b, (0.5 * shed * w * w, f_n, x * f_n))
+
+
+@kernel
+def body_forces(S, n, first_strip, force):
+    """Store drag, added-mass and effector force on every body, world axes, once the accelerations are known.
+
+    `force` holds two rows per body, x and y: first the drag on all bodies, then the added-mass
+    force (including the force of accelerating water on the displaced volume), then the effector
+    force.
+    """
+    for i in range(n):
+        b = HEADER_ROWS + i * BODY_ROWS
+        drag, added_mass, effector = 2 * i, 2 * (n + i), 2 * (2 * n + i)
+        extra_t, extra_n = S[b + EXTRA_T], S[b + EXTRA_N]
+        # Strips add to the extra loads: collect their loads separately, and move them from
+        # effectors to drag and added mass.
+        S[b + EXTRA_T] = 0.0
+        S[b + EXTRA_N] = 0.0
+        for e in range(first_strip[i], first_strip[i + 1]):
+            add_extra(
+                S,
+                b,
+                element_drag(S, b, HEADER_ROWS + n * BODY_ROWS + e * STRIP_ROWS + STRIP_POSITION),
+            )
+        f_t, f_n, _ = element_drag(S, b, b + CENTER)
+        put_force(S, b, force, drag, f_t + S[b + EXTRA_T], f_n + S[b + EXTRA_N])
+        extra_t -= S[b + EXTRA_T]
+        extra_n -= S[b + EXTRA_N]
+        S[b + EXTRA_T] = 0.0
+        S[b + EXTRA_N] = 0.0
+        for e in range(first_strip[i], first_strip[i + 1]):
+            strip_inertia(S, b, HEADER_ROWS + n * BODY_ROWS + e * STRIP_ROWS)
+        put_force(S, b, force, effector, extra_t - S[b + EXTRA_T], extra_n - S[b + EXTRA_N])
+        f_t, f_n = added_mass_force(S, b)
+        put_force(S, b, force, added_mass, f_t + S[b + EXTRA_T], f_n + S[b + EXTRA_N])
+
+
+@kernel
+def put_force(S, b, force, row, f_t, f_n):
+    """Store a force, given in link axes of body b, in world axes."""
+    c, s = S[b + COS], S[b + SIN]
+    force[row] = c * f_t - s * f_n
+    force[row + 1] = s * f_t + c * f_n
+
+
+@kernel
+def added_mass_force(S, b):
+    """Return the total added-mass force on body b, link axes, due to its acceleration and its velocity."""
+    f_t, f_n, _ = added_mass_velocity_terms(S, b)
+    c, s = S[b + COS], S[b + SIN]
+    rate = S[b + LINK_RATE]
+    a_t = c * S[b + QX] + s * S[b + QY]
+    a_n = c * S[b + QY] - s * S[b + QX]
+    # In all forms but the classic one the centripetal part along the body cancels.
+    left = (1.0 - S[OWN_VELOCITY]) * S[b + MOMENT_T] * rate * rate
+    f_t += left - S[b + MU_T] * a_t
+    f_n -= S[b + MU_N] * a_n + S[b + MOMENT_N] * S[b + LINK_ACCELERATION]
+    return f_t, f_n

@@ -1,0 +1,247 @@
+"""O(n) recursion for the accelerations of a chain of bodies in water, each joint prescribed or free.
+
+Articulated-body algorithm (Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 7 and sec. 9.2)
+in planar spatial vectors (one rotation, two translations) in world axes, with each body's vectors
+taken at its tail end, where its joint is. The 3x3 inertia of a body includes its anisotropic added
+mass. A prescribed joint passes on its child's full inertia and known acceleration; a free joint
+passes on what remains after the joint has yielded. Body 0, the tail-most, floats: its acceleration
+is the final 3x3 solve. With all joints prescribed this is exactly the model with three degrees of
+freedom.
+
+A template (see `templates`). `S` is the flat array of `rows`; `n` the number of bodies. No function
+allocates.
+"""
+
+# pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
+# pyright: reportGeneralTypeIssues=false
+
+from laticauda.compiling import kernel
+from laticauda.compiling.functions import sincos
+from laticauda.compiling.templates import bindings
+from laticauda.models.planar.rows import *
+
+loads = bindings(__name__)["loads"]
+
+
+@kernel
+def accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, whole):
+    """Compute the accelerations of base and free joints for the state in S; `whole`: also those of all bodies."""
+    velocities(S, n)
+    loads.water_around(S, n, first_strip, first_plate, tail_link, has_extras)
+    if has_extras:
+        loads.extra_loads(S, n, first_strip, first_plate, tail_link)
+    floating_base(S, inward(S, n, is_free, whole))
+    outward(S, n, is_free, whole)
+
+
+@kernel
+def velocities(S, n):
+    """Compute angle, rate and velocity of every body from heading, center of mass and joints."""
+    H = HEADER_ROWS
+    angle, rate = S[HEADING], S[HEADING_RATE]
+    for i in range(1, n):
+        b = H + i * BODY_ROWS
+        angle -= S[b + HEADING_SHARE] * S[b + ANGLE]
+        rate -= S[b + HEADING_SHARE] * S[b + RATE]
+    ux, uy, mean_x, mean_y = 0.0, 0.0, 0.0, 0.0
+    for i in range(n):
+        b = H + i * BODY_ROWS
+        if i > 0:
+            angle += S[b + ANGLE]
+            rate += S[b + RATE]
+        s, c = sincos(angle)
+        S[b + LINK_RATE] = rate
+        S[b + SIN] = s
+        S[b + COS] = c
+        S[b + UX] = ux
+        S[b + UY] = uy
+        turn = S[b + FIRST_MOMENT_SHARE] * rate
+        mean_x += S[b + MASS_SHARE] * ux - turn * s
+        mean_y += S[b + MASS_SHARE] * uy + turn * c
+        turn = S[b + LENGTH] * rate
+        ux -= turn * s
+        uy += turn * c
+    root_x = S[VX] - mean_x - S[CURRENT_X]
+    root_y = S[VY] - mean_y - S[CURRENT_Y]
+    for i in range(n):
+        b = H + i * BODY_ROWS
+        c, s = S[b + COS], S[b + SIN]
+        vx, vy = root_x + S[b + UX], root_y + S[b + UY]
+        S[b + V_T] = c * vx + s * vy
+        S[b + V_N] = c * vy - s * vx
+
+
+@kernel
+def inward(S, n, is_free, whole):
+    """Return articulated inertia and bias force of body 0, accumulated from the head; store what `outward` needs."""
+    b = HEADER_ROWS + (n - 1) * BODY_ROWS
+    carried = of_body(S, b)
+    for i in range(n - 2, -1, -1):
+        if whole:
+            keep_articulated(S, b, carried)
+        carried = through_joint(S, b, is_free[i + 1], carried)
+        b -= BODY_ROWS
+        carried = plus(of_body(S, b), carried)
+    if whole:
+        keep_articulated(S, b, carried)
+    return carried
+
+
+@kernel
+def of_body(S, b):
+    """Return inertia and bias force of one body alone."""
+    return *own_inertia(S, b), *own_bias(S, b)
+
+
+@kernel
+def plus(own, carried):
+    """Return the sum of a body's own inertia and bias force and those of the bodies attached to it."""
+    a00, a01, a02, a11, a12, a22, p0, p1, p2 = own
+    c00, c01, c02, c11, c12, c22, q0, q1, q2 = carried
+    return (
+        a00 + c00,
+        a01 + c01,
+        a02 + c02,
+        a11 + c11,
+        a12 + c12,
+        a22 + c22,
+        p0 + q0,
+        p1 + q1,
+        p2 + q2,
+    )
+
+
+@kernel
+def keep_articulated(S, b, articulated):
+    """Store the rotation row of a body's articulated inertia, and its bias force."""
+    a00, a01, a02, _, _, _, p0, p1, p2 = articulated
+    for k, one in enumerate((a00, a01, a02, p0, p1, p2)):
+        S[b + A00 + k] = one
+
+
+@kernel
+def own_inertia(S, b):
+    """Return the inertia of the body including added mass, about its tail end, world axes."""
+    c, s = S[b + COS], S[b + SIN]
+    mass_t, mass_n = S[b + MASS_T], S[b + MASS_N]
+    coupling = S[b + COUPLING]
+    across = (mass_n - mass_t) * s
+    return (
+        S[b + INERTIA],
+        -s * coupling,
+        c * coupling,
+        mass_t + across * s,
+        -across * c,
+        mass_n - across * s,
+    )
+
+
+@kernel
+def own_bias(S, b):
+    """Return the bias force of the body: centripetal terms minus all loads that do not depend on acceleration."""
+    rate = S[b + LINK_RATE]
+    f_t, f_n, moment = loads.added_mass_velocity_terms(S, b)
+    drag_t, drag_n, drag_moment = loads.element_drag(S, b, b + CENTER)
+    f_t += drag_t + S[b + EXTRA_T] + S[b + CENTRIPETAL] * rate * rate
+    f_n += drag_n + S[b + EXTRA_N]
+    moment += drag_moment + S[b + EXTRA_MOMENT]
+    c, s = S[b + COS], S[b + SIN]
+    return -moment, s * f_n - c * f_t, -(s * f_t + c * f_n)
+
+
+@kernel
+def centripetal(S, a):
+    """Return the acceleration -theta'^2 2l t of the head end of body a relative to its tail end."""
+    pull = -S[a + LENGTH] * S[a + LINK_RATE] * S[a + LINK_RATE]
+    return pull * S[a + COS], pull * S[a + SIN]
+
+
+@kernel
+def through_joint(S, j, joint_is_free, articulated):
+    """Return articulated inertia and bias of body j as seen through its joint, at the tail end of the body behind."""
+    b = j - BODY_ROWS
+    a00, a01, a02, a11, a12, a22, p0, p1, p2 = articulated
+    pull_x, pull_y = centripetal(S, b)
+    p0 += a01 * pull_x + a02 * pull_y
+    p1 += a11 * pull_x + a12 * pull_y
+    p2 += a12 * pull_x + a22 * pull_y
+    arm_x = -S[b + LENGTH] * S[b + SIN]  # velocity of the joint per unit of rotation
+    arm_y = S[b + LENGTH] * S[b + COS]
+    w0 = a00 + arm_x * a01 + arm_y * a02
+    b01 = a01 + arm_x * a11 + arm_y * a12
+    b02 = a02 + arm_x * a12 + arm_y * a22
+    b00 = w0 + arm_x * b01 + arm_y * b02
+    swing = S[j + REFERENCE_2]
+    if (
+        joint_is_free
+    ):  # a rank-1 correction for its yielding, applied last because it waits for the division
+        give = 1.0 / (a00 + S[j + IMPLICIT])
+        swing = (S[j + TOTAL_TORQUE] - p0) * give
+        g0, g1, g2 = w0 * give, a01 * give, a02 * give
+        for k, one in enumerate((swing, g0, g1, g2)):
+            S[j + SWING + k] = one
+        b00, b01, b02 = b00 - w0 * g0, b01 - w0 * g1, b02 - w0 * g2
+        a11, a12, a22 = a11 - a01 * g1, a12 - a01 * g2, a22 - a02 * g2
+    p0 += arm_x * p1 + arm_y * p2
+    return b00, b01, b02, a11, a12, a22, p0 + w0 * swing, p1 + a01 * swing, p2 + a02 * swing
+
+
+@kernel
+def floating_base(S, articulated):
+    """Compute the acceleration of body 0 from A a + p = 0."""
+    b = HEADER_ROWS
+    a00, a01, a02, a11, a12, a22, p0, p1, p2 = articulated
+    determinant = a11 * a22 - a12 * a12  # eliminate the translations, which are well conditioned
+    share = 1.0 / determinant  # a division takes as long as ten other operations
+    x_1 = (a22 * a01 - a12 * a02) * share
+    x_2 = (a11 * a02 - a12 * a01) * share
+    rotation = -(p0 - x_1 * p1 - x_2 * p2) / (a00 - x_1 * a01 - x_2 * a02)
+    S[b + LINK_ACCELERATION] = rotation
+    S[b + QX] = (a12 * p2 - a22 * p1) * share - x_1 * rotation
+    S[b + QY] = (a12 * p1 - a11 * p2) * share - x_2 * rotation
+
+
+@kernel
+def outward(S, n, is_free, whole):
+    """Compute accelerations of heading, center of mass and free joints; `whole`: those of all bodies and joints."""
+    H = HEADER_ROWS
+    spin, qx, qy = S[H + LINK_ACCELERATION], S[H + QX], S[H + QY]
+    heading, ax, ay = spin, 0.0, 0.0
+    for i in range(n):
+        b = H + i * BODY_ROWS
+        if i > 0:
+            a = b - BODY_ROWS
+            swing = S[b + REFERENCE_2]
+            if is_free[i]:
+                swing = S[b + SWING] - S[b + GIVE_X] * qx - S[b + GIVE_Y] * qy - S[b + GIVE] * spin
+                S[b + ACCELERATION] = swing
+            pull_x, pull_y = centripetal(S, a)
+            turn = S[a + LENGTH] * spin
+            qx += pull_x - turn * S[a + SIN]  # carried along by the body behind
+            qy += pull_y + turn * S[a + COS]
+            spin += swing
+            heading += S[b + HEADING_SHARE] * swing
+            if whole:
+                S[b + ACCELERATION] = swing
+                S[b + LINK_ACCELERATION] = spin
+                S[b + QX] = qx
+                S[b + QY] = qy
+        rate, arm = S[b + LINK_RATE], S[b + FIRST_MOMENT_SHARE]
+        across, along = arm * spin, arm * rate * rate
+        c, s = S[b + COS], S[b + SIN]
+        ax += S[b + MASS_SHARE] * qx - across * s - along * c
+        ay += S[b + MASS_SHARE] * qy + across * c - along * s
+    S[HEADING_ACCELERATION] = heading
+    S[AX] = ax
+    S[AY] = ay
+
+
+@kernel
+def holding_torques(S, n, is_free):
+    """Compute TOTAL_TORQUE of every prescribed joint, once the accelerations are known: A a + p along the joint."""
+    for i in range(1, n):
+        b = HEADER_ROWS + i * BODY_ROWS
+        if not is_free[i]:
+            push = S[b + A01] * S[b + QX] + S[b + A02] * S[b + QY]
+            S[b + TOTAL_TORQUE] = S[b + A00] * S[b + LINK_ACCELERATION] + push + S[b + P0]

@@ -1,0 +1,67 @@
+"""Creating plants by name and running them: `build_plant`, `run`, `swim`, and `swim_many` for many runs at once.
+
+plants.py           plants of scenarios
+runner.py           one run over time, with its controller and log
+several.py          several runs on threads, or several robots in one scene
+many.py             `swim_many`: figures of many runs
+batch_scenarios.py  scenarios and runs of a batch, from the arguments of `swim_many`
+batch_run.py        running a batch, block by block
+batch_figures.py    what is kept of each run, and the figures computed from it
+run_figures.py      names, units and titles of these figures
+numbers.py          parameters that can be swept, by dotted name
+parameter_paths.py  steps of these names, and changing what they lead to
+sensitivity.py      `compute_sensitivities`: figures and their derivatives
+derivatives.py      batches that carry derivatives
+row_derivatives.py  how a number enters a run
+certainty.py        intervals of figures, from those of coefficients
+"""
+
+from typing import TYPE_CHECKING
+
+from laticauda.values.packaging import lazy_exports
+
+if TYPE_CHECKING:
+    from laticauda.models.simulate.certainty import (
+        intervals_of as intervals_of,
+        figure_intervals as figure_intervals,
+        widen_by_textbook_error as widen_by_textbook_error,
+    )
+    from laticauda.models.simulate.sensitivity import (
+        Sensitivities as Sensitivities,
+        compute_sensitivities as compute_sensitivities,
+    )
+    from laticauda.models.simulate.many import Swims as Swims, swim_many as swim_many
+    from laticauda.models.simulate.numbers import (
+        Parameter as Parameter,
+        list_parameters as list_parameters,
+    )
+    from laticauda.models.simulate.plants import (
+        needs_compiling as needs_compiling,
+        build_plant as build_plant,
+    )
+    from laticauda.models.simulate.runner import resume as resume, run as run, swim as swim
+    from laticauda.models.simulate.several import swim_together as swim_together
+
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda.models.simulate.certainty": [
+            "intervals_of",
+            "figure_intervals",
+            "widen_by_textbook_error",
+        ],
+        "laticauda.models.simulate.sensitivity": ["Sensitivities", "compute_sensitivities"],
+        "laticauda.models.simulate.many": ["Swims", "swim_many"],
+        "laticauda.models.simulate.numbers": ["Parameter", "list_parameters"],
+        "laticauda.models.simulate.plants": ["needs_compiling", "build_plant"],
+        "laticauda.models.simulate.runner": ["resume", "run", "swim"],
+        "laticauda.models.simulate.several": ["swim_together"],
+    },
+    renamed={
+        "parameters": "list_parameters",
+        "plant": "build_plant",
+        "sensitivities": "compute_sensitivities",
+        "spread": "figure_intervals",
+        "stated": "widen_by_textbook_error",
+    },
+)

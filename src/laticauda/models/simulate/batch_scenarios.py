@@ -1,0 +1,152 @@
+"""The scenarios and runs of a batch, from arguments given once for all trials, or once for each."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple, TypeVar, Unpack, cast
+
+from laticauda.models.planar.batch import Run
+from laticauda.models.planar.model import PlanarPlant
+from laticauda.models.simulate.plants import build_plant
+from laticauda.motion.gaits import Gait
+from laticauda.robot import Environment, Ground, Robot, Water, load_robot
+from laticauda.scenarios import ModelChanges, Planar, Scenario, build_scenario, default_water
+from laticauda.scenarios.interfaces import Command, OpenLoop, Start
+from laticauda.values.checks import check_instance, check_not_empty
+from laticauda.values.errors import BadArgument
+
+Item = TypeVar("Item")
+
+
+def scenarios_of_batch(
+    robots: Sequence[Scenario] | Robot | Sequence[Robot] | str | Path,
+    gaits: Gait | Sequence[Gait] | None,
+    *,
+    environments: Environment | Sequence[Environment] | None = None,
+    starts: Start | Sequence[Start] | None = None,
+    duration: float = 30.0,
+    sample_interval: float = 0.05,
+    **changes: Unpack[ModelChanges],
+) -> Sequence[Scenario]:
+    """Return the scenarios of a batch; arguments as for `swim_many`."""
+    if isinstance(robots, str | Path):
+        robots = load_robot(robots)
+    if gaits is None:
+        scenarios = cast("Sequence[Scenario]", check_instance("robots", robots, Sequence))
+        return _one_per_trial("robots", scenarios, 0, Scenario)
+    arguments = {"robots": robots, "gaits": gaits, "environments": environments, "starts": starts}
+    n_trials = _common_length(arguments)
+    robot_or_robots = cast("Robot | Sequence[Robot]", robots)
+    robot_per_trial = _one_per_trial("robots", robot_or_robots, n_trials, Robot)
+    gait_per_trial = _one_per_trial("gaits", gaits, n_trials, Gait)
+    if starts is None:
+        starts = Start()
+    start_per_trial = _one_per_trial("starts", starts, n_trials, Start)
+    environment_per_trial: Sequence[Environment]
+    if environments is None:
+        environment_per_trial = list(map(default_water, robot_per_trial, gait_per_trial))
+    else:
+        environment_per_trial = _one_per_trial(
+            "environments", environments, n_trials, Water, Ground
+        )
+    first = build_scenario(
+        robot_per_trial[0],
+        gait_per_trial[0],
+        duration,
+        sample_interval=sample_interval,
+        **changes,
+    )
+    return [
+        replace(first, robot=robot, motion=gait, environment=environment, start=start)
+        for robot, gait, environment, start in zip(
+            robot_per_trial, gait_per_trial, environment_per_trial, start_per_trial, strict=True
+        )
+    ]
+
+
+class _PlantKey(NamedTuple):
+    """The objects, not their values, that make a plant; the scenarios keep them alive."""
+
+    robot: int
+    """`id` of the robot."""
+    environment: int
+    """`id` of the environment."""
+    model: int
+    """`id` of the model."""
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> "_PlantKey":
+        return cls(
+            robot=id(scenario.robot),
+            environment=id(scenario.environment),
+            model=id(scenario.model),
+        )
+
+
+def runs_of(scenarios: Sequence[Scenario]) -> list[Run]:
+    """Return the runs of a batch, with one plant for all that share robot, environment and model.
+
+    Scenarios share these if they hold the same objects; equal ones are not looked for.
+
+    Args:
+        scenarios: Planar scenarios with the same duration and sample interval.
+
+    Raises:
+        ValueError: If they are not planar, or differ in these.
+    """
+    check_not_empty("scenarios", scenarios, "item")
+    plants: dict[_PlantKey, PlanarPlant] = {}
+    runs: list[Run] = []
+    for i, scenario in enumerate(scenarios):
+        key = _PlantKey.of(scenario)
+        if key not in plants:
+            check_instance(f"scenarios[{i}].model", scenario.model, Planar)
+            plants[key] = cast(PlanarPlant, build_plant(scenario))
+        _check_same_sampling(scenario, scenarios[0])
+        command = _command_of(scenario, i)
+        start = cast(Start, check_instance(f"scenarios[{i}].start", scenario.start, Start))
+        runs.append(Run(plant=plants[key], command=command, start=start))
+    return runs
+
+
+def _check_same_sampling(scenario: Scenario, first: Scenario) -> None:
+    """Reject a scenario whose duration or sample interval differs from the first one's."""
+    for name in ("duration", "sample_interval"):
+        value = getattr(scenario, name)
+        if value != getattr(first, name):
+            raise BadArgument(name, f"must be the same in all scenarios, also got {value:g} s")
+
+
+def _command_of(scenario: Scenario, i: int) -> Command:
+    """Return the command that scenario `i` holds throughout, of a gait or of references."""
+    motion = check_instance(f"scenarios[{i}].motion", scenario.motion, Gait, OpenLoop)
+    if isinstance(motion, OpenLoop):
+        return motion.command
+    return Command(gait=scenario.gait)
+
+
+def _common_length(arguments: Mapping[str, object]) -> int:
+    """Return the number of trials that the sequences among the arguments state."""
+    lengths: dict[str, int] = {}
+    for name, value in arguments.items():
+        if isinstance(value, Sequence):
+            lengths[name] = len(cast(Sequence[object], value))
+    if len(set(lengths.values())) > 1:
+        names = "`, `".join(lengths)
+        counts = ", ".join(f"{length} {name}" for name, length in lengths.items())
+        raise ValueError(f"`{names}` must be of equal length, got {counts}.")
+    return next(iter(lengths.values()), 1)
+
+
+def _one_per_trial(
+    name: str, argument: Item | Sequence[Item], n_trials: int, *classes: type
+) -> Sequence[Item]:
+    """Return an argument once per trial, after checking its class."""
+    if not isinstance(argument, Sequence):
+        check_instance(name, argument, *classes)
+        return [argument] * n_trials
+    items = cast("Sequence[Item]", argument)
+    check_not_empty(name, items, "item")
+    for i, item in enumerate(items):
+        check_instance(f"{name}[{i}]", item, *classes)
+    return items

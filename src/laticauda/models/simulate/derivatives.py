@@ -1,0 +1,120 @@
+"""Batches that carry derivatives: the figures of runs, and how they change with a number of each run.
+
+The runs themselves are differentiated exactly: the kernels compute with a complex step
+(`laticauda.compiling.duals`). How a number enters the rows that the kernels read is differentiated
+in `laticauda.models.simulate.row_derivatives`.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from laticauda.models.planar import batch, model
+from laticauda.models.simulate import batch_run, runner
+from laticauda.models.simulate.row_derivatives import (
+    CENTRAL,
+    LINEAR,
+    Number as Number,
+    RowDerivative,
+    differentiate_rows,
+)
+from laticauda.trials import metrics
+
+
+def compute_slopes(
+    runs: Sequence[batch.Run],
+    numbers: Sequence[Number],
+    duration: float,
+    *,
+    sample_interval: float = 0.05,
+    threads: int | None = None,
+    progress: runner.Progress = runner.silent,
+    observe: batch_run.BlockObserver = runner.silent,
+    with_joints: bool = False,
+) -> batch_run.BatchResult:
+    """Compute figures and their derivatives, run i by number i, as complex numbers (see `models.planar.batch`).
+
+    Args:
+        runs: Runs from `laticauda.models.simulate.batch_scenarios.runs_of`; their time steps remain unchanged.
+        numbers: The number with respect to which each run is differentiated.
+        duration: Duration of every trial [s].
+        sample_interval: Sample interval of the logs used for the figures; the logs are not kept
+            [s].
+        threads: Number of threads; None uses all cores that this process may use.
+        progress: Called repeatedly with the completed share, from 0 to 1.
+        observe: Called once per block, in the computing threads, before the next block overwrites
+            its log; all numbers there are complex, see `laticauda.models.planar.batch`.
+        with_joints: Whether the log that `observe` receives includes the motion of the joints.
+
+    Raises:
+        ValueError: If a number cannot change to either side, or another argument is out of its
+            range.
+    """
+    derived_runs: list[batch.Run] = []
+    weights = np.empty(len(runs), dtype=complex)
+    shared = _SharedWork()
+    for i, (run, number) in enumerate(zip(runs, numbers, strict=True)):
+        derivative = shared.derivative_of(run, number)
+        plant = run.plant
+        if derivative.needs_extras and not plant.layout.has_extras:
+            plant = shared.plant_with_extras(plant)
+        derived_runs.append(replace(run, plant=plant, slope=derivative.rows))
+        weight = metrics.carried_weight(plant.robot, plant.environment)
+        weights[i] = weight + 1j * batch.STEP * derivative.weight
+    result = batch_run.run_batch(
+        derived_runs,
+        duration,
+        sample_interval,
+        threads=threads,
+        progress=progress,
+        weights=weights,
+        observe=observe,
+        with_joints=with_joints,
+    )
+    undefined = complex(math.nan, math.nan)
+    figures = {
+        name: np.where(np.isnan(values), undefined, values)
+        for name, values in result.figures.items()
+    }
+    return replace(result, figures=figures)
+
+
+class _SharedWork:
+    """What runs of a batch have in common, computed once.
+
+    Runs share a derivative if they have the same plant object, as `runs_of` gives to all scenarios
+    that share robot, environment and model. The plants are compared by identity and must therefore
+    live as long as this object: the runs hold them.
+    """
+
+    def __init__(self) -> None:
+        self._derivatives: dict[tuple[int, str, int], RowDerivative] = {}
+        """By plant, number and recorded motion."""
+        self._plants: dict[int, model.PlanarPlant] = {}
+        """Plants with extras, by the plant without."""
+
+    def derivative_of(self, run: batch.Run, number: Number) -> RowDerivative:
+        """Return how a number enters a run."""
+        key = id(run.plant), number.name, id(run.command.gait.recorded)
+        if key in self._derivatives:
+            return self._derivatives[key]
+        if number.is_of_motion:
+            return differentiate_rows(run, number, LINEAR)
+        derivative = differentiate_rows(run, number, CENTRAL)
+        self._derivatives[key] = derivative  # it is the same for all gaits
+        return derivative
+
+    def plant_with_extras(self, plant: model.PlanarPlant) -> model.PlanarPlant:
+        """Return a plant with kernels that also compute loads that are 0 now, but whose derivatives are not."""
+        if id(plant) not in self._plants:
+            self._plants[id(plant)] = _with_extras(plant)
+        return self._plants[id(plant)]
+
+
+def _with_extras(plant: model.PlanarPlant) -> model.PlanarPlant:
+    """Return a copy of a plant whose cached property `layout` already has a value: one with extras."""
+    copy = replace(plant)
+    vars(copy)["layout"] = replace(plant.layout, has_extras=True)
+    return copy

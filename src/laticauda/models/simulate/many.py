@@ -1,0 +1,199 @@
+"""`swim_many`: the figures of many trials, computed side by side and on all cores."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, Unpack
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from laticauda.models.simulate.batch_run import CPU, BatchResult, run_batch
+from laticauda.models.simulate.batch_scenarios import runs_of, scenarios_of_batch
+from laticauda.models.simulate.run_figures import UNITS, Figure, RunFigures, of_figure
+from laticauda.models.simulate.runner import Progress, silent
+from laticauda.models.simulate.several import swim_each
+from laticauda.motion.gaits import Gait
+from laticauda.robot import Environment, Robot
+from laticauda.scenarios import ModelChanges, Scenario, Spatial
+from laticauda.scenarios.interfaces import Start
+from laticauda.trials import Trial
+from laticauda.trials.dataset import AXES
+from laticauda.values.checks import check_choice, check_instance
+
+if TYPE_CHECKING:
+    import xarray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Swims(RunFigures):
+    """Figures of many trials, in the order of the arguments; each is defined as in a `Trial`.
+
+    A figure is nan where a trial has none: all figures where the trial diverged, `steady_velocity`
+    also where the trial is too short for its gait, `cost_of_transport` where the robot did not
+    move.
+    """
+
+    center_of_mass: Float[np.ndarray, "n_trials n_axes"]
+    """Final position of the center of mass [m]."""
+    heading: Figure
+    """Final heading [rad]."""
+    succeeded: Bool[np.ndarray, " n_trials"]
+    """Whether the trial reached its end."""
+    status: tuple[str, ...]
+    """How each trial ended."""
+
+    def __len__(self) -> int:
+        """Return the number of trials."""
+        return len(self.status)
+
+    def to_dataset(self) -> "xarray.Dataset":
+        """Convert to an xarray Dataset with the dimension `trial`, labeled like the results of a sweep.
+
+        Add varied parameters with `assign_coords`; an amplitude, for instance, with
+        `amplitude=("trial", amplitudes)`.
+        """
+        import xarray
+
+        variables: dict[str, Any] = {"status": ("trial", np.array(self.status, dtype=object))}
+        for name, values in vars(self).items():
+            if name != "status":
+                dimensions = ("trial", "axis")[: np.ndim(values)]
+                variables[name] = dimensions, values, of_figure(name)
+        axes = AXES[: self.center_of_mass.shape[1]]
+        coordinates = {"trial": np.arange(len(self)), "axis": np.array(axes, dtype=object)}
+        return xarray.Dataset(variables, coords=coordinates)
+
+
+def swim_many(
+    robots: Sequence[Scenario] | Robot | Sequence[Robot] | str | Path,
+    gaits: Gait | Sequence[Gait] | None = None,
+    duration: float = 30.0,
+    *,
+    environments: Environment | Sequence[Environment] | None = None,
+    starts: Start | Sequence[Start] | None = None,
+    sample_interval: float = 0.05,
+    threads: int | None = None,
+    device: str = CPU,
+    progress: Progress = silent,
+    **changes: Unpack[ModelChanges],
+) -> Swims:
+    """Run many scenarios of one model, or let many robots swim, each starting straight and at rest.
+
+    Trial i is the result of `swim` for the i-th element of every argument; where a single value is
+    given instead of a sequence, all trials share it. Planar robots of equal shape are computed
+    eight at a time, so a sweep over gaits, waters or sizes gains most; any mixture is allowed, and
+    the figures agree with those of `swim` to rounding. Spatial robots run one by one on every
+    thread, and their figures are those of `swim` to the last bit. Neither depends on what else is
+    in the batch, nor on the number of threads.
+
+    Args:
+        robots: The scenarios, all planar or all spatial; planar ones have no controllers, and share
+            duration and sample interval. Or the robots, together with their gaits; one robot may be
+            given by preset name or file path.
+        gaits: The commanded gaits.
+        duration: Duration of every trial [s].
+        environments: Waters or grounds; None uses `default_water` of each robot and gait.
+        starts: Start of each trial; None: at the origin, along x.
+        sample_interval: Sample interval of the logs used for the figures; the logs are not kept
+            [s].
+        threads: Number of threads; None uses all cores that this process may use.
+        device: cpu, or a device provided by an installed package: cuda for a GPU, with
+            `laticauda-cuda` (experimental), one planar trial per GPU thread. It pays off for
+            thousands of trials.
+        progress: Called repeatedly with the completed share, from 0 to 1.
+        changes: Settings of the model: `joints` (prescribed, pd, servo, or a joint law), `dt` [s]
+            and the other fields of `laticauda.scenarios.ModelChanges`. A fluid law that branches
+            with `if` works, but lane by lane.
+
+    Returns:
+        The figures, as arrays.
+
+    Raises:
+        ValueError: If an argument is out of its range, or sequences differ in length, or there is
+            no GPU.
+
+    Example:
+        >>> import laticauda as lc
+        >>> gaits = [lc.eel_like(amplitude=a, frequency=2.0, phase_shift=0.7) for a in (0.4, 0.5, 0.6)]
+        >>> lc.swim_many("mamba", gaits).forward_velocity.round(3)
+        array([0.066, 0.091, 0.116])
+    """
+    scenarios = scenarios_of_batch(
+        robots,
+        gaits,
+        environments=environments,
+        starts=starts,
+        duration=duration,
+        sample_interval=sample_interval,
+        **changes,
+    )
+    if scenarios and isinstance(getattr(scenarios[0], "model", None), Spatial):
+        check_choice("device", device, (CPU,))
+        return _swims_of(run_spatial(scenarios, threads=threads, progress=progress))
+    runs = runs_of(scenarios)
+    first = scenarios[0]
+    result = run_batch(
+        runs,
+        first.duration,
+        first.sample_interval,
+        threads=threads,
+        progress=progress,
+        device=device,
+    )
+    return _swims_of(result)
+
+
+def _swims_of(result: BatchResult) -> Swims:
+    """Return the figures of a batch with the final positions as vectors."""
+    positions = [result.figures[axis] for axis in AXES if axis in result.figures]
+    scalar_figures: dict[str, Any] = {
+        name: values for name, values in result.figures.items() if name not in AXES
+    }
+    return Swims(
+        **scalar_figures,
+        center_of_mass=np.stack(positions, axis=1),
+        succeeded=result.succeeded,
+        status=result.status,
+    )
+
+
+SPATIAL_FIGURES = (*UNITS, "z")
+"""Names of the figures of a spatial trial."""
+
+
+class _SpatialResult(NamedTuple):
+    """Figures of a spatial trial, and how it ended."""
+
+    numbers: list[float | None]
+    """In the order of `SPATIAL_FIGURES`; None where the trial has none."""
+    succeeded: bool
+    status: str
+
+
+def run_spatial(
+    scenarios: Sequence[Scenario], *, threads: int | None, progress: Progress
+) -> BatchResult:
+    """Compute the figures of spatial scenarios, and `z`; arguments as for `swim_many`."""
+    for i, scenario in enumerate(scenarios):
+        check_instance(f"scenarios[{i}].model", scenario.model, Spatial)
+    trials = swim_each(scenarios, _spatial_result, threads=threads, progress=progress)
+    table = np.array([trial.numbers for trial in trials], dtype=float)
+    return BatchResult(
+        figures=dict(zip(SPATIAL_FIGURES, table.T, strict=True)),
+        succeeded=np.array([trial.succeeded for trial in trials]),
+        status=tuple(trial.status for trial in trials),
+    )
+
+
+def _spatial_result(trial: Trial) -> _SpatialResult:
+    """Return the figures of a trial; all are None if it diverged."""
+    figures: Mapping[str, float | None] = {}
+    if trial.succeeded:
+        positions = dict(zip(AXES, trial.center_of_mass[-1], strict=True))
+        figures = {**trial.figures()[0], "heading": trial.heading[-1], **positions}
+    return _SpatialResult(
+        numbers=[figures.get(name) for name in SPATIAL_FIGURES],
+        succeeded=trial.succeeded,
+        status=trial.status,
+    )

@@ -1,0 +1,286 @@
+"""Parameters that can be swept: every number in robot, gait, environment and joint law, by a dotted name.
+
+A name is the path to the field: `gait.amplitude`, `water.normal_drag`, `robot.caudal_fin.length`.
+The singular of a plural field addresses all of its items alike: `robot.module.mass`,
+`robot.joint.actuator.servo_gain`. A pair of numbers is two parameters: `water.current_x`,
+`water.current_y`; a flow has each of its numbers: `water.current.height`, and a sum of flows those
+of each flow: `water.current.flow[0].height`. `robot.n_links` is the number of links; `joints` has
+the numbers of a custom joint law. Units are those of the fields: SI and radians.
+"""
+
+import difflib
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any, cast
+
+import numpy as np
+
+from laticauda.models.simulate.parameter_paths import (
+    AXIS_ENDINGS,
+    COUNT_TYPES,
+    SINGULARS,
+    SINGULARS_OF_SEPARATE,
+    apply_changes,
+    describe_step,
+    find_objects,
+    nest_by_step,
+)
+from laticauda.models.simulate.run_figures import (  # where they were found so far
+    UNITS as UNITS,
+    described as described,
+    of_figure as of_figure,
+)
+from laticauda.robot import Current, Environment, Water
+from laticauda.scenarios import Scenario
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import hints_of, quantities_of, texts_of
+
+NUMBER_TYPES = (float, float | None)
+"""Types of the fields that hold a number other than a count."""
+VECTOR_TYPES = (
+    tuple[float, float],
+    tuple[float, float] | None,
+    tuple[float, float, float],
+    Current,
+)
+"""Types of the fields that hold one number per axis."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """A number that can be swept."""
+
+    name: str
+    """Dotted path to the field."""
+    unit: str
+    """Its unit; "" for a pure number."""
+    title: str
+    """Title, in a few words."""
+    is_whole: bool = False
+    """Whether it is a count, and must be a whole number."""
+
+    @property
+    def phrase(self) -> str:
+        """Name in words, as on a plot axis: height of the caudal fin."""
+        root, *owners, last = self.name.split(".")
+        axis = ""
+        if last.endswith(AXIS_ENDINGS):
+            axis = f", {last[-1]}"
+            last = last[:-2]
+        number = last.replace("_", " ")
+        if last.startswith("n_"):
+            number = f"number of {number[2:]}"
+        if (root, last) == ("gait", "frequency"):
+            number = f"angular {number}"
+        return " of ".join([number, *map(describe_step, reversed(owners))]) + axis
+
+
+def list_parameters(scenario: Scenario, *, each: bool = False) -> dict[str, Parameter]:
+    """Return the parameters that can be swept, by name.
+
+    Fins, thrusters and tether drag can be swept if the robot has them; coefficients that are still
+    None can be swept.
+
+    Args:
+        scenario: The scenario; names of its environment's parameters begin with `water` or
+            `ground`.
+        each: Whether to list the numbers of every single module and joint as well.
+    """
+    robot = scenario.robot
+    environment = scenario.environment
+    n_links = Parameter(name="robot.n_links", unit="", title="Number of links", is_whole=True)
+    parameters = [
+        *_numbers_in(scenario.gait, "gait"),
+        *_numbers_in(environment, environment_prefix(environment)),
+        *_numbers_in(scenario.model.joints, "joints"),
+        n_links,
+        *_numbers_in(robot, "robot"),
+    ]
+    if each:
+        for field, step in SINGULARS.items():
+            for i, item in enumerate(getattr(robot, field)):
+                parameters += _numbers_in(item, f"robot.{step}[{i}]")
+    return {parameter.name: parameter for parameter in parameters}
+
+
+def environment_prefix(environment: Environment) -> str:
+    """Return the prefix of the names of an environment's parameters."""
+    if isinstance(environment, Water):
+        return "water"
+    return "ground"
+
+
+def _numbers_in(owner: Any, prefix: str) -> Iterator[Parameter]:
+    """Yield the numbers in a dataclass and in its parts."""
+    kind = cast("type[object]", type(owner))
+    hints = hints_of(kind)
+    titles = texts_of(kind)
+    quantities = quantities_of(kind)
+    for field in fields(owner):
+        value = getattr(owner, field.name)
+        hint = hints[field.name]
+        name = f"{prefix}.{field.name}"
+        title = titles[field.name]
+        unit = quantities[field.name].unit if field.name in quantities else ""
+        if hint in COUNT_TYPES:
+            yield Parameter(name=name, unit=unit, title=title, is_whole=True)
+        elif hint in NUMBER_TYPES:
+            yield Parameter(name=name, unit=unit, title=title)
+        elif is_dataclass(value):
+            yield from _numbers_in(value, name)
+        elif hint in VECTOR_TYPES:
+            n_axes = len(value or "xy")  # a current that is still None is a pair
+            for ending in AXIS_ENDINGS[:n_axes]:
+                yield Parameter(name=name + ending, unit=unit, title=f"{title}: {ending[1]}")
+        elif field.name in SINGULARS_OF_SEPARATE:
+            for i, item in enumerate(value):
+                yield from _numbers_in(item, f"{prefix}.{SINGULARS_OF_SEPARATE[field.name]}[{i}]")
+        elif field.name in SINGULARS and value:
+            yield from _numbers_in(value[0], f"{prefix}.{SINGULARS[field.name]}")
+
+
+def look_up(name: object, known: Mapping[str, Parameter], argument: str = "points") -> Parameter:
+    """Return the parameter of a given name.
+
+    Args:
+        name: Dotted name of the parameter.
+        known: Parameters that can be swept.
+        argument: Argument that holds the names, for error messages.
+
+    Raises:
+        ValueError: If there is none; the message gives the nearest names.
+    """
+    if isinstance(name, str) and name in known:
+        return known[name]
+    hint = suggest_names(name, known) if isinstance(name, str) else ""
+    medium = "water"
+    if any(known_name.startswith("ground.") for known_name in known):
+        medium = "ground"
+    rule = f"must name numbers of gait, {medium} or robot, such as `gait.amplitude`"
+    raise BadArgument(argument, f"{rule}, got {name!r}{hint}")
+
+
+def check_whole(parameter: Parameter, values: Any) -> None:
+    """Reject fractions where only whole numbers are meaningful.
+
+    Args:
+        parameter: The parameter that is swept.
+        values: Array of its values.
+
+    Raises:
+        ValueError: If a value is not a whole number.
+    """
+    fractions = values[values != np.rint(values)]
+    if parameter.is_whole and fractions.size:
+        raise ValueError(f"`{parameter.name}` must be a whole number, got {fractions[0]}.")
+
+
+def change_parameters(scenario: Scenario, values: Mapping[str, float]) -> Scenario:
+    """Return a scenario with other values of its parameters; unchanged parts remain the same objects.
+
+    Args:
+        scenario: The original scenario.
+        values: New values by parameter name; all names must be known.
+
+    Raises:
+        ValueError: If a value is out of its range, or the values are incompatible.
+    """
+    changes = nest_by_step(values)
+    if not changes:
+        return scenario
+    robot = scenario.robot
+    robot_changes = dict(changes.get("robot", {}))
+    if "n_links" in robot_changes:
+        robot = robot.with_links(int(robot_changes.pop("n_links")))
+    motion = scenario.motion
+    if "gait" in changes:
+        motion = apply_changes(scenario.gait, changes["gait"])
+    model = scenario.model
+    if "joints" in changes:
+        model = apply_changes(model, {"joints": changes["joints"]})
+    environment = scenario.environment
+    environment_changes = changes.get(environment_prefix(environment), {})
+    return replace(
+        scenario,
+        robot=apply_changes(robot, robot_changes),
+        motion=motion,
+        environment=apply_changes(environment, environment_changes),
+        model=model,
+    )
+
+
+def value_of(name: str, scenario: Scenario, argument: str = "names") -> float:
+    """Return the value of a parameter in a scenario.
+
+    Args:
+        name: Dotted name of the parameter.
+        scenario: The scenario that contains it.
+        argument: Argument that holds the names, for error messages.
+
+    Raises:
+        ValueError: If it differs among the modules or joints that it stands for, or is None.
+    """
+    root, *steps = name.split(".")
+    environment = scenario.environment
+    roots = {"robot": scenario.robot, "gait": scenario.gait, "joints": scenario.model.joints}
+    values: list[Any] = [roots.get(root, environment)]
+    for step in steps:
+        values = _objects_after(values, step)
+    # A coefficient of a module or fin that is None takes the water's value.
+    default = getattr(environment, steps[-1], None)
+    values = [default if value is None else value for value in values]
+    if len(set(values)) > 1:
+        rule = "must be of numbers that are the same in all parts"
+        raise BadArgument(argument, f"{rule}, got `{name}`, {sorted(set(values))}")
+    if values[0] is None:
+        rule = "must be of numbers that the trial has"
+        raise BadArgument(argument, f"{rule}, got `{name}`, which is None")
+    return float(values[0])
+
+
+def _objects_after(owners: Sequence[Any], step: str) -> list[Any]:
+    """Return the objects or numbers to which a step leads from several objects."""
+    objects: list[Any] = []
+    for owner in owners:
+        objects += find_objects(owner, step)
+    return objects
+
+
+MOST_SUGGESTIONS = 3
+"""Largest number of names that an error message suggests."""
+LEAST_SIMILARITY = 0.75
+"""How similar the last step of a name must be for a suggestion; 1 is equal [-]."""
+
+
+def suggest_names(name: str, known: Collection[str]) -> str:
+    """Return the end of an error message about a mistyped name: up to three similar names or name ends, or "".
+
+    Args:
+        name: The name as typed.
+        known: Valid names.
+    """
+    plain = name.casefold().replace("-", "_")
+    similar = _names_with_similar_end(plain, known)
+    similar += difflib.get_close_matches(plain, known, n=MOST_SUGGESTIONS)
+    nearest = list(dict.fromkeys(similar))[:MOST_SUGGESTIONS]
+    if not nearest:
+        return ""
+    return f"; the nearest are {', '.join(f'`{name}`' for name in nearest)}"
+
+
+def _names_with_similar_end(plain: str, known: Collection[str]) -> list[str]:
+    """Return the names whose last step is similar, most similar name first."""
+    names_by_end: dict[str, list[str]] = {}
+    for name in known:
+        if "[" not in name:
+            names_by_end.setdefault(_last_step(name), []).append(name)
+    ends = difflib.get_close_matches(_last_step(plain), names_by_end, n=2, cutoff=LEAST_SIMILARITY)
+    names: list[str] = []
+    for end in ends:
+        names += names_by_end[end]
+    names.sort(key=lambda name: -difflib.SequenceMatcher(None, plain, name).ratio())
+    return names
+
+
+def _last_step(name: str) -> str:
+    return name.rsplit(".", 1)[-1]

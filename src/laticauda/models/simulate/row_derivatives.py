@@ -1,0 +1,159 @@
+"""How a number enters a run: derivatives of everything from which the run's figures are computed.
+
+These are the rows that the kernels read, and the robot's weight. A number enters them by a few short
+formulas, whose slope is computed by eighth-order differences. They are exact for polynomials of
+that degree: to about 1e-13 for everything in a robot.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.models.planar.batch import Run
+from laticauda.models.planar.model import PlanarPlant
+from laticauda.scenarios import Scenario
+from laticauda.scenarios.interfaces import Command, Start
+from laticauda.trials import metrics
+
+Weights = Mapping[int, float]
+"""Points of a difference, in steps from the value, and their weights."""
+
+CENTRAL: Weights = {
+    1: 4 / 5,
+    -1: -4 / 5,
+    2: -1 / 5,
+    -2: 1 / 5,
+    3: 4 / 105,
+    -3: -4 / 105,
+    4: -1 / 280,
+    -4: 1 / 280,
+}
+"""Eighth order."""
+FORWARD: Weights = {0: -25 / 12, 1: 4.0, 2: -3.0, 3: 4 / 3, 4: -1 / 4}
+"""Fourth order, for a number at the lower end of its range."""
+BACKWARD: Weights = {-point: -weight for point, weight in FORWARD.items()}
+"""Fourth order, for a number at the upper end of its range."""
+LINEAR: Weights = {1: 1 / 2, -1: -1 / 2}
+"""For the numbers of a gait and of a start, which are rows themselves."""
+STEP_SHARES = (2.0**-7, 2.0**-10, 2.0**-13)
+"""The step as a share of the number [-]; the smaller ones are for numbers near the end of their range."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Number:
+    """A variable number of a scenario's robot, gait or environment."""
+
+    name: str
+    """Name used in messages."""
+    scenario: Scenario
+    """Scenario that contains the number."""
+    value: float
+    """Value of the number in that scenario."""
+    change: Callable[[float], Scenario]
+    """Returns the scenario with another value; unaffected parts remain the same objects; ValueError if out of range."""
+    start: Callable[[float], Start] | None = None
+    """Returns the start of the run with another value; None: the start does not depend on the value."""
+
+    @property
+    def is_of_motion(self) -> bool:
+        """Whether it is a number of the gait or of the start."""
+        if self.start is not None:
+            return True
+        return self.change(self.value).gait is not self.scenario.gait
+
+
+class RowDerivative(NamedTuple):
+    """Derivative of what a run's figures are computed from, per unit of a number."""
+
+    rows: Float[np.ndarray, " rows"]
+    """Of the rows that the kernels read."""
+    weight: float
+    """Of the robot's weight, see `carried_weight`."""
+    needs_extras: bool
+    """Whether the kernels must compute loads that may be 0 at the number's value, see `Layout.has_extras`."""
+
+
+class _RunInput(NamedTuple):
+    """What a run's figures are computed from."""
+
+    rows: Float[np.ndarray, " rows"]
+    """The rows that the kernels read."""
+    weight: float
+    """The robot's weight, see `carried_weight` [N]."""
+    has_extras: bool
+    """Whether the kernels compute all loads, see `Layout.has_extras`."""
+
+
+def differentiate_rows(run: Run, number: Number, central: Weights) -> RowDerivative:
+    """Differentiate everything from which a run's figures are computed.
+
+    Args:
+        run: The run.
+        number: The number with respect to which it is differentiated.
+        central: The difference to use unless the number is at an end of its range.
+
+    Raises:
+        ValueError: If the number cannot change to either side.
+    """
+    magnitude = 1.0
+    if number.value:
+        magnitude = 2.0 ** math.floor(math.log2(abs(number.value)))
+    refusal: ValueError | None = None
+    for weights in (central, FORWARD, BACKWARD):
+        for share in STEP_SHARES:
+            step = share * magnitude
+            try:
+                inputs = {point: _input_after(run, number, point * step) for point in weights}
+            except ValueError as error:
+                refusal = error
+                continue
+            n_rows = {run_input.rows.size for run_input in inputs.values()}
+            if n_rows == {run.rows.size}:
+                return _weighted_sum(inputs, weights, step)
+    reason = ", but the number of fin strips depends on it there."
+    if refusal is not None:
+        reason = f": {refusal}"
+    rule = "`parameters` must be numbers that can vary slightly"
+    raise ValueError(f"{rule}; `{number.name}` is {number.value:g}{reason}")
+
+
+def _weighted_sum(inputs: Mapping[int, _RunInput], weights: Weights, step: float) -> RowDerivative:
+    """Return the difference of inputs at several points divided by the step between them."""
+    rows = [weight / step * inputs[point].rows for point, weight in weights.items()]
+    return RowDerivative(
+        rows=np.sum(rows, axis=0),
+        weight=sum(weight / step * inputs[point].weight for point, weight in weights.items()),
+        needs_extras=any(run_input.has_extras for run_input in inputs.values()),
+    )
+
+
+def _input_after(run: Run, number: Number, change: float) -> _RunInput:
+    """Return what a run's figures are computed from when its number changes."""
+    scenario = number.change(number.value + change)
+    start = run.start
+    if number.start is not None:
+        start = number.start(number.value + change)
+    plant = _plant_after(run.plant, before=number.scenario, after=scenario)
+    changed_run = replace(run, plant=plant, command=Command(gait=scenario.gait), start=start)
+    return _RunInput(
+        rows=changed_run.rows,
+        weight=metrics.carried_weight(plant.robot, plant.environment),
+        has_extras=plant.layout.has_extras,
+    )
+
+
+def _plant_after(plant: PlanarPlant, *, before: Scenario, after: Scenario) -> PlanarPlant:
+    """Return the plant of a changed scenario, with its settings filled in; the same if nothing of it changed."""
+    is_same = (
+        after.robot is before.robot
+        and after.environment is before.environment
+        and after.model is before.model
+    )
+    if is_same:
+        return plant
+    settings = replace(plant.settings, joints=after.model.joints)
+    return replace(plant, robot=after.robot, environment=after.environment, settings=settings)

@@ -1,0 +1,536 @@
+"""Simulation of plants over time, with their logs.
+
+A run is split into spans at the control instants, where controllers see their robots and decide. A
+command may take effect later, inside a span, which is then split into legs with one command each.
+`run_all` is the loop; `run`, `run_scenario`, `resume` and `swim` lead to it.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, NamedTuple, TypedDict, Unpack, cast
+
+import numpy as np
+
+from laticauda.models.dynamics.plant import Plant, Stretch, check_size
+from laticauda.models.simulate.plants import build_plant
+from laticauda.motion import gaits
+from laticauda.robot import Robot
+from laticauda.scenarios import Changes, Experiment, Motion, Scenario, build_scenario
+from laticauda.scenarios.interfaces import (
+    Command,
+    Controller,
+    Observation,
+    OpenLoop,
+    Resumed,
+    Start,
+)
+from laticauda.trials import Trial
+from laticauda.trials.contents import REACHED_END
+from laticauda.values import packaging
+from laticauda.values.checks import check_instance
+from laticauda.values.errors import BadArgument, SimulationFailed
+
+Progress = Callable[[float], None]
+"""Receives how far the computation has come."""
+Until = Callable[[Observation], bool]
+"""Decides at a control instant whether a run ends there."""
+States = Sequence[Any]
+"""States of all plants of a run."""
+Marched = tuple[States, Sequence[Stretch], str | None]
+"""States of all plants after a stretch of time, the resulting stretches of log, and a failure message, if any."""
+March = Callable[[States, Sequence[Command], float, float], Marched]
+"""Like `Plant.advance`, for all plants at once: states, commands, length [s], sample interval [s]."""
+
+CLOSE = 1e-9
+"""Times closer than this are equal [s]."""
+LONGEST_SPAN = 2000
+"""Samples between two calls of `progress`: some tens of milliseconds of work."""
+
+
+def silent(*_: object) -> None:
+    """Do nothing; the default callback."""
+
+
+class Watching(TypedDict, total=False):
+    """Options of a run in addition to its scenario; see `run`."""
+
+    link_forces: bool
+    until: Until | None
+    throw: bool
+    progress: Progress
+
+
+class Logging(Watching, total=False):
+    """Options that control how a run is logged and ends; see `run`."""
+
+    sample_interval: float
+
+
+def run(
+    plant: Plant[Any],
+    controller: Controller[Any],
+    duration: float,
+    *,
+    start: Start | Resumed | None = None,
+    sample_interval: float = 0.05,
+    link_forces: bool = False,
+    until: Until | None = None,
+    throw: bool = False,
+    progress: Progress = silent,
+) -> Trial:
+    """Run a plant under a controller, starting straight and at rest.
+
+    A command takes effect the plant's `loop_delay` after the observation from which it was
+    computed; until the first one does, the controller's gait acts. `OpenLoop` ignores observations,
+    and acts at once.
+
+    Args:
+        plant: The plant to run; see `plant`.
+        controller: Computes the command at every control instant; `OpenLoop` holds one. Its signals
+            are stored in the trial.
+        duration: Duration of the run [s].
+        start: Start of the run; None: at the origin, along x.
+        sample_interval: Time between two samples of the log [s]; adjusted so that it divides the
+            time between two control instants, and the duration.
+        link_forces: Whether to log the force on every link as well.
+        until: Called at every control instant after the first; when it returns True, the run ends
+            early.
+        throw: Whether to raise an error when the run blows up, instead of returning a trial that
+            says so.
+        progress: Called repeatedly with the time reached [s].
+
+    Returns:
+        The trial, including its final state.
+
+    Raises:
+        ValueError: If an argument is out of its range, or the controller rejects the robot.
+        SimulationFailed: If the run blows up and `throw` is set.
+    """
+    scenario = Scenario(
+        robot=plant.robot,
+        motion=_motion(controller),
+        environment=plant.environment,
+        model=plant.settings,
+        start=start or Start(),
+        duration=duration,
+        sample_interval=sample_interval,
+    )
+    return run_scenario(
+        scenario, plant, link_forces=link_forces, until=until, throw=throw, progress=progress
+    )
+
+
+def _motion(controller: Controller[Any]) -> Motion:
+    """Return the gait if the controller only holds one, otherwise the controller."""
+    check_instance("controller", controller, Controller)
+    if not isinstance(controller, OpenLoop):
+        return controller
+    if controller == OpenLoop(command=Command(gait=controller.gait)):
+        return controller.gait
+    return controller
+
+
+def run_scenario(scenario: Scenario, plant: Plant[Any], **how: Unpack[Watching]) -> Trial:
+    """Run a scenario on its plant; errors as for `run`.
+
+    Args:
+        scenario: Everything that determines the run.
+        plant: The plant made from the scenario.
+        how: `link_forces`: log the force on every link as well; `until`: called at every control
+            instant, ends the run when it returns True; `throw`: raise an error when the run blows
+            up; `progress`: called repeatedly with the time reached [s].
+    """
+    # Record the robot that actually swims, such as its planar form, and what the scenario leaves
+    # open, such as dt.
+    scenario = replace(scenario, robot=plant.robot, model=plant.settings)
+    link_forces = how.get("link_forces", False)
+
+    def march(
+        states: States, commands: Sequence[Command], length: float, sample_interval: float
+    ) -> Marched:
+        state, stretch, failure = plant.advance(
+            states[0], commands[0], length, sample_interval, link_forces=link_forces
+        )
+        return [state], [stretch], failure
+
+    trials = run_all(
+        [scenario],
+        [plant],
+        march,
+        until=how.get("until"),
+        progress=how.get("progress", silent),
+    )
+    trial = trials[0]
+    if how.get("throw") and not trial.succeeded:
+        raise SimulationFailed(trial.status)
+    return trial
+
+
+def run_all(
+    scenarios: Sequence[Scenario],
+    plants: Sequence[Plant[Any]],
+    march: March,
+    *,
+    until: Until | None = None,
+    check: Callable[[States], object] = silent,
+    progress: Progress = silent,
+) -> list[Trial]:
+    """Run plants that advance together under the controllers of their scenarios; see `run`.
+
+    Args:
+        scenarios: One for each plant, all with the same duration and sample interval.
+        plants: The plants to run.
+        march: Like `Plant.advance`, for all plants at once.
+        until: Called with the observation of the first plant.
+        check: Rejects invalid initial states.
+        progress: Called repeatedly with the time reached [s].
+
+    Raises:
+        ValueError: If an argument is out of its range, or a controller rejects its robot.
+    """
+    duration = scenarios[0].duration
+    sample_interval = scenarios[0].sample_interval
+    check_size(duration, sample_interval)
+    for scenario, plant in zip(scenarios, plants, strict=True):
+        scenario.controller.check(plant.robot)
+    swimmers = [
+        _Swimmer(plant=plant, scenario=scenario)
+        for plant, scenario in zip(plants, scenarios, strict=True)
+    ]
+    check([swimmer.state for swimmer in swimmers])
+    control_interval = min(swimmer.controller.interval for swimmer in swimmers)
+    failure: str | None = None
+    n_finished = 0
+    now = 0.0
+    for span in _spans(duration, sample_interval, control_interval):
+        observations = [swimmer.plant.observe(swimmer.state) for swimmer in swimmers]
+        if until is not None and n_finished and until(observations[0]):
+            duration = _cut(duration, control_interval, n_finished)
+            break
+        for swimmer, observation in zip(swimmers, observations):  # noqa: B905 - many times a second
+            swimmer.decide(observation, now, control_interval)
+        failure = _advance(swimmers, march, now, span)
+        if failure is not None:
+            break
+        n_finished += 1
+        now = span.end
+        progress(now)
+    return [swimmer.trial(duration, failure) for swimmer in swimmers]
+
+
+# ---- one robot of a run --------------------------------------------------------------------------
+
+
+class _DueCommand(NamedTuple):
+    """A command on its way from the controller to the joints."""
+
+    due: float
+    """When it takes effect, or did [s]."""
+    command: Command
+
+
+class _Swimmer:
+    """A plant during a run: its state, its controller, and what both have logged.
+
+    Args:
+        plant: The plant to run.
+        scenario: Its scenario.
+    """
+
+    def __init__(self, plant: Plant[Any], scenario: Scenario) -> None:
+        self.plant = plant
+        self.scenario = scenario
+        self.controller = scenario.controller
+        self.state = _initial_state(plant, scenario.start, scenario.gait)
+        self.controller_state = self.controller.init()
+        self.delay = _delay(plant, self.controller, scenario.start)
+        """Time after which a command takes effect [s]."""
+        self.commands = [_DueCommand(0.0, Command(gait=self.controller.gait))]
+        """The command that acts, and those on their way, in the order in which they take effect."""
+        self.stretches: list[Stretch] = []
+        self.signals: list[Mapping[str, float]] = []
+        """Signals of the controller at every control instant."""
+        self.n_samples: list[int] = []
+        """Number of samples after each control instant."""
+
+    def decide(self, observation: Observation, now: float, control_interval: float) -> None:
+        """Perform one control step at a control instant of the run.
+
+        A controller slower than the fastest one in the run keeps its first command.
+        """
+        command = self.commands[-1].command
+        if not self.signals or self.controller.interval <= control_interval:
+            self.controller_state, command = self.controller.step(
+                self.controller_state, observation
+            )
+            check_instance("command", command, Command)
+        self.signals.append(self.controller.signals(self.controller_state))
+        self.n_samples.append(0)
+        self.commands.append(_DueCommand(now + self.delay, command))
+        while len(self.commands) > 1 and self.commands[1].due <= now + CLOSE:
+            del self.commands[0]
+
+    def command_at(self, now: float, elapsed: float) -> Command:
+        """Return the command that acts some time after a control instant.
+
+        Args:
+            now: Time of the control instant [s].
+            elapsed: Time since then [s].
+        """
+        acting = self.commands[0].command
+        for due, command in self.commands:
+            if due - now <= elapsed + CLOSE:
+                acting = command
+        return acting
+
+    def log(self, stretch: Stretch) -> None:
+        """Keep the samples of a stretch, whose first one the stretch before has, too."""
+        self.stretches.append(stretch)
+        self.n_samples[-1] += len(stretch.samples) - 1
+
+    def trial(self, duration: float, failure: str | None) -> Trial:
+        """Return the trial of a run of the given duration [s], which may have ended with a failure."""
+        log = self.plant.log(self.stretches)
+        scenario = self.scenario
+        if duration != scenario.duration:
+            scenario = replace(scenario, duration=duration)
+        series = replace(log, signals={**self._sampled_signals(), **log.signals})
+        return Trial(
+            **vars(series),
+            scenario=scenario,
+            version=packaging.__version__,
+            status=failure or REACHED_END,
+            succeeded=failure is None,
+            state=self.plant.pack(self.state) if failure is None else {},
+        )
+
+    def _sampled_signals(self) -> dict[str, np.ndarray]:
+        """Return the signals of the controller at every sample.
+
+        A sample at a control instant has the signals of that instant, but the very last one those
+        before it.
+        """
+        n_samples = [*self.n_samples[:-1], self.n_samples[-1] + 1]
+        return {
+            name: np.repeat([signals[name] for signals in self.signals], n_samples)
+            for name in self.signals[0]
+        }
+
+
+def _delay(plant: Plant[Any], controller: Controller[Any], start: Start | Resumed | None) -> float:
+    """Return the delay after which commands take effect [s]."""
+    if isinstance(controller, OpenLoop):
+        return 0.0
+    delay = plant.settings.loop_delay
+    if delay and isinstance(start, Resumed):
+        rule = (
+            "must be 0 to continue from the end of a trial, which does not store delayed commands"
+        )
+        raise BadArgument("loop_delay", f"{rule}, got {delay:g}")
+    return delay
+
+
+def _initial_state(plant: Plant[Any], start: Start | Resumed, gait: gaits.Gait) -> Any:
+    """Return the plant's initial state: that of a start, or the final state of a trial."""
+    if isinstance(start, Resumed):
+        return plant.unpack({name: np.array(values) for name, values in start.state.items()})
+    return plant.init(start, Command(gait=gait))
+
+
+# ---- time: spans between control instants, and legs with one command -----------------------------
+
+
+class _Span(NamedTuple):
+    """Time without a control instant inside."""
+
+    length: float
+    """Its length [s]."""
+    n_samples: int
+    """Number of samples, the one at its end included."""
+    end: float
+    """Time reached at its end [s]."""
+
+
+def _spans(duration: float, sample_interval: float, control_interval: float) -> Iterator[_Span]:
+    """Split a run at its control instants, and long spans so that `progress` is called often enough."""
+    n_intervals = max(1, math.ceil(duration / control_interval - 1e-9))
+    length = duration / n_intervals
+    n_samples = max(1, round(length / sample_interval))
+    for i in range(n_intervals):
+        for first in range(0, n_samples, LONGEST_SPAN):
+            count = min(LONGEST_SPAN, n_samples - first)
+            yield _Span(
+                length=length * count / n_samples,
+                n_samples=count,
+                end=length * (i + (first + count) / n_samples),
+            )
+
+
+def _cut(duration: float, control_interval: float, n_finished: int) -> float:
+    """Return the shortened duration of a run that ends after `n_finished` control instants [s].
+
+    Repeated with this duration, the run has control instants at the same times to the last bit,
+    if one of the neighboring floating-point numbers allows it.
+    """
+    length = duration / max(1, math.ceil(duration / control_interval - 1e-9))
+    cut = length * n_finished
+    for candidate in (cut, math.nextafter(cut, 0.0), math.nextafter(cut, 2.0 * cut)):
+        if candidate / n_finished == length:
+            return candidate
+    return cut
+
+
+class _Leg(NamedTuple):
+    """Part of a span during which every swimmer has one command; times since the span's begin."""
+
+    begin: float
+    """Begin [s]."""
+    end: float
+    """End [s]."""
+    sample_interval: float
+    """Time between its samples [s]."""
+    ends_at_sample: bool
+    """Whether the log has a sample at its end."""
+
+
+def _advance(swimmers: Sequence[_Swimmer], march: March, now: float, span: _Span) -> str | None:
+    """Advance by a span, leg by leg; return the failure message, if any."""
+    for leg in _legs(swimmers, now, span):
+        states, stretches, failure = march(
+            [swimmer.state for swimmer in swimmers],
+            [swimmer.command_at(now, leg.begin) for swimmer in swimmers],
+            leg.end - leg.begin,
+            leg.sample_interval,
+        )
+        for swimmer, state, stretch in zip(swimmers, states, stretches):  # noqa: B905
+            swimmer.state = state
+            if not leg.ends_at_sample:
+                stretch = stretch.at(slice(None, -1))
+            swimmer.log(stretch)
+        if failure is not None:
+            return failure
+    return None
+
+
+def _legs(swimmers: Sequence[_Swimmer], now: float, span: _Span) -> list[_Leg]:
+    """Return the legs of a span: all of it, or from sample to sample if a command takes effect inside.
+
+    In the latter case it is also split where the command takes effect between two samples.
+    """
+    sample_interval = span.length / span.n_samples
+    changes = _changes_of_command(swimmers, now, span.length)
+    if not changes:
+        return [_Leg(0.0, span.length, sample_interval, ends_at_sample=True)]
+    samples = [i * sample_interval for i in range(span.n_samples + 1)]
+    between_samples = {
+        change for change in changes if min(abs(change - sample) for sample in samples) > CLOSE
+    }
+    return [
+        _Leg(begin, end, sample_interval=end - begin, ends_at_sample=end in samples)
+        for begin, end in pairwise(sorted([*samples, *between_samples]))
+    ]
+
+
+def _changes_of_command(swimmers: Sequence[_Swimmer], now: float, length: float) -> list[float]:
+    """Return the times since the begin of a span at which a command takes effect inside it [s]."""
+    changes: list[float] = []
+    for swimmer in swimmers:
+        for due, _ in swimmer.commands[1:]:
+            if due < now + length - CLOSE:
+                changes.append(due - now)
+    return changes
+
+
+def resume(
+    plant: Plant[Any],
+    trial: Trial,
+    duration: float,
+    *,
+    controller: Controller[Any] | None = None,
+    **how: Unpack[Logging],
+) -> Trial:
+    """Continue from the end of a trial; the rest of an open-loop run is the same as if it had never been interrupted.
+
+    Args:
+        plant: The plant of the trial (`laticauda.build_plant` of its scenario).
+        trial: A trial that ran to its end.
+        duration: Duration of the continuation [s].
+        controller: The controller, which starts from its own initial state; None continues with the
+            trial's gait.
+        how: `link_forces`: log the force on every link as well; `until`: called at every control
+            instant, ends the run when it returns True; `throw`: raise an error when the run blows
+            up; `progress`: called repeatedly with the time reached [s];
+            `sample_interval`: time between two samples of the log [s].
+
+    Returns:
+        The trial of the second part; `laticauda.joined` joins the two.
+
+    Raises:
+        ValueError: If the trial has no state to continue from, or a state that does not belong to
+            this plant.
+        SimulationFailed: If the run blows up and `throw` is set.
+    """
+    motion = getattr(trial.scenario, "motion", None)  # an experiment has none
+    if isinstance(motion, Controller):
+        _delay(plant, cast("Controller[Any]", motion), Resumed(state={}))
+    if not trial.succeeded or not trial.state:
+        raise ValueError(
+            f"`trial` must have run to its end and hold its final state; its status: {trial.status}"
+        )
+    if controller is None:
+        if trial.gait is None:
+            raise BadArgument("controller", "must be given to continue a trial that has no gait")
+        controller = OpenLoop(command=Command(gait=trial.gait))
+    return run(plant, controller, duration, start=Resumed(state=trial.state), **how)
+
+
+def swim(
+    robot: Scenario | Experiment | Robot | str | Path,
+    gait: Motion | None = None,
+    duration: float = 30.0,
+    *,
+    link_forces: bool = False,
+    throw: bool = False,
+    progress: Progress = silent,
+    **changes: Unpack[Changes],
+) -> Trial:
+    """Run a scenario, or simulate a robot that swims a gait, starting straight and at rest.
+
+    Args:
+        robot: The scenario, also that of a trial (`Trial.scenario`); or a robot (`load_robot`),
+            together with its gait.
+        gait: The commanded gait (`lateral_undulation`, `eel_like`, `custom_gait`), or a controller;
+            omitted with a scenario.
+        duration: With a robot: duration of the run [s].
+        link_forces: Whether to log the force on every link as well.
+        throw: Whether to raise an error when the run blows up, instead of returning a trial that
+            says so.
+        progress: Called repeatedly with the time reached [s].
+        changes: With a robot: other deviations from the defaults, such as `environment`, `model`,
+            `joints` and `dt`; see `laticauda.scenarios.Changes`.
+
+    Returns:
+        The trial; a run that blows up also returns one, whose `status` says when it did and what to
+        try.
+
+    Raises:
+        ValueError: If an argument is out of its range.
+        SimulationFailed: If the run blows up and `throw` is set.
+
+    Example:
+        >>> import laticauda as lc
+        >>> gait = lc.lateral_undulation(amplitude=0.5236, frequency=2.2689, phase_shift=0.6981)
+        >>> trial = lc.swim(lc.load_robot("mamba"), gait, duration=30.0)
+        >>> round(trial.forward_velocity, 3)
+        0.148
+    """
+    if isinstance(robot, Scenario | Experiment):
+        plant = build_plant(robot)  # rejects an experiment
+        scenario = cast(Scenario, robot)
+    else:
+        scenario = build_scenario(robot, cast(Motion, gait), duration, **changes)
+        plant = build_plant(scenario)
+    return run_scenario(scenario, plant, link_forces=link_forces, throw=throw, progress=progress)

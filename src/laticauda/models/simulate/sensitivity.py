@@ -1,0 +1,203 @@
+"""`compute_sensitivities`: the figures of trials with their derivatives with respect to parameters."""
+
+import functools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Unpack
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from laticauda import robot
+from laticauda.models.planar import batch
+from laticauda.models.simulate import batch_scenarios
+from laticauda.models.simulate.derivatives import Number, compute_slopes
+from laticauda.models.simulate.numbers import (
+    Parameter,
+    change_parameters,
+    list_parameters,
+    look_up,
+    value_of,
+)
+from laticauda.models.simulate.run_figures import UNITS
+from laticauda.models.simulate.runner import Progress, silent
+from laticauda.motion.gaits import Gait
+from laticauda.scenarios import ModelChanges, Scenario, interfaces
+from laticauda.values.checks import check_choice
+from laticauda.values.errors import BadArgument
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sensitivities:
+    """Figures of trials and their derivatives with respect to parameters.
+
+    They are nan where a trial lacks a figure (see `Swims`).
+    """
+
+    figures: tuple[str, ...]
+    """Names of the figures, as in `Swims`; x, y: final position of the center of mass."""
+    parameters: tuple[Parameter, ...]
+    """Parameters of the differentiation: name, unit and title."""
+    point: Float[np.ndarray, "n_trials n_parameters"]
+    """Values of the parameters, in their units."""
+    values: Float[np.ndarray, "n_trials n_figures"]
+    """Values of the figures, in the units of `UNITS`."""
+    jacobian: Float[np.ndarray, "n_trials n_figures n_parameters"]
+    """Derivative of each figure with respect to each parameter, in the figure's unit per the parameter's."""
+    succeeded: Bool[np.ndarray, " n_trials"]
+    """Whether the trial reached its end."""
+    status: tuple[str, ...]
+    """How each trial ended."""
+
+    def of(self, figure: str, parameter: str) -> Float[np.ndarray, " n_trials"]:
+        """Return the derivative of one figure with respect to one parameter, for every trial.
+
+        Args:
+            figure: Name of the figure.
+            parameter: Dotted name of the parameter.
+
+        Raises:
+            ValueError: If this object has no such figure or parameter.
+        """
+        names = tuple(parameter.name for parameter in self.parameters)
+        row = self.figures.index(check_choice("figure", figure, self.figures))
+        column = names.index(check_choice("parameter", parameter, names))
+        return self.jacobian[:, row, column]
+
+    @property
+    def elasticity(self) -> Float[np.ndarray, "n_trials n_figures n_parameters"]:
+        """Percent by which a figure grows when a parameter grows by one percent: (df/dq) q/f [-].
+
+        It is nan where f is 0.
+        """
+        with np.errstate(all="ignore"):
+            share = self.jacobian * self.point[:, np.newaxis, :] / self.values[:, :, np.newaxis]
+        return np.where(np.isfinite(share), share, np.nan)
+
+
+def compute_sensitivities(
+    robots: Sequence[Scenario] | robot.Robot | Sequence[robot.Robot],
+    gaits: Gait | Sequence[Gait] | None = None,
+    duration: float = 30.0,
+    *,
+    names: Sequence[str],
+    environments: robot.Environment | Sequence[robot.Environment] | None = None,
+    starts: interfaces.Start | Sequence[interfaces.Start] | None = None,
+    sample_interval: float = 0.05,
+    threads: int | None = None,
+    progress: Progress = silent,
+    **changes: Unpack[ModelChanges],
+) -> Sensitivities:
+    """Compute derivatives of the figures of trials with respect to numbers of robot, gait and environment.
+
+    The derivatives are those of the kernels' results, at the time step of the trial, exact to
+    rounding: the kernels carry each number with its derivative (a complex step). Trials and
+    parameters are computed side by side; each pair costs as much as three to four trials of a
+    batch. Where a figure has a kink (|u phi'| at u phi' = 0 in a power, saturation of a servo), it
+    is differentiated on either side; over a whole trial, this is not visible.
+
+    Args:
+        robots: The scenarios, all planar, with one duration and sample interval and without
+            controllers; or the robots, together with their gaits. Time steps do not change with a
+            parameter.
+        gaits: The commanded gaits, one for all or one for each; omitted with scenarios.
+        duration: Duration of every trial [s].
+        names: Dotted names of the parameters: `gait.amplitude`, `water.normal_drag`,
+            `robot.caudal_fin.length`, `robot.module.mass` (of all modules alike); see
+            `laticauda.models.simulate.numbers`.
+        environments: Waters or grounds, one for all or one for each; None uses `default_water` of
+            each robot and gait.
+        starts: Start of each trial; None: at the origin, along x.
+        sample_interval: Sample interval of the logs used for the figures; the logs are not kept
+            [s].
+        threads: Number of threads; None uses all cores that this process may use.
+        progress: Called repeatedly with the completed share, from 0 to 1.
+        changes: Settings of the model: `joints` (prescribed, pd, servo, or a joint law), `dt` [s]
+            and the other fields of `laticauda.scenarios.ModelChanges`. A fluid law that branches is
+            differentiated on the branch taken.
+
+    Returns:
+        Figures and derivatives, as arrays.
+
+    Raises:
+        ValueError: If an argument is out of its range, or a parameter does not exist, is a count,
+            or cannot change.
+
+    Example:
+        >>> import laticauda as lc
+        >>> gait = lc.lateral_undulation(amplitude=0.52, frequency=2.27, phase_shift=0.70)
+        >>> found = compute_sensitivities(lc.load_robot("mamba"), gait, names=["gait.frequency", "water.normal_drag"])
+        >>> found.of("forward_velocity", "gait.frequency").round(4)
+        array([0.0486])
+    """
+    if isinstance(names, str) or not names:
+        raise BadArgument("names", f"must hold at least one name of a parameter, got {names!r}")
+    scenarios = batch_scenarios.scenarios_of_batch(
+        robots,
+        gaits,
+        environments=environments,
+        starts=starts,
+        duration=duration,
+        sample_interval=sample_interval,
+        **changes,
+    )
+    runs = batch_scenarios.runs_of(scenarios)
+    parameters_of_each = [_parameters_of(names, scenario) for scenario in scenarios]
+    parameters = parameters_of_each[0]
+    point = [
+        [value_of(parameter.name, scenario) for parameter in parameters] for scenario in scenarios
+    ]
+    pairs_of_run: list[batch.Run] = []
+    numbers: list[Number] = []
+    for run, scenario, values in zip(runs, scenarios, point, strict=True):
+        for parameter, value in zip(parameters, values, strict=True):
+            pairs_of_run.append(run)
+            numbers.append(_number_of(scenario, parameter, value))
+    result = compute_slopes(
+        pairs_of_run,
+        numbers,
+        scenarios[0].duration,
+        sample_interval=scenarios[0].sample_interval,
+        threads=threads,
+        progress=progress,
+    )
+    shape = len(runs), len(names)
+    figures = np.stack([result.figures[name].reshape(shape) for name in UNITS], axis=1)
+    return Sensitivities(
+        figures=tuple(UNITS),
+        parameters=parameters,
+        point=np.array(point),
+        values=np.real(figures[:, :, 0]),
+        jacobian=np.imag(figures) / batch.STEP,
+        succeeded=result.succeeded[:: len(names)],
+        status=result.status[:: len(names)],
+    )
+
+
+def _parameters_of(names: Sequence[str], scenario: Scenario) -> tuple[Parameter, ...]:
+    """Return the parameters of the given names.
+
+    Raises:
+        ValueError: If there is no parameter of that name, or it is a count.
+    """
+    known_parameters = list_parameters(scenario)
+    parameters = tuple(look_up(name, known_parameters, "names") for name in names)
+    for parameter in parameters:
+        if parameter.is_whole:
+            rule = "must be of numbers that can vary slightly"
+            raise BadArgument("names", f"{rule}, got `{parameter.name}`, a count")
+    return parameters
+
+
+def _number_of(scenario: Scenario, parameter: Parameter, value: float) -> Number:
+    """Return a parameter of a scenario as a number with respect to which its run is differentiated."""
+    return Number(
+        name=parameter.name,
+        scenario=scenario,
+        value=value,
+        change=functools.partial(_with_value, scenario, parameter.name),
+    )
+
+
+def _with_value(scenario: Scenario, name: str, value: float) -> Scenario:
+    return change_parameters(scenario, {name: value})

@@ -1,0 +1,123 @@
+"""Joint drives of a robot in MuJoCo: the reference generator, the joint laws, and the work that they do.
+
+The laws are those of the planar model (`gaits.reference`, `joints.laws`). Arrays: X state, C
+command, J joints, R reference with its two derivatives, U torques; `rows` defines their layout.
+This is a template (see `templates`).
+"""
+
+# pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
+
+import numpy as np
+
+from laticauda.compiling import compile_scalar, kernel
+from laticauda.compiling.formulas import rows_from
+from laticauda.compiling.templates import bindings
+from laticauda.models.dynamics import stages
+from laticauda.models.spatial.rows import *
+from laticauda.motion.gaits import reference
+from laticauda.motion.joints import laws
+from laticauda.motion.joints.kernels import actuator_of
+
+advance_wave = compile_scalar(reference.advance_wave)
+advance_time = compile_scalar(reference.advance_time)
+smooth_start = compile_scalar(reference.smooth_start)
+wave_motion = compile_scalar(reference.wave_motion)
+wave_reference = compile_scalar(reference.wave_reference)
+between_knots = compile_scalar(reference.between_knots)
+wave_of = rows_from(PHASE, len(reference.WaveState._fields))
+target_of = rows_from(AMPLITUDE, 4)
+joint_powers = compile_scalar(stages.joint_powers)
+motor_power = compile_scalar(laws.motor_power)
+_own = bindings(__name__)["joint_law"]
+by_law = actuator_of(_own)
+drive_of = rows_from(DRIVE, len(laws.Drive._fields))
+motor_of = rows_from(MOTOR, 5)
+law_numbers = rows_from(JOINT_LAW, 0 if _own is None else len(_own.fields))
+
+
+@kernel
+def advance_reference(X, C, J, R, dt):
+    """Advance the generator by dt and set the reference."""
+    w = C[BANDWIDTH]
+    decay = np.exp(-w * dt)
+    for G, A in (
+        (X[:PITCH], C[:PITCH_COMMAND]),
+        (X[SECOND:], C[PITCH_COMMAND:]),
+        (X[THIRD:], C[FIN_COMMAND:]),
+    ):
+        for row, value in enumerate(advance_wave(wave_of(G), target_of(A), w, decay, dt)):
+            G[PHASE + row] = value
+    X[TIME], X[TIME_REST] = advance_time(X[TIME], X[TIME_REST], dt)
+    set_reference(X, C, J, R)
+
+
+@kernel
+def set_reference(X, C, J, R):
+    """Set phi_ref of every driven joint and its derivatives, three rows of R; each wave moves its own joints."""
+    ramp = smooth_start(X[TIME], C[RAMP])
+    set_wave(X[:PITCH], C[:PITCH_COMMAND], C[BANDWIDTH], ramp, YAW_WAVE, J, R)
+    set_wave(X[SECOND:], C[PITCH_COMMAND:], C[BANDWIDTH], ramp, PITCH_WAVE, J, R)
+    set_wave(X[THIRD:], C[FIN_COMMAND:], C[BANDWIDTH], ramp, FIN_WAVE, J, R)
+    if C[N_KNOTS] > 0.0:
+        add_recorded(X[TIME], C, C[COMMAND_ROWS:], J, R)
+
+
+@kernel
+def add_recorded(time, C, T, J, R):
+    """Add the angles of a recording T to the references of the yaw joints."""
+    n = int(C[N_KNOTS])
+    width = T.size // n
+    k = int(C[KNOT])
+    while k < n - 2 and time >= T[(k + 1) * width]:
+        k += 1
+    while k > 0 and time < T[k * width]:
+        k -= 1
+    C[KNOT] = k
+    a, b = T[k * width :], T[(k + 1) * width :]
+    j = 1
+    for i in range(J.shape[0]):
+        if J[i, WAVE] == YAW_WAVE:
+            recorded = between_knots(time, a[0], b[0], a[j], a[j + 1], b[j], b[j + 1])
+            for row in range(3):
+                R[row, i] += recorded[row]
+            j += 2
+
+
+@kernel
+def set_wave(X, C, w, ramp, wave, J, R):
+    """Set the reference of the joints that one wave moves."""
+    motion = wave_motion(wave_of(X), target_of(C), w, ramp)
+    k = 0.0
+    for i in range(J.shape[0]):
+        if J[i, WAVE] == wave:
+            psi = X[PHASE] + k * X[PHASE_SHIFT_NOW] + C[AHEAD]
+            R[0, i], R[1, i], R[2, i] = wave_reference(
+                np.sin(psi), np.cos(psi), J[i, ENVELOPE], k, motion
+            )
+            k += 1.0
+
+
+@kernel
+def actuator(C, J, i, angle, rate, R):
+    """Return the torque of a free joint's actuator and its slopes."""
+    motion = angle, rate, R[0, i], R[1, i], R[2, i]
+    return by_law(J[i, LAW], motion, drive_of(J[i]), law_numbers(C))
+
+
+@kernel
+def count_work(N, X, C, J, U, P, qvel, dt):
+    """Add the work since the last step by the trapezoidal rule; P stores the powers."""
+    nv = N[N_BASE_QVEL]
+    absolute, net, positive, electrical = 0.0, 0.0, 0.0, C[ACTIVE_POWER]
+    for i in range(J.shape[0]):
+        rate = qvel[nv + i]
+        size, signed, given = joint_powers(U[i], rate)
+        absolute += size
+        net += signed
+        positive += given
+        if J[i, STALL_POWER] > 0.0:
+            electrical += motor_power(U[i], rate, *motor_of(J[i]))
+    for k, power in enumerate((absolute, net, positive, electrical)):
+        X[WORK_ABSOLUTE + k] += 0.5 * dt * (P[k] + power)
+        P[k] = power

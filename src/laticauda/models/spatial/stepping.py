@@ -1,0 +1,375 @@
+"""Advance a robot in MuJoCo through time with two fixed-step integrators.
+
+MuJoCo evaluates the dynamics (`mj_forward`: kinematics, inertia with the water's callback,
+contacts, accelerations); with free joints, the steps are those of the planar model:
+
+- All joints prescribed: classic Runge-Kutta of order 4. At every stage the joints are exactly on
+  the reference. Each of them is held by an inertia so large (HOLD) that it accelerates as the
+  reference does, whatever acts on it; the residual of its acceleration times that inertia is the
+  joint's torque.
+- Any joint free (pd, servo, the hinges of a fin that bends): ROS2 (see `dynamics.stages`), linearly
+  implicit in the joint law, in M + A.
+
+`rows` defines the layout of the arrays; `drives` defines what moves the joints. This is a template
+(see `compiling.templates`).
+"""
+
+# pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
+
+import numpy as np
+
+from laticauda.compiling import compile_scalar, entry, kernel
+from laticauda.compiling.templates import bindings
+from laticauda.models.dynamics import stages
+from laticauda.models.dynamics.stages import FARTHEST, GAMMA, STRONGEST
+from laticauda.models.spatial.rows import *
+from laticauda.water.mujoco.native import forces_after, forward_skip, integrate_positions
+from laticauda.water.mujoco.vectors import field, numbers
+
+_drives = bindings(__name__)["drives"]
+actuator, count_work = _drives.actuator, _drives.count_work
+advance_reference, set_reference = _drives.advance_reference, _drives.set_reference
+
+implicit_inertia = compile_scalar(stages.implicit_inertia)
+second_torque = compile_scalar(stages.second_torque)
+W_1, W_2 = stages.WEIGHTS
+HOLD = 1e8  # kg m^2
+
+
+@kernel
+def copy(values, target):
+    """Copy numbers one by one: with slices, a third of the compiled code would be Numba's messages on unequal sizes."""
+    for i in range(len(target)):
+        target[i] = values[i]
+
+
+@kernel
+def evaluate(N):
+    """Compute the accelerations at the state in the data."""
+    forward_skip(N[MODEL], N[DATA], 0, 1)
+
+
+@kernel
+def put_on_reference(N, qpos, qvel, J, R, hold):
+    """Put prescribed joints on the reference and hold them to its acceleration."""
+    nq, nv = N[N_BASE_QPOS], N[N_BASE_QVEL]
+    for i in range(J.shape[0]):
+        if J[i, LAW] == PRESCRIBED:
+            qpos[nq + i], qvel[nv + i] = R[0, i], R[1, i]
+            hold[nv + i] = HOLD
+            hold[N[N_QVEL] + nv + i] = HOLD * R[2, i]
+
+
+@kernel
+def first_stage(N, qpos, qvel, C, J, R, hold, U, K, gamma_dt):
+    """Set torques and implicit terms of the first stage; K stores the slope over angle and the implicit inertia."""
+    nq, nv, total = N[N_BASE_QPOS], N[N_BASE_QVEL], N[N_QVEL]
+    for i in range(J.shape[0]):
+        if J[i, LAW] == PRESCRIBED:
+            continue
+        rate = qvel[nv + i]
+        torque, slope_p, slope_d = actuator(C, J, i, qpos[nq + i], rate, R)
+        slope_p += J[i, STIFFNESS]
+        slope_d += J[i, DAMPING]
+        U[i], K[0, i], K[1, i] = torque, slope_p, implicit_inertia(slope_p, slope_d, gamma_dt)
+        hold[nv + i] = K[1, i]
+        hold[total + nv + i] = torque - gamma_dt * slope_p * rate
+
+
+@kernel
+def second_stage(N, qpos, qvel, C, J, R, hold, K, first, slope, gamma_dt):
+    """Set the torques of the second stage, which is solved for a = k2 + 2 k1."""
+    nq, nv, total = N[N_BASE_QPOS], N[N_BASE_QVEL], N[N_QVEL]
+    put_on_reference(N, qpos, qvel, J, R, hold)
+    for i in range(J.shape[0]):
+        if J[i, LAW] == PRESCRIBED:
+            continue
+        torque, _, _ = actuator(C, J, i, qpos[nq + i], qvel[nv + i], R)
+        k = nv + i
+        hold[total + k] = second_torque(
+            torque, K[0, i], K[1, i], qvel[k], slope[k], first[k], gamma_dt
+        )
+
+
+@kernel
+def move(N, qpos, start, velocity, dt):
+    """Set qpos to `start` moved with a velocity for dt."""
+    copy(start, qpos)
+    integrate_positions(N[MODEL], qpos.ctypes.data, velocity.ctypes.data, dt)
+
+
+@kernel
+def of_robot(W, r):
+    """Return one robot's arguments for the functions above; W holds the arguments of `run` for all, and R, U and K."""
+    N, S, Y, C, J, R, U, K = W
+    s, e = S[r], S[r + 1]
+    a, b = s[FIRST_JOINT], e[FIRST_JOINT]
+    state, given = Y[s[FIRST_STATE] : e[FIRST_STATE]], C[s[FIRST_GIVEN] : e[FIRST_GIVEN]]
+    return N[r], state, given, J[a:b], R[:, a:b], U[a:b], K[:, a:b], s[FIRST_QPOS], s[FIRST_QVEL]
+
+
+@kernel
+def advance(N, X, C, J, R, dt):
+    """Advance one robot's generator, and the time in the data, at which the water is evaluated."""
+    advance_reference(X, C, J, R, dt)
+    numbers(N[DATA] + N[AT.time], 1)[0] = X[TIME]
+
+
+@kernel
+def put_all(W, qpos, qvel, hold, dt):
+    """Apply `put_on_reference` to all robots, after advancing their generators by dt."""
+    for r in range(len(W[0])):
+        N, X, C, J, R, _, _, q, v = of_robot(W, r)
+        if dt > 0.0:
+            advance(N, X, C, J, R, dt)
+        put_on_reference(N, qpos[q:], qvel[v:], J, R, hold[v:])
+
+
+@kernel
+def first_of_all(W, qpos, qvel, hold, gamma_dt):
+    """Apply `first_stage` to all robots."""
+    for r in range(len(W[0])):
+        N, _, C, J, R, U, K, q, v = of_robot(W, r)
+        first_stage(N, qpos[q:], qvel[v:], C, J, R, hold[v:], U, K, gamma_dt)
+
+
+@kernel
+def finish_rk4(W, hold, qpos, qvel, qacc, B, dt):
+    """Finish the step with stages 2 to 4; the accelerations of the first are already in the data. B: scratch rows."""
+    N = W[0][0]
+    q0, v0, sum_v, sum_a, now = B[0], B[1], B[2], B[3], B[4]
+    n = N[N_QVEL]
+    copy(qpos, q0)
+    for i in range(n):
+        v0[i] = qvel[i]
+        sum_v[i], sum_a[i] = 0.0, 0.0
+    for stage in range(4):
+        weight = dt / 6.0 if stage == 0 or stage == 3 else dt / 3.0
+        ahead = 0.5 * dt if stage < 2 else dt
+        for i in range(n):
+            sum_v[i] += weight * qvel[i]
+            sum_a[i] += weight * qacc[i]
+            now[i] = qvel[i]
+        if stage == 3:
+            break
+        move(N, qpos, q0, now, ahead)
+        for i in range(n):
+            qvel[i] = v0[i] + ahead * qacc[i]
+        put_all(W, qpos, qvel, hold, 0.5 * dt if stage != 1 else 0.0)
+        evaluate(N)
+    move(N, qpos, q0, sum_v, 1.0)
+    for i in range(n):
+        qvel[i] = v0[i] + sum_a[i]
+    put_all(W, qpos, qvel, hold, 0.0)
+
+
+@kernel
+def finish_ros2(W, hold, qpos, qvel, qacc, B, dt):
+    """Finish the step, y + h (3/2 k1 + 1/2 k2), from both stages; the accelerations of k1 are already in the data."""
+    N = W[0][0]
+    q0, v0, slope, first, total = B[0], B[1], B[2], B[3], B[4]
+    n, gamma_dt = N[N_QVEL], GAMMA * dt
+    copy(qpos, q0)
+    for i in range(n):
+        v0[i], first[i] = qvel[i], qacc[i]
+        slope[i] = qvel[i] + gamma_dt * qacc[i]
+    move(N, qpos, q0, slope, dt)
+    for i in range(n):
+        qvel[i] = v0[i] + dt * first[i]
+    for r in range(len(W[0])):
+        M, X, C, J, R, _, K, q, v = of_robot(W, r)
+        advance(M, X, C, J, R, dt)
+        second_stage(M, qpos[q:], qvel[v:], C, J, R, hold[v:], K, first[v:], slope[v:], gamma_dt)
+    evaluate(N)
+    for i in range(n):
+        # As `stages.combined`; a call to it would be contracted differently here and change the
+        # last digit.
+        second = qacc[i] - 2.0 * first[i]
+        second_slope = qvel[i] - 2.0 * slope[i] + gamma_dt * second
+        total[i] = W_1 * slope[i] + W_2 * second_slope
+        v0[i] += dt * (W_1 * first[i] + W_2 * second)
+    move(N, qpos, q0, total, dt)
+    copy(v0, qvel)
+    put_all(W, qpos, qvel, hold, 0.0)
+
+
+@kernel
+def are_within(values, most):
+    """Return whether all values are still plausible for a swimming robot."""
+    for i in range(len(values)):
+        if not abs(values[i]) < most:
+            return False
+    return True
+
+
+@kernel
+def follow_links(N, order, qpos, links):
+    """Update the angle of every link about the vertical, unwrapped: by less than half a turn."""
+    n = N[N_LINKS]
+    if N[IS_PLANAR]:
+        links[0] = qpos[2]
+        for i in range(1, n):
+            links[i] = links[i - 1] + qpos[N[N_BASE_QPOS] + i - 1]
+        return
+    xmat = field(N[DATA], N[AT.xmat], 9 * N[N_BODIES])
+    for i in range(n):
+        b = 9 * order[i]
+        gap = np.arctan2(xmat[b + 3], xmat[b]) - links[i]
+        links[i] += gap - 2.0 * np.pi * np.floor(gap / (2.0 * np.pi) + 0.5)
+
+
+@kernel
+def sum_contacts(N, order, forces):
+    """Sum the solver's contact forces on every link, world axes; those on the fin count toward the tail link."""
+    forces_after(N[MODEL], N[DATA])
+    on_body = field(N[DATA], N[AT.cfrc_ext], 6 * N[N_BODIES])
+    n = N[N_LINKS]
+    forces[:] = 0.0
+    for i in range(n + N[N_FIN_BODIES]):
+        link = i if i < n else 0
+        for k in range(3):
+            forces[3 * link + k] += on_body[6 * order[i] + 3 + k]
+
+
+@kernel
+def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, forces, sample):
+    """Write one sample of the log.
+
+    `mass` is that of every body, 0 for those that are not the robot's; `order` holds the body of
+    each link.
+    """
+    n, bodies = N[N_LINKS], N[N_BODIES]
+    com, cvel = (
+        field(N[DATA], N[AT.subtree_com], 3 * bodies),
+        field(N[DATA], N[AT.cvel], 6 * bodies),
+    )
+    xipos, xmat = field(N[DATA], N[AT.xipos], 3 * bodies), field(N[DATA], N[AT.xmat], 9 * bodies)
+    copy(X, sample[:STATE_ROWS])
+    o, c = STATE_ROWS, 3 * order[0]
+    total = 0.0
+    for k in range(3):
+        sample[o + COM + k] = com[c + k]
+        sample[o + COM_RATE + k] = 0.0
+    for b in range(1, bodies):
+        rx, ry, rz = (
+            xipos[3 * b] - com[c],
+            xipos[3 * b + 1] - com[c + 1],
+            xipos[3 * b + 2] - com[c + 2],
+        )
+        wx, wy, wz = cvel[6 * b], cvel[6 * b + 1], cvel[6 * b + 2]
+        sample[o + COM_RATE] += mass[b] * (cvel[6 * b + 3] + wy * rz - wz * ry)
+        sample[o + COM_RATE + 1] += mass[b] * (cvel[6 * b + 4] + wz * rx - wx * rz)
+        sample[o + COM_RATE + 2] += mass[b] * (cvel[6 * b + 5] + wx * ry - wy * rx)
+        total += mass[b]
+    for k in range(3):
+        sample[o + COM_RATE + k] /= total
+    heading, heading_rate, pitch = 0.0, 0.0, 0.0
+    at = o + SAMPLE_HEADER
+    for i in range(n):
+        b = order[i]
+        x, y, z = xmat[9 * b], xmat[9 * b + 3], xmat[9 * b + 6]
+        wx, wy, wz = cvel[6 * b], cvel[6 * b + 1], cvel[6 * b + 2]
+        heading += links[i]
+        pitch -= np.arctan2(z, (x * x + y * y) ** 0.5)
+        heading_rate += (x * (wz * x - wx * z) - y * (wy * z - wz * y)) / (x * x + y * y)
+        sample[at + i] = links[i]
+    sample[o + HEADING] = heading / n
+    sample[o + HEADING_RATE] = heading_rate / n
+    sample[o + MEAN_PITCH] = pitch / n
+    if N[IS_PLANAR]:
+        sample[o + ORIENTATION], sample[o + ORIENTATION + 3] = (
+            np.cos(0.5 * links[0]),
+            np.sin(0.5 * links[0]),
+        )
+        sample[o + ORIENTATION + 1], sample[o + ORIENTATION + 2] = 0.0, 0.0
+    else:
+        for k in range(4):
+            sample[o + ORIENTATION + k] = qpos[3 + k]
+    at += n
+    for first, count in ((0, n - 1), (n - 1, J.shape[0] - (n - 1))):
+        for i in range(count):
+            sample[at + i] = qpos[N[N_BASE_QPOS] + first + i]
+            sample[at + count + i] = qvel[N[N_BASE_QVEL] + first + i]
+            sample[at + 2 * count + i] = R[0, first + i]
+            sample[at + 3 * count + i] = U[first + i]
+        at += 4 * count
+    copy(forces, sample[at:])
+
+
+@kernel
+def log_robot(W, r, mass, order, qpos, qvel, qacc, P, dt, sample):
+    """Count one robot's work and write its sample (empty between samples); return whether its numbers are in bounds."""
+    n, y, C, J, R, U, _, q, v = of_robot(W, r)
+    led, nv, links = C[IS_LED] != 0.0, v + n[N_BASE_QVEL], y[STATE_ROWS : STATE_ROWS + n[N_LINKS]]
+    for i in range(J.shape[0]):
+        if led and J[i, LAW] == PRESCRIBED:
+            # The resistance of the joint's skin is in MuJoCo's passive forces, so the actuator has
+            # to overcome it.
+            U[i] = HOLD * (R[2, i] - qacc[nv + i])
+    follow_links(n, order, qpos[q:], links)
+    count_work(n, y, C, J, U, P, qvel[v:], dt)
+    if not sample.size:
+        return True
+    forces = y[STATE_ROWS + n[N_LINKS] :]
+    if n[HAS_SCENE] != 0 and led:
+        sum_contacts(n, order, forces)
+    write_sample(n, y, J, R, U, mass, order, qpos[q:], qvel[v:], links, forces, sample)
+    return are_within(qpos, FARTHEST) and are_within(qvel, FARTHEST) and are_within(U, STRONGEST)
+
+
+@entry
+def run(N, S, Y, moving, C, J, mass, order, hold, steps, dt, every, log):
+    """Advance all robots of a model by `steps` steps of `dt` and log every `every`-th one, first and last included.
+
+    N has a row of integers per robot; S holds the start of each robot's part in Y (rows, link
+    angles, forces), C, J, order and the log's columns; `moving` is qpos and qvel of all. Returns
+    the number of samples written: fewer than requested if numbers left the finite range. The
+    trapezoidal rule for the work starts from the powers at the start.
+    """
+    M, n_robots = N[0], len(N)
+    n_q, n_v = M[N_QPOS], M[N_QVEL]
+    qpos, qvel = field(M[DATA], M[AT.qpos], n_q), field(M[DATA], M[AT.qvel], n_v)
+    qacc = field(M[DATA], M[AT.qacc], n_v)
+    copy(moving[:n_q], qpos)
+    copy(moving[n_q:], qvel)
+    U, P, B = np.zeros(len(J)), np.zeros((n_robots, 4)), np.zeros((5, n_q))
+    W = (N, S, Y, C, J, np.zeros((3, len(J))), U, np.zeros((2, len(J))))
+    hold[:] = 0.0
+    implicit, led = False, C[IS_LED] != 0.0
+    for r in range(n_robots):
+        implicit = implicit or N[r, IS_IMPLICIT] != 0
+        _, X, C_r, J_r, R, _, _, _, _ = of_robot(W, r)
+        set_reference(X, C_r, J_r, R)
+        numbers(M[DATA] + M[AT.time], 1)[0] = X[TIME]
+    two_ways = implicit and np.any(J[:, LAW] == PRESCRIBED)
+    if led:
+        put_all(W, qpos, qvel, hold, 0.0)
+    written = 0
+    for step in range(steps + 1):
+        if led:
+            first_of_all(W, qpos, qvel, hold, GAMMA * dt if implicit and not two_ways else 0.0)
+        evaluate(M)
+        for r in range(n_robots):
+            a, b = (
+                S[r, FIRST_COLUMN],
+                S[r + 1, FIRST_COLUMN] if step % every == 0 else S[r, FIRST_COLUMN],
+            )
+            bodies, sample = order[S[r, FIRST_BODY] : S[r + 1, FIRST_BODY]], log[step // every, a:b]
+            if not log_robot(
+                W, r, mass[r], bodies, qpos, qvel, qacc, P[r], dt if step > 0 else 0.0, sample
+            ):
+                return written
+        written += step % every == 0
+        if step == steps:
+            break
+        if not implicit:
+            finish_rk4(W, hold, qpos, qvel, qacc, B, dt)
+        else:
+            if two_ways:  # the torques above follow from accelerations, which must not be those of an implicit step
+                first_of_all(W, qpos, qvel, hold, GAMMA * dt)
+                evaluate(M)
+            finish_ros2(W, hold, qpos, qvel, qacc, B, dt)
+    copy(qpos, moving[:n_q])
+    copy(qvel, moving[n_q:])
+    return written

@@ -1,0 +1,424 @@
+"""Requested motion of the joints: the paper's gait (3) and its envelopes g(i, n).
+
+An envelope defines how the amplitude of the joints varies along the body; a kind of gait is a kind
+of envelope.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
+from math import pi, radians
+from typing import TYPE_CHECKING, Any, ClassVar, TypedDict, Unpack
+
+from laticauda.motion.gaits.recorded import JointAngles
+from laticauda.motion.gaits.reference import WaveTarget
+from laticauda.values.checks import check_finite, check_whole_number, show_value
+from laticauda.values.errors import BadArgument
+from laticauda.values.extensions import Extensible, name_of
+from laticauda.values.quantities import check_items, option, quantity, value_class
+
+# ---- envelopes -----------------------------------------------------------------------------------
+
+
+class Envelope(Extensible, group="envelopes"):
+    """Base class of envelopes: each kind of gait is a subclass, known by its class name.
+
+    Example:
+        >>> from laticauda.motion.gaits import Envelope
+        >>> Envelope.named("eel-like")()(1, 4)
+        0.6
+    """
+
+    words: ClassVar[str] = ""
+    """Label of such a gait in tables and figures; "" for its name."""
+
+    def __call__(self, i: int, n: int) -> float:
+        """Return g of one joint.
+
+        Args:
+            i: Number of the joint; 1 is the tail-most.
+            n: Number of links.
+        """
+        raise NotImplementedError
+
+    def joints(self, n_links: int) -> tuple[float, ...]:
+        """Return g of each of the n - 1 joints, tail first.
+
+        Args:
+            n_links: n.
+
+        Raises:
+            ValueError: If the envelope is for a different number of joints.
+        """
+        return _spread(self, n_links)
+
+    @property
+    def kind(self) -> str:
+        """Name as spelled in Python, such as `eel_like`."""
+        return name_of(type(self)).replace("-", "_")
+
+
+@value_class
+class LateralUndulation(Envelope):
+    """Envelope of constant amplitude, g(i, n) = 1."""
+
+    words: ClassVar[str] = "lateral undulation"
+
+    def __call__(self, i: int, n: int) -> float:
+        """Return 1."""
+        return 1.0
+
+
+@value_class
+class EelLike(Envelope):
+    """Envelope that grows from head to tail, g(i, n) = (n-i)/(n+1)."""
+
+    words: ClassVar[str] = "eel-like motion"
+
+    def __call__(self, i: int, n: int) -> float:
+        """Return (n-i)/(n+1)."""
+        return (n - i) / (n + 1)
+
+
+@value_class
+class Anguilliform(EelLike):
+    """Eel-like envelope whose tail-most joint has the full amplitude, g(i, n) = (n-i)/(n-1)."""
+
+    words: ClassVar[str] = "anguilliform motion"
+
+    def __call__(self, i: int, n: int) -> float:
+        """Return (n-i)/(n-1)."""
+        return (n - i) / (n - 1)
+
+
+@value_class
+class Custom(Envelope):
+    """Envelope of custom values, for robots with as many joints."""
+
+    words: ClassVar[str] = "custom gait"
+
+    values: tuple[float, ...] = quantity("", "g of every joint, tail first")
+
+    def __call__(self, i: int, n: int) -> float:
+        """Return the value of joint i."""
+        return self.joints(n)[i - 1]
+
+    def joints(self, n_links: int) -> tuple[float, ...]:
+        """Return the values if their number matches the joints of `n_links` links.
+
+        Args:
+            n_links: Number of links of the robot [-].
+        """
+        if len(self.values) != n_links - 1:
+            need = f"one value per joint, {n_links - 1} for {n_links} links"
+            raise BadArgument("envelope", f"must have {need}, got {len(self.values)}")
+        return self.values
+
+
+GAIT_WORDS = {kind().kind: kind.words for kind in (LateralUndulation, EelLike)}
+"""Labels of the paper's two kinds in tables and figures."""
+
+
+def envelope_of(kind: str) -> Envelope:
+    """Return an envelope by the name of its kind.
+
+    Args:
+        kind: A kind defined by its name alone (`kinds`), such as `eel_like` or `eel-like`.
+
+    Raises:
+        ValueError: If there is no such kind, or it needs values.
+    """
+    if not isinstance(kind, str):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise BadArgument("kind", f"must be the name of an envelope, got {show_value(kind)}")
+    found = Envelope.named(kind.replace("_", "-"))
+    if found is Custom:
+        raise BadArgument(
+            "kind",
+            f"must be an envelope that needs no values, got `{kind}`; use `Custom(values=...)`",
+        )
+    return found()
+
+
+def list_kinds() -> tuple[str, ...]:
+    """Return the kinds of gait that are defined by a name alone, such as `eel_like`."""
+    return tuple(name.replace("-", "_") for name in Envelope.names() if name != name_of(Custom))
+
+
+@lru_cache(maxsize=64)  # a sweep requests the same few a million times
+def _spread(envelope: Envelope, n_links: int) -> tuple[float, ...]:
+    return tuple(float(envelope(i, n_links)) for i in range(1, n_links))
+
+
+# ---- waves and gaits -----------------------------------------------------------------------------
+
+
+class WaveFields(TypedDict, total=False):
+    """Parameters of a wave, each in rad (rad/s) or, under its other name, in degrees."""
+
+    amplitude: float
+    amplitude_deg: float
+    frequency: float
+    frequency_deg_s: float
+    phase_shift: float
+    phase_shift_deg: float
+    offset: float
+    offset_deg: float
+
+
+@value_class
+class Wave:
+    """Second wave, of the pitch joints or of a driven fin: alpha g(k, n) sin(omega t + (k-1) delta + phase) + phi_0.
+
+    k = 1 is the tail-most of n - 1 pitch joints; a driven fin has one joint and thus neither phase
+    shift nor envelope. Everything except phase and envelope is filtered and started smoothly, like
+    the yaw wave.
+
+    Raises:
+        ValueError: If a field is out of its range.
+    """
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            *,
+            phase: float = 0.0,
+            phase_deg: float = 0.0,
+            envelope: Envelope = ...,
+            **numbers: Unpack[WaveFields],
+        ) -> None: ...
+
+    amplitude: float = quantity("rad", "alpha, of the joint angles", ge=0.0, le=pi)
+    frequency: float = quantity("rad/s", "omega", ge=0.0)
+    phase_shift: float = quantity(
+        "rad", "delta between neighboring pitch joints", ge=-pi, le=pi, default=0.0
+    )
+    phase: float = quantity(
+        "rad", "lead over the yaw wave at the tail-most joints", ge=-2 * pi, le=2 * pi, default=0.0
+    )
+    offset: float = quantity(
+        "rad", "phi_0; positive turns down, or bends a fin left", ge=-pi, le=pi, default=0.0
+    )
+    envelope: Envelope = option(
+        "g, distribution of the amplitude over pitch joints", default=LateralUndulation()
+    )
+
+    def target(self, offset: float = 0.0) -> WaveTarget:
+        """Return the wave's target for the reference generator; `offset` [rad] is added to the wave's own.
+
+        Args:
+            offset: Offset requested by a controller, added to the wave's own [rad].
+        """
+        return WaveTarget(
+            self.amplitude, self.frequency, self.phase_shift, self.offset + offset, self.phase
+        )
+
+
+STRAIGHT = Wave(amplitude=0.0, frequency=0.0)
+"""Wave of joints that stay straight."""
+
+
+@value_class
+class Gait:
+    """Traveling wave of joint angles, phi_i = alpha g(i, n) sin(omega t + (i-1) delta) + phi_0.
+
+    Equation (3) of the paper: i = 1 is the tail-most joint and n the number of links, so a positive
+    phase shift sends the wave from head to tail and the robot swims head first. omega t is the
+    integral of a frequency that may change, and the amplitude starts smoothly: see `Generator`. The
+    `kind` is that of the envelope: lateral_undulation (g = 1), eel_like (g = (n-i)/(n+1)), custom,
+    or a custom class (`Envelope`). Recorded angles are added to the wave unchanged, without its
+    smooth start (`recorded_gait`).
+
+    Raises:
+        ValueError: If a field is out of its range.
+    """
+
+    if TYPE_CHECKING:
+
+        def __init__(self, *, envelope: Envelope = ..., **fields: Unpack["GaitFields"]) -> None: ...
+
+    amplitude: float = quantity("rad", "alpha, of the joint angles", ge=0.0, le=pi)
+    frequency: float = quantity("rad/s", "omega, an angular frequency as in the paper", ge=0.0)
+    phase_shift: float = quantity(
+        "rad", "delta between neighboring joints; negative swims tail first", ge=-pi, le=pi
+    )
+    offset: float = quantity(
+        "rad", "phi_0 of every joint; positive turns left", ge=-pi, le=pi, default=0.0
+    )
+    envelope: Envelope = option(
+        "g, distribution of the amplitude along the body", default=LateralUndulation()
+    )
+    pitch: Wave | None = option("Wave of the pitch joints; None: they stay straight", default=None)
+    fin: Wave | None = option("Wave of a driven fin; None: it stays straight", default=None)
+    recorded: JointAngles | None = option(
+        "Angles of yaw joints over time, to which the wave is added", default=None
+    )
+
+    def __post_init__(self) -> None:
+        """Check the consistency of the fields."""
+        if self.fin is not None and self.fin.phase_shift != 0.0:
+            raise BadArgument(
+                "fin.phase_shift", f"must be 0: a fin has one joint, got {self.fin.phase_shift} rad"
+            )
+
+    @property
+    def kind(self) -> str:
+        """Name of the envelope, such as `eel_like`."""
+        return self.envelope.kind
+
+    @property
+    def words(self) -> str:
+        """Label of its kind in tables and figures."""
+        if self.recorded is not None:
+            return "recorded motion"
+        return self.envelope.words or self.kind.replace("_", " ")
+
+    @staticmethod
+    def former(table: Mapping[str, Any]) -> dict[str, Any]:
+        """Convert a `table` of an older file, where kind and values of the envelope were separate keys.
+
+        Args:
+            table: Table from the file.
+        """
+        new = dict(table)
+        kind, values = new.pop("kind", None), new.get("envelope")
+        if kind is not None or values is None or isinstance(values, list | tuple):
+            new.pop("envelope", None)
+            own: dict[str, Any] = {} if values is None else {"values": values}
+            if kind is not None or own:
+                new["envelope"] = {"kind": str(kind or "custom").replace("_", "-"), **own}
+        return new
+
+    def targets(
+        self, offset: float = 0.0, pitch_offset: float = 0.0
+    ) -> tuple[WaveTarget, WaveTarget, WaveTarget]:
+        """Return the targets for the reference generator: yaw joints, pitch joints, driven fin.
+
+        Args:
+            offset: Added to the offset of the yaw joints [rad].
+            pitch_offset: Added to the offset of the pitch joints [rad].
+        """
+        yaw = WaveTarget(
+            self.amplitude, self.frequency, self.phase_shift, self.offset + offset, 0.0
+        )
+        return yaw, (self.pitch or STRAIGHT).target(pitch_offset), (self.fin or STRAIGHT).target()
+
+    def joint_envelope(self, n_links: int) -> tuple[float, ...]:
+        """Return the envelope g of each of the n - 1 joints of a robot with `n_links` links, tail first.
+
+        Args:
+            n_links: n.
+
+        Raises:
+            ValueError: If a custom envelope is for a different number of joints.
+        """
+        return self.envelope.joints(n_links)
+
+
+FIRST_GAIT = Gait(amplitude=radians(30.0), frequency=radians(130.0), phase_shift=radians(40.0))
+"""Gait of Mamba's first trial in the paper."""
+
+
+class GaitFields(WaveFields, total=False):
+    """Fields of `Gait` other than its envelope."""
+
+    pitch: Wave | None
+    fin: Wave | None
+    recorded: JointAngles | None
+
+
+def lateral_undulation(**fields: Unpack[GaitFields]) -> Gait:
+    """Return body waves of constant amplitude, g(i, n) = 1.
+
+    Args:
+        fields: amplitude alpha [rad], frequency omega [rad/s], phase_shift delta [rad], offset
+            phi_0 [rad], or in degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg;
+            pitch and fin, the waves of pitch joints and of a driven fin; recorded, angles to which
+            the wave is added.
+
+    Raises:
+        ValueError: If a number is not finite, or amplitude or frequency is negative.
+
+    Example:
+        >>> lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7).joint_envelope(4)
+        (1.0, 1.0, 1.0)
+    """
+    return Gait(**fields)
+
+
+def eel_like(**fields: Unpack[GaitFields]) -> Gait:
+    """Return body waves that grow from head to tail, g(i, n) = (n-i)/(n+1).
+
+    Args:
+        fields: amplitude alpha [rad], frequency omega [rad/s], phase_shift delta [rad], offset
+            phi_0 [rad], or in degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg;
+            pitch and fin, the waves of pitch joints and of a driven fin; recorded, angles to which
+            the wave is added.
+
+    Raises:
+        ValueError: If a number is not finite, or amplitude or frequency is negative.
+
+    Example:
+        >>> eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7).joint_envelope(4)
+        (0.6, 0.4, 0.2)
+    """
+    return Gait(envelope=EelLike(), **fields)
+
+
+def custom_gait(
+    *,
+    envelope: Callable[[int, int], float] | Sequence[float],
+    n_links: int | None = None,
+    **fields: Unpack[GaitFields],
+) -> Gait:
+    """Return body waves with a custom envelope.
+
+    Args:
+        envelope: g of every joint, tail first; or a function g(i, n) with i = 1 the tail-most
+            joint, as in (3).
+        n_links: n; needed when `envelope` is a function, and checked against the number of its
+            values otherwise.
+        fields: amplitude alpha [rad], frequency omega [rad/s], phase_shift delta [rad], offset
+            phi_0 [rad], or in degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg;
+            pitch and fin, the waves of pitch joints and of a driven fin; recorded, angles to which
+            the wave is added.
+
+    Raises:
+        ValueError: If a number is not finite, amplitude or frequency is negative, `n_links` is
+            missing, or the envelope is for a different number of joints.
+
+    Example:
+        >>> gait = custom_gait(envelope=lambda i, n: i / n, n_links=4, amplitude=1, frequency=2, phase_shift=0.7)
+        >>> gait.joint_envelope(4)
+        (0.25, 0.5, 0.75)
+    """
+    if callable(envelope):
+        if n_links is None:
+            raise BadArgument(
+                "n_links", "must be given when `envelope` is a function g(i, n), got None"
+            )
+        n = check_whole_number("n_links", n_links, 1)
+        shape = envelope
+        envelope = [shape(i, n) for i in range(1, n)]
+    values = check_items(
+        check_finite, "a sequence of numbers or a function g(i, n)", (), "envelope", envelope
+    )
+    gait = Gait(envelope=Custom(values=values), **fields)
+    if n_links is not None:
+        gait.joint_envelope(check_whole_number("n_links", n_links, 1))
+    return gait
+
+
+def recorded_gait(angles: JointAngles, **fields: Any) -> Gait:
+    """Return a recorded motion alone: no wave is added, and the frequency is that of the recording.
+
+    Args:
+        angles: Angles of the yaw joints over time.
+        fields: Fields of `Gait` to override.
+
+    Example:
+        >>> gait = recorded_gait(JointAngles(time=(0.0, 1.0, 2.0), angle=((0.0, 0.5, 0.0), (0.1, 0.0, 0.1))))
+        >>> gait.amplitude, gait.words
+        (0.0, 'recorded motion')
+    """
+    given: dict[str, Any] = {"amplitude": 0.0, "frequency": angles.frequency, "phase_shift": 0.0}
+    return Gait(**given | fields, recorded=angles)

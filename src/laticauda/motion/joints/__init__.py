@@ -1,0 +1,16 @@
+"""Actuators: joint laws as values, their torques as scalar functions, and the power drawn by their motors."""
+
+from laticauda.motion.joints.laws import PD, Drive, JointLaw, Prescribed, Servo, motor_power, servo
+from laticauda.motion.joints.speed_servo import SpeedServo, speed_servo
+
+__all__ = [
+    "PD",
+    "Drive",
+    "JointLaw",
+    "Prescribed",
+    "Servo",
+    "SpeedServo",
+    "motor_power",
+    "servo",
+    "speed_servo",
+]

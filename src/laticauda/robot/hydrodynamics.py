@@ -1,0 +1,350 @@
+"""Loads per link from a body's section and the water's dimensionless coefficients.
+
+With rho the water's density, a and b the vertical and lateral half-axes, l the half length:
+
+    c_t = 1/2 rho pi C_f (a+b)/2 2l      lambda_1 = rho pi C_M (a^2-b^2)^2 l^3 / 12
+    c_n = 1/2 rho C_D 2a 2l              lambda_2 = rho pi C_f (a+b) l^3 / 6
+    mu_n = rho pi C_A a^2 2l             lambda_3 = rho pi C_f (a+b) l^4 / 8
+    mu_t = C_T rho pi a b 2l
+
+Kelasidi, Liljeback, Pettersen and Gravdahl, Robotics and Biomimetics 2:8 (2015), Table 1; mu_t is 0
+there. Its lambda_2 and lambda_3 contain the tangential friction only, and the unit of its lambda_1
+is not that of an inertia (its value is negligible). ``rotational="strip"`` replaces all three by
+those of the normal loads distributed uniformly along a link that rotates about its middle:
+
+    lambda_1 = mu_n l^2 / 3              lambda_2 = c_n l^2 / 3              lambda_3 = c_n l^3 / 4
+
+In a water with a `friction_taper`, C_f (1 + taper (1 - 2 s)) replaces C_f on the links, where s is
+the position of the link's middle, from 0 at the tail end of the body to 1 at its head end; for
+links of equal length, the mean is C_f. The taper does not affect the fin, nor modules with their
+own C_f.
+
+The wake behind the tail end carries m' = rho pi C_A a^2 per length, from the section there
+(`wake_mass`).
+
+`bending_frequencies` computes the natural frequencies of a flexible fin in that water.
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TypeVar
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.robot import CaudalFin, Environment, Ground, Module, Robot, Water
+from laticauda.values.arguments import explain
+from laticauda.values.errors import BadArgument
+
+_LOADS = ("c_t", "c_n", "mu_t", "mu_n", "lambda_1", "lambda_2", "lambda_3")
+_Number = TypeVar("_Number", float, np.ndarray)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Coefficients:
+    """Loads per element, tail first; every field but `fin` has shape (n,)."""
+
+    half_length: Float[np.ndarray, " n"]
+    """l [m]."""
+    position: Float[np.ndarray, " n"]
+    """Middle of the element from the tail end of its body, positive toward the head [m]."""
+    mass: Float[np.ndarray, " n"]
+    """m [kg]."""
+    c_t: Float[np.ndarray, " n"]
+    """Drag along the element [N s^2/m^2]; on viscous ground [N s/m], on dry ground mu_t m g [N]."""
+    c_n: Float[np.ndarray, " n"]
+    """Drag across the element [N s^2/m^2]; on viscous ground [N s/m], on dry ground mu_n m g [N]."""
+    mu_t: Float[np.ndarray, " n"]
+    """Added mass along the element [kg]."""
+    mu_n: Float[np.ndarray, " n"]
+    """Added mass across the element [kg]."""
+    lambda_1: Float[np.ndarray, " n"]
+    """Added inertia about the element's middle [kg m^2]."""
+    lambda_2: Float[np.ndarray, " n"]
+    """Linear rotational drag per U_ref [N s^2]."""
+    lambda_3: Float[np.ndarray, " n"]
+    """Quadratic rotational drag [N m s^2]."""
+    displaced: Float[np.ndarray, " n"]
+    """Mass of the water that would fill the element's volume; 0 on the ground [kg]."""
+    fin: "Coefficients | None" = None
+    """Strips of the caudal fin on body 0, from its root to the trailing edge; None without a fin [-]."""
+
+
+def link_coefficients(robot: Robot, environment: Environment) -> Coefficients:
+    """Compute drag and added mass of every link of a planar robot and of every strip of its fin.
+
+    A fin strip of length d has, at its own middle,
+
+        mu_n = rho pi C_A (h/2)^2 d,   c_n = 1/2 rho C_D h d,   c_t = 1/2 rho C_f 2 h d (two faces),   mu_t = 0
+
+    and no torque of its own, unless ``rotational="strip"`` adds the contributions within a strip.
+    An open opening has mass (see `CaudalFin`) but no area, and hence no strip. On the ground the
+    strips carry the fin's whole mass: dry friction acts on their weight; viscous friction, which is
+    given per link, does not act on them.
+
+    Args:
+        robot: Robot whose joints all rotate about the vertical axis (see `Robot.planar`).
+        environment: The water in which it swims, or the ground on which it crawls.
+
+    Returns:
+        Arrays per link, tail first, together with the fin's strips. Coefficients of a module or of
+        the fin replace the water's on that module or on the fin.
+
+    Raises:
+        ValueError: If the water's depth does not cover a link or the fin.
+    """
+    known = {
+        id(one): (one.half_length, one.mass, one.volume)
+        for one in {id(m): m for m in robot.modules}.values()
+    }
+    half_length, mass, volume = np.array([known[id(module)] for module in robot.modules]).T
+    fin = robot.caudal_fin
+    if isinstance(environment, Ground):
+        loads, density = _ground_loads(mass, environment), 0.0
+        strips = _fin_on_ground(fin, environment) if fin else None
+    else:
+        loads, density = (
+            _loads_in_water(robot.modules, half_length, environment),
+            environment.density,
+        )
+        strips = _fin_in_water(fin, environment) if fin else None
+    return _coefficients(half_length, half_length, mass, loads, density * volume, strips)
+
+
+def immersion_factor(half_height: float, depth: float | None) -> float:
+    """Return the factor 1 + a^2 / (2 h^2) of the surface on the normal added mass, from an image above the surface.
+
+    Surface waves are neglected: at swimming frequencies, the surface acts as a lid.
+
+    Args:
+        half_height: a [m].
+        depth: h, depth of the axis below the surface [m]; None for far below the surface.
+
+    Returns:
+        The factor [-], from 1 (deep) to 3/2 (just covered).
+
+    Raises:
+        ValueError: If the element is not covered by water, h <= a.
+    """
+    if depth is None:
+        return 1.0
+    if not depth > half_height:
+        raise BadArgument(
+            "depth", f"must be > {half_height:g} m, the element's half height, got {depth}"
+        )
+    return 1.0 + half_height**2 / (2.0 * depth**2)
+
+
+def mass_across(override: float | None, half_height: float, water: Water) -> float:
+    """Compute the added mass per length across an element far below the surface, rho pi C_A a^2 [kg/m].
+
+    Args:
+        override: C_A of the part that the element belongs to; None for the water's.
+        half_height: a, half the size of the section across the motion [m].
+        water: Water that defines rho and C_A.
+    """
+    return water.density * np.pi * override_or_default(override, water.added_mass) * half_height**2
+
+
+def wake_mass(robot: Robot, water: Water) -> float:
+    """Compute m' of Lighthill's force at the trailing edge, from the section of the fin or of the tail link there.
+
+    Args:
+        robot: The robot that swims.
+        water: Water that defines density, depth, and C_A unless the part has its own.
+
+    Returns:
+        rho pi C_A a^2, including the effect of the surface [kg/m].
+    """
+    fin, tail = robot.caudal_fin, robot.modules[0]
+    last, half_height = (fin, fin.height / 2.0) if fin else (tail, tail.section.half_height)
+    return mass_across(last.added_mass, half_height, water) * immersion_factor(
+        half_height, water.depth
+    )
+
+
+def override_or_default(override: float | None, water: float) -> float:
+    """Return a part's own coefficient, or the water's if the part has none.
+
+    Args:
+        override: Coefficient of the part.
+        water: Coefficient of the water.
+    """
+    return water if override is None else override
+
+
+def _coefficients(
+    half_length: np.ndarray,
+    position: np.ndarray,
+    mass: np.ndarray,
+    loads: Iterable[np.ndarray],
+    displaced: np.ndarray,
+    fin: Coefficients | None = None,
+) -> Coefficients:
+    named = dict(zip(_LOADS, loads, strict=True))
+    shape = {"half_length": half_length, "position": position, "mass": mass, "displaced": displaced}
+    return Coefficients(**shape, **named, fin=fin)
+
+
+def _loads_in_water(modules: Sequence[Module], half_length: np.ndarray, water: Water) -> np.ndarray:
+    """Compute the loads of all links, one column per link; identical modules are computed once."""
+    friction = [water.tangential_friction] * len(modules)
+    if water.friction_taper != 0.0:
+        middle = np.cumsum(2.0 * half_length) - half_length
+        share = 1.0 + water.friction_taper * (
+            1.0 - middle / np.sum(half_length)
+        )  # 1 + taper (1 - 2 s)
+        friction = (water.tangential_friction * share).tolist()
+    known: dict[tuple[int, float], tuple[float, ...]] = {}
+    columns: list[tuple[float, ...]] = []
+    for module, C_f in zip(modules, friction, strict=True):
+        key = id(module), C_f
+        if key not in known:
+            known[key] = _link_loads(module, water, C_f)
+        columns.append(known[key])
+    return np.array(columns).T
+
+
+def _link_loads(module: Module, water: Water, friction: float) -> tuple[float, ...]:
+    rho, l = water.density, module.half_length  # noqa: E741
+    a, b = module.section.half_height, module.section.half_width
+    C_f = override_or_default(module.tangential_friction, friction)
+    C_D = override_or_default(module.normal_drag, water.normal_drag)
+    C_M = override_or_default(module.added_inertia, water.added_inertia)
+    c_t = 0.5 * rho * np.pi * C_f * (a + b) / 2.0 * 2.0 * l
+    c_n = 0.5 * rho * C_D * 2.0 * a * 2.0 * l
+    mu_n = mass_across(module.added_mass, a, water) * 2.0 * l * immersion_factor(a, water.depth)
+    mu_t = rho * np.pi * water.tangential_added_mass * a * b * 2.0 * l
+    if water.rotational == "strip":
+        lambdas = _strip_lambdas(mu_n, c_n, l)
+    else:
+        friction = rho * np.pi * C_f * (a + b) * l**3
+        lambdas = (
+            rho * np.pi * C_M * (a**2 - b**2) ** 2 * l**3 / 12.0,
+            friction / 6.0,
+            friction * l / 8.0,
+        )
+    return (c_t, c_n, mu_t, mu_n, *lambdas)
+
+
+def _fin_in_water(fin: CaudalFin, water: Water) -> Coefficients:
+    edges = _strip_edges(fin, closed=fin.opening == "closed")
+    d, h, rho = np.diff(edges), fin.height, water.density
+    zero = np.zeros_like(d)
+    mu_n = mass_across(fin.added_mass, h / 2.0, water) * d
+    mu_n *= immersion_factor(h / 2.0, water.depth)
+    c_n = 0.5 * rho * override_or_default(fin.normal_drag, water.normal_drag) * h * d
+    c_t = (
+        0.5
+        * rho
+        * override_or_default(fin.tangential_friction, water.tangential_friction)
+        * 2.0
+        * h
+        * d
+    )
+    lambdas = (
+        _strip_lambdas(mu_n, c_n, d / 2.0) if water.rotational == "strip" else (zero, zero, zero)
+    )
+    return _strips(fin, edges, (c_t, c_n, zero, mu_n, *lambdas), rho)
+
+
+def _fin_on_ground(fin: CaudalFin, ground: Ground) -> Coefficients:
+    edges = _strip_edges(fin, closed=True)
+    mass = fin.mass * np.diff(edges) / fin.length
+    loads = (
+        _ground_loads(mass, ground)
+        if ground.friction.of_weight
+        else [np.zeros_like(mass)] * len(_LOADS)
+    )
+    return _strips(fin, edges, loads, 0.0)
+
+
+def _ground_loads(mass: np.ndarray, ground: Ground) -> list[np.ndarray]:
+    weight = mass * ground.gravity if ground.friction.of_weight else np.ones_like(mass)
+    return [ground.tangential * weight, ground.normal * weight] + [np.zeros_like(mass)] * 5
+
+
+def _strip_edges(fin: CaudalFin, *, closed: bool) -> np.ndarray:
+    """Return the strip edges behind the root [m]; strips of a closed opening are about as long as the others.
+
+    A hinge of the fin splits the strip in which it lies.
+    """
+    cuts = tuple(hinge.position for hinge in fin.hinges)
+    return _cut_strips(fin.length, fin.opening_length, fin.n_strips, closed, cuts)
+
+
+@lru_cache(maxsize=64)  # most robots of a batch have the same fin; the array is never modified
+def _cut_strips(
+    length: float, opening: float, n_strips: int, closed: bool, cuts: tuple[float, ...]
+) -> np.ndarray:
+    edges = np.linspace(opening, length, n_strips + 1)
+    if closed and opening > 0.0:
+        pieces = int(np.ceil(opening / (edges[1] - edges[0])))
+        edges = np.concatenate((np.linspace(0.0, opening, pieces + 1)[:-1], edges))
+    inside = [x for x in cuts if x > edges[0] and np.min(np.abs(edges - x)) > 1e-9]
+    return np.sort(np.concatenate((edges, inside)))
+
+
+def _strips(
+    fin: CaudalFin, edges: np.ndarray, loads: Iterable[np.ndarray], density: float
+) -> Coefficients:
+    d = np.diff(edges)
+    displaced = density * fin.volume * d / np.sum(d)  # the whole volume, including an opening's
+    return _coefficients(
+        d / 2.0, -(edges[:-1] + edges[1:]) / 2.0, fin.mass * d / fin.length, loads, displaced
+    )
+
+
+def _strip_lambdas(
+    mu_n: _Number, c_n: _Number, half_length: _Number
+) -> tuple[_Number, _Number, _Number]:
+    """Return normal added mass and drag (linear, quadratic) spread along an element that rotates about its middle."""
+    return mu_n * half_length**2 / 3.0, c_n * half_length**2 / 3.0, c_n * half_length**3 / 4.0
+
+
+def bending_frequencies(robot: Robot, environment: Environment) -> Float[np.ndarray, " n_hinges"]:
+    """Compute the natural frequencies of a robot's fin with its root fixed, without drag and damping.
+
+    For small deflections, (K - (2 pi f)^2 M) phi = 0 for the hinge angles phi, with K the hinges'
+    stiffness and M the inertia of plate and added mass behind them, m (x - s_i)(x - s_j) for a mass
+    m at x behind the hinges i and j.
+
+    Args:
+        robot: Robot whose fin has hinges.
+        environment: The environment around the fin; on the ground there is no added mass.
+
+    Returns:
+        f of every mode, lowest first [Hz].
+
+    Raises:
+        ValueError: If there is no flexible fin.
+
+    Example:
+        >>> from dataclasses import replace
+        >>> from laticauda.robot import load_robot, load_water
+        >>> robot = load_robot("mamba-fin")
+        >>> fin = replace(robot.caudal_fin, n_hinges=2, flexural_rigidity=2.0)
+        >>> bending_frequencies(replace(robot, caudal_fin=fin), load_water("paper-lateral")).round(2).tolist()
+        [1.22, 7.85]
+    """
+    fin, strips = robot.caudal_fin, link_coefficients(robot, environment).fin
+    if fin is None or strips is None or not fin.hinges:
+        raise BadArgument(
+            "robot", "must have a fin that bends (`caudal_fin.n_hinges` > 0), got one that does not"
+        )
+    hinge = np.array([one.position for one in fin.hinges])
+    pieces = [(0.5 * (p.begin + p.end), p.mass, p.mass * p.length**2 / 12.0) for p in fin.pieces]
+    water = zip(-strips.position, strips.mu_n, strips.lambda_1, strict=True)
+    mass_matrix = np.zeros((hinge.size, hinge.size))
+    for place, mass, inertia in [*pieces, *water]:
+        behind = hinge < place
+        arm = np.where(behind, place - hinge, 0.0)
+        mass_matrix += mass * np.outer(arm, arm) + inertia * np.outer(behind, behind)
+    root = np.diag([math.sqrt(one.stiffness) for one in fin.hinges])
+    flexibility = np.linalg.eigvalsh(np.linalg.inv(root) @ mass_matrix @ np.linalg.inv(root))
+    return np.asarray(1.0 / (2.0 * math.pi * np.sqrt(flexibility[::-1])))
+
+
+explain(globals())

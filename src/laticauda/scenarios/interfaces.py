@@ -1,0 +1,312 @@
+"""Interface between plants and controllers: commands, observations, starts, and the controller base class."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.motion.gaits import Gait
+from laticauda.motion.gaits.gait import STRAIGHT
+from laticauda.motion.joints.laws import JointLaw
+from laticauda.robot import Robot
+from laticauda.values.checks import check_finite, check_instance
+from laticauda.values.errors import BadArgument
+from laticauda.values.extensions import Extensible
+from laticauda.values.quantities import option, quantity, value_class
+
+State = TypeVar("State")
+FAR = 1e5  # beyond this, digits of the motion are lost
+EFFECTORS = (
+    ("thrusts", "thrusters", "thrust", "N"),
+    ("deflections", "pectoral_fins", "deflection", "rad"),
+)
+"""Effectors in a command: field of the command, field of the robot, the effector's quantity, and its unit."""
+ORIENTATION = tuple(f"orientation_{part}" for part in "wxyz")
+"""Signals of a spatial trial: orientation of module 0 as a quaternion. A measured trial may lack them."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    """Command to a plant, valid until the next control instant."""
+
+    gait: Gait
+    """The gait, including its own offset."""
+    offset: float = 0.0
+    """phi_0 that steering adds to the gait's offset; positive turns left [rad]."""
+    pitch_offset: float = 0.0
+    """Offset added for the pitch joints; positive turns down [rad]."""
+    references: tuple[float, ...] | None = None
+    """Reference of every joint from an external source, held until the next command: the gait and the offsets are then
+    ignored, and the reference generator pauses. For joints driven by pd control or servos. One more
+    value may follow for a driven fin, which otherwise moves with the gait [rad]."""
+    enabled: tuple[bool, ...] | None = None
+    """For every joint, whether its motor is on. If off, only the friction of the gear and of the skin acts. None: all
+    are on. For joints driven by pd control or servos. One more value may follow for a driven fin
+    [-]."""
+    thrusts: tuple[float, ...] | None = None
+    """Thrust of every driven thruster, one with a `max_thrust` that limits it, in order. None: its own thrust [N]."""
+    deflections: tuple[float, ...] | None = None
+    """Deflection of every pectoral fin with a `max_deflection`, in the same way [rad]."""
+
+    @property
+    def steered(self) -> Gait:
+        """The gait with both offsets included, as required by a `laticauda.motion.gaits.Generator`."""
+        pitch, gait = self.gait.pitch, self.gait
+        if self.pitch_offset != 0.0:
+            pitch = pitch or STRAIGHT
+            pitch = replace(pitch, offset=pitch.offset + self.pitch_offset)
+        return replace(gait, offset=gait.offset + self.offset, pitch=pitch)
+
+    def effectors(self, robot: Robot) -> Robot:
+        """Return the robot with its thrusters and pectoral fins set as commanded, each within its limit.
+
+        Args:
+            robot: The robot with its effectors as built.
+
+        Raises:
+            ValueError: If the numbers of values and of driven effectors differ, or a value is not
+                finite.
+        """
+        changes: dict[str, Any] = {}
+        for name, group, number, unit in EFFECTORS:
+            built, asked = getattr(robot, group), getattr(self, name)
+            driven = [i for i, one in enumerate(built) if getattr(one, f"max_{number}") is not None]
+            if asked is None:
+                continue
+            if len(asked) != len(driven):
+                rule = f"must have one entry per effector with a `max_{number}`, {len(driven)} in all, got {len(asked)}"
+                raise BadArgument(name, rule)
+            changes[group] = list(built)
+            for i, one in zip(driven, asked, strict=True):
+                most = getattr(built[i], f"max_{number}")
+                given = min(max(check_finite(f"{name}[{i}]", one, unit), -most), most)
+                changes[group][i] = replace(built[i], **{number: given})
+        return replace(robot, **changes) if changes else robot
+
+    def check_held(self, robot: Robot, joints: JointLaw) -> None:
+        """Reject references and switches that do not fit a plant.
+
+        Args:
+            robot: Robot whose joints the plant drives.
+            joints: Joint law that drives them.
+
+        Raises:
+            ValueError: If their number does not match the joints, with or without a driven fin, a
+                reference is not a finite number, or the joints are prescribed.
+        """
+        for name in ("references", "enabled"):
+            values = getattr(self, name)
+            if values is None:
+                continue
+            if joints.prescribed:
+                rule = "must be None for prescribed joints, which can neither jump nor go limp"
+                raise BadArgument(
+                    name, f"{rule}; use `joints` = `servo` or `pd`, got {len(values)} of them"
+                )
+            n, most = robot.n_joints, len(robot.driven_joints)
+            if len(values) not in (n, most):
+                rule = f"must have one entry per joint, {n} of them{', or one more for the fin' if most > n else ''}"
+                raise BadArgument(name, f"{rule}, got {len(values)}")
+        # A single sum checks all of them, a hundred times per second; the faulty one is located
+        # only if the sum fails.
+        held = self.references or ()
+        if not (
+            all(type(angle) is float for angle in held) and math.isfinite(math.fsum(map(abs, held)))
+        ):
+            for i, angle in enumerate(held):
+                check_finite(f"references[{i}]", angle, "rad")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Observation:
+    """Observable quantities of a plant at one instant, world axes, tail first."""
+
+    time: float
+    """Time [s]."""
+    center_of_mass: Float[np.ndarray, " n_axes"]
+    """Position of the center of mass [m]."""
+    center_of_mass_velocity: Float[np.ndarray, " n_axes"]
+    """Velocity of the center of mass [m/s]."""
+    heading: float
+    """Mean link angle (6), unwrapped [rad]."""
+    heading_rate: float
+    """Rate of the heading [rad/s]."""
+    link_angle: Float[np.ndarray, " n_links"]
+    """theta [rad]."""
+    joint_angle: Float[np.ndarray, " n_joints"]
+    """phi [rad]."""
+    joint_rate: Float[np.ndarray, " n_joints"]
+    """phi' [rad/s]."""
+    pitch: float = 0.0
+    """Mean pitch of the links, positive downward: (6) in the vertical plane; 0 in the planar model [rad]."""
+    contact_force: Float[np.ndarray, "n_links 3"] | None = None
+    """In a scene: total contact force on every link at the end of the last command [N]."""
+    ranges: Float[np.ndarray, " n_rays"] | None = None
+    """Distance that the head measures along every ray of `Spatial.rays`, infinite if nothing is hit [m]."""
+
+
+@value_class
+class Start:
+    """Start of a run: straight, and at rest unless it has a forward velocity."""
+
+    center_of_mass: tuple[float, float] = quantity(
+        "m", "Center of mass", default=(0.0, 0.0), ge=-FAR, le=FAR
+    )
+    heading: float = quantity(
+        "rad", "Direction in which the robot points", default=0.0, ge=-FAR, le=FAR
+    )
+    velocity: float = quantity(
+        "m/s", "Forward speed, along the body", default=0.0, ge=-100.0, le=100.0
+    )
+    depth: float | None = quantity(
+        "m", "Axis depth at mass center, free root; None: the environment's", default=None
+    )
+    pitch: float = quantity(
+        "rad", "Downward, with a free root", default=0.0, ge=-0.5 * math.pi, le=0.5 * math.pi
+    )
+    roll: float = quantity(
+        "rad", "About its axis; positive lifts the left side", default=0.0, ge=-math.pi, le=math.pi
+    )
+
+    def check_planar(self) -> None:
+        """Reject a start out of the plane, for a body that stays in it."""
+        for name in ("depth", "pitch", "roll"):
+            if getattr(self, name) not in (None, 0.0):
+                rule = "must be left out unless `model` is `spatial` with a free root, got"
+                raise BadArgument(f"start.{name}", f"{rule} {getattr(self, name)}")
+
+
+@value_class
+class Resumed:
+    """Start of a run that continues another one: the final state of the plant."""
+
+    state: Mapping[str, Any] = option("The state's arrays by name, as `Plant.pack` returns them")
+
+    def __post_init__(self) -> None:
+        """Store plain numbers, which can be compared and saved."""
+        check_instance("state", self.state, Mapping)
+        state = {
+            name: tuple(np.asarray(values, dtype=float).tolist())
+            for name, values in self.state.items()
+        }
+        object.__setattr__(self, "state", state)
+
+
+class Controller(Extensible, Generic[State], group="controllers"):
+    """Base of controllers, which decide the next command. Their state is a value, as is that of a plant.
+
+    A custom controller is a subclass of this class; if it is a frozen dataclass, it is stored with
+    its trials.
+    """
+
+    gait: Gait
+    """Initial gait of a run."""
+    interval: float
+    """Time between two control instants, at which `step` is called [s]; infinite: called once."""
+
+    def init(self) -> State:
+        """Return the state before the first control instant."""
+        raise NotImplementedError
+
+    def step(self, state: State, observation: Observation) -> tuple[State, Command]:
+        """Return the next state, from `state` and `observation`, and the command until the next control instant.
+
+        Args:
+            state: State after the last control instant, or from `init`.
+            observation: Current observation of the robot.
+        """
+        raise NotImplementedError
+
+    def signals(self, state: State) -> Mapping[str, float]:
+        """Return internal quantities in `state` for the Trial's log: always the same names, finite, in SI units.
+
+        By default, the `signals` attribute of the state.
+
+        Args:
+            state: State returned by `step`.
+        """
+        return getattr(state, "signals", {})
+
+    def check(self, robot: Robot) -> None:
+        """Raise a ValueError if `robot` cannot do what the controller may command.
+
+        Args:
+            robot: Robot to be controlled.
+        """
+
+
+@value_class
+class OpenLoop(Controller[None]):
+    """Controller that ignores observations: one command from start to end."""
+
+    command: Command = option("Command that is always held")
+    interval: float = quantity(
+        "s", "Time between control instants; infinite: called once", default=math.inf, gt=0.0
+    )
+
+    @property
+    def gait(self) -> Gait:  # pyright: ignore[reportIncompatibleVariableOverride]  # as frozen as a field
+        """Gait of the command."""
+        return self.command.gait
+
+    def init(self) -> None:
+        """Return no state."""
+
+    def step(self, state: None, observation: Observation) -> tuple[None, Command]:
+        """Return the command, whatever `state` and `observation` are.
+
+        Args:
+            state: None: the controller has no state.
+            observation: Ignored.
+        """
+        return None, self.command
+
+
+def check_waves(robot: Robot, gait: Gait) -> None:
+    """Reject a gait that moves a fin or pitch joints that the robot does not have.
+
+    Args:
+        robot: The robot that swims.
+        gait: The gait that it is to swim.
+
+    Raises:
+        ValueError: If the gait does so.
+    """
+    check_instance("gait", gait, Gait)
+    if gait.fin is not None and 0 not in robot.fin_joints:
+        raise BadArgument(
+            "gait.fin",
+            f"must be None unless the fin is driven (`caudal_fin.joint`), got {gait.fin}",
+        )
+    if gait.pitch is not None and all(joint.axis == "yaw" for joint in robot.joints):
+        raise BadArgument(
+            "gait.pitch", f"must be None for a robot without pitch joints, got {gait.pitch}"
+        )
+
+
+def fin_signals(
+    joints: range,
+    angle: Float[np.ndarray, "n_samples n_joints"],
+    rate: Float[np.ndarray, "n_samples n_joints"],
+    reference: Float[np.ndarray, "n_samples n_joints"],
+    torque: Float[np.ndarray, "n_samples n_joints"],
+) -> dict[str, np.ndarray]:
+    """Return the motion of the fin's joints as signals: all of a driven root, angles and rates of passive hinges.
+
+    Args:
+        joints: Joints of the fin, from the root on: 0 is a driven root, 1 and above are passive
+            hinges.
+        angle: Angle of each joint [rad].
+        rate: Rate of each joint [rad/s].
+        reference: Reference angle of a driven joint [rad].
+        torque: Torque of its actuator [N m].
+    """
+    found: dict[str, np.ndarray] = {}
+    for i, k in enumerate(joints):
+        found |= {f"fin_angle_{k}": angle[:, i], f"fin_rate_{k}": rate[:, i]}
+        if k == 0:
+            found |= {"fin_angle_ref": reference[:, i], "fin_torque": torque[:, i]}
+    return found

@@ -1,0 +1,1 @@
+"""What looks at trials: figures, films and pictures, reports, and the cockpit."""

@@ -1,0 +1,332 @@
+"""The virtual tank without wires: modules, cameras and meter around one body, in steps, all from one seed.
+
+Nothing here waits or runs by itself: the user of a `Tank` advances time, passes in received frames,
+and takes out the frames to send. A campaign therefore runs as fast as it can, and the same calls
+give the same answers.
+"""
+
+import math
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+from laticauda.scenarios.interfaces import Start
+from laticauda.tank.lab import instruments, nodes, quiet
+from laticauda.tank.lab.faults import KINDS, Fault, Faults, fault_from_words
+from laticauda.tank.lab.settings import LabSettings
+from laticauda.tank.lab.virtual_robot import Truth, VirtualRobot
+from laticauda.tank.protocol import N_NODES, CanMessage, MocapFrame, Sync, decode, encode, from_node
+from laticauda.values.errors import BadArgument
+
+LEAST_STEP = 1e-4  # s; shorter is not worth a step of the plant
+Wire = tuple[int, bytes]
+"""A frame as the bus carries it: identifier and data."""
+
+
+class Tank:
+    """The tank with its robot.
+
+    Args:
+        body: The robot in the water.
+        settings: Settings of the devices.
+        faults: Faults that are to occur, with their times.
+
+    Raises:
+        ValueError: If the robot has more joints than the bus has nodes.
+    """
+
+    def __init__(
+        self, body: VirtualRobot, settings: LabSettings | None = None, faults: Iterable[Fault] = ()
+    ) -> None:
+        joints = body.robot.driven_joints
+        if not 1 <= len(joints) <= N_NODES:
+            raise BadArgument(
+                "robot",
+                f"must have 1 to {N_NODES} joints, a driven fin's included, got {len(joints)}",
+            )
+        self.settings = settings or LabSettings()
+        self.body, self.faults, self._built = body, Faults(), body.plant
+        for fault in faults:
+            self.inject(fault)
+        streams = np.random.SeedSequence(self.settings.seed).spawn(4)
+        motors, cameras, supply, self._wire = (np.random.default_rng(stream) for stream in streams)
+        self.electronics = instruments.Electronics(
+            body.robot, self.settings, motors, body.plant.settings.joints
+        )
+        self.cameras = instruments.Cameras(self.settings.mocap, cameras)
+        self.meter = instruments.Multimeter(self.settings.supply, supply)
+        self.nodes = [
+            nodes.Node(i + 1, self.settings.nodes, joint.limit) for i, joint in enumerate(joints)
+        ]
+        self.time = 0.0
+        self._ticks = self._frames = 0
+        self._leaks = np.zeros(len(joints), dtype=bool)
+        self._jammed: dict[int, float] = {}
+        self._altering: tuple[Fault, ...] = ()
+        self._slipped = np.zeros(len(joints))
+        self._mistakes = quiet.CameraErrors(self.cameras, self._wire)
+        self._silent = [False] * len(joints)  # off the bus, or without power
+        self._dead = [False] * len(joints)
+        self._senses = self._read()
+        self._outbox: list[Wire] = []
+        self._captured: list[MocapFrame] = []
+        self._late: list[tuple[float, Wire]] = []
+
+    @property
+    def truth(self) -> Truth:
+        """True state of the robot now."""
+        return self.body.truth
+
+    def inject(self, fault: Fault) -> None:
+        """Let a `fault` happen; one in the past has no effect.
+
+        Args:
+            fault: Fault, with its place and time.
+
+        Raises:
+            ValueError: If it cannot happen to this robot in this environment.
+        """
+        quiet.check(fault, self._built)
+        self.faults.add(fault)
+
+    def carry(self, start: Start) -> None:
+        """Take the robot out, straighten it, and put it back at rest at `start`.
+
+        Args:
+            start: Place and heading at which it is put.
+        """
+        self.body.carry(start)
+        self.electronics.forget(self.truth)
+        self._senses = self._read()
+
+    def sent(self) -> list[Wire]:
+        """Take out the frames that the nodes sent since the last call."""
+        sent, self._outbox = self._outbox, []
+        return sent
+
+    def captured(self) -> list[MocapFrame]:
+        """Take out the frames that the cameras captured since the last call."""
+        captured, self._captured = self._captured, []
+        return captured
+
+    def answer(self, line: str) -> bytes:
+        """Return the meter's answer to `line`; nothing while it is silent.
+
+        Args:
+            line: Query, without the end of the line.
+        """
+        return b"" if self.faults.on("meter_silent") else self.meter.answer(line)
+
+    @property
+    def next_tick(self) -> float:
+        """Time at which the devices next look at the world [s]."""
+        return (self._ticks + 1) * self.settings.step
+
+    def advance(self, dt: float) -> None:
+        """Advance time by `dt` [s].
+
+        Args:
+            dt: Time step [s].
+        """
+        self.advance_to(self.time + dt)
+
+    def advance_to(self, time: float) -> None:
+        """Advance to a time.
+
+        Args:
+            time: Time to advance to; nothing happens if it is in the past [s].
+
+        Raises:
+            SimulationFailed: If the body's motion diverges.
+        """
+        while self.next_tick <= time + 1e-9:
+            self._deliver_late(self.next_tick)
+            self._march(self.next_tick)
+            self._ticks += 1
+            self._tick()
+        if time - self.time >= LEAST_STEP:
+            self._march(time)
+
+    def receive(self, identifier: int, data: bytes, time: float | None = None) -> None:
+        """Receive a frame from the bus; those of our own nodes, which a bus may return, are ignored.
+
+        Args:
+            identifier: Identifier of the frame.
+            data: Bytes of the frame, which may be anything.
+            time: Time of arrival; None: now [s].
+        """
+        if from_node(identifier):
+            return
+        late = self.faults.on("late_computer")
+        if late is not None:
+            self._late.append((max(self.time, time or 0.0) + late.delay, (identifier, bytes(data))))
+            return
+        self._deliver(identifier, bytes(data), time)
+
+    def _deliver(self, identifier: int, data: bytes, time: float | None) -> None:
+        message = decode(identifier, data)
+        if isinstance(message, Sync):  # all others can wait for their moment
+            if time is not None:
+                self.advance_to(time)
+            self._senses = self._read()
+        for i, node in enumerate(self.nodes):
+            if self._silent[i]:
+                continue
+            received = message
+            if self.faults.present:
+                if self._is_hit("frame_loss", node.number):
+                    continue
+                if self._is_hit("frame_corruption", node.number):  # this node hears something else
+                    received = decode(identifier, self._wire.bytes(len(data)))
+            if received is not None:
+                self._transmit(node, node.receive(received, self.time, self._senses[i]))
+
+    def _deliver_late(self, time: float) -> None:
+        """Deliver the frames of a late computer whose time has come."""
+        due = [wire for when, wire in self._late if when <= time]
+        self._late = [(when, wire) for when, wire in self._late if when > time]
+        for identifier, data in due:
+            self._deliver(identifier, data, None)
+
+    def _transmit(self, node: nodes.Node, messages: Iterable[CanMessage]) -> None:
+        for message in messages:
+            wire = encode(message)
+            if self.faults.present:
+                if self._silent[node.number - 1] or self._is_hit("frame_loss", node.number):
+                    continue
+                if self._is_hit("frame_corruption", node.number):
+                    wire = wire[0], self._wire.bytes(len(wire[1]))
+            self._outbox.append(wire)
+
+    def _march(self, time: float) -> None:
+        """Advance the body to `time`."""
+        dt = time - self.time
+        n = len(self.nodes)
+        reference = np.fromiter((node.reference for node in self.nodes), float, n)
+        zero = np.fromiter((node.zero for node in self.nodes), float, n)
+        on = np.fromiter(
+            (node.is_on and not dead for node, dead in zip(self.nodes, self._dead, strict=True)),
+            bool,
+            n,
+        )
+        reference = reference - self.electronics.offset(zero)
+        held, moves = reference.copy(), on.copy()
+        jammed = np.zeros(n, dtype=bool)
+        for i, angle in self._jammed.items():
+            held[i], moves[i], jammed[i] = angle, True, True
+        self.body.advance(held, moves, dt)
+        self.time = time
+        self.electronics.advance(self.truth, reference, on, jammed, dt)
+        self.meter.advance(self.electronics.supply_current, dt)
+
+    def _tick(self) -> None:
+        """Let all devices read the body."""
+        self.faults.look(self.time)
+        self._apply_faults()
+        self.electronics.accelerate(self.truth, self.settings.step)
+        self._senses = self._read()
+        for i, node in enumerate(self.nodes):
+            if not self._dead[i]:
+                self._transmit(node, node.tick(self.time, self._senses[i]))
+        if self.time * self.settings.mocap.rate >= self._frames + 1 - 1e-6:
+            self._frames = math.floor(self.time * self.settings.mocap.rate + 1e-6)
+            hidden = self.faults.on("body_lost") is not None
+            frame = self.cameras.look(self.truth.modules, self.time, hidden=hidden)
+            if frame is not None and not self.faults.on("mocap_silent"):
+                self._captured.append(self._mistakes.instead(frame, self.faults, self.time))
+
+    def _apply_faults(self) -> None:
+        """Apply the present faults to the modules, to the whole robot, and to the water."""
+        faults = self.faults
+        altering = tuple(fault for fault in faults.present if fault.kind in quiet.OF_PLANT)
+        if altering != self._altering:
+            self._altering, self.body.plant = (
+                altering,
+                quiet.plant_with_faults(self.body, self._built, faults),
+            )
+        for i, node in enumerate(self.nodes):
+            number = node.number
+            dead = faults.on("dead_module", number) is not None
+            if self._dead[i] and not dead:
+                node.power_on(self.time)
+            off = faults.on("bus_off", number) is not None
+            if off:
+                node.error_count = 255
+            elif node.error_count:
+                node.error_count = 0
+                node.flags.add("bus_errors")
+            self._dead[i], self._silent[i] = dead, dead or off
+            slip = faults.on("slipped_zero", number)
+            more = (
+                -math.expm1(-self.settings.step / quiet.SLIP_TIME) * (slip.angle - self._slipped[i])
+                if slip
+                else 0.0
+            )
+            self._slipped[i] += more
+            self.electronics.zero_error[i] -= more
+            self.electronics.slip_rate[i] = -more / self.settings.step
+            self._leaks[i] = faults.on("leak", number) is not None
+            hot = faults.on("over_temperature", number)
+            if hot is not None:
+                self.electronics.temperature[i] = max(
+                    self.electronics.temperature[i], hot.temperature
+                )
+            if faults.on("stuck_servo", number) is None:
+                self._jammed.pop(i, None)
+            else:
+                self._jammed.setdefault(i, float(self.truth.joint_angle[i]))
+
+    def _read(self) -> list[nodes.Senses]:
+        return self.electronics.read(self.truth, self._leaks)
+
+    def _is_hit(self, kind: str, number: int) -> bool:
+        fault = self.faults.on(kind, number)
+        return fault is not None and self._wire.random() < fault.share
+
+
+HELP = Path(__file__).with_name("help.txt").read_text().strip().format(kinds=", ".join(KINDS))
+
+
+def assist(tank: Tank, line: str) -> str:
+    """Execute the command in a line, and return what was done.
+
+    Args:
+        tank: Tank in which it is done.
+        line: Command, in the words of `HELP`.
+
+    Raises:
+        ValueError: If the command cannot be executed.
+    """
+    words = line.split()
+    if not words or words[0] == "help":
+        return HELP
+    if words[0] == "clear":
+        tank.faults.clear()
+        return "no faults"
+    if words[0] == "carry":
+        return _carry(tank, words[1:])
+    if words[0] == "truth":
+        truth = tank.truth
+        x, y, z = truth.center_of_mass.tolist()
+        heading = math.degrees(truth.heading)
+        return f"time {tank.time:.2f} s, center of mass {x:.4f} {y:.4f} {z:.4f} m, heading {heading:.2f} deg"
+    fault = fault_from_words(line, tank.time)
+    tank.inject(fault)
+    where = f" at node {fault.node}" if fault.node else ""
+    return f"{fault.kind}{where}: {KINDS[fault.kind]}"
+
+
+def _carry(tank: Tank, words: list[str]) -> str:
+    try:
+        x, y, heading, *depth = (float(word) for word in words)
+    except ValueError:
+        got = " ".join(words)
+        rule = "must have three numbers, x y [m] and heading [deg], and in space a depth [m], got"
+        raise BadArgument("carry", f"{rule} {got!r}") from None
+    at = f" depth {depth[0]:g} m" if depth else ""
+    start = Start(
+        center_of_mass=(x, y), heading=math.radians(heading), depth=depth[0] if depth else None
+    )
+    tank.carry(start)
+    return f"the robot lies straight at {x:g} {y:g} m, heading {heading:g} deg{at}"

@@ -1,0 +1,28 @@
+"""Drivers of the devices: modules' bus, motion capture, power meter, emergency-stop input.
+
+No exception ends their threads. `base` says what a driver is, how your own driver is found, and
+what it has to do.
+"""
+
+from laticauda.tank.operate.drivers.base import (
+    KINDS,
+    Bus,
+    Frame,
+    Meter,
+    MotionCapture,
+    StopInput,
+    driver_named,
+)
+from laticauda.tank.protocol.worker import Clock, DeviceFailed
+
+__all__ = [
+    "KINDS",
+    "Bus",
+    "Clock",
+    "DeviceFailed",
+    "Frame",
+    "Meter",
+    "MotionCapture",
+    "StopInput",
+    "driver_named",
+]

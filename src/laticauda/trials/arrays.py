@@ -1,0 +1,109 @@
+"""Checks of a trial's arrays and texts: each returns the value as stored, or raises a ValueError naming the field."""
+
+from collections.abc import Mapping
+from typing import TypeAlias, cast
+
+import numpy as np
+from jaxtyping import Float, Shaped
+
+from laticauda.values.checks import check_choice, check_instance
+from laticauda.values.errors import BadArgument
+from laticauda.values.series import as_floats
+
+# Shapes of a trial's arrays. `Trial` imports them from here and checks the arrays itself, whatever
+# it is given.
+Samples: TypeAlias = Float[np.ndarray, " n_samples"]
+FinJoints: TypeAlias = Float[np.ndarray, "n_samples n_fin_joints"]
+Setting: TypeAlias = str | float | bool | None
+AnyArray: TypeAlias = Shaped[np.ndarray, "..."]
+
+
+def check_floats(
+    name: str, values: object, shape: tuple[int | None, ...]
+) -> Float[np.ndarray, "..."]:
+    """Return `values` as a read-only float64 array of the given shape; None stands for any length."""
+    array = as_floats(name, values)
+    if array.ndim != len(shape) or any(
+        n not in (None, size) for n, size in zip(shape, array.shape, strict=True)
+    ):
+        wanted = ", ".join("any" if n is None else str(n) for n in shape)
+        raise BadArgument(name, f"must have shape ({wanted}), got {array.shape}")
+    if not np.isfinite(array).all():
+        row = int(np.argwhere(~np.isfinite(array))[0][0])
+        raise BadArgument(name, f"must hold finite numbers only, got {array[row]} at sample {row}")
+    return _read_only(array, values)
+
+
+def check_times(name: str, values: object) -> Samples:
+    """Return `values` as read-only times, at least one, strictly increasing."""
+    time = check_floats(name, values, (None,))
+    if time.size < 1:
+        raise BadArgument(name, "must have at least 1 sample, got 0")
+    increases = np.diff(time) > 0.0
+    if not np.all(increases):
+        i = int(np.argmin(increases))
+        raise BadArgument(name, f"must increase strictly, got {time[i]} s and then {time[i + 1]} s")
+    return time
+
+
+def check_each(
+    name: str, value: object, shape: tuple[int, ...]
+) -> dict[str, Float[np.ndarray, "..."]]:
+    """Return every value of a mapping as a read-only array of the given shape."""
+    return {
+        key: check_floats(f"{name}[{key!r}]", one, shape)
+        for key, one in mapping(name, value).items()
+    }
+
+
+def mapping(name: str, value: object) -> Mapping[str, object]:
+    """Return `value` as a mapping whose keys can be names of variables in a file."""
+    items = cast("Mapping[object, object]", check_instance(name, value, Mapping))
+    for key in items:
+        if not isinstance(key, str) or not key.isidentifier():
+            raise BadArgument(
+                name, f"must have names of letters, digits and underscores as keys, got {key!r}"
+            )
+    return cast("Mapping[str, object]", items)
+
+
+def state_array(name: str, value: object) -> AnyArray:
+    """Return `value` as a read-only array of its own dtype, in native byte order."""
+    array = np.asarray(value)
+    if array.dtype.kind not in "biuf" or array.dtype.itemsize > 8 or array.dtype == np.float16:
+        raise ValueError(
+            f"`state[{name!r}]` must be an array of numbers or truth values, got {array.dtype}."
+        )
+    return _read_only(np.asarray(array, dtype=array.dtype.newbyteorder("="), order="C"), value)
+
+
+def choose_names(name: str, value: object, choices: tuple[str, ...]) -> tuple[str, ...]:
+    """Return those names in `choices` that `value` contains, in the order of `choices`."""
+    given = tuple(cast("list[object]", value)) if isinstance(value, tuple | list) else (value,)
+    for one in given:
+        check_choice(name, one, choices)
+    return tuple(choice for choice in choices if choice in given)
+
+
+def are_same(one: object, other: object) -> bool:
+    """Return whether two contents are the same, arrays bit for bit."""
+    if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
+        a, b = cast("AnyArray", one), cast("AnyArray", other)
+        return a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes()
+    if isinstance(one, dict) and isinstance(other, dict):
+        a, b = cast("dict[str, object]", one), cast("dict[str, object]", other)
+        return a.keys() == b.keys() and all(are_same(a[name], b[name]) for name in a)
+    plain = cast("object", one)
+    # The texts of values distinguish 1 from True and 0 from -0.
+    return type(plain) is type(other) and plain == other and repr(plain) == repr(other)
+
+
+def _read_only(array: AnyArray, value: object) -> AnyArray:
+    # The caller must neither be able to change it later nor find it locked. Copy what is not fresh,
+    # unless locked.
+    is_fresh = array is not value and array.flags.owndata
+    is_locked = not array.flags.writeable and array.flags.owndata
+    if not (is_fresh or is_locked):
+        array = array.copy()
+    array.flags.writeable = False
+    return array

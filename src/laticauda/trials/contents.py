@@ -1,0 +1,175 @@
+"""Contents of a trial: its arrays, what swam and how, and how the run ended."""
+
+import dataclasses
+from collections.abc import Mapping
+from datetime import UTC, datetime
+
+import numpy as np
+
+from laticauda import scenarios
+from laticauda.motion import gaits
+from laticauda.robot import Ground, Robot, Water
+from laticauda.trials import arrays
+from laticauda.trials.arrays import AnyArray, FinJoints, Setting
+from laticauda.values import series
+from laticauda.values.checks import check_flag, check_instance, check_text
+from laticauda.values.errors import BadArgument
+
+REACHED_END = "The run reached its end."
+"""Status of a run that succeeded."""
+FORCE_COMPONENTS = ("drag", "added_mass", "effector")
+_NEEDED = ("time", "center_of_mass", "center_of_mass_velocity", "electrical_work")
+NOT_NEEDED = tuple(name for name in series.SERIES if name not in _NEEDED)
+"""Arrays that a measured trial may lack; the position of the robot is in every trial."""
+
+
+def shapes_of(robot: Robot, n_samples: int, n_axes: int) -> dict[str, tuple[int, ...]]:
+    """Return the shapes of the arrays of a trial by name.
+
+    Args:
+        robot: The robot that swims.
+        n_samples: Number of samples.
+        n_axes: 2 in the plane, 3 in space.
+    """
+    n_links = (robot if n_axes == 3 else robot.planar()).n_links
+    n = {"time": n_samples, "axis": n_axes, "link": n_links, "joint": n_links - 1, "3": 3}
+    return {name: tuple(n[of] for of in one.dimensions) for name, one in series.SERIES.items()}
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Contents(series.Log):
+    """What a trial holds, a log and its origin, validated; `Trial` adds what is derived from it.
+
+    All arrays are float64, finite and read-only. A log in the plane has one column per link of
+    `robot.planar()`, a log in space (three columns in `center_of_mass`) one per module of `robot`.
+    A trial is immutable: use `dataclasses.replace` to make a modified copy.
+
+    Raises:
+        ValueError: If an array has the wrong shape, holds anything other than finite numbers, or
+            time does not increase.
+    """
+
+    scenario: scenarios.Scenario | scenarios.Experiment
+    """What swam, how, where and by which model: given a scenario, `laticauda.swim` reproduces the trial. An experiment
+    states what is known of a run that was measured, or steered by hand."""
+    version: str
+    """Version of laticauda that made the run."""
+    created: str = dataclasses.field(
+        default_factory=lambda: datetime.now(UTC).isoformat(timespec="seconds")
+    )
+    """Creation date and time of day with time zone, ISO 8601."""
+    status: str = REACHED_END
+    """How the run ended: a sentence, with advice if it failed."""
+    succeeded: bool = True
+    """Whether the run reached its end."""
+    not_measured: tuple[str, ...] = ()
+    """Arrays that were not measured, see `NOT_NEEDED`: they hold zeros, and figures that need them raise an error."""
+    state: Mapping[str, AnyArray] = dataclasses.field(default_factory=dict[str, AnyArray])
+    """The plant's final state, from which the run can be continued; empty if there is none."""
+
+    def __post_init__(self) -> None:
+        """Validate everything and freeze every array, once."""
+        check_instance("scenario", self.scenario, scenarios.Scenario, scenarios.Experiment)
+        check_flag("succeeded", self.succeeded)
+        for name in ("version", "created", "status"):
+            check_text(name, getattr(self, name))
+        for name, value in self._clean().items():
+            object.__setattr__(self, name, value)
+        object.__setattr__(
+            self, "not_measured", arrays.choose_names("not_measured", self.not_measured, NOT_NEEDED)
+        )
+
+    @property
+    def robot(self) -> Robot:
+        """The robot that swam."""
+        return self.scenario.robot
+
+    @property
+    def gait(self) -> gaits.Gait | None:
+        """The commanded gait, for a steered run the initial one; None if there was no gait."""
+        return self.scenario.gait
+
+    @property
+    def environment(self) -> Water | Ground:
+        """The environment in which the robot swam or crawled."""
+        return self.scenario.environment
+
+    @property
+    def settings(self) -> Mapping[str, Setting]:
+        """Settings of the run as texts and numbers: controller and model, or what is known of an experiment."""
+        return self.scenario.settings
+
+    @property
+    def period(self) -> float | None:
+        """Period of the gait, 2 pi / frequency [s]; None without a gait, or if the gait stands still."""
+        return (
+            2.0 * np.pi / self.gait.frequency
+            if self.gait is not None and self.gait.frequency > 0.0
+            else None
+        )
+
+    @property
+    def chain(self) -> Robot:
+        """The robot whose links correspond to the columns of `link_angle`."""
+        return self.robot if self.center_of_mass.shape[1] == 3 else self.robot.planar()
+
+    @property
+    def fin_angle(self) -> FinJoints:
+        """Angles of the joints of a driven or flexible fin, from its root on; 0 if the signals lack them [rad]."""
+        return self._of_fin("fin_angle")
+
+    @property
+    def fin_rate(self) -> FinJoints:
+        """Rates of the same fin joints [rad/s]."""
+        return self._of_fin("fin_rate")
+
+    def _of_fin(self, name: str) -> FinJoints:
+        joints, nothing = self.robot.fin_joints, np.zeros(self.time.size)
+        return (
+            np.array([self.signals.get(f"{name}_{k}", nothing) for k in joints])
+            .reshape(-1, self.time.size)
+            .T
+        )
+
+    def _clean(self) -> dict[str, object]:
+        """Return the arrays and mappings as they are stored."""
+        clean: dict[str, object] = {"time": arrays.check_times("time", self.time)}
+        center = arrays.check_floats("center_of_mass", self.center_of_mass, (len(self.time), None))
+        n_axes = center.shape[1]
+        if n_axes not in (2, 3):
+            raise BadArgument("center_of_mass", f"must have 2 or 3 columns, got {n_axes}")
+        shapes = shapes_of(self.robot, len(self.time), n_axes)
+        for name, shape in shapes.items():
+            if name != "time" and getattr(self, name) is not None:
+                clean[name] = arrays.check_floats(name, getattr(self, name), shape)
+        if self.link_force is not None:
+            clean["link_force"] = arrays.check_each(
+                "link_force", self.link_force, (*shapes["link_angle"], n_axes)
+            )
+        clean["signals"] = arrays.check_each("signals", self.signals, (len(self.time),))
+        state = arrays.mapping("state", self.state)
+        clean["state"] = {key: arrays.state_array(key, value) for key, value in state.items()}
+        return clean
+
+    def equals(self, other: object) -> bool:
+        """Return whether `other` is a trial with the same contents, bit for bit: every array, setting and text."""
+        if not isinstance(other, Contents):
+            return False
+        names = (field.name for field in dataclasses.fields(self))
+        return all(arrays.are_same(getattr(self, name), getattr(other, name)) for name in names)
+
+    def need(self, purpose: str, *names: str) -> None:
+        """Reject a measured trial that lacks required arrays.
+
+        Args:
+            purpose: What they are needed for, in words.
+            names: Names of the arrays, as in `not_measured`.
+
+        Raises:
+            ValueError: If one of them was not measured.
+        """
+        for name in names:
+            if name in self.not_measured:
+                raise ValueError(
+                    f"The trial must have a measured `{name}` for {purpose}, and it has none."
+                )

@@ -1,0 +1,21 @@
+"""Can this robot do it? What a run demands of the joints, and whether links overlap.
+
+actuators.py     joint limits and torque-speed lines: what the robot offers
+link_overlap.py  links that fold over each other, or cross
+figures.py       peak demands as numbers, of one run or of many side by side
+judgment.py      the same of one run, in sentences
+"""
+
+from laticauda.trials.feasibility.actuators import duty as duty
+from laticauda.trials.feasibility.figures import (
+    NEEDS as NEEDS,
+    ROUNDING as ROUNDING,
+    compute_peaks as compute_peaks,
+    find_settled_samples as find_settled_samples,
+    make_peak_figure as make_peak_figure,
+)
+from laticauda.trials.feasibility.judgment import (
+    Feasibility as Feasibility,
+    judge_feasibility as judge_feasibility,
+)
+from laticauda.trials.feasibility.link_overlap import measure_overlap as measure_overlap

@@ -1,0 +1,166 @@
+"""What a run demands of the robot, beside what the robot offers, in sentences."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from laticauda.robot import Robot
+from laticauda.trials.feasibility.actuators import Joints, Offer, TorqueSpeedLine, duty_from_offer
+from laticauda.trials.feasibility.figures import ROUNDING, compute_peaks, find_settled_samples
+from laticauda.trials.feasibility.link_overlap import measure_overlap
+from laticauda.values.series import Log
+
+FIN_SERIES = {
+    "joint_angle": "fin_angle_0",
+    "joint_rate": "fin_rate_0",
+    "joint_torque": "fin_torque",
+}
+"""Series of a driven fin, by that of the joints beside which it stands."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Feasibility:
+    """What a run demands of the robot, compared with what the robot offers."""
+
+    figures: Mapping[str, float]
+    """Figures by name, see `NEEDS`; in SI units."""
+    words: str
+    """The largest angle, rate and torque of a joint, each with the value that it offers."""
+    problems: tuple[str, ...]
+    """Reasons why the robot cannot do it, one sentence each; empty if it can."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Demand:
+    """The moment and joint at which a run demands most of what is offered."""
+
+    words: str
+    """What is demanded, of what is offered."""
+    problem: str
+    """The same as a sentence on why the joint cannot do it."""
+    exceeds_offer: bool
+    """Whether it cannot do it."""
+
+
+def judge_feasibility(robot: Robot, log: Log, period: float | None) -> Feasibility:
+    """Compare what a run demands of the robot with what the robot offers.
+
+    Args:
+        robot: The robot, in its planar form for a run in the plane.
+        log: Log of the run; series that were not measured are 0 there, and demand nothing.
+        period: Gait period, None without a gait [s].
+    """
+    is_settled = find_settled_samples(log.time, period)
+    angle = _driven_joints(robot, log, "joint_angle")[is_settled]
+    rate = _driven_joints(robot, log, "joint_rate")[is_settled]
+    torque = _driven_joints(robot, log, "joint_torque")[is_settled]
+    all_count = np.full((len(angle), 1), True)
+    figures = compute_peaks([robot], angle, rate, torque, all_count, most=len(angle))
+    words = "none"
+    problems: list[str] = []
+    if robot.driven_joints:
+        words, problems = _describe(robot, angle, rate, torque)
+    if figures["utilization"] > 1.0 + ROUNDING:  # only then can links overlap as well
+        closest = measure_overlap(robot, angle[:, : robot.n_joints, 0])
+        if closest.share > 1.0 + ROUNDING:
+            problems.append(f"links {closest.first_link} and {closest.second_link} overlap")
+    return Feasibility(
+        figures={name: float(values[0]) for name, values in figures.items()},
+        words=words,
+        problems=tuple(problems),
+    )
+
+
+def _driven_joints(robot: Robot, log: Log, series: str) -> Joints:
+    """Return a series of all driven joints and then of a driven fin, as of a single run."""
+    fin = log.signals.get(FIN_SERIES[series], 0.0 * log.time)
+    columns = np.column_stack((getattr(log, series), fin))[:, : len(robot.driven_joints)]
+    return columns[..., np.newaxis]
+
+
+def _describe(robot: Robot, angle: Joints, rate: Joints, torque: Joints) -> tuple[str, list[str]]:
+    """Describe the largest angle, rate and torque, each with the value available.
+
+    The second value holds a sentence for whatever exceeds it.
+    """
+    offer = Offer.of([robot])
+    bend = _largest_bend(robot, angle, offer)
+    turn = _fastest_turn(robot, rate, offer)
+    effort = _greatest_effort(robot, rate, torque, offer)
+    problems: list[str] = []
+    if bend.exceeds_offer:
+        problems.append(bend.problem)
+    if not any(joint.actuator.stated for joint in robot.driven_joints):
+        fastest = math.degrees(np.abs(rate).max())
+        strongest = np.abs(torque).max()
+        motion = f"joints turn at up to {fastest:.3g} deg/s and need up to {strongest:.3g} N m"
+        return f"{bend.words}, {motion}; no actuator is stated", problems
+    if effort.exceeds_offer:
+        problems.append(effort.problem)
+    elif turn.exceeds_offer:
+        problems.append(turn.problem)
+    return f"{bend.words}, {turn.words}, {effort.words}", problems
+
+
+def _largest_bend(robot: Robot, angle: Joints, offer: Offer) -> Demand:
+    """Return the demand of the joint that comes closest to its limit."""
+    share = np.abs(angle / offer.joint_limit)
+    sample, joint = _largest_at(share)
+    bend = math.degrees(abs(angle[sample, joint, 0]))
+    limit = math.degrees(robot.driven_joints[joint].limit)
+    name = _joint_name(robot, joint)
+    return Demand(
+        words=f"{name} bends {bend:.3g} of {limit:.3g} deg",
+        problem=f"{name} bends {bend:.3g} deg; its limit is {limit:.3g}",
+        exceeds_offer=_exceeds(share),
+    )
+
+
+def _fastest_turn(robot: Robot, rate: Joints, offer: Offer) -> Demand:
+    """Return the demand of the joint that comes closest to its speed without load."""
+    share = np.abs(rate / offer.no_load_speed)
+    sample, joint = _largest_at(share)
+    speed = math.degrees(abs(rate[sample, joint, 0]))
+    no_load_speed = math.degrees(robot.driven_joints[joint].actuator.no_load_speed)
+    name = _joint_name(robot, joint)
+    return Demand(
+        words=f"{name} turns at {speed:.3g} of {no_load_speed:.3g} deg/s",
+        problem=f"{name} turns at {speed:.3g} deg/s; its servo does {no_load_speed:.3g}",
+        exceeds_offer=_exceeds(share),
+    )
+
+
+def _greatest_effort(robot: Robot, rate: Joints, torque: Joints, offer: Offer) -> Demand:
+    """Return the demand of the joint that comes closest to its torque-speed line."""
+    share = np.abs(duty_from_offer(offer, rate, torque))
+    sample, joint = _largest_at(share)
+    needed = abs(torque[sample, joint, 0])
+    rate_along_torque = math.copysign(1.0, torque[sample, joint, 0]) * rate[sample, joint, 0]
+    motor = TorqueSpeedLine.of(robot.driven_joints[joint].actuator)
+    available = motor.available_torque(rate_along_torque)
+    name = _joint_name(robot, joint)
+    at_rate = f"at {math.degrees(rate_along_torque):.3g} deg/s"
+    return Demand(
+        words=f"{name} needs {needed:.3g} of {available:.3g} N m {at_rate}",
+        problem=f"{name} needs {needed:.3g} N m {at_rate}; its servo has {available:.3g}",
+        exceeds_offer=_exceeds(share) and bool(needed > available),
+    )
+
+
+def _largest_at(share: Joints) -> tuple[int, int]:
+    """Return the sample and the joint at which a share is largest."""
+    sample, joint, _ = np.unravel_index(np.argmax(share), share.shape)
+    return int(sample), int(joint)
+
+
+def _exceeds(share: Joints) -> bool:
+    return bool(share.max() > 1.0 + ROUNDING)
+
+
+def _joint_name(robot: Robot, joint: int) -> str:
+    """Return what a driven joint is called in a sentence."""
+    if joint < robot.n_joints:
+        return f"joint {joint}"
+    return "the fin's joint"

@@ -1,0 +1,223 @@
+"""Measurements to compare with runs: published trials, and tables of speeds.
+
+Published trials are found by the setting of a run. To add measurements, add a class: an installed
+package provides its trials through an entry point of the group ``laticauda.measured_trials``.
+
+A table of measured speeds, the most common data of a swimming lab, is a CSV file with one row per
+trial. The first row has the column names, in any order:
+
+    gait,config,alpha_deg,omega_deg_s,delta_deg,v_m_s,P_avg_W
+    LU,nofin,30,130,40,0.1514,106.63
+    LU,nofin,30,130,40,0.1498,105.10
+
+`gait` is LU (lateral undulation) or EEL (eel-like), `config` nofin or fin, v_m_s the forward
+velocity (5). A speed may be missing; the column P_avg_W, the electrical power above idle, may be
+missing too, and so may every column for which `SpeedTrial` has a default. Column names state the
+unit; numbers that can only be in another unit are rejected.
+"""
+
+import math
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from laticauda.motion import gaits
+from laticauda.robot import Environment, Robot
+from laticauda.trials.trial import Trial
+from laticauda.values import extensions, files
+from laticauda.values.checks import suggest_nearest
+from laticauda.values.errors import BadArgument, TrialFileError
+from laticauda.values.quantities import option, quantity, value_class
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeasuredTrial:
+    """One measured setting, without steering."""
+
+    gait: gaits.Gait
+    """The commanded gait."""
+    robot: str
+    """The robot's name (`laticauda.load_robot`)."""
+    has_fin: bool
+    """Whether the robot wore the caudal fin."""
+    forward_velocity: float | None
+    """Equation (5); None if not available [m/s]."""
+    mean_power: float | None
+    """Electrical power above idle (4), not comparable with a mechanical power; None if not available [W]."""
+    is_maximum: bool = False
+    """Whether it was published as the fastest of a sweep, so that its speed is biased upward by selection."""
+    duration: float
+    """Duration of the trial, from rest [s]."""
+    source: str
+    """Where it was published, in a word or two."""
+    about: str
+    """What swam where, and what one needs to know about the numbers, in a sentence without its final period."""
+
+
+class MeasuredTrials(extensions.Extensible, group="measured_trials"):
+    """Base of published measurements."""
+
+    @abstractmethod
+    def trials(self) -> Sequence[MeasuredTrial]:
+        """Return all measured settings, including those published without a number."""
+
+    @abstractmethod
+    def counterpart(
+        self, robot: Robot, gait: gaits.Gait, environment: Environment
+    ) -> MeasuredTrial | None:
+        """Return the measurement in exactly this setting, or None.
+
+        Args:
+            robot: The robot that swims.
+            gait: Its gait, without steering.
+            environment: The environment in which it swims.
+        """
+
+
+def all_measured() -> list[MeasuredTrials]:
+    """Return all installed collections of published measurements."""
+    return [MeasuredTrials.named(name)() for name in MeasuredTrials.names()]
+
+
+def measured_setting(
+    robot: Robot, gait: gaits.Gait | None, environment: Environment
+) -> MeasuredTrial | None:
+    """Return the measurement in a given setting, or None.
+
+    Args:
+        robot: The robot that swims.
+        gait: Its gait, without steering; None has no counterpart.
+        environment: The environment in which it swims.
+    """
+    if gait is None:
+        return None
+    found = (one.counterpart(robot, gait, environment) for one in all_measured())
+    return next((trial for trial in found if trial is not None), None)
+
+
+def measured_counterpart(trial: Trial) -> MeasuredTrial | None:
+    """Return the measurement in the setting of a run, or None.
+
+    Args:
+        trial: A run.
+    """
+    return measured_setting(trial.robot, trial.gait, trial.environment)
+
+
+# ---- tables of speeds ----------------------------------------------------------------------------
+
+KINDS = {"LU": "lateral_undulation", "EEL": "eel_like"}
+"""Gait abbreviations used in tables."""
+_RADIANS = 3.2  # if no angle [deg] exceeds this, the angles can only be radians
+
+
+@value_class
+class SpeedTrial:
+    """A row of a table of speeds."""
+
+    gait: Literal["LU", "EEL"] = option("Kind of the gait")
+    config: Literal["nofin", "fin"] | None = option(
+        "With or without caudal fin; as the robot if omitted", default=None
+    )
+    alpha_deg: float = quantity("deg", "Amplitude", ge=0.0)
+    omega_deg_s: float = quantity("deg/s", "Frequency", gt=0.0)
+    delta_deg: float = quantity("deg", "Phase shift")
+    v_m_s: float | None = quantity(
+        "m/s", "Forward velocity; empty: not available", gt=0.0, default=None
+    )
+    P_avg_W: float | None = quantity("W", "Electrical power above idle", gt=0.0, default=None)
+    robot: str | None = option("Robot that swam, a preset or a TOML file", default=None)
+    duration_s: float = quantity("s", "Duration of the trial, from rest", gt=0.0, default=30.0)
+    v_sigma_m_s: float | None = quantity(
+        "m/s", "Standard deviation of the speed's noise", gt=0.0, default=None
+    )
+    P_sigma_W: float | None = quantity("W", "The same for the power", gt=0.0, default=None)
+    selected_from: int = quantity(
+        "", "Number of about equally good settings of which it is the best", ge=1, default=1
+    )
+
+    def __post_init__(self) -> None:
+        """Reject values that do not form a valid gait."""
+        _ = self.motion
+
+    @property
+    def motion(self) -> gaits.Gait:
+        """The commanded gait."""
+        return gait_in_table(self.gait, self.alpha_deg, self.omega_deg_s, self.delta_deg)
+
+
+def gait_in_table(kind: str, alpha_deg: float, omega_deg_s: float, delta_deg: float) -> gaits.Gait:
+    """Return the gait described by a row of a table.
+
+    Args:
+        kind: One of `KINDS`.
+        alpha_deg: Amplitude [deg].
+        omega_deg_s: Frequency [deg/s].
+        delta_deg: Phase shift [deg].
+    """
+    alpha, omega, delta = map(math.radians, (alpha_deg, omega_deg_s, delta_deg))
+    return gaits.Gait(
+        envelope=gaits.envelope_of(KINDS[kind]), amplitude=alpha, frequency=omega, phase_shift=delta
+    )
+
+
+_COLUMNS = tuple(SpeedTrial.__dataclass_fields__)
+_NEEDED = ("gait", "alpha_deg", "omega_deg_s", "delta_deg", "v_m_s")
+
+
+def load_speeds(path: str | Path) -> tuple[SpeedTrial, ...]:
+    """Load a table of speeds from a CSV file.
+
+    Args:
+        path: Path of the file; its columns are those described at the top of this module.
+
+    Raises:
+        TrialFileError: If the file cannot be read, or anything in it is wrong; the message gives
+            the row, counted as in a spreadsheet, with the header as row 1.
+    """
+    names, rows = files.read_rows(path, TrialFileError)
+    _check_columns(path, names)
+    found: list[SpeedTrial] = []
+    for number, row in rows:
+        try:
+            cells = {
+                name: _cell(name, text)
+                for name, text in row.items()
+                if text or name in _NEEDED[:-1]
+            }
+            found.append(SpeedTrial(**cells))
+        except ValueError as error:
+            raise TrialFileError(f"{path}: row {number}: {error}") from None
+    if not found:
+        raise TrialFileError(f"{path}: the table has no rows.")
+    for name in ("alpha_deg", "delta_deg"):
+        most = max(abs(getattr(one, name)) for one in found)
+        if 0.0 < most < _RADIANS:
+            raise TrialFileError(
+                f"{path}: column `{name}` only reaches {most:g}, too little for deg; is it in rad?"
+            )
+    return tuple(found)
+
+
+def _check_columns(path: str | Path, given: list[str]) -> None:
+    rules = [f"`{name}` is missing." for name in _NEEDED if name not in given]
+    for name in given:
+        if name not in _COLUMNS:
+            hint = suggest_nearest(name, _COLUMNS) or f"; they are {', '.join(_COLUMNS)}"
+            rules.insert(0, f"`{name}` is not known{hint}")
+        if given.count(name) > 1:
+            rules.insert(0, f"`{name}` must not be given twice.")
+    if rules:
+        raise TrialFileError(f"{path}: row 1: column {rules[0]}")
+
+
+def _cell(name: str, text: str) -> Any:
+    """Convert a cell to a number, or keep it as text."""
+    if name in ("gait", "config", "robot"):
+        return text
+    try:
+        return int(text) if name == "selected_from" else float(text)
+    except ValueError:
+        raise BadArgument(name, f"must be a number, got {text!r}") from None

@@ -1,0 +1,181 @@
+"""Several trials: compared side by side with their differences from the first, or two in a row joined into one."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, cast
+
+import numpy as np
+
+from laticauda.motion import gaits
+from laticauda.scenarios import Experiment, Scenario
+from laticauda.trials.trial import FIGURES, Figure, Trial
+from laticauda.values import angles
+from laticauda.values.checks import check_instance
+from laticauda.values.errors import BadArgument
+from laticauda.values.series import concatenated
+
+_OF_MEAN_POWER = ("mean_power", "cost_of_transport", "joules_per_meter")
+
+ROUNDING = 1e-6
+"""A reference value below this, in its SI unit, is only rounding error: no difference is given in percent of it."""
+LARGEST_PERCENT = 1000.0
+"""Percentages larger than this are not reported: the first value is then negligible compared with the other."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ComparedFigure:
+    """One figure of several trials, side by side."""
+
+    figure: Any
+    """The `Figure`; typed Any because a field of the type `Figure` would be read as a property."""
+    values: tuple[float | None, ...]
+    """One value per trial, in the figure's unit; None where the figure has no meaning."""
+    differences: tuple[float | None, ...]
+    """Each value minus the first trial's, in the figure's unit, angles in [-pi, pi); None where either is None."""
+    differences_percent: tuple[float | None, ...]
+    """The differences in percent of the first value; None where that is meaningless: either value is None, the first is
+    negligible (`ROUNDING`, `LARGEST_PERCENT`), or the figure is an angle."""
+
+
+def compare(*trials: Trial | Sequence[Trial]) -> list[ComparedFigure]:
+    """Compare the figures of several trials side by side, with their differences from the first.
+
+    Args:
+        trials: At least two trials, the reference first; or a list of them.
+
+    Returns:
+        One row per figure that has a meaning for any of the trials, in the order of `FIGURES`. If
+        only some of the trials have a power model, the figures based on `mean_power` are left out.
+
+    Raises:
+        ValueError: If there are fewer than two trials.
+    """
+    given = [one for some in trials for one in (some if isinstance(some, Sequence) else [some])]
+    if len(given) < 2:
+        raise BadArgument("trials", f"must hold at least 2 trials to compare, got {len(given)}")
+    columns = [
+        cast(Trial, check_instance(f"trials[{i}]", one, Trial)).figures()[0]
+        for i, one in enumerate(given)
+    ]
+    # Mechanical and electrical power differ by a factor of ten: side by side they would be
+    # misleading.
+    mixed = len({trial.mean_power_kind for trial in given}) > 1
+    rows: list[ComparedFigure] = []
+    for figure in FIGURES:
+        values = tuple(column[figure.name] for column in columns)
+        if (mixed and figure.name in _OF_MEAN_POWER) or all(value is None for value in values):
+            continue
+        rows.append(_compared(figure, values))
+    return rows
+
+
+def _compared(figure: Figure, values: tuple[float | None, ...]) -> ComparedFigure:
+    first, is_angle = values[0], figure.unit == "rad"
+    differences = tuple(
+        None if value is None or first is None else value - first for value in values
+    )
+    shares = tuple(None if is_angle else _percent(difference, first) for difference in differences)
+    if is_angle:
+        differences = tuple(None if one is None else angles.wrap_to_pi(one) for one in differences)
+    return ComparedFigure(
+        figure=figure, values=values, differences=differences, differences_percent=shares
+    )
+
+
+def _percent(difference: float | None, reference: float | None) -> float | None:
+    if difference is None or reference is None or abs(reference) < ROUNDING:
+        return None
+    share = 100.0 * difference / abs(reference)
+    return share if abs(share) <= LARGEST_PERCENT else None
+
+
+_TOLERANCE = 1e-9  # of position [m] and angles [rad] where the runs meet: a restart continues from the exact state
+_CONTINUED = (
+    "center_of_mass",
+    "center_of_mass_velocity",
+    "heading",
+    "link_angle",
+    "joint_angle",
+    "joint_rate",
+)
+
+
+def joined(first: Trial, second: Trial) -> Trial:
+    """Join two trials into one: `second` was restarted from the final state of `first`.
+
+    The sample at which they meet is in both and is kept once. If the second run counted time or
+    work from zero, they are shifted to continue the first. Settings and gait come from the first,
+    status and final state from the second.
+
+    Args:
+        first: A run that reached its end.
+        second: The run that continued from there.
+
+    Raises:
+        ValueError: If they differ in robot, gait, environment or what they log, or if the second
+            does not begin where the first ends.
+    """
+    _check_belong(first, second)
+    series = vars(concatenated((first, second.at(slice(1, None)))))
+    # Where the runs meet, a signal has the value set by the second run, as at every other control
+    # instant.
+    signals = {
+        name: np.concatenate((one[:-1], second.signals[name]))
+        for name, one in first.signals.items()
+    }
+    counted = {
+        "time": _counted_on(first.time, second.time),
+        "work": _counted_on(first.work, second.work),
+    }
+    if first.electrical_work is not None and second.electrical_work is not None:
+        counted["electrical_work"] = _counted_on(first.electrical_work, second.electrical_work)
+    return replace(
+        first,
+        **{**series, **counted, "signals": signals},
+        scenario=_scenario(first.scenario, second.scenario),
+        status=second.status,
+        succeeded=second.succeeded,
+        state=second.state,
+    )
+
+
+def _scenario(first: Scenario | Experiment, second: Scenario | Experiment) -> Scenario | Experiment:
+    """Return the scenario of one uncut run; a controller restarts at the cut, which no scenario can describe."""
+    if (
+        isinstance(first, Scenario)
+        and isinstance(second, Scenario)
+        and isinstance(first.motion, gaits.Gait)
+    ):
+        return replace(first, duration=first.duration + second.duration)
+    return Experiment(
+        robot=first.robot, gait=first.gait, environment=first.environment, model=first.model
+    )
+
+
+def _check_belong(first: Trial, second: Trial) -> None:
+    if not first.succeeded:
+        raise ValueError(f"`first` must have reached its end, got a failed run: {first.status}")
+    for name in ("robot", "gait", "environment"):
+        if getattr(first, name) != getattr(second, name):
+            raise BadArgument("second", f"must have the same `{name}` as `first`")
+    if _logged(first) != _logged(second):
+        raise BadArgument(
+            "second",
+            "must log the same as `first`, including electrical work, link forces and signals",
+        )
+    for name in _CONTINUED:
+        gap = np.max(np.abs(getattr(second, name)[0] - getattr(first, name)[-1]), initial=0.0)
+        if gap > _TOLERANCE:
+            raise BadArgument(
+                "second", f"must begin where `first` ends, but `{name}` jumps by {gap:.3g}"
+            )
+
+
+def _logged(trial: Trial) -> tuple[bool, set[str], set[str]]:
+    return trial.electrical_work is not None, set(trial.link_force or {}), set(trial.signals)
+
+
+def _counted_on(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Append `second`, shifted only if it starts elsewhere: a shift by rounding error would change its last bits."""
+    shift = first[-1] - second[0]
+    return np.concatenate((first, second[1:] + shift if np.any(shift) else second[1:]))

@@ -1,0 +1,94 @@
+"""The errors of laticauda.
+
+A bad argument is a `ValueError` that names the argument, the rule with its unit and the value
+received; `laticauda.values.checks` raises them. Errors caused by the outside world rather than by
+an argument derive from `LaticaudaError`.
+"""
+
+
+class LaticaudaError(Exception):
+    """Base of all errors raised by laticauda, apart from the `ValueError` for a bad argument."""
+
+
+class BadArgument(ValueError):
+    """An argument that breaks a rule: a sentence for people, and its parts for callers that name it differently.
+
+    Args:
+        name: Name of the argument.
+        rule: The rule with its unit, and the value received, without a final period.
+    """
+
+    def __init__(self, name: str, rule: str) -> None:
+        super().__init__(name, rule)
+
+    @property
+    def name(self) -> str:
+        """Name of the argument, with an index in brackets if it is one of several."""
+        return self.args[0]
+
+    @property
+    def rule(self) -> str:
+        """The rule with its unit, and the value received, without a final period."""
+        return self.args[1]
+
+    def __str__(self) -> str:
+        """Return the sentence shown to the user."""
+        return f"`{self.name}` {self.rule}{'' if self.rule.endswith('?') else '.'}"
+
+
+class SimulationFailed(LaticaudaError, RuntimeError):
+    """A run that blew up: the message states when, and what to try."""
+
+
+class TrialFileError(LaticaudaError, ValueError):
+    """A trial file that cannot be read: the message states which file, and why."""
+
+
+class RobotFileError(LaticaudaError, ValueError):
+    """A wrong robot, water, ground or parameter file: the message states the file, key, rule and value."""
+
+
+class StorageFailed(LaticaudaError, OSError):
+    """Results that cannot be written or read, as on a full disk: the message states where, why, and what is left."""
+
+
+class ClusterFailed(LaticaudaError, RuntimeError):
+    """A failure of a computer cluster: the message states which one, what happened, and what is left."""
+
+
+class MissingExtra(LaticaudaError, ImportError):
+    """A feature that needs a package belonging to one of laticauda's extras.
+
+    Args:
+        feature: Requested feature, in words.
+        package: Required package.
+        extra: Extra of laticauda that installs the package.
+    """
+
+    def __init__(self, feature: str, package: str, extra: str) -> None:
+        # All three are stored in `args`: an error that crosses a process boundary is rebuilt from
+        # them.
+        super().__init__(feature, package, extra)
+
+    def __str__(self) -> str:
+        """Return the sentence shown to the user."""
+        feature, package, extra = self.args
+        return f'{feature} needs {package}; run `pip install "laticauda[{extra}]"`.'
+
+
+class MissingProgram(LaticaudaError, RuntimeError):
+    """A feature that needs something that the operating system does not have.
+
+    Args:
+        feature: Requested feature, in words.
+        thing: What it needs.
+        packages: Packages of Debian and Ubuntu that install it.
+    """
+
+    def __init__(self, feature: str, thing: str, packages: str) -> None:
+        super().__init__(feature, thing, packages)
+
+    def __str__(self) -> str:
+        """Return the sentence shown to the user."""
+        feature, thing, packages = self.args
+        return f"{feature} needs {thing}; on Debian and Ubuntu run `apt-get install {packages}`."

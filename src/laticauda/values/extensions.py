@@ -1,0 +1,198 @@
+"""Extension points: base classes whose subclasses are found by name, wherever they are defined.
+
+Drag laws, joint laws, envelopes and controllers are subclasses of such a base. The name of a
+subclass in files, flags and messages is its class name with hyphens. It is found if it comes with
+the package, was defined or imported by this process, or is an entry point of an installed package;
+nothing named in a file is imported because of it.
+"""
+
+import functools
+import re
+from collections.abc import Mapping
+from importlib import import_module
+from importlib.metadata import entry_points
+from typing import Any, ClassVar, Self
+
+from laticauda.values.checks import suggest_nearest
+from laticauda.values.errors import BadArgument
+
+ENTRY_POINTS = "laticauda."
+"""Prefix of the entry-point groups; the group of drag laws is ``laticauda.drag_laws``."""
+HOMES: Mapping[str, Mapping[str, str]] = {
+    "controllers": {
+        "path-following": "laticauda.control.path_following",
+        "spatial-path-following": "laticauda.control.path_following",
+        "model-predictive": "laticauda.control.mpc.predictive",
+        "offset-steps": "laticauda.control.averaged",
+    },
+    "drivers.bus": {
+        "can": "laticauda.tank.operate.drivers.can",
+    },
+    "drivers.meter": {
+        "fluke": "laticauda.tank.operate.drivers.meter",
+    },
+    "drivers.mocap": {
+        "qtm": "laticauda.tank.operate.drivers.mocap",
+    },
+    "drivers.stop": {
+        "serial-line": "laticauda.tank.operate.drivers.stop",
+    },
+    "flows": {
+        "lamb-oseen": "laticauda.water.fluid.eddies",
+        "karman-street": "laticauda.water.fluid.eddies",
+        "uniform": "laticauda.water.fluid.uniform",
+        "linear-shear": "laticauda.water.fluid.uniform",
+        "power-law-shear": "laticauda.water.fluid.uniform",
+        "waves": "laticauda.water.fluid.waves",
+        "sea": "laticauda.water.fluid.waves",
+        "turbulence": "laticauda.water.fluid.eddies",
+        "gridded": "laticauda.water.fluid.gridded",
+    },
+    "formats": {
+        "nc": "laticauda.trials.logs.tabular",
+        "mcap": "laticauda.trials.logs.mcap_trials",
+        "parquet": "laticauda.trials.logs.tabular",
+        "mat": "laticauda.trials.logs.tabular",
+        "csv": "laticauda.trials.logs.tabular",
+    },
+    "paths": {
+        "straight-line": "laticauda.control.paths",
+        "circle": "laticauda.control.paths",
+        "polyline": "laticauda.control.paths",
+        "spline": "laticauda.control.paths",
+    },
+    "scenes": {
+        "pegs": "laticauda.models.spatial.scene",
+        "slope": "laticauda.models.spatial.scene",
+        "pipe": "laticauda.models.spatial.scene",
+        "shore": "laticauda.models.spatial.scene",
+        "tank": "laticauda.models.spatial.scene",
+        "height-field": "laticauda.models.spatial.scene",
+        "mjcf": "laticauda.models.spatial.scene",
+        "edited": "laticauda.models.spatial.scene",
+    },
+}
+"""By group, the module of every member that comes with the package and is imported only on demand."""
+
+
+class Extensible:
+    """Base class of extension points; each extension point names its group.
+
+    class DragLaw(Extensible, group="drag_laws"): ...
+    class PathFollowing(Controller): ...      # known as path-following
+    """
+
+    group: ClassVar[str]
+    """Group of entry points, without `ENTRY_POINTS`."""
+    _known: ClassVar[dict[str, type]]
+    _homes: ClassVar[Mapping[str, str]]
+
+    def __init_subclass__(cls, *, group: str | None = None, **rest: Any) -> None:
+        """Create a new group, or join the group of the base.
+
+        Args:
+            group: Name of the group; given by the base of a new group.
+            rest: Arguments for other bases.
+        """
+        super().__init_subclass__(**rest)
+        if group is not None:
+            cls.group, cls._homes = group, HOMES.get(group, {})
+            cls._known = (
+                {name_of(cls): cls} if "called" in vars(cls) else {}
+            )  # a base with a name is itself a member
+        elif not cls.__name__.startswith("_"):
+            cls._known[name_of(cls)] = cls
+
+    @classmethod
+    def named(cls, name: str) -> type[Self]:
+        """Return the member of this group with a given name.
+
+        Args:
+            name: Name, as in the key `kind` of files.
+
+        Raises:
+            ValueError: If there is no such member; the message lists the known ones.
+        """
+        if name in cls._homes and name not in cls._known:
+            import_module(cls._homes[name])
+        if name not in cls._known and name in _installed(cls.group):
+            _installed(cls.group)[name].load()
+        if name not in cls._known:
+            listed = ", ".join(f"`{one}`" for one in cls.names())
+            hint = suggest_nearest(name, cls.names())
+            raise BadArgument("kind", f"must be one of {listed}, got {name!r}{hint}")
+        return cls._known[name]
+
+    @classmethod
+    def stand_in(cls, name: str, table: Mapping[str, Any]) -> Self:
+        """Return a stand-in for a member that a file names but that is undefined here: it is kept, and can do nothing.
+
+        Args:
+            name: Name of the member in the file.
+            table: Everything else that the file states about it.
+        """
+        made: Any = object.__new__(_stand_in(cls, name))
+        made.__dict__ |= {"kind": name, "table": dict(table)}
+        return made
+
+    @classmethod
+    def names(cls) -> tuple[str, ...]:
+        """Return the names of all members of this group, those of the package first."""
+        return tuple(dict.fromkeys([*cls._homes, *cls._known, *_installed(cls.group)]))
+
+
+class Unknown:
+    """Mixin of stand-ins, see `Extensible.stand_in`."""
+
+    kind: str
+    table: Mapping[str, Any]
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and vars(other) == vars(self)
+
+    def __hash__(self) -> int:
+        return hash(self.kind)
+
+    def __repr__(self) -> str:
+        return f"<{self.kind}, which is not defined here>"
+
+    def __call__(self, *_: object) -> Any:
+        """Raise an error: a stand-in cannot replace a formula."""
+        raise ValueError(f"`{self.kind}` is not defined here; import the module that defines it.")
+
+    @property
+    def written(self) -> dict[str, Any]:
+        """Content as it was in the file."""
+        return {"kind": self.kind, **self.table}
+
+    @property
+    def formula(self) -> Any:
+        """Raises an error: a stand-in has no formula."""
+        return self()
+
+    @property
+    def words(self) -> str:
+        """Description for people."""
+        return repr(self).strip("<>")
+
+
+@functools.cache
+def _stand_in(base: type[Any], name: str) -> type[Any]:
+    return type(f"_Unknown{base.__name__}", (Unknown, base), {"called": name})
+
+
+def name_of(kind: type) -> str:
+    """Return the name of a class in files, flags and messages: TotalSpeedDrag is total-speed-drag.
+
+    Args:
+        kind: The class.
+    """
+    own = kind.__dict__.get("called")
+    if own is not None:
+        return str(own)
+    return re.sub(r"(?<=[^A-Z])(?=[A-Z])", "-", kind.__name__).lower()
+
+
+@functools.cache
+def _installed(group: str) -> Mapping[str, Any]:
+    return {point.name: point for point in entry_points(group=f"{ENTRY_POINTS}{group}")}

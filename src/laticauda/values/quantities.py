@@ -1,0 +1,162 @@
+"""Declarations of numbers: a field's unit, text, range and default stand together, and everything reads them here.
+
+    @value_class
+    class PolynomialDrag:
+        reference_speed: float = quantity("m/s", "U_ref, where both parts are equal", ge=0.0, default=1.0)
+        linear: bool = option("Whether there is a part that is linear in the speed", default=True)
+
+Such a value is a frozen, keyword-only dataclass that checks each of its fields once, by type and
+declared range. Files, flags, sweeps, FMUs, pages, the reference and help read the declarations
+with `fields_of`, a `Field` by name; `quantities_of`, `texts_of`, `hints_of` and `degrees_of` give
+single parts of these.
+"""
+
+import dataclasses
+import functools
+import math
+from collections.abc import Callable
+from dataclasses import MISSING, dataclass
+from typing import Any, TypeVar, dataclass_transform, overload
+
+from laticauda.values.declared_fields import (
+    LARGEST as LARGEST,
+    LIMITS as LIMITS,
+    Check,
+    Field as Field,
+    Quantity as Quantity,
+    degrees_of as degrees_of,
+    fields_of as fields_of,
+    hints_of as hints_of,
+    quantities_of as quantities_of,
+    texts_of as texts_of,
+)
+from laticauda.values.descriptions import (
+    describe_field as describe_field,
+    describe_fields as describe_fields,
+    docstring_with_fields,
+    html_table as html_table,
+    value_as_table,
+)
+from laticauda.values.errors import BadArgument
+from laticauda.values.field_checks import (
+    MOST_ITEMS as MOST_ITEMS,
+    check_items as check_items,
+    check_one_among as check_one_among,
+    checks_of,
+)
+
+T = TypeVar("T")
+Kind = TypeVar("Kind", bound=type[Any])
+
+
+@overload
+def quantity(
+    unit: str, text: str, *, default: T, ge: float = ..., gt: float = ..., le: float = ...
+) -> T: ...
+@overload
+def quantity(unit: str, text: str, *, ge: float = ..., gt: float = ..., le: float = ...) -> Any: ...
+def quantity(
+    unit: str,
+    text: str,
+    *,
+    default: Any = MISSING,
+    ge: float = -math.inf,
+    gt: float = -math.inf,
+    le: float = math.inf,
+) -> Any:
+    """Declare a field that holds a number, several numbers, or None if its type allows it.
+
+    Args:
+        unit: Unit; "" for a pure number.
+        text: Description, a phrase without a final period.
+        default: Default; if omitted, the field is required.
+        ge: Minimum, inclusive.
+        gt: Minimum, exclusive.
+        le: Maximum, inclusive.
+    """
+    declared = Quantity(unit=unit, text=text, ge=ge, gt=gt, le=le)
+    return dataclasses.field(default=default, metadata={"quantity": declared, "text": text})
+
+
+@overload
+def option(text: str, *, default: T, check: Check | None = ...) -> T: ...
+@overload
+def option(text: str, *, default_factory: Callable[[], T], check: Check | None = ...) -> T: ...
+@overload
+def option(text: str, *, check: Check | None = ...) -> Any: ...
+def option(
+    text: str, *, default: Any = MISSING, default_factory: Any = MISSING, check: Check | None = None
+) -> Any:
+    """Declare a field that is not a number: a text, a truth value, a choice or another value.
+
+    Args:
+        text: Description, a phrase without a final period.
+        default: Default; if omitted, the field is required.
+        default_factory: Function that makes the default.
+        check: Replaces the check implied by the type: `check(name, value)` returns the cleaned
+            value.
+    """
+    metadata = {"text": text, "check": check}
+    if default_factory is not MISSING:
+        return dataclasses.field(default_factory=default_factory, metadata=metadata)
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(quantity, option))
+def value_class(kind: Kind) -> Kind:
+    """Make a frozen, keyword-only dataclass whose fields are checked before its own ``__post_init__`` (decorator).
+
+    Numbers become floats within their range, whole numbers ints; texts of a `Literal` must be among
+    its choices, with hyphens equivalent to underscores; truth values are true or false; a field of
+    a class holds an instance of it; lists become tuples. A default is always valid, even infinity.
+    Further checks are left to the class. An angle or its rate may be given in degrees, under its
+    name with ``_deg`` or ``_deg_s``: `amplitude_deg=30`.
+
+    Args:
+        kind: The class; its docstring gets a list of the fields.
+    """
+    own_post_init: Callable[[Any], None] | None = getattr(kind, "__post_init__", None)
+
+    def check_fields(self: Any) -> None:
+        for name, low, high, check in checks_of(self.__class__):
+            value = getattr(self, name)
+            if type(value) is float and low <= value <= high:
+                continue
+            if check is not None:
+                cleaned = check(name, value)
+                if cleaned is not value:
+                    object.__setattr__(self, name, cleaned)
+        if own_post_init is not None:
+            own_post_init(self)
+
+    kind.__post_init__ = check_fields  # type: ignore[attr-defined]
+    checked_class: Any = dataclass(frozen=True, kw_only=True)(kind)
+    if degrees_of(checked_class):
+        checked_class.__init__ = _accepting_degrees(checked_class.__init__)
+    checked_class.__doc__ = docstring_with_fields(checked_class)
+    checked_class._repr_html_ = value_as_table
+    return checked_class
+
+
+def _accepting_degrees(init: Callable[..., None]) -> Callable[..., None]:
+    """Return an ``__init__`` that also takes angles in degrees."""
+
+    @functools.wraps(init)
+    def init_from_degrees(self: Any, **arguments: Any) -> None:
+        kind: type = self.__class__
+        names = degrees_of(kind)
+        for key in names.keys() & arguments.keys():
+            field = fields_of(kind)[names[key]]
+            if field.name in arguments:
+                rule = f"must not be given together with `{field.name}`, the same in {field.unit}"
+                raise BadArgument(key, rule)
+            arguments[field.name] = _in_si_unit(field, key, arguments.pop(key))
+        init(self, **arguments)
+
+    return init_from_degrees
+
+
+def _in_si_unit(field: Field, key: str, number: Any) -> float | None:
+    if number is None or field.quantity is None:
+        return None
+    return math.radians(field.quantity.in_degrees.checked(key, number))

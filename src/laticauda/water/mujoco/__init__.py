@@ -1,0 +1,46 @@
+"""Water for any MuJoCo model: `attach` it, and the model's own steps include its loads.
+
+    from laticauda.water import mujoco as water
+
+    model = water.compiled(spec)          # or mujoco.MjModel.from_xml_path(...), or that of an environment
+    handle = water.attach(model)          # or with elements of your own, a surface, a current
+    mujoco.mj_step(model, data)           # with drag, exact added mass, buoyancy
+
+Independent of laticauda's robots. Requires the extra `spatial`.
+"""
+
+from typing import TYPE_CHECKING
+
+from laticauda.values.packaging import lazy_exports
+
+if TYPE_CHECKING:
+    from laticauda.water.mujoco.checks import stable_step as stable_step
+    from laticauda.water.mujoco.elements import (
+        Element as Element,
+        GeomCoefficients as GeomCoefficients,
+        geom_element as geom_element,
+        geom_elements as geom_elements,
+    )
+    from laticauda.water.mujoco.ground import Contact as Contact, Terrain as Terrain
+    from laticauda.water.mujoco.water import (
+        Water as Water,
+        attach as attach,
+        attached as attached,
+        compile_spec as compile_spec,
+    )
+
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda.water.mujoco.checks": ["stable_step"],
+        "laticauda.water.mujoco.elements": [
+            "Element",
+            "GeomCoefficients",
+            "geom_element",
+            "geom_elements",
+        ],
+        "laticauda.water.mujoco.ground": ["Contact", "Terrain"],
+        "laticauda.water.mujoco.water": ["Water", "attach", "attached", "compile_spec"],
+    },
+    renamed={"compiled": "compile_spec"},
+)

@@ -1,0 +1,215 @@
+"""MuJoCo below Python: the memory layout of its structures, and calls of its functions from compiled code.
+
+Compiled callbacks receive two plain addresses, of the model and of the data. They find what they
+need from the data by the fields' offsets in the structure, which are the same for all data of one
+build of MuJoCo; `offsets` measures them on a small model instead of relying on a header. MuJoCo's
+functions are called by name and others by address, passed as a number, so that compiled code can be
+cached on disk.
+"""
+
+# pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportUntypedFunctionDecorator=false
+
+import ctypes
+import os
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import llvmlite.binding
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+from laticauda.values.optional import load_mujoco
+from laticauda.water.mujoco.table import AT
+
+# A free body with a hinged child: every array of interest has a distinct address.
+_PROBE = """
+<mujoco><worldbody><body><freejoint/><geom size=".1"/>
+<body pos="1 0 0"><joint/><geom size=".1" pos=".2 0 0"/><site name="s"/></body></body></worldbody>
+<sensor><force site="s"/></sensor></mujoco>
+"""
+_RARE = 0.7310585786300049  # a number that occurs nowhere else
+_RARE_FLAGS = 0x2A5C39D6  # flags that occur nowhere else
+
+
+def _function(name: str, result: Any, *arguments: Any) -> Any:
+    """Declare a function of MuJoCo for compiled code, where an address is a 64-bit integer."""
+    return types.ExternalFunction(name, result(*arguments))
+
+
+_word, _flag = types.int64, types.int32
+factor_inertia = _function("mj_factorM", types.void, _word, _word)
+mark_stack = _function("mj_markStack", types.void, _word)
+free_stack = _function("mj_freeStack", types.void, _word)
+allocate = _function("mj_stackAllocNum", _word, _word, _word)
+forward_skip = _function("mj_forwardSkip", types.void, _word, _word, _flag, _flag)
+integrate_positions = _function("mj_integratePos", types.void, _word, _word, _word, types.float64)
+forces_after = _function("mj_rnePostConstraint", types.void, _word, _word)
+stop = _function("mju_error", types.void, _word)
+_FUNCTIONS = (
+    factor_inertia,
+    mark_stack,
+    free_stack,
+    allocate,
+    forward_skip,
+    integrate_positions,
+    forces_after,
+    stop,
+)
+
+
+@cache
+def library() -> ctypes.CDLL:
+    """Return the shared library that the module `mujoco` uses; once it is open, compiled code finds its functions.
+
+    Raises:
+        OSError: If the loaded library is not that of the module: packages have overwritten each
+            other.
+    """
+    mujoco = load_mujoco()
+    folder, running = (
+        Path(mujoco.__file__).parent,
+        getattr(os, "RTLD_NOLOAD", 0),
+    )  # Windows opens it only once anyway
+    for path in (
+        p
+        for pattern in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco*.dll")
+        for p in folder.glob(pattern)
+    ):
+        try:
+            opened = ctypes.CDLL(str(path), mode=ctypes.DEFAULT_MODE | running)
+        except OSError:
+            continue  # another version's, which is not loaded
+        opened.mj_versionString.restype = ctypes.c_char_p
+        if opened.mj_versionString().decode() == mujoco.__version__:
+            break
+    else:
+        raise OSError(
+            f"no library of MuJoCo {mujoco.__version__} is running from {folder}: two packages may have been installed "
+            "into it; uninstall `mujoco` and `mujoco-core`, and install `mujoco` again"
+        )
+    for function in _FUNCTIONS:
+        address = ctypes.cast(getattr(opened, function.symbol), ctypes.c_void_p).value
+        llvmlite.binding.add_symbol(function.symbol, address)
+    return opened
+
+
+@cache
+def offsets() -> list[int]:
+    """Return the offsets of the fields `AT` from the start of `mjData` [bytes]."""
+    mujoco = load_mujoco()
+    data = mujoco.MjData(mujoco.MjModel.from_xml_string(_PROBE))
+    data.time = _RARE
+    words = _words(data._address, np.uint64(data.signature), "data")  # located after all pointers
+    found: list[int] = []
+    for name in AT._fields:
+        value = (
+            np.float64(_RARE).view(np.uint64)
+            if name == "time"
+            else np.uint64(getattr(data, name).ctypes.data)
+        )
+        found.append(_last(words, value, name))
+    return found
+
+
+@cache
+def model_offsets() -> dict[str, int]:
+    """Return offsets in `mjModel` [bytes]: of options, two of them contact overrides, and of the armature's address."""
+    model = load_mujoco().MjModel.from_xml_string(_PROBE)
+    model.opt.timestep, model.opt.o_margin, model.opt.disableflags = _RARE, 2.0 * _RARE, _RARE_FLAGS
+    words = _words(model._address, np.uint64(model.dof_armature.ctypes.data), "model")
+    return {
+        "gravity": model.opt.gravity.ctypes.data - model._address,
+        "o_friction": model.opt.o_friction.ctypes.data - model._address,
+        "disableflags": _last(words.view(np.int32), _RARE_FLAGS, "disableflags", 4),
+        "timestep": _last(words, np.float64(_RARE).view(np.uint64), "timestep"),
+        "o_margin": _last(words, np.float64(2.0 * _RARE).view(np.uint64), "o_margin"),
+        "dof_armature": _last(words, np.uint64(model.dof_armature.ctypes.data), "dof_armature"),
+    }
+
+
+def _words(start: int, target: np.uint64, what: str) -> np.ndarray:
+    """Return the words of a structure from its start to the first that holds `target`, which is near its end.
+
+    Memory beyond the end may hold what is left of another structure, with the same addresses.
+    """
+    page, limit = 1024, 1 << 20
+    for length in range(page, limit, page):
+        words = np.ctypeslib.as_array((ctypes.c_uint64 * (length // 8)).from_address(start))
+        if target in words[-page // 8 :]:
+            return words[: int(np.argmax(words == target)) + 1]
+    raise OSError(f"the {what} of this build of MuJoCo is not laid out as expected")
+
+
+def _last(words: np.ndarray, value: Any, name: str, size: int = 8) -> int:
+    places = np.flatnonzero(words == value)
+    if places.size == 0:
+        raise OSError(f"`{name}` was not found in this build of MuJoCo")
+    return (
+        int(places[-1]) * size
+    )  # empty arrays before it, and the buffer's own pointer, have the same address
+
+
+@intrinsic
+def pointer(typingctx, number):
+    """Convert an address, given as a number, to an untyped pointer."""
+    del typingctx, number
+
+    def codegen(context, builder, signature, arguments):
+        return builder.inttoptr(arguments[0], cgutils.voidptr_t)
+
+    return types.voidptr(types.int64), codegen
+
+
+def _loaded(kind, stored):
+    """Return the type and the code for reading the value at an address."""
+
+    def codegen(context, builder, signature, arguments):
+        return builder.load(builder.inttoptr(arguments[0], stored.as_pointer()))
+
+    return kind(types.int64), codegen
+
+
+@intrinsic
+def word_at(typingctx, number):
+    """Return the 64-bit integer at an address."""
+    return _loaded(types.int64, ir.IntType(64))
+
+
+@intrinsic
+def flags_at(typingctx, number):
+    """Return the 32-bit integer at an address."""
+    return _loaded(types.int32, ir.IntType(32))
+
+
+@intrinsic
+def number_at(typingctx, number):
+    """Return the 64-bit floating-point number at an address."""
+    return _loaded(types.float64, ir.DoubleType())
+
+
+def _call(where, *arguments):
+    """Return type and code of a call to the function at an address; it takes 64-bit integers and returns nothing."""
+
+    def codegen(context, builder, signature, given):
+        kind = ir.FunctionType(ir.VoidType(), [ir.IntType(64)] * len(arguments))
+        builder.call(builder.inttoptr(given[0], kind.as_pointer()), given[1:])
+        return context.get_dummy_value()
+
+    return types.void(types.int64, *arguments), codegen
+
+
+@intrinsic
+def call_3(typingctx, where, a, b, c):
+    """Call the function f(a, b, c) at the address `where`."""
+    return _call(where, a, b, c)
+
+
+@intrinsic
+def call_2(typingctx, where, a, b):
+    """Call the function f(a, b) at the address `where`."""
+    return _call(where, a, b)

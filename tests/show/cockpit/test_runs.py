@@ -1,0 +1,138 @@
+"""Files that somebody sends to the page: bounded while they come, and read by another process."""
+
+import asyncio
+import sys
+import time
+from types import SimpleNamespace
+
+import msgspec
+import pytest
+
+import laticauda as lc
+from laticauda.show.cockpit import pages, runs
+from laticauda.values.access import ServerAccess
+from laticauda.values.errors import TrialFileError
+
+viser = pytest.importorskip("viser")
+websockets = pytest.importorskip("websockets")
+LINUX = pytest.mark.skipif(sys.platform != "linux", reason="needs limits of the system")
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory):
+    path = tmp_path_factory.mktemp("saved") / "run.nc"
+    lc.swim(
+        "mamba", lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7), 2.0
+    ).save(path)
+    return path
+
+
+def test_what_another_process_has_read_is_the_trial_bit_for_bit(saved):
+    assert runs.foreign_trial(saved, "mine.nc").equals(lc.load_trial(saved))
+
+
+@LINUX
+def test_a_file_that_needs_too_much_memory_is_refused_and_the_page_goes_on(saved, monkeypatch):
+    monkeypatch.setattr(
+        runs, "ROOM", 1 << 20
+    )  # less than it has already: whatever it asks for next, it does not get
+    with pytest.raises(
+        TrialFileError, match=r"Cannot load mine\.nc: its reader ended at once, or exceeded 1 MiB\."
+    ):
+        runs.foreign_trial(saved, "mine.nc")
+
+
+def test_a_file_that_takes_too_long_is_refused(saved, monkeypatch):
+    monkeypatch.setattr(runs, "SECONDS", 0.01)
+    with pytest.raises(
+        TrialFileError, match=r"Cannot load mine\.nc: reading it takes longer than 0\.01 s\."
+    ):
+        runs.foreign_trial(saved, "mine.nc")
+
+
+CAMERA = msgspec.msgpack.encode(
+    {
+        "type": "ViewerCameraMessage",
+        **dict.fromkeys(("position", "look_at", "up_direction"), (0.0, 0.0, 1.0)),
+        **dict.fromkeys(("fov", "near", "far"), 1.0),
+        **{"wxyz": (1.0, 0.0, 0.0, 0.0), "image_height": 1, "image_width": 1},
+    }
+)
+
+
+@pytest.fixture
+def sending(monkeypatch):
+    """What a page sends of files, and how many bytes the server keeps of it then."""
+    monkeypatch.setattr(pages, "MOST_UPLOADED", 100_000)
+    monkeypatch.setattr(pages, "PART_COST", 100)
+    server = pages.serve(ServerAccess.of("127.0.0.1"), 0)
+    got = []
+    button = server.gui.add_upload_button("send")
+    button.on_upload(lambda event: got.append(len(event.target.value.content)))
+    kept = server.gui._current_file_upload_states
+
+    async def talk(said):
+        where = f"ws://127.0.0.1:{server.get_port()}"
+        async with websockets.connect(
+            where, subprotocols=[f"viser-v{viser.__version__}"], max_size=None
+        ) as wire:
+            await wire.send(CAMERA)  # or it is no page yet
+            for kind, fields in said:
+                fields |= {"source_component_uuid": button._impl.uuid}
+                await wire.send(msgspec.msgpack.encode({"type": f"FileTransfer{kind}", **fields}))
+            await (await wire.ping())
+            end, held = time.monotonic() + 1.0, 0
+            while time.monotonic() < end and not got:
+                held = sum(
+                    state["transferred_bytes"] + len(state["parts"]) for state in kept.values()
+                )
+                await asyncio.sleep(0.05)
+            return held
+
+    yield SimpleNamespace(send=lambda said: asyncio.run(talk(said)), got=got, server=server)
+    pages.stop_server(server)
+
+
+def begun(name, parts, size):
+    said = {
+        "transfer_uuid": name,
+        "filename": "run.nc",
+        "mime_type": "",
+        "part_count": parts,
+        "size_bytes": size,
+    }
+    return "StartUpload", said
+
+
+def part(name, index, size):
+    return "Part", {"transfer_uuid": name, "part_index": index, "content": b"x" * size}
+
+
+def test_a_file_within_the_bound_comes(sending):
+    sending.send([begun("a", 2, 90_000), part("a", 0, 45_000), part("a", 1, 45_000)])
+    assert sending.got == [90_000]
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        [
+            begun("a", 3, 150_000),
+            *(part("a", i, 50_000) for i in range(2)),
+        ],  # one that is too large
+        [begun("a", 9, 9), *(part("a", i, 50_000) for i in range(8))],  # one that lies about it
+        [one for k in "abcde" for one in (begun(k, 3, 99_999), part(k, 0, 49_000))],  # several
+        [begun("a", 10_000, 9), *(part("a", i, 0) for i in range(2000))],  # parts of nothing
+    ],
+)
+def test_what_is_sent_beyond_the_bound_is_not_kept(sending, said):
+    assert sending.send(said) <= 100_000
+    assert sending.got == []
+
+
+def test_what_pages_were_told_of_their_files_is_not_kept_for_ever(sending):
+    kept = sending.server._websock_server.get_message_buffer().message_from_id
+    for name in "abc":
+        sending.send([begun(name, 50, 9), *(part(name, i, 0) for i in range(49))])
+    told = [one for one in kept.values() if type(one).__name__ == "FileTransferPartAck"]
+    assert len(told) <= 49

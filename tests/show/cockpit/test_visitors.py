@@ -1,0 +1,174 @@
+"""Who is answered by the page's server, over real sockets."""
+
+import asyncio
+import gc
+import http.client
+import logging
+import socket
+
+import pytest
+
+from laticauda.show.cockpit import pages
+from laticauda.values.access import ServerAccess
+
+viser = pytest.importorskip("viser")
+websockets = pytest.importorskip("websockets")
+PROTOCOL = f"viser-v{viser.__version__}"
+
+
+class Served:
+    """A server of empty pages, and what it answers."""
+
+    def __init__(self, host):
+        self.door = ServerAccess.of(host)
+        self.server = pages.serve(self.door, 0)
+        self.port = self.server.get_port()
+        self.host = f"127.0.0.1:{self.port}"
+
+    def get(self, path="/", **headers):
+        wire = http.client.HTTPConnection("127.0.0.1", self.port, timeout=20.0)
+        wire.putrequest("GET", path, skip_host=True)
+        for name, word in {"Host": self.host, **headers}.items():
+            wire.putheader(name.replace("_", "-"), word)
+        wire.endheaders()
+        answer = wire.getresponse()
+        answer.text = answer.read().decode()
+        wire.close()
+        return answer
+
+    def messages(self, path="/", sends=None, protocol=PROTOCOL, **headers):
+        """Whether a websocket gets messages; with something to send, how it is hung up on."""
+
+        async def talk():
+            where = f"ws://{headers.pop('Host', self.host)}{path}"
+            way = {
+                "host": "127.0.0.1",
+                "port": self.port,
+                "subprotocols": [protocol],
+                "additional_headers": headers,
+            }
+            try:
+                async with websockets.connect(where, **way) as wire:
+                    got = len(await asyncio.wait_for(wire.recv(), 20.0)) > 0
+                    while sends is not None:
+                        await wire.send(sends)
+                        await asyncio.wait_for(wire.recv(), 20.0)
+                    return got
+            except websockets.exceptions.InvalidStatus as error:
+                return error.response.status_code
+            except websockets.exceptions.ConnectionClosed as error:
+                return error.rcvd.code
+
+        return asyncio.run(talk())
+
+
+@pytest.fixture(scope="module")
+def own():
+    served = Served("127.0.0.1")
+    yield served
+    pages.stop_server(served.server)
+
+
+def test_its_own_page_is_answered_and_stands_in_no_other_and_talks_to_its_server_alone(own):
+    answer = own.get()
+    assert answer.status == 200 and "<html" in answer.text
+    policy = answer.headers["Content-Security-Policy"]
+    assert "frame-ancestors 'none'" in policy and "connect-src 'self'" in policy
+    assert own.messages() is True
+    assert own.messages(Origin=f"http://{own.host}") is True
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"Origin": "http://evil.example"},
+        {"Origin": "http://127.0.0.1:1"},
+        {"Origin": "null"},
+        {"Host": "evil.example"},
+        {"Host": "evil.example", "Origin": "http://evil.example"},
+    ],
+)
+def test_pages_of_others_get_nothing(own, headers):
+    assert own.get(**headers).status == 403
+    assert own.messages(**headers) == 403
+
+
+@pytest.fixture(scope="module")
+def public():
+    served = Served("0.0.0.0")
+    yield served
+    pages.stop_server(served.server)
+
+
+def test_beyond_this_computer_a_page_is_answered_that_has_the_token_and_nobody_else(
+    public, caplog, capfd
+):
+    token = public.door.token
+    with caplog.at_level(logging.INFO):
+        for path in ("/", "/index.html", f"/?{token}", f"/{token[::-1]}/"):
+            assert public.get(path).status == public.messages(path) == 403
+        for path in (f"/{token}/", f"/{token}", f"/{token}/?darkMode"):
+            assert "<html" in public.get(path).text
+            assert public.messages(path) is True
+        assert public.get(f"/{token}/../../setup.py").status == 404
+        assert public.messages(f"/{token}/", Origin="http://evil.example") == 403
+    assert public.get(f"/{token}/").headers["Referrer-Policy"] == "no-referrer"
+    assert token not in caplog.text + "".join(capfd.readouterr())
+
+
+JUNK = (b"junk", "junk", b"", b"\x81\xa4type\xa4nope", b"\x81\xa4type\xb3GuiUpdateMessage")
+
+
+@pytest.mark.parametrize("junk", JUNK, ids=range(len(JUNK)))
+def test_junk_leaves_one_line_and_no_traceback(own, caplog, capfd, junk):
+    with caplog.at_level(logging.INFO):
+        assert own.messages(sends=junk) == 1011
+    (record,) = [one for one in caplog.records if one.levelno >= logging.WARNING]
+    assert record.getMessage().startswith("A page was disconnected: ") and record.exc_info is None
+    assert "\n" not in record.getMessage()
+    assert "Traceback" not in "".join(capfd.readouterr())
+    assert own.messages() is True
+
+
+def test_bytes_that_are_no_http_leave_one_line_and_no_bytes_leave_none(own, caplog):
+    for junk in (b"\x16\x03\x01junk\r\n\r\n", b""):
+        with socket.create_connection(("127.0.0.1", own.port), timeout=20.0) as wire:
+            wire.sendall(junk)
+            wire.shutdown(socket.SHUT_WR)
+            while wire.recv(1000):
+                pass
+    assert own.get().status == 200
+    assert [one.exc_info for one in caplog.records if one.levelno >= logging.WARNING] == [None]
+
+
+def test_no_page_can_ask_for_an_address_on_the_internet(own):
+    from viser._messages import ShareUrlRequest
+
+    assert ShareUrlRequest not in own.server._websock_server._incoming_handlers
+
+
+def test_a_viser_that_would_serve_everybody_is_refused(monkeypatch):
+    import websockets.asyncio.server as module
+
+    usual = module.serve
+    with (
+        pytest.raises(pages.LaticaudaError, match=r"install viser 1\.1"),
+        pages._guarding(ServerAccess.of("127.0.0.1")),
+    ):
+        pass  # a viser that makes its server otherwise
+    assert module.serve is usual
+
+
+def test_what_pages_leave_behind_is_collected_though_python_does_not_look_for_it(own):
+    def connections():
+        return sum(type(one).__name__ == "ServerConnection" for one in gc.get_objects())
+
+    gc.collect()
+    gc.disable()
+    try:
+        before = connections()
+        for _ in range(30):
+            assert own.messages() is True
+        assert connections() - before <= 11
+    finally:
+        gc.enable()

@@ -1,0 +1,28 @@
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+
+from laticauda.show.figures import style
+
+
+def gray(color: object) -> float:
+    """How light a color is in gray print."""
+    return float(np.dot(to_rgb(color), (0.299, 0.587, 0.114)))  # pyright: ignore
+
+
+@pytest.mark.parametrize("n_joints", [1, 2, 8, 18, 49])
+def test_joints_get_lighter_from_tail_to_head_also_in_gray_print(n_joints: int):
+    colors, norm = style.joint_colors(n_joints)
+    shades = [gray(colors(norm(i))[:3]) for i in range(n_joints)]
+    assert len(set(shades)) == n_joints
+    assert shades == sorted(shades)
+
+
+def test_the_colors_of_figures_differ_in_gray_print():
+    shades = sorted(gray(color) for color in (style.INK, style.BLUE, style.AMBER))
+    assert min(np.diff(shades)) > 0.2
+
+
+def test_no_line_is_lost_on_white_paper():
+    colors, _ = style.joint_colors(8)
+    assert max(gray(colors(i)[:3]) for i in range(8)) < 0.75

@@ -1,0 +1,106 @@
+"""What fails with an argument of the wrong type says which one it is."""
+
+import pickle
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
+from typing import Any, Literal, TypeVar
+
+import numpy as np
+import pytest
+
+import laticauda as lc
+from laticauda.robot import hydrodynamics
+from laticauda.tank import lab
+from laticauda.values import packaging
+from laticauda.values.arguments import explained, misfit
+
+
+@pytest.mark.parametrize(
+    ("hint", "right", "wrong"),
+    [
+        (float, [1, 2.0, np.float32(3.0)], ["1", True, 1j]),
+        (int | None, [1, None, np.int8(3)], [1.0, "x"]),
+        (Literal["a", "b"], ["a"], ["c", 3, []]),
+        (Sequence[str], [["a"], ("b",), []], ["a", [1], 3]),
+        (Callable[[float], None], [print], [3]),
+        (
+            lc.Controller[Any],
+            [
+                lc.OpenLoop(
+                    command=lc.Command(gait=lc.Gait(amplitude=0.5, frequency=2.0, phase_shift=0.7))
+                )
+            ],
+            [lc.Start()],
+        ),
+        (dict[str, float], [{}], [[]]),
+        (TypeVar("Either", int, str), [1, "x"], [1.5, None]),
+        (Any, [None, 3], []),
+    ],
+)
+def test_a_value_is_of_its_type_or_is_not(hint, right, wrong):
+    assert [misfit("one", value, hint) for value in right] == [None] * len(right)
+    assert all(misfit("one", value, hint) is not None for value in wrong)
+
+
+def _doubled(numbers: Sequence[float], *, name: str = "", **further: int) -> list[float]:
+    if name == "broken":
+        raise KeyError("a fault of our own")
+    return [2.0 * one.real for one in numbers]
+
+
+def test_a_call_says_which_argument_is_of_the_wrong_type():
+    doubled = explained(_doubled, __name__)
+    assert doubled([1.0], further=3) == [2.0]
+    with pytest.raises(
+        ValueError, match=r"`numbers` must be of class Sequence\[float\], got int\."
+    ):
+        doubled(3)
+    with pytest.raises(ValueError, match=r"`numbers\[1\]` must be of class float, got str\."):
+        doubled([1.0, "x"])
+
+
+def test_what_python_says_well_and_faults_of_our_own_stay_what_they_are():
+    doubled = explained(_doubled, __name__)
+    with pytest.raises(TypeError, match="missing 1 required positional argument"):
+        doubled()
+    with pytest.raises(KeyError, match="a fault of our own"):
+        doubled([1.0], name="broken", further=3)
+
+
+def test_public_functions_and_classes_are_explained_once_and_found_by_pickle():
+    assert pickle.loads(pickle.dumps(lc.swim)) is lc.swim
+    assert not hasattr(lc.swim.__wrapped__, "__wrapped__") or "explained" not in vars(
+        lc.swim.__wrapped__
+    )
+    assert packaging.explained(lc.swim, "elsewhere") is lc.swim
+    with pytest.raises(
+        ValueError, match=r"`schedule` must be of class Iterable\[Fault\], got int\."
+    ):
+        lab.Faults(3)
+    with pytest.raises(ValueError, match=r"`scenario` must be of class Scenario, got int\."):
+        lc.save_scenario(3, "x.toml")
+
+
+PLAIN = """
+import numpy as np
+from laticauda.robot import hydrodynamics, kinematics
+for call in (
+    lambda: hydrodynamics.wake_mass(1, 2),
+    lambda: kinematics.module_poses("mamba", np.zeros(3), np.eye(3), np.zeros(8)),
+    lambda: kinematics.Posture(None, np.zeros(2), np.zeros(9)),
+):
+    try:
+        call()
+    except ValueError as error:
+        print(error)
+"""
+
+
+def test_so_are_those_of_modules_that_are_no_packages():
+    # The tests' own checks of shapes would come first in this process.
+    done = subprocess.run([sys.executable, "-c", PLAIN], capture_output=True, text=True, check=True)
+    assert done.stdout.split("\n") == [
+        f"`robot` must be of class Robot, got {kind}." for kind in ("int", "str", "NoneType")
+    ] + [""]
+    assert pickle.loads(pickle.dumps(hydrodynamics.wake_mass)) is hydrodynamics.wake_mass
