@@ -157,10 +157,10 @@ def docstring_lines(tree: ast.AST) -> set[int]:
 
 
 def is_table(node: ast.AST) -> bool:
-    """Return whether this is a dictionary of constants, or of lists and dictionaries of them."""
+    """Return whether this is a dictionary of constants, or of lists, tuples and dictionaries of them."""
     if not isinstance(node, ast.Dict):
         return False
-    kinds = (ast.Dict, ast.List, ast.Constant, ast.expr_context)
+    kinds = (ast.Dict, ast.List, ast.Tuple, ast.Constant, ast.expr_context)
     return all(isinstance(part, kinds) for part in ast.walk(node))
 
 
