@@ -496,6 +496,16 @@ def test_an_order_to_switch_on_that_is_lost_is_repeated_and_every_one_is_recorde
     assert told == ["off -> enable", again, "enable -> hold", "hold -> off"]
 
 
+def test_motors_that_say_that_they_are_off_are_told_so_all_the_same_when_torque_ends():
+    run = run_of(Operator(operation=operation()))
+    run.rig.lazy = set(range(8))
+    while run.state.supervisor.torque != "enable":
+        run.tick()
+    while run.state.supervisor.torque != "off":
+        run.tick()
+    assert NodeCommand(order=Order.DISABLE) in run.outputs.messages
+
+
 def test_a_run_waits_for_the_last_motor_and_is_given_up_without_it():
     run = run_of(Operator(operation=operation()))
     run.rig.lazy = {6}

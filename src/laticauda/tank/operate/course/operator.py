@@ -311,7 +311,7 @@ class Operator:
         if supervisor.torque == "cut" and (is_new or not is_limp):
             reason = 1 if supervisor.cause == "emergency_key" else 2
             return (EmergencyStop(reason=reason),)
-        if supervisor.torque == "off" and not is_limp:
+        if supervisor.torque == "off" and (is_new or not is_limp):
             return (NodeCommand(order=Order.DISABLE),)
         return ()
 
