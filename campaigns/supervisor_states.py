@@ -10,6 +10,10 @@ whatever the modules report, do its laws hold (`LAWS`)? Above all: motors have t
 The search is exhaustive. A step depends on the time only by the age of the current action, and on
 that only by the thresholds of the supervisor, which lie between the multiples of `GRID`. The tests
 search with one event at a time.
+
+Last answer (2026-11-29): 578 states; 462 400 steps with one event at a time (6 s of a free core),
+5 567 296 with pairs; no violation. With the old rule, by which motors are switched on while the
+robot straightens, too, 12 768 steps break a law.
 """
 
 import argparse
