@@ -1,4 +1,12 @@
-"""Scenarios: everything that determines a run, as a value: what swims, how, where and by which model."""
+"""Scenarios: everything that determines a run, as a value: what swims, how, where and by which model.
+
+scenario.py  what a run is: `Scenario`, its models, and `Experiment` for runs that cannot be repeated
+building.py  scenarios from a robot, a gait and deviations from the defaults
+waters.py    waters and grounds by default and by name
+choice.py    the names with which a command or a file chooses robot, environment and model
+toml.py      files that people write
+stored.py    text with every number, as trials store it
+"""
 
 from typing import TYPE_CHECKING
 
@@ -7,18 +15,12 @@ from laticauda.values.packaging import lazy_exports
 if TYPE_CHECKING:
     from laticauda.scenarios.building import (
         Changes as Changes,
-        Choice as Choice,
-        Chosen as Chosen,
         ModelChanges as ModelChanges,
         Motion as Motion,
         build_scenario as build_scenario,
-        default_water as default_water,
-        environment_of as environment_of,
         model_of as model_of,
-        named_after as named_after,
-        preset_water as preset_water,
-        water_for as water_for,
     )
+    from laticauda.scenarios.choice import Choice as Choice, Chosen as Chosen
     from laticauda.scenarios.scenario import (
         Experiment as Experiment,
         MODELS as MODELS,
@@ -29,14 +31,23 @@ if TYPE_CHECKING:
         loop_in_words as loop_in_words,
         settings_of as settings_of,
     )
-    from laticauda.scenarios.toml import (
-        load_scenario as load_scenario,
+    from laticauda.scenarios.stored import (
         run_from_table as run_from_table,
         run_from_toml as run_from_toml,
         run_to_toml as run_to_toml,
+        unknown_in as unknown_in,
+    )
+    from laticauda.scenarios.toml import (
+        load_scenario as load_scenario,
         save_scenario as save_scenario,
         scenario_from_table as scenario_from_table,
-        unknown_in as unknown_in,
+    )
+    from laticauda.scenarios.waters import (
+        default_water as default_water,
+        environment_of as environment_of,
+        named_after as named_after,
+        preset_water as preset_water,
+        water_for as water_for,
     )
 
 __getattr__, __dir__, __all__ = lazy_exports(
@@ -44,18 +55,12 @@ __getattr__, __dir__, __all__ = lazy_exports(
     {
         "laticauda.scenarios.building": [
             "Changes",
-            "Choice",
-            "Chosen",
             "ModelChanges",
             "Motion",
             "build_scenario",
-            "default_water",
-            "environment_of",
             "model_of",
-            "named_after",
-            "preset_water",
-            "water_for",
         ],
+        "laticauda.scenarios.choice": ["Choice", "Chosen"],
         "laticauda.scenarios.scenario": [
             "Experiment",
             "MODELS",
@@ -66,14 +71,19 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "loop_in_words",
             "settings_of",
         ],
-        "laticauda.scenarios.toml": [
-            "load_scenario",
+        "laticauda.scenarios.stored": [
             "run_from_table",
             "run_from_toml",
             "run_to_toml",
-            "save_scenario",
-            "scenario_from_table",
             "unknown_in",
+        ],
+        "laticauda.scenarios.toml": ["load_scenario", "save_scenario", "scenario_from_table"],
+        "laticauda.scenarios.waters": [
+            "default_water",
+            "environment_of",
+            "named_after",
+            "preset_water",
+            "water_for",
         ],
     },
 )

@@ -42,10 +42,10 @@ class _Model:
 
     def __post_init__(self) -> None:
         """Reject references that jump unless the joints can follow jumps."""
-        if self.offset_bandwidth == NO_FILTER and not (
-            self.joints.takes_jumps or isinstance(self.joints, Unknown)
-        ):
-            rule = f"must be < {NO_FILTER:g} 1/s, unless the joint law takes references that jump, as `servo` does"
+        may_take_jumps = self.joints.takes_jumps or isinstance(self.joints, Unknown)
+        if self.offset_bandwidth == NO_FILTER and not may_take_jumps:
+            condition = "unless the joint law takes references that jump, as `servo` does"
+            rule = f"must be < {NO_FILTER:g} 1/s, {condition}"
             raise BadArgument("offset_bandwidth", f"{rule}, got {self.offset_bandwidth:g}")
 
 
@@ -56,6 +56,11 @@ class Planar(_Model):
     Raises:
         ValueError: If a field is out of its range.
     """
+
+
+def _check_scene(_: str, scene: Any) -> Any:
+    """Return the scene that a name, a path or a function stands for."""
+    return Scene.of(scene)
 
 
 @value_class
@@ -85,7 +90,7 @@ class Spatial(_Model):
         "What is around the robot: a scene, its name, an MJCF file, or a function that edits a `mujoco.MjSpec`; open "
         "water or flat ground if omitted",
         default=None,
-        check=lambda _, given: Scene.of(given),
+        check=_check_scene,
     )
 
     rays: tuple[float, ...] = quantity(
@@ -106,8 +111,10 @@ def loop_in_words(settings: Mapping[str, Any]) -> str:
             version.
     """
     bandwidth = settings["offset_bandwidth"]
-    words = "no filter" if bandwidth >= NO_FILTER else f"bandwidth {bandwidth:g} rad/s"
-    return f"{words}, delay {settings.get('loop_delay', 0.0):g} s"
+    delay = f"delay {settings.get('loop_delay', 0.0):g} s"
+    if bandwidth >= NO_FILTER:
+        return f"no filter, {delay}"
+    return f"bandwidth {bandwidth:g} rad/s, {delay}"
 
 
 def settings_of(model: Model) -> dict[str, str | float | bool | None]:
@@ -116,11 +123,12 @@ def settings_of(model: Model) -> dict[str, str | float | bool | None]:
     Args:
         model: The model.
     """
-    words = {
-        name: name_of(type(one)) if isinstance(one, JointLaw | Scene) else one
-        for name, one in vars(model).items()
-    }
-    return {"model": name_of(type(model)), **words}
+    settings: dict[str, Any] = {"model": name_of(type(model))}
+    for name, value in vars(model).items():
+        settings[name] = value
+        if isinstance(value, JointLaw | Scene):
+            settings[name] = name_of(type(value))
+    return settings
 
 
 @value_class
@@ -161,29 +169,37 @@ class Scenario:
     @property
     def gait(self) -> Gait:
         """The gait, or the initial gait of the controller."""
-        return self.motion if isinstance(self.motion, Gait) else self.motion.gait
+        if isinstance(self.motion, Gait):
+            return self.motion
+        return self.motion.gait
 
     @property
     def controller(self) -> Controller[Any]:
         """The controller; for a gait, a controller that holds it."""
-        return (
-            OpenLoop(command=Command(gait=self.motion))
-            if isinstance(self.motion, Gait)
-            else self.motion
-        )
+        if isinstance(self.motion, Gait):
+            return OpenLoop(command=Command(gait=self.motion))
+        return self.motion
 
     @property
     def settings(self) -> Mapping[str, str | float | bool | None]:
         """Settings of the controller and the model as texts and numbers, for people."""
-        found: dict[str, Any] = {}
+        settings: dict[str, Any] = {}
         if not isinstance(self.motion, Gait):
-            steered: Any = self.motion
-            found["controller"] = name_of(self.motion.__class__)
-            for name in getattr(steered, "__dataclass_fields__", ()):
-                one: Any = getattr(steered, name)
-                if name != "gait":
-                    found[name] = one if isinstance(one, str | float | int) else repr(one)
-        return {**found, **settings_of(self.model)}
+            settings = _settings_of_controller(self.motion)
+        return {**settings, **settings_of(self.model)}
+
+
+def _settings_of_controller(controller: Controller[Any]) -> dict[str, Any]:
+    """Return a controller's name and fields, all but its gait, as texts and numbers."""
+    settings: dict[str, Any] = {"controller": name_of(controller.__class__)}
+    for name in getattr(controller, "__dataclass_fields__", ()):
+        if name == "gait":
+            continue
+        value: Any = getattr(controller, name)
+        if not isinstance(value, str | float | int):
+            value = repr(value)
+        settings[name] = value
+    return settings
 
 
 @value_class
@@ -211,17 +227,16 @@ class Experiment:
     @property
     def settings(self) -> Mapping[str, str | float | bool | None]:
         """The model and the notes as texts and numbers, for people."""
-        return {**({} if self.model is None else settings_of(self.model)), **self.notes}
+        if self.model is None:
+            return self.notes
+        return {**settings_of(self.model), **self.notes}
 
     @property
     def lacks(self) -> str:
         """What a scenario has and this experiment lacks, in words."""
-        missing = [
-            "what decided its commands",
-            "where it began",
-            *(["a model"] if self.model is None else []),
-        ]
-        return f"{', '.join(missing[:-1])} and {missing[-1]}"
+        if self.model is None:
+            return "what decided its commands, where it began and a model"
+        return "what decided its commands and where it began"
 
 
 def _plain(name: str, note: Any) -> str | float:

@@ -23,15 +23,19 @@ def check_floats(
 ) -> Float[np.ndarray, "..."]:
     """Return `values` as a read-only float64 array of the given shape; None stands for any length."""
     array = as_floats(name, values)
-    if array.ndim != len(shape) or any(
-        n not in (None, size) for n, size in zip(shape, array.shape, strict=True)
-    ):
-        wanted = ", ".join("any" if n is None else str(n) for n in shape)
-        raise BadArgument(name, f"must have shape ({wanted}), got {array.shape}")
+    if not _has_shape(array, shape):
+        lengths = ", ".join("any" if length is None else str(length) for length in shape)
+        raise BadArgument(name, f"must have shape ({lengths}), got {array.shape}")
     if not np.isfinite(array).all():
         row = int(np.argwhere(~np.isfinite(array))[0][0])
         raise BadArgument(name, f"must hold finite numbers only, got {array[row]} at sample {row}")
     return _read_only(array, values)
+
+
+def _has_shape(array: AnyArray, shape: tuple[int | None, ...]) -> bool:
+    if array.ndim != len(shape):
+        return False
+    return all(length in (None, size) for length, size in zip(shape, array.shape, strict=True))
 
 
 def check_times(name: str, values: object) -> Samples:
@@ -51,12 +55,12 @@ def check_each(
 ) -> dict[str, Float[np.ndarray, "..."]]:
     """Return every value of a mapping as a read-only array of the given shape."""
     return {
-        key: check_floats(f"{name}[{key!r}]", one, shape)
-        for key, one in mapping(name, value).items()
+        key: check_floats(f"{name}[{key!r}]", values, shape)
+        for key, values in check_mapping(name, value).items()
     }
 
 
-def mapping(name: str, value: object) -> Mapping[str, object]:
+def check_mapping(name: str, value: object) -> Mapping[str, object]:
     """Return `value` as a mapping whose keys can be names of variables in a file."""
     items = cast("Mapping[object, object]", check_instance(name, value, Mapping))
     for key in items:
@@ -67,7 +71,7 @@ def mapping(name: str, value: object) -> Mapping[str, object]:
     return cast("Mapping[str, object]", items)
 
 
-def state_array(name: str, value: object) -> AnyArray:
+def check_state_array(name: str, value: object) -> AnyArray:
     """Return `value` as a read-only array of its own dtype, in native byte order."""
     array = np.asarray(value)
     if array.dtype.kind not in "biuf" or array.dtype.itemsize > 8 or array.dtype == np.float16:
@@ -79,28 +83,40 @@ def state_array(name: str, value: object) -> AnyArray:
 
 def choose_names(name: str, value: object, choices: tuple[str, ...]) -> tuple[str, ...]:
     """Return those names in `choices` that `value` contains, in the order of `choices`."""
-    given = tuple(cast("list[object]", value)) if isinstance(value, tuple | list) else (value,)
-    for one in given:
-        check_choice(name, one, choices)
-    return tuple(choice for choice in choices if choice in given)
+    names: tuple[object, ...] = (value,)
+    if isinstance(value, tuple | list):
+        names = tuple(cast("list[object]", value))
+    for stated_name in names:
+        check_choice(name, stated_name, choices)
+    return tuple(choice for choice in choices if choice in names)
 
 
-def are_same(one: object, other: object) -> bool:
+def are_same(first: object, second: object) -> bool:
     """Return whether two contents are the same, arrays bit for bit."""
-    if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
-        a, b = cast("AnyArray", one), cast("AnyArray", other)
-        return a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes()
-    if isinstance(one, dict) and isinstance(other, dict):
-        a, b = cast("dict[str, object]", one), cast("dict[str, object]", other)
-        return a.keys() == b.keys() and all(are_same(a[name], b[name]) for name in a)
-    plain = cast("object", one)
+    if isinstance(first, np.ndarray) and isinstance(second, np.ndarray):
+        return _are_same_arrays(cast("AnyArray", first), cast("AnyArray", second))
+    if isinstance(first, dict) and isinstance(second, dict):
+        first_items = cast("dict[str, object]", first)
+        second_items = cast("dict[str, object]", second)
+        if first_items.keys() != second_items.keys():
+            return False
+        return all(are_same(value, second_items[name]) for name, value in first_items.items())
+    value = cast("object", first)
     # The texts of values distinguish 1 from True and 0 from -0.
-    return type(plain) is type(other) and plain == other and repr(plain) == repr(other)
+    return type(value) is type(second) and value == second and repr(value) == repr(second)
+
+
+def _are_same_arrays(first: AnyArray, second: AnyArray) -> bool:
+    if first.dtype != second.dtype or first.shape != second.shape:
+        return False
+    return first.tobytes() == second.tobytes()
 
 
 def _read_only(array: AnyArray, value: object) -> AnyArray:
-    # The caller must neither be able to change it later nor find it locked. Copy what is not fresh,
-    # unless locked.
+    """Return an array that nobody can change: the same if it is new or already locked, else a copy.
+
+    The caller must neither be able to change it later nor find that of his own locked.
+    """
     is_fresh = array is not value and array.flags.owndata
     is_locked = not array.flags.writeable and array.flags.owndata
     if not (is_fresh or is_locked):

@@ -31,9 +31,22 @@ def shapes_of(robot: Robot, n_samples: int, n_axes: int) -> dict[str, tuple[int,
         n_samples: Number of samples.
         n_axes: 2 in the plane, 3 in space.
     """
-    n_links = (robot if n_axes == 3 else robot.planar()).n_links
-    n = {"time": n_samples, "axis": n_axes, "link": n_links, "joint": n_links - 1, "3": 3}
-    return {name: tuple(n[of] for of in one.dimensions) for name, one in series.SERIES.items()}
+    chain = robot if n_axes == 3 else robot.planar()
+    length_of = {
+        "time": n_samples,
+        "axis": n_axes,
+        "link": chain.n_links,
+        "joint": chain.n_links - 1,
+        "3": 3,
+    }
+    shapes: dict[str, tuple[int, ...]] = {}
+    for name, description in series.SERIES.items():
+        shapes[name] = tuple(length_of[dimension] for dimension in description.dimensions)
+    return shapes
+
+
+def _moment_now() -> str:
+    return datetime.now(UTC).isoformat(timespec="seconds")
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -54,9 +67,7 @@ class Contents(series.Log):
     states what is known of a run that was measured, or steered by hand."""
     version: str
     """Version of laticauda that made the run."""
-    created: str = dataclasses.field(
-        default_factory=lambda: datetime.now(UTC).isoformat(timespec="seconds")
-    )
+    created: str = dataclasses.field(default_factory=_moment_now)
     """Creation date and time of day with time zone, ISO 8601."""
     status: str = REACHED_END
     """How the run ended: a sentence, with advice if it failed."""
@@ -75,9 +86,8 @@ class Contents(series.Log):
             check_text(name, getattr(self, name))
         for name, value in self._clean().items():
             object.__setattr__(self, name, value)
-        object.__setattr__(
-            self, "not_measured", arrays.choose_names("not_measured", self.not_measured, NOT_NEEDED)
-        )
+        not_measured = arrays.choose_names("not_measured", self.not_measured, NOT_NEEDED)
+        object.__setattr__(self, "not_measured", not_measured)
 
     @property
     def robot(self) -> Robot:
@@ -102,16 +112,16 @@ class Contents(series.Log):
     @property
     def period(self) -> float | None:
         """Period of the gait, 2 pi / frequency [s]; None without a gait, or if the gait stands still."""
-        return (
-            2.0 * np.pi / self.gait.frequency
-            if self.gait is not None and self.gait.frequency > 0.0
-            else None
-        )
+        if self.gait is None or self.gait.frequency <= 0.0:
+            return None
+        return 2.0 * np.pi / self.gait.frequency
 
     @property
     def chain(self) -> Robot:
         """The robot whose links correspond to the columns of `link_angle`."""
-        return self.robot if self.center_of_mass.shape[1] == 3 else self.robot.planar()
+        if self.center_of_mass.shape[1] == 3:
+            return self.robot
+        return self.robot.planar()
 
     @property
     def fin_angle(self) -> FinJoints:
@@ -124,12 +134,10 @@ class Contents(series.Log):
         return self._of_fin("fin_rate")
 
     def _of_fin(self, name: str) -> FinJoints:
-        joints, nothing = self.robot.fin_joints, np.zeros(self.time.size)
-        return (
-            np.array([self.signals.get(f"{name}_{k}", nothing) for k in joints])
-            .reshape(-1, self.time.size)
-            .T
-        )
+        n_samples = self.time.size
+        zeros = np.zeros(n_samples)
+        series = [self.signals.get(f"{name}_{joint}", zeros) for joint in self.robot.fin_joints]
+        return np.array(series).reshape(-1, n_samples).T
 
     def _clean(self) -> dict[str, object]:
         """Return the arrays and mappings as they are stored."""
@@ -140,23 +148,27 @@ class Contents(series.Log):
             raise BadArgument("center_of_mass", f"must have 2 or 3 columns, got {n_axes}")
         shapes = shapes_of(self.robot, len(self.time), n_axes)
         for name, shape in shapes.items():
-            if name != "time" and getattr(self, name) is not None:
-                clean[name] = arrays.check_floats(name, getattr(self, name), shape)
+            values = getattr(self, name)
+            if name != "time" and values is not None:
+                clean[name] = arrays.check_floats(name, values, shape)
         if self.link_force is not None:
-            clean["link_force"] = arrays.check_each(
-                "link_force", self.link_force, (*shapes["link_angle"], n_axes)
-            )
+            shape = (*shapes["link_angle"], n_axes)
+            clean["link_force"] = arrays.check_each("link_force", self.link_force, shape)
         clean["signals"] = arrays.check_each("signals", self.signals, (len(self.time),))
-        state = arrays.mapping("state", self.state)
-        clean["state"] = {key: arrays.state_array(key, value) for key, value in state.items()}
+        state = arrays.check_mapping("state", self.state)
+        clean["state"] = {
+            name: arrays.check_state_array(name, values) for name, values in state.items()
+        }
         return clean
 
     def equals(self, other: object) -> bool:
         """Return whether `other` is a trial with the same contents, bit for bit: every array, setting and text."""
         if not isinstance(other, Contents):
             return False
-        names = (field.name for field in dataclasses.fields(self))
-        return all(arrays.are_same(getattr(self, name), getattr(other, name)) for name in names)
+        for field in dataclasses.fields(self):
+            if not arrays.are_same(getattr(self, field.name), getattr(other, field.name)):
+                return False
+        return True
 
     def need(self, purpose: str, *names: str) -> None:
         """Reject a measured trial that lacks required arrays.

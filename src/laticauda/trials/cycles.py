@@ -18,9 +18,14 @@ Points = Float[np.ndarray, "n_points ..."]
 AnyPoints = Inexact[np.ndarray, "n_points ..."]  # real, or complex for complex-step derivatives
 Middles = Float[np.ndarray, " n_middles"]
 
-TRANSIENT = 10.0  # the first third of a run, and at least this long, counts as the transient [s]
-SAMPLES_PER_CYCLE = 10  # fewer do not resolve a cycle
-_ROUNDING = 1e-9  # fraction of a cycle that may be missing from a whole number of cycles
+TRANSIENT = 10.0
+"""The first third of a run, and at least this long, counts as the transient [s]."""
+SAMPLES_PER_CYCLE = 10
+"""Fewer samples do not resolve a cycle."""
+SHORTEST_DISPLACEMENT = 1e-6
+"""A shorter displacement has no direction [m]."""
+_ROUNDING = 1e-9
+"""Fraction of a cycle that may be missing from a whole number of cycles [-]."""
 
 
 class CycleMean(NamedTuple):
@@ -55,21 +60,26 @@ def steady_part(time: Time, period: float | None) -> SteadyPart:
     Raises:
         ValueError: If the run is too short for one cycle; the message says how long it must be.
     """
-    start, stop = (float(time[0]), float(time[-1])) if time.size else (0.0, 0.0)
+    start = 0.0
+    stop = 0.0
+    if time.size:
+        start = float(time[0])
+        stop = float(time[-1])
     duration = stop - start
-    rest = duration - max(duration / 3.0, TRANSIENT)
+    time_after_transient = duration - max(duration / 3.0, TRANSIENT)
     if period is None:
-        if rest <= 0.0:
-            raise BadArgument(
-                "time",
-                f"must span more than {TRANSIENT:g} s for a steady part, got {duration:.6g} s",
-            )
-        return SteadyPart(stop - rest, stop, None)
+        if time_after_transient <= 0.0:
+            rule = f"must span more than {TRANSIENT:g} s for a steady part"
+            raise BadArgument("time", f"{rule}, got {duration:.6g} s")
+        return SteadyPart(stop - time_after_transient, stop, None)
     _refuse_coarse(time, period)
-    n_cycles = int(np.floor(rest / period + _ROUNDING)) if rest > 0.0 else 0
+    n_cycles = 0
+    if time_after_transient > 0.0:
+        n_cycles = int(np.floor(time_after_transient / period + _ROUNDING))
     if n_cycles < 1:
-        least = max(TRANSIENT + period, 1.5 * period)
-        rule = f"must span at least {least:.4g} s for a steady part: a transient of {TRANSIENT:g} s or a third"
+        shortest = max(TRANSIENT + period, 1.5 * period)
+        transient = f"a transient of {TRANSIENT:g} s or a third"
+        rule = f"must span at least {shortest:.4g} s for a steady part: {transient}"
         raise BadArgument(
             "time", f"{rule}, then one whole cycle of {period:.4g} s; got {duration:.6g} s"
         )
@@ -93,9 +103,15 @@ def interpolated(
     i = np.clip(np.searchsorted(time, at, side="right") - 1, 0, time.size - 2)
     step = time[i + 1] - time[i]
     s = (at - time[i]) / step
-    over_axes = (..., *(np.newaxis,) * (signal.ndim - 1))
-    s, step = s[over_axes], step[over_axes]
-    return hermite(s, step, (signal[i], signal[i + 1]), (rate[i], rate[i + 1]))
+    over_axes = _index_over_axes_of(signal)
+    return hermite(
+        s[over_axes], step[over_axes], (signal[i], signal[i + 1]), (rate[i], rate[i + 1])
+    )
+
+
+def _index_over_axes_of(signal: Signal) -> tuple[Any, ...]:
+    """Return an index that gives an array over time the further axes of a signal, each of length 1."""
+    return (..., *(np.newaxis,) * (signal.ndim - 1))
 
 
 def hermite(
@@ -130,16 +146,14 @@ def cycle_mean(time: Time, signal: Signal, rate: Signal, period: float) -> Cycle
         ValueError: If the log is shorter than one cycle.
     """
     middle = cycle_middles(time, period)
-    step = np.diff(time)[(..., *(np.newaxis,) * (signal.ndim - 1))]
+    step = np.diff(time)[_index_over_axes_of(signal)]
     # The end correction of the trapezoidal rule makes the integral as accurate as the
     # interpolation.
     piece = 0.5 * step * (signal[:-1] + signal[1:]) + step**2 / 12.0 * (rate[:-1] - rate[1:])
     integral = np.concatenate((np.zeros_like(signal[:1]), np.cumsum(piece, axis=0)))
-    before, after = middle - 0.5 * period, middle + 0.5 * period
-    whole = interpolated(time, integral, signal, after) - interpolated(
-        time, integral, signal, before
-    )
-    return CycleMean(middle, whole / period)
+    integral_before = interpolated(time, integral, signal, middle - 0.5 * period)
+    integral_after = interpolated(time, integral, signal, middle + 0.5 * period)
+    return CycleMean(middle, (integral_after - integral_before) / period)
 
 
 def course_cycle_mean(
@@ -178,9 +192,9 @@ def cycle_middles(time: Time, period: float) -> Middles:
     _refuse_coarse(time, period)
     # A log of exactly one cycle has one middle, whatever the last digits of its times are.
     slack = _ROUNDING * period
-    middle = time[
-        (time - time[0] >= 0.5 * period - slack) & (time[-1] - time >= 0.5 * period - slack)
-    ]
+    has_half_before = time - time[0] >= 0.5 * period - slack
+    has_half_after = time[-1] - time >= 0.5 * period - slack
+    middle = time[has_half_before & has_half_after]
     span = float(time[-1] - time[0])
     if not middle.size and span >= period - slack:
         middle = np.array([0.5 * (time[0] + time[-1])])
@@ -199,9 +213,10 @@ def direction_of(
     Raises:
         ValueError: If a displacement is shorter than a micrometer: it has no direction.
     """
-    x, y = displacement[:, 0], displacement[:, 1]
+    x = displacement[:, 0]
+    y = displacement[:, 1]
     shortest = float(np.min(np.hypot(x, y)))
-    if shortest < 1e-6:
+    if shortest < SHORTEST_DISPLACEMENT:
         raise ValueError(f"The robot must travel to have a course: it moved only {shortest:.1e} m.")
     return np.arctan2(y, x)
 

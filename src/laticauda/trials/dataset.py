@@ -33,6 +33,7 @@ FORMAT = 2
 MARK = "laticauda_trial"
 """The attribute that makes a Dataset a trial; its value is `FORMAT`."""
 AXES = ("x", "y", "z")
+"""World axes."""
 INDEX = {
     "link": "number of the link, 0 is the tail",
     "joint": "number of the joint, tail first",
@@ -40,7 +41,7 @@ INDEX = {
 }
 """Meaning of the values of every dimension except time."""
 TEXTS = ("version", "created", "status")
-
+"""Fields of a trial that are stored as attributes of the same name."""
 
 ELECTRICAL = "electrical_work"
 PLAIN = tuple(name for name in SERIES if name not in ("work", ELECTRICAL))
@@ -98,14 +99,16 @@ def describe_series(name: str) -> Series:
         KeyError: If no trial has a series of that name.
     """
     if name.startswith(LINK_FORCE):
-        words = name.removeprefix(LINK_FORCE).replace("_", " ")
-        return Series(
-            "N", f"force of the {words} on each link, world axes", ("time", "link", "axis")
-        )
+        component = name.removeprefix(LINK_FORCE).replace("_", " ")
+        meaning = f"force of the {component} on each link, world axes"
+        return Series("N", meaning, ("time", "link", "axis"))
     if name.startswith(SIGNAL):
         signal = name.removeprefix(SIGNAL)
-        return Series(*SIGNALS.get(signal, ("SI", f"signal {signal} of the controller")))
-    return Series("J", WORK[name]) if name in WORK else SERIES[name]
+        unknown = "SI", f"signal {signal} of the controller"
+        return Series(*SIGNALS.get(signal, unknown))
+    if name in WORK:
+        return Series("J", WORK[name])
+    return SERIES[name]
 
 
 def read_epoch(attributes: Mapping[str, Any]) -> int:
@@ -122,12 +125,10 @@ def read_epoch(attributes: Mapping[str, Any]) -> int:
         moment = datetime.datetime.fromisoformat(str(attributes["created"]))
     except ValueError:
         return 0
-    moment = moment if moment.tzinfo else moment.replace(tzinfo=datetime.UTC)
-    return (
-        (moment - datetime.datetime.fromtimestamp(0, datetime.UTC))
-        // datetime.timedelta(microseconds=1)
-        * 1000
-    )
+    if not moment.tzinfo:
+        moment = moment.replace(tzinfo=datetime.UTC)
+    since_1970 = moment - datetime.datetime.fromtimestamp(0, datetime.UTC)
+    return since_1970 // datetime.timedelta(microseconds=1) * 1000
 
 
 def to_dataset(trial: Contents) -> "xarray.Dataset":
@@ -138,20 +139,29 @@ def to_dataset(trial: Contents) -> "xarray.Dataset":
     """
     import xarray
 
-    arrays = trial.series()
-    work = dict(zip(WORK, arrays.pop("work").T, strict=True))
-    arrays = {name: arrays.pop(name) for name in PLAIN} | work | arrays
-    series: dict[str, Any] = {}
-    for name, values in arrays.items():
-        one = describe_series(name)
-        series[name] = one.dimensions, values.copy(), {"units": one.units, "long_name": one.text}
+    variables: dict[str, Any] = {}
+    for name, values in _arrays_in_order(trial).items():
+        series = describe_series(name)
+        attributes = {"units": series.units, "long_name": series.text}
+        variables[name] = series.dimensions, values.copy(), attributes
+    n_axes = trial.center_of_mass.shape[1]
     index = {
         "link": np.arange(trial.link_angle.shape[1], dtype=np.int32),
         "joint": np.arange(trial.joint_angle.shape[1], dtype=np.int32),
-        "axis": np.array(AXES[: trial.center_of_mass.shape[1]], dtype=object),
+        "axis": np.array(AXES[:n_axes], dtype=object),
     }
-    named = {name: (name, values, {"long_name": INDEX[name]}) for name, values in index.items()}
-    return xarray.Dataset(series, coords=named, attrs=_attributes(trial))
+    coordinates = {
+        name: (name, values, {"long_name": INDEX[name]}) for name, values in index.items()
+    }
+    return xarray.Dataset(variables, coords=coordinates, attrs=_attributes(trial))
+
+
+def _arrays_in_order(trial: Contents) -> dict[str, AnyArray]:
+    """Return the time series of a trial by name: the plain ones, each kind of work, then all others."""
+    arrays = trial.series()
+    work = dict(zip(WORK, arrays.pop("work").T, strict=True))
+    plain = {name: arrays.pop(name) for name in PLAIN}
+    return {**plain, **work, **arrays}
 
 
 def assembled(read: Callable[[str], AnyArray], attributes: Mapping[str, Any]) -> "xarray.Dataset":
@@ -176,9 +186,12 @@ def assembled(read: Callable[[str], AnyArray], attributes: Mapping[str, Any]) ->
 def _names(attributes: Mapping[str, Any]) -> list[str]:
     """Return the names of a trial's time series, according to its stored attributes."""
     check_format(attributes)
-    names = [*PLAIN, *WORK, *([ELECTRICAL] if attributes["has_electrical_work"] else [])]
+    names = [*PLAIN, *WORK]
+    if attributes["has_electrical_work"]:
+        names.append(ELECTRICAL)
     names += [LINK_FORCE + name for name in json.loads(attributes["link_force"]) or ()]
-    return names + [SIGNAL + name for name in json.loads(attributes["signals"])]
+    names += [SIGNAL + name for name in json.loads(attributes["signals"])]
+    return names
 
 
 def fields_of(dataset: "xarray.Dataset") -> dict[str, Any]:
@@ -191,16 +204,19 @@ def fields_of(dataset: "xarray.Dataset") -> dict[str, Any]:
         KeyError: If a variable or an attribute is missing.
         ValueError: If anything differs from what was written.
     """
-    attributes: dict[str, Any] = {str(name): one for name, one in dataset.attrs.items()}
+    attributes: dict[str, Any] = {str(name): value for name, value in dataset.attrs.items()}
     arrays: dict[str, AnyArray] = {
         name: dataset.variables[name].values for name in _names(attributes)
     }
     log = log_of({**arrays, "work": np.stack([arrays[name] for name in WORK], axis=1)})
     with codec.keys_of("scenario", ValueError):
         scenario = scenarios.run_from_toml(attributes["scenario"])
+    link_force = None
+    if attributes["link_force"] != "null":
+        link_force = log.link_force or {}
     return {
         **vars(log),
-        "link_force": None if attributes["link_force"] == "null" else log.link_force or {},
+        "link_force": link_force,
         "scenario": scenario,
         **{name: str(attributes[name]) for name in TEXTS},
         "succeeded": bool(attributes["succeeded"]),
@@ -221,10 +237,12 @@ def check_format(attributes: Mapping[str, Any]) -> None:
     if MARK not in attributes:
         raise ValueError("it is not a trial of laticauda.")
     if attributes[MARK] != FORMAT:
-        raise ValueError(
-            f"it has format {attributes[MARK]}, but this version of laticauda reads format {FORMAT}: read it with "
-            f"the one that wrote it, {attributes.get('version')} of {str(attributes.get('created'))[:10]}."
+        fault = (
+            f"it has format {attributes[MARK]}, but this version of laticauda reads format {FORMAT}"
         )
+        date = str(attributes.get("created"))[:10]
+        writer = f"the one that wrote it, {attributes.get('version')} of {date}"
+        raise ValueError(f"{fault}: read it with {writer}.")
 
 
 def pack_array(values: AnyArray) -> dict[str, Any]:
@@ -257,11 +275,14 @@ def _attributes(trial: Contents) -> dict[str, str | int]:
 
 
 def _state(attributes: Mapping[str, Any]) -> dict[str, AnyArray]:
-    stored: dict[str, Any] = json.loads(attributes["state"])
-    return {
-        name: np.frombuffer(base64.b64decode(one["bytes"]), one["dtype"]).reshape(one["shape"])
-        for name, one in stored.items()
-    }
+    packed_arrays: dict[str, Any] = json.loads(attributes["state"])
+    return {name: _unpack_array(packed) for name, packed in packed_arrays.items()}
+
+
+def _unpack_array(packed: Mapping[str, Any]) -> AnyArray:
+    """Return the array from which `pack_array` made the data."""
+    content = base64.b64decode(packed["bytes"])
+    return np.frombuffer(content, packed["dtype"]).reshape(packed["shape"])
 
 
 # ---- files ---------------------------------------------------------------------------------------
@@ -336,5 +357,5 @@ def save(dataset: "xarray.Dataset", path: Path) -> None:
         StorageFailed: If the file cannot be written; the message gives its name and the reason.
         MissingExtra: If the format needs a package that is not installed.
     """
-    form = Format.of(path)
-    write(path, lambda beside: form.write(dataset, beside))
+    file_format = Format.of(path)
+    write(path, lambda temporary_path: file_format.write(dataset, temporary_path))

@@ -22,8 +22,12 @@ from laticauda.trials.trial import Trial
 from laticauda.values.checks import check_positive
 from laticauda.values.errors import BadArgument
 
-TOLERANCE = 0.1  # cycle-mean error within which a run counts as converged [m]
-_ROUNDING = 1e-9  # fraction of a cycle
+TOLERANCE = 0.1
+"""Cycle-mean error within which a run counts as converged [m]."""
+CYCLES_OF_A_SUMMARY = 1.5
+"""Gait cycles that a run must last for figures of cycle means in `summarize_following`."""
+_ROUNDING = 1e-9
+"""Fraction of a cycle that may be missing from a whole one [-]."""
 
 
 class Convergence(NamedTuple):
@@ -73,16 +77,31 @@ def convergence(
     """
     check_positive("tolerance", tolerance, "m")
     middle, error = mean_error(time, cross_track_error, period)
-    outside = np.flatnonzero(np.abs(error) > tolerance)
-    # The error is inside between two excursions, before the first and after the last: take the
-    # first span long enough.
+    entry = _first_entry(middle, np.abs(error) > tolerance, period)
+    if entry is None:
+        return None
+    entry_time = middle[entry : entry + 1]
+    rate = _rate(time, along_track_distance)
+    distance = interpolated(time, along_track_distance, rate, entry_time)
+    return Convergence(
+        time=float(entry_time[0] - time[0]),
+        distance=float(distance[0] - along_track_distance[0]),
+    )
+
+
+def _first_entry(
+    middle: Middles, is_outside: Bool[np.ndarray, " n_middles"], period: float
+) -> int | None:
+    """Return the index at which the first span of at least a cycle begins that is not outside.
+
+    Such spans lie between two excursions, before the first and after the last.
+    """
+    outside = np.flatnonzero(is_outside)
     entries = np.concatenate(([0], outside + 1))
     exits = np.concatenate((outside, [middle.size]))
-    for entry, leave in zip(entries, exits, strict=True):
+    for entry, leave in zip(entries.tolist(), exits.tolist(), strict=True):
         if entry < leave and middle[leave - 1] - middle[entry] >= period * (1.0 - _ROUNDING):
-            at = middle[entry : entry + 1]
-            here = interpolated(time, along_track_distance, _rate(time, along_track_distance), at)
-            return Convergence(float(at[0] - time[0]), float(here[0] - along_track_distance[0]))
+            return entry
     return None
 
 
@@ -117,7 +136,8 @@ def steady_error(
         ValueError: If the log is shorter than one cycle, or too coarse to resolve one.
     """
     middle, error = mean_error(time, cross_track_error, period)
-    return _root_mean_square(error[_since(time[0], middle, start) & (middle - time[0] < stop)])
+    counts = _since(time[0], middle, start) & (middle - time[0] < stop)
+    return _root_mean_square(error[counts])
 
 
 def ripple(time: Time, cross_track_error: Time, period: float, start: float) -> float:
@@ -133,8 +153,10 @@ def ripple(time: Time, cross_track_error: Time, period: float, start: float) -> 
         ValueError: If the log is shorter than one cycle, or too coarse to resolve one.
     """
     middle, error = mean_error(time, cross_track_error, period)
-    here = interpolated(time, cross_track_error, _rate(time, cross_track_error), middle)
-    return _root_mean_square((here - error)[_since(time[0], middle, start)])
+    rate = _rate(time, cross_track_error)
+    error_with_ripple = interpolated(time, cross_track_error, rate, middle)
+    counts = _since(time[0], middle, start)
+    return _root_mean_square((error_with_ripple - error)[counts])
 
 
 def last_third_error(time: Time, cross_track_error: Time, period: float) -> float:
@@ -225,34 +247,40 @@ def summarize_following(trial: Trial) -> dict[str, float | None]:
         raise BadArgument(
             "trial", "must be a run that followed a path: it has no signal `cross_track_error`"
         )
-    found: dict[str, float | None] = dict.fromkeys(FIGURES)
-    time, error = trial.time, trial.signals["cross_track_error"]
-    period, end = trial.period, getattr(path_of(trial), "lengths", (np.inf,))[-1]
-    if trial.signals["along_track_distance"][-1] >= end:
-        found["end_time"] = float(
-            time[np.argmax(trial.signals["along_track_distance"] >= end)] - time[0]
-        )
+    figures: dict[str, float | None] = dict.fromkeys(FIGURES)
+    time = trial.time
+    error = trial.signals["cross_track_error"]
+    distance = trial.signals["along_track_distance"]
+    path_length = getattr(path_of(trial), "lengths", (np.inf,))[-1]
+    if distance[-1] >= path_length:
+        first_sample_at_end = np.argmax(distance >= path_length)
+        figures["end_time"] = float(time[first_sample_at_end] - time[0])
     if time.size > 1:
-        found["saturated_share"] = saturated_share(time, trial.signals["is_saturated"])
-    if period is None or time[-1] - time[0] < 1.5 * period or not resolves_cycles(time, period):
-        return found
-    found["overshoot"] = overshoot(time, error, period)
+        figures["saturated_share"] = saturated_share(time, trial.signals["is_saturated"])
+    period = trial.period
+    if period is None or time[-1] - time[0] < CYCLES_OF_A_SUMMARY * period:
+        return figures
+    if not resolves_cycles(time, period):
+        return figures
+    figures["overshoot"] = overshoot(time, error, period)
     if _has_last_third(time, error, period):
-        found["last_third_error"] = last_third_error(time, error, period)
+        figures["last_third_error"] = last_third_error(time, error, period)
         if "height_error" in trial.signals:
             height_error = trial.signals["height_error"]
-            found["last_third_height_error"] = last_third_error(time, height_error, period)
-    reached = convergence(time, error, trial.signals["along_track_distance"], period)
-    if reached is not None:
-        found["convergence_time"], found["convergence_distance"] = reached
-        found["steady_error"] = steady_error(time, error, period, reached.time)
-        found["ripple"] = ripple(time, error, period, reached.time)
-    return found
+            figures["last_third_height_error"] = last_third_error(time, height_error, period)
+    converged = convergence(time, error, distance, period)
+    if converged is not None:
+        figures["convergence_time"] = converged.time
+        figures["convergence_distance"] = converged.distance
+        figures["steady_error"] = steady_error(time, error, period, converged.time)
+        figures["ripple"] = ripple(time, error, period, converged.time)
+    return figures
 
 
 def path_of(trial: Trial) -> Any:
     """Return the path that a run was to follow; None if it is unknown."""
-    return getattr(getattr(trial.scenario, "motion", None), "path", None)
+    motion = getattr(trial.scenario, "motion", None)
+    return getattr(motion, "path", None)
 
 
 def nearest_points(trial: Trial) -> Float[np.ndarray, "n_samples 2"]:
@@ -261,7 +289,8 @@ def nearest_points(trial: Trial) -> Float[np.ndarray, "n_samples 2"]:
     Args:
         trial: A run with the signals of `laticauda.control.PathFollowing`.
     """
-    angle, error = trial.signals["path_tangential_angle"], trial.signals["cross_track_error"]
+    angle = trial.signals["path_tangential_angle"]
+    error = trial.signals["cross_track_error"]
     left = np.stack((-np.sin(angle), np.cos(angle)), axis=1)
     return np.asarray(trial.center_of_mass[:, :2] - error[:, np.newaxis] * left)
 
@@ -276,14 +305,12 @@ def _rate(time: Time, signal: Time) -> Time:
 
 def _since(begin: float, middle: Middles, start: float) -> Bool[np.ndarray, " n_middles"]:
     """Return which cycle middles lie at or after `start`, a time since the beginning of the run."""
-    inside = middle - begin >= start
-    if not np.any(inside):
-        last = float(middle[-1] - begin)
-        raise BadArgument(
-            "start",
-            f"must be <= {last:.6g} s, the middle of the last gait cycle, got {start:.6g} s",
-        )
-    return inside
+    is_since = middle - begin >= start
+    if not np.any(is_since):
+        latest = float(middle[-1] - begin)
+        rule = f"must be <= {latest:.6g} s, the middle of the last gait cycle"
+        raise BadArgument("start", f"{rule}, got {start:.6g} s")
+    return is_since
 
 
 def _root_mean_square(values: Float[np.ndarray, " n"]) -> float:

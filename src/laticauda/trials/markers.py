@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Complex, Float
 
 from laticauda.robot import kinematics
 from laticauda.trials.trial import Trial
@@ -13,6 +13,9 @@ from laticauda.values import files
 from laticauda.values.errors import BadArgument, TrialFileError
 
 Places = Float[np.ndarray, "n_samples n_markers 2"]
+ComplexPlaces = Complex[np.ndarray, "n_times n_markers"]
+AS_COMPLEX = (1.0, 1.0j)
+"""Turns x and y, the last axis of places, into x + i y."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -36,16 +39,22 @@ class Track:
         """
         columns = files.read_columns(path, TrialFileError)
         names = [name.removesuffix("_x_m") for name in columns if name.endswith("_x_m")]
-        wanted = ["time_s", *(f"{name}_{axis}_m" for name in names for axis in "xy")]
         try:
-            table = np.array(
-                [[float(cell or "nan") for cell in columns[name]] for name in wanted]
-            ).T
+            series = [_numbers(columns["time_s"])]
+            for name in names:
+                series.append(_numbers(columns[f"{name}_x_m"]))
+                series.append(_numbers(columns[f"{name}_y_m"]))
+            table = np.array(series).T
             return cls(time=table[:, 0], place=table[:, 1:].reshape(len(table), -1, 2))
         except (KeyError, ValueError) as error:
             raise TrialFileError(
                 f"{path}: must have columns `time_s`, `NAME_x_m`, `NAME_y_m`: {error}"
             ) from None
+
+
+def _numbers(cells: Sequence[str]) -> list[float]:
+    """Return the numbers in the cells of a column; nan where a cell is empty."""
+    return [float(cell or "nan") for cell in cells]
 
 
 def marker_places(trial: Trial, along: Sequence[float]) -> Places:
@@ -56,14 +65,15 @@ def marker_places(trial: Trial, along: Sequence[float]) -> Places:
         along: Distance of each marker from the tail end along the straight body [m].
     """
     robot = trial.chain
-    ends = kinematics.Posture(
+    posture = kinematics.Posture(
         robot, trial.center_of_mass[:, :2], trial.link_angle, fin_angle=trial.fin_angle
-    ).link_ends
+    )
     begin = np.cumsum([0.0, *(module.length for module in robot.modules)])
     link = np.clip(np.searchsorted(begin, along, side="right") - 1, 0, robot.n_links - 1)
     angle = trial.link_angle[:, link]
     reach = np.asarray(along) - begin[link]
-    return ends[:, link] + reach[:, np.newaxis] * np.stack((np.cos(angle), np.sin(angle)), axis=-1)
+    direction = np.stack((np.cos(angle), np.sin(angle)), axis=-1)
+    return posture.link_ends[:, link] + reach[:, np.newaxis] * direction
 
 
 def marker_distance(
@@ -88,21 +98,32 @@ def marker_distance(
     Raises:
         ValueError: If the track has a different number of markers, or none in the span.
     """
-    if track.place.shape[1] != len(along):
-        raise BadArgument(
-            "along", f"must have one distance per marker, {track.place.shape[1]}, got {len(along)}"
-        )
-    within = (track.time >= trial.time[0]) & (track.time <= trial.time[-1])
-    time, seen = track.time[within], track.place[within]
-    flat = marker_places(trial, along).reshape(trial.time.size, -1)
-    here = np.stack([np.interp(time, trial.time, column) for column in flat.T], axis=1).reshape(
-        seen.shape
-    )
-    known = (time >= fitted[0]) & (time <= fitted[1])
-    known = known[:, np.newaxis] & np.isfinite(seen).all(axis=-1)
-    if not known.any():
+    n_markers = track.place.shape[1]
+    if n_markers != len(along):
+        rule = f"must have one distance per marker, {n_markers}"
+        raise BadArgument("along", f"{rule}, got {len(along)}")
+    is_in_trial = (track.time >= trial.time[0]) & (track.time <= trial.time[-1])
+    time = track.time[is_in_trial]
+    observed = track.place[is_in_trial]
+    coordinates = marker_places(trial, along).reshape(trial.time.size, -1)
+    resampled = [np.interp(time, trial.time, coordinate) for coordinate in coordinates.T]
+    computed = np.stack(resampled, axis=1).reshape(observed.shape)
+    begin, end = fitted
+    is_in_span = (time >= begin) & (time <= end)
+    counts = is_in_span[:, np.newaxis] & np.isfinite(observed).all(axis=-1)
+    if not counts.any():
         raise BadArgument("fitted", f"must be a span in which markers were seen, got {fitted}")
-    a, b = here[known] @ (1.0, 1.0j), seen[known] @ (1.0, 1.0j)
-    turn = np.exp(1j * np.angle(((b - b.mean()) * (a - a.mean()).conj()).sum()))
-    gap = np.abs((here @ (1.0, 1.0j) - a.mean()) * turn + b.mean() - seen @ (1.0, 1.0j))
+    aligned = _aligned(computed @ AS_COMPLEX, observed @ AS_COMPLEX, counts)
+    gap = np.abs(aligned - observed @ AS_COMPLEX)
     return time, np.sqrt(np.nanmean(gap**2, axis=1))
+
+
+def _aligned(
+    computed: ComplexPlaces, observed: ComplexPlaces, counts: Bool[np.ndarray, "n_times n_markers"]
+) -> ComplexPlaces:
+    """Return places rotated and translated for the best fit to the observed ones that count [m]."""
+    computed_mean = computed[counts].mean()
+    observed_mean = observed[counts].mean()
+    covariance = (observed[counts] - observed_mean) * (computed[counts] - computed_mean).conj()
+    turn = np.exp(1j * np.angle(covariance.sum()))
+    return (computed - computed_mean) * turn + observed_mean

@@ -93,8 +93,11 @@ def measured_setting(
     """
     if gait is None:
         return None
-    found = (one.counterpart(robot, gait, environment) for one in all_measured())
-    return next((trial for trial in found if trial is not None), None)
+    for measurements in all_measured():
+        trial = measurements.counterpart(robot, gait, environment)
+        if trial is not None:
+            return trial
+    return None
 
 
 def measured_counterpart(trial: Trial) -> MeasuredTrial | None:
@@ -110,7 +113,8 @@ def measured_counterpart(trial: Trial) -> MeasuredTrial | None:
 
 KINDS = {"LU": "lateral_undulation", "EEL": "eel_like"}
 """Gait abbreviations used in tables."""
-_RADIANS = 3.2  # if no angle [deg] exceeds this, the angles can only be radians
+_RADIANS = 3.2
+"""If no angle [deg] exceeds this, the angles can only be radians."""
 
 
 @value_class
@@ -157,14 +161,17 @@ def gait_in_table(kind: str, alpha_deg: float, omega_deg_s: float, delta_deg: fl
         omega_deg_s: Frequency [deg/s].
         delta_deg: Phase shift [deg].
     """
-    alpha, omega, delta = map(math.radians, (alpha_deg, omega_deg_s, delta_deg))
     return gaits.Gait(
-        envelope=gaits.envelope_of(KINDS[kind]), amplitude=alpha, frequency=omega, phase_shift=delta
+        envelope=gaits.envelope_of(KINDS[kind]),
+        amplitude=math.radians(alpha_deg),
+        frequency=math.radians(omega_deg_s),
+        phase_shift=math.radians(delta_deg),
     )
 
 
 _COLUMNS = tuple(SpeedTrial.__dataclass_fields__)
-_NEEDED = ("gait", "alpha_deg", "omega_deg_s", "delta_deg", "v_m_s")
+_NEVER_EMPTY = ("gait", "alpha_deg", "omega_deg_s", "delta_deg")
+_NEEDED = (*_NEVER_EMPTY, "v_m_s")
 
 
 def load_speeds(path: str | Path) -> tuple[SpeedTrial, ...]:
@@ -179,45 +186,47 @@ def load_speeds(path: str | Path) -> tuple[SpeedTrial, ...]:
     """
     names, rows = files.read_rows(path, TrialFileError)
     _check_columns(path, names)
-    found: list[SpeedTrial] = []
+    trials: list[SpeedTrial] = []
     for number, row in rows:
         try:
             cells = {
-                name: _cell(name, text)
+                name: _parse_cell(name, text)
                 for name, text in row.items()
-                if text or name in _NEEDED[:-1]
+                if text or name in _NEVER_EMPTY
             }
-            found.append(SpeedTrial(**cells))
+            trials.append(SpeedTrial(**cells))
         except ValueError as error:
             raise TrialFileError(f"{path}: row {number}: {error}") from None
-    if not found:
+    if not trials:
         raise TrialFileError(f"{path}: the table has no rows.")
     for name in ("alpha_deg", "delta_deg"):
-        most = max(abs(getattr(one, name)) for one in found)
-        if 0.0 < most < _RADIANS:
-            raise TrialFileError(
-                f"{path}: column `{name}` only reaches {most:g}, too little for deg; is it in rad?"
-            )
-    return tuple(found)
+        largest = max(abs(getattr(trial, name)) for trial in trials)
+        if 0.0 < largest < _RADIANS:
+            reason = f"only reaches {largest:g}, too little for deg; is it in rad?"
+            raise TrialFileError(f"{path}: column `{name}` {reason}")
+    return tuple(trials)
 
 
-def _check_columns(path: str | Path, given: list[str]) -> None:
-    rules = [f"`{name}` is missing." for name in _NEEDED if name not in given]
-    for name in given:
+def _check_columns(path: str | Path, names: list[str]) -> None:
+    """Reject a table with doubled, unknown or missing columns; of several, the last one is reported."""
+    for name in reversed(names):
+        if names.count(name) > 1:
+            raise TrialFileError(f"{path}: row 1: column `{name}` must not be given twice.")
         if name not in _COLUMNS:
             hint = suggest_nearest(name, _COLUMNS) or f"; they are {', '.join(_COLUMNS)}"
-            rules.insert(0, f"`{name}` is not known{hint}")
-        if given.count(name) > 1:
-            rules.insert(0, f"`{name}` must not be given twice.")
-    if rules:
-        raise TrialFileError(f"{path}: row 1: column {rules[0]}")
+            raise TrialFileError(f"{path}: row 1: column `{name}` is not known{hint}")
+    for name in _NEEDED:
+        if name not in names:
+            raise TrialFileError(f"{path}: row 1: column `{name}` is missing.")
 
 
-def _cell(name: str, text: str) -> Any:
+def _parse_cell(name: str, text: str) -> Any:
     """Convert a cell to a number, or keep it as text."""
     if name in ("gait", "config", "robot"):
         return text
     try:
-        return int(text) if name == "selected_from" else float(text)
+        if name == "selected_from":
+            return int(text)
+        return float(text)
     except ValueError:
         raise BadArgument(name, f"must be a number, got {text!r}") from None

@@ -21,8 +21,12 @@ from laticauda.water.fluid.laws import Element
 Path = Float[np.ndarray, "n_samples n_axes"]
 Joints = Float[np.ndarray, "n_samples n_joints"]
 
-STANDARD_GRAVITY = 9.81  # [m/s2]
-STILL = 1e-9  # a speed below this is rounding error [m/s]
+STANDARD_GRAVITY = 9.81
+"""Acceleration of gravity where an environment does not state it [m/s2]."""
+STILL = 1e-9
+"""A speed below this is rounding error [m/s]."""
+CREEPING_SPEED = 1e-300
+"""A speed at which only the linear part of a drag remains [m/s]."""
 
 
 # ---- figures of arrays and numbers ---------------------------------------------------------------
@@ -72,9 +76,8 @@ def path_speed(time: Time, center_of_mass: Path) -> float:
     Raises:
         ValueError: If the log has fewer than two samples.
     """
-    return float(np.sum(np.linalg.norm(np.diff(center_of_mass, axis=0), axis=1))) / log_duration(
-        time
-    )
+    steps = np.linalg.norm(np.diff(center_of_mass, axis=0), axis=1)
+    return float(np.sum(steps)) / log_duration(time)
 
 
 def mean_power(time: Time, work: Time) -> float:
@@ -110,8 +113,10 @@ def joint_work(time: Time, torque: Joints, rate: Joints) -> Float[np.ndarray, "n
         rate: Rate of every joint [rad/s].
     """
     power = torque * rate
-    kinds = np.abs(power), power, np.maximum(power, 0.0)
-    return cumulative_integral(time, np.stack([one.sum(axis=1) for one in kinds], axis=1))
+    absolute = np.abs(power).sum(axis=1)
+    net = power.sum(axis=1)
+    positive = np.maximum(power, 0.0).sum(axis=1)
+    return cumulative_integral(time, np.stack([absolute, net, positive], axis=1))
 
 
 def joules_per_meter(power: float, speed: float) -> float:
@@ -164,12 +169,12 @@ def linear_drag_share(water: Water, speed: float) -> float:
     Raises:
         ValueError: If the water has no drag at that speed.
     """
-    total, near = -_along(water, speed), 1e-300  # a speed at which only the linear part remains
+    total = -_along(water, speed)
     if total <= 0.0:
         raise ValueError(
             "The water must have drag, and the robot a speed, for a share of the linear drag."
         )
-    return -_along(water, near) / near * speed / total
+    return -_along(water, CREEPING_SPEED) / CREEPING_SPEED * speed / total
 
 
 def towing_drag(robot: Robot, water: Water, speed: float) -> float:
@@ -224,8 +229,8 @@ def electrical_power(trial: Contents) -> float:
     """Compute the mean electrical power above idle (4) of a trial [W]; a ValueError if it has no power model."""
     if trial.electrical_work is None:
         raise ValueError(
-            "The power of the motors is unknown: give --joints servo (in Python joints='servo'), or a robot with an "
-            "`active_power`; a robot that is operated needs a power meter."
+            "The power of the motors is unknown: give --joints servo (in Python joints='servo'), or "
+            "a robot with an `active_power`; a robot that is operated needs a power meter."
         )
     return mean_power(trial.time, trial.electrical_work)
 
@@ -233,14 +238,18 @@ def electrical_power(trial: Contents) -> float:
 def speed_through_water(trial: Contents) -> float:
     """Compute the `forward_velocity` of a trial relative to the water: the local current is subtracted [m/s]."""
     velocity = mean_velocity(trial.time, trial.center_of_mass)
-    if isinstance(water := trial.environment, Water):
-        around = water.velocity(trial.center_of_mass, trial.time)
-        velocity -= (
-            around[0]
-            if water.flow is None
-            else cumulative_integral(trial.time, around)[-1] / np.ptp(trial.time)
-        )
+    water = trial.environment
+    if isinstance(water, Water):
+        velocity -= _mean_current(trial, water)
     return float(np.linalg.norm(velocity))
+
+
+def _mean_current(trial: Contents, water: Water) -> Float[np.ndarray, " n_axes"]:
+    """Return the velocity of the water where the robot was, averaged over the run [m/s]."""
+    velocity = water.velocity(trial.center_of_mass, trial.time)
+    if water.flow is None:
+        return velocity[0]
+    return cumulative_integral(trial.time, velocity)[-1] / np.ptp(trial.time)
 
 
 def steady_velocity(trial: Contents) -> float:
@@ -276,18 +285,18 @@ def sideslip(trial: Contents) -> float:
     too short or the robot stands still.
     """
     trial.need("a sideslip", "heading")
-    time, period = trial.time, _period(trial)
-    inside = _in_steady_part(time, period)
-    traveled = cycles.course_cycle_mean(
+    time = trial.time
+    period = _period(trial)
+    is_steady = _in_steady_part(time, period)
+    course_mean = cycles.course_cycle_mean(
         time, trial.center_of_mass, trial.center_of_mass_velocity, period
-    ).value
-    pointed = heading_mean(trial).value
-    if not np.any(inside):
+    )
+    heading = heading_mean(trial)
+    if not np.any(is_steady):
         rule = "must hold the middle of a whole gait cycle after the transient for a sideslip"
-        raise BadArgument(
-            "time", f"{rule}: make it at least one sample longer than {time[-1] - time[0]:.4g} s"
-        )
-    angle = (traveled - pointed)[inside]
+        advice = f"make it at least one sample longer than {time[-1] - time[0]:.4g} s"
+        raise BadArgument("time", f"{rule}: {advice}")
+    angle = (course_mean.value - heading.value)[is_steady]
     # Average directions, not numbers: course and heading may be unwrapped whole turns apart.
     return float(np.angle(np.mean(np.exp(1j * angle))))
 
@@ -300,16 +309,18 @@ def turning_rate(trial: Contents) -> float:
     """
     trial.need("a turning rate", "heading")
     period = _period(trial)
-    part, inside = cycles.steady_part(trial.time, period), _in_steady_part(trial.time, period)
-    if part.n_cycles is None or part.n_cycles < 2 or np.count_nonzero(inside) < 2:
+    part = cycles.steady_part(trial.time, period)
+    is_steady = _in_steady_part(trial.time, period)
+    if part.n_cycles is None or part.n_cycles < 2 or np.count_nonzero(is_steady) < 2:
         rule = "must span at least two gait cycles after the transient for a turning rate"
-        raise BadArgument(
-            "time", f"{rule}; got {part.stop - part.start:.4g} s, and a cycle takes {period:.4g} s"
-        )
+        length = f"{part.stop - part.start:.4g} s"
+        raise BadArgument("time", f"{rule}; got {length}, and a cycle takes {period:.4g} s")
     mean = heading_mean(trial)
-    t, value = mean.time[inside], mean.value[inside]
-    t = t - np.mean(t)
-    return float(np.sum(t * (value - np.mean(value))) / np.sum(t * t))
+    time = mean.time[is_steady]
+    heading = mean.value[is_steady]
+    centered_time = time - np.mean(time)
+    covariance = np.sum(centered_time * (heading - np.mean(heading)))
+    return float(covariance / np.sum(centered_time * centered_time))
 
 
 def strouhal_number(trial: Contents) -> float:
@@ -322,18 +333,26 @@ def strouhal_number(trial: Contents) -> float:
     0.32 (Tytell 2004). Raises a ValueError if the trial is too short or the robot stands still.
     """
     trial.need("a Strouhal number", "link_angle")
-    time, place, period = trial.time, trial.center_of_mass, _period(trial)
+    period = _period(trial)
+    return _excursion_across_course(trial, period) / (period * steady_velocity(trial))
+
+
+def _excursion_across_course(trial: Contents, period: float) -> float:
+    """Return the peak-to-peak excursion of the trailing edge, the mean over the steady cycles [m]."""
+    time = trial.time
+    position = trial.center_of_mass
     part = cycles.steady_part(time, period)
-    edge = Posture(
-        trial.chain, place[:, :2], trial.link_angle, fin_angle=trial.fin_angle
-    ).trailing_edge
+    posture = Posture(trial.chain, position[:, :2], trial.link_angle, fin_angle=trial.fin_angle)
+    trailing_edge = posture.trailing_edge
     bounds = np.linspace(part.start, part.stop, (part.n_cycles or 1) + 1)
-    steps = np.diff(cycles.interpolated(time, place, trial.center_of_mass_velocity, bounds), axis=0)
+    positions_at_bounds = cycles.interpolated(time, position, trial.center_of_mass_velocity, bounds)
+    courses = cycles.direction_of(np.diff(positions_at_bounds, axis=0))
     excursion = 0.0
-    for begin, end, angle in zip(bounds[:-1], bounds[1:], cycles.direction_of(steps), strict=True):
-        cycle = edge[(time >= begin) & (time <= end)]
-        excursion += float(np.ptp(cycle @ np.array([-np.sin(angle), np.cos(angle)]))) / len(steps)
-    return excursion / (period * steady_velocity(trial))
+    for begin, end, course_angle in zip(bounds[:-1], bounds[1:], courses, strict=True):
+        edge_in_cycle = trailing_edge[(time >= begin) & (time <= end)]
+        across_course = np.array([-np.sin(course_angle), np.cos(course_angle)])
+        excursion += float(np.ptp(edge_in_cycle @ across_course)) / len(courses)
+    return excursion
 
 
 def quasi_propulsive_efficiency(trial: Contents) -> float:
@@ -374,9 +393,11 @@ def _water(trial: Contents, figure: str) -> Water:
 
 
 def _displacement(trial: Contents, part: SteadyPart) -> Float[np.ndarray, " n_axes"]:
-    at = np.array([part.start, part.stop])
-    ends = cycles.interpolated(trial.time, trial.center_of_mass, trial.center_of_mass_velocity, at)
-    return ends[1] - ends[0]
+    bounds = np.array([part.start, part.stop])
+    position_at_start, position_at_stop = cycles.interpolated(
+        trial.time, trial.center_of_mass, trial.center_of_mass_velocity, bounds
+    )
+    return position_at_stop - position_at_start
 
 
 def _in_steady_part(time: Time, period: float) -> Bool[np.ndarray, " n_middles"]:
@@ -384,6 +405,6 @@ def _in_steady_part(time: Time, period: float) -> Bool[np.ndarray, " n_middles"]
     middle = cycles.cycle_middles(time, period)
     part = cycles.steady_part(time, period)
     slack = 1e-9 * period
-    return (middle >= part.start + 0.5 * period - slack) & (
-        middle <= part.stop - 0.5 * period + slack
-    )
+    begins_inside = middle >= part.start + 0.5 * period - slack
+    ends_inside = middle <= part.stop - 0.5 * period + slack
+    return begins_inside & ends_inside

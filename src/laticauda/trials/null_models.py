@@ -5,10 +5,10 @@ Each is fitted to measured speeds by least squares, all but the mean stride leng
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from laticauda.motion.gaits import GAIT_WORDS, Gait
 from laticauda.values.errors import BadArgument
@@ -39,15 +39,24 @@ def group_name(gait: str, has_fin: bool) -> str:
         gait: The gait's kind.
         has_fin: Whether the robot wears the caudal fin.
     """
-    return f"{GAIT_WORDS[gait]}, {'with' if has_fin else 'without'} fin"
+    if has_fin:
+        return f"{GAIT_WORDS[gait]}, with fin"
+    return f"{GAIT_WORDS[gait]}, without fin"
 
 
-def _per_group(rows: Sequence[Row], groups: Sequence[str]) -> Design:
-    return np.array([[float(row.group == name) for name in groups] for row in rows])
+def _number_per_group(rows: Sequence[Row], groups: Sequence[str]) -> Design:
+    """Return a column per group, 1 for its rows."""
+    group_of_row = np.array([[row.group] for row in rows])
+    return (group_of_row == np.array(groups)).astype(float)
 
 
 def _fin_and_eel(rows: Sequence[Row], groups: Sequence[str]) -> Design:
-    return np.array([(1.0, float(row.has_fin), float(row.gait.kind == "eel_like")) for row in rows])
+    """Return a column of ones, one for the fin, and one for eel-like motion."""
+    columns: list[tuple[float, float, float]] = []
+    for row in rows:
+        is_eel_like = row.gait.kind == "eel_like"
+        columns.append((1.0, float(row.has_fin), float(is_eel_like)))
+    return np.array(columns)
 
 
 class _Form(NamedTuple):
@@ -62,35 +71,53 @@ class _Form(NamedTuple):
 
 
 NULL_MODELS = {
-    "constant per group": _Form(_per_group),
+    "constant per group": _Form(_number_per_group),
     "constant + fin + eel": _Form(_fin_and_eel),
-    "constant stride per group": _Form(_per_group, is_stride=True),
+    "constant stride per group": _Form(_number_per_group, is_stride=True),
     "constant stride + fin + eel": _Form(_fin_and_eel, is_stride=True),
 }
 """Models without physics: one number per group, or one number and two factors; also for the distance per cycle."""
 MEAN_STRIDE = "mean stride per group"
-PREDICTORS = {**NULL_MODELS, MEAN_STRIDE: _Form(_per_group, is_stride=True, is_log=False)}
+PREDICTORS = {**NULL_MODELS, MEAN_STRIDE: _Form(_number_per_group, is_stride=True, is_log=False)}
 """The null models, and the constant stride with the arithmetic, not the geometric, mean of each group's strides."""
 
 
-def _fitted(
-    form: _Form, rows: Sequence[Row], measured: Values, others: Sequence[Row]
-) -> tuple[Float[np.ndarray, " n_others"], int, bool]:
-    """Predict other rows by least squares; also return the number of fitted parameters and whether the rows suffice."""
-    groups = sorted({row.group for row in (*rows, *others)})
-    known, asked = form.columns(rows, groups), form.columns(others, groups)
-    units = [
-        np.array([row.gait.frequency if form.is_stride else 1.0 for row in some])
-        for some in (rows, others)
-    ]
-    speeds = measured / units[0]
-    numbers, _, rank, _ = np.linalg.lstsq(known, np.log(speeds) if form.is_log else speeds)
-    found = asked @ numbers
-    return (
-        (np.exp(found) if form.is_log else found) * units[1],
-        int(rank),
-        bool(rank == known.shape[1]),
+class _Prediction(NamedTuple):
+    """Speeds of rows, predicted by a fit to others."""
+
+    speeds: Values
+    """Predicted speeds [m/s]."""
+    n_fitted: int
+    """Number of fitted parameters."""
+    is_determined: bool
+    """Whether the rows suffice for all parameters."""
+
+
+def _predict(
+    form: _Form, rows: Sequence[Row], measured: Values, wanted_rows: Sequence[Row]
+) -> _Prediction:
+    """Fit a form to the measured speeds of rows by least squares, and predict the wanted ones."""
+    groups = sorted({row.group for row in (*rows, *wanted_rows)})
+    design = form.columns(rows, groups)
+    observations = measured / _speed_units(form, rows)
+    if form.is_log:
+        observations = np.log(observations)
+    numbers, _, rank, _ = np.linalg.lstsq(design, observations)
+    predictions = form.columns(wanted_rows, groups) @ numbers
+    if form.is_log:
+        predictions = np.exp(predictions)
+    return _Prediction(
+        speeds=predictions * _speed_units(form, wanted_rows),
+        n_fitted=int(rank),
+        is_determined=bool(rank == design.shape[1]),
     )
+
+
+def _speed_units(form: _Form, rows: Sequence[Row]) -> Values:
+    """Return what the speeds of rows are divided by: their frequencies, or 1."""
+    if not form.is_stride:
+        return np.ones(len(rows))
+    return np.array([row.gait.frequency for row in rows])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -118,39 +145,54 @@ def compared(rows: Sequence[Row], measured: Values) -> tuple[NullModel, ...]:
         rows: The rows that the models are fitted to.
         measured: Their measured speeds [m/s].
     """
-    groups = np.unique([row.group for row in rows], return_inverse=True)[1]
-    found: list[NullModel] = []
+    group_of_row = np.unique([row.group for row in rows], return_inverse=True)[1]
+    each_row = np.arange(len(rows))
+    models: list[NullModel] = []
     for name, form in NULL_MODELS.items():
-        speeds, n_parameters, _ = _fitted(form, rows, measured, rows)
-        others = [_left_out(form, rows, measured, by) for by in (np.arange(len(rows)), groups)]
-        errors = [
-            np.nan if np.any(np.isnan(values)) else mape(measured, values) for values in others
-        ]
-        how: Any = {
-            "fitted": mape(measured, speeds),
-            "left_out": errors[0],
-            "group_left_out": errors[1],
-        }
-        found.append(NullModel(name=name, n_parameters=n_parameters, speeds=speeds, **how))
-    return tuple(found)
+        fit = _predict(form, rows, measured, rows)
+        without_row = _predict_left_out(form, rows, measured, each_row)
+        without_group = _predict_left_out(form, rows, measured, group_of_row)
+        model = NullModel(
+            name=name,
+            n_parameters=fit.n_fitted,
+            speeds=fit.speeds,
+            fitted=mape(measured, fit.speeds),
+            left_out=_error_if_complete(measured, without_row),
+            group_left_out=_error_if_complete(measured, without_group),
+        )
+        models.append(model)
+    return tuple(models)
 
 
-def _left_out(
+def _predict_left_out(
     form: _Form, rows: Sequence[Row], measured: Values, by: Int[np.ndarray, " n_rows"]
 ) -> Values:
     """Predict each speed from the rows with another number in `by`; nan where they do not suffice."""
-    found = np.full(measured.size, np.nan)
+    speeds = np.full(measured.size, np.nan)
     for number in np.unique(by):
-        out = by == number
-        if out.all():  # no rows are left to predict it from
+        is_left_out = by == number
+        if is_left_out.all():  # no rows are left to predict it from
             break
-        kept, asked = (
-            [row for row, mine in zip(rows, some, strict=True) if mine] for some in (~out, out)
+        prediction = _predict(
+            form,
+            rows=_rows_where(~is_left_out, rows),
+            measured=measured[~is_left_out],
+            wanted_rows=_rows_where(is_left_out, rows),
         )
-        speeds, _, suffices = _fitted(form, kept, measured[~out], asked)
-        if suffices:
-            found[out] = speeds
-    return found
+        if prediction.is_determined:
+            speeds[is_left_out] = prediction.speeds
+    return speeds
+
+
+def _rows_where(is_chosen: Bool[np.ndarray, " n_rows"], rows: Sequence[Row]) -> list[Row]:
+    return [rows[i] for i in np.flatnonzero(is_chosen).tolist()]
+
+
+def _error_if_complete(measured: Values, predicted: Values) -> float:
+    """Return the mean absolute error [%]; nan if a prediction is missing."""
+    if np.any(np.isnan(predicted)):
+        return np.nan
+    return mape(measured, predicted)
 
 
 def predict(
@@ -175,8 +217,8 @@ def predict(
         raise BadArgument(
             "rows", f"must hold every group of `others`, got none of {', '.join(unknown)}"
         )
-    speeds, n_fitted, _ = _fitted(PREDICTORS[name], rows, measured, others)
-    return speeds, n_fitted
+    prediction = _predict(PREDICTORS[name], rows, measured, others)
+    return prediction.speeds, prediction.n_fitted
 
 
 def mape(measured: Float[np.ndarray, " _"], predicted: Float[np.ndarray, " _"]) -> float:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -50,46 +50,82 @@ def compare(*trials: Trial | Sequence[Trial]) -> list[ComparedFigure]:
     Raises:
         ValueError: If there are fewer than two trials.
     """
-    given = [one for some in trials for one in (some if isinstance(some, Sequence) else [some])]
-    if len(given) < 2:
-        raise BadArgument("trials", f"must hold at least 2 trials to compare, got {len(given)}")
-    columns = [
-        cast(Trial, check_instance(f"trials[{i}]", one, Trial)).figures()[0]
-        for i, one in enumerate(given)
-    ]
+    compared_trials = _flat(trials)
+    if len(compared_trials) < 2:
+        rule = "must hold at least 2 trials to compare"
+        raise BadArgument("trials", f"{rule}, got {len(compared_trials)}")
+    columns: list[dict[str, float | None]] = []
+    for i, trial in enumerate(compared_trials):
+        check_instance(f"trials[{i}]", trial, Trial)
+        values_by_name, _ = trial.figures()
+        columns.append(values_by_name)
     # Mechanical and electrical power differ by a factor of ten: side by side they would be
     # misleading.
-    mixed = len({trial.mean_power_kind for trial in given}) > 1
+    has_both_powers = len({trial.mean_power_kind for trial in compared_trials}) > 1
     rows: list[ComparedFigure] = []
     for figure in FIGURES:
         values = tuple(column[figure.name] for column in columns)
-        if (mixed and figure.name in _OF_MEAN_POWER) or all(value is None for value in values):
-            continue
-        rows.append(_compared(figure, values))
+        is_misleading = has_both_powers and figure.name in _OF_MEAN_POWER
+        if not is_misleading and any(value is not None for value in values):
+            rows.append(_compare_values(figure, values))
     return rows
 
 
-def _compared(figure: Figure, values: tuple[float | None, ...]) -> ComparedFigure:
-    first, is_angle = values[0], figure.unit == "rad"
-    differences = tuple(
-        None if value is None or first is None else value - first for value in values
-    )
-    shares = tuple(None if is_angle else _percent(difference, first) for difference in differences)
-    if is_angle:
-        differences = tuple(None if one is None else angles.wrap_to_pi(one) for one in differences)
+def _flat(trials: Sequence[Trial | Sequence[Trial]]) -> list[Trial]:
+    """Return trials that may come alone or in lists, one after the other."""
+    flat: list[Trial] = []
+    for argument in trials:
+        if isinstance(argument, Sequence):
+            flat += argument
+        else:
+            flat.append(argument)
+    return flat
+
+
+def _compare_values(figure: Figure, values: tuple[float | None, ...]) -> ComparedFigure:
+    """Compare the values of a figure with the first one."""
+    first = values[0]
+    if figure.unit == "rad":
+        differences = tuple(_angle_between(first, value) for value in values)
+        percentages: tuple[float | None, ...] = (None,) * len(values)
+    else:
+        differences = tuple(_difference(first, value) for value in values)
+        percentages = tuple(_percent(difference, first) for difference in differences)
     return ComparedFigure(
-        figure=figure, values=values, differences=differences, differences_percent=shares
+        figure=figure,
+        values=values,
+        differences=differences,
+        differences_percent=percentages,
     )
+
+
+def _difference(first: float | None, value: float | None) -> float | None:
+    if first is None or value is None:
+        return None
+    return value - first
+
+
+def _angle_between(first: float | None, value: float | None) -> float | None:
+    """Return the difference of two angles, in [-pi, pi) [rad]."""
+    difference = _difference(first, value)
+    if difference is None:
+        return None
+    return angles.wrap_to_pi(difference)
 
 
 def _percent(difference: float | None, reference: float | None) -> float | None:
     if difference is None or reference is None or abs(reference) < ROUNDING:
         return None
     share = 100.0 * difference / abs(reference)
-    return share if abs(share) <= LARGEST_PERCENT else None
+    if abs(share) > LARGEST_PERCENT:
+        return None
+    return share
 
 
-_TOLERANCE = 1e-9  # of position [m] and angles [rad] where the runs meet: a restart continues from the exact state
+# ---- joining -------------------------------------------------------------------------------------
+
+_TOLERANCE = 1e-9
+"""Of positions [m], angles [rad] and their rates where runs meet: a restart continues from the exact state."""
 _CONTINUED = (
     "center_of_mass",
     "center_of_mass_velocity",
@@ -120,8 +156,8 @@ def joined(first: Trial, second: Trial) -> Trial:
     # Where the runs meet, a signal has the value set by the second run, as at every other control
     # instant.
     signals = {
-        name: np.concatenate((one[:-1], second.signals[name]))
-        for name, one in first.signals.items()
+        name: np.concatenate((values[:-1], second.signals[name]))
+        for name, values in first.signals.items()
     }
     counted = {
         "time": _counted_on(first.time, second.time),
@@ -141,12 +177,9 @@ def joined(first: Trial, second: Trial) -> Trial:
 
 def _scenario(first: Scenario | Experiment, second: Scenario | Experiment) -> Scenario | Experiment:
     """Return the scenario of one uncut run; a controller restarts at the cut, which no scenario can describe."""
-    if (
-        isinstance(first, Scenario)
-        and isinstance(second, Scenario)
-        and isinstance(first.motion, gaits.Gait)
-    ):
-        return replace(first, duration=first.duration + second.duration)
+    if isinstance(first, Scenario) and isinstance(second, Scenario):
+        if isinstance(first.motion, gaits.Gait):
+            return replace(first, duration=first.duration + second.duration)
     return Experiment(
         robot=first.robot, gait=first.gait, environment=first.environment, model=first.model
     )
@@ -158,7 +191,7 @@ def _check_belong(first: Trial, second: Trial) -> None:
     for name in ("robot", "gait", "environment"):
         if getattr(first, name) != getattr(second, name):
             raise BadArgument("second", f"must have the same `{name}` as `first`")
-    if _logged(first) != _logged(second):
+    if _Logged.of(first) != _Logged.of(second):
         raise BadArgument(
             "second",
             "must log the same as `first`, including electrical work, link forces and signals",
@@ -171,11 +204,26 @@ def _check_belong(first: Trial, second: Trial) -> None:
             )
 
 
-def _logged(trial: Trial) -> tuple[bool, set[str], set[str]]:
-    return trial.electrical_work is not None, set(trial.link_force or {}), set(trial.signals)
+class _Logged(NamedTuple):
+    """What a trial logs beside what every trial logs."""
+
+    has_electrical_work: bool
+    link_forces: set[str]
+    signals: set[str]
+
+    @classmethod
+    def of(cls, trial: Trial) -> "_Logged":
+        return cls(
+            has_electrical_work=trial.electrical_work is not None,
+            link_forces=set(trial.link_force or {}),
+            signals=set(trial.signals),
+        )
 
 
 def _counted_on(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Append `second`, shifted only if it starts elsewhere: a shift by rounding error would change its last bits."""
     shift = first[-1] - second[0]
-    return np.concatenate((first, second[1:] + shift if np.any(shift) else second[1:]))
+    continuation = second[1:]
+    if np.any(shift):
+        continuation = continuation + shift
+    return np.concatenate((first, continuation))

@@ -50,13 +50,12 @@ class Figure:
         if trial is None:
             return self
         with np.errstate(all="ignore"):
-            found = float(self._of(trial))
-        if not np.isfinite(found):
-            raise BadArgument(
-                self.name, f"must be a finite number, but this run's samples give {found}"
-            )
-        vars(trial)[self.name] = found  # from now on, access finds it there
-        return found
+            value = float(self._of(trial))
+        if not np.isfinite(value):
+            rule = "must be a finite number"
+            raise BadArgument(self.name, f"{rule}, but this run's samples give {value}")
+        vars(trial)[self.name] = value  # from now on, access finds it there
+        return value
 
 
 class Trial(contents.Contents):
@@ -161,7 +160,9 @@ class Trial(contents.Contents):
     @property
     def mean_power_kind(self) -> Literal["mechanical", "electrical"]:
         """Kind of power that `mean_power` is."""
-        return "mechanical" if self.electrical_work is None else "electrical"
+        if self.electrical_work is None:
+            return "mechanical"
+        return "electrical"
 
     @property
     def speed_through_water(self) -> float:
@@ -281,19 +282,17 @@ class Trial(contents.Contents):
         Raises:
             ValueError: If the series do not form a valid trial.
         """
-        found = {name: values for name, values in series.items() if values is not None}
-        if "work" not in found and "joint_torque" in found and "joint_rate" in found:
-            found["work"] = metrics.joint_work(
-                found["time"], found["joint_torque"], found["joint_rate"]
+        arrays = {name: values for name, values in series.items() if values is not None}
+        if "work" not in arrays and "joint_torque" in arrays and "joint_rate" in arrays:
+            arrays["work"] = metrics.joint_work(
+                arrays["time"], arrays["joint_torque"], arrays["joint_rate"]
             )
-        shapes = contents.shapes_of(more["scenario"].robot, *np.shape(found["center_of_mass"]))
-        missing = tuple(name for name in contents.NOT_NEEDED if name not in found)
-        return cls(
-            **found,
-            **{name: np.zeros(shapes[name]) for name in missing},
-            not_measured=missing,
-            **more,
-        )
+        n_samples, n_axes = np.shape(arrays["center_of_mass"])
+        shapes = contents.shapes_of(more["scenario"].robot, n_samples, n_axes)
+        missing = tuple(name for name in contents.NOT_NEEDED if name not in arrays)
+        for name in missing:
+            arrays[name] = np.zeros(shapes[name])
+        return cls(**arrays, not_measured=missing, **more)
 
     @classmethod
     def from_dataset(cls, dataset: "xarray.Dataset") -> Self:
@@ -311,22 +310,21 @@ class Trial(contents.Contents):
     def __repr__(self) -> str:
         """Return one line: who swam what for how long, and how it ended."""
         gait = "no gait" if self.gait is None else self.gait.kind
-        span = f"{self.time[-1] - self.time[0]:g} s in {self.time.size} samples"
-        speed = (
-            f", {self.forward_velocity:.3g} m/s" if self.succeeded and self.time.size > 1 else ""
-        )
-        return f"<Trial of {self.robot.name}: {gait}, {span}{speed}; {self.status}>"
+        log = f"{self.time[-1] - self.time[0]:g} s in {self.time.size} samples"
+        if self.succeeded and self.time.size > 1:
+            log += f", {self.forward_velocity:.3g} m/s"
+        return f"<Trial of {self.robot.name}: {gait}, {log}; {self.status}>"
 
     def _repr_html_(self) -> str:
-        known = {
-            getattr(Trial, name): one for name, one in self.figures()[0].items() if one is not None
-        }
-        rows = {
-            f.title: describe_field(one, Quantity(unit=f.unit, text="")) or "0"
-            for f, one in known.items()
-        }
+        values, _ = self.figures()
+        rows: dict[str, str] = {}
+        for figure in FIGURES:
+            value = values[figure.name]
+            if value is not None:
+                quantity = Quantity(unit=figure.unit, text="")
+                rows[figure.title] = describe_field(value, quantity) or "0"
         return html_table(repr(self)[1:-1], rows)
 
 
-FIGURES = tuple(one for one in vars(Trial).values() if isinstance(one, Figure))
+FIGURES = tuple(value for value in vars(Trial).values() if isinstance(value, Figure))
 """All figures of a trial, in the order of a table."""

@@ -15,8 +15,7 @@ from typing import Any, cast
 
 import laticauda as lc
 from laticauda.robot import Robot
-from laticauda.scenarios import Scenario
-from laticauda.scenarios.toml import run_from_table
+from laticauda.scenarios import Scenario, run_from_table
 from laticauda.values import codec
 from laticauda.values.checks import check_choice
 from laticauda.values.files import parse_toml

@@ -92,11 +92,11 @@ def figure_intervals(
         _RunsAtEnds(lower=figures_with(name, lowest), upper=figures_with(name, highest))
         for name, (lowest, highest) in intervals.items()
     ]
-    return {
-        name: _interval_around(value, name, runs)
-        for name, value in figures(trial).items()
-        if all(run.have(name) for run in runs)
-    }
+    bounds: dict[str, Interval] = {}
+    for name, value in figures(trial).items():
+        if all(run.have(name) for run in runs):
+            bounds[name] = _interval_around(value, name, runs)
+    return bounds
 
 
 def _interval_around(value: float, name: str, runs: Iterable[_RunsAtEnds]) -> Interval:

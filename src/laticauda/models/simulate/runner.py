@@ -314,10 +314,11 @@ class _Swimmer:
         before it.
         """
         n_samples = [*self.n_samples[:-1], self.n_samples[-1] + 1]
-        return {
-            name: np.repeat([signals[name] for signals in self.signals], n_samples)
-            for name in self.signals[0]
-        }
+        series: dict[str, np.ndarray] = {}
+        for name in self.signals[0]:
+            values = [signals[name] for signals in self.signals]
+            series[name] = np.repeat(values, n_samples)
+        return series
 
 
 def _delay(plant: Plant[Any], controller: Controller[Any], start: Start | Resumed | None) -> float:
@@ -425,13 +426,15 @@ def _legs(swimmers: Sequence[_Swimmer], now: float, span: _Span) -> list[_Leg]:
     if not changes:
         return [_Leg(0.0, span.length, sample_interval, ends_at_sample=True)]
     samples = [i * sample_interval for i in range(span.n_samples + 1)]
-    between_samples = {
-        change for change in changes if min(abs(change - sample) for sample in samples) > CLOSE
-    }
+    between_samples = {change for change in changes if not _is_close_to_one(change, samples)}
     return [
         _Leg(begin, end, sample_interval=end - begin, ends_at_sample=end in samples)
         for begin, end in pairwise(sorted([*samples, *between_samples]))
     ]
+
+
+def _is_close_to_one(time: float, times: Sequence[float]) -> bool:
+    return min(abs(time - candidate) for candidate in times) <= CLOSE
 
 
 def _changes_of_command(swimmers: Sequence[_Swimmer], now: float, length: float) -> list[float]:

@@ -144,9 +144,7 @@ def compute_sensitivities(
     runs = batch_scenarios.runs_of(scenarios)
     parameters_of_each = [_parameters_of(names, scenario) for scenario in scenarios]
     parameters = parameters_of_each[0]
-    point = [
-        [value_of(parameter.name, scenario) for parameter in parameters] for scenario in scenarios
-    ]
+    point = [_values_of(parameters, scenario) for scenario in scenarios]
     pairs_of_run: list[batch.Run] = []
     numbers: list[Number] = []
     for run, scenario, values in zip(runs, scenarios, point, strict=True):
@@ -187,6 +185,10 @@ def _parameters_of(names: Sequence[str], scenario: Scenario) -> tuple[Parameter,
             rule = "must be of numbers that can vary slightly"
             raise BadArgument("names", f"{rule}, got `{parameter.name}`, a count")
     return parameters
+
+
+def _values_of(parameters: Sequence[Parameter], scenario: Scenario) -> list[float]:
+    return [value_of(parameter.name, scenario) for parameter in parameters]
 
 
 def _number_of(scenario: Scenario, parameter: Parameter, value: float) -> Number:
