@@ -67,9 +67,8 @@ def build_scenario(
         motion: The gait, or the controller.
         duration: Duration of the run [s].
         changes: Other deviations from the defaults: `environment`, `current`, `model`, `start`,
-            `sample_interval` [s],
-            or settings of the model: `joints`, `dt` [s] and the other fields of
-                `laticauda.scenarios.ModelChanges`.
+            `sample_interval` [s], or settings of the model: `joints`, `dt` [s] and the other
+            fields of `laticauda.scenarios.ModelChanges`.
 
     Raises:
         ValueError: If an argument is out of its range, or arguments are incompatible.

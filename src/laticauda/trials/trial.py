@@ -234,10 +234,8 @@ class Trial(contents.Contents):
 
         Returns:
             In this order: `status`, `succeeded`, `robot`, `gait` and `environment` by name,
-                `mean_power_kind`, every
-            figure of `FIGURES` in SI units, None where it has no meaning for this run, and
-                `not_available`: the reason
-            for each None.
+            `mean_power_kind`, every figure of `FIGURES` in SI units, None where it has no meaning
+            for this run, and `not_available`: the reason for each None.
         """
         values, reasons = self.figures()
         return {
