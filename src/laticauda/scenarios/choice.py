@@ -4,12 +4,12 @@ from collections.abc import Callable
 from typing import Any, Literal, NamedTuple
 
 from laticauda import robot as robots
-from laticauda.values.errors import BadArgument
 from laticauda.motion.gaits import Gait
-from laticauda.values.quantities import option, quantity, value_class
 from laticauda.scenarios.building import model_of
 from laticauda.scenarios.scenario import Model
 from laticauda.scenarios.waters import water_for
+from laticauda.values.errors import BadArgument
+from laticauda.values.quantities import option, quantity, value_class
 
 ORIGIN_BY_GAIT = {
     "eel_like": "the paper's for eel-like motion",

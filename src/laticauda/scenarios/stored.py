@@ -12,11 +12,11 @@ from typing import Any, cast
 
 from laticauda import robot
 from laticauda.motion import gaits
+from laticauda.scenarios.interfaces import Controller
+from laticauda.scenarios.scenario import Experiment, Scenario
 from laticauda.values import codec, extensions, files, quantities
 from laticauda.values.errors import RobotFileError
 from laticauda.water.fluid.gridded import Grid
-from laticauda.scenarios.interfaces import Controller
-from laticauda.scenarios.scenario import Experiment, Scenario
 
 KINDS: dict[str, type[Scenario] | type[Experiment]] = {
     "scenario": Scenario,

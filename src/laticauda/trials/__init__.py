@@ -1,4 +1,19 @@
-"""The `Trial`, the time-stamped log of one run: its figures, its Dataset, comparisons, and what was measured."""
+"""The `Trial`, the time-stamped log of one run: its figures, its Dataset, comparisons, and what was measured.
+
+contents.py     what a trial holds, validated
+arrays.py       checks of its arrays and texts
+trial.py        `Trial`: the contents, with figures, pictures and files
+metrics.py      formulas of the figures
+cycles.py       whole gait cycles of a log, and means over them
+feasibility/    whether the robot can do what the run demands
+following.py    figures of path following
+dataset.py      conversion to a Dataset and back, and file formats
+several.py      trials compared, or joined into one
+markers.py      markers on the body, beside those seen by cameras
+measured.py     published trials, and tables of speeds
+null_models.py  speeds predicted without physics
+logs/           files of trials and of other programs
+"""
 
 from typing import TYPE_CHECKING
 
