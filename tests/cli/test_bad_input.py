@@ -154,7 +154,7 @@ def test_bad_input_is_refused_with_a_message(run, with_files, line):
 
 @pytest.mark.parametrize("option", ["--save run.nc", "--plot run.png"])
 def test_a_folder_without_permission_is_refused_before_the_run(run, monkeypatch, option):
-    monkeypatch.setattr("laticauda.cli.command.os.access", lambda path, mode: False)
+    monkeypatch.setattr("laticauda.cli.output_files.os.access", lambda path, mode: False)
     monkeypatch.setattr(
         "laticauda.models.simulate.swim", lambda *args, **settings: pytest.fail("it swam")
     )

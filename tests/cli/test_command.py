@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from laticauda import cli
-from laticauda.cli import command
+from laticauda.cli import command, progress
 from laticauda.cli.command import Command, Outcome, until_stopped
 from laticauda.cli.flags import Picture, Stored
 from laticauda.values.errors import BadArgument
@@ -124,7 +124,7 @@ def screen(monkeypatch: pytest.MonkeyPatch, kind: type[io.StringIO]) -> io.Strin
 
 def clock(monkeypatch: pytest.MonkeyPatch, step: float) -> None:
     times = iter(i * step for i in range(1000))
-    monkeypatch.setattr(command.time, "monotonic", lambda: next(times))
+    monkeypatch.setattr(progress.time, "monotonic", lambda: next(times))
 
 
 def test_a_long_run_shows_a_bar_on_a_terminal(monkeypatch):

@@ -16,7 +16,12 @@ from typing import Any
 
 __all__ = ["main"]
 
-COMPILERS = (f"{os.sep}llvmlite{os.sep}", f"{os.sep}numba{os.sep}")
+NOT_INTERRUPTED = (
+    "<frozen importlib",
+    f"{os.sep}llvmlite{os.sep}",
+    f"{os.sep}numba{os.sep}",
+)
+"""Parts of the file names of code that cannot be interrupted halfway: imports and the compiler."""
 
 
 def main(args: Sequence[str] | None = None) -> int:
@@ -29,29 +34,33 @@ def main(args: Sequence[str] | None = None) -> int:
     Returns:
         The exit status.
     """
-    usual, printing, before = signal.default_int_handler, sys.excepthook, sys.unraisablehook
-    is_ours = (
-        signal.getsignal(signal.SIGINT) is usual
-        and threading.current_thread() is threading.main_thread()
-    )
+    usual_handler = signal.default_int_handler
+    excepthook, unraisablehook = sys.excepthook, sys.unraisablehook
+    is_main_thread = threading.current_thread() is threading.main_thread()
+    is_ours = is_main_thread and signal.getsignal(signal.SIGINT) is usual_handler
+
+    def exit_or_print(kind: Any, error: Any, traceback: Any) -> None:
+        if kind is KeyboardInterrupt:
+            os._exit(_report_stop())
+        excepthook(kind, error, traceback)
+
     if is_ours:
         signal.signal(signal.SIGINT, _stop)
-        sys.excepthook = lambda kind, e, at: (
-            os._exit(_say()) if kind is KeyboardInterrupt else printing(kind, e, at)
-        )
-        sys.unraisablehook = lambda lost: _lose(lost, before)
+        sys.excepthook = exit_or_print
+        sys.unraisablehook = lambda event: _suppress_or_report(event, unraisablehook)
     try:
         from laticauda.cli import app
 
         return app.main(args)
     except KeyboardInterrupt:
-        return _say()
+        return _report_stop()
     finally:
         if is_ours:
             if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:
                 gc.collect()  # while errors of half-built objects are still suppressed
-            signal.signal(signal.SIGINT, signal.SIG_DFL if args is None else usual)
-            sys.excepthook, sys.unraisablehook = printing, before
+            signal.signal(signal.SIGINT, signal.SIG_DFL if args is None else usual_handler)
+            sys.excepthook = excepthook
+            sys.unraisablehook = unraisablehook
 
 
 def _stop(number: int, frame: FrameType | None) -> None:
@@ -61,20 +70,20 @@ def _stop(number: int, frame: FrameType | None) -> None:
     """
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     while frame is not None:
-        if any(one in frame.f_code.co_filename for one in ("<frozen importlib", *COMPILERS)):
-            os._exit(_say())
+        if any(part in frame.f_code.co_filename for part in NOT_INTERRUPTED):
+            os._exit(_report_stop())
         frame = frame.f_back
     raise KeyboardInterrupt
 
 
-def _lose(lost: Any, before: Callable[[Any], Any]) -> None:
+def _suppress_or_report(event: Any, report: Callable[[Any], Any]) -> None:
     """Exit on an interrupt that cannot be propagated; suppress errors of the objects that it left half-built."""
-    if lost.exc_type is KeyboardInterrupt:
-        os._exit(_say())
+    if event.exc_type is KeyboardInterrupt:
+        os._exit(_report_stop())
     if signal.getsignal(signal.SIGINT) is not signal.SIG_DFL:
-        before(lost)
+        report(event)
 
 
-def _say() -> int:
+def _report_stop() -> int:
     print("laticauda: stopped.", file=sys.stderr, flush=True)
     return 130

@@ -44,25 +44,25 @@ def main(args: Sequence[str] | None = None) -> int:
     Returns:
         The exit status.
     """
-    words = sys.argv[1:] if args is None else list(args)
+    typed = sys.argv[1:]
+    if args is not None:
+        typed = list(args)
     for stream in (sys.stdout, sys.stderr):
-        if isinstance(
-            stream, TextIOWrapper
-        ):  # file names need not be UTF-8, and messages contain them
+        # File names need not be UTF-8, and messages contain them.
+        if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     command: Command | None = None
     try:
-        if words == ["--version"]:
-            from laticauda.values.packaging import __version__
-
-            print(f"{PROGRAM} {__version__}")
-            return 0
-        command = _read(words)
+        if typed == ["--version"]:
+            return _print_version()
+        command = _read_command(typed)
         status = command()
         sys.stdout.flush()  # a closed pipe is noticed here, not after the end
         return status
     except SystemExit as end:  # tyro has printed its help or an error
-        return end.code if isinstance(end.code, int) else 2
+        if isinstance(end.code, int):
+            return end.code
+        return 2
     except KeyboardInterrupt as stop:
         return _complain(str(stop) or "stopped.", 130)
     except BrokenPipeError:
@@ -71,10 +71,10 @@ def main(args: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
     except BadArgument as error:
-        return _complain(
-            f"{spell_field(error.name, command)} {error.rule}{'' if error.rule.endswith('?') else '.'}",
-            2,
-        )
+        sentence = f"{spell_field(error.name, command)} {error.rule}"
+        if not error.rule.endswith("?"):
+            sentence += "."
+        return _complain(sentence, 2)
     except SimulationFailed as error:
         return _complain(str(error), 1)
     except (BadFlag, LaticaudaError, ValueError) as error:
@@ -87,32 +87,48 @@ def main(args: Sequence[str] | None = None) -> int:
         return _complain("there is not enough memory; try a shorter run, or fewer samples.", 2)
 
 
-def _read(words: list[str]) -> Command:
-    """Return the command that the words name, with its options; end the program if they name none."""
-    for length in (2, 1):
-        place = COMMANDS.get(" ".join(words[:length]))
-        if len(words) >= length and place is not None:
-            module, name = place[0].split(":")
-            command: type[Command] = getattr(import_module(f".{module}", "laticauda.cli"), name)
-            prog = " ".join([PROGRAM, *words[:length]])
-            return command.read(words[length:], prog)
-    if words and words[0] in GROUPS:
-        return _choose(f"{PROGRAM} {words[0]}", GROUPS[words[0]], _commands(words[0]), words[1:])
-    if words and not words[0].startswith("-"):
-        raise BadFlag(
-            f"there is no command `{words[0]}`{suggest_nearest(words[0], [*COMMANDS, *GROUPS]) or LISTED}"
-        )
-    return _choose(PROGRAM, DESCRIPTION, _commands("") | GROUPS, words)
+def _print_version() -> int:
+    from laticauda.values.packaging import __version__
+
+    print(f"{PROGRAM} {__version__}")
+    return 0
 
 
-def _commands(group: str) -> dict[str, str]:
+def _read_command(typed: list[str]) -> Command:
+    """Return the command that was typed, with its options; end the program if there is none."""
+    for length in (2, 1):  # words of its name
+        name = " ".join(typed[:length])
+        if name in COMMANDS and len(typed) >= length:
+            command_class = _import_command(name)
+            return command_class.read(typed[length:], f"{PROGRAM} {name}")
+    if not typed or typed[0].startswith("-"):
+        return _choose(PROGRAM, DESCRIPTION, _commands_of_group("") | GROUPS, typed)
+    first = typed[0]
+    if first in GROUPS:
+        prog = f"{PROGRAM} {first}"
+        return _choose(prog, GROUPS[first], _commands_of_group(first), typed[1:])
+    hint = suggest_nearest(first, [*COMMANDS, *GROUPS]) or LISTED
+    raise BadFlag(f"there is no command `{first}`{hint}")
+
+
+def _import_command(name: str) -> type[Command]:
+    location, _ = COMMANDS[name]
+    module, class_name = location.split(":")
+    return getattr(import_module(f".{module}", "laticauda.cli"), class_name)
+
+
+def _commands_of_group(group: str) -> dict[str, str]:
     """Return the last word of each command in a group, with the description of the command."""
-    listed = ((*name.rpartition(" "), text) for name, (_, text) in COMMANDS.items())
-    return {word: text for of, _, word, text in listed if of == group}
+    descriptions: dict[str, str] = {}
+    for name, (_, description) in COMMANDS.items():
+        own_group, _, last_word = name.rpartition(" ")
+        if own_group == group:
+            descriptions[last_word] = description
+    return descriptions
 
 
-def _choose(prog: str, description: str, choices: dict[str, str], words: list[str]) -> Command:
-    """Print the list of commands, or report what is wrong with the words, which name no command."""
+def _choose(prog: str, description: str, choices: dict[str, str], typed: list[str]) -> Command:
+    """Print the list of commands, or report what is wrong with the arguments, which name no command."""
     subcommands: list[Any] = [
         Annotated[Any, tyro.conf.subcommand(name, description=text, constructor=_NoCommand)]
         for name, text in choices.items()
@@ -124,7 +140,7 @@ def _choose(prog: str, description: str, choices: dict[str, str], words: list[st
         "Chosen", [("command", any_of_them)], namespace={"__module__": "builtins"}
     )
     quiet = (tyro.conf.HelptextFromCommentsOff,)
-    tyro.cli(chosen, prog=prog, description=wrap_text(description), args=words, config=quiet)
+    tyro.cli(chosen, prog=prog, description=wrap_text(description), args=typed, config=quiet)
     raise SystemExit(2)  # pragma: no cover - tyro has ended the program
 
 
@@ -136,7 +152,9 @@ class _NoCommand:
 def _reason(error: OSError) -> str:
     """Return what the system refused, and for which file."""
     text = (error.strerror or str(error)).lower()
-    return f"{text}." if error.filename is None else f"{error.filename}: {text}."
+    if error.filename is None:
+        return f"{text}."
+    return f"{error.filename}: {text}."
 
 
 def _complain(message: str, status: int) -> int:

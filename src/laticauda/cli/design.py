@@ -1,11 +1,11 @@
 """`laticauda design-experiment`: the most informative next trials."""
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -30,7 +30,7 @@ from laticauda.identify.measurements import Measurement, Tow
 from laticauda.identify.problem import Problem, make_problem
 from laticauda.identify.unknowns import Unknown
 from laticauda.motion import gaits
-from laticauda.robot import TEXTBOOK, load_robot, water_names
+from laticauda.robot import TEXTBOOK, Environment, load_robot, water_names
 from laticauda.show import figures
 from laticauda.values import packaging
 from laticauda.values.checks import check_not_empty
@@ -111,6 +111,20 @@ class Candidates(Options):
         ):
             check_not_empty(name, getattr(self, name), "value")
 
+    def combine_gaits(self) -> Iterator[gaits.Gait]:
+        """Yield the gait of every combination of parameters."""
+        kinds = (self.gait,)
+        if self.gait == "both":
+            kinds = ("lateral-undulation", "eel-like")
+        combinations = product(self.amplitudes, self.frequencies, self.phase_shifts, kinds)
+        for amplitude, frequency, phase_shift, kind in combinations:
+            yield gaits.Gait(
+                envelope=gaits.Envelope.named(kind)(),
+                amplitude=amplitude,
+                frequency=frequency,
+                phase_shift=phase_shift,
+            )
+
 
 @value_class
 class DesignExperiment(Command):
@@ -151,18 +165,21 @@ class DesignExperiment(Command):
         if self.tank_day:
             return self._tank_day(Path(self.tank_day))
         show = show_progress(SHARE, what="judged", patience=PATIENCE)
+        n_trials = self.unknowns.trials
         if self.unknowns.rivals:
-            found = discriminate(self._rivals(), self.unknowns.trials, progress=show)
-            return _rivals_said(found)
-        problem, known = self._problem()
-        candidates = self._candidates(problem)
-        criterion = self.unknowns.criterion
-        found = design_experiment(
-            problem, candidates, self.unknowns.trials, **known, criterion=criterion, progress=show
+            return _report_rivals(discriminate(self._rivals(), n_trials, progress=show))
+        task = self._task()
+        design = design_experiment(
+            task.problem,
+            self._candidates(task.problem),
+            n_trials,
+            **task.known,
+            criterion=self.unknowns.criterion,
+            progress=show,
         )
         if self.output is not None:
-            _draw(found, self.output)
-        return _design_said(found)
+            _draw(design, self.output)
+        return _report_design(design)
 
     def _tank_day(self, folder: Path) -> Outcome:
         """Begin a tank day, or evaluate its measurements."""
@@ -174,46 +191,48 @@ class DesignExperiment(Command):
             return Outcome(facts={"output": str(folder), "files": new}, text=text)
         day = tank_day.load_day(folder)
         show = show_progress(SHARE, what="fitted", patience=PATIENCE)
-        found = tank_day.evaluate(day, threads=self.candidates.threads, progress=show)
-        files = tank_day.write_result(folder, day, found)
-        said = tank_day.tabulate_evaluation(found) | {
-            "output": str(folder / "result"),
-            "files": files,
-        }
-        return Outcome(
-            facts=said,
-            text=f"{tank_day.format_evaluation(found)}\n\n{folder / 'result'}: {', '.join(files)}",
-        )
+        evaluation = tank_day.evaluate(day, threads=self.candidates.threads, progress=show)
+        files = tank_day.write_result(folder, day, evaluation)
+        facts = tank_day.tabulate_evaluation(evaluation)
+        facts |= {"output": str(folder / "result"), "files": files}
+        listed = f"{folder / 'result'}: {', '.join(files)}"
+        text = f"{tank_day.format_evaluation(evaluation)}\n\n{listed}"
+        return Outcome(facts=facts, text=text)
 
     def _rivals(self) -> dict[str, tuple[Problem, list[Measurement]]]:
         """Return problem and candidates of every rival, by the name of its water or parameter file."""
-        found: dict[str, tuple[Problem, list[Measurement]]] = {}
+        waters = (*water_names(), TEXTBOOK)
+        rivals: dict[str, tuple[Problem, list[Measurement]]] = {}
         for name in self.unknowns.rivals:
-            of = "water" if name in (*water_names(), TEXTBOOK) else "base"
-            one = replace(self, **{of: name})
-            problem, _ = one._problem()
-            found[name] = problem, one._candidates(problem)
-        return found
+            field_name = "water" if name in waters else "base"
+            rival = replace(self, **{field_name: name})
+            problem = rival._task().problem
+            rivals[name] = (problem, rival._candidates(problem))
+        return rivals
 
-    def _problem(self) -> tuple[Problem, dict[str, Any]]:
+    def _task(self) -> "_Task":
         """Return the unknowns, and what is known about them."""
         if self.unknowns.after is not None:
-            if self.unknowns.parameters:
-                raise BadArgument(
-                    "parameters", "must not be given with --after, whose file defines them"
-                )
-            fit = tasks.load_task(self.unknowns.after).run(threads=self.candidates.threads)
-            keep = fit.problem.of_interest
-            known = {"values": fit.best[keep], "information": marginal(known_from(fit), keep)}
-            return fit.problem.without_starts, known
+            return self._task_after(self.unknowns.after)
         swims = self._swims()
         problem = make_problem(
             swims,
-            [_unknown(word) for word in self.unknowns.parameters],
+            [_parse_unknown(text) for text in self.unknowns.parameters],
             joints=self._names.resolved(swims[0].scenario.gait).model.joints,
             threads=self.candidates.threads,
         )
-        return problem.without_starts, {}
+        return _Task(problem.without_starts, known={})
+
+    def _task_after(self, file: str) -> "_Task":
+        """Repeat an identification, and return what it left to be known."""
+        if self.unknowns.parameters:
+            rule = "must not be given with --after, whose file defines them"
+            raise BadArgument("parameters", rule)
+        fit = tasks.load_task(file).run(threads=self.candidates.threads)
+        of_interest = fit.problem.of_interest
+        information = marginal(known_from(fit), of_interest)
+        known = {"values": fit.best[of_interest], "information": information}
+        return _Task(fit.problem.without_starts, known)
 
     @property
     def _names(self) -> scenarios.Choice:
@@ -223,152 +242,189 @@ class DesignExperiment(Command):
 
     def _swims(self, fitted: Sequence[scenarios.Scenario] = ()) -> list[Measurement]:
         """Return a candidate per gait and robot; robots and waters are those of a fit, or what the names stand for."""
-        flags = self.candidates
-        kinds = ("lateral-undulation", "eel-like") if flags.gait == "both" else (flags.gait,)
-        robots = {one.robot.name: one.robot for one in fitted if self.robot is None}
-        found: list[Measurement] = []
-        for a, f, p, kind in product(
-            flags.amplitudes, flags.frequencies, flags.phase_shifts, kinds
-        ):
-            gait = gaits.Gait(
-                envelope=gaits.Envelope.named(kind)(), amplitude=a, frequency=f, phase_shift=p
-            )
-            waters = [
-                one.environment
-                for one in fitted
-                if one.gait.kind == gait.kind and self.base is None
-            ]
+        robots = {scenario.robot.name: scenario.robot for scenario in fitted if self.robot is None}
+        swims: list[Measurement] = []
+        for gait in self.candidates.combine_gaits():
+            water = self._fitted_water(gait, fitted)
             for robot in robots.values() or (load_robot(self._names.robot),):
-                chosen = self._names.resolved(gait, lambda name, n_links, robot=robot: robot)
-                where = waters[0] if waters else chosen.environment
-                found += swim_candidates(
-                    chosen.robot, [gait], where, _sensors(flags.sensors), duration=flags.duration
+                choice = self._names.resolved(gait, lambda name, n_links, robot=robot: robot)
+                swims += swim_candidates(
+                    choice.robot,
+                    [gait],
+                    water or choice.environment,
+                    _parse_sensors(self.candidates.sensors),
+                    duration=self.candidates.duration,
                 )
-        return found
+        return swims
 
-    def _candidates(self, put: Problem) -> list[Measurement]:
-        flags, swum = self.candidates, self._swims(put.scenarios)
-        found = [] if flags.no_swims else swum
-        for one in {one.scenario.robot.name: one.scenario for one in reversed(swum)}.values():
-            where = one.robot, one.environment
-            if not flags.no_tow:
-                tows = product(flags.tow, flags.tow_angles)
-                found = [
-                    *found,
-                    *(from_tow(*where, Tow(speed=v, angle=angle)) for v, angle in tows),
-                ]
-                found += [coast_down(*where, v) for v in flags.coast_down]
-        return found
+    def _fitted_water(
+        self, gait: gaits.Gait, fitted: Sequence[scenarios.Scenario]
+    ) -> Environment | None:
+        """Return the water of the first fitted trial with this kind of gait."""
+        if self.base is not None:
+            return None
+        for scenario in fitted:
+            if scenario.gait.kind == gait.kind:
+                return scenario.environment
+        return None
+
+    def _candidates(self, problem: Problem) -> list[Measurement]:
+        swims = self._swims(problem.scenarios)
+        candidates: list[Measurement] = []
+        if not self.candidates.no_swims:
+            candidates += swims
+        if self.candidates.no_tow:
+            return candidates
+        by_robot = {swim.scenario.robot.name: swim.scenario for swim in reversed(swims)}
+        for scenario in by_robot.values():
+            candidates += self._straight_trials(scenario)
+        return candidates
+
+    def _straight_trials(self, scenario: scenarios.Scenario) -> list[Measurement]:
+        """Return the tows and coast-downs of the robot of a scenario."""
+        robot, water = scenario.robot, scenario.environment
+        trials: list[Measurement] = []
+        for speed, angle in product(self.candidates.tow, self.candidates.tow_angles):
+            trials.append(from_tow(robot, water, Tow(speed=speed, angle=angle)))
+        for speed in self.candidates.coast_down:
+            trials.append(coast_down(robot, water, speed))
+        return trials
 
 
-def _unknown(word: str) -> Unknown:
-    if "=" not in word:
-        return Unknown(name=word)
-    name, sign, (mean, *sd) = parse_numbers("parameters", word, FORM, "+-")
-    return Unknown(name=name, start=mean, prior=(mean, sd[0]) if sign else None)
+class _Task(NamedTuple):
+    """What is to be identified."""
+
+    problem: Problem
+    known: dict[str, Any]
+    """What is known about the unknowns, as arguments of `design_experiment`."""
 
 
-def _sensors(words: tuple[str, ...]) -> dict[str, float]:
-    found: dict[str, float] = {}
-    for word in words:
-        usual = SENSORS.get(word, ("", 0.0))[1]
-        name, _, (sigma,) = (
-            parse_numbers("sensors", word, SENSOR_FORM) if "=" in word else (word, "", [usual])
-        )
+def _parse_unknown(text: str) -> Unknown:
+    if "=" not in text:
+        return Unknown(name=text)
+    name, sign, (mean, *deviations) = parse_numbers("parameters", text, FORM, "+-")
+    prior = None
+    if sign:
+        prior = (mean, deviations[0])
+    return Unknown(name=name, start=mean, prior=prior)
+
+
+def _parse_sensors(typed: tuple[str, ...]) -> dict[str, float]:
+    """Return the standard deviations of the noise, by sensor."""
+    sigmas: dict[str, float] = {}
+    for text in typed:
+        name = text
+        _, sigma = SENSORS.get(name, ("", 0.0))
+        if "=" in text:
+            name, _, (sigma,) = parse_numbers("sensors", text, SENSOR_FORM)
         if name not in SENSORS or not sigma > 0.0:
-            raise BadArgument("sensors", f"must be {SENSOR_FORM}, got {word!r}")
-        found[name] = sigma
-    return found
+            raise BadArgument("sensors", f"must be {SENSOR_FORM}, got {text!r}")
+        sigmas[name] = sigma
+    return sigmas
 
 
-def _by_name(names: Sequence[str], found: np.ndarray) -> dict[str, float]:
-    return dict(zip(names, found.tolist(), strict=True))
+def _by_name(names: Sequence[str], numbers: np.ndarray) -> dict[str, float]:
+    return dict(zip(names, numbers.tolist(), strict=True))
 
 
-def _listed(key: str, names: Sequence[str], judged: Iterable[Judged]) -> list[dict[str, Any]]:
-    return [
-        {"trial": one.name, "kind": one.group, key: _by_name(names, found)} for one, found in judged
-    ]
+def _facts_of_trials(
+    key: str, names: Sequence[str], judged: Iterable[Judged]
+) -> list[dict[str, Any]]:
+    """Return name, kind and numbers of every trial; the numbers stand under `key`, by their names."""
+    facts: list[dict[str, Any]] = []
+    for trial, numbers in judged:
+        facts.append({"trial": trial.name, "kind": trial.group, key: _by_name(names, numbers)})
+    return facts
 
 
-def _tables(
-    labels: Sequence[str],
-    steps: Iterable[tuple[str, Any]],
-    alone: Iterable[Judged],
-    shown: Callable[[float], str],
-) -> list[str]:
-    """Return tables of some numbers after successive trials, and after the best trial of each kind alone."""
-    kinds: dict[str, tuple[str, Any]] = {}
-    for one, found in alone:
-        kinds.setdefault(one.group, (f"best {one.group}: {one.name}", found))
-    right = range(1, len(labels) + 1)
-    return [
-        aligned(
-            [[head, *labels], *([name, *map(shown, found)] for name, found in rows)], right=right
-        )
-        for head, rows in (("after", steps), ("by itself", kinds.values()))
-    ]
+class _Row(NamedTuple):
+    """Numbers after some trials."""
+
+    title: str
+    numbers: Any
 
 
-def _design_said(found: Design) -> Outcome:
+def _table_of(
+    head: str, labels: Sequence[str], rows: Iterable[_Row], show: Callable[[float], str]
+) -> str:
+    """Return a table of some numbers after trials."""
+    lines = [[head, *labels]]
+    for row in rows:
+        lines.append([row.title, *map(show, row.numbers)])
+    return aligned(lines, right=range(1, len(labels) + 1))
+
+
+def _best_of_each_kind(alone: Iterable[Judged]) -> list[_Row]:
+    """Return a row for the best trial of each kind; `alone` begins with the best."""
+    rows: dict[str, _Row] = {}
+    for trial, numbers in alone:
+        rows.setdefault(trial.group, _Row(f"best {trial.group}: {trial.name}", numbers))
+    return list(rows.values())
+
+
+def _report_design(design: Design) -> Outcome:
     """Report the trials in order, the expected standard deviations after each, and what each contributes."""
     facts = {
-        "criterion": found.criterion,
-        "values": _by_name(found.names, found.values),
-        "relative_sigma_before": _by_name(found.names, found.before),
-        "trials": _listed("relative_sigma", found.names, found.steps),
-        "candidates": _listed("relative_sigma", found.names, found.alone),
+        "criterion": design.criterion,
+        "values": _by_name(design.names, design.values),
+        "relative_sigma_before": _by_name(design.names, design.before),
+        "trials": _facts_of_trials("relative_sigma", design.names, design.steps),
+        "candidates": _facts_of_trials("relative_sigma", design.names, design.alone),
         "version": packaging.__version__,
     }
     labels = [
-        name if one.is_log else f"{name} *"
-        for name, one in zip(found.names, found.unknowns, strict=True)
+        name if unknown.is_log else f"{name} *"
+        for name, unknown in zip(design.names, design.unknowns, strict=True)
     ]
-    rows = [("what is known now", found.before), *_numbered(found.steps)]
+    rows = [_Row("what is known now", design.before), *_numbered(design.steps)]
     title = (
-        f"The best {len(found.steps)} of {len(found.alone)} candidates, criterion {found.criterion}. Expected "
+        f"The best {len(design.steps)} of {len(design.alone)} candidates, criterion {design.criterion}. Expected "
         "standard deviations (relative to the value; *: in its unit)."
     )
-    after, by_itself = _tables(labels, rows, found.alone, format_share)
-    reasons = "\n".join(found.reasons).replace("`", "")
+    after = _table_of("after", labels, rows, format_share)
+    by_itself = _table_of("by itself", labels, _best_of_each_kind(design.alone), format_share)
+    reasons = "\n".join(design.reasons).replace("`", "")
     return Outcome(facts=facts, text="\n\n".join([title, after, reasons, by_itself]))
 
 
-def _rivals_said(found: Discrimination) -> Outcome:
+def _report_rivals(design: Discrimination) -> Outcome:
     """Report the trials in order and, after each, the probability of a wrong verdict for every pair of models."""
-    names = [" / ".join(pair) for pair in found.pairs]
-    listed = {
-        key: _listed("distance", names, of)
-        for key, of in (("trials", found.steps), ("candidates", found.alone))
+    names = [" / ".join(pair) for pair in design.pairs]
+    facts = {
+        "trials": _facts_of_trials("distance", names, design.steps),
+        "candidates": _facts_of_trials("distance", names, design.alone),
+        "version": packaging.__version__,
     }
     title = (
-        f"The best {len(found.steps)} of {len(found.alone)} candidates. "
+        f"The best {len(design.steps)} of {len(design.alone)} candidates. "
         "Chance that the wrong one of two fits better:"
     )
-    tables = _tables(
-        names,
-        _numbered(found.steps),
-        found.alone,
-        lambda apart: f"{100.0 * misidentification_probability(apart):.2g} %",
-    )
-    return Outcome(
-        facts={**listed, "version": packaging.__version__}, text="\n\n".join([title, *tables])
-    )
+    after = _table_of("after", names, _numbered(design.steps), _format_chance)
+    by_itself = _table_of("by itself", names, _best_of_each_kind(design.alone), _format_chance)
+    return Outcome(facts=facts, text="\n\n".join([title, after, by_itself]))
 
 
-def _numbered(steps: Iterable[Judged]) -> list[tuple[str, Any]]:
-    return [(f"{i + 1}. {one.name}", found) for i, (one, found) in enumerate(steps)]
+def _format_chance(distance: float) -> str:
+    """Return the chance that the wrong model fits better, from the distance of the two."""
+    return f"{100.0 * misidentification_probability(distance):.2g} %"
 
 
-def _draw(found: Design, path: str) -> None:
+def _numbered(steps: Iterable[Judged]) -> list[_Row]:
+    rows: list[_Row] = []
+    for number, (trial, numbers) in enumerate(steps, start=1):
+        rows.append(_Row(f"{number}. {trial.name}", numbers))
+    return rows
+
+
+def _draw(design: Design, path: str) -> None:
     from laticauda.show.figures import style
     from laticauda.show.reports.identify_figures import short_names, shrinking
 
     figure = figures.new_figure(style.DOUBLE_COLUMN, 3.0)
     ax = figure.subplots()
     shrinking(
-        short_names(found.names),
-        found.sigma,
+        short_names(design.names),
+        design.sigma,
         ax,
         ylabel="expected standard deviation / value [-]",
         limit=LIMIT,

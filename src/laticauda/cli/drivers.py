@@ -1,5 +1,8 @@
 """`laticauda drivers`: the available drivers, and the data from one of them alone."""
 
+from collections.abc import Sequence
+from typing import Any
+
 from laticauda.cli import command, tables
 from laticauda.tank.operate import drivers
 from laticauda.tank.operate.drivers.contract import listen
@@ -31,35 +34,63 @@ class Drivers(command.Command):
 
     def run(self) -> command.Outcome:
         """List the drivers, or try one."""
-        wanted = {
-            kind: typed for kind in drivers.KINDS if (typed := getattr(self, kind)) is not None
-        }
-        if not wanted:
-            known = {kind: base.names() for kind, base in drivers.KINDS.items()}
-            lines = tables.aligned([(kind, ", ".join(names)) for kind, names in known.items()])
-            return command.Outcome(facts=known, text=lines)
-        (kind, *others), clock = wanted, drivers.Clock()
-        if others:
-            raise BadArgument(
-                others[0], f"must not be given with --{kind}: drivers are tried one at a time"
-            )
-        with Connection(mocap_body=self.body or "").at(**wanted).opened(kind, clock) as driver:
-            heard, longest = listen(driver, clock, self.duration)
-            now, trouble = clock.now(), driver.trouble
+        addresses: dict[str, str] = {}
+        for kind in drivers.KINDS:
+            address = getattr(self, kind)
+            if address is not None:
+                addresses[kind] = address
+        if not addresses:
+            return _list_drivers()
+        kind, *further_kinds = addresses
+        if further_kinds:
+            rule = f"must not be given with --{kind}: drivers are tried one at a time"
+            raise BadArgument(further_kinds[0], rule)
+        return self._try_driver(kind, addresses[kind])
+
+    def _try_driver(self, kind: str, address: str) -> command.Outcome:
+        clock = drivers.Clock()
+        connection = Connection(mocap_body=self.body or "").at(**{kind: address})
+        with connection.opened(kind, clock) as driver:
+            samples, longest_call = listen(driver, clock, self.duration)
+            end = clock.now()
+            trouble = driver.trouble
         rows = [
-            {"what": what, "count": len(mine), "rate [1/s]": len(mine) / self.duration}
-            | {"age [s]": now - mine[-1].time, "last": " ".join(repr(mine[-1].value).split())}
-            for what in sorted({one.what for one in heard})
-            if (mine := [one for one in heard if one.what == what])
+            self._row_of(source, samples, end)
+            for source in sorted({sample.what for sample in samples})
         ]
-        wrong = trouble or (
-            ""
-            if bool(rows) != (kind == "stop")
-            else "No data."
-            if not rows
-            else "The stop is active."
-        )
-        facts = {"heard": rows, "longest_call": longest, "trouble": trouble}
+        problem = trouble or _problem_with(kind, has_data=bool(rows))
         return command.Outcome(
-            facts=facts, text=tables.format_table(rows), problem=wrong, succeeded=not wrong
+            facts={"heard": rows, "longest_call": longest_call, "trouble": trouble},
+            text=tables.format_table(rows),
+            problem=problem,
+            succeeded=not problem,
         )
+
+    def _row_of(self, source: str, samples: Sequence[Any], end: float) -> dict[str, Any]:
+        """Return how often samples of a source came, and the last one."""
+        from_source = [sample for sample in samples if sample.what == source]
+        last = from_source[-1]
+        return {
+            "what": source,
+            "count": len(from_source),
+            "rate [1/s]": len(from_source) / self.duration,
+            "age [s]": end - last.time,
+            "last": " ".join(repr(last.value).split()),
+        }
+
+
+def _list_drivers() -> command.Outcome:
+    names = {kind: base.names() for kind, base in drivers.KINDS.items()}
+    rows = [(kind, ", ".join(listed)) for kind, listed in names.items()]
+    return command.Outcome(facts=names, text=tables.aligned(rows))
+
+
+def _problem_with(kind: str, *, has_data: bool) -> str:
+    """Return what is wrong with what arrived; a stop input is silent unless it is active."""
+    if kind == "stop":
+        if has_data:
+            return "The stop is active."
+        return ""
+    if has_data:
+        return ""
+    return "No data."

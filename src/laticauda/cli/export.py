@@ -1,7 +1,7 @@
 """`laticauda export mjcf | urdf | fmu | c | web`: a robot as a file for other programs."""
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -11,6 +11,8 @@ from laticauda.cli.scene import OfScenario, warn_of_compiling
 from laticauda.values.errors import BadArgument
 from laticauda.values.quantities import option, quantity, value_class
 
+CAUSALITIES = ("parameter", "input", "output")
+"""Kinds of variables that are counted."""
 OUTPUT = "File to write; an existing one is replaced"
 
 
@@ -34,11 +36,8 @@ class Urdf(command.Command):
         """Write the file."""
         robot = lc.load_robot(self.robot, self.n_links)
         self.write(robot)
-        return _outcome(
-            self.output,
-            robot,
-            f"{robot.n_links} modules, {robot.mass:.3f} kg, {robot.length:.2f} m",
-        )
+        content = f"{robot.n_links} modules, {robot.mass:.3f} kg, {robot.length:.2f} m"
+        return _report(self.output, robot, content, {})
 
     def write(self, robot: lc.Robot) -> None:
         """Write the file.
@@ -82,15 +81,15 @@ class Mjcf(Urdf):
             raise BadArgument("water", "must not be given with --ground")
         from laticauda.models.spatial.mjcf import write_mjcf
 
-        place = (
-            lc.load_water(self.water or "paper-lateral")
-            if self.ground is None
-            else lc.load_ground(self.ground)
-        )
+        environment: Any = None
+        if self.ground is None:
+            environment = lc.load_water(self.water or "paper-lateral")
+        else:
+            environment = lc.load_ground(self.ground)
         settings: Any = {
             name: getattr(self, name) for name in ("scene", "meshes", "root", "actuators")
         }
-        write_mjcf(self.output, robot, place, **settings)
+        write_mjcf(self.output, robot, environment, **settings)
 
 
 @value_class
@@ -104,7 +103,7 @@ class Compiled(OfScenario):
         "Gait parameters, or joint angles (pd, servo)", default="gait"
     )
 
-    def written(self, write: Callable[..., Sequence[Any]], *settings: str) -> command.Outcome:
+    def write_with(self, write: Callable[..., Sequence[Any]], *settings: str) -> command.Outcome:
         """Write the file.
 
         Args:
@@ -115,22 +114,15 @@ class Compiled(OfScenario):
         if not isinstance(scenario.environment, lc.Water):
             raise BadArgument("ground", "must not be given: the exported robot swims in water")
         if not isinstance(scenario.model, lc.Planar):
-            raise BadArgument(
-                "model", "must be `planar`: the spatial model needs MuJoCo, which is not exported"
-            )
+            rule = "must be `planar`: the spatial model needs MuJoCo, which is not exported"
+            raise BadArgument("model", rule)
         warn_of_compiling(scenario.environment, scenario.model)
-        variables = write(
-            self.output, scenario, **{name: getattr(self, name) for name in ("inputs", *settings)}
-        )
-        found = Counter(one.causality for one in variables)
-        count = {f"{kind}s": found[kind] for kind in ("parameter", "input", "output")}
-        words = ", ".join(f"{number} {kind}" for kind, number in count.items())
-        return _outcome(
-            self.output,
-            scenario.robot,
-            words,
-            **{f"n_{kind}": number for kind, number in count.items()},
-        )
+        options = {name: getattr(self, name) for name in ("inputs", *settings)}
+        variables = write(self.output, scenario, **options)
+        n_of = Counter(variable.causality for variable in variables)
+        facts = {f"n_{causality}s": n_of[causality] for causality in CAUSALITIES}
+        content = ", ".join(f"{n_of[causality]} {causality}s" for causality in CAUSALITIES)
+        return _report(self.output, scenario.robot, content, facts)
 
 
 @value_class
@@ -160,7 +152,7 @@ class Fmu(Compiled):
         """Write the file."""
         from laticauda.connect.fmu import export_fmu
 
-        return self.written(export_fmu, "fmi", "platform", "author", "model_version", "license")
+        return self.write_with(export_fmu, "fmi", "platform", "author", "model_version", "license")
 
 
 @value_class
@@ -186,7 +178,7 @@ class C(Compiled):
         """Write the files."""
         from laticauda.connect.native.tables import export_c
 
-        return self.written(export_c, "platform", "static")
+        return self.write_with(export_c, "platform", "static")
 
 
 @value_class
@@ -206,15 +198,33 @@ class Web(command.Command):
         from laticauda.connect.web import export_web
 
         sizes = [path.stat().st_size for path in export_web(self.output, self.robots)]
-        text = f"{self.output}: {len(sizes)} files ({sum(sizes) / 1000.0:.0f} kB); open {self.output}/index.html"
-        return command.Outcome(facts={"output": self.output, "size": sum(sizes)}, text=text)
+        size = sum(sizes)
+        content = f"{len(sizes)} files ({size / 1000.0:.0f} kB)"
+        return command.Outcome(
+            facts={"output": self.output, "size": size},
+            text=f"{self.output}: {content}; open {self.output}/index.html",
+        )
 
 
-def _outcome(output: str, robot: lc.Robot, words: str, **more: object) -> command.Outcome:
-    """Report what was written."""
-    facts = {"output": output, "robot": robot.name, "n_links": robot.n_links, "mass": robot.mass}
+def _report(
+    output: str, robot: lc.Robot, content: str, more: Mapping[str, object]
+) -> command.Outcome:
+    """Report what was written.
+
+    Args:
+        output: The file.
+        robot: The robot in it.
+        content: What else is in it, in words.
+        more: Further facts, for JSON.
+    """
+    facts = {
+        "output": output,
+        "robot": robot.name,
+        "n_links": robot.n_links,
+        "mass": robot.mass,
+        "length": robot.length,
+        **more,
+    }
     kilobytes = Path(output).stat().st_size / 1000.0
-    return command.Outcome(
-        facts={**facts, "length": robot.length, **more},
-        text=f"{output}: {robot.name}, {words} ({kilobytes:.0f} kB)",
-    )
+    text = f"{output}: {robot.name}, {content} ({kilobytes:.0f} kB)"
+    return command.Outcome(facts=facts, text=text)

@@ -2,10 +2,10 @@
 
 import json
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, NamedTuple
 
 from laticauda.cli.command import SHARE, Command, Outcome, show_progress
 from laticauda.cli.flags import (
@@ -38,6 +38,10 @@ from laticauda.values.files import write
 from laticauda.values.quantities import option, quantity, value_class
 
 FORM = "NAME, NAME=LOW:HIGH or NAME=MEAN+-SD, such as water.normal_drag=0.5:4"
+METHOD_OF_TASK = ("starts", "seed", "noise")
+"""Options of the method that a task file has, too."""
+SUFFIXES_WITHOUT_COLUMNS = (".nc", ".mcap")
+"""Endings of files that describe themselves."""
 
 
 @value_class
@@ -136,90 +140,102 @@ class Identify(Command):
     output: Folder = option(
         "Folder, made if missing; files of the same names are replaced", default="identification"
     )
-    words: Any = option("What was typed, for the report", default=())
+    arguments: Any = option("What was typed, for the report", default=())
 
     @classmethod
-    def read(cls, words: Sequence[str], prog: str) -> "Identify":
+    def read(cls, arguments: Sequence[str], prog: str) -> "Identify":
         """Return the command that was typed; see `Command.read`."""
-        return replace(super().read(words, prog), words=tuple(words))
+        return replace(super().read(arguments, prog), arguments=tuple(arguments))
 
     def run(self) -> Outcome:
         """Identify, and write the results."""
         task, folder = self._task(), Path(self.output)
         writable_folder(folder)
         load_templates()  # check for the report's requirements before the search
-        if not self.laws:
-            done, files = self._identified(task, folder)
-            facts = as_dict(done, self._command) | {"output": str(folder), "files": files}
-            return Outcome(facts=facts, text=_text(done, folder), succeeded=_is_whole(done.found))
-        if task.base is not None:
-            raise BadFlag(
-                f"--laws must not be given together with a task's parameter file, got `{task.base.name}`."
-            )
-        bases = [load_parameters(law) for law in self.laws]
-        every = {
-            base.name: self._identified(task.with_law(base), folder / base.name)[0]
-            for base in bases
-        }
-        statuses = [f"{name}: {done.found.status}" for name, done in every.items()]
+        if self.laws:
+            return self._compare_laws(task, folder)
+        identification = self._identify(task, folder)
+        validated = identification.validated
+        facts = as_dict(validated, self._command)
+        facts |= {"output": str(folder), "files": identification.files}
         return Outcome(
-            facts={
-                "laws": {name: as_dict(done, self._command) for name, done in every.items()},
-                "output": str(folder),
-            },
-            text="\n\n".join([*statuses, format_table(errors_of(every)), str(folder)]),
-            succeeded=all(_is_whole(done.found) for done in every.values()),
+            facts=facts,
+            text=_describe(validated, folder),
+            succeeded=_is_complete(validated.found),
+        )
+
+    def _compare_laws(self, task: tasks.Task, folder: Path) -> Outcome:
+        """Identify with every law, and compare the errors."""
+        if task.base is not None:
+            rule = "must not be given together with a task's parameter file"
+            raise BadFlag(f"--laws {rule}, got `{task.base.name}`.")
+        bases = [load_parameters(law) for law in self.laws]
+        by_law: dict[str, validation.Validation] = {}
+        for base in bases:
+            identification = self._identify(task.with_law(base), folder / base.name)
+            by_law[base.name] = identification.validated
+        facts_by_law = {name: as_dict(entry, self._command) for name, entry in by_law.items()}
+        statuses = [f"{name}: {entry.found.status}" for name, entry in by_law.items()]
+        return Outcome(
+            facts={"laws": facts_by_law, "output": str(folder)},
+            text="\n\n".join([*statuses, format_table(errors_of(by_law)), str(folder)]),
+            succeeded=all(_is_complete(entry.found) for entry in by_law.values()),
         )
 
     @property
     def _command(self) -> str:
-        return shlex.join(
-            ["laticauda", "identify", *(word for word in self.words if word != "--json")]
-        )
+        arguments = [argument for argument in self.arguments if argument != "--json"]
+        return shlex.join(["laticauda", "identify", *arguments])
 
-    def _identified(
-        self, task: tasks.Task, folder: Path
-    ) -> tuple[validation.Validation, list[str]]:
-        """Run a task; return its results and the names of the files written."""
-        best, bar = writable_folder(folder) / "best.json", show_progress(SHARE)
-        found = task.run(
+    def _identify(self, task: tasks.Task, folder: Path) -> "_Identification":
+        """Run a task, and write the results; the best values so far are in a file meanwhile."""
+        best = writable_folder(folder) / "best.json"
+        bar = show_progress(SHARE)
+
+        def keep(values: Any, cost: float) -> None:
+            write(best, json.dumps({"sum_of_squares": cost, "values": values}))
+
+        fit = task.run(
             threads=self.method.threads,
             progress=lambda share: bar(share, what="search"),
-            keep=lambda values, cost: write(
-                best, json.dumps({"sum_of_squares": cost, "values": values})
-            ),
+            keep=keep,
         )
-        done = validation.validate(
+        validated = validation.validate(
             task,
-            found,
+            fit,
             exact=self.method.exact,
             by_group=not self.method.quick,
             profiles=self.method.profiles,
             progress=lambda what, share: bar(share, what=what),
         )
-        files = write_identification(done, folder, command=self._command)
+        files = write_identification(validated, folder, command=self._command)
         best.unlink(missing_ok=True)
-        return done, files
+        return _Identification(validated, files)
 
     def _task(self) -> tasks.Task:
         """Return the requested task."""
-        if len(self.files) != 1 or not self.files[0].lower().endswith(".toml"):
-            with keys_of("identify", BadFlag):
-                task = tasks.task_from_table(self._table(), self.name or "identified", Path())
-            return (
-                task
-                if self.laws
-                else replace(task, options={"joints": "prescribed", **task.options})
-            )
-        for name, given in (options_of(self.what) | options_of(self.fixed)).items():
-            if was_typed(name, self.words):
-                raise BadFlag(
-                    f"{spell_flag(name)} must not be given with {self.files[0]}, which defines all, got {given!r}."
-                )
-        task = tasks.load_task(self.files[0])
-        names = [name for name in ("starts", "seed", "noise") if was_typed(name, self.words)]
-        typed = {tasks.OPTIONS[name]: getattr(self.method, name) for name in names}
-        return replace(task, options={**task.options, **typed}, name=self.name or task.name)
+        is_task_file = len(self.files) == 1 and self.files[0].lower().endswith(".toml")
+        if is_task_file:
+            return self._task_of_file(self.files[0])
+        with keys_of("identify", BadFlag):
+            task = tasks.task_from_table(self._table(), self.name or "identified", Path())
+        if self.laws:
+            return task
+        return replace(task, options={"joints": "prescribed", **task.options})
+
+    def _task_of_file(self, file: str) -> tasks.Task:
+        """Return the task of a file, with the method as typed."""
+        defined_by_file = options_of(self.what) | options_of(self.fixed)
+        for name, value in defined_by_file.items():
+            if was_typed(name, self.arguments):
+                rule = f"must not be given with {file}, which defines all"
+                raise BadFlag(f"{spell_flag(name)} {rule}, got {value!r}.")
+        task = tasks.load_task(file)
+        options = dict(task.options)
+        for name in METHOD_OF_TASK:
+            if was_typed(name, self.arguments):
+                options[tasks.OPTIONS[name]] = getattr(self.method, name)
+        return replace(task, options=options, name=self.name or task.name)
 
     def _table(self) -> dict[str, Any]:
         """Return the flags in the form of a task file."""
@@ -229,74 +245,97 @@ class Identify(Command):
             raise BadFlag(
                 "--parameters must name at least one parameter, such as water.normal_drag, got none."
             )
-        counted: dict[str, Any] = {**_measured(self.what.measured), "interval": self.what.interval}
-        counted["free_start"] = self.what.free_start
-        short = [Path(file).stem for file in self.files]
-        trials: list[dict[str, Any]] = []
-        for file, stem in zip(self.files, short, strict=True):
-            name = stem if short.count(stem) == 1 else file  # with its folder if two are alike
-            columns = (
-                {}
-                if Path(file).suffix.lower() in (".nc", ".mcap")
-                else {"columns": self.what.columns}
-            )
-            trials.append({"file": file, "name": name, **columns, **counted})
-        given: dict[str, Any] = {
-            **{name: getattr(self.fixed, name) for name in ("robot", "base", "joints", "model")},
-            **{name: getattr(self.method, name) for name in ("noise", "starts", "seed")},
-            "parameters": [_unknown(word) for word in self.what.parameters],
-            "trials": trials,
-            "table": {"file": self.what.table} if self.what.table else None,
-            "table1": self.what.table1 or None,
-        }
-        return {
-            "kind": "identification",
-            **{name: one for name, one in given.items() if one is not None},
-        }
+        table: dict[str, Any] = {"kind": "identification"}
+        for name in ("robot", "base", "joints", "model"):
+            value = getattr(self.fixed, name)
+            if value is not None:
+                table[name] = value
+        for name in ("noise", "starts", "seed"):
+            table[name] = getattr(self.method, name)
+        measured = _parse_measured(self.what.measured)
+        table["parameters"] = [_parse_unknown(text) for text in self.what.parameters]
+        table["trials"] = self._tables_of_trials(measured)
+        if self.what.table:
+            table["table"] = {"file": self.what.table}
+        if self.what.table1:
+            table["table1"] = True
+        return table
+
+    def _tables_of_trials(self, measured: dict[str, dict[str, float]]) -> list[dict[str, Any]]:
+        """Return the trials in the form of a task file."""
+        stems = [Path(file).stem for file in self.files]
+        tables: list[dict[str, Any]] = []
+        for file, stem in zip(self.files, stems, strict=True):
+            table: dict[str, Any] = {"file": file, "name": stem}
+            if stems.count(stem) > 1:  # two are alike but for their folders
+                table["name"] = file
+            if Path(file).suffix.lower() not in SUFFIXES_WITHOUT_COLUMNS:
+                table["columns"] = self.what.columns
+            table |= measured
+            table["interval"] = self.what.interval
+            table["free_start"] = self.what.free_start
+            tables.append(table)
+        return tables
 
 
-def _is_whole(found: result.Fit) -> bool:
-    return found.searches[0].converged and fitting.INTERRUPTED not in found.warnings
+class _Identification(NamedTuple):
+    """What a task gave."""
+
+    validated: validation.Validation
+    files: list[str]
+    """Names of the files written."""
 
 
-def _measured(words: Sequence[str]) -> dict[str, dict[str, float]]:
+def _is_complete(fit: result.Fit) -> bool:
+    return fit.searches[0].converged and fitting.INTERRUPTED not in fit.warnings
+
+
+def _parse_measured(typed: Sequence[str]) -> dict[str, dict[str, float]]:
     """Return the figures and series that are fitted, with their standard deviations."""
-    found: dict[str, dict[str, float]] = {"figures": {}, "series": {}}
     form = "NAME=SIGMA with SIGMA > 0, such as forward_velocity=0.01"
-    for word in words:
-        name, _, (sigma,) = parse_numbers("measured", word, form)
+    figures: dict[str, float] = {}
+    series: dict[str, float] = {}
+    names = list(dict.fromkeys((*UNITS, *measurements.SERIES)))
+    for text in typed:
+        name, _, (sigma,) = parse_numbers("measured", text, form)
         if sigma <= 0.0:
-            raise BadArgument("measured", f"must be {form}, got {word!r}")
-        check_choice("measured", name, list(dict.fromkeys((*UNITS, *measurements.SERIES))))
-        found["series" if name in measurements.SERIES else "figures"][name] = sigma
-    return found
+            raise BadArgument("measured", f"must be {form}, got {text!r}")
+        check_choice("measured", name, names)
+        if name in measurements.SERIES:
+            series[name] = sigma
+        else:
+            figures[name] = sigma
+    return {"figures": figures, "series": series}
 
 
-def _unknown(word: str) -> dict[str, Any]:
+def _parse_unknown(text: str) -> dict[str, Any]:
     """Return one of `parameters` in the form of a task file."""
-    if "=" not in word:
-        return {"name": word}
-    name, sign, ends = parse_numbers("parameters", word, FORM, "+-", ":")
+    if "=" not in text:
+        return {"name": text}
+    name, sign, ends = parse_numbers("parameters", text, FORM, "+-", ":")
     if len(ends) != 2:
-        raise BadArgument("parameters", f"must be {FORM}, got {word!r}")
-    return {"name": name} | (
-        {"prior": ends} if sign == "+-" else {"lower": ends[0], "upper": ends[1]}
-    )
+        raise BadArgument("parameters", f"must be {FORM}, got {text!r}")
+    if sign == "+-":
+        return {"name": name, "prior": ends}
+    lower, upper = ends
+    return {"name": name, "lower": lower, "upper": upper}
 
 
-def _text(done: validation.Validation, folder: Path) -> str:
+def _describe(validated: validation.Validation, folder: Path) -> str:
     """Return the parameters, what the data do not determine, the errors, and the location of the files as text."""
-    found, tables = done.found, identification_tables(done)
-    rows = [
-        {name: one for name, one in row.items() if name not in ("prior", "range")}
-        for row in tables["parameters"]
-    ]
-    parts = [found.status, format_table(rows)]
+    fit = validated.found
+    tables = identification_tables(validated)
+    parts = [fit.status, format_table([_without_prior(row) for row in tables["parameters"]])]
     if "began" in tables:
         parts[-1] += f"\nand {len(tables['began'])} numbers for where the trials began."
-    if found.warnings:
-        parts.append("\n".join(found.warnings))
+    if fit.warnings:
+        parts.append("\n".join(fit.warnings))
     if "errors" in tables:
         parts.append("Mean error of the forward velocity:\n" + format_table(tables["errors"]))
     parts.append(f"{folder / 'identify.html'}\n{folder / 'parameters.toml'}: for --parameters")
     return "\n\n".join(parts)
+
+
+def _without_prior(row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a row of the parameters without what was stated about it."""
+    return {name: cell for name, cell in row.items() if name not in ("prior", "range")}

@@ -56,12 +56,17 @@ class Operate(command.Command):
 
     def run(self) -> command.Outcome:
         """Operate."""
-        wanted = settings.load_operation(self.file)
+        task = settings.load_operation(self.file)
         folder = Path(self.output)
-        if isinstance(wanted, settings.SeriesFile):
-            return self._checked(wanted) if self.check else self._series(wanted, folder)
-        summary = self._operate(self._chosen(wanted), None if self.check else folder).summary()
-        problem = "" if summary["accepted"] else summary["reason"]
+        if isinstance(task, settings.SeriesFile):
+            if self.check:
+                return self._check_series(task)
+            return self._run_series(task, folder)
+        result = self._operate(self._with_options(task), None if self.check else folder)
+        summary = result.summary()
+        problem = ""
+        if not summary["accepted"]:
+            problem = summary["reason"]
         return command.Outcome(
             facts=summary,
             text=session.format_summary(summary),
@@ -74,7 +79,7 @@ class Operate(command.Command):
             twin = simulate.build_plant(operation.body(), operation.pool(), joints="servo")
         except RobotFileError as error:
             raise settings.OperationFileError(f"{self.file}: {error}") from None
-        with terminal.Keys() as keys, terminal.Terminal(keys), self._shown(operation) as show:
+        with terminal.Keys() as keys, terminal.Terminal(keys), self._display_of(operation) as show:
             result = session.operate(
                 operation,
                 folder,
@@ -86,50 +91,48 @@ class Operate(command.Command):
                 text=read_text(self.file),
                 twin=twin,
             )
-        return replace(
-            result, stopped=bool(keys.events)
-        )  # also by a key after the run, while its trial was saved
+        # A key may also have been pressed after the run, while its trial was saved.
+        return replace(result, stopped=bool(keys.events))
 
-    def _checked(self, series: settings.SeriesFile) -> command.Outcome:
+    def _check_series(self, series: settings.SeriesFile) -> command.Outcome:
         """Check the hardware for a series, each combination of robot and connection once."""
-        different = {
-            (one.robot, one.connection): one
-            for one in reversed(list(map(self._chosen, series.trials)))
-        }
-        found = [self._operate(one, None).summary() for one in reversed(different.values())]
-        facts, succeeded = (
-            {"name": series.name, "checked": found},
-            all(one["accepted"] for one in found),
-        )
+        distinct: dict[Any, settings.Operation] = {}
+        for trial in series.trials:
+            operation = self._with_options(trial)
+            distinct.setdefault((operation.robot, operation.connection), operation)
+        summaries = [self._operate(operation, None).summary() for operation in distinct.values()]
         return command.Outcome(
-            facts=facts, text="\n".join(map(session.format_summary, found)), succeeded=succeeded
+            facts={"name": series.name, "checked": summaries},
+            text="\n".join(map(session.format_summary, summaries)),
+            succeeded=all(summary["accepted"] for summary in summaries),
         )
 
-    def _series(self, series: settings.SeriesFile, folder: Path) -> command.Outcome:
-        trials = tuple(map(self._chosen, series.trials))
+    def _run_series(self, series: settings.SeriesFile, folder: Path) -> command.Outcome:
+        trials = tuple(map(self._with_options, series.trials))
         series = replace(series, repeats=self.repeats or series.repeats, trials=trials)
-        done = run_series(
+        result = run_series(
             series,
             folder / series.name,
             self._operate,
-            place=self._place,
-            acknowledge=self._acknowledged,
+            place=self._ask_for_place,
+            acknowledge=self._is_acknowledged,
         )
-        return command.Outcome(facts=done.summary(), text=done.table(), succeeded=done.is_complete)
+        return command.Outcome(
+            facts=result.summary(), text=result.table(), succeeded=result.is_complete
+        )
 
-    def _place(self, operation: settings.Operation, repeat: int) -> None:
+    def _ask_for_place(self, operation: settings.Operation, repeat: int) -> None:
         """Ask the operator to put the robot where the next run starts."""
         if operation.start is None:
             return
         x, y = operation.start.position
-        where = f"({x:.2f}, {y:.2f}) m, heading {math.degrees(operation.start.heading):.1f} deg"
-        print(
-            f"{operation.name}, run {repeat}: put the robot at {where}", file=sys.stderr, flush=True
-        )
+        heading = math.degrees(operation.start.heading)
+        request = f"put the robot at ({x:.2f}, {y:.2f}) m, heading {heading:.1f} deg"
+        print(f"{operation.name}, run {repeat}: {request}", file=sys.stderr, flush=True)
         if sys.stdin.isatty():
             input("Press Enter when it is in place: ")
 
-    def _acknowledged(self, result: session.Result) -> bool:
+    def _is_acknowledged(self, result: session.Result) -> bool:
         """Ask somebody to look at the robot that a fault has stopped; without a terminal, nobody does."""
         print(f"{result.name}: {result.aftermath or result.reason}", file=sys.stderr, flush=True)
         if not sys.stdin.isatty():
@@ -137,14 +140,16 @@ class Operate(command.Command):
         input("Look at the robot, and press Enter when it may have torque again: ")
         return True
 
-    def _shown(self, operation: settings.Operation) -> Any:
+    def _display_of(self, operation: settings.Operation) -> Any:
         """Return what displays the ticks: the dashboard, or plain lines on standard error."""
         if self.no_dashboard or self.json or not sys.stdout.isatty():
             return nullcontext(terminal.print_events)
         return terminal.Dashboard(operation)
 
-    def _chosen(self, operation: settings.Operation) -> settings.Operation:
+    def _with_options(self, operation: settings.Operation) -> settings.Operation:
         """Return the operation of the file, modified by the options."""
         connection = operation.connection.at(bus=self.bus, mocap=self.mocap, meter=self.meter)
-        voltage = operation.supply_voltage if self.supply_voltage is None else self.supply_voltage
-        return replace(operation, connection=connection, supply_voltage=voltage)
+        operation = replace(operation, connection=connection)
+        if self.supply_voltage is None:
+            return operation
+        return replace(operation, supply_voltage=self.supply_voltage)

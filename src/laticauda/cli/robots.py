@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +14,24 @@ from laticauda.values.errors import BadArgument
 from laticauda.values.quantities import option, value_class
 from laticauda.water.fluid.flow import Flow
 
-KINDS: dict[str, tuple[Callable[[], Sequence[str]], Callable[[str], Any]]] = {
-    "robots": (robot.robot_names, robot.load_robot),
-    "waters": (robot.water_names, robot.load_water),
-    "grounds": (robot.ground_names, robot.load_ground),
-    "currents": (robot.current_names, robot.load_current),
-    "parameters": (robot.parameter_names, robot.load_parameters),
+
+@dataclass(frozen=True)
+class PresetKind:
+    """A kind of preset."""
+
+    list_names: Callable[[], Sequence[str]]
+    load: Callable[[str], Any]
+    """Function that loads the preset of a name."""
+
+
+KINDS = {
+    "robots": PresetKind(robot.robot_names, robot.load_robot),
+    "waters": PresetKind(robot.water_names, robot.load_water),
+    "grounds": PresetKind(robot.ground_names, robot.load_ground),
+    "currents": PresetKind(robot.current_names, robot.load_current),
+    "parameters": PresetKind(robot.parameter_names, robot.load_parameters),
 }
-"""By kind of preset: the function that lists the names, and the one that loads a name."""
+"""All kinds of presets, by name."""
 WATER_FACTS = ("tangential_friction", "normal_drag", "added_mass", "added_mass_form", "drag")
 GROUND_FACTS = ("friction", "tangential", "normal")
 
@@ -41,81 +52,97 @@ class Robots(command.Command):
         """Load and describe."""
         if self.toml and self.json:
             raise BadArgument("toml", "must not be given together with --json")
-        if self.name is None:
-            if self.toml:
-                raise BadArgument("toml", "must be given with the NAME to print")
-            every = {kind: list(names()) for kind, (names, _) in KINDS.items()} | {
-                "robots": _summaries()
-            }
-            return command.Outcome(facts=every, text="" if self.json else _lists())
-        thing = _named(self.name)
-        toml = thing.to_toml() if isinstance(thing, Parameters) else robot.to_toml(thing)
-        facts = robot.summarize_robot(thing) if isinstance(thing, Robot) else {}
-        return command.Outcome(
-            facts={
-                **tomllib.loads(toml),
-                **facts,
-            },  # all fields as in its TOML file; the main facts take precedence
-            text=toml.rstrip()
-            if self.toml or isinstance(thing, Parameters)
-            else robot.describe(thing),
-        )
+        if self.name is not None:
+            return self._describe(_load(self.name))
+        if self.toml:
+            raise BadArgument("toml", "must be given with the NAME to print")
+        return self._list_all()
+
+    def _list_all(self) -> command.Outcome:
+        facts: dict[str, Any] = {name: list(kind.list_names()) for name, kind in KINDS.items()}
+        facts["robots"] = _summaries_of_robots()
+        text = "" if self.json else _tables_of_all()
+        return command.Outcome(facts=facts, text=text)
+
+    def _describe(self, preset: Any) -> command.Outcome:
+        is_parameters = isinstance(preset, Parameters)
+        toml = preset.to_toml() if is_parameters else robot.to_toml(preset)
+        facts = tomllib.loads(toml)
+        if isinstance(preset, Robot):
+            facts |= robot.summarize_robot(preset)  # these take precedence
+        if self.toml or is_parameters:
+            return command.Outcome(facts=facts, text=toml.rstrip())
+        return command.Outcome(facts=facts, text=robot.describe(preset))
 
 
-def _named(name: str) -> Robot | Water | Ground | Flow | Parameters:
+def _load(name: str) -> Robot | Water | Ground | Flow | Parameters:
     """Return the preset of that name, of any kind, or the contents of a file."""
-    for names, load in KINDS.values():
-        if name in names():
-            return load(name)
-    if name.endswith(".toml"):
-        is_parameters = files.read_table(Path(name)).get("kind") == parameters.KIND
-        return robot.load_parameters(name) if is_parameters else robot.from_toml(Path(name))
-    return robot.load_robot(
-        check_choice("name", name, [one for names, _ in KINDS.values() for one in names()])
-    )
+    all_names: list[str] = []
+    for kind in KINDS.values():
+        names = kind.list_names()
+        if name in names:
+            return kind.load(name)
+        all_names += names
+    if not name.endswith(".toml"):
+        return robot.load_robot(check_choice("name", name, all_names))
+    path = Path(name)
+    if files.read_table(path).get("kind") == parameters.KIND:
+        return robot.load_parameters(name)
+    return robot.from_toml(path)
 
 
-def _lists() -> str:
-    titles = [
-        {"parameters": name, "title": robot.load_parameters(name).title}
-        for name in robot.parameter_names()
-    ]
-    book = {"water": robot.TEXTBOOK, **dict.fromkeys(WATER_FACTS, "of the robot")}
+def _tables_of_all() -> str:
+    textbook_row = {"water": robot.TEXTBOOK, **dict.fromkeys(WATER_FACTS, "of the robot")}
     return "\n\n".join([
-        _robots(_summaries()),
-        tables.format_table([*_rows("water", WATER_FACTS), book]),
-        tables.format_table(_rows("ground", GROUND_FACTS)),
-        tables.format_table(_currents()),
-        tables.format_table(titles),
+        _table_of_robots(_summaries_of_robots()),
+        tables.format_table([*_rows_of("water", WATER_FACTS), textbook_row]),
+        tables.format_table(_rows_of("ground", GROUND_FACTS)),
+        tables.format_table(_rows_of_currents()),
+        tables.format_table(_rows_of_parameters()),
     ])  # fmt: skip
 
 
-def _summaries() -> list[dict[str, Any]]:
+def _summaries_of_robots() -> list[dict[str, Any]]:
     return [robot.summarize_robot(robot.load_robot(name)) for name in robot.robot_names()]
 
 
-def _robots(summaries: Sequence[Mapping[str, Any]]) -> str:
+def _table_of_robots(summaries: Sequence[Mapping[str, Any]]) -> str:
     rows = [("name", "links", "joints", "length [m]", "mass [kg]", "fin", "description")]
-    for one in summaries:
-        n_links, n_joints, fin = (
-            str(one["n_links"]),
-            str(one["n_joints"]),
-            "yes" if one["caudal_fin"] else "no",
+    for summary in summaries:
+        row = (
+            summary["name"],
+            str(summary["n_links"]),
+            str(summary["n_joints"]),
+            f"{summary['length']:.2f}",
+            f"{summary['mass']:.2f}",
+            "yes" if summary["caudal_fin"] else "no",
+            summary["description"],
         )
-        size = f"{one['length']:.2f}", f"{one['mass']:.2f}"
-        rows.append((one["name"], n_links, n_joints, *size, fin, one["description"]))
+        rows.append(row)
     return tables.aligned(rows, right=(1, 2, 3, 4))
 
 
-def _currents() -> list[dict[str, str]]:
-    """Return a row per current preset: its name and what it is."""
+def _rows_of_currents() -> list[dict[str, str]]:
     return [
         {"current": name, "of": robot.load_current(name).words} for name in robot.current_names()
     ]
 
 
-def _rows(kind: str, facts: Sequence[str]) -> list[dict[str, str]]:
+def _rows_of_parameters() -> list[dict[str, str]]:
+    return [
+        {"parameters": name, "title": robot.load_parameters(name).title}
+        for name in robot.parameter_names()
+    ]
+
+
+def _rows_of(kind: str, facts: Sequence[str]) -> list[dict[str, str]]:
     """Return a row per water or ground, with these facts from its description."""
-    names, load = KINDS[f"{kind}s"]
-    found = {name: robot.describe_coefficients(load(name)) for name in names()}
-    return [{kind: name, **{fact: one[fact] for fact in facts}} for name, one in found.items()]
+    presets = KINDS[f"{kind}s"]
+    rows: list[dict[str, str]] = []
+    for name in presets.list_names():
+        coefficients = robot.describe_coefficients(presets.load(name))
+        row = {kind: name}
+        for fact in facts:
+            row[fact] = coefficients[fact]
+        rows.append(row)
+    return rows

@@ -18,7 +18,7 @@ from laticauda.models import simulate
 from laticauda.show import figures
 from laticauda.tank import operate
 from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values.quantities import fields_of, option, quantity, value_class
 
 
 @value_class
@@ -50,9 +50,7 @@ class Recording(trial.Filming):
             beside: Trials of other robots in the same scene.
         """
         if self.save is not None:
-            place = Path(self.save)
-            for k, one in enumerate((trial, *beside)):
-                one.save(place.with_stem(f"{place.stem}-{k}") if k else place)
+            _save_trials(Path(self.save), trial, beside)
         if self.plot is not None:
             figures.save_figure(trial.plot(), self.plot)
         self.write_film(trial, beside=beside)
@@ -62,6 +60,13 @@ class Recording(trial.Filming):
             problem="" if trial.succeeded else trial.status,
             succeeded=trial.succeeded,
         )
+
+
+def _save_trials(path: Path, trial: lc.Trial, beside: Sequence[lc.Trial]) -> None:
+    """Save a trial, and those of other robots beside it under the same name with a number."""
+    trial.save(path)
+    for number, neighbor in enumerate(beside, start=1):
+        neighbor.save(path.with_stem(f"{path.stem}-{number}"))
 
 
 @value_class
@@ -108,13 +113,11 @@ class Swim(Run):
     )
 
     @classmethod
-    def read(cls, words: Sequence[str], prog: str) -> Any:
+    def read(cls, arguments: Sequence[str], prog: str) -> Any:
         """Return the command that was typed; see `OfScenario.read`."""
-        return (
-            SwimOn.read(words, prog)
-            if flags.was_typed("resume", words)
-            else super().read(words, prog)
-        )
+        if flags.was_typed("resume", arguments):
+            return SwimOn.read(arguments, prog)
+        return super().read(arguments, prog)
 
     def run(self) -> command.Outcome:
         """Run, and write the results."""
@@ -124,22 +127,21 @@ class Swim(Run):
         if not self.interval:
             return self.outcome(trial, self.origin)
         varied = simulate.intervals_of(self.chosen)
-        table = report.interval_table(
-            trial, found := simulate.figure_intervals(trial, varied), varied
-        )
-        return self.outcome(trial, self.origin, f"\n\n{table}", {"interval": found})
+        intervals = simulate.figure_intervals(trial, varied)
+        table = report.interval_table(trial, intervals, varied)
+        return self.outcome(trial, self.origin, f"\n\n{table}", {"interval": intervals})
 
     def _together(self) -> command.Outcome:
         """Run the robot and those of further scenario files in one scene."""
         scenarios = [self.chosen, *map(lc.load_scenario, self.beside)]
-        trial, *others = lc.swim_together(scenarios, progress=command.run_bar(self.chosen.duration))
-        facts = {"beside": [report.facts_of(one) for one in others]}
+        bar = command.run_bar(self.chosen.duration)
+        trial, *neighbors = lc.swim_together(scenarios, progress=bar)
         return self.outcome(
             trial,
             self.origin,
-            "".join(f"\n\n{report.as_text(one)}" for one in others),
-            facts,
-            others,
+            more="".join(f"\n\n{report.as_text(neighbor)}" for neighbor in neighbors),
+            facts={"beside": [report.facts_of(neighbor) for neighbor in neighbors]},
+            beside=neighbors,
         )
 
 
@@ -154,33 +156,32 @@ class SwimOn(Recording):
     )
 
     @classmethod
-    def read(cls, words: Sequence[str], prog: str) -> "SwimOn":
+    def read(cls, arguments: Sequence[str], prog: str) -> "SwimOn":
         """Return the command that was typed; arguments as for `Swim.read`.
 
         Raises:
             BadFlag: If an option sets what the stored trial already defines.
         """
         allowed = {flags.spell_flag(name) for name in flags.options_of(cls())} | {"--help", "-h"}
-        for word in words:
-            if word.startswith("--") and word.split("=")[0] not in allowed:
-                raise BadFlag(
-                    f"{word.split('=')[0]} must not be given with --resume: the stored trial has its own."
-                )
-        return flags.parse_command(cls, words, prog)
+        for argument in arguments:
+            option_name = argument.split("=")[0]
+            if argument.startswith("--") and option_name not in allowed:
+                rule = "must not be given with --resume: the stored trial has its own"
+                raise BadFlag(f"{option_name} {rule}.")
+        return flags.parse_command(cls, arguments, prog)
 
     def run(self) -> command.Outcome:
         """Run, and write the results."""
         assert self.resume is not None
         first = lc.load_trial(self.resume)
         if not isinstance(first.scenario, lc.Scenario):
-            raise BadFlag(
-                f"--resume must be a simulated trial, got {self.resume}, which lacks {first.scenario.lacks}"
-            )
+            lacking = f"{self.resume}, which lacks {first.scenario.lacks}"
+            raise BadFlag(f"--resume must be a simulated trial, got {lacking}")
         scenario = replace(first.scenario, duration=self.duration)
-        body = lc.build_plant(scenario)
+        plant = lc.build_plant(scenario)
         scene.warn_of_compiling(scenario.environment, scenario.model)
         second = lc.resume(
-            body,
+            plant,
             first,
             self.duration,
             sample_interval=self.sample_interval,
@@ -191,6 +192,12 @@ class SwimOn(Recording):
 
 
 # ---- along a path --------------------------------------------------------------------------------
+
+
+FOLLOWING_DURATION = 90.0
+"""Duration of a run along a path, unless it is typed [s]."""
+START_BESIDE_PATH = (0.0, 1.0)
+"""Where the robot starts, unless it is typed [m]."""
 
 
 @value_class
@@ -212,26 +219,24 @@ class Route(control.Course, flags.Options):
     @property
     def following(self) -> control.Following:
         """Path-following parameters: the paper's for Mamba, with the integral gain where published guidance starts."""
-        if len(self.waypoints) % 2:
-            count = len(self.waypoints)
-            raise BadArgument(
-                "waypoints", f"must be pairs of numbers, x1 y1 x2 y2 ..., got {count} numbers"
-            )
-        if self.path_depth and self.guidance == "model-predictive":
-            raise BadArgument(
-                "path_depth",
-                "must be left out with model-predictive guidance, which plans horizontally",
-            )
-        guidance: Any = (
-            "line_of_sight"
-            if self.guidance == "model-predictive"
-            else self.guidance.replace("-", "_")
-        )
-        return control.Following(
-            waypoints=tuple(zip(self.waypoints[::2], self.waypoints[1::2], strict=True)) or None,
-            guidance=guidance,
-            **{name: getattr(self, name) for name in control.Course.__dataclass_fields__},
-        )
+        n_numbers = len(self.waypoints)
+        if n_numbers % 2:
+            rule = "must be pairs of numbers, x1 y1 x2 y2 ..."
+            raise BadArgument("waypoints", f"{rule}, got {n_numbers} numbers")
+        guidance: Any = self.guidance.replace("-", "_")
+        if self.plans_ahead:
+            guidance = "line_of_sight"
+            if self.path_depth:
+                rule = "must be left out with model-predictive guidance, which plans horizontally"
+                raise BadArgument("path_depth", rule)
+        course = {name: getattr(self, name) for name in fields_of(control.Course)}
+        corners = tuple(zip(self.waypoints[::2], self.waypoints[1::2], strict=True))
+        return control.Following(waypoints=corners or None, guidance=guidance, **course)
+
+    @property
+    def plans_ahead(self) -> bool:
+        """Whether the guidance is model-predictive."""
+        return self.guidance == "model-predictive"
 
 
 @value_class
@@ -245,24 +250,19 @@ class Follow(Run):
     route: Route = option("Path to follow, and guidance law", default=Route())
 
     @classmethod
-    def read(cls, words: Sequence[str], prog: str) -> Any:
+    def read(cls, arguments: Sequence[str], prog: str) -> Any:
         """Return the command that was typed; see `OfScenario.read`."""
-        names, route = (
-            scene.Names.read(words, prog),
-            flags.parse_command(Route, words, prog, known_only=True),
-        )
-        scenario, origin = names.scenario(words)
-        kind = FollowPlanned if route.guidance == "model-predictive" else cls
+        names = scene.Names.read(arguments, prog)
+        route: Route = flags.parse_command(Route, arguments, prog, known_only=True)
+        scenario, origin = names.scenario(arguments)
+        command_class = cls
+        if route.plans_ahead:
+            command_class = FollowPlanned
         if scenario.motion == scenario.gait:  # a file may have a controller
-            motion = (
-                scenario.gait
-                if kind is FollowPlanned
-                else route.following.controller(scenario.gait)
-            )
-            scenario = replace(
-                scenario, motion=motion, duration=90.0, start=lc.Start(center_of_mass=(0.0, 1.0))
-            )
-        return kind.about(scenario, words, prog, choice=names, origin=origin, route=route)
+            scenario = _off_the_path(scenario, route)
+        return command_class.about(
+            scenario, arguments, prog, choice=names, origin=origin, route=route
+        )
 
     def run(self) -> command.Outcome:
         """Run, and write the results."""
@@ -278,10 +278,21 @@ class Follow(Run):
         motion = scenario.motion
         if not self.route.observe_current or not isinstance(motion, control.PathFollowing):
             return scenario
-        return replace(
-            scenario,
-            motion=replace(motion, observer=control.CurrentObserver(model=learn_model(scenario))),
-        )
+        observer = control.CurrentObserver(model=learn_model(scenario))
+        return replace(scenario, motion=replace(motion, observer=observer))
+
+
+def _off_the_path(scenario: lc.Scenario, route: Route) -> lc.Scenario:
+    """Return a run that starts beside the path, with the controller of the route."""
+    motion: Any = scenario.gait  # one that plans ahead learns a model first, see `FollowPlanned`
+    if not route.plans_ahead:
+        motion = route.following.controller(scenario.gait)
+    return replace(
+        scenario,
+        motion=motion,
+        duration=FOLLOWING_DURATION,
+        start=lc.Start(center_of_mass=START_BESIDE_PATH),
+    )
 
 
 @value_class
@@ -299,10 +310,18 @@ class FollowPlanned(Follow):
 
     def steered(self, scenario: lc.Scenario) -> lc.Scenario:
         """Fit a model of the gait, and return the scenario with a controller that uses it; see `Follow.steered`."""
-        gait, model = scenario.gait, learn_model(scenario, self.plan.frequency_limits)
-        speed = model.speed(gait.frequency, 0.0) if self.speed is None else self.speed
-        path, plan = self.route.following.path, vars(self.plan)
-        motion = control.ModelPredictive(gait=gait, path=path, model=model, speed=speed, **plan)
+        gait = scenario.gait
+        model = learn_model(scenario, self.plan.frequency_limits)
+        speed = self.speed
+        if speed is None:
+            speed = model.speed(gait.frequency, 0.0)
+        motion = control.ModelPredictive(
+            gait=gait,
+            path=self.route.following.path,
+            model=model,
+            speed=speed,
+            **vars(self.plan),
+        )
         return replace(scenario, motion=motion)
 
 
@@ -361,64 +380,88 @@ class Replay(Recording):
         """Read, run again and write."""
         log = operate.read_operation(self.file)
         estimates = self._estimates(log)
-        trial, timing = operate.trial_of(log, estimates), log.timing
+        trial = operate.trial_of(log, estimates)
         if self.plot_timing is not None:
-            if timing is None:
-                raise BadArgument(
-                    "plot_timing",
-                    f"must go with a recording whose loop had a clock, got {self.file}",
-                )
-            sheet = figures.timing_sheet(timing.lateness, timing.latency, timing.interval)
-            figures.save_figure(sheet, self.plot_timing)
-        rerun = operate.rerun_controller(log, estimates=estimates) if self.control else None
+            self._plot_timing(log, self.plot_timing)
+        rerun = None
+        if self.control:
+            rerun = operate.rerun_controller(log, estimates=estimates)
         verdict = operate.recorded_verdict_summary(log, simulate.build_plant)
         facts: dict[str, Any] = {"lost": log.lost, "verdict": verdict}
-        text = ["\n".join(verdict["lines"])]
-        if timing is not None:
-            facts["timing"] = timing.summary()
-            text.append(f"The operator's loop: {operate.punctuality(facts['timing'])}.")
+        paragraphs = ["\n".join(verdict["lines"])]
+        if log.timing is not None:
+            facts["timing"] = log.timing.summary()
+            paragraphs.append(f"The operator's loop: {operate.punctuality(facts['timing'])}.")
         if rerun is not None:
-            facts["control"] = {
-                "n_commands": len(rerun.recorded),
-                "n_different": rerun.n_different,
-                "largest_difference": rerun.largest_difference,
-            }
-            text.append(_sentence(rerun))
-        learned = (
-            operate.rerun_learner(log, simulate.build_plant)
-            if self.learn
-            else log.of(estimation.Learned)
-        )
+            facts["control"] = _facts_of_rerun(rerun)
+            paragraphs.append(_describe_rerun(rerun))
+        learned = self._learned(log)
         if learned or self.learn:
-            facts["learned"] = [vars(one) for one in learned]
-            text.append(
-                f"Learned: {learned[-1].line if learned else 'nothing, from so few cycles'}."
-            )
-            text += [f"{one.time:.2f} s: {change}" for one in learned for change in one.changes]
+            facts["learned"] = [vars(entry) for entry in learned]
+            paragraphs += _describe_learned(learned)
+        more = "".join(f"\n\n{paragraph}" for paragraph in paragraphs)
+        outcome = self.outcome(trial, "", more, facts)
         lost = f"laticauda: {log.lost}" if log.lost else ""
-        return replace(
-            self.outcome(trial, "", "".join(f"\n\n{one}" for one in text), facts), problem=lost
-        )
+        return replace(outcome, problem=lost)
+
+    def _plot_timing(self, log: "operate.OperationLog", path: str) -> None:
+        timing = log.timing
+        if timing is None:
+            rule = "must go with a recording whose loop had a clock"
+            raise BadArgument("plot_timing", f"{rule}, got {self.file}")
+        sheet = figures.timing_sheet(timing.lateness, timing.latency, timing.interval)
+        figures.save_figure(sheet, path)
+
+    def _learned(self, log: "operate.OperationLog") -> "Sequence[estimation.Learned]":
+        """Return what the learning twin learned: again, or as recorded."""
+        if self.learn:
+            return operate.rerun_learner(log, simulate.build_plant)
+        return log.of(estimation.Learned)
 
     def _estimates(self, log: "operate.OperationLog") -> "list[estimation.Estimate] | None":
+        """Return the motion as estimated again; None: as recorded."""
         if self.kinematics:
-            known = {
-                name: getattr(log.header.estimator, name, None) for name in ("mount", "in_space")
-            }
-            kwargs = {name: one for name, one in known.items() if one is not None}
-            return operate.rerun_estimator(
-                log, estimation.KinematicEstimator(robot=log.header.run.robot, **kwargs)
-            )
-        return operate.rerun_estimator(log, plant=simulate.build_plant) if self.estimate else None
+            estimator = _kinematic_estimator(log)
+            return operate.rerun_estimator(log, estimator)
+        if self.estimate:
+            return operate.rerun_estimator(log, plant=simulate.build_plant)
+        return None
 
 
-def _sentence(rerun: "operate.Rerun") -> str:
-    n = len(rerun.recorded)
+def _kinematic_estimator(log: "operate.OperationLog") -> "estimation.KinematicEstimator":
+    """Return an estimator by kinematics alone, with the settings of the recorded one."""
+    settings: dict[str, Any] = {}
+    for name in ("mount", "in_space"):
+        setting = getattr(log.header.estimator, name, None)
+        if setting is not None:
+            settings[name] = setting
+    return estimation.KinematicEstimator(robot=log.header.run.robot, **settings)
+
+
+def _describe_learned(learned: "Sequence[estimation.Learned]") -> list[str]:
+    """Return the last line of what was learned, and all changes of the robot."""
+    if not learned:
+        return ["Learned: nothing, from so few cycles."]
+    lines = [f"Learned: {learned[-1].line}."]
+    for entry in learned:
+        lines += [f"{entry.time:.2f} s: {change}" for change in entry.changes]
+    return lines
+
+
+def _facts_of_rerun(rerun: "operate.Rerun") -> dict[str, Any]:
+    return {
+        "n_commands": len(rerun.recorded),
+        "n_different": rerun.n_different,
+        "largest_difference": rerun.largest_difference,
+    }
+
+
+def _describe_rerun(rerun: "operate.Rerun") -> str:
+    n_instants = len(rerun.recorded)
     if rerun.n_different == 0:
-        return (
-            f"The controller decided the same again, to the last bit, at all {n} control instants."
-        )
+        same = "The controller decided the same again, to the last bit"
+        return f"{same}, at all {n_instants} control instants."
     return (
-        f"The controller decided otherwise at {rerun.n_different} of {n} control instants, "
+        f"The controller decided otherwise at {rerun.n_different} of {n_instants} control instants, "
         f"by up to {rerun.largest_difference:.3g} rad of the joints' offset."
     )

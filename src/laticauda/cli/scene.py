@@ -1,17 +1,21 @@
-"""What swims, how and where: names are read first, and further flags change what they stand for."""
+"""What swims, how and where: names are read first, and further flags change what they stand for.
+
+The flags of a command depend on what the names stand for: each number of that robot's gait, water
+and model is one. So a command about a scenario is read twice: first its `Names` alone, and then, on
+the scenario that they stand for, everything.
+"""
 
 import sys
 from collections.abc import Sequence
-from dataclasses import fields, replace
-from importlib import import_module
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Any, Self, TypeVar, cast
+from typing import Any, NamedTuple, Self, cast
 
 import laticauda as lc
 from laticauda import robot
 from laticauda.cli.command import Command
-from laticauda.cli.flags import BadFlag, File, Options, accept_objects, parse_command, was_typed
-from laticauda.cli.tables import parse_numbers
+from laticauda.cli.flags import File, Options, parse_command, was_typed
+from laticauda.cli.laws import find_member, import_law
 from laticauda.models import simulate
 from laticauda.motion.gaits.gait import FIRST_GAIT
 from laticauda.scenarios import (
@@ -23,13 +27,24 @@ from laticauda.scenarios import (
     model_of,
     named_after,
 )
-from laticauda.values import codec
-from laticauda.values.errors import BadArgument, LaticaudaError
-from laticauda.values.extensions import Extensible, name_of
+from laticauda.values.errors import BadArgument
+from laticauda.values.extensions import name_of
 from laticauda.values.quantities import option, quantity, value_class
-from laticauda.water.fluid.flow import Flow
 
-Kind = TypeVar("Kind", bound=Extensible)
+IMPORTED_NAMES = ("gait", "law", "joints", "scene")
+"""Names that may be MODULE:CLASS."""
+COMPILING_TIME = 10
+"""Typical time to compile the kernels of the planar model [s]."""
+COMPILING_TIME_IN_SPACE = 25
+"""Typical time to compile those of the spatial model [s]."""
+
+
+class NamedScenario(NamedTuple):
+    """What names stand for."""
+
+    scenario: Scenario
+    origin: str
+    """Source of the environment, in words."""
 
 
 @value_class
@@ -57,188 +72,168 @@ class Names(Choice, Options):
     )
 
     @classmethod
-    def read(cls, words: Sequence[str], prog: str) -> Self:
-        """Return the names among the words; the other words are left to be read later.
+    def read(cls, arguments: Sequence[str], prog: str) -> Self:
+        """Return the names among the arguments; the others are left to be read later.
 
         Args:
-            words: Words that were typed.
+            arguments: What was typed.
             prog: Name of the command in the help.
         """
-        return parse_command(cls, words, prog, known_only=True)
+        return parse_command(cls, arguments, prog, known_only=True)
 
     def motion(self) -> lc.Gait:
         """Return the gait of Mamba's first trial in the paper with the requested envelope, or a recorded gait."""
-        if self.joint_angles is not None:
-            return lc.recorded_gait(_recorded(self.joint_angles), envelope=self._envelope())
-        return replace(FIRST_GAIT, envelope=self._envelope())
+        if self.joint_angles is None:
+            return replace(FIRST_GAIT, envelope=self.requested_envelope())
+        angles = _load_joint_angles(self.joint_angles)
+        return lc.recorded_gait(angles, envelope=self.requested_envelope())
 
-    def _envelope(self) -> lc.Envelope:
-        if (self.envelope is None) == (self.gait == "custom"):
-            rule = f"must be given for the gait custom, and only for it; --gait is {self.gait}, got {self.envelope}"
-            raise BadArgument("envelope", rule)
+    def requested_envelope(self) -> lc.Envelope:
+        """Return the envelope of the gait that was named."""
+        is_custom = self.gait == "custom"
+        if is_custom != (self.envelope is not None):
+            rule = f"must be given for the gait custom, and only for it; --gait is {self.gait}"
+            raise BadArgument("envelope", f"{rule}, got {self.envelope}")
         if self.envelope is not None:
             return lc.Custom(values=self.envelope)
         return find_member(lc.Envelope, self.gait.replace("_", "-"), "gait")
 
-    def scenario(self, words: Sequence[str]) -> tuple[Scenario, str]:
-        """Return the scenario that the names stand for, and the source of the environment in words.
+    def scenario(self, arguments: Sequence[str]) -> NamedScenario:
+        """Return the scenario that the names stand for.
 
         Args:
-            words: Words that were typed. A file may come first; the names that were typed change
-                its scenario.
+            arguments: What was typed. A file may come first; the names that were typed change its
+                scenario.
         """
-        if words and not words[0].startswith("-"):
-            for option in (
-                "gait",
-                "law",
-                "joints",
-                "scene",
-            ):  # a file imports nothing: what it names must be typed too
-                import_law(getattr(self, option) or "", option)
-            return self._changed(load_scenario(words[0]), words), f"as {words[0]} says"
+        if arguments and not arguments[0].startswith("-"):
+            return self._scenario_of_file(arguments)
         gait = self.motion()
-        chosen = self._known().resolved(gait)
-        environment = self._with_law(chosen.environment)
-        found = Scenario(
-            robot=chosen.robot, motion=gait, environment=environment, model=chosen.model
+        choice = self.with_imports().resolved(gait)
+        scenario = Scenario(
+            robot=choice.robot,
+            motion=gait,
+            environment=self.with_law(choice.environment),
+            model=choice.model,
         )
-        return found, chosen.origin
+        return NamedScenario(scenario, choice.origin)
 
-    def _changed(self, found: Scenario, words: Sequence[str]) -> Scenario:
-        """Return a file's scenario, changed by the names that were typed."""
-        typed = {name for name in NAMES if was_typed(name, words)}
-        envelope = self._envelope() if typed & {"gait", "envelope"} else found.gait.envelope
-        is_kept = "envelope" not in typed and type(envelope) is type(
-            found.gait.envelope
-        )  # with the file's numbers
-        gait = found.gait if is_kept else replace(found.gait, envelope=envelope)
-        gait = self.motion() if "joint_angles" in typed else gait
+    def _scenario_of_file(self, arguments: Sequence[str]) -> NamedScenario:
+        """Return the scenario of a file, changed by the names that were typed."""
+        for field_name in IMPORTED_NAMES:  # a file imports nothing: its classes must be typed, too
+            import_law(getattr(self, field_name) or "", field_name)
+        path = arguments[0]
+        typed_names = frozenset(name for name in NAMES if was_typed(name, arguments))
+        change = _ChangeOfScenario(names=self, typed_names=typed_names)
+        return NamedScenario(change.of(load_scenario(path)), f"as {path} says")
 
-        def find_robot(name: str, n_links: int | None) -> lc.Robot:
-            if "robot" in typed:
-                return lc.load_robot(name, n_links)
-            return found.robot if n_links is None else found.robot.with_links(n_links)
-
-        chosen = self._known().resolved(gait, find_robot)
-        where = (
-            chosen.environment if typed & {"water", "ground", "parameters"} else found.environment
-        )
-        model = chosen.model if "model" in typed else found.model
-        joints = self._known().joints if "joints" in typed else None
-        if "scene" in typed:
-            model = model_of(model, scene=self._known().scene)
-        return replace(
-            found,
-            robot=chosen.robot,
-            motion=gait
-            if isinstance(found.motion, lc.Gait)
-            else replace(cast("Any", found.motion), gait=gait),
-            environment=self._with_law(where),
-            model=model_of(model, joints=joints)
-            if joints not in (None, name_of(type(model.joints)))
-            else model,
-        )
-
-    def _known(self) -> Self:
+    def with_imports(self) -> Self:
         """Return these names; a joint law or a scene that is given as MODULE:CLASS is imported."""
-        given = {
-            name: import_law(one, name)
-            for name in ("joints", "scene")
-            if (one := getattr(self, name)) is not None
-        }
-        return replace(self, **given)
+        names = self
+        if self.joints is not None:
+            names = replace(names, joints=import_law(self.joints, "joints"))
+        if self.scene is not None:
+            names = replace(names, scene=import_law(self.scene, "scene"))
+        return names
 
-    def _with_law(self, environment: robot.Environment) -> robot.Environment:
+    def with_law(self, environment: robot.Environment) -> robot.Environment:
+        """Return an environment with the requested law; one that has it already keeps its numbers.
+
+        Args:
+            environment: Water or ground.
+        """
         if self.law is None:
             return environment
-        law, field = (
-            find_member(lc.DragLaw, self.law, "law"),
-            "drag" if isinstance(environment, lc.Water) else "friction",
+        law = find_member(lc.DragLaw, self.law, "law")
+        field_name = "friction"
+        if isinstance(environment, lc.Water):
+            field_name = "drag"
+        if type(law) is type(getattr(environment, field_name)):
+            return environment
+        name = f"{environment.name} with {name_of(type(law))}"
+        changes: Any = {field_name: law, "name": name}
+        return replace(environment, **changes)
+
+
+NAMES = tuple(field.name for field in fields(Names))
+
+
+@dataclass(frozen=True)
+class _ChangeOfScenario:
+    """Changes a file's scenario by the names that were typed; of everything else, the file decides."""
+
+    names: Names
+    typed_names: frozenset[str]
+    """Those that were typed; all others have their defaults."""
+
+    def of(self, scenario: Scenario) -> Scenario:
+        gait = self._gait(scenario)
+        choice = self.names.with_imports().resolved(
+            gait, lambda name, n_links: self._robot(scenario, name, n_links)
         )
-        is_kept = type(law) is type(
-            getattr(environment, field)
-        )  # with the numbers of the environment's law
-        changes: Any = {field: law, "name": f"{environment.name} with {name_of(type(law))}"}
-        return environment if is_kept else replace(environment, **changes)
+        environment = scenario.environment
+        if self._are_typed("water", "ground", "parameters"):
+            environment = choice.environment
+        model = scenario.model
+        if self._are_typed("model"):
+            model = choice.model
+        model = self._with_scene(model)
+        return replace(
+            scenario,
+            robot=choice.robot,
+            motion=_motion_with_gait(scenario, gait),
+            environment=self.names.with_law(environment),
+            model=self._with_joints(model),
+        )
+
+    def _are_typed(self, *names: str) -> bool:
+        """Return whether at least one of these was typed."""
+        return not self.typed_names.isdisjoint(names)
+
+    def _gait(self, scenario: Scenario) -> lc.Gait:
+        gait = scenario.gait
+        if self._are_typed("gait", "envelope"):
+            envelope = self.names.requested_envelope()
+            is_same_kind = type(envelope) is type(gait.envelope)
+            if self._are_typed("envelope") or not is_same_kind:  # else it keeps the file's numbers
+                gait = replace(gait, envelope=envelope)
+        if self._are_typed("joint_angles"):
+            return self.names.motion()
+        return gait
+
+    def _robot(self, scenario: Scenario, name: str, n_links: int | None) -> lc.Robot:
+        if self._are_typed("robot"):
+            return lc.load_robot(name, n_links)
+        if n_links is None:
+            return scenario.robot
+        return scenario.robot.with_links(n_links)
+
+    def _with_scene(self, model: Model) -> Model:
+        if not self._are_typed("scene"):
+            return model
+        return model_of(model, scene=self.names.with_imports().scene)
+
+    def _with_joints(self, model: Model) -> Model:
+        if not self._are_typed("joints"):
+            return model
+        joints = self.names.with_imports().joints
+        if joints is None or joints == name_of(type(model.joints)):
+            return model
+        return model_of(model, joints=joints)
 
 
-def _recorded(name: str) -> lc.JointAngles:
+def _motion_with_gait(scenario: Scenario, gait: lc.Gait) -> Any:
+    if isinstance(scenario.motion, lc.Gait):
+        return gait
+    return replace(cast("Any", scenario.motion), gait=gait)
+
+
+def _load_joint_angles(name: str) -> lc.JointAngles:
     """Return the joint angles of a preset, a table, or a trial in any of its formats."""
     if Path(name).suffix in ("", ".csv"):
         return lc.load_joint_angles(name)
     from laticauda.trials.logs import load_trial
 
     return lc.JointAngles.of(load_trial(name))
-
-
-def import_law(name: str, option: str) -> str:
-    """Return the name of a law or an envelope; only MODULE:CLASS is ever imported.
-
-    Args:
-        name: Name that was typed.
-        option: Field of the option, for messages.
-
-    Raises:
-        ValueError: If there is no such class.
-    """
-    module, colon, word = name.partition(":")
-    if not colon:
-        return name
-    if "" not in sys.path:  # as for `python -m`: users' own files are in the current folder
-        sys.path.insert(0, "")
-    try:
-        return name_of(getattr(import_module(module), word))
-    except (ImportError, AttributeError) as error:
-        raise BadArgument(option, f"must be a name or MODULE:CLASS, got {name}: {error}") from None
-
-
-def find_member(base: type[Kind], name: str, option: str) -> Kind:
-    """Return an instance of a subclass of `base`, given by name or as MODULE:CLASS, with its default values.
-
-    Args:
-        base: Base class of drag laws, envelopes or the like.
-        name: Name that was typed.
-        option: Field of the option, for messages.
-
-    Raises:
-        ValueError: If there is no such member.
-    """
-    try:
-        return base.named(import_law(name, option))()
-    except TypeError:
-        raise BadArgument(
-            option, f"must be one whose numbers all have defaults, got {name}"
-        ) from None
-    except BadArgument as error:
-        raise BadArgument(option, error.rule) from None
-
-
-def parse_current(words: Sequence[str]) -> Flow:
-    """Return the flow that was typed: a preset, a file or MODULE:CLASS, then NAME=VALUE for its other numbers.
-
-    Args:
-        words: Words that were typed; an angle under its name with ``-deg``.
-
-    Raises:
-        BadFlag: If there is no such flow, or it has no such number.
-    """
-    name, *changes = words
-    try:
-        flow = find_member(Flow, name, "current") if ":" in name else robot.load_current(name)
-        pairs = [parse_numbers("current", word, CHANGES) for word in changes]
-        return codec.updated(
-            flow, {key.replace("-", "_"): int(x) if x.is_integer() else x for key, _, (x,) in pairs}
-        )
-    except codec.BadKey as bad:
-        raise BadFlag(f"--current {name}: {bad}") from None
-    except BadArgument as error:
-        raise BadFlag(f"--current {error.rule}.") from None
-    except LaticaudaError as error:
-        raise BadFlag(f"--current: {error}.") from None
-
-
-CHANGES = "a preset or a file and NAME=NUMBER ..., such as swell height=0.2"
-accept_objects(Flow, "NAME|PATH [NAME=NUMBER ...]", parse_current)
 
 
 def warn_of_compiling(environment: robot.Environment, model: Model | str = "planar") -> None:
@@ -248,16 +243,13 @@ def warn_of_compiling(environment: robot.Environment, model: Model | str = "plan
         environment: Environment of the run.
         model: Model of the run.
     """
-    if simulate.needs_compiling(environment, model):
-        seconds = 25 if model == "spatial" or isinstance(model, Spatial) else 10
-        print(
-            f"compiling the kernels for this machine (once, about {seconds} s) ...",
-            file=sys.stderr,
-            flush=True,
-        )
-
-
-NAMES = tuple(field.name for field in fields(Names))
+    if not simulate.needs_compiling(environment, model):
+        return
+    seconds = COMPILING_TIME
+    if model == "spatial" or isinstance(model, Spatial):
+        seconds = COMPILING_TIME_IN_SPACE
+    notice = f"compiling the kernels for this machine (once, about {seconds} s) ..."
+    print(notice, file=sys.stderr, flush=True)
 
 
 @value_class
@@ -272,28 +264,30 @@ class OfScenario(Command):
     origin: Any = option("Where the environment is from, in words", default="")
 
     @classmethod
-    def read(cls, words: Sequence[str], prog: str) -> Any:
+    def read(cls, arguments: Sequence[str], prog: str) -> Any:
         """Return the command that was typed, reading its names first; see `Command.read`."""
-        names = Names.read(words, prog)
-        scenario, origin = names.scenario(words if "file" in cls.__dataclass_fields__ else ())
-        return cls.about(scenario, words, prog, choice=names, origin=origin)
+        names = Names.read(arguments, prog)
+        accepts_file = "file" in cls.__dataclass_fields__
+        scenario, origin = names.scenario(arguments if accepts_file else ())
+        return cls.about(scenario, arguments, prog, choice=names, origin=origin)
 
     @classmethod
-    def about(cls, scenario: Scenario, words: Sequence[str], prog: str, **parts: Any) -> Self:
+    def about(cls, scenario: Scenario, arguments: Sequence[str], prog: str, **parts: Any) -> Self:
         """Return the command whose scenario is known except for individual numbers.
 
         Args:
             scenario: Scenario that the names stand for.
-            words: Words that were typed.
+            arguments: What was typed.
             prog: Name of the command in the help.
             parts: Other fields that are known.
         """
-        return parse_command(cls, words, prog, cls(scenario=scenario, before=scenario, **parts))
+        default = cls(scenario=scenario, before=scenario, **parts)
+        return parse_command(cls, arguments, prog, default)
 
     @property
     def chosen(self) -> Scenario:
         """Scenario with the numbers that were typed; the name of its water states how it differs."""
-        water, old = self.scenario.environment, self.before.environment
-        if not isinstance(water, lc.Water) or not isinstance(old, lc.Water):
+        water, water_before = self.scenario.environment, self.before.environment
+        if not isinstance(water, lc.Water) or not isinstance(water_before, lc.Water):
             return self.scenario
-        return replace(self.scenario, environment=named_after(water, old))
+        return replace(self.scenario, environment=named_after(water, water_before))

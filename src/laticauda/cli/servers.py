@@ -8,7 +8,7 @@ import threading
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import laticauda as lc
 from laticauda import connect as cosim, robot
@@ -24,6 +24,10 @@ from laticauda.values.files import to_json
 from laticauda.values.quantities import option, quantity, value_class
 
 # ---- the virtual tank ----------------------------------------------------------------------------
+
+
+NOTICED_DELAY = 0.05
+"""From here on, an operator notices that devices answer late [s]."""
 
 
 @value_class
@@ -101,41 +105,43 @@ class LabCommand(Command):
     )
 
     @classmethod
-    def read(cls, words: Sequence[str], prog: str) -> "LabCommand":
+    def read(cls, arguments: Sequence[str], prog: str) -> "LabCommand":
         """Return the command that was typed; see `Command.read`."""
-        body: Body = parse_command(Body, words, prog, known_only=True)
-        settings = model_of(
-            body.model, joints=body.joints, **({} if body.scene is None else {"scene": body.scene})
+        body: Body = parse_command(Body, arguments, prog, known_only=True)
+        changes: dict[str, Any] = {"joints": body.joints}
+        if body.scene is not None:
+            changes["scene"] = body.scene
+        model = model_of(body.model, **changes)
+        default = cls(
+            body=body,
+            coefficients=body.pool,
+            servos=model.joints,
+            scene=getattr(model, "scene", None) or Scene(),
         )
-        scene = getattr(settings, "scene", None) or Scene()
-        return parse_command(
-            cls,
-            words,
-            prog,
-            cls(body=body, coefficients=body.pool, servos=settings.joints, scene=scene),
-        )
+        return parse_command(cls, arguments, prog, default)
 
     def run(self) -> None:
         """Serve until Ctrl-C, or for the requested duration."""
         bus = protocol.bus_address(self.wires.bus, hops=self.wires.hops)
         if bus.interface == "virtual":
-            raise BadArgument(
-                "bus", f"must be udp_multicast or socketcan, which other processes reach, got {bus}"
-            )
+            rule = "must be udp_multicast or socketcan, which other processes reach"
+            raise BadArgument("bus", f"{rule}, got {bus}")
         tank = self._tank()
-        served = lab.Lab(
-            tank, bus=bus, host=self.wires.host, port=self.wires.port, speed=self.time.speed
+        server = lab.Lab(
+            tank,
+            bus=bus,
+            host=self.wires.host,
+            port=self.wires.port,
+            speed=self.time.speed,
         )
-        addresses = served.open()
-        with until_stopped(served.close):
-            self._announce(addresses, tank)
-            threading.Thread(target=_listen, args=(served,), daemon=True).start()
-            served.run(self.time.duration)
-        if served.behind > 0.05:  # s; the operator notices that devices answer late
-            print(
-                f"Too slow for this `--speed`: the lab was up to {served.behind:.2f} s late.",
-                file=sys.stderr,
-            )
+        addresses = server.open()
+        with until_stopped(server.close):
+            self._announce_addresses(addresses, tank)
+            threading.Thread(target=_obey_lines, args=(server,), daemon=True).start()
+            server.run(self.time.duration)
+        if server.behind > NOTICED_DELAY:
+            delay = f"the lab was up to {server.behind:.2f} s late"
+            print(f"Too slow for this `--speed`: {delay}.", file=sys.stderr)
         if self.save is not None:
             tank.body.trial(packaging.__version__).save(self.save)
 
@@ -143,44 +149,51 @@ class LabCommand(Command):
         """Return the requested tank, with its kernels compiled."""
         robot = load_robot(self.body.robot)
         water = named_after(self.coefficients, self.body.pool)
-        faults = () if self.time.faults is None else lab.load_faults(self.time.faults)
+        faults = ()
+        if self.time.faults is not None:
+            faults = lab.load_faults(self.time.faults)
         settings = lab.LabSettings(seed=self.time.seed)
         warn_of_compiling(water, self.body.model)
-        scene = None if self.body.scene is None else self.scene
-        body = lc.build_plant(robot, water, model=self.body.model, joints=self.servos, scene=scene)
-        return lab.Tank(
-            lab.VirtualRobot(robot, body, self.start, depth=settings.mocap.depth), settings, faults
-        )
+        scene = None
+        if self.body.scene is not None:
+            scene = self.scene
+        plant = lc.build_plant(robot, water, model=self.body.model, joints=self.servos, scene=scene)
+        virtual_robot = lab.VirtualRobot(robot, plant, self.start, depth=settings.mocap.depth)
+        return lab.Tank(virtual_robot, settings, faults)
 
-    def _announce(self, addresses: "lab.LabAddresses", tank: "lab.Tank") -> None:
+    def _announce_addresses(self, addresses: "lab.LabAddresses", tank: "lab.Tank") -> None:
         host, bus = addresses.mocap_host, addresses.bus
         if host not in LOCAL:
-            print(
-                f"Anyone who reaches {host} can read the cameras: the protocol has no passwords.",
-                file=sys.stderr,
-            )
+            warning = f"Anyone who reaches {host} can read the cameras"
+            print(f"{warning}: the protocol has no passwords.", file=sys.stderr)
         if bus.hops or bus.interface == "socketcan":
-            print(
-                f"Anyone on {bus} can move the robot: a CAN bus has no passwords.", file=sys.stderr
-            )
-        qtm = f"{host}:{addresses.mocap_port}"
-        line = {"bus": str(bus), "qtm": qtm, "meter": addresses.meter, "nodes": len(tank.nodes)}
-        only = "" if host != "127.0.0.1" or bus.hops else " (this computer only)"
-        self.announce(line, " | ".join(f"{name} {value}" for name, value in line.items()) + only)
+            warning = f"Anyone on {bus} can move the robot"
+            print(f"{warning}: a CAN bus has no passwords.", file=sys.stderr)
+        facts = {
+            "bus": str(bus),
+            "qtm": f"{host}:{addresses.mocap_port}",
+            "meter": addresses.meter,
+            "nodes": len(tank.nodes),
+        }
+        text = " | ".join(f"{name} {value}" for name, value in facts.items())
+        if host == "127.0.0.1" and not bus.hops:
+            text += " (this computer only)"
+        self.announce(facts, text)
 
 
-def _listen(served: "lab.Lab") -> None:
+def _obey_lines(server: "lab.Lab") -> None:
     """Carry out the lines on standard input until it ends."""
     with suppress(OSError):  # there is no standard input
         for line in filter(str.strip, sys.stdin or ()):
-            try:
-                print(
-                    served.call(lambda tank, line=line: lab.assist(tank, line)),
-                    file=sys.stderr,
-                    flush=True,
-                )
-            except ValueError as error:
-                print(error, file=sys.stderr, flush=True)
+            print(_obey(server, line), file=sys.stderr, flush=True)
+
+
+def _obey(server: "lab.Lab", line: str) -> object:
+    """Carry out a line, and return the answer."""
+    try:
+        return server.call(lambda tank: lab.assist(tank, line))
+    except ValueError as error:
+        return error
 
 
 # ---- robots in water for other programs ----------------------------------------------------------
@@ -211,51 +224,67 @@ class Serve(Command):
     def run(self) -> Outcome | None:
         """Serve until Ctrl-C."""
         if self.schema:
-            found = cosim.message_schema()
-            return Outcome(facts=found, text=to_json(found))
+            schema = cosim.message_schema()
+            return Outcome(facts=schema, text=to_json(schema))
         server = cosim.Server(
-            self.host, self.port, max_clients=self.max_clients, own_robots=_own(self.robots)
+            self.host,
+            self.port,
+            max_clients=self.max_clients,
+            own_robots=_load_own_robots(self.robots),
         )
         _compile()
         server.open()
         with until_stopped(server.close):
-            token, folder = server.door.token, str(cosim.clients_folder())
-            if server.door.warning:
-                print(server.door.warning, file=sys.stderr)
-            facts = {"host": server.host, "port": server.port, "protocol": cosim.PROTOCOL_VERSION}
-            address = f"{server.host}:{server.port} ({f'token {token}' if token else 'this computer only'})"
-            text = f"tcp {address} | protocol {cosim.PROTOCOL_VERSION} | clients {folder}"
-            self.announce(
-                {**facts, "token": token, "clients": folder, "matlab": f"{folder}/matlab"}, text
-            )
+            self._announce_address(server)
             server.run()
         return None
 
+    def _announce_address(self, server: "cosim.Server") -> None:
+        token = server.door.token
+        folder = str(cosim.clients_folder())
+        if server.door.warning:
+            print(server.door.warning, file=sys.stderr)
+        reach = "this computer only"
+        if token:
+            reach = f"token {token}"
+        facts = {
+            "host": server.host,
+            "port": server.port,
+            "protocol": cosim.PROTOCOL_VERSION,
+            "token": token,
+            "clients": folder,
+            "matlab": f"{folder}/matlab",
+        }
+        address = f"{server.host}:{server.port} ({reach})"
+        text = f"tcp {address} | protocol {cosim.PROTOCOL_VERSION} | clients {folder}"
+        self.announce(facts, text)
 
-def _own(files: tuple[str, ...]) -> dict[str, lc.Robot]:
+
+def _load_own_robots(files: tuple[str, ...]) -> dict[str, lc.Robot]:
     """Return the robots in files, by the names of the files.
 
     Raises:
         ValueError: If a preset or another file has the same name.
     """
-    found: dict[str, lc.Robot] = {}
+    own_robots: dict[str, lc.Robot] = {}
     for file in files:
         name = Path(file).stem
-        if name in found or name in robot.robot_names():
-            raise BadArgument(
-                "robots", f"must have unique names, got {file}: there is another `{name}`"
-            )
-        found[name] = lc.load_robot(Path(file))
-    return found
+        if name in own_robots or name in robot.robot_names():
+            rule = f"must have unique names, got {file}: there is another `{name}`"
+            raise BadArgument("robots", rule)
+        own_robots[name] = lc.load_robot(Path(file))
+    return own_robots
 
 
 def _compile() -> None:
     """Compile the kernels, so that no client's first step waits for the compiler."""
     water = lc.load_water("paper-lateral")
     warn_of_compiling(water)
-    command = lc.Command(gait=lc.lateral_undulation(amplitude=0.0, frequency=0.0, phase_shift=0.0))
-    body = lc.build_plant(lc.load_robot("mamba"), water)
-    body.step(body.init(lc.Start(), command), command, 1e-3)
+    resting_gait = lc.lateral_undulation(amplitude=0.0, frequency=0.0, phase_shift=0.0)
+    command = lc.Command(gait=resting_gait)
+    plant = lc.build_plant(lc.load_robot("mamba"), water)
+    state = plant.init(lc.Start(), command)
+    plant.step(state, command, 1e-3)
 
 
 # ---- the live page -------------------------------------------------------------------------------

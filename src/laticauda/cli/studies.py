@@ -5,6 +5,7 @@ of links, or for the front between speed and power.
 """
 
 from collections.abc import Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -27,7 +28,10 @@ from laticauda.values.checks import check_choice
 from laticauda.values.errors import BadArgument
 from laticauda.values.quantities import option, quantity, value_class
 
-N_BEST, N_SHOWN = 5, 8
+N_BEST = 5
+"""Number of points of a sweep that are printed."""
+N_SHOWN = 8
+"""Number of points of a front that are printed."""
 SHOWN_OF_BEST = ("forward_velocity", "mean_power", "cost_of_transport", "utilization")
 SHOWN_OF_FRONT = ("forward_velocity", "mechanical_power", "cost_of_transport", "utilization")
 BOTH = "speed-power"
@@ -94,17 +98,25 @@ class SweepCommand(Study):
         except BadArgument as error:
             if self.list is None or error.name == "list":
                 raise
-            where = "" if error.name in ("vary", "points") else f" `{error.name}`"
-            raise BadArgument("list", f"of {self.list}{where} {error.rule}") from error
+            position = f"of {self.list}"
+            if error.name not in ("vary", "points"):
+                position += f" `{error.name}`"
+            raise BadArgument("list", f"{position} {error.rule}") from error
         with stored_trials(self.output) as show, connected(self.scheduler) as client:
             if client is None:
                 warn_of_compiling(scenario.environment, scenario.model)
             studies.run_sweep(
                 sweep, self.output, progress=show, client=client, threads=self.threads
             )
-        n_trials, n_failed = sweep.n_trials, studies.count_failed(self.output)
         if self.plot is not None:
-            figures.save_figure(figures.sweep_sheet(studies.open_sweep(self.output)), self.plot)
+            sheet = figures.sweep_sheet(studies.open_sweep(self.output))
+            figures.save_figure(sheet, self.plot)
+        return self._report(scenario, sweep)
+
+    def _report(self, scenario: Scenario, sweep: studies.Sweep) -> Outcome:
+        """Report how many trials failed, and the best points."""
+        n_trials = sweep.n_trials
+        n_failed = studies.count_failed(self.output)
         status = f"All {n_trials} trials reached their end."
         if n_failed:
             status = f"{n_failed} of {n_trials} trials blew up; a smaller `dt` may help."
@@ -126,22 +138,20 @@ class SweepCommand(Study):
 
     def _points(self, known: Known) -> Points:
         """Return the requested points."""
-        words = [word for group in self.vary for word in group]
+        typed = list(chain.from_iterable(self.vary))
         if self.seed is not None and self.samples is None:
-            raise BadArgument(
-                "seed", "must be given with --samples only: a grid and a list are not random"
-            )
+            rule = "must be given with --samples only: a grid and a list are not random"
+            raise BadArgument("seed", rule)
         if self.list is not None:
-            if words or self.samples is not None:
+            if typed or self.samples is not None:
                 raise BadArgument("list", "must not be given together with --vary or --samples")
             return vary.read_rows(self.list, known)
-        if not words:
-            raise BadArgument(
-                "vary", f"must be given, or --list: {vary.FORM}; --names lists what can be varied"
-            )
+        if not typed:
+            rule = f"must be given, or --list: {vary.FORM}; --names lists what can be varied"
+            raise BadArgument("vary", rule)
         if self.samples is None:
-            return vary.parse_grid(words, known)
-        ranges = vary.parse_ranges(words, known, vary.SAMPLES_FORM)
+            return vary.parse_grid(typed, known)
+        ranges = vary.parse_ranges(typed, known, vary.SAMPLES_FORM)
         return studies.Samples(ranges=ranges, n_points=self.samples, seed=self.seed or 0)
 
 
@@ -191,35 +201,50 @@ class Optimize(Study):
         front.write_csv(folder / "front.csv")
         front.write_netcdf(folder / "front.nc")
         pictures = write_front_figure([front], folder)
-        text = [_text(front, folder)]
+        paragraphs = [_text(front, folder)]
         if pictures:
-            text.append(f"Figure: {', '.join(map(str, pictures))}")
+            paragraphs.append(f"Figure: {', '.join(map(str, pictures))}")
         return Outcome(
-            facts=_facts(front, folder, pictures), text="\n\n".join(text), succeeded=len(front) > 0
+            facts=_facts(front, folder, pictures),
+            text="\n\n".join(paragraphs),
+            succeeded=len(front) > 0,
         )
 
     def _front(self, scenario: Scenario, folder: Path) -> studies.Front:
         """Do the remaining work."""
-        names = [
-            check_choice("objective", word.replace("_", "-"), OBJECTIVES) for word in self.objective
-        ]
-        words = [word for group in self.vary for word in group] or RANGES
-        sought = studies.Optimization(
+        objectives = self._objectives()
+        typed = list(chain.from_iterable(self.vary)) or RANGES
+        optimization = studies.Optimization(
             scenario=scenario,
-            bounds=vary.parse_ranges(words, list_parameters(scenario), vary.RANGE_FORM),
-            objectives=studies.SPEED_POWER
-            if names == [BOTH]
-            else [name.replace("-", "_") for name in names],
+            bounds=vary.parse_ranges(typed, list_parameters(scenario), vary.RANGE_FORM),
+            objectives=objectives,
             **vars(self.limits),
         )
         warn_of_compiling(scenario.environment, scenario.model)
-        how = {name: getattr(self, name) for name in ("budget", "population", "seed", "threads")}
         with stored_trials(folder) as show:
-            return studies.optimize(sought, folder, progress=show, **how)
+            return studies.optimize(
+                optimization,
+                folder,
+                progress=show,
+                budget=self.budget,
+                population=self.population,
+                seed=self.seed,
+                threads=self.threads,
+            )
+
+    def _objectives(self) -> Sequence[str]:
+        """Return the names of the figures that are optimized."""
+        names = [
+            check_choice("objective", name.replace("_", "-"), OBJECTIVES) for name in self.objective
+        ]
+        if names == [BOTH]:
+            return studies.SPEED_POWER
+        return [name.replace("-", "_") for name in names]
 
 
 def _facts(front: studies.Front, folder: Path, pictures: Sequence[Path]) -> dict[str, Any]:
     """Return what was run and some points of a front, in SI units."""
+    files = [folder / "front.csv", folder / "front.nc", *pictures]
     return {
         "status": _status(front),
         "objectives": list(front.optimization.objectives),
@@ -228,8 +253,7 @@ def _facts(front: studies.Front, folder: Path, pictures: Sequence[Path]) -> dict
         "seed": front.seed,
         "output": str(folder),
         **vary.shared_facts(front.optimization.scenario),
-        "files": [str(folder / name) for name in ("front.csv", "front.nc")]
-        + [str(path) for path in pictures],
+        "files": [str(path) for path in files],
         "n_points": len(front),
         "at_bounds": front.at_bounds(),
         "points": [front.point(i) for i in front.spread(N_SHOWN)],
@@ -238,45 +262,47 @@ def _facts(front: studies.Front, folder: Path, pictures: Sequence[Path]) -> dict
 
 def _text(front: studies.Front, folder: Path) -> str:
     """Return some points of a front as a table, and the location of the files."""
-    sought, parts = front.optimization, [_status(front)]
+    optimization = front.optimization
+    parts = [_status(front)]
     if len(front):
         points = [front.point(i) for i in front.spread(N_SHOWN)]
-        parts.append(
-            vary.points_table(
-                sought.scenario, sought.names, [*sought.objectives, *SHOWN_OF_FRONT], points
-            )
-        )
-    parts += filter(None, ["\n".join(_at_bounds(front))])
-    return "\n\n".join([*parts, f"All points: {folder}/front.csv, {folder}/front.nc"])
+        figures_shown = [*optimization.objectives, *SHOWN_OF_FRONT]
+        table = vary.points_table(optimization.scenario, optimization.names, figures_shown, points)
+        parts.append(table)
+    hints = _hints_to_widen(front)
+    if hints:
+        parts.append("\n".join(hints))
+    parts.append(f"All points: {folder}/front.csv, {folder}/front.nc")
+    return "\n\n".join(parts)
 
 
-def _at_bounds(front: studies.Front) -> list[str]:
+def _hints_to_widen(front: studies.Front) -> list[str]:
     """Return a sentence for each parameter that lies at an end of its range."""
-    known, found = list_parameters(front.optimization.scenario), list[str]()
+    parameters = list_parameters(front.optimization.scenario)
+    sentences: list[str] = []
     for row in front.at_bounds():
-        parameter = known[row["name"]]
-        at = "" if len(front) == 1 else f" at {row['n_points']} of the {len(front)} points"
-        text = f"{vary.spell_parameter(parameter)} is {' '.join(read_in(row['value'], parameter.unit)).strip()}{at}"
-        found.append(
-            f"{text}, the {row['end']} of its range: the best may be beyond it; widen it with --vary."
-        )
-    return found
+        parameter = parameters[row["name"]]
+        value = " ".join(read_in(row["value"], parameter.unit)).strip()
+        if len(front) > 1:
+            value += f" at {row['n_points']} of the {len(front)} points"
+        finding = f"{vary.spell_parameter(parameter)} is {value}, the {row['end']} of its range"
+        sentences.append(f"{finding}: the best may be beyond it; widen it with --vary.")
+    return sentences
 
 
 def _status(front: studies.Front) -> str:
-    sought = front.optimization
-    words = " against ".join(name.replace("_", " ") for name in sought.objectives)
-    tried = f"{front.n_trials} points tried"
+    optimization = front.optimization
+    scenario = optimization.scenario
+    gait = scenario.gait.kind.replace("_", "-")
+    objectives = " against ".join(name.replace("_", " ") for name in optimization.objectives)
+    status = f"{gait}, robot {scenario.robot.name}, {objectives}: {front.n_trials} points tried"
     if front.n_infeasible:
-        tried += f", {front.n_infeasible} of them not feasible"
-    what = f"{sought.scenario.gait.kind.replace('_', '-')}, robot {sought.scenario.robot.name}, {words}: {tried}"
+        status += f", {front.n_infeasible} of them not feasible"
     if not len(front):
         return (
-            f"{what}; none is feasible: gaits exceed the limits of joints or actuators (--beyond-actuators), or "
+            f"{status}; none is feasible: gaits exceed the limits of joints or actuators (--beyond-actuators), or "
             "runs blow up (a smaller --dt may help), are too slow, or are too short for the objective."
         )
-    return (
-        f"{what}, {len(front)} on the front."
-        if len(sought.objectives) > 1
-        else f"{what}; the best is:"
-    )
+    if len(optimization.objectives) > 1:
+        return f"{status}, {len(front)} on the front."
+    return f"{status}; the best is:"

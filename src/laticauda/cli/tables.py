@@ -2,25 +2,52 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from laticauda.values.display_units import display_unit
 from laticauda.values.errors import BadArgument
 
 MISSING = "-"
+"""What stands in a table for a missing value."""
+NOISE = 1e-6
+"""Numbers below this are shown as zero: they are rounding noise."""
+SHORT = (1e-3, 1e6)
+"""Numbers from the first to below the second are short enough without an exponent."""
+SIGNIFICANT_DIGITS = 4
+
+
+class Figure(NamedTuple):
+    """A figure as a table shows it."""
+
+    number: str
+    unit: str
+
+
+class Assignment(NamedTuple):
+    """A word NAME=NUMBERS, taken apart."""
+
+    name: str
+    sign: str
+    """Sign between the numbers; "" for a single one."""
+    numbers: list[float]
 
 
 def aligned(rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:
     """Return rows as lines with left-aligned columns; the columns `right` are right-aligned."""
-    widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
-    lines = (
-        "  ".join(
-            cell.rjust(width) if i in right else cell.ljust(width)
-            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    )
+    columns = zip(*rows, strict=True)
+    widths = [max(map(len, column)) for column in columns]
+    lines = [_align_row(row, widths, right) for row in rows]
     return "\n".join(lines)
+
+
+def _align_row(row: Sequence[str], widths: Sequence[int], right: Sequence[int]) -> str:
+    cells: list[str] = []
+    for i, (cell, width) in enumerate(zip(row, widths, strict=True)):
+        if i in right:
+            cells.append(cell.rjust(width))
+        else:
+            cells.append(cell.ljust(width))
+    return "  ".join(cells).rstrip()
 
 
 def format_table(rows: Sequence[Mapping[str, Any]]) -> str:
@@ -28,59 +55,72 @@ def format_table(rows: Sequence[Mapping[str, Any]]) -> str:
     if not rows:
         return MISSING
     names = list(rows[0])
-    right = [
-        i for i, name in enumerate(names) if not any(isinstance(row[name], str) for row in rows)
-    ]
-    cells = [
-        [row[name] if isinstance(row[name], str) else format_number(row[name]) for name in names]
-        for row in rows
-    ]
-    return aligned([names, *cells], right)
+    right = [i for i, name in enumerate(names) if _holds_numbers(rows, name)]
+    lines = [[_format_cell(row[name]) for name in names] for row in rows]
+    return aligned([names, *lines], right)
 
 
-def read_in(value: float | None, unit: str) -> tuple[str, str]:
+def _holds_numbers(rows: Sequence[Mapping[str, Any]], name: str) -> bool:
+    return not any(isinstance(row[name], str) for row in rows)
+
+
+def _format_cell(content: Any) -> str:
+    if isinstance(content, str):
+        return content
+    return format_number(content)
+
+
+def read_in(value: float | None, unit: str) -> Figure:
     """Return a figure as a table shows it: the number, and the unit in which it is shown."""
     display = display_unit(unit)
     if value is None:
-        return MISSING, display.name
-    return format_number(display.from_si(value)), display.name
+        return Figure(MISSING, display.name)
+    return Figure(format_number(display.from_si(value)), display.name)
 
 
 def format_number(value: float | None) -> str:
     """Format a number with four significant digits, without an exponent if that is short; rounding noise is zero."""
     if value is None or not math.isfinite(value):
         return MISSING
-    if abs(value) < 1e-6:
+    size = abs(value)
+    if size < NOISE:
         return "0"
-    if not 1e-3 <= abs(value) < 1e6:
+    if not SHORT[0] <= size < SHORT[1]:
         return f"{value:.3e}"
-    decimals = max(0, 3 - math.floor(math.log10(abs(value))))
+    decimals = max(0, SIGNIFICANT_DIGITS - 1 - math.floor(math.log10(size)))
     return f"{value:.{decimals}f}"
 
 
 def percent(value: float | None) -> str:
     """Format a difference in percent, with its sign."""
-    return MISSING if value is None else f"{value:+.1f} %"
+    if value is None:
+        return MISSING
+    return f"{value:+.1f} %"
 
 
-def parse_numbers(option: str, word: str, form: str, *signs: str) -> tuple[str, str, list[float]]:
+def parse_numbers(option: str, text: str, form: str, *signs: str) -> Assignment:
     """Parse a word NAME=NUMBERS into the name, the sign between the numbers ("" for a single one), and the numbers.
 
     Args:
         option: Option to which the word belongs, for messages.
-        word: Word that was typed.
+        text: The word that was typed.
         form: Expected form of the word, for messages.
         signs: Signs that may separate numbers.
 
     Raises:
         ValueError: If the word does not have this form.
     """
-    name, _, text = word.rpartition("=")
-    sign = next((one for one in signs if one in text), "")
+    name, _, right_side = text.rpartition("=")
+    present_signs = [sign for sign in signs if sign in right_side]
+    sign = ""
+    parts = [right_side]
+    if present_signs:
+        sign = present_signs[0]
+        parts = right_side.split(sign)
     try:
-        values = [float(part) for part in (text.split(sign) if sign else [text])]
+        numbers = [float(part) for part in parts]
     except ValueError:
-        values = []
-    if not (name and values and all(map(math.isfinite, values))):
-        raise BadArgument(option, f"must be {form}, got {word!r}")
-    return name, sign, values
+        numbers = []
+    if not name or not numbers or not all(map(math.isfinite, numbers)):
+        raise BadArgument(option, f"must be {form}, got {text!r}")
+    return Assignment(name, sign, numbers)

@@ -70,7 +70,8 @@ class View(Filming):
         """Show or write."""
         if self.time is not None and self.still is None:
             raise BadArgument("time", "must be given with --still: it is the time of the picture")
-        trial, *beside = [lc.load_trial(name) for name in (self.file, *self.beside)]
+        trial = lc.load_trial(self.file)
+        beside = [lc.load_trial(file) for file in self.beside]
         if self.still is not None:
             from laticauda.show.pictures.render import write_still
 
@@ -80,15 +81,15 @@ class View(Filming):
             from laticauda.show.pictures.replay import show
 
             show(trial, speed=self.speed)
-        when = "the end" if self.time is None else f"{self.time:g} s"
-        text = (
-            f"{self.still}: at {when}"
-            if self.still
-            else f"{self.video or self.file}: {trial.duration:g} s shown"
-        )
-        return command.Outcome(
-            facts={"file": self.file, "video": self.video, "still": self.still}, text=text
-        )
+        facts = {"file": self.file, "video": self.video, "still": self.still}
+        return command.Outcome(facts=facts, text=self._describe_result(trial))
+
+    def _describe_result(self, trial: lc.Trial) -> str:
+        if not self.still:
+            return f"{self.video or self.file}: {trial.duration:g} s shown"
+        if self.time is None:
+            return f"{self.still}: at the end"
+        return f"{self.still}: at {self.time:g} s"
 
 
 @value_class
@@ -113,10 +114,9 @@ class Show(OfTrials, Filming):
         """Read."""
         trial = lc.load_trial(self.file, self.columns)
         self.write_film(trial)
-        made = f"made     {trial.created} with laticauda {trial.version}"
-        return command.Outcome(
-            facts=report.facts_of(trial), text=f"{made}\n{report.as_text(trial)}"
-        )
+        first_line = f"made     {trial.created} with laticauda {trial.version}"
+        text = f"{first_line}\n{report.as_text(trial)}"
+        return command.Outcome(facts=report.facts_of(trial), text=text)
 
 
 @value_class
@@ -132,18 +132,10 @@ class Compare(OfTrials):
 
     def run(self) -> command.Outcome:
         """Read and compare."""
-        rows = lc.compare([_either(file, self.columns) for file in self.files])
-        kept = ("values", "differences", "differences_percent")
-        figures = {
-            row.figure.name: {
-                "unit": row.figure.unit,
-                **{name: getattr(row, name) for name in kept},
-            }
-            for row in rows
-        }
-        return command.Outcome(
-            facts={"trials": self.files, "figures": figures}, text=_compared(self.files, rows)
-        )
+        rows = lc.compare([_load(file, self.columns) for file in self.files])
+        facts_of_figures = {row.figure.name: _facts_of_figure(row) for row in rows}
+        facts = {"trials": self.files, "figures": facts_of_figures}
+        return command.Outcome(facts=facts, text=_table_of_comparison(self.files, rows))
 
 
 @value_class
@@ -164,8 +156,11 @@ class Plot(OfTrials):
         """Read and draw."""
         if not self.files:
             raise BadArgument("files", "must name one or more trials")
-        trials = [_either(file, self.columns) for file in self.files]
-        figure = trials[0].plot() if len(trials) == 1 else figures.plot_overlay(trials, self.files)
+        trials = [_load(file, self.columns) for file in self.files]
+        if len(trials) == 1:
+            figure = trials[0].plot()
+        else:
+            figure = figures.plot_overlay(trials, self.files)
         figures.save_figure(figure, self.output)
         facts = {"trials": self.files, "output": self.output}
         return command.Outcome(facts=facts, text=f"{self.output}: {', '.join(self.files)}")
@@ -189,13 +184,7 @@ class Convert(OfTrials):
     def run(self) -> command.Outcome:
         """Read and write."""
         if self.output.endswith("/"):
-            is_mcap = self.columns is None and self.file.endswith(".mcap")
-            logs.write_bag(
-                self.file if is_mcap else lc.load_trial(self.file, self.columns), self.output
-            )
-            return command.Outcome(
-                facts={"output": self.output}, text=f"{self.output}: a folder for rosbag2"
-            )
+            return self._write_bag()
         command.check_output("output", self.output, Format.endings())
         trial = lc.load_trial(self.file, self.columns)
         trial.save(self.output)
@@ -203,32 +192,55 @@ class Convert(OfTrials):
         facts = {"output": self.output, "n_samples": n_samples}
         return command.Outcome(facts=facts, text=f"{self.output}: {n_samples} samples")
 
+    def _write_bag(self) -> command.Outcome:
+        """Write a folder for rosbag2; a recording of an operation keeps all of its messages."""
+        if self.columns is None and self.file.endswith(".mcap"):
+            logs.write_bag(self.file, self.output)
+        else:
+            logs.write_bag(lc.load_trial(self.file, self.columns), self.output)
+        text = f"{self.output}: a folder for rosbag2"
+        return command.Outcome(facts={"output": self.output}, text=text)
 
-def _compared(names: Sequence[str], rows: Sequence[ComparedFigure]) -> str:
+
+def _facts_of_figure(row: ComparedFigure) -> dict[str, object]:
+    return {
+        "unit": row.figure.unit,
+        "values": row.values,
+        "differences": row.differences,
+        "differences_percent": row.differences_percent,
+    }
+
+
+def _table_of_comparison(names: Sequence[str], rows: Sequence[ComparedFigure]) -> str:
     """Return a table with one figure per line and, for each trial, its value and its difference from the first."""
-    first, *others = names
-    lines: list[list[str]] = [
-        ["", first, "", *(cell for name in others for cell in (name, "difference"))]
-    ]
-    for row in rows:
-        cells = [tables.read_in(value, row.figure.unit) for value in row.values]
-        line = [row.figure.title, cells[0][0], cells[0][1]]
-        for i, (shown, _) in enumerate(cells[1:], start=1):
-            line += [shown, _difference(row, i)]
-        lines.append(line)
-    return tables.aligned(lines, right=(1, *range(3, len(lines[0]))))
+    reference, *compared = names
+    heads = ["", reference, ""]
+    for name in compared:
+        heads += [name, "difference"]
+    lines = [heads, *map(_line_of_comparison, rows)]
+    return tables.aligned(lines, right=(1, *range(3, len(heads))))
 
 
-def _difference(row: ComparedFigure, i: int) -> str:
+def _line_of_comparison(row: ComparedFigure) -> list[str]:
+    first, *compared = [tables.read_in(value, row.figure.unit) for value in row.values]
+    line = [row.figure.title, first.number, first.unit]
+    for i, figure in enumerate(compared, start=1):
+        line += [figure.number, _format_difference(row, i)]
+    return line
+
+
+def _format_difference(row: ComparedFigure, i: int) -> str:
     """Return the difference of trial `i` in percent, or in the figure's unit where a percentage is meaningless."""
     share, difference = row.differences_percent[i], row.differences[i]
     if share is not None or difference is None:
         return tables.percent(share)
-    shown, unit = tables.read_in(difference, row.figure.unit)
-    return f"{'' if shown.startswith('-') or shown == '0' else '+'}{shown} {unit}".rstrip()
+    number, unit = tables.read_in(difference, row.figure.unit)
+    if number != "0" and not number.startswith("-"):
+        number = f"+{number}"
+    return f"{number} {unit}".rstrip()
 
 
-def _either(file: str, columns: str | None) -> lc.Trial:
+def _load(file: str, columns: str | None) -> lc.Trial:
     """Return the trial in a laticauda file, or in a log to which the column map applies."""
     try:
         return lc.load_trial(file)

@@ -5,14 +5,14 @@ three values.
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Container, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from laticauda import studies
 from laticauda.cli import command, scene
-from laticauda.cli.tables import MISSING, aligned, format_table, parse_numbers, read_in
+from laticauda.cli.tables import MISSING, aligned, format_table, parse_numbers
 from laticauda.models.simulate.numbers import Parameter, list_parameters, suggest_names
 from laticauda.scenarios import Scenario
 from laticauda.studies.point_trials import LABELS, attributes_of
@@ -21,14 +21,24 @@ from laticauda.values.display_units import display_unit
 from laticauda.values.errors import BadArgument
 from laticauda.values.quantities import option, quantity, value_class
 
-# Fields of these are named by their last word alone, like the options.
-SHORT = ("gait", "water", "ground")
+ROOTS_LEFT_OUT = ("gait", "water", "ground")
+"""Fields of these are named by their last word alone, like the options."""
 FORM = "NAME=LOW:HIGH:COUNT or NAME=VALUE,VALUE,... with the unit in the name, such as amplitude-deg=10:50:100"
 RANGE_FORM = "NAME=LOW:HIGH, such as amplitude-deg=10:50"
 SAMPLES_FORM = "NAME=LOW:HIGH with --samples, such as amplitude-deg=10:50"
 MOST_COUNT = 10_000_000
+"""Largest number of values of one parameter."""
 
 Known = Mapping[str, Parameter]
+"""Numbers that can be varied, by name."""
+
+
+class TypedParameter(NamedTuple):
+    """A parameter as it was named, and what its values mean under this name."""
+
+    parameter: Parameter
+    factor: float
+    """What 1 under this name is in the SI unit."""
 
 
 @value_class
@@ -44,15 +54,10 @@ class Study(scene.OfScenario):
 
     def run(self) -> command.Outcome:
         """Do the work, or list what can be varied."""
-        known = list_parameters(self.chosen)
-        if not self.names:
-            return self.studied(self.chosen, known)
-        lines = [
-            (spell_parameter(one), read_in(0.0, one.unit)[1] or MISSING, one.title)
-            for one in known.values()
-        ]
-        facts = {name: {"unit": one.unit, "title": one.title} for name, one in known.items()}
-        return command.Outcome(facts=facts, text=aligned([("name", "unit", ""), *lines]))
+        parameters = list_parameters(self.chosen)
+        if self.names:
+            return _list_names(parameters)
+        return self.studied(self.chosen, parameters)
 
     def studied(self, scenario: Scenario, known: Known) -> command.Outcome:
         """Do the work.
@@ -64,63 +69,81 @@ class Study(scene.OfScenario):
         raise NotImplementedError
 
 
+def _list_names(parameters: Known) -> command.Outcome:
+    rows = [("name", "unit", "")]
+    for parameter in parameters.values():
+        unit = display_unit(parameter.unit).name or MISSING
+        rows.append((spell_parameter(parameter), unit, parameter.title))
+    facts = {
+        name: {"unit": parameter.unit, "title": parameter.title}
+        for name, parameter in parameters.items()
+    }
+    return command.Outcome(facts=facts, text=aligned(rows))
+
+
 def spell_parameter(parameter: Parameter) -> str:
     """Return the name of a parameter as it is typed."""
-    root, *rest = parameter.name.split(".")
-    short = (root in SHORT and len(rest) == 1) or rest == ["n_links"]
-    return (
-        (".".join(rest) if short else parameter.name) + display_unit(parameter.unit).ending
-    ).replace("_", "-")
+    root, *steps = parameter.name.split(".")
+    name = parameter.name
+    if steps == ["n_links"] or (root in ROOTS_LEFT_OUT and len(steps) == 1):
+        name = steps[0]
+    ending = display_unit(parameter.unit).ending
+    return (name + ending).replace("_", "-")
 
 
-def parse_grid(words: Sequence[str], known: Known) -> studies.Grid:
+def parse_grid(typed: Sequence[str], known: Known) -> studies.Grid:
     """Return every combination of the values.
 
     Args:
-        words: Words of the form NAME=VALUES.
+        typed: Texts of the form NAME=VALUES.
         known: Numbers that can be varied.
 
     Raises:
-        ValueError: If a word cannot be read.
+        ValueError: If a text cannot be read.
     """
-    found: dict[str, list[float]] = {}
-    for word in words:
-        name, sign, values = parse_numbers("vary", word, FORM, ":", ",")
-        parameter, factor = _meant(name, known, found)
+    values_by_name: dict[str, list[float]] = {}
+    for text in typed:
+        name, sign, numbers = parse_numbers("vary", text, FORM, ":", ",")
+        parameter, factor = _find_parameter(name, known, values_by_name)
         if sign == ":":
-            if len(values) != 3:
-                raise BadArgument("vary", f"must be {FORM}, got {word!r}")
-            low, high, count = values
-            if not (count.is_integer() and 1 <= count <= MOST_COUNT):
-                raise BadArgument(
-                    "vary", f"must have a whole COUNT between 1 and {MOST_COUNT}, got {word!r}"
-                )
-            values = np.linspace(low, high, int(count)).tolist()
-        found[parameter.name] = [factor * one for one in values]
-    return studies.Grid(values=found)
+            numbers = _spread_numbers(numbers, text)
+        values_by_name[parameter.name] = [factor * number for number in numbers]
+    return studies.Grid(values=values_by_name)
 
 
-def parse_ranges(words: Sequence[str], known: Known, form: str) -> dict[str, tuple[float, float]]:
+def _spread_numbers(numbers: Sequence[float], text: str) -> list[float]:
+    """Return evenly spaced numbers from their ends and their count."""
+    if len(numbers) != 3:
+        raise BadArgument("vary", f"must be {FORM}, got {text!r}")
+    low, high, count = numbers
+    if not count.is_integer() or not 1 <= count <= MOST_COUNT:
+        rule = f"must have a whole COUNT between 1 and {MOST_COUNT}"
+        raise BadArgument("vary", f"{rule}, got {text!r}")
+    return np.linspace(low, high, int(count)).tolist()
+
+
+def parse_ranges(typed: Sequence[str], known: Known, form: str) -> dict[str, tuple[float, float]]:
     """Return the lowest and highest values by parameter.
 
     Args:
-        words: Words of the form NAME=LOW:HIGH.
+        typed: Texts of the form NAME=LOW:HIGH.
         known: Numbers that can be varied.
-        form: Expected form of a word, for messages.
+        form: Expected form of a text, for messages.
 
     Raises:
-        ValueError: If a word cannot be read.
+        ValueError: If a text cannot be read.
     """
-    found: dict[str, tuple[float, float]] = {}
-    for word in words:
-        name, _, ends = parse_numbers("vary", word, form, ":")
-        parameter, factor = _meant(name, known, found)
+    ranges: dict[str, tuple[float, float]] = {}
+    for text in typed:
+        name, _, ends = parse_numbers("vary", text, form, ":")
+        parameter, factor = _find_parameter(name, known, ranges)
         if len(ends) != 2:
-            raise BadArgument("vary", f"must be {form}, got {word!r}")
-        if not ends[0] < ends[1]:
-            raise BadArgument("vary", f"must have low < high, got {word!r}")
-        found[parameter.name] = (factor * ends[0], factor * ends[1])
-    return found
+            raise BadArgument("vary", f"must be {form}, got {text!r}")
+        low, high = ends
+        if not low < high:
+            raise BadArgument("vary", f"must have low < high, got {text!r}")
+        ranges[parameter.name] = (factor * low, factor * high)
+    return ranges
 
 
 def read_rows(path: str, known: Known) -> studies.Rows:
@@ -136,46 +159,45 @@ def read_rows(path: str, known: Known) -> studies.Rows:
     """
     names, lines = files.read_rows(path)
     if not names:
-        raise BadArgument(
-            "list", f"must be a CSV file with the names of parameters in its first line, got {path}"
-        )
+        rule = "must be a CSV file with the names of parameters in its first line"
+        raise BadArgument("list", f"{rule}, got {path}")
     columns: dict[str, list[float]] = {}
     for name in names:
-        parameter, factor = _meant(name, known, columns)
+        parameter, factor = _find_parameter(name, known, columns)
         columns[parameter.name] = [
-            factor * _number(row[name], f"{path}, line {line}") for line, row in lines
+            factor * _parse_cell(row[name], f"{path}, line {line}") for line, row in lines
         ]
     return studies.Rows(values=columns)
 
 
-def _number(text: str, where: str) -> float:
+def _parse_cell(text: str, position: str) -> float:
     try:
-        found = float(text)
+        number = float(text)
     except ValueError:
-        found = math.nan
-    if not math.isfinite(found):
-        raise BadArgument("list", f"must be a table of numbers, got {f'{text} in {where}'!r}")
-    return found
+        number = math.nan
+    if not math.isfinite(number):
+        cell = f"{text} in {position}"
+        raise BadArgument("list", f"must be a table of numbers, got {cell!r}")
+    return number
 
 
-def _meant(name: str, known: Known, before: Mapping[str, object]) -> tuple[Parameter, float]:
-    """Return a parameter and the factor for its values; reject a parameter that was named before."""
-    plain = name.replace("_", "-")
+def _find_parameter(name: str, known: Known, named_before: Container[str]) -> TypedParameter:
+    """Return the parameter of a name; reject a parameter that was named before."""
+    typed_name = name.replace("_", "-")
     for parameter in known.values():
-        full, suffix = (
-            parameter.name.replace("_", "-"),
-            display_unit(parameter.unit).ending.replace("_", "-"),
-        )
-        if plain in (spell_parameter(parameter), full + suffix, full):
-            if parameter.name in before:
-                raise BadArgument("vary", f"must name each parameter only once, got {name!r} again")
-            # With dots and no unit, a name is in SI units, as in Python.
-            return parameter, math.radians(1.0) if suffix and plain != full else 1.0
-    hint = suggest_names(plain, [spell_parameter(parameter) for parameter in known.values()])
-    raise BadArgument(
-        "vary",
-        f"must name a parameter of robot, gait or water, got {name!r}{hint} (--names lists all)",
-    )
+        display = display_unit(parameter.unit)
+        full_name = parameter.name.replace("_", "-")
+        full_name_in_degrees = full_name + display.ending.replace("_", "-")
+        if typed_name not in (spell_parameter(parameter), full_name_in_degrees, full_name):
+            continue
+        if parameter.name in named_before:
+            raise BadArgument("vary", f"must name each parameter only once, got {name!r} again")
+        if typed_name == full_name:  # with dots and no unit, in SI units as in Python
+            return TypedParameter(parameter, 1.0)
+        return TypedParameter(parameter, display.in_si_unit)
+    hint = suggest_names(typed_name, [spell_parameter(parameter) for parameter in known.values()])
+    rule = "must name a parameter of robot, gait or water"
+    raise BadArgument("vary", f"{rule}, got {name!r}{hint} (--names lists all)")
 
 
 def points_table(
@@ -189,19 +211,21 @@ def points_table(
         figures: Names of the resulting figures.
         points: Mappings with both.
     """
-    known = list_parameters(scenario)
-    rows = [
-        {
-            spell_parameter(known[name]): display_unit(known[name].unit).from_si(point[name])
-            for name in names
-        }
-        | {LABELS[name]: point[name] for name in figures}
-        for point in points
-    ]
+    parameters = list_parameters(scenario)
+    rows: list[dict[str, Any]] = []
+    for point in points:
+        row: dict[str, Any] = {}
+        for name in names:
+            parameter = parameters[name]
+            row[spell_parameter(parameter)] = display_unit(parameter.unit).from_si(point[name])
+        for name in figures:
+            row[LABELS[name]] = point[name]
+        rows.append(row)
     return format_table(rows)
 
 
 def shared_facts(scenario: Scenario) -> dict[str, Any]:
     """Return what all trials share, for JSON."""
-    found = attributes_of(scenario)
-    return {**found, "version": found.pop("laticauda")}
+    facts = attributes_of(scenario)
+    version = facts.pop("laticauda")
+    return {**facts, "version": version}
