@@ -19,7 +19,7 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.identify import tank_day
-from laticauda.identify.measurements import Tow
+from laticauda.identify.towing import Tow
 from laticauda.motion.joints import SpeedServo
 from laticauda.robot import textbook_water
 from laticauda.robot.kinematics import Posture

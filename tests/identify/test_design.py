@@ -7,18 +7,19 @@ from identify.trials import FINNED, ROBOT, WATER, gaits, within
 
 import laticauda as lc
 from laticauda.identify import Measurement, Unknown, fit
-from laticauda.identify.candidates import coast_down, from_tow, swim_candidates
-from laticauda.identify.design import (
-    best_of,
-    design_experiment,
+from laticauda.identify.candidates import coast_down, swim_candidates
+from laticauda.identify.conversion import from_tow
+from laticauda.identify.design import design_experiment
+from laticauda.identify.identifiability import marginal
+from laticauda.identify.information import (
     information_of,
     known_from,
     prior_information,
     sigma_of,
 )
-from laticauda.identify.identifiability import marginal
-from laticauda.identify.measurements import Tow
 from laticauda.identify.problem import make_problem
+from laticauda.identify.selection import best_of
+from laticauda.identify.towing import Tow
 from laticauda.scenarios.interfaces import Start
 from laticauda.trials.metrics import towing_drag
 

@@ -8,11 +8,11 @@ from identify.trials import DRAG, FRICTION, ROBOT
 
 import laticauda as lc
 from laticauda.identify import Unknown, fit
-from laticauda.identify.candidates import from_tow
-from laticauda.identify.design import discriminate, misidentification_probability
+from laticauda.identify.conversion import from_tow
+from laticauda.identify.discrimination import discriminate, misidentification_probability
 from laticauda.identify.identifiability import marginal
-from laticauda.identify.measurements import Tow
 from laticauda.identify.problem import make_problem
+from laticauda.identify.towing import Tow
 from laticauda.robot import textbook_water
 from laticauda.water.fluid.laws import TotalSpeedDrag
 

@@ -7,7 +7,7 @@ from identify.trials import DRAG, FINNED, FRICTION, MASS, ROBOT, WATER, gaits, s
 
 import laticauda as lc
 from laticauda.identify import Measurement, Unknown, fit, from_table1, from_trial
-from laticauda.identify.fitting import minimize
+from laticauda.identify.local_search import minimize
 from laticauda.values.errors import SimulationFailed
 
 

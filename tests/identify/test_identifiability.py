@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, strategies as st
 from identify.trials import speeds
 
-from laticauda.identify.identifiability import analyze_identifiability, deviations
+from laticauda.identify.identifiability import Spectrum, analyze_identifiability, deviations
 from laticauda.identify.problem import make_problem
 
 NAMES = ["water.tangential_friction", "water.normal_drag", "water.added_mass"]
@@ -19,7 +19,9 @@ def seen(jacobian):
 def test_deviations_are_those_of_the_inverse(rows):
     information = np.array(rows).T @ np.array(rows) + np.eye(3)
     expected = np.sqrt(np.diag(np.linalg.inv(information)))
-    np.testing.assert_allclose(deviations(*np.linalg.eigh(information)), expected, rtol=1e-6)
+    np.testing.assert_allclose(
+        deviations(Spectrum(*np.linalg.eigh(information))), expected, rtol=1e-6
+    )
 
 
 def test_a_ratio_that_is_seen_leaves_the_scale_unseen():
@@ -36,9 +38,9 @@ def test_a_ratio_that_is_seen_leaves_the_scale_unseen():
 def test_what_hardly_takes_part_in_an_unseen_direction_moves_no_further_than_its_range_lets_it():
     turned = np.array([[1.0, 0.0, 1e-3], [0.0, 1.0, 0.0], [-1e-3, 0.0, 1.0]])
     turned /= np.linalg.norm(turned, axis=0)
-    found = deviations(np.array([4.0, 9.0, 0.0]), turned, np.array([5.0, 5.0, 5.0]))
+    found = deviations(Spectrum(np.array([4.0, 9.0, 0.0]), turned), np.array([5.0, 5.0, 5.0]))
     assert found == pytest.approx([0.5, 1.0 / 3.0, np.inf], rel=1e-4)
-    assert np.all(np.isinf(deviations(np.array([4.0, 9.0, 0.0]), turned)[[0, 2]]))
+    assert np.all(np.isinf(deviations(Spectrum(np.array([4.0, 9.0, 0.0]), turned))[[0, 2]]))
     within = seen([[9, 0, 0], [0, 9, 0], [0, 9e-3, 0]] @ turned.T)
     assert found.shape == within.sigma.shape and np.isfinite(within.sigma[0])
 

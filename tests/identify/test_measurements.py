@@ -7,7 +7,7 @@ from identify.trials import ROBOT, WATER, gaits
 
 import laticauda as lc
 from laticauda.identify import Measurement, from_table1, from_trial
-from laticauda.identify.measurements import mean_of_the_greatest
+from laticauda.identify.selection_bias import mean_of_the_greatest
 from laticauda.scenarios import Experiment
 
 GAIT = gaits(1)[0]

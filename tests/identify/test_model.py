@@ -6,7 +6,8 @@ from identify.trials import FINNED, ROBOT, WATER, gaits, speeds, within
 
 import laticauda as lc
 from laticauda.identify import Measurement, from_trial
-from laticauda.identify.model import interpolated, predict
+from laticauda.identify.interpolation import interpolated
+from laticauda.identify.model import predict
 from laticauda.identify.problem import make_problem
 
 SERIES = {"center_of_mass": 0.01, "heading": 0.01}
@@ -67,8 +68,8 @@ def test_the_jacobian_of_figures_and_series_is_that_of_differences():
         "1.start.y",
     )  # where they began is unknown, too
     check_jacobian(put, np.array([0.25, 0.02, 0.1, 0.1, 0.05, -0.03, 0.2, 0.1, 0.02, -0.1, 0.05]))
-    assert not put.moves[0, 2] and put.moves[1, 2]
-    assert not put.moves[0, 7] and put.moves[1, 7]
+    assert not put.depends_on[0, 2] and put.depends_on[1, 2]
+    assert not put.depends_on[0, 7] and put.depends_on[1, 7]
 
 
 def test_the_jacobian_of_joints_is_that_of_differences():

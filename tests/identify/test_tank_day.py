@@ -10,7 +10,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.identify import tank_day
-from laticauda.identify.measurements import Tow
+from laticauda.identify.towing import Tow
 from laticauda.motion.joints.speed_servo import SpeedServo
 from laticauda.robot import load_parameters, textbook_water
 from laticauda.robot.kinematics import Posture

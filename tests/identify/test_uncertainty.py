@@ -3,7 +3,7 @@ import pytest
 from identify.trials import DRAG, FRICTION, speeds
 
 from laticauda.identify import Unknown, fit, profile_interval, sample_posterior
-from laticauda.identify.uncertainty import log_density
+from laticauda.identify.posterior_sample import log_density
 
 MEASURED = speeds(3, noise=0.002, duration=3.0)
 SIGMA = 0.5  # of a meter [W]

@@ -5,7 +5,7 @@ from identify.trials import DRAG, FRICTION, speeds
 
 from laticauda.identify import Unknown
 from laticauda.identify.problem import make_problem
-from laticauda.identify.unknowns import RANGE
+from laticauda.identify.resolving import RANGE
 
 MEASURED = speeds(2)
 

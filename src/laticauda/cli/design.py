@@ -14,20 +14,20 @@ from laticauda.cli.command import PATIENCE, SHARE, Command, Outcome, show_progre
 from laticauda.cli.flags import File, Options, Picture, Place, Words
 from laticauda.cli.tables import aligned, parse_numbers
 from laticauda.identify import tasks
-from laticauda.identify.candidates import SENSORS, coast_down, from_tow, swim_candidates
-from laticauda.identify.design import (
-    Design,
+from laticauda.identify.candidates import SENSORS, coast_down, swim_candidates
+from laticauda.identify.conversion import from_tow
+from laticauda.identify.design import Design, Judged, design_experiment
+from laticauda.identify.discrimination import (
     Discrimination,
-    Judged,
-    design_experiment,
     discriminate,
-    format_share,
-    known_from,
     misidentification_probability,
 )
 from laticauda.identify.identifiability import LIMIT, marginal
-from laticauda.identify.measurements import Measurement, Tow
+from laticauda.identify.information import known_from
+from laticauda.identify.measurements import Measurement
 from laticauda.identify.problem import Problem, make_problem
+from laticauda.identify.reasons import format_share
+from laticauda.identify.towing import Tow
 from laticauda.identify.unknowns import Unknown
 from laticauda.motion import gaits
 from laticauda.robot import TEXTBOOK, Environment, load_robot, water_names

@@ -161,7 +161,7 @@ class Identify(Command):
         return Outcome(
             facts=facts,
             text=_describe(validated, folder),
-            succeeded=_is_complete(validated.found),
+            succeeded=_is_complete(validated.fit),
         )
 
     def _compare_laws(self, task: tasks.Task, folder: Path) -> Outcome:
@@ -175,11 +175,11 @@ class Identify(Command):
             identification = self._identify(task.with_law(base), folder / base.name)
             by_law[base.name] = identification.validated
         facts_by_law = {name: as_dict(entry, self._command) for name, entry in by_law.items()}
-        statuses = [f"{name}: {entry.found.status}" for name, entry in by_law.items()]
+        statuses = [f"{name}: {entry.fit.status}" for name, entry in by_law.items()]
         return Outcome(
             facts={"laws": facts_by_law, "output": str(folder)},
             text="\n\n".join([*statuses, format_table(errors_of(by_law)), str(folder)]),
-            succeeded=all(_is_complete(entry.found) for entry in by_law.values()),
+            succeeded=all(_is_complete(entry.fit) for entry in by_law.values()),
         )
 
     @property
@@ -323,7 +323,7 @@ def _parse_unknown(text: str) -> dict[str, Any]:
 
 def _describe(validated: validation.Validation, folder: Path) -> str:
     """Return the parameters, what the data do not determine, the errors, and the location of the files as text."""
-    fit = validated.found
+    fit = validated.fit
     tables = identification_tables(validated)
     parts = [fit.status, format_table([_without_prior(row) for row in tables["parameters"]])]
     if "began" in tables:

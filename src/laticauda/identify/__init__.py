@@ -1,41 +1,100 @@
-"""Identify physical parameters and their uncertainty from measured trials (`fit`); needs the extra `identify`."""
+"""Identify physical parameters and their uncertainty from measured trials (`fit`).
+
+Needs the extra `identify`.
+
+What was measured:
+
+    measurements     a trial with its figures, series and their noise
+    series           kinds of time series: one row of a table each
+    towing           tows of a straight robot, and their loads
+    conversion       trials and tows as measurements
+    tables           rows of tables of speeds as measurements
+    selection_bias   bias of numbers published as the best of several
+
+What is unknown:
+
+    unknowns         numbers to identify, with ranges and priors
+    resolving        finds them in the measurements, and fills in what was left open
+    dependence       which measurements depend on which unknowns
+    problem          measurements and unknowns together
+
+How the measurements are predicted:
+
+    model            predictions and their derivatives
+    planar_runs, spatial_runs, tow_runs   the three ways to compute them
+    runs             their results, for all measurements
+    sensing          what sensors show of a run
+    interpolation    logs at the times of a measurement
+
+How the unknowns are found, and how well:
+
+    fitting          `fit`: searches from several starts
+    local_search     one search
+    method           settings of a fit, and losses
+    noise_factor     ratio of the residuals to the stated noise
+    noise            noise correlated in time, which widens intervals
+    estimates        from the end of a search to a result
+    result           `Fit`: the result
+    fit_warnings     what is unusual about it
+    identifiability  what the data see
+    combinations     combinations of unknowns in words
+    profiles         intervals from profile likelihoods
+    posterior_sample a sample of the posterior
+    leaving_out      predictions of data that a fit did not see
+    validation       all of these, and models without physics
+    exporting        identified values in robots, waters and parameter files
+
+Tasks and designs:
+
+    tasks            measurements, unknowns and method, from a file or not
+    trial_files      files of trials and tables in a task
+    candidates       possible next trials
+    information      what trials would say
+    selection        which trials to choose
+    design           the trials that reduce the uncertainty most
+    discrimination   the trials that tell rival models apart
+    reasons          designs in words
+    tank_day         two hours of trials, from an empty folder to the water's law
+"""
 
 from typing import TYPE_CHECKING
 
 from laticauda.values.packaging import lazy_exports
 
 if TYPE_CHECKING:
+    from laticauda.identify.conversion import from_trial as from_trial
     from laticauda.identify.fitting import fit as fit
-    from laticauda.identify.measurements import Measurement as Measurement, from_trial as from_trial
+    from laticauda.identify.leaving_out import (
+        leave_out as leave_out,
+        linear_leave_one_out as linear_leave_one_out,
+    )
+    from laticauda.identify.measurements import Measurement as Measurement
+    from laticauda.identify.posterior_sample import sample_posterior as sample_posterior
+    from laticauda.identify.profiles import profile_interval as profile_interval
     from laticauda.identify.result import Fit as Fit, ParameterEstimate as ParameterEstimate
     from laticauda.identify.tables import from_table as from_table, from_table1 as from_table1
-    from laticauda.identify.tasks import TrialFile as TrialFile, compare_laws as compare_laws
-    from laticauda.identify.uncertainty import (
-        sample_posterior as sample_posterior,
-        profile_interval as profile_interval,
-    )
+    from laticauda.identify.tasks import compare_laws as compare_laws
+    from laticauda.identify.trial_files import TrialFile as TrialFile
     from laticauda.identify.unknowns import Unknown as Unknown
     from laticauda.identify.validation import (
         compared_with_null_models as compared_with_null_models,
-        leave_out as leave_out,
-        linear_leave_one_out as linear_leave_one_out,
     )
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
     {
+        "laticauda.identify.conversion": ["from_trial"],
         "laticauda.identify.fitting": ["fit"],
-        "laticauda.identify.measurements": ["Measurement", "from_trial"],
+        "laticauda.identify.leaving_out": ["leave_out", "linear_leave_one_out"],
+        "laticauda.identify.measurements": ["Measurement"],
+        "laticauda.identify.posterior_sample": ["sample_posterior"],
+        "laticauda.identify.profiles": ["profile_interval"],
         "laticauda.identify.result": ["Fit", "ParameterEstimate"],
         "laticauda.identify.tables": ["from_table", "from_table1"],
-        "laticauda.identify.tasks": ["TrialFile", "compare_laws"],
-        "laticauda.identify.uncertainty": ["sample_posterior", "profile_interval"],
+        "laticauda.identify.tasks": ["compare_laws"],
+        "laticauda.identify.trial_files": ["TrialFile"],
         "laticauda.identify.unknowns": ["Unknown"],
-        "laticauda.identify.validation": [
-            "compared_with_null_models",
-            "leave_out",
-            "linear_leave_one_out",
-        ],
+        "laticauda.identify.validation": ["compared_with_null_models"],
     },
     renamed={"posterior": "sample_posterior", "profile": "profile_interval"},
 )

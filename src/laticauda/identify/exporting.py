@@ -1,4 +1,8 @@
-"""Identified values applied to a robot, a water, or a parameter file."""
+"""Identified values applied to a robot, a water, or a parameter file.
+
+Only values identified in general, or for a kind of gait, apply to other trials. Those of a group or
+of a single measurement (such as where it began) belong to its measurements alone, and are left out.
+"""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -8,14 +12,18 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.identify.problem import Problem
-from laticauda.identify.unknowns import with_tied
+from laticauda.identify.resolving import with_tied
 from laticauda.models.simulate.numbers import change_parameters, list_parameters
 from laticauda.robot.parameters import FIELDS_OF_ROBOT, GAITS, NAMES
 from laticauda.values import extensions, quantities
 from laticauda.values.errors import BadArgument
 
 Changes = dict[str, dict[str, Any]]
+"""Tables of a parameter file, and the numbers in them, by name."""
 Values = Mapping[str, float]
+
+_EVERY_GAIT = ""
+"""Stands for a kind of gait where only the general values are asked for."""
 
 
 def applied(problem: Problem, values: Values, scenario: lc.Scenario, gait_kind: str) -> lc.Scenario:
@@ -28,83 +36,94 @@ def applied(problem: Problem, values: Values, scenario: lc.Scenario, gait_kind: 
         gait_kind: Kind of gait whose own numbers override the general ones; "": only the general
             ones.
     """
-    known = list_parameters(scenario, each=True)
-    own = _for_gait(problem, values, gait_kind)
-    return change_parameters(
-        scenario, {name: value for name, value in own.items() if name in known}
-    )
+    present = list_parameters(scenario, each=True)
+    numbers = _values_for_gait(problem, values, gait_kind)
+    changes = {name: value for name, value in numbers.items() if name in present}
+    return change_parameters(scenario, changes)
 
 
 def as_parameters(problem: Problem, values: Values, name: str, title: str) -> lc.Parameters:
     """Return the identified values as a parameter file; see `Fit.parameters`."""
-    bases = {
-        s.gait.kind: s.environment
-        for s in reversed(problem.scenarios)
-        if isinstance(s.environment, lc.Water)
-    }
-    if not bases:
-        raise BadArgument("measurements", "must be made in water for a parameter file, got ground")
-    first = problem.scenarios[0].environment
-    first = first if isinstance(first, lc.Water) else next(iter(bases.values()))
-    base = problem.scenarios[0]
-
-    def water(of: lc.Water, kind: str) -> lc.Water:
-        return cast(
-            lc.Water, applied(problem, values, replace(base, environment=of), kind).environment
-        )
-
-    common = water(first, "")
-    own = {kind: water(bases.get(kind, first), kind) for kind in GAITS}
-    joints = applied(problem, values, base, "").model.joints
-    changes, own_changes = (
-        _changes(problem, values, ""),
-        {kind: _changes(problem, values, kind) for kind in GAITS},
-    )
+    waters = _waters_by_gait(problem)
+    first_water = problem.scenarios[0].environment
+    if not isinstance(first_water, lc.Water):
+        first_water = next(iter(waters.values()))
+    common_water = _applied_to_water(problem, values, first_water, _EVERY_GAIT)
+    common_changes = _robot_changes(problem, values, _EVERY_GAIT)
+    own_waters: dict[str, lc.Water] = {}
+    own_changes: dict[str, Changes] = {}
+    for kind in GAITS:
+        water = _applied_to_water(problem, values, waters.get(kind, first_water), kind)
+        if replace(water, name=common_water.name) != common_water:
+            own_waters[kind] = water
+        changes = _robot_changes(problem, values, kind)
+        if changes != common_changes:
+            own_changes[kind] = changes
+    joints = applied(problem, values, problem.scenarios[0], _EVERY_GAIT).model.joints
+    law_has_numbers = bool(quantities.quantities_of(type(joints)))
     return lc.Parameters(
         name=name,
         title=title,
-        joints=joints
-        if quantities.quantities_of(type(joints))
-        else extensions.name_of(type(joints)),
-        every_gait=common,
-        own={
-            kind: water for kind, water in own.items() if replace(water, name=common.name) != common
-        },
-        changes=changes,
-        own_changes={kind: mine for kind, mine in own_changes.items() if mine != changes},
+        joints=joints if law_has_numbers else extensions.name_of(type(joints)),
+        every_gait=common_water,
+        own=own_waters,
+        changes=common_changes,
+        own_changes=own_changes,
     )
 
 
-def _for_gait(problem: Problem, values: Values, gait_kind: str) -> dict[str, float]:
-    """Return values by name without scope: the general ones, overridden by those for a kind of gait."""
-    chosen = [unknown for unknown in problem.unknowns if unknown.scope in ("", gait_kind)]
-    chosen.sort(key=lambda unknown: unknown.scope != "")
-    result: dict[str, float] = {}
-    for unknown in chosen:
-        at = int(np.argmax(problem.moves[:, problem.unknowns.index(unknown)]))
-        base, name = problem.scenarios[at], unknown.parameter.name
-        result |= with_tied(base, name, values[unknown.name], unknown.tied)
-    return result
+def _waters_by_gait(problem: Problem) -> dict[str, lc.Water]:
+    """Return, for each kind of gait, the water of its first measurement in water."""
+    waters: dict[str, lc.Water] = {}
+    for scenario in reversed(problem.scenarios):
+        if isinstance(scenario.environment, lc.Water):
+            waters[scenario.gait.kind] = scenario.environment
+    if not waters:
+        raise BadArgument("measurements", "must be made in water for a parameter file, got ground")
+    return waters
 
 
-def _changes(problem: Problem, values: Values, gait_kind: str) -> Changes:
+def _applied_to_water(
+    problem: Problem, values: Values, water: lc.Water, gait_kind: str
+) -> lc.Water:
+    scenario = replace(problem.scenarios[0], environment=water)
+    return cast(lc.Water, applied(problem, values, scenario, gait_kind).environment)
+
+
+def _values_for_gait(problem: Problem, values: Values, gait_kind: str) -> dict[str, float]:
+    """Return values by name without scope: general ones, overridden by those of a kind of gait."""
+    numbers: dict[str, float] = {}
+    for scope in dict.fromkeys((_EVERY_GAIT, gait_kind)):
+        for k, unknown in enumerate(problem.unknowns):
+            if unknown.scope == scope:
+                first_dependent = int(np.argmax(problem.depends_on[:, k]))
+                scenario = problem.scenarios[first_dependent]
+                name = unknown.parameter.name
+                numbers |= with_tied(scenario, name, values[unknown.name], unknown.tied)
+    return numbers
+
+
+def _robot_changes(problem: Problem, values: Values, gait_kind: str) -> Changes:
     """Return the changes to the robot that a parameter file can hold.
 
     Raises:
         ValueError: If a number of the robot was identified that it cannot hold.
     """
-    result: Changes = {}
-    for name, value in _for_gait(problem, values, gait_kind).items():
+    changes: Changes = {}
+    for name, value in _values_for_gait(problem, values, gait_kind).items():
         if not name.startswith("robot."):
             continue
-        way, _, last = name.rpartition(".")
-        table = way.removeprefix("robot.").removeprefix("joint.")
-        if (
-            table not in NAMES
-            or last.endswith(("_x", "_y"))
-            or (table == "robot" and last not in FIELDS_OF_ROBOT)
-        ):
+        path, _, field_name = name.rpartition(".")
+        table = path.removeprefix("robot.").removeprefix("joint.")
+        if not _can_hold(table, field_name):
             rule = f"must be numbers that a parameter file can hold, got `{name}`"
             raise BadArgument("parameters", f"{rule}; `Fit.robot` returns a robot with it")
-        result.setdefault(table, {})[last] = value
-    return result
+        changes.setdefault(table, {})[field_name] = value
+    return changes
+
+
+def _can_hold(table: str, field_name: str) -> bool:
+    """Return whether a parameter file can hold a number of the robot."""
+    if table not in NAMES or field_name.endswith(("_x", "_y")):
+        return False
+    return table != "robot" or field_name in FIELDS_OF_ROBOT

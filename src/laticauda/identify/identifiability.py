@@ -1,22 +1,35 @@
-"""Identifiability: directions in the space of the unknowns along which the predictions hardly change."""
+"""Identifiability: directions in which the unknowns can move with hardly any effect."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.identify.combinations import describe_combination, oriented
 from laticauda.identify.unknowns import ResolvedUnknown
 
 LIMIT = 0.5
 """Relative standard deviation above which a combination counts as not seen by the data [-]."""
-_FLAT = 1e-13  # eigenvalues below this fraction of the largest are rounding errors
-_PART = (
-    0.25  # members of a combination below this fraction of its largest one are left out of its name
-)
-_HARDLY = 0.1  # members of a direction below this fraction of its length hardly take part in it
-_ALIKE = 0.2  # exponents that differ by less than this fraction of the largest are called equal,
-_ABOUT = 0.5  # and about equal if none is below this fraction of the largest
+_FLAT = 1e-13
+"""Eigenvalues below this fraction of the largest are rounding errors [-]."""
+_HARDLY = 0.1
+"""Members of a direction below this fraction of its length hardly take part in it [-]."""
+_NO_SHARE = 1e-8
+"""Squared components of eigenvectors below this are rounding errors [-]."""
+
+Information = Float[np.ndarray, "n n"]
+"""Information about some unknowns: the inverse of the covariance that it would leave."""
+
+
+class Spectrum(NamedTuple):
+    """Eigenvalues and eigenvectors of an information matrix."""
+
+    eigenvalues: Float[np.ndarray, " n"]
+    """Eigenvalues, least first; 0 for rounding errors."""
+    vectors: Float[np.ndarray, "n n"]
+    """Eigenvectors, as columns."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -24,9 +37,12 @@ class Direction:
     """One eigenvector of the information: a combination of the unknowns."""
 
     weights: Float[np.ndarray, " n_unknowns"]
-    """Unit vector of weights of the unknowns: of their logarithms, or in units of their sizes on a linear scale [-]."""
+    """Unit vector of weights of the unknowns [-].
+
+    They are weights of logarithms, or in units of the sizes on a linear scale.
+    """
     sigma: float
-    """Standard deviation of the combination given the data; inf if they do not see it at all [-]."""
+    """Standard deviation of the combination given the data; inf if they do not see it [-]."""
     is_seen: bool
     """Whether its uncertainty moves no unknown by more than the limit."""
     name: str
@@ -58,12 +74,9 @@ class Identifiability:
 
 
 def analyze_identifiability(
-    information: Float[np.ndarray, "n n"],
-    unknowns: Sequence[ResolvedUnknown],
-    *,
-    limit: float = LIMIT,
+    information: Information, unknowns: Sequence[ResolvedUnknown], *, limit: float = LIMIT
 ) -> Identifiability:
-    """Analyze the eigenvalues and eigenvectors of the information, relative to the sizes of the unknowns.
+    """Analyze the eigenvalues and eigenvectors of the information, in units of the sizes.
 
     With the Jacobian J of the residuals (in standard deviations) with respect to x = ln q, or to q
     in units of its size, the information is F = J^T J. An eigenvector w with eigenvalue e is a
@@ -76,117 +89,73 @@ def analyze_identifiability(
     """
     sizes = np.array([unknown.size for unknown in unknowns])
     scaled = information * np.outer(sizes, sizes)
-    strength, vectors = strengths(scaled)
+    spectrum = strengths(scaled)
+    weights = np.abs(spectrum.vectors)
     ranges = np.array([np.ptp(unknown.ends) for unknown in unknowns]) / sizes
     with np.errstate(divide="ignore"):
-        sigma = 1.0 / np.sqrt(strength)
-        reach = np.min(ranges[:, np.newaxis] / np.abs(vectors), axis=0)
-    directions = tuple(
-        Direction(
-            weights=_oriented(vectors[:, j]),
+        sigma = 1.0 / np.sqrt(spectrum.eigenvalues)
+        reach = np.min(ranges[:, np.newaxis] / weights, axis=0)
+    directions: list[Direction] = []
+    for j in reversed(range(len(unknowns))):
+        vector = spectrum.vectors[:, j]
+        direction = Direction(
+            weights=oriented(vector),
             sigma=float(sigma[j]),
-            is_seen=bool(sigma[j] * np.max(np.abs(vectors[:, j])) < limit),
-            name=combination_of(vectors[:, j], unknowns),
+            is_seen=bool(sigma[j] * np.max(weights[:, j]) < limit),
+            name=describe_combination(vector, unknowns),
         )
-        for j in reversed(range(len(unknowns)))
-    )
+        directions.append(direction)
+    without_effect = [
+        unknown.name for unknown, row in zip(unknowns, scaled, strict=True) if not row.any()
+    ]
     return Identifiability(
-        directions=directions,
-        sigma=deviations(strength, vectors, reach),
-        without_effect=tuple(
-            unknown.name for unknown, row in zip(unknowns, scaled, strict=True) if not row.any()
-        ),
+        directions=tuple(directions),
+        sigma=deviations(spectrum, reach),
+        without_effect=tuple(without_effect),
         limit=limit,
     )
 
 
-def strengths(
-    information: Float[np.ndarray, "n n"],
-) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, "n n"]]:
-    """Return the eigenvalues of an information matrix, 0 for rounding errors, and its eigenvectors as columns.
+def strengths(information: Information) -> Spectrum:
+    """Return the eigenvalues of an information matrix, 0 for rounding errors, and its eigenvectors.
 
     Args:
         information: Information, in units of the sizes of the unknowns.
     """
     eigenvalues, vectors = np.linalg.eigh(0.5 * (information + information.T))
-    return np.where(
-        eigenvalues > _FLAT * max(float(eigenvalues[-1]), 0.0), eigenvalues, 0.0
-    ), vectors
+    is_strength = eigenvalues > _FLAT * max(float(eigenvalues[-1]), 0.0)
+    return Spectrum(eigenvalues=np.where(is_strength, eigenvalues, 0.0), vectors=vectors)
 
 
 def deviations(
-    eigenvalues: Float[np.ndarray, " n"],
-    vectors: Float[np.ndarray, "n n"],
-    reach: Float[np.ndarray, " n"] | float = np.inf,
+    spectrum: Spectrum, reach: Float[np.ndarray, " n"] | float = np.inf
 ) -> Float[np.ndarray, " n"]:
-    """Return the square roots of the diagonal of the inverse; inf for unknowns in a direction with eigenvalue 0.
+    """Return the square roots of the diagonal of the inverse.
+
+    They are inf for unknowns in a direction with eigenvalue 0.
 
     Args:
-        eigenvalues: Eigenvalues of the information.
-        vectors: Its eigenvectors, as columns.
+        spectrum: Eigenvalues and eigenvectors of the information.
         reach: Distance along each eigenvector to the end of a range; it bounds unknowns that hardly
             take part.
     """
-    share = vectors**2
-    takes_part = (share > 1e-8) | (
-        eigenvalues > 0.0
-    )  # smaller shares are rounding errors of the eigenvectors
+    share = spectrum.vectors**2
+    takes_part = (share > _NO_SHARE) | (spectrum.eigenvalues > 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        own = np.where(takes_part, share / eigenvalues, 0.0)
-        led = np.where(share > _HARDLY**2, np.inf, share * np.square(reach))
-    return np.sqrt(np.sum(np.fmin(own, led), axis=1))
+        variance = np.where(takes_part, share / spectrum.eigenvalues, 0.0)
+        bound_by_range = np.where(share > _HARDLY**2, np.inf, share * np.square(reach))
+    return np.sqrt(np.sum(np.fmin(variance, bound_by_range), axis=1))
 
 
-def marginal(
-    information: Float[np.ndarray, "n n"], keep: Sequence[int]
-) -> Float[np.ndarray, "n_kept n_kept"]:
-    """Return the information about some unknowns while all others stay unknown too: a Schur complement.
+def marginal(information: Information, keep: Sequence[int]) -> Float[np.ndarray, "n_kept n_kept"]:
+    """Return the information about some unknowns while all others stay unknown (Schur complement).
 
     Args:
         information: Information about all unknowns.
         keep: Indices of the unknowns to keep.
     """
-    rest = [k for k in range(len(information)) if k not in keep]
-    between = information[np.ix_(list(keep), rest)]
-    hidden = np.linalg.pinv(information[np.ix_(rest, rest)], hermitian=True)
-    return information[np.ix_(list(keep), list(keep))] - between @ hidden @ between.T
-
-
-def combination_of(weights: Float[np.ndarray, " n"], unknowns: Sequence[ResolvedUnknown]) -> str:
-    """Describe a combination of unknowns in words.
-
-    Args:
-        weights: Weights of their coordinates, in units of their sizes; of any norm.
-        unknowns: The unknowns, in the same order.
-    """
-    weights = _oriented(weights / np.linalg.norm(weights))
-    greatest = np.max(np.abs(weights))
-    order: list[int] = np.argsort(-np.abs(weights), kind="stable").tolist()
-    members = [k for k in order if abs(weights[k]) >= _PART * greatest]
-    names = [f"`{unknowns[k].name}`" for k in members]
-    if len(members) == 1:
-        return names[0]
-    if not all(unknowns[k].is_log for k in members):
-        terms = " ".join(
-            f"{weights[k]:+.2g} {name}" for k, name in zip(members, names, strict=True)
-        )
-        return f"the combination {terms}"
-    if min(weights[members]) > _ABOUT * greatest:
-        about = "" if np.ptp(weights[members]) < _ALIKE * greatest else "about "
-        return f"{about}the common scale of {', '.join(names[:-1])} and {names[-1]}"
-    powers = [f"{abs(weights[k]) / greatest:.2g}" for k in members]
-    factors = [
-        name if power == "1" else f"{name}^{power}"
-        for name, power in zip(names, powers, strict=True)
-    ]
-    over, under = (
-        [one for k, one in zip(members, factors, strict=True) if weights[k] * s > 0]
-        for s in (1, -1)
-    )
-    below = f"({' '.join(under)})" if len(under) > 1 else "".join(under)
-    return f"the ratio {' '.join(over)} / {below}" if under else f"the product {' '.join(over)}"
-
-
-def _oriented(vector: np.ndarray) -> np.ndarray:
-    """Return the vector with the sign that makes its largest component positive."""
-    return vector * np.sign(vector[np.argmax(np.abs(vector))])
+    kept = list(keep)
+    removed = [k for k in range(len(information)) if k not in keep]
+    between = information[np.ix_(kept, removed)]
+    inverse_of_removed = np.linalg.pinv(information[np.ix_(removed, removed)], hermitian=True)
+    return information[np.ix_(kept, kept)] - between @ inverse_of_removed @ between.T

@@ -1,4 +1,6 @@
-"""Noise that is correlated between neighboring samples, caused by calibration errors, waves or model error.
+"""Noise that is correlated between neighboring samples.
+
+It is caused by calibration errors, waves or errors of the model.
 
 If the correlation C of the noise n falls by the factor r from sample to sample, C_ij = r^|i - j|, a
 fit leaves the residuals e = n - J F^-1 J^T n, and the covariance of its estimates is F^-1 (J^T C J)
@@ -8,6 +10,7 @@ the lag-1 correlation of the residuals.
 """
 
 from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -15,97 +18,150 @@ from jaxtyping import Float
 from laticauda.identify.problem import Problem
 from laticauda.values.optional import optional_import
 
-_SURE = 3.1  # standard deviations; white noise is this far off in 1 of 1000 cases
-_ROUNDING = 1e-3  # of the stated noise: smaller residuals do not come from a measurement
-_DRAWS, _ROUNDS = 50, 12
-_MOST = 0.98
+_SURE = 3.1
+"""White noise is this many standard deviations off in 1 of 1000 cases [-]."""
+_ROUNDING = 1e-3
+"""Residuals smaller than this fraction of the stated noise do not come from a measurement [-]."""
+_SMALLEST_STRENGTH = 1e-13
+"""Eigenvalues of the information below this share of the largest are rounding errors [-]."""
+_N_DRAWS = 50
+"""Samples of random noise from which its correlation after a fit is computed."""
+_N_ROUNDS = 12
+"""Corrections of r."""
+_LARGEST_LAG = 0.98
+"""Largest r that is assumed [-]."""
 
 Chains = Mapping[str, list[np.ndarray]]
 """For each kind of series, the indices of the data of every such series, time first."""
 
 
+class Widening(NamedTuple):
+    """How correlated noise widens the intervals of a fit."""
+
+    factors: Float[np.ndarray, " n_unknowns"]
+    """Factor on the interval of each unknown, at least 1 [-]."""
+    lags: dict[str, float]
+    """r for each kind of series whose residuals are correlated [-]."""
+
+
 def noise_widening(
     problem: Problem,
     jacobian: Float[np.ndarray, "n_residuals n_unknowns"],
-    off: Float[np.ndarray, " n_data"],
+    residuals: Float[np.ndarray, " n_data"],
     degrees: float | None,
-) -> tuple[Float[np.ndarray, " n_unknowns"], dict[str, float]]:
-    """Compute the factor (at least 1) by which correlated noise widens the intervals, and r for each kind of series.
+) -> Widening:
+    """Compute by which factors correlated noise widens the intervals, and r by kind of series.
 
     Args:
         problem: Measurements and unknowns.
         jacobian: Jacobian of the residuals, those of the priors last.
-        off: The residuals of the data.
+        residuals: The residuals of the data.
         degrees: Degrees of freedom, if the residuals estimated the noise: less of correlated noise
             remains in them.
     """
-    data, priors = np.split(jacobian * problem.sizes, [off.size])
-    inverse = np.linalg.pinv(data.T @ data + priors.T @ priors, rcond=1e-13, hermitian=True)
-    chains = _chains(problem, off)
-    lags = _lags(chains, off, lambda noise: noise - data @ (inverse @ (data.T @ noise)))
-    half = data.copy()
+    data_rows, prior_rows = np.split(jacobian * problem.sizes, [residuals.size])
+    prior_information = prior_rows.T @ prior_rows
+    covariance = np.linalg.pinv(
+        data_rows.T @ data_rows + prior_information, rcond=_SMALLEST_STRENGTH, hermitian=True
+    )
+
+    def remove_fitted(noise: np.ndarray) -> np.ndarray:
+        return noise - data_rows @ (covariance @ (data_rows.T @ noise))
+
+    chains = _chains(problem, residuals)
+    lags = _estimate_lags(chains, residuals, remove_fitted)
+    if not lags:
+        return Widening(factors=np.ones(len(covariance)), lags=lags)
+    # J^T C J = H^T H, if H is what the transposed filter that makes the noise leaves of J.
+    filtered = data_rows.copy()
     for kind, lag in lags.items():
         for chain in chains[kind]:
-            half[chain] = _scales(chain, lag) * _summed(data[chain][::-1], lag)[::-1]
-    shared = half.T @ half
-    if degrees is not None and lags:
-        shared *= degrees / max(off.size - float(np.trace(inverse @ shared)), 1.0)
-    variance = np.diag(inverse @ (shared + priors.T @ priors) @ inverse)
+            backward = _accumulated(data_rows[chain][::-1], lag)[::-1]
+            filtered[chain] = _scales_of_new_noise(chain, lag) * backward
+    correlated_information = filtered.T @ filtered
+    if degrees is not None:
+        n_absorbed = float(np.trace(covariance @ correlated_information))
+        correlated_information *= degrees / max(residuals.size - n_absorbed, 1.0)
+    sandwich = covariance @ (correlated_information + prior_information) @ covariance
+    variance = np.diag(sandwich)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.fmax(np.sqrt(variance / np.diag(inverse)), 1.0) if lags else np.ones(
-            len(inverse)
-        ), lags
+        factors = np.fmax(np.sqrt(variance / np.diag(covariance)), 1.0)
+    return Widening(factors=factors, lags=lags)
 
 
-def _lags(
-    chains: Chains, off: np.ndarray, left_of: Callable[[np.ndarray], np.ndarray]
+def _estimate_lags(
+    chains: Chains, residuals: np.ndarray, remove_fitted: Callable[[np.ndarray], np.ndarray]
 ) -> dict[str, float]:
-    """Estimate r for the kinds of series with correlated residuals; `left_of` returns what a fit leaves of noise."""
-    white = np.random.default_rng(0).standard_normal((off.size, _DRAWS))
+    """Estimate r for the kinds of series with correlated residuals.
 
-    def missing(lags: Mapping[str, float]) -> dict[str, float]:
+    Args:
+        chains: The series.
+        residuals: The residuals of the data.
+        remove_fitted: Returns what a fit leaves of noise.
+    """
+    white = np.random.default_rng(0).standard_normal((residuals.size, _N_DRAWS))
+
+    def missing_correlation(lags: Mapping[str, float]) -> dict[str, float]:
+        """Return by how much the residuals are more correlated than noise with these r."""
         noise = white.copy()
         for kind, lag in lags.items():
             for chain in chains[kind]:
-                noise[chain] = _summed(_scales(chain, lag) * white[chain], lag)
-        left = left_of(noise)
-        return {
-            kind: _lag(off[:, np.newaxis], mine) - _lag(left, mine) for kind, mine in chains.items()
+                noise[chain] = _accumulated(_scales_of_new_noise(chain, lag) * white[chain], lag)
+        remaining = remove_fitted(noise)
+        missing: dict[str, float] = {}
+        for kind, own_chains in chains.items():
+            observed = _lag_1_correlation(residuals[:, np.newaxis], own_chains)
+            missing[kind] = observed - _lag_1_correlation(remaining, own_chains)
+        return missing
+
+    lags: dict[str, float] = {}
+    for kind, missing in missing_correlation({}).items():
+        n_samples = sum(chain.size for chain in chains[kind])
+        if missing * np.sqrt(n_samples) > _SURE:
+            lags[kind] = 0.0
+    if not lags:
+        return lags
+    for _ in range(_N_ROUNDS):
+        missing_by_kind = missing_correlation(lags)
+        lags = {
+            kind: float(np.clip(lag + missing_by_kind[kind], 0.0, _LARGEST_LAG))
+            for kind, lag in lags.items()
         }
-
-    sizes = {kind: sum(chain.size for chain in mine) for kind, mine in chains.items()}
-    found = {kind: 0.0 for kind, more in missing({}).items() if more * np.sqrt(sizes[kind]) > _SURE}
-    for _ in range(_ROUNDS if found else 0):
-        more = missing(found)
-        found = {kind: float(np.clip(lag + more[kind], 0.0, _MOST)) for kind, lag in found.items()}
-    return found
+    return lags
 
 
-def _chains(problem: Problem, off: np.ndarray) -> Chains:
-    found: dict[str, list[np.ndarray]] = {}
-    for one in problem.places:
-        time = problem.measurements[one.owner].time
-        if one.is_series and time is not None and time.size > 1 and np.std(off[one.at]) > _ROUNDING:
-            found.setdefault(one.what, []).append(
-                np.arange(off.size)[one.at].reshape(time.size, -1)
-            )
-    return found
+def _chains(problem: Problem, residuals: np.ndarray) -> Chains:
+    """Return the series with more than one sample whose residuals are not just rounding errors."""
+    chains: dict[str, list[np.ndarray]] = {}
+    indices = np.arange(residuals.size)
+    for block in problem.data_blocks:
+        time = problem.measurements[block.owner].time
+        if not block.is_series or time is None or time.size <= 1:
+            continue
+        if np.std(residuals[block.numbers]) > _ROUNDING:
+            chain = indices[block.numbers].reshape(time.size, -1)
+            chains.setdefault(block.name, []).append(chain)
+    return chains
 
 
-def _lag(residuals: np.ndarray, chains: list[np.ndarray]) -> float:
-    """Compute the lag-1 correlation."""
-    beside = sum(float(np.sum(residuals[chain[1:]] * residuals[chain[:-1]])) for chain in chains)
-    return beside / sum(float(np.sum(residuals[chain] ** 2)) for chain in chains)
+def _lag_1_correlation(residuals: np.ndarray, chains: list[np.ndarray]) -> float:
+    """Compute the correlation of neighboring samples."""
+    products = 0.0
+    squares = 0.0
+    for chain in chains:
+        products += float(np.sum(residuals[chain[1:]] * residuals[chain[:-1]]))
+        squares += float(np.sum(residuals[chain] ** 2))
+    return products / squares
 
 
-def _scales(chain: np.ndarray, lag: float) -> np.ndarray:
-    """Return the scale of the new noise in every sample: 1 for the first."""
-    return np.where(np.arange(len(chain)) > 0, np.sqrt(1.0 - lag**2), 1.0)[
-        :, np.newaxis, np.newaxis
-    ]
+def _scales_of_new_noise(chain: np.ndarray, lag: float) -> np.ndarray:
+    """Return the scale of what is new in the noise of every sample: all of it in the first."""
+    scales = np.full(len(chain), np.sqrt(1.0 - lag**2))
+    scales[0] = 1.0
+    return scales[:, np.newaxis, np.newaxis]
 
 
-def _summed(rows: np.ndarray, lag: float) -> np.ndarray:
+def _accumulated(samples: np.ndarray, lag: float) -> np.ndarray:
     """Add to every sample what is left of those before it."""
     signal = optional_import("Identification", "scipy", "identify", "scipy.signal")
-    return signal.lfilter([1.0], [1.0, -lag], rows, axis=0)
+    return signal.lfilter([1.0], [1.0, -lag], samples, axis=0)

@@ -4,6 +4,7 @@ from collections import Counter
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,9 +18,11 @@ from laticauda.values.errors import RobotFileError, TrialFileError
 TABLE_SIGMA = 0.05
 """Default noise of a table's numbers, as a fraction of each value; the paper states none [-]."""
 TABLE_SELECTED_FROM = 3
-"""Assumed number of equally good settings from which a starred row of Table 1 was selected as the best [-]."""
+"""Assumed number of equally good settings from which a starred row of Table 1 was selected [-]."""
 FIGURES = ("forward_velocity", "mean_power")
-_LONGEST_STRIDE = 2.0  # of any swimmer, in body lengths
+"""Figures that a table can hold."""
+_LONGEST_STRIDE = 2.0
+"""Distance per cycle that no swimmer exceeds, in body lengths [-]."""
 
 
 def from_table1(
@@ -28,7 +31,7 @@ def from_table1(
     sigma: float = TABLE_SIGMA,
     selected_from: int = TABLE_SELECTED_FROM,
 ) -> tuple[Measurement, ...]:
-    """Return the rows of the paper's Table 1: Mamba, with and without its fin, 30 s from standstill.
+    """Return the paper's Table 1: Mamba, with and without its fin, 30 s from standstill.
 
     The paper states no noise. Each row is given the same relative noise, which is best regarded as
     a guess and estimated from the residuals (`noise="estimated"`). Starred rows are the maxima of
@@ -45,17 +48,20 @@ def from_table1(
     """
     check_choice("figure", figure, FIGURES)
     check_positive("sigma", sigma)
-    robots = cache(lc.load_robot)
-    return tuple(
-        Measurement(
+    load_robot = cache(lc.load_robot)
+    rows: list[Measurement] = []
+    for trial in MeasuredTrials.named("table1")().trials():
+        value = getattr(trial, figure)
+        if value is None:
+            continue
+        row = Measurement(
             name=_name(trial.gait, trial.has_fin),
-            scenario=build_scenario(robots(trial.robot), trial.gait),
+            scenario=build_scenario(load_robot(trial.robot), trial.gait),
             figures={figure: (value, sigma * value)},
             selected_from=selected_from if trial.is_maximum else 1,
         )
-        for trial in MeasuredTrials.named("table1")().trials()
-        if (value := getattr(trial, figure)) is not None
-    )
+        rows.append(row)
+    return tuple(rows)
 
 
 def from_table(
@@ -65,7 +71,9 @@ def from_table(
     sigma: float = TABLE_SIGMA,
     robot: str = "mamba",
 ) -> tuple[Measurement, ...]:
-    """Read speeds or powers from a CSV file with one row per trial; `laticauda.trials.measured` describes its columns.
+    """Read speeds or powers from a CSV file with one row per trial.
+
+    `laticauda.trials.measured` describes its columns.
 
     Args:
         file: Path of the file.
@@ -79,35 +87,59 @@ def from_table(
         ValueError: If an argument is out of its range.
     """
     check_positive("sigma", sigma)
-    is_speed = check_choice("figure", figure, FIGURES) == FIGURES[0]
-    robots, seen, found = cache(_robot), Counter[str](), list[Measurement]()
+    check_choice("figure", figure, FIGURES)
+    load_swimmer = cache(_load_swimmer)
+    n_of_name = Counter[str]()
+    measurements: list[Measurement] = []
     for row in measured.load_speeds(file):
-        value, own = (row.v_m_s, row.v_sigma_m_s) if is_speed else (row.P_avg_W, row.P_sigma_W)
-        if value is None:
+        number = _number_in(row, figure)
+        if number.value is None:
             continue
-        swam, gait = robots(row.robot or robot, row.config), row.motion
-        stride = 2.0 * np.pi * (row.v_m_s or 0.0) / gait.frequency / swam.length
-        if stride > _LONGEST_STRIDE:
-            raise TrialFileError(
-                f"{file}: `v_m_s` of {row.v_m_s:g} at `omega_deg_s` of {row.omega_deg_s:g} is {stride:.3g} lengths of "
-                f"`{swam.name}` per cycle, more than anything swims; is one in another unit, such as cm/s, rad/s or Hz?"
-            )
-        name = _name(gait, swam.caudal_fin is not None)
-        seen[name] += 1
-        found.append(
-            Measurement(
-                name=name if seen[name] == 1 else f"{name} ({seen[name]})",
-                scenario=build_scenario(swam, gait, row.duration_s),
-                figures={figure: (value, own or sigma * value)},
-                selected_from=row.selected_from,
-            )
+        swimmer = load_swimmer(row.robot or robot, row.config)
+        gait = row.motion
+        _check_stride(file, row, swimmer)
+        name = _name(gait, swimmer.caudal_fin is not None)
+        n_of_name[name] += 1
+        if n_of_name[name] > 1:
+            name = f"{name} ({n_of_name[name]})"
+        measurement = Measurement(
+            name=name,
+            scenario=build_scenario(swimmer, gait, row.duration_s),
+            figures={figure: (number.value, number.sigma or sigma * number.value)},
+            selected_from=row.selected_from,
         )
-    if not found:
+        measurements.append(measurement)
+    if not measurements:
         raise TrialFileError(f"{file}: none of its rows has a {figure.replace('_', ' ')}.")
-    return tuple(found)
+    return tuple(measurements)
 
 
-def _robot(name: str, config: str | None) -> lc.Robot:
+class _Number(NamedTuple):
+    """A number in a row, and the standard deviation of its noise, as far as the row states them."""
+
+    value: float | None
+    sigma: float | None
+
+
+def _number_in(row: measured.SpeedTrial, figure: str) -> _Number:
+    if figure == "forward_velocity":
+        return _Number(value=row.v_m_s, sigma=row.v_sigma_m_s)
+    return _Number(value=row.P_avg_W, sigma=row.P_sigma_W)
+
+
+def _check_stride(file: str | Path, row: measured.SpeedTrial, robot: lc.Robot) -> None:
+    """Reject a speed that nothing swims at, which is mostly one in another unit."""
+    speed = row.v_m_s or 0.0
+    stride = 2.0 * np.pi * speed / row.motion.frequency / robot.length
+    if stride > _LONGEST_STRIDE:
+        raise TrialFileError(
+            f"{file}: `v_m_s` of {row.v_m_s:g} at `omega_deg_s` of {row.omega_deg_s:g} is "
+            f"{stride:.3g} lengths of `{robot.name}` per cycle, more than anything swims; "
+            "is one in another unit, such as cm/s, rad/s or Hz?"
+        )
+
+
+def _load_swimmer(name: str, config: str | None) -> lc.Robot:
     """Return the robot that swam; a preset without a fin has a counterpart preset with one."""
     robot = lc.load_robot(name)
     if config == "nofin":
@@ -127,7 +159,6 @@ def _name(gait: lc.Gait, has_fin: bool) -> str:
 
 
 def setting_of(gait: lc.Gait) -> str:
-    """Format amplitude, frequency and phase shift in degrees, as in names of measurements: 30/130/40."""
-    return "/".join(
-        f"{np.degrees(number):.0f}" for number in (gait.amplitude, gait.frequency, gait.phase_shift)
-    )
+    """Format amplitude, frequency and phase shift in degrees, as in names: 30/130/40."""
+    setting = (gait.amplitude, gait.frequency, gait.phase_shift)
+    return "/".join(f"{np.degrees(number):.0f}" for number in setting)

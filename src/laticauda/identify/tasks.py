@@ -1,4 +1,4 @@
-"""Identification task: measurements, unknowns and method together, from a TOML file or from a few trials.
+"""Identification task: measurements, unknowns and method together, from a TOML file or not.
 
     kind = "identification"
     format = 2                             # of the file; default: the current one
@@ -11,20 +11,20 @@
     seed = 0
     parameters = [
         "water.normal_drag",
-        {name = "water.tangential_friction", start = 0.15, lower = 0.01, upper = 1.0, prior = [0.2, 0.1]},
+        {name = "water.tangential_friction", start = 0.15, lower = 0.01, prior = [0.2, 0.1]},
     ]
 
-    [fixed.water]                          # tables of a parameter file: values that are not identified
+    [fixed.water]                          # tables of a parameter file: fixed values
     normal_drag = 1.75
 
     [[trials]]
-    file = "run-1.nc"                      # relative to this file; .csv, .c3d and .tsv need columns = "map.toml"
+    file = "run-1.nc"                      # relative to this file; .csv needs columns = "map.toml"
     figures = {forward_velocity = 0.005}   # name = standard deviation of its noise
     series = {center_of_mass = 0.003}
     interval = 0.5                         # between the samples of series that are used [s]
     free_start = true                      # also identify where it began, if the path is used
 
-    [table]                                # speeds, one row per trial: a CSV file, see `laticauda.trials.measured`
+    [table]                                # a CSV file of speeds, see `laticauda.trials.measured`
     file = "speeds.csv"
     sigma = 0.05                           # of rows that do not state their own, as a fraction
 
@@ -37,117 +37,44 @@ The file is read strictly: anything unknown, missing or out of range is rejected
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
-
-import numpy as np
+from typing import Any, cast
 
 import laticauda as lc
 from laticauda import scenarios
 from laticauda.identify.fitting import Keep, fit
-from laticauda.identify.measurements import SERIES, Measurement, from_trial
-from laticauda.identify.result import Fit, Method
-from laticauda.identify.tables import FIGURES, TABLE_SIGMA, from_table, from_table1
-from laticauda.identify.unknowns import Unknown, as_unknowns, numbers_by_name
-from laticauda.models.simulate.numbers import UNITS
+from laticauda.identify.measurements import Measurement
+from laticauda.identify.method import Method
+from laticauda.identify.result import Fit
+from laticauda.identify.tables import from_table, from_table1
+from laticauda.identify.trial_files import TableFile, TrialFile
+from laticauda.identify.unknowns import Unknown, as_unknowns
 from laticauda.models.simulate.runner import Progress, silent
 from laticauda.robot.files import read_table
 from laticauda.robot.parameters import NAMES, adjust, read_adjustments
 from laticauda.values import codec
-from laticauda.values.checks import check_choice, check_label
+from laticauda.values.checks import check_label
 from laticauda.values.errors import BadArgument, RobotFileError
-from laticauda.values.quantities import check_one_among, option, quantity, value_class
+from laticauda.values.quantities import option, quantity, value_class
 
 KIND = "identification"
-_METHOD = ("model", "joints", "noise", "loss", "n_starts", "seed", "confidence")
-OPTIONS = {name.removeprefix("n_"): name for name in _METHOD}
+"""Kind of a task's file."""
+OPTIONS = {
+    "model": "model",
+    "joints": "joints",
+    "noise": "noise",
+    "loss": "loss",
+    "starts": "n_starts",
+    "seed": "seed",
+    "confidence": "confidence",
+}
 """Keys of the method, and the corresponding arguments of `fit`."""
+_SHORT_FORMS = {"parameters": "name", "trials": "file"}
+"""Keys whose entries may be a text instead of a table, and the key that it stands for."""
+_PRESET_WATER = "paper-lateral"
+"""Water whose numbers `fixed.water` changes if there is no parameter file."""
+_TABLE_ROBOT = "mamba"
+"""Robot of a table whose task and rows name none."""
 Table = Mapping[str, Any]
-
-_NOISES: Any = {"default_factory": dict[str, float], "check": numbers_by_name("standard deviation")}
-PATH = {"center_of_mass": 0.005}
-"""Series of a trial used by default: the path as seen by a camera, with its noise [m]."""
-
-
-@value_class
-class TrialFile:
-    """A file with a trial, and the parts of it that are used."""
-
-    file: str = option("Path of the trial file")
-    columns: str | None = option(
-        "Column map (TOML), if another program wrote the file", default=None
-    )
-    name: str = option("Name in tables; empty: that of the file", default="")
-    group: str = option("Group of measurements it belongs to, see `Measurement`", default="")
-    figures: Mapping[str, float] = option("Figures to fit, with their noise", **_NOISES)
-    series: Mapping[str, float] = option(
-        "Series to fit, with their noise; if none: `PATH`", **_NOISES
-    )
-    interval: float = quantity(
-        "s", "Between samples used; the noise of closer ones is hardly new", default=0.5, gt=0.0
-    )
-    free_start: bool = option(
-        "Also identify the initial position and heading, if either is used", default=True
-    )
-
-    @property
-    def label(self) -> str:
-        """Name in tables."""
-        return self.name or Path(self.file).stem
-
-    @property
-    def counted_series(self) -> Mapping[str, float]:
-        """Series that are used; the path if nothing else was requested."""
-        return self.series if self.series or self.figures else PATH
-
-    @property
-    def sources(self) -> tuple[Path, ...]:
-        """Files that it is read from."""
-        return tuple(Path(name) for name in (self.file, self.columns) if name is not None)
-
-    def beside(self, folder: Path) -> "TrialFile":
-        """Return the same with its paths relative to a folder.
-
-        Args:
-            folder: Folder to prepend to its paths.
-        """
-        columns = None if self.columns is None else str(folder / self.columns)
-        return replace(self, file=str(folder / self.file), columns=columns)
-
-    def measurement(self) -> Measurement:
-        """Return the trial as a measurement.
-
-        Raises:
-            TrialFileError: If it cannot be read.
-            ValueError: If it has no gait, or lacks a figure or series to be used.
-        """
-        trial = lc.load_trial(self.file, self.columns)
-        _check_there(self.label, trial, [*self.figures, *self.counted_series])
-        step = float(np.median(np.diff(trial.time))) if trial.time.size > 1 else self.interval
-        try:
-            return from_trial(
-                trial,
-                name=self.label,
-                figures=self.figures,
-                series=self.counted_series,
-                every=max(1, round(self.interval / step)),
-                group=self.group,
-                free_start=self.free_start,
-            )
-        except ValueError as error:
-            raise ValueError(f"{self.file}: {error}") from error
-
-
-@value_class
-class TableFile:
-    """A file with one row per trial."""
-
-    file: str = option("Path of the table; for its columns see `laticauda.trials.measured`")
-    figure: str = option(
-        "forward_velocity or mean_power", default=FIGURES[0], check=check_one_among(*FIGURES)
-    )
-    sigma: float = quantity(
-        "", "Relative noise of rows that do not state their own", default=TABLE_SIGMA, gt=0.0
-    )
 
 
 @value_class
@@ -217,44 +144,57 @@ class Task:
                 its range.
             RobotFileError: If the error is in the task's file.
         """
-        how: Any = {**self.options, "threads": threads, "progress": progress, "keep": keep}
+        arguments: dict[str, Any] = {
+            **self.options,
+            "threads": threads,
+            "progress": progress,
+            "keep": keep,
+        }
         try:
-            return fit(self.measurements, self.robot, parameters=self.unknowns, **how)
+            return fit(self.measurements, self.robot, parameters=self.unknowns, **arguments)
         except BadArgument as error:
-            if error.name == "threads" or not self.sources:  # all else comes from the file
+            is_from_file = bool(self.sources) and error.name != "threads"
+            if not is_from_file:
                 raise
             raise RobotFileError(f"{self.sources[0]}: key `{error.name}`: {error.rule}") from None
 
     def with_law(self, law: lc.Parameters) -> "Task":
-        """Return the task with water, joints and all else of a parameter file, where the task does not set them.
+        """Return the task with all values of a parameter file that the task does not set itself.
 
         Args:
             law: The parameter file; the task has none of its own.
         """
-        joints = {} if law.joints is None else {"joints": law.joints}
+        options = dict(self.options)
+        if law.joints is not None:
+            options.setdefault("joints", law.joints)
+        measurements = [
+            apply_fixed_values(measurement, links=None, base=law)
+            for measurement in self.measurements
+        ]
         return replace(
             self,
             name=f"{self.name}-{law.name}",
             title=f"{self.title}, {law.title}",
-            measurements=tuple(apply_fixed_values(one, None, law) for one in self.measurements),
+            measurements=tuple(measurements),
             base=law,
-            options={**joints, **self.options},
+            options=options,
         )
 
-    def parameters(self, found: Fit) -> lc.Parameters:
+    def parameters(self, fit: Fit) -> lc.Parameters:
         """Return the identified and the fixed values as one parameter file.
 
         Args:
-            found: Fit from `run`.
+            fit: Fit from `run`.
         """
-        kept, base = found.parameters(self.name, self.title), self.base
-        if base is None:
-            return kept
-        changes = codec.merge_tables(dict(base.changes), dict(kept.changes))
+        identified = fit.parameters(self.name, self.title)
+        if self.base is None:
+            return identified
         return replace(
-            kept,
-            changes=changes,
-            own_changes=codec.merge_tables(dict(base.own_changes), dict(kept.own_changes)),
+            identified,
+            changes=codec.merge_tables(dict(self.base.changes), dict(identified.changes)),
+            own_changes=codec.merge_tables(
+                dict(self.base.own_changes), dict(identified.own_changes)
+            ),
         )
 
 
@@ -263,30 +203,34 @@ def compare_laws(
     laws: Sequence[str | Path | lc.Parameters],
     *,
     parameters: Sequence[str | Unknown],
-    **how: Any,
+    **options: Any,
 ) -> dict[str, Fit]:
-    """Fit the same unknowns with each of several laws; null models can be compared with any of them.
+    """Fit the same unknowns with each of several laws of the water.
 
     Args:
         measurements: The measurements.
         laws: Parameter files, presets or paths: the values of water, joints and robot that are not
             fitted.
         parameters: Names of the numbers to identify, or `Unknown`s with ranges and priors.
-        how: Further arguments of `fit`.
+        options: Further arguments of `fit`.
 
     Returns:
         The fits by name of the parameter file; errors as for `fit`.
 
     Example:
         >>> from laticauda.identify import compare_laws, from_table1
+        >>> laws = ["paper", "mamba-identified"]
         >>> names = ["water.tangential_friction"]
-        >>> found = compare_laws(from_table1()[::4], ["paper", "mamba-identified"], parameters=names, n_starts=1)
-        >>> list(found)
+        >>> fits = compare_laws(from_table1()[::4], laws, parameters=names, n_starts=1)
+        >>> list(fits)
         ['paper', 'mamba-identified']
     """
-    every = as_unknowns(parameters)
     task = Task(
-        name="laws", title="laws", measurements=tuple(measurements), unknowns=every, options=how
+        name="laws",
+        title="laws",
+        measurements=tuple(measurements),
+        unknowns=as_unknowns(parameters),
+        options=options,
     )
     bases = [law if isinstance(law, lc.Parameters) else lc.load_parameters(law) for law in laws]
     return {base.name: task.with_law(base).run() for base in bases}
@@ -307,20 +251,22 @@ def load_task(path: str | Path) -> Task:
     table = read_table(file)
     with codec.keys_of(file, RobotFileError):
         task = task_from_table(table, file.stem, file.parent)
-        try:
-            Method(
-                **{
-                    name: given
-                    for name, given in task.options.items()
-                    if name in Method.__dataclass_fields__
-                }
-            )
-            scenarios.model_of(
-                task.options.get("model", "planar"), joints=task.options.get("joints", "prescribed")
-            )
-        except BadArgument as error:
-            raise codec.BadKey(error.name.removeprefix("n_"), error.rule) from None
+        _check_options(task.options)
     return replace(task, sources=(file, *task.sources))
+
+
+def _check_options(options: Mapping[str, Any]) -> None:
+    """Reject options that a fit would reject, by their keys in the file."""
+    of_method = {
+        name: value for name, value in options.items() if name in Method.__dataclass_fields__
+    }
+    model = options.get("model", "planar")
+    joints = options.get("joints", "prescribed")
+    try:
+        Method(**of_method)
+        scenarios.model_of(model, joints=joints)
+    except BadArgument as error:
+        raise codec.BadKey(error.name.removeprefix("n_"), error.rule) from None
 
 
 def task_from_table(table: Table, name: str, folder: Path) -> Task:
@@ -340,36 +286,67 @@ def task_from_table(table: Table, name: str, folder: Path) -> Task:
     codec.take_kind(table, KIND)
     codec.check_keys(table, (*_TaskFile.__dataclass_fields__, *OPTIONS))
     options = {OPTIONS[key]: table.pop(key) for key in OPTIONS if key in table}
-    for key, only in (("parameters", "name"), ("trials", "file")):  # a string in place of a table
-        if isinstance(table.get(key), list):
-            table[key] = [
-                {only: entry} if isinstance(entry, str) else entry for entry in table[key]
-            ]
-    said = codec.decode(_TaskFile, {"title": table["name"], **table})
-    if not said.parameters:
-        raise codec.BadKey("parameters", "must name at least one number to identify")
-    if not said.trials and said.table is None and said.table1 is None:
-        raise codec.BadKey(
-            "trials", "is missing; the task needs trials, [table] or [table1] to identify from"
-        )
-    base = _base(said)
+    _expand_short_forms(table)
+    content = codec.decode(_TaskFile, {"title": table["name"], **table})
+    _check_complete(content)
+    base = _base_of(content)
     if base is not None and base.joints is not None:
         options.setdefault("joints", base.joints)
-    robot = None if said.robot is None else lc.load_robot(said.robot, said.links)
-    trials = [one.beside(folder) for one in said.trials]
-    measured = [apply_fixed_values(trial.measurement(), None, base) for trial in trials]
-    rows, files = _tables(said, folder)
-    measured += [apply_fixed_values(measurement, said.links, base) for measurement in rows]
+    robot = _robot_of(content, base)
+    trials = [trial.beside(folder) for trial in content.trials]
+    measurements = [
+        apply_fixed_values(trial.measurement(), links=None, base=base) for trial in trials
+    ]
+    for row in _rows_of_tables(content, folder):
+        measurements.append(apply_fixed_values(row, links=content.links, base=base))
+    sources: list[Path] = []
+    for trial in trials:
+        sources += trial.sources
+    if content.table is not None:
+        sources.append(folder / content.table.file)
     return Task(
-        name=said.name,
-        title=said.title,
-        measurements=tuple(measured),
-        unknowns=said.parameters,
-        robot=None if robot is None else adjust(robot, base.changes if base else {}),
+        name=content.name,
+        title=content.title,
+        measurements=tuple(measurements),
+        unknowns=content.parameters,
+        robot=robot,
         base=base,
         options=options,
-        sources=(*(path for trial in trials for path in trial.sources), *files),
+        sources=tuple(sources),
     )
+
+
+def _expand_short_forms(table: dict[str, Any]) -> None:
+    """Replace texts that stand for tables with a single key."""
+    for key, only_key in _SHORT_FORMS.items():
+        entries = table.get(key)
+        if isinstance(entries, list):
+            table[key] = [_expanded(entry, only_key) for entry in cast("list[object]", entries)]
+
+
+def _expanded(entry: object, only_key: str) -> object:
+    if isinstance(entry, str):
+        return {only_key: entry}
+    return entry
+
+
+def _check_complete(content: _TaskFile) -> None:
+    """Reject a task without unknowns or without measurements."""
+    if not content.parameters:
+        raise codec.BadKey("parameters", "must name at least one number to identify")
+    if not content.trials and content.table is None and content.table1 is None:
+        rule = "is missing; the task needs trials, [table] or [table1] to identify from"
+        raise codec.BadKey("trials", rule)
+
+
+def _robot_of(content: _TaskFile, base: lc.Parameters | None) -> lc.Robot | None:
+    """Return the robot that must have swum; None: that of the trials."""
+    if content.robot is None:
+        return None
+    robot = lc.load_robot(content.robot, content.links)
+    if base is None:
+        return adjust(robot, {})
+    return adjust(robot, base.changes)
 
 
 def apply_fixed_values(
@@ -383,51 +360,50 @@ def apply_fixed_values(
         base: Fixed values; None: those of the measurement.
     """
     scenario = measurement.scenario
-    robot, kind = (
-        scenario.robot if links is None else scenario.robot.with_links(links),
-        scenario.gait.kind,
-    )
+    if links is not None:
+        scenario = replace(scenario, robot=scenario.robot.with_links(links))
     if base is not None:
-        scenario = replace(scenario, robot=base.robot(robot, kind), environment=base.water(kind))
-    elif robot is not scenario.robot:
-        scenario = replace(scenario, robot=robot)
+        kind = scenario.gait.kind
+        robot = base.robot(scenario.robot, kind)
+        scenario = replace(scenario, robot=robot, environment=base.water(kind))
     return replace(measurement, scenario=scenario)
 
 
-def _base(said: _TaskFile) -> lc.Parameters | None:
+def _base_of(content: _TaskFile) -> lc.Parameters | None:
     """Return the fixed values: from a parameter file, from its tables in the task, or from both."""
-    base = None if said.base is None else lc.load_parameters(said.base)
-    if said.fixed is None:
+    base = None
+    if content.base is not None:
+        base = lc.load_parameters(content.base)
+    if content.fixed is None:
         return base
-    codec.check_keys(said.fixed, ("water", *NAMES), "fixed")
-    usual = scenarios.preset_water("paper-lateral") if base is None else base.every_gait
-    water = codec.updated(usual, said.fixed.get("water", {}), "fixed.water")
-    changes = read_adjustments(
-        {key: said.fixed[key] for key in NAMES if key in said.fixed}, "fixed"
-    )
+    codec.check_keys(content.fixed, ("water", *NAMES), "fixed")
+    if base is not None:
+        usual_water = base.every_gait
+    else:
+        usual_water = scenarios.preset_water(_PRESET_WATER)
+    water = codec.updated(usual_water, content.fixed.get("water", {}), "fixed.water")
+    adjustments = {key: content.fixed[key] for key in NAMES if key in content.fixed}
+    changes = read_adjustments(adjustments, "fixed")
     if base is None:
-        return lc.Parameters(name=said.name, title=said.name, every_gait=water, changes=changes)
-    return replace(base, every_gait=water, changes=codec.merge_tables(dict(base.changes), changes))
+        return lc.Parameters(
+            name=content.name, title=content.name, every_gait=water, changes=changes
+        )
+    merged_changes = codec.merge_tables(dict(base.changes), changes)
+    return replace(base, every_gait=water, changes=merged_changes)
 
 
-def _tables(said: _TaskFile, folder: Path) -> tuple[list[Measurement], list[Path]]:
-    """Return the table rows to identify from, the task's own and the paper's, and the files that hold them."""
-    rows, files, own = list[Measurement](), list[Path](), said.table
+def _rows_of_tables(content: _TaskFile, folder: Path) -> list[Measurement]:
+    """Return the table rows to identify from, the task's own and the paper's."""
+    rows: list[Measurement] = []
+    own = content.table
     if own is not None:
-        files.append(folder / own.file)
-        rows += from_table(files[0], own.figure, sigma=own.sigma, robot=said.robot or "mamba")
-    if said.table1 is not None and said.table1 is not False:
-        arguments = {} if said.table1 is True else codec.table_of(said.table1, "table1")
+        robot = content.robot or _TABLE_ROBOT
+        rows += from_table(folder / own.file, own.figure, sigma=own.sigma, robot=robot)
+    if content.table1 is True:
+        rows += from_table1()
+    elif content.table1 is not None and content.table1 is not False:
+        arguments = codec.table_of(content.table1, "table1")
         codec.check_keys(arguments, ("figure", "sigma", "selected_from"), "table1")
         with codec.arguments_of("table1"):
             rows += from_table1(**arguments)
-    return rows, files
-
-
-def _check_there(name: str, trial: lc.Trial, wanted: list[str]) -> None:
-    for what in wanted:
-        check_choice(f"measured` of `{name}", what, (*UNITS, *SERIES))
-        if what in trial.not_measured:
-            raise BadArgument(
-                what, f"of `{name}` must have been measured to be fitted; the file does not have it"
-            )
+    return rows

@@ -1,26 +1,22 @@
-"""Unknowns to identify: numbers of robot, water or measurement setup, with their ranges and priors."""
+"""Unknowns to identify: numbers of robot, water or measurement setup, with their ranges and priors.
+
+An `Unknown` is what the user asks for, and may leave fields open. `laticauda.identify.resolving`
+finds it in the measurements and fills it in, which makes a `ResolvedUnknown`. A search moves
+coordinates x: the logarithm of a value q on a log scale, q itself on a linear one.
+"""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
-from typing import Any, Literal, NoReturn, cast
+from typing import Any, Literal, NamedTuple, cast
 
-from laticauda.models.simulate.numbers import (
-    Parameter,
-    change_parameters,
-    list_parameters,
-    suggest_names,
-    value_of,
-)
-from laticauda.scenarios import Scenario
+from laticauda.models.simulate.numbers import Parameter
 from laticauda.values.checks import (
     check_finite,
     check_label,
     check_not_empty,
     check_positive,
     show_value,
-    suggest_nearest,
 )
 from laticauda.values.errors import BadArgument
 from laticauda.values.quantities import Check, check_items, option, quantity, value_class
@@ -52,28 +48,31 @@ NUISANCE = {
 SIMULATED = ("start.heading", "start.velocity")
 """Nuisance parameters on which a run depends; the others change only what is seen of it."""
 
-Numbered = tuple[Scenario, Mapping[str, Parameter]]
-"""Scenario of a measurement, and the numbers that it has."""
 
-_SIZES = {"m/s": 0.1, "rad": 0.1, "m": 0.1, "W": 10.0}
-RANGE = 100.0  # factor by which a number on a log scale may exceed its start or fall below it
-_HALVINGS = 60
+class Prior(NamedTuple):
+    """Normal distribution of what is known of a value without the measurements."""
+
+    mean: float
+    """Most probable value, in the unit of the unknown."""
+    sd: float
+    """Standard deviation, in the same unit."""
 
 
-def numbers_by_name(what: str) -> Check:
+def numbers_by_name(meaning: str) -> Check:
     """Return the check of a table of numbers.
 
     Args:
-        what: What each number is, for messages.
+        meaning: What each number is, for messages.
     """
 
-    def check(name: str, given: Any) -> dict[str, float]:
-        if not isinstance(given, Mapping):
-            raise BadArgument(name, f"must be a table of name = {what}, got {show_value(given)}")
-        table = cast("Mapping[str, object]", given)
+    def check_table(name: str, content: Any) -> dict[str, float]:
+        if not isinstance(content, Mapping):
+            rule = f"must be a table of name = {meaning}, got {show_value(content)}"
+            raise BadArgument(name, rule)
+        table = cast("Mapping[str, object]", content)
         return {key: check_finite(f"{name}.{key}", number) for key, number in table.items()}
 
-    return check
+    return check_table
 
 
 @value_class
@@ -110,7 +109,8 @@ class Unknown:
         "", "A large change; None: its value, or 0.1 m, rad, m/s", default=None, gt=0.0
     )
     tied: Mapping[str, float] = option(
-        "Powers p of numbers tied to it: if it changes to k times its value, they change to k^p times theirs",
+        "Powers p of numbers tied to it: if it changes to k times its value, "
+        "they change to k^p times theirs",
         default_factory=dict[str, float],
         check=numbers_by_name("power"),
     )
@@ -119,28 +119,22 @@ class Unknown:
         """Check the fields against each other."""
         if self.prior is not None:
             check_positive(f"sd of the prior` of `{self.name}", self.prior[1])
-        low, high = (
-            (-math.inf if self.lower is None else self.lower),
-            (math.inf if self.upper is None else self.upper),
-        )
-        if low >= high:
-            raise BadArgument(
-                f"lower` of `{self.name}", f"must be < its `upper` of {high:g}, got {low:g}"
-            )
+        lower = self.lower if self.lower is not None else -math.inf
+        upper = self.upper if self.upper is not None else math.inf
+        if lower >= upper:
+            rule = f"must be < its `upper` of {upper:g}, got {lower:g}"
+            raise BadArgument(f"lower` of `{self.name}", rule)
         if self.scale == "log" and self.lower is not None and self.lower <= 0.0:
-            raise BadArgument(
-                f"lower` of `{self.name}", f"must be > 0 on a log scale, got {self.lower:g}"
-            )
-        if self.start is not None and not low <= self.start <= high:
-            raise BadArgument(
-                f"start` of `{self.name}",
-                f"must be between {low:g} and {high:g}, got {self.start:g}",
-            )
+            rule = f"must be > 0 on a log scale, got {self.lower:g}"
+            raise BadArgument(f"lower` of `{self.name}", rule)
+        if self.start is not None and not lower <= self.start <= upper:
+            rule = f"must be between {lower:g} and {upper:g}, got {self.start:g}"
+            raise BadArgument(f"start` of `{self.name}", rule)
 
 
 @dataclass(frozen=True, kw_only=True)
 class ResolvedUnknown:
-    """An unknown with all fields filled in, and its coordinate in the search: x = log q, or q itself."""
+    """An unknown with all fields filled in; its coordinate in the search is x = log q, or q."""
 
     name: str
     """Full name, with the scope."""
@@ -154,7 +148,7 @@ class ResolvedUnknown:
     """Smallest value; may be -inf."""
     upper: float = math.inf
     """Largest value; may be inf."""
-    prior: tuple[float, float] | None = None
+    prior: Prior | None = None
     """Mean and standard deviation of the prior."""
     is_log: bool
     """Whether x is the logarithm of the value."""
@@ -164,25 +158,38 @@ class ResolvedUnknown:
     """Powers of the numbers that follow it, by name."""
 
     @property
+    def is_start(self) -> bool:
+        """Whether it is where, or how fast, a single trial began."""
+        return self.parameter.name.startswith("start.")
+
+    @property
     def ends(self) -> tuple[float, float]:
         """Coordinates of the ends of its range; may be infinite."""
-        low, high = (
-            -math.inf if self.is_log and end <= 0.0 else self.x(end)
-            for end in (self.lower, self.upper)
-        )
-        return low, high
+        return self._coordinate_of_end(self.lower), self._coordinate_of_end(self.upper)
+
+    def _coordinate_of_end(self, end: float) -> float:
+        if self.is_log and end <= 0.0:
+            return -math.inf
+        return self.x(end)
 
     def x(self, value: float) -> float:
         """Return the coordinate of a value."""
-        return math.log(value) if self.is_log else value
+        if self.is_log:
+            return math.log(value)
+        return value
 
     def value(self, x: float) -> float:
         """Return the value of a coordinate, inside its range regardless of rounding."""
-        return min(max(math.exp(x) if self.is_log else x, self.lower), self.upper)
+        value = x
+        if self.is_log:
+            value = math.exp(x)
+        return min(max(value, self.lower), self.upper)
 
     def slope(self, value: float) -> float:
         """Return dq/dx."""
-        return value if self.is_log else 1.0
+        if self.is_log:
+            return value
+        return 1.0
 
 
 def as_unknowns(
@@ -196,184 +203,26 @@ def as_unknowns(
     Raises:
         ValueError: If there is none, or a name occurs twice.
     """
-
-    def unknown(name: str, item: Any) -> Unknown:
-        return item if isinstance(item, Unknown) else Unknown(name=check_label(name, item))
-
-    if isinstance(parameters, Mapping):
-        found = [
-            Unknown(name=name, lower=low, upper=high) for name, (low, high) in parameters.items()
-        ]
-    else:
-        found = check_items(unknown, "a list of names", (), "parameters", parameters)
-    check_not_empty("parameters", found, "number to identify")
-    names = [unknown.name for unknown in found]
+    unknowns = _unknowns_of(parameters)
+    check_not_empty("parameters", unknowns, "number to identify")
+    names = [unknown.name for unknown in unknowns]
     for name in names:
         if names.count(name) > 1:
-            raise BadArgument(
-                "parameters", f"must name every number once, got `{name}` {names.count(name)} times"
-            )
-    return tuple(found)
+            rule = f"must name every number once, got `{name}` {names.count(name)} times"
+            raise BadArgument("parameters", rule)
+    return unknowns
 
 
-# ---- looking up names in the measurements, and filling in what was left open ---------------------
+def _unknowns_of(
+    parameters: Sequence["str | Unknown"] | Mapping[str, tuple[float, float]],
+) -> tuple[Unknown, ...]:
+    if isinstance(parameters, Mapping):
+        ranges = parameters.items()
+        return tuple(Unknown(name=name, lower=low, upper=high) for name, (low, high) in ranges)
+    return check_items(_as_unknown, "a list of names", (), "parameters", parameters)
 
 
-def split_name(
-    unknown: Unknown, scopes: Sequence[set[str]], known: Sequence[Mapping[str, Parameter]]
-) -> tuple[str, str]:
-    """Split the name of an unknown into its scope and the rest.
-
-    Raises:
-        ValueError: If no measurement has such a number.
-    """
-    name = unknown.name
-    if any(name in names for names in known):
-        return "", name
-    for scope in sorted({scope for some in scopes for scope in some}, key=len, reverse=True):
-        rest = name.removeprefix(f"{scope}.")
-        if rest != name:
-            mine = [names for some, names in zip(scopes, known, strict=True) if scope in some]
-            if not any(rest in names for names in mine):
-                _refuse(rest, mine, f"for `{scope}`")
-            return scope, rest
-    _refuse(name, known, "of the measurements' robot and water")
-
-
-def _refuse(name: str, known: Sequence[Mapping[str, Parameter]], whose: str) -> NoReturn:
-    every = {key: parameter for names in known for key, parameter in names.items()}
-    hint = suggest_names(name, every) or suggest_nearest(name, tuple(NUISANCE))
-    raise BadArgument("parameters", f"must name numbers {whose}, got {name!r}{hint}")
-
-
-def known_numbers(scenarios: Sequence[Scenario]) -> list[dict[str, Parameter]]:
-    """Return the numbers of each scenario by name; one dictionary for those with the same robot and environment."""
-    made: dict[object, dict[str, Parameter]] = {}
-    keys = [(id(scenario.robot), id(scenario.environment)) for scenario in scenarios]
-    for key, scenario in zip(keys, scenarios, strict=True):
-        if key not in made:
-            made[key] = list_parameters(scenario, each=True) | NUISANCE
-    return [made[key] for key in keys]
-
-
-def resolve(unknown: Unknown, scope: str, name: str, seen: Sequence[Numbered]) -> ResolvedUnknown:
-    """Fill in all fields of an unknown.
-
-    Args:
-        unknown: Unknown as requested.
-        scope: Scope of the unknown.
-        name: Name without the scope.
-        seen: Scenarios and numbers of the measurements that depend on it.
-    """
-    if not seen:
-        raise BadArgument(
-            "parameters",
-            f"must leave measurements for `{unknown.name}`: more specific ones take all",
-        )
-    scenario, parameter = seen[0][0], seen[0][1][name]
-    if name.startswith("gait."):
-        rule = f"must not be of the gait, which was commanded, got `{unknown.name}`"
-        raise BadArgument(
-            "parameters", f"{rule}; how the joints follow it depends on `robot.joint.actuator`"
-        )
-    if parameter.is_whole:
-        raise BadArgument(
-            "parameters", f"must be numbers that can vary slightly, got `{unknown.name}`, a count"
-        )
-    _check_tied(unknown, name, seen)
-    start = unknown.start
-    if start is None:
-        start = 0.0 if name in NUISANCE else value_of(name, scenario, argument="parameters")
-        start = start if unknown.lower is None else max(start, unknown.lower)
-        start = start if unknown.upper is None else min(start, unknown.upper)
-    refusal = partial(_refusal, name, scenario, unknown.tied)
-    for end, at in (("start", start), ("lower", unknown.lower), ("upper", unknown.upper)):
-        if at is not None and (why := refusal(at)):
-            raise BadArgument(
-                f"{end}` of `{unknown.name}", f"must be in its range, got {at:g}: {why.rstrip('.')}"
-            )
-    may_be_less = name in NUISANCE or not refusal(-1e-9 * max(1.0, abs(start)))
-    positive_only = start > 0.0 and not may_be_less and unknown.lower != 0.0
-    is_log = unknown.scale == "log" if unknown.scale else positive_only
-    if is_log and start <= 0.0:
-        raise BadArgument(
-            f"start` of `{unknown.name}", f"must be > 0 on a log scale, got {start:g}"
-        )
-    low, high = (
-        (start / RANGE, start * RANGE) if is_log else (-math.inf if may_be_less else 0.0, math.inf)
-    )
-    own_size = max(abs(start), unknown.prior[1] if unknown.prior else 0.0) or _SIZES.get(
-        parameter.unit, 1.0
-    )
-    lower = _end(refusal, start, low) if unknown.lower is None else unknown.lower
-    upper = _end(refusal, start, high) if unknown.upper is None else unknown.upper
-    return ResolvedUnknown(
-        name=unknown.name,
-        scope=scope,
-        parameter=parameter,
-        start=start,
-        lower=lower,
-        upper=upper,
-        prior=unknown.prior,
-        is_log=is_log,
-        size=1.0 if is_log else unknown.size or own_size,
-        tied=unknown.tied,
-    )
-
-
-def with_tied(
-    scenario: Scenario, name: str, value: float, tied: Mapping[str, float]
-) -> dict[str, float]:
-    """Return the value of an unknown and of all numbers tied to it, by name.
-
-    Args:
-        scenario: Scenario of the measurement, without identified values.
-        name: Name of the unknown, without its scope.
-        value: Value of the unknown.
-        tied: Powers of the tied numbers, by name.
-    """
-    if not tied:
-        return {name: value}
-    factor = value / value_of(name, scenario)
-    others = {other: value_of(other, scenario) * factor**power for other, power in tied.items()}
-    return {name: value, **others}
-
-
-def _check_tied(unknown: Unknown, name: str, seen: Sequence[Numbered]) -> None:
-    """Reject ties that no measurement can have."""
-    where = f"`tied` of `{unknown.name}`"
-    for scenario, numbers in seen if unknown.tied else ():
-        for other in unknown.tied:
-            if (
-                other not in numbers
-                or other == name
-                or other in NUISANCE
-                or numbers[other].is_whole
-            ):
-                raise ValueError(
-                    f"{where} must name other numbers of robot and water, got {other!r}."
-                )
-        if name in NUISANCE or value_of(name, scenario, argument="parameters") <= 0.0:
-            raise ValueError(f"{where} must follow a number that is greater than 0.")
-
-
-def _refusal(name: str, scenario: Scenario, tied: Mapping[str, float], value: float) -> str:
-    """Return why a value is out of the range of its field; "" if it is not."""
-    if name not in NUISANCE:
-        try:
-            change_parameters(scenario, with_tied(scenario, name, value, tied))
-        except (ValueError, ArithmeticError) as err:
-            return str(err)
-    return ""
-
-
-def _end(refusal: Callable[[float], str], inside: float, end: float) -> float:
-    """Return the farthest value toward `end` that the field allows."""
-    reach = math.copysign(1e6 * max(1.0, abs(inside)), end) if math.isinf(end) else end
-    if not refusal(reach):
-        return end
-    good, bad = inside, reach
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (good + bad)
-        good, bad = (good, middle) if refusal(middle) else (middle, bad)
-    return good
+def _as_unknown(argument: str, name: Any) -> Unknown:
+    if isinstance(name, Unknown):
+        return name
+    return Unknown(name=check_label(argument, name))

@@ -43,7 +43,7 @@ def test_the_page_says_what_was_found_from_what_and_how_well(done, tmp_path):
     for words in (
         "Identification: in the tank",
         "Command: laticauda identify tank.toml",
-        done.found.status,
+        done.fit.status,
         "What the measurements see",
         "group left out",
         "null model: constant per group",
@@ -63,14 +63,14 @@ def test_the_sentences_say_what_was_done_and_not_its_opposite(done):
         in text
     )
     assert (
-        f"estimated from the residuals, {done.found.noise_factor:.2g} times what the measurements state."
+        f"estimated from the residuals, {done.fit.noise_factor:.2g} times what the measurements state."
         in text
     )
     found = replace(
-        done.found, method=replace(done.found.method, noise="known"), warnings=("Look at `this`.",)
+        done.fit, method=replace(done.fit.method, noise="known"), warnings=("Look at `this`.",)
     )
     other = identification_chapter(
-        replace(done, found=found, is_linearized=False, by_group=None)
+        replace(done, fit=found, is_linearized=False, by_group=None)
     ).html({})
     assert "predicted by a refit to all others; beside it" in other
     assert "the noise is taken as stated." in other
@@ -78,14 +78,14 @@ def test_the_sentences_say_what_was_done_and_not_its_opposite(done):
     assert "Command:" not in other
     table = pd.DataFrame(identification_tables(done)["directions"])
     assert [bool(seen) for seen in table["seen"]] == [
-        one.is_seen for one in done.found.identifiability.directions
+        one.is_seen for one in done.fit.identifiability.directions
     ]
 
 
 def test_what_is_not_identified_is_no_number_in_table_and_json(done):
     table = pd.DataFrame(identification_tables(done)["parameters"])
     assert list(table["value"].isna()) == [
-        not estimate.is_identified for estimate in done.found.estimates
+        not estimate.is_identified for estimate in done.fit.estimates
     ]
     assert any(table["value"].isna())
     assert table["prior"][0] == "0.3 ± 0.2"
@@ -97,7 +97,7 @@ def test_what_is_not_identified_is_no_number_in_table_and_json(done):
 def test_what_is_left_out_stands_beside_the_null_models(done):
     rows = pd.DataFrame(identification_tables(done)["errors"]).set_index("model")
     mine = rows.loc["this fit"]
-    assert mine["fitted [%]"] == pytest.approx(done.found.percentage_error())
+    assert mine["fitted [%]"] == pytest.approx(done.fit.percentage_error())
     assert mine["measurement left out [%]"] > mine["fitted [%]"]
     assert mine["group left out [%]"] == pytest.approx(done.by_group.percentage_error())
     assert "null model: constant stride per group" in rows.index
@@ -140,4 +140,4 @@ def test_every_residual_stands_in_the_table_with_its_prediction_by_the_others(do
 def test_where_the_search_began_and_ended_has_units(done):
     first = identification_tables(done)["starts"][0]
     assert f"{FRICTION}, from [-]" in first and f"{FRICTION}, to [-]" in first
-    assert f"{WITHOUT_EFFECT}, to [{done.found.estimates[1].unit}]" in first
+    assert f"{WITHOUT_EFFECT}, to [{done.fit.estimates[1].unit}]" in first

@@ -35,7 +35,7 @@ def write_identification(done: Validation, folder: str | Path, *, command: str =
         MissingExtra: If Jinja2 is not installed.
     """
     place = chapter.writable_folder(folder)
-    done.task.parameters(done.found).save(place / "parameters.toml")
+    done.task.parameters(done.fit).save(place / "parameters.toml")
     write(place / "fit.json", to_json(as_dict(done, command)) + "\n")
     files, html = chapter.write_chapter(identification_chapter(done, command), place)
     write(place / "identify.html", html)
@@ -64,7 +64,7 @@ def as_dict(done: Validation, command: str = "") -> dict[str, Any]:
         done: Validated result of the identification.
         command: Command that made it.
     """
-    found = done.found
+    found = done.fit
     facts: dict[str, Any] = {
         "status": found.status,
         "parameters": [row | {"best": found.values[row["name"]]} for row in found.table()],
@@ -89,8 +89,8 @@ def as_dict(done: Validation, command: str = "") -> dict[str, Any]:
         },
         "starts": [
             {
-                "start": found.problem.named(one.start),
-                "end": found.problem.named(one.end),
+                "start": found.problem.values_by_name(one.start),
+                "end": found.problem.values_by_name(one.end),
                 "cost": one.cost,
                 "converged": one.converged,
             }
@@ -139,7 +139,7 @@ def identification_tables(done: Validation) -> dict[str, list[Row]]:
 
 def _parameters(done: Validation) -> list[Row]:
     """Return the values of parameters, their uncertainties, and notes on them."""
-    found = done.found
+    found = done.fit
     rows: list[Row] = []
     for k in found.problem.of_interest:
         unknown, estimate = found.problem.unknowns[k], found.estimates[k]
@@ -179,29 +179,29 @@ def _end(value: float) -> str:
 
 def _began(done: Validation) -> list[Row]:
     """Return the initial conditions of individual trials that were identified."""
-    shown = done.found.problem.of_interest
-    return [_value_of(one) for k, one in enumerate(done.found.estimates) if k not in shown]
+    shown = done.fit.problem.of_interest
+    return [_value_of(one) for k, one in enumerate(done.fit.estimates) if k not in shown]
 
 
 def _directions(done: Validation) -> list[Row]:
     """Return how well the measurements determine combinations of parameters."""
-    shown = done.found.problem.of_interest
+    shown = done.fit.problem.of_interest
     return [
         {
             "combination": one.name.replace("`", ""),
             "standard deviation [-]": one.sigma,
             "seen": one.is_seen,
         }
-        for one in done.found.identifiability.directions
+        for one in done.fit.identifiability.directions
         if np.max(np.abs(one.weights[shown]), initial=0.0) > _PART
     ]
 
 
 def _residuals(done: Validation) -> list[Row]:
     """Return every measurement with its prediction by this fit, and by the other measurements."""
-    problem, rows = done.found.problem, list[Row]()
-    for row, place in zip(done.found.residuals, problem.places, strict=True):
-        without = None if place.is_series else float(done.left_out[place.at.start])
+    problem, rows = done.fit.problem, list[Row]()
+    for row, place in zip(done.fit.residuals, problem.data_blocks, strict=True):
+        without = None if place.is_series else float(done.left_out[place.numbers.start])
         first = {
             name: row[name]
             for name in ("group", "measurement", "what", "unit", "measured", "predicted")
@@ -213,9 +213,9 @@ def _residuals(done: Validation) -> list[Row]:
 def _groups(done: Validation) -> list[Row]:
     """Return the errors by group."""
     rows: list[Row] = []
-    residuals = done.found.residuals
+    residuals = done.fit.residuals
     for group, what in dict.fromkeys(
-        (group, row["what"]) for group in done.found.problem.groups for row in residuals
+        (group, row["what"]) for group in done.fit.problem.groups for row in residuals
     ):
         mine = [row for row in residuals if (row["group"], row["what"]) == (group, what)]
         shares = [row["off [%]"] for row in mine if row["measured"]]
@@ -236,7 +236,7 @@ def errors_of(every: Mapping[str, Validation]) -> list[Row]:
     """
     models: list[tuple[Any, ...]] = []
     for name, done in every.items():
-        models.append((name, len(done.found.estimates), done.found.chi2, *done.errors.values()))
+        models.append((name, len(done.fit.estimates), done.fit.chi2, *done.errors.values()))
     first = next(iter(every.values()))
     for null in first.null_models:
         errors = [getattr(null, name) for name in first.errors]
@@ -254,22 +254,22 @@ def errors_of(every: Mapping[str, Validation]) -> list[Row]:
 
 def _starts(done: Validation) -> list[Row]:
     """Return where every search began and ended."""
-    problem = done.found.problem
+    problem = done.fit.problem
     return [
         {"start": i + 1, "sum of squares": one.cost, "ended by itself": one.converged}
         | {
-            f"{problem.names[k]}, {word} [{done.found.estimates[k].unit or '-'}]": problem.values_of(
+            f"{problem.names[k]}, {word} [{done.fit.estimates[k].unit or '-'}]": problem.values_of(
                 x
             )[k]
             for k in problem.of_interest
             for word, x in (("from", one.start), ("to", one.end))
         }
-        for i, one in enumerate(done.found.searches)
+        for i, one in enumerate(done.fit.searches)
     ]
 
 
 def _correlations(done: Validation) -> list[Row]:
     """Return the correlation matrix."""
-    names = done.found.problem.names
-    rows = zip(names, done.found.correlations.tolist(), strict=True)
+    names = done.fit.problem.names
+    rows = zip(names, done.fit.correlations.tolist(), strict=True)
     return [{"parameter": name} | dict(zip(names, row, strict=True)) for name, row in rows]

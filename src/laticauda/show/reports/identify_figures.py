@@ -17,8 +17,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from laticauda.identify.measurements import SERIES
 from laticauda.identify.result import Fit
+from laticauda.identify.series import SERIES
 from laticauda.identify.validation import Validation
 from laticauda.models.simulate.numbers import UNITS
 from laticauda.show.figures import new_figure, style
@@ -41,7 +41,7 @@ def figures_of(done: Validation) -> Iterator[tuple[str, str, Figure]]:
     Args:
         done: Validated result of the identification.
     """
-    found = done.found
+    found = done.fit
     yield "parity", "Predicted over measured, by group. Line: equal.", _parity(found)
     yield (
         "residuals",
@@ -97,8 +97,8 @@ def _parity(found: Fit) -> Figure:
 def _by_what(found: Fit) -> dict[str, dict[str, np.ndarray]]:
     """Return measured and predicted numbers by figure or series, then by group."""
     pieces: dict[str, dict[str, np.ndarray]] = {}
-    for place in found.problem.places:
-        group, name, here = found.problem.groups[place.owner], place.what, place.at
+    for place in found.problem.data_blocks:
+        group, name, here = found.problem.groups[place.owner], place.name, place.numbers
         both = np.stack((found.problem.observed[here], found.predictions[here]))
         groups = pieces.setdefault(name, {})
         groups[group] = np.concatenate((groups[group], both), axis=1) if group in groups else both
@@ -127,7 +127,7 @@ def _residuals(found: Fit) -> Figure:
 
 
 def _intervals(done: Validation) -> Figure:
-    found, shown = done.found, done.found.problem.of_interest
+    found, shown = done.fit, done.fit.problem.of_interest
     rows: dict[str, tuple[Ends | None, Ends | None]] = {}
     for k, label in zip(shown, short_names([found.problem.names[k] for k in shown]), strict=True):
         estimate = found.estimates[k]

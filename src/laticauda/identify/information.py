@@ -1,0 +1,133 @@
+"""What trials would say about the unknowns: their information, of candidates, fits and priors.
+
+All information is with respect to the coordinates of the unknowns, in standard deviations of the
+noise: F = J^T J with the Jacobian J of the predictions.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.identify.identifiability import Information, deviations, marginal, strengths
+from laticauda.identify.measurements import Measurement
+from laticauda.identify.model import predict, scaled_jacobian
+from laticauda.identify.problem import Problem, other_measurements, with_starts
+from laticauda.identify.result import Fit
+from laticauda.models.simulate.runner import Progress, silent
+
+_N_AT_ONCE = 64
+"""Candidates that are simulated in one batch."""
+
+Values = Float[np.ndarray, " n_unknowns"]
+
+
+class CandidateRows(NamedTuple):
+    """What one candidate would measure, in standard deviations of the noise."""
+
+    numbers: Float[np.ndarray, " n_numbers"]
+    """Predicted numbers; 0 for the priors on its start, which follow them."""
+    jacobian: Float[np.ndarray, "n_numbers n_coordinates"]
+    """Their derivatives by the coordinates of the unknowns, followed by those of its start."""
+
+
+def predict_candidates(
+    problem: Problem,
+    candidates: Sequence[Measurement],
+    values: Values,
+    progress: Progress = silent,
+) -> list[CandidateRows]:
+    """Predict each candidate's numbers and their derivatives with respect to the coordinates.
+
+    The start of a candidate is unknown as in a fit, with rows for the priors on it.
+
+    Args:
+        problem: Provides the unknowns.
+        candidates: The trials.
+        values: Values of the unknowns.
+        progress: Called with the finished fraction.
+
+    Raises:
+        ValueError: If a candidate cannot be simulated.
+    """
+    rows: list[CandidateRows] = []
+    for begin in range(0, len(candidates), _N_AT_ONCE):
+        rows += _predict_batch(problem, candidates[begin : begin + _N_AT_ONCE], values)
+        progress(len(rows) / len(candidates))
+    return rows
+
+
+def _predict_batch(
+    problem: Problem, candidates: Sequence[Measurement], values: Values
+) -> list[CandidateRows]:
+    batch = with_starts(other_measurements(problem, candidates))
+    values_and_starts = np.concatenate([values, batch.start[values.size :]])
+    predicted = predict(batch, values_and_starts)
+    for name, status in predicted.failures.items():
+        raise ValueError(
+            f"`candidates` must be trials that can be simulated, got `{name}`: {status}"
+        )
+    numbers = np.nan_to_num(predicted.values / batch.sigma)
+    in_sigmas = predicted.jacobian / batch.sigma[:, np.newaxis]
+    jacobian = np.nan_to_num(in_sigmas * batch.slopes(values_and_starts))
+    prior_rows = batch.prior_slopes(values_and_starts)
+    rows: list[CandidateRows] = []
+    for i in range(len(candidates)):
+        is_own = batch.owner == i
+        starts = values.size + np.flatnonzero(batch.depends_on[i, values.size :])
+        own_priors = prior_rows[np.any(prior_rows[:, starts] != 0.0, axis=1)]
+        columns = np.concatenate([np.arange(values.size), starts])
+        own = CandidateRows(
+            numbers=np.concatenate([numbers[is_own], np.zeros(len(own_priors))]),
+            jacobian=np.concatenate([jacobian[is_own], own_priors])[:, columns],
+        )
+        rows.append(own)
+    return rows
+
+
+def information_of(
+    problem: Problem,
+    candidates: Sequence[Measurement],
+    values: Values,
+    progress: Progress = silent,
+) -> Float[np.ndarray, "n_candidates n_unknowns n_unknowns"]:
+    """Return each candidate's information; arguments as for `predict_candidates`."""
+    information: list[np.ndarray] = []
+    for rows in predict_candidates(problem, candidates, values, progress):
+        with_start = rows.jacobian.T @ rows.jacobian
+        information.append(marginal(with_start, range(values.size)))
+    return np.array(information)
+
+
+def known_from(fit: Fit) -> Information:
+    """Return the information of a fit about its unknowns, priors included.
+
+    Args:
+        fit: The fit.
+    """
+    factor = 1.0
+    if np.isfinite(fit.used_noise_factor):
+        factor = fit.used_noise_factor
+    jacobian = scaled_jacobian(fit.problem, fit.best, factor)
+    return jacobian.T @ jacobian + prior_information(fit.problem, fit.best)
+
+
+def prior_information(problem: Problem, values: Values) -> Information:
+    """Return the information of the priors with respect to the coordinates.
+
+    Args:
+        problem: Provides the unknowns.
+        values: Values of the unknowns.
+    """
+    rows = problem.prior_slopes(values)
+    return rows.T @ rows
+
+
+def sigma_of(information: Information) -> Float[np.ndarray, " n_unknowns"]:
+    """Return the standard deviations of all unknowns, inf where nothing is known [-].
+
+    Args:
+        information: Information, in units of the sizes of the unknowns.
+    """
+    return deviations(strengths(information))

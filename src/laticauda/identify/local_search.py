@@ -1,0 +1,234 @@
+"""One search of the least sum of squares, from one start, by scipy's trust-region method."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from laticauda.identify.method import cost_of
+from laticauda.identify.model import Predicted, predict, scaled_jacobian
+from laticauda.identify.problem import Problem
+from laticauda.models.simulate.runner import silent
+from laticauda.values.optional import optional_import
+
+MOST_STEPS = 100
+"""Predictions after which a search ends without having converged."""
+_TOLERANCE = 1e-10
+"""Relative change of cost, coordinates and gradient at which a search has converged [-]."""
+_NEAR = 0.01
+"""A search ends at the end of an earlier one if it is closer than this, in large changes [-]."""
+_SAME_COST = 1e-3
+"""Largest difference of the sums of squares of two searches with the same minimum [-]."""
+_SAME_RELATIVE_COST = 1e-3
+"""The same relative to a sum of squares, of which `_SAME_COST` is taken: for very bad fits [-]."""
+
+Vector = Float[np.ndarray, " n"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LocalSearch:
+    """Search from one start."""
+
+    start: Float[np.ndarray, " n_unknowns"]
+    """Coordinates where it began."""
+    end: Float[np.ndarray, " n_unknowns"]
+    """Coordinates where it ended."""
+    cost: float
+    """Sum of squares at the end."""
+    jacobian: Float[np.ndarray, "n_residuals n_free"]
+    """Jacobian of the residuals at the end with respect to the free coordinates.
+
+    The rows of the priors come last.
+    """
+    converged: bool
+    """Whether it converged."""
+
+
+class _ArrivedAtKnownEnd(Exception):
+    """Raised when a search arrives where an earlier one ended, so that it need not go on."""
+
+    def __init__(self, earlier: LocalSearch) -> None:
+        """Create it with the earlier search."""
+        super().__init__()
+        self.earlier = earlier
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Evaluation:
+    """Model and cost at one point of a search."""
+
+    coordinates: Float[np.ndarray, " n_unknowns"]
+    """All coordinates."""
+    values: Float[np.ndarray, " n_unknowns"]
+    """Values of the unknowns."""
+    predicted: Predicted
+    """Predictions of the model."""
+    residuals: Float[np.ndarray, " n_residuals"]
+    """Residuals of data and priors, in standard deviations."""
+    cost: float
+    """Sum of squares."""
+
+
+@dataclass(kw_only=True, eq=False)
+class _Objective:
+    """The two functions that scipy calls: residuals, and their Jacobian.
+
+    Scipy asks for the Jacobian at the point whose residuals it has asked for last. The planar model
+    computes a Jacobian from the runs of that prediction, so the last evaluation is kept.
+    """
+
+    problem: Problem
+    start: Vector
+    loss: str
+    factor: float
+    free: Int[np.ndarray, " n_free"]
+    look: Callable[[Vector, float], None]
+    earlier_searches: Sequence[LocalSearch]
+    last: _Evaluation | None = None
+
+    def all_coordinates(self, free_coordinates: np.ndarray) -> Vector:
+        """Return all coordinates: the free ones as given, all others as at the start."""
+        coordinates = self.start.copy()
+        coordinates[self.free] = free_coordinates
+        return coordinates
+
+    def residuals(self, free_coordinates: np.ndarray) -> np.ndarray:
+        """Return the residuals of data and priors."""
+        self.last = self._evaluate(free_coordinates)
+        self.look(self.last.coordinates, self.last.cost)
+        return self.last.residuals
+
+    def jacobian(self, free_coordinates: np.ndarray) -> np.ndarray:
+        """Return the Jacobian of the residuals with respect to the free coordinates."""
+        evaluation = self._evaluation_at(free_coordinates)
+        self._stop_at_known_end(evaluation)
+        values = evaluation.values
+        of_data = scaled_jacobian(self.problem, values, self.factor, evaluation.predicted)
+        of_priors = self.problem.prior_slopes(values)
+        return np.concatenate([of_data, of_priors])[:, self.free]
+
+    def _evaluation_at(self, free_coordinates: np.ndarray) -> _Evaluation:
+        coordinates = self.all_coordinates(free_coordinates)
+        if self.last is not None and np.array_equal(self.last.coordinates, coordinates):
+            return self.last
+        return self._evaluate(free_coordinates)
+
+    def _evaluate(self, free_coordinates: np.ndarray) -> _Evaluation:
+        coordinates = self.all_coordinates(free_coordinates)
+        values = self.problem.values_of(coordinates)
+        predicted = predict(self.problem, values)
+        residuals = all_residuals(self.problem, values, self.factor, predicted)
+        return _Evaluation(
+            coordinates=coordinates,
+            values=values,
+            predicted=predicted,
+            residuals=residuals,
+            cost=cost_of(residuals, self.loss),
+        )
+
+    def _stop_at_known_end(self, evaluation: _Evaluation) -> None:
+        """Raise if an earlier search ended close by, equally well."""
+        for search in self.earlier_searches:
+            distance = np.abs(evaluation.coordinates - search.end)
+            is_near = np.all(distance <= _NEAR * self.problem.sizes)
+            if is_near and have_same_cost(evaluation.cost, search.cost):
+                raise _ArrivedAtKnownEnd(search)
+
+
+def minimize(
+    problem: Problem,
+    x: Vector,
+    *,
+    loss: str,
+    factor: float = 1.0,
+    free: Int[np.ndarray, " n_free"] | None = None,
+    steps: int = MOST_STEPS,
+    look: Callable[[Vector, float], None] = silent,
+    known: Sequence[LocalSearch] = (),
+) -> LocalSearch:
+    """Run one search.
+
+    Args:
+        problem: Measurements and unknowns.
+        x: Starting coordinates.
+        loss: Loss function of the residuals.
+        factor: Factor applied to the stated noise.
+        free: Indices of the unknowns that may change; None: all.
+        steps: Maximum number of steps.
+        look: Called with all coordinates and the sum of squares at every step.
+        known: Earlier searches; a search that comes close to the end of one of them, equally good,
+            ends there.
+
+    Returns:
+        The finished search, with all coordinates and the Jacobian with respect to the free ones.
+
+    Raises:
+        MissingExtra: If scipy is not installed.
+    """
+    optimize = optional_import("Identification", "scipy", "identify", "scipy.optimize")
+    if free is None:
+        free = np.arange(x.size)
+    objective = _Objective(
+        problem=problem,
+        start=x,
+        loss=loss,
+        factor=factor,
+        free=free,
+        look=look,
+        earlier_searches=known,
+    )
+    lower, upper = np.array([unknown.ends for unknown in problem.unknowns])[free].T
+    try:
+        solution = optimize.least_squares(
+            objective.residuals,
+            np.clip(x[free], lower, upper),
+            jac=objective.jacobian,
+            bounds=(lower, upper),
+            x_scale=problem.sizes[free],
+            loss=loss,
+            method="trf",
+            xtol=_TOLERANCE,
+            ftol=_TOLERANCE,
+            gtol=_TOLERANCE,
+            max_nfev=steps,
+        )
+    except _ArrivedAtKnownEnd as arrival:
+        return replace(arrival.earlier, start=x)
+    return LocalSearch(
+        start=x,
+        end=objective.all_coordinates(solution.x),
+        cost=2.0 * float(solution.cost),
+        jacobian=np.asarray(solution.jac),
+        converged=solution.status > 0,
+    )
+
+
+def all_residuals(
+    problem: Problem,
+    values: Float[np.ndarray, " n_unknowns"],
+    factor: float = 1.0,
+    predicted: Predicted | None = None,
+) -> Float[np.ndarray, " n_residuals"]:
+    """Return the residuals of the data and of the priors, in standard deviations.
+
+    Args:
+        problem: Measurements and unknowns.
+        values: Values of the unknowns.
+        factor: Factor applied to the stated noise.
+        predicted: Prediction at these values, if already computed.
+    """
+    if predicted is None:
+        predicted = predict(problem, values)
+    of_data = (predicted.values - problem.observed) / (factor * problem.sigma)
+    return np.concatenate([of_data, problem.prior_residuals(values)])
+
+
+def have_same_cost(cost: float, reference: float) -> bool:
+    """Check whether two searches have reached the same minimum, by their sums of squares.
+
+    Args:
+        cost: Sum of squares of one search.
+        reference: Sum of squares of the search to which it is compared.
+    """
+    return abs(cost - reference) <= _SAME_COST * max(1.0, reference * _SAME_RELATIVE_COST)

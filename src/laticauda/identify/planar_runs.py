@@ -1,0 +1,221 @@
+"""Runs of the planar model: all trials of one duration in a batch, and their derivatives.
+
+The kernels carry each number with its derivative (a complex step), so that the derivative of a run
+with respect to one unknown is one more run of a batch, whose results are complex.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from laticauda.identify.interpolation import interpolated
+from laticauda.identify.problem import SAMPLE_INTERVAL, Problem, shift_start
+from laticauda.identify.resolving import with_tied
+from laticauda.identify.runs import SimulatedRuns, data_of_measurements, logged_series, swimming
+from laticauda.identify.sensing import RunResults, measured_values
+from laticauda.identify.series import SERIES_KINDS
+from laticauda.identify.unknowns import NUISANCE, SIMULATED, ResolvedUnknown
+from laticauda.models.planar.batch import STEP, Block, Run
+from laticauda.models.simulate import batch_run, batch_scenarios, derivatives
+from laticauda.models.simulate.numbers import UNITS, change_parameters
+from laticauda.models.simulate.runner import silent
+from laticauda.scenarios import Scenario
+
+
+class Pair(NamedTuple):
+    """A measurement, and an unknown on which its run depends."""
+
+    measurement: int
+    """Index of the measurement."""
+    unknown: int
+    """Index of the unknown."""
+
+
+def simulate(problem: Problem, scenarios: Sequence[Scenario], runs: SimulatedRuns) -> None:
+    """Simulate every measurement in which the robot swam, and fill in the results and the failures.
+
+    Args:
+        problem: Measurements and unknowns.
+        scenarios: Scenario of each measurement, with the values of the unknowns.
+        runs: Results to fill in.
+    """
+    durations = [scenario.duration for scenario in scenarios]
+    for duration in dict.fromkeys(durations[i] for i in swimming(problem)):
+        members = [i for i in swimming(problem) if durations[i] == duration]
+        _simulate_batch(problem, scenarios, members, runs)
+
+
+def _simulate_batch(
+    problem: Problem, scenarios: Sequence[Scenario], members: Sequence[int], runs: SimulatedRuns
+) -> None:
+    """Simulate some measurements of the same duration."""
+    results = [runs.results[i] for i in members]
+    batch = batch_run.run_batch(
+        batch_scenarios.runs_of([scenarios[i] for i in members]),
+        scenarios[members[0]].duration,
+        SAMPLE_INTERVAL,
+        threads=problem.threads,
+        progress=silent,
+        observe=_series_collector(problem, members, results),
+        with_joints=_needs_joints(problem, members),
+    )
+    for lane, i in enumerate(members):
+        for name in UNITS:
+            results[lane].figures[name] = batch.figures[name][lane]
+        if not batch.succeeded[lane]:
+            runs.failures[problem.measurements[i].name] = batch.status[lane]
+            runs.results[i] = _without_numbers(results[lane])
+
+
+def _without_numbers(results: RunResults) -> RunResults:
+    """Return results of the same shapes that are all nan, for a run that diverged."""
+    return RunResults(
+        figures={name: np.full(np.shape(value), np.nan) for name, value in results.figures.items()},
+        series={name: np.full(np.shape(value), np.nan) for name, value in results.series.items()},
+    )
+
+
+def differentiate_sensors(
+    problem: Problem, values: np.ndarray, runs: SimulatedRuns, jacobian: np.ndarray
+) -> None:
+    """Fill in the derivatives with respect to unknowns that change only what is seen of a run.
+
+    Args:
+        problem: Measurements and unknowns.
+        values: Values of the unknowns.
+        runs: Results of the runs at these values.
+        jacobian: Jacobian to fill in.
+    """
+    data_of = data_of_measurements(problem)
+    for i, k in _dependent_pairs(problem):
+        name = problem.unknowns[k].parameter.name
+        if name not in NUISANCE or name in SIMULATED:
+            continue
+        stepped = values.astype(complex) + 1j * STEP * (np.arange(values.size) == k)
+        nuisance = problem.nuisance(i, stepped)
+        shown = measured_values(problem.measurements[i], runs.results[i], nuisance)
+        jacobian[data_of[i], k] = np.imag(shown) / STEP
+
+
+def differentiate_runs(
+    problem: Problem, scenarios: Sequence[Scenario], values: np.ndarray, jacobian: np.ndarray
+) -> None:
+    """Fill in the derivatives with respect to unknowns on which the runs themselves depend.
+
+    Args:
+        problem: Measurements and unknowns.
+        scenarios: Scenario of each measurement, with the values of the unknowns.
+        values: Values of the unknowns.
+        jacobian: Jacobian to fill in.
+    """
+    pairs = [pair for pair in _dependent_pairs(problem) if _is_differentiated_run(problem, pair)]
+    durations = [scenarios[pair.measurement].duration for pair in pairs]
+    for duration in dict.fromkeys(durations):
+        same_duration = [
+            pair for pair, own in zip(pairs, durations, strict=True) if own == duration
+        ]
+        _differentiate_batch(problem, scenarios, values, same_duration, jacobian)
+
+
+def _dependent_pairs(problem: Problem) -> list[Pair]:
+    return [Pair(int(i), int(k)) for i, k in np.argwhere(problem.depends_on)]
+
+
+def _is_differentiated_run(problem: Problem, pair: Pair) -> bool:
+    name = problem.unknowns[pair.unknown].parameter.name
+    is_of_sensor = name in NUISANCE and name not in SIMULATED
+    return not is_of_sensor and problem.measurements[pair.measurement].tow is None
+
+
+def _differentiate_batch(
+    problem: Problem,
+    scenarios: Sequence[Scenario],
+    values: np.ndarray,
+    pairs: Sequence[Pair],
+    jacobian: np.ndarray,
+) -> None:
+    """Differentiate the runs of some pairs of the same duration, one complex run for each pair."""
+    members = sorted({pair.measurement for pair in pairs})
+    member_runs = batch_scenarios.runs_of([scenarios[i] for i in members])
+    run_of_member = dict(zip(members, member_runs, strict=True))
+    results = [RunResults() for _ in pairs]
+    slopes = derivatives.compute_slopes(
+        [run_of_member[pair.measurement] for pair in pairs],
+        [_differentiated_number(problem, scenarios, values, pair) for pair in pairs],
+        scenarios[members[0]].duration,
+        sample_interval=SAMPLE_INTERVAL,
+        threads=problem.threads,
+        observe=_series_collector(problem, [pair.measurement for pair in pairs], results),
+        with_joints=_needs_joints(problem, members),
+    )
+    data_of = data_of_measurements(problem)
+    for lane, (i, k) in enumerate(pairs):
+        if not slopes.succeeded[lane]:
+            jacobian[data_of[i], k] = np.nan
+            continue
+        for name in UNITS:
+            results[lane].figures[name] = slopes.figures[name][lane]
+        nuisance = problem.nuisance(i, values)
+        shown = measured_values(problem.measurements[i], results[lane], nuisance)
+        jacobian[data_of[i], k] = np.imag(shown) / STEP
+
+
+def _differentiated_number(
+    problem: Problem, scenarios: Sequence[Scenario], values: np.ndarray, pair: Pair
+) -> derivatives.Number:
+    """Return one unknown of one measurement in the form that `compute_slopes` takes."""
+    unknown = problem.unknowns[pair.unknown]
+    scenario = scenarios[pair.measurement]
+    value = float(values[pair.unknown])
+    name = unknown.parameter.name
+    if name in NUISANCE:
+        return derivatives.Number(
+            name=f"{name} of {problem.measurements[pair.measurement].name}",
+            scenario=scenario,
+            value=value,
+            change=lambda _: scenario,
+            start=lambda changed: shift_start(scenario.start, name, changed - value),
+        )
+    return derivatives.Number(
+        name=name,
+        scenario=scenario,
+        value=value,
+        change=partial(_with_value, scenario, unknown),
+    )
+
+
+def _with_value(scenario: Scenario, unknown: ResolvedUnknown, value: float) -> Scenario:
+    """Return a scenario with another value of an unknown.
+
+    At the current point of a search, the numbers tied to it are already in proportion.
+    """
+    numbers = with_tied(scenario, unknown.parameter.name, value, unknown.tied)
+    return change_parameters(scenario, numbers)
+
+
+def _needs_joints(problem: Problem, members: Sequence[int]) -> bool:
+    """Return whether the model must log its joints."""
+    for i in members:
+        if any(SERIES_KINDS[name].needs_joints for name in problem.measurements[i].series):
+            return True
+    return False
+
+
+def _series_collector(
+    problem: Problem, members: Sequence[int], results: Sequence[RunResults]
+) -> Callable[[Sequence[Run], Block], None]:
+    """Return a callback that takes, from a block's logs, the series that were measured."""
+
+    def collect(runs: Sequence[Run], block: Block) -> None:
+        for lane, index in enumerate(block.index):
+            measurement = problem.measurements[members[int(index)]]
+            if measurement.time is None:
+                continue
+            for name in logged_series(measurement):
+                samples = SERIES_KINDS[name].of_lane(block, lane, runs[lane])
+                at_moments = interpolated(block.time, samples, measurement.time)
+                results[int(index)].series[name] = at_moments
+
+    return collect

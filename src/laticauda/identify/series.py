@@ -1,0 +1,106 @@
+"""Time series with which a trial can be compared: one row of a table for each kind.
+
+A new kind is one more row of `SERIES_KINDS`: its unit, its shape, and where it stands in the logs
+of the planar model; a trial has an array of the same name. What a displaced sensor shows of it is
+said in `laticauda.identify.sensing`.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from laticauda.models.planar import rows
+from laticauda.trials import Trial
+
+if TYPE_CHECKING:
+    from laticauda.models.planar.batch import Block, Run
+
+SeriesOfLane = Callable[["Block", int, "Run"], np.ndarray]
+"""Function that returns the series, time first, of the run in one lane of a block's log."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SeriesKind:
+    """One kind of time series."""
+
+    unit: str
+    """Unit of its samples."""
+    sample_shape: tuple[int | None, ...]
+    """Shape of one sample; None: one number per joint between links."""
+    of_lane: SeriesOfLane
+    """Takes it from the log of a batch of planar runs."""
+    needs_joints: bool = False
+    """Whether the planar model must log its joints."""
+
+
+def _lane_center_of_mass(block: "Block", lane: int, run: "Run") -> np.ndarray:
+    return block.center_of_mass[:, :, lane]
+
+
+def _lane_heading(block: "Block", lane: int, run: "Run") -> np.ndarray:
+    return block.log[:, rows.HEADING - rows.TIME, lane]
+
+
+def _lane_joint_angle(block: "Block", lane: int, run: "Run") -> np.ndarray:
+    return _lane_joint_rows(block, lane, run, quantities_before=0)
+
+
+def _lane_joint_torque(block: "Block", lane: int, run: "Run") -> np.ndarray:
+    return _lane_joint_rows(block, lane, run, quantities_before=3)
+
+
+def _lane_joint_rows(
+    block: "Block", lane: int, run: "Run", *, quantities_before: int
+) -> np.ndarray:
+    """Return a quantity of the joints, without that of a fin.
+
+    The log holds each quantity of all joints in a row, that of a driven fin first.
+    """
+    layout = run.plant.layout
+    n_joints = layout.n_bodies - 1
+    first_row = rows.LOG_STATE + quantities_before * n_joints
+    return block.log[:, first_row + layout.tail_link : first_row + n_joints, lane]
+
+
+SERIES_KINDS = {
+    "center_of_mass": SeriesKind(
+        unit="m",
+        sample_shape=(2,),
+        of_lane=_lane_center_of_mass,
+    ),
+    "heading": SeriesKind(
+        unit="rad",
+        sample_shape=(),
+        of_lane=_lane_heading,
+    ),
+    "joint_angle": SeriesKind(
+        unit="rad",
+        sample_shape=(None,),
+        of_lane=_lane_joint_angle,
+        needs_joints=True,
+    ),
+    "joint_torque": SeriesKind(
+        unit="N m",
+        sample_shape=(None,),
+        of_lane=_lane_joint_torque,
+        needs_joints=True,
+    ),
+}
+"""Kinds of series by name."""
+SERIES = {name: kind.unit for name, kind in SERIES_KINDS.items()}
+"""Names of the series, and their units."""
+
+
+def series_of_trial(trial: Trial, name: str) -> np.ndarray:
+    """Return a series of a trial, time first; of a path in space, its x and y.
+
+    Args:
+        trial: The trial.
+        name: Name of the series, from `SERIES`.
+    """
+    samples = getattr(trial, name)
+    if SERIES_KINDS[name].sample_shape == (2,):
+        return samples[:, :2]
+    return samples
