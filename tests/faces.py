@@ -23,7 +23,7 @@ class Face:
 
     path: Path
     homes: dict[str, list[str]]
-    """Names by the module that defines them, from the table."""
+    """Names by the module that defines them, from the table, and then those that are handed on as they are."""
     own: list[str]
     """Names that the `__init__` defines or imports at once."""
     imports: dict[str, list[str]]
@@ -57,6 +57,7 @@ def read_face(path: Path) -> Face | None:
     """Return the face in this `__init__`; None if its names are not imported lazily."""
     homes: dict[str, list[str]] | None = None
     own: list[str] = []
+    plain: dict[str, list[str]] = {}
     imports: dict[str, list[str]] = {}
     lines: range | None = None
     for statement in ast.parse(path.read_text(encoding="utf-8")).body:
@@ -71,10 +72,14 @@ def read_face(path: Path) -> Face | None:
                 for keyword in keywords:
                     if keyword.arg == "own":
                         own = ast.literal_eval(keyword.value)
+                    elif keyword.arg == "plain":
+                        plain = ast.literal_eval(keyword.value)
             case _:
                 pass
     if homes is None:
         return None
+    for module, names in plain.items():
+        homes[module] = [*homes.get(module, []), *names]
     return Face(path, homes, own, imports, lines)
 
 

@@ -109,6 +109,20 @@ def test_what_only_type_checkers_import_does_not_count(tmp_path):
     assert [path.name for path in closure("house.a", package=package)] == ["a.py", "b.py", "d.py"]
 
 
+def test_a_name_handed_on_by_a_package_comes_from_the_module_that_defines_it(tmp_path):
+    package = tmp_path / "house"
+    (package / "room").mkdir(parents=True)
+    (package / "__init__.py").write_text("")
+    (package / "a.py").write_text("from house.room import X, Y, c\n")
+    (package / "room" / "__init__.py").write_text(
+        "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from house.room.b import X as X\nY = 1\n"
+    )
+    for name in "bcd":
+        (package / "room" / f"{name}.py").write_text("")
+    found = {str(path.relative_to(package)) for path in closure("house.a", package=package)}
+    assert found == {"a.py", "room/__init__.py", "room/b.py", "room/c.py"}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("script", "file", "old", "new"),

@@ -100,6 +100,14 @@ def test_a_public_function_names_an_argument_of_the_wrong_type(package):
         get("swim")("fast")
 
 
+def test_what_other_rooms_use_is_handed_on_as_it_is_and_not_shown(package):
+    get, names, public = packaging.lazy_exports(
+        "sea", {"sea.fish": ["N_FINS"]}, plain={"sea.fish": ["swim"]}
+    )
+    assert get("swim") is sys.modules["sea.fish"].swim
+    assert names() == public == ["N_FINS"]
+
+
 def test_an_old_name_of_a_package_works_with_a_warning_and_is_not_shown(package):
     get, names, _ = packaging.lazy_exports(
         "sea",

@@ -39,7 +39,8 @@ def closure(*modules: str, package: Path = PACKAGE) -> tuple[Path, ...]:
     """Return the package's files that make up modules: their own and those of all direct and indirect imports.
 
     Imports for type checkers only do not count, nor do the ``__init__`` files of a module's parent
-    packages.
+    packages. A name that is imported from the ``__init__`` of a package counts as imported from the
+    module that defines it.
 
     Args:
         modules: Full module names, such as ``laticauda.models.planar.stepping``; may be kernel templates.
@@ -115,11 +116,32 @@ def _imported(package: Path, tree: ast.AST) -> Iterator[list[str]]:
             ways = [alias.name.split(".") for alias in node.names]
         elif isinstance(node, ast.ImportFrom) and node.module:
             way = node.module.split(".")
-            inner = [[*way, alias.name] for alias in node.names]
-            ways = [one if _file(package, one[1:]) else way for one in inner]
+            ways = [_home(package, way, alias.name) for alias in node.names]
         else:
             continue
         yield from (way[1:] for way in ways if way[0] == package.name)
+
+
+def _home(package: Path, way: list[str], name: str) -> list[str]:
+    """Return the module from which a name comes: it may be a module itself, or be handed on by a package."""
+    if _file(package, [*way[1:], name]):
+        return [*way, name]
+    face = package.joinpath(*way[1:], "__init__.py")
+    if way[0] == package.name and face.is_file():
+        return _handed_on(face.read_bytes()).get(name, way)
+    return way
+
+
+@functools.cache
+def _handed_on(face: bytes) -> dict[str, list[str]]:
+    """Return the modules of the names that a package imports when they are first used, see `values.packaging`."""
+    homes: dict[str, list[str]] = {}
+    for node in ast.parse(face).body:
+        if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING"):
+            for one in node.body:
+                if isinstance(one, ast.ImportFrom) and one.module:
+                    homes |= {alias.name: one.module.split(".") for alias in one.names}
+    return homes
 
 
 def specialized(

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     __version__: str  # read when it is first used
 
 _NOTHING: Mapping[str, str] = MappingProxyType({})
+_NO_NAMES: Mapping[str, Sequence[str]] = MappingProxyType({})
 
 
 def lazy_exports(
@@ -35,6 +36,7 @@ def lazy_exports(
     homes: Mapping[str, Sequence[str]],
     *,
     own: Sequence[str] = (),
+    plain: Mapping[str, Sequence[str]] = _NO_NAMES,
     renamed: Mapping[str, str] = _NOTHING,
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
     """Return `__getattr__`, `__dir__` and `__all__` of a package whose names are imported when first used.
@@ -48,8 +50,11 @@ def lazy_exports(
         own: Further public names, which the `__init__` defines or imports itself, above this call.
             A function is imported there if a module of the package has its name: otherwise the
             module would take its place as soon as it is imported.
+        plain: Names for the other rooms of laticauda, by the module that defines them: handed on as
+            they are, also what kernels call, and not shown to users.
         renamed: New names, by old ones, as in `renamed_names`.
     """
+    plain_home_of = {name: home for home, names in plain.items() for name in names}
     home_of = {name: home for home, names in homes.items() for name in names}
     public_names = sorted([*home_of, *own])
     namespace = vars(sys.modules[package])
@@ -57,6 +62,8 @@ def lazy_exports(
         namespace[name] = explained(namespace[name], package)
 
     def get(name: str) -> Any:
+        if name in plain_home_of:
+            return getattr(import_module(plain_home_of[name]), name)
         if name not in home_of:
             return _get_renamed(package, name, renamed)
         return explained(getattr(import_module(home_of[name]), name), package)
