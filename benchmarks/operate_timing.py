@@ -43,7 +43,7 @@ from laticauda.tank.operate.settings import (
     Limits,
     Operation,
 )
-from laticauda.tank.protocol import worker
+from laticauda.tank.protocol import clock as clocks
 
 BUS = "udp_multicast:239.74.163.2:43119"
 BARE = """
@@ -129,7 +129,7 @@ def main() -> None:
         print_load()
         return
     if given.plain:
-        worker.urgent = lambda: nullcontext("The loop has normal priority.")
+        clocks.urgent = lambda: nullcontext("The loop has normal priority.")
     words = [
         "lab",
         "--json",
@@ -173,7 +173,7 @@ def main() -> None:
             learning=Learning() if given.learning else None,
         )
         twin = lc.build_plant(what.body(), what.pool(), joints="servo")
-        clock = worker.Clock()
+        clock = clocks.Clock()
         with ExitStack() as stack:
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
             none = stack.enter_context(beside(duration, how))

@@ -6,7 +6,8 @@ python tests/mamba_dbc.py
 from pathlib import Path
 
 from laticauda.tank import protocol
-from laticauda.tank.protocol.can import LAYOUTS, NOT_AVAILABLE, NUMBERS
+from laticauda.tank.protocol.layouts import FRAME_NUMBERS, LAYOUTS
+from laticauda.tank.protocol.packing import NOT_AVAILABLE
 
 FILE = Path(protocol.__file__).with_name("mamba.dbc")
 OPERATOR = "Operator"
@@ -23,40 +24,41 @@ CYCLE = {
 
 def dbc_text() -> str:
     """The file's text."""
-    nodes = [f"Node{number:02d}" for number in NUMBERS["node"]]
+    nodes = [f"Node{number:02d}" for number in FRAME_NUMBERS["node"]]
     lines = ['VERSION "1"', "", "NS_ :", "", "BS_:", "", "BU_: " + " ".join([OPERATOR, *nodes]), ""]
     remarks = [
         'CM_ "The CAN bus of the swimming snake robot Mamba: 1 Mbit/s, 11-bit identifiers, node 1 at the tail.";'
     ]
     times = ['BA_DEF_ BO_ "GenMsgCycleTime" INT 0 65535;', 'BA_DEF_DEF_ "GenMsgCycleTime" 0;']
     values: list[str] = []
-    for layout, number in ((one, number) for one in LAYOUTS for number in one.numbers):
-        identifier, suffix = (
-            layout.identifier + number,
-            {"": "", "node": f"{number:02d}", "group": str(number)},
-        )
-        sender, hears = OPERATOR, ",".join(nodes)
-        if layout.number == "node":
-            sender, hears = nodes[number - 1], OPERATOR
-        lines.append(
-            f"BO_ {identifier} {layout.kind.__name__}{suffix[layout.number]}: {layout.length} {sender}"
-        )
-        remarks.append(f'CM_ BO_ {identifier} "{layout.says}";')
-        if layout.kind.__name__ in CYCLE:
-            times.append(f'BA_ "GenMsgCycleTime" BO_ {identifier} {CYCLE[layout.kind.__name__]};')
-        for name, kind, how, _, start, low, _, is_word in layout.signals:
-            sign = "-" if how.signed else "+"
-            lines.append(
-                f' SG_ {name} : {start}|{how.bits}@1{sign} ({how.scale},0) [0|0] "{how.unit}" {hears}'
-            )
-            if how.says:
-                remarks.append(f'CM_ SG_ {identifier} {name} "{how.says}";')
-            if is_word and kind is not bool:
-                words = " ".join(f'{word.value} "{word.name}"' for word in kind)
-                values.append(f"VAL_ {identifier} {name} {words} ;")
-            if low == NOT_AVAILABLE:
-                values.append(f'VAL_ {identifier} {name} {low} "not available" ;')
-        lines.append("")
+    for layout in LAYOUTS:
+        for number in layout.numbers:
+            identifier = layout.identifier + number
+            name = layout.kind.__name__
+            suffix = {"": "", "node": f"{number:02d}", "group": str(number)}[layout.number]
+            sender, receivers = OPERATOR, ",".join(nodes)
+            if layout.number == "node":
+                sender, receivers = nodes[number - 1], OPERATOR
+            lines.append(f"BO_ {identifier} {name}{suffix}: {layout.length} {sender}")
+            remarks.append(f'CM_ BO_ {identifier} "{layout.description}";')
+            if name in CYCLE:
+                times.append(f'BA_ "GenMsgCycleTime" BO_ {identifier} {CYCLE[name]};')
+            for entry in layout.signals:
+                signal = entry.signal
+                sign = "-" if signal.signed else "+"
+                bits = f"{entry.start}|{signal.bits}@1{sign}"
+                lines.append(
+                    f" SG_ {entry.name} : {bits} ({signal.scale},0) [0|0] "
+                    f'"{signal.unit}" {receivers}'
+                )
+                if signal.description:
+                    remarks.append(f'CM_ SG_ {identifier} {entry.name} "{signal.description}";')
+                if entry.is_symbol and entry.kind is not bool:
+                    words = " ".join(f'{word.value} "{word.name}"' for word in entry.kind)
+                    values.append(f"VAL_ {identifier} {entry.name} {words} ;")
+                if entry.low == NOT_AVAILABLE:
+                    values.append(f'VAL_ {identifier} {entry.name} {entry.low} "not available" ;')
+            lines.append("")
     return "\n".join([*lines, *remarks, *times, *values, ""])
 
 

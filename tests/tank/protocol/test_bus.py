@@ -18,8 +18,9 @@ from laticauda.tank.protocol import (
     open_bus,
     to_frame,
 )
-from laticauda.tank.protocol.can import LAYOUTS, _local_socket
-from laticauda.tank.protocol.messages import PER_FRAME
+from laticauda.tank.protocol.can import _local_socket
+from laticauda.tank.protocol.layouts import LAYOUTS
+from laticauda.tank.protocol.messages import REFERENCES_PER_FRAME
 
 
 def test_a_virtual_bus_carries_frames():
@@ -219,7 +220,7 @@ def test_davis_gives_eight_bytes_135_bits():
 
 @pytest.mark.parametrize(("n_nodes", "share"), [(18, 0.432), (19, 0.452)])
 def test_eighteen_modules_at_100_hz_fit_and_a_driven_fin_beside_them(n_nodes, share):
-    frames = {"": 1, "node": n_nodes, "group": -(-n_nodes // PER_FRAME)}
+    frames = {"": 1, "node": n_nodes, "group": -(-n_nodes // REFERENCES_PER_FRAME)}
     rates = dict.fromkeys(("References", "Sync", "JointState"), 100.0)
     rates |= {"Loads": 20.0, "Acceleration": 20.0, "Heartbeat": 10.0}
     kinds = {one.kind.__name__: one for one in LAYOUTS}

@@ -51,7 +51,7 @@ def test_random_bytes_give_lines(data):
             decode_displayed(line)
         except ProtocolError:
             pass
-    assert len(reader._waiting) <= meter.LONGEST
+    assert len(reader._unfinished) <= meter.LONGEST_LINE
 
 
 @given(reading=READINGS, data=st.data())

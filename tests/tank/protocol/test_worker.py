@@ -6,15 +6,8 @@ import threading
 import pytest
 from patience import until
 
-from laticauda.tank.protocol.worker import (
-    DEVICES,
-    LOOP,
-    MOST_WAITING,
-    Clock,
-    Worker,
-    hardware,
-    urgent,
-)
+from laticauda.tank.protocol.clock import DEVICE_PRIORITY, LOOP_PRIORITY, Clock, urgent
+from laticauda.tank.protocol.worker import MOST_WAITING_ITEMS, Worker, hardware
 from laticauda.values.errors import LaticaudaError, MissingExtra
 
 
@@ -38,7 +31,7 @@ class Counting(Worker[int]):
     def work(self) -> None:
         if (fault := self.fault) is not None:
             raise fault
-        self._found.append(self.n)
+        self._received.append(self.n)
         self.n += 1
         self._ended.wait(0.001)
 
@@ -55,7 +48,7 @@ def test_what_is_found_is_received_once_in_its_order_and_the_device_is_given_bac
     worker.close()
     assert worker.n_released == 1 and not worker._thread.is_alive()
     assert (*first, *second) == tuple(range(len(first) + len(second)))
-    assert worker._found.maxlen == MOST_WAITING
+    assert worker._received.maxlen == MOST_WAITING_ITEMS
 
 
 @pytest.mark.parametrize(
@@ -67,7 +60,7 @@ def test_what_is_found_is_received_once_in_its_order_and_the_device_is_given_bac
     ],
 )
 def test_an_error_becomes_a_sentence_and_the_thread_tries_again(monkeypatch, fault, says):
-    monkeypatch.setattr("laticauda.tank.protocol.worker.RETRY", 0.05)
+    monkeypatch.setattr("laticauda.tank.protocol.worker.RETRY_DELAY", 0.05)
     with Counting(fault) as worker:
         until(lambda: worker.trouble)
         assert worker.trouble == says and worker.n == 0
@@ -128,7 +121,7 @@ def test_the_loop_comes_before_its_devices_with_which_it_shares_a_core_and_these
         threads = threading.current_thread(), device._thread, other
         before = cores(*threads)
         with urgent() as granted:
-            assert priorities(*threads) == [LOOP, DEVICES, 0]
+            assert priorities(*threads) == [LOOP_PRIORITY, DEVICE_PRIORITY, 0]
             (loop,), (devices,), others = cores(*threads)
             assert loop == devices
             assert others == before[2]
@@ -177,3 +170,10 @@ def test_memory_that_cannot_be_kept_in_place_is_said(monkeypatch):
     with urgent() as granted:
         pass
     assert granted.endswith("and memory that may be swapped out.")
+
+
+def test_a_driver_written_before_may_use_the_former_name_of_what_it_received():
+    worker = Idle("idle")
+    with pytest.warns(DeprecationWarning, match="_received"):
+        worker._found.append(1)
+    assert worker.receive() == (1,)

@@ -283,7 +283,7 @@ class Dynamixel(Bus):
             self._say(self._clock.now(), beat)
 
     def _say(self, now: float, message: CanMessage) -> None:
-        self._found.append(Frame(now, *encode(message), is_ours=False, message=message))
+        self._received.append(Frame(now, *encode(message), is_ours=False, message=message))
 
     def release(self) -> None:
         """Switch all torque off, and close the port."""

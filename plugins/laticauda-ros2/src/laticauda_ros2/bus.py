@@ -226,7 +226,7 @@ class Ros2Control(Bus):
                     current=0.0,
                     torque=torque if math.isfinite(torque) else 0.0,
                 )
-                self._found.append(Frame(now, *encode(said), is_ours=False, message=said))
+                self._received.append(Frame(now, *encode(said), is_ours=False, message=said))
 
     def _obey(self, message: CanMessage, now: float) -> None:
         """Do what an order says."""
@@ -272,7 +272,7 @@ class Ros2Control(Bus):
                 counter=count,
             )
             joint.beats += 1
-            self._found.append(Frame(now, *encode(said), is_ours=False, message=said))
+            self._received.append(Frame(now, *encode(said), is_ours=False, message=said))
 
     def release(self) -> None:
         """Switch all motors off, and leave the network."""

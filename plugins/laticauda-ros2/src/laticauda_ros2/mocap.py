@@ -99,7 +99,7 @@ class Ros2Poses(MotionCapture):
             late = self._last - pose.time
             if late < 0.0 or late > RESTARTED:
                 self._last = pose.time
-                self._found.append((self._clock.now(), pose))
+                self._received.append((self._clock.now(), pose))
         return self._last != before
 
     def work(self) -> None:

@@ -131,7 +131,7 @@ class UdpJson(MotionCapture):
             late = self._last - heard[1].time
             if late < 0.0 or late > RESTARTED:
                 self._last = heard[1].time
-                self._found.append((self._clock.now(), heard[1]))
+                self._received.append((self._clock.now(), heard[1]))
 
     def release(self) -> None:
         """Close the socket."""

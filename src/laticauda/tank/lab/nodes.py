@@ -113,8 +113,8 @@ class Node:
             senses: Current readings of the sensors.
         """
         if isinstance(message, messages.References):
-            if message.group == (self.number - 1) // messages.PER_FRAME:
-                self._pending = message.angles[(self.number - 1) % messages.PER_FRAME]
+            if message.group == (self.number - 1) // messages.REFERENCES_PER_FRAME:
+                self._pending = message.angles[(self.number - 1) % messages.REFERENCES_PER_FRAME]
         elif isinstance(message, messages.Sync):
             return self._synchronize(now, senses)
         elif isinstance(message, messages.NodeCommand):

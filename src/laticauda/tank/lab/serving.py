@@ -10,7 +10,7 @@ from typing import Any
 
 from laticauda.tank.lab.qtm_server import LOOPBACK, QtmServer, ServerFailed
 from laticauda.tank.lab.tank import Tank
-from laticauda.tank.protocol import BusAddress, open_bus, qtm, worker
+from laticauda.tank.protocol import BusAddress, clock as clocks, open_bus, qtm, worker
 from laticauda.tank.protocol.can import python_can
 from laticauda.tank.protocol.meter import LineReader
 from laticauda.values.checks import check_positive
@@ -169,7 +169,7 @@ class Lab:
             SimulationFailed: If the body's motion diverges.
         """
         end = float("inf") if duration is None else self.tank.time + duration
-        clock, first = worker.Clock(speed=self.speed), self.tank.time
+        clock, first = clocks.Clock(speed=self.speed), self.tank.time
         self.lag = 0.0
         while not self._stopped.is_set() and self.tank.time < end - 1e-9:
             now = first + clock.now() - self.lag

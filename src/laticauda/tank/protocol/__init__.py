@@ -1,6 +1,15 @@
 """Wire protocols: the modules' CAN bus (`mamba.dbc`), the motion capture's packets, and the power meter's lines.
 
 No heavy library is loaded until a frame is encoded or a bus is opened.
+
+messages    what modules and operator say to each other, one class a message
+layouts     which numbers of a message stand at which bits of its frame
+packing     messages to bytes, and back
+can         frames and buses of python-can
+qtm         packets of the motion capture
+meter       lines of the power meter
+worker      a thread that survives exceptions, common to all drivers
+clock       the operator's clock, and real-time priority
 """
 
 from typing import TYPE_CHECKING
@@ -12,10 +21,7 @@ if TYPE_CHECKING:
         BusAddress as BusAddress,
         BusFailed as BusFailed,
         bus_address as bus_address,
-        decode as decode,
-        encode as encode,
         from_frame as from_frame,
-        from_node as from_node,
         open_bus as open_bus,
         to_frame as to_frame,
     )
@@ -40,6 +46,11 @@ if TYPE_CHECKING:
         encode_references as encode_references,
     )
     from laticauda.tank.protocol.meter import MeterReading as MeterReading
+    from laticauda.tank.protocol.packing import (
+        decode as decode,
+        encode as encode,
+        from_node as from_node,
+    )
     from laticauda.tank.protocol.qtm import BodyPose as BodyPose, MocapFrame as MocapFrame
 
 __getattr__, __dir__, __all__ = lazy_exports(
@@ -49,10 +60,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "BusAddress",
             "BusFailed",
             "bus_address",
-            "decode",
-            "encode",
             "from_frame",
-            "from_node",
             "open_bus",
             "to_frame",
         ],
@@ -77,6 +85,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "encode_references",
         ],
         "laticauda.tank.protocol.meter": ["MeterReading"],
+        "laticauda.tank.protocol.packing": ["decode", "encode", "from_node"],
         "laticauda.tank.protocol.qtm": ["BodyPose", "MocapFrame"],
     },
     renamed={"references": "encode_references"},

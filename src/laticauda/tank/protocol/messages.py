@@ -4,6 +4,7 @@ Nodes are the joint modules. Node 1 is the joint nearest the tail, so node i dri
 the code; the node after the last one moves a driven fin.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
@@ -11,10 +12,14 @@ from typing import Annotated, TypeAlias
 
 from laticauda.values.errors import BadArgument, LaticaudaError
 
-N_NODES = 19  # Mamba's 18 joints, and a driven fin
-PER_FRAME = 4  # references in one frame
-N_GROUPS = -(-N_NODES // PER_FRAME)
+N_NODES = 19
+"""Number of nodes: Mamba's 18 joints, and a driven fin."""
+REFERENCES_PER_FRAME = 4
+"""References in one frame."""
+N_GROUPS = math.ceil(N_NODES / REFERENCES_PER_FRAME)
+"""Frames that carry the references of all nodes."""
 EVERY_NODE = 0
+"""Number that addresses all nodes."""
 
 
 class ProtocolError(LaticaudaError, ValueError):
@@ -37,14 +42,17 @@ class Signal:
     """Value of one step, in the unit."""
     unit: str = ""
     """Unit of the number."""
-    says: str = ""
+    description: str = ""
     """Description."""
     names: tuple[str, ...] = ()
     """Names of the numbers if the field has several; a single one has the field's name."""
 
 
-def _number(scale: str, unit: str, says: str, *names: str) -> Signal:
-    return Signal(16, True, scale, unit, says, names)
+def _number(scale: str, unit: str, description: str, *names: str) -> Signal:
+    """Return the encoding of a signed number of 16 bits."""
+    return Signal(
+        bits=16, signed=True, scale=scale, unit=unit, description=description, names=names
+    )
 
 
 class NodeState(IntEnum):
@@ -106,7 +114,7 @@ class EmergencyStop:
 class NodeCommand:
     """An order to one node, or to all of them; every addressed node answers with a `CommandReply`."""
 
-    node: Annotated[int, Signal(8, says="0: all nodes")] = EVERY_NODE
+    node: Annotated[int, Signal(8, description="0: all nodes")] = EVERY_NODE
     """Number of the node; 0: all nodes [-]."""
     order: Order
     """The order [-]."""
@@ -215,11 +223,13 @@ class Heartbeat:
     """The node was off the bus since its last heartbeat [-]."""
     temperature: Annotated[float, _number("0.1", "degC", "of the motor")] = 20.0
     """Temperature of the motor [deg C]."""
-    voltage: Annotated[float, Signal(16, scale="0.01", unit="V", says="of the supply")] = 35.0
+    voltage: Annotated[float, Signal(16, scale="0.01", unit="V", description="of the supply")] = (
+        35.0
+    )
     """Voltage of the supply that runs through the modules [V]."""
-    error_count: Annotated[int, Signal(8, says="transmit errors")] = 0
+    error_count: Annotated[int, Signal(8, description="transmit errors")] = 0
     """The controller's count of transmit errors, up to 255 [-]."""
-    counter: Annotated[int, Signal(8, says="one more every time")] = 0
+    counter: Annotated[int, Signal(8, description="one more every time")] = 0
     """Increases by one every time; 255 is followed by 0 [-]."""
 
     @property
@@ -229,6 +239,7 @@ class Heartbeat:
 
 
 FAULTS = ("leak", "over_temperature", "over_current", "stuck", "emergency_stopped")
+"""Flags of a heartbeat that keep a node in FAULT."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -273,10 +284,11 @@ def encode_references(angles: Sequence[float]) -> tuple[References, ...]:
             "angles", f"must be 1 to {N_NODES} numbers, one per joint, got {len(angles)}"
         )
     padded = [float(angle) for angle in angles]
-    padded += [0.0] * (-len(padded) % PER_FRAME)
+    padded += [0.0] * (-len(padded) % REFERENCES_PER_FRAME)
     return tuple(
         References(
-            group=k // PER_FRAME, angles=(padded[k], padded[k + 1], padded[k + 2], padded[k + 3])
+            group=k // REFERENCES_PER_FRAME,
+            angles=(padded[k], padded[k + 1], padded[k + 2], padded[k + 3]),
         )
-        for k in range(0, len(padded), PER_FRAME)
+        for k in range(0, len(padded), REFERENCES_PER_FRAME)
     )

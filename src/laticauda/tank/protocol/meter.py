@@ -18,11 +18,23 @@ from enum import IntEnum
 from laticauda.tank.protocol.messages import ProtocolError
 
 BAUD_RATE = 115200
+"""Bits per second of the serial line."""
 END = b"\r"
-IDENTITY, MEASURE, DISPLAYED, RESTART = "ID", "QM", "QDDA", "PRESS MINMAX"
-LONGEST = 1000  # bytes of a line; valid ones are far shorter
+"""End of a line."""
+IDENTITY = "ID"
+"""Question for the meter's name."""
+MEASURE = "QM"
+"""Question for the present reading."""
+DISPLAYED = "QDDA"
+"""Question for all that the meter shows."""
+RESTART = "PRESS MINMAX"
+"""Order to press the button that restarts the record."""
+LONGEST_LINE = 1000
+"""Bytes of a line at most; valid ones are far shorter."""
 READING_FIELDS = 9
+"""Fields of a reading in the answer to QDDA."""
 OVERLOAD = 9.99999999e37
+"""Number that the meter gives if it is overloaded."""
 
 
 class Acknowledgment(IntEnum):
@@ -54,18 +66,18 @@ class MeterReading:
 class LineReader:
     """Splits a stream of bytes into lines that end with a carriage return, and drops data too long for a line."""
 
-    _waiting: bytes = field(default=b"")
+    _unfinished: bytes = field(default=b"")
 
     def feed(self, data: bytes) -> list[str]:
         """Return the lines completed by `data`, without their ends; non-ASCII bytes are replaced."""
-        *lines, self._waiting = (self._waiting + data).split(END)
-        self._waiting = self._waiting[-LONGEST:]
+        *lines, self._unfinished = (self._unfinished + data).split(END)
+        self._unfinished = self._unfinished[-LONGEST_LINE:]
         return [line.strip(b"\n").decode("ascii", errors="replace") for line in lines]
 
 
-def encode_question(word: str) -> bytes:
+def encode_question(question: str) -> bytes:
     """Encode a question for transmission."""
-    return word.encode("ascii") + END
+    return question.encode("ascii") + END
 
 
 def encode_answer(
@@ -77,8 +89,10 @@ def encode_answer(
         data: The second line, if there is one.
         acknowledgment: The first line.
     """
-    first = str(int(acknowledgment)).encode() + END
-    return first if data is None else first + data.encode("ascii") + END
+    first_line = str(int(acknowledgment)).encode() + END
+    if data is None:
+        return first_line
+    return first_line + data.encode("ascii") + END
 
 
 def live_text(current: float) -> str:
@@ -101,25 +115,35 @@ def displayed_text(reading: MeterReading, now: float = 0.0) -> str:
     modes: tuple[str, ...] = ()
     began = 0.0
     if reading.average is not None and reading.minimum is not None and reading.maximum is not None:
-        modes, began = ("MIN_MAX_AVG",), now - (reading.duration or 0.0)
-        values = (reading.live, reading.maximum, reading.average, reading.minimum)
-        readings |= dict(zip(("PRIMARY", "MAXIMUM", "AVERAGE", "MINIMUM"), values, strict=True))
-    words = [
-        "A_DC",
-        "NONE",
-        "AUTO",
-        "ADC",
-        "10",
-        "0",
-        "OFF",
-        f"{began:.3f}",
-        str(len(modes)),
-        *modes,
-    ]
-    words.append(str(len(readings)))
+        modes = ("MIN_MAX_AVG",)
+        began = now - (reading.duration or 0.0)
+        readings["PRIMARY"] = reading.live
+        readings["MAXIMUM"] = reading.maximum
+        readings["AVERAGE"] = reading.average
+        readings["MINIMUM"] = reading.minimum
+    fields = ["A_DC", "NONE", "AUTO", "ADC", "10", "0", "OFF", f"{began:.3f}"]
+    fields += [str(len(modes)), *modes]
+    fields.append(str(len(readings)))
     for name, value in readings.items():
-        words += [name, f"{value:.6E}", "ADC", "0", "4", "5", "NORMAL", "NONE", f"{now:.3f}"]
-    return ",".join(words)
+        fields += [name, f"{value:.6E}", "ADC", "0", "4", "5", "NORMAL", "NONE", f"{now:.3f}"]
+    return ",".join(fields)
+
+
+@dataclass(frozen=True)
+class _DisplayedValue:
+    """One reading in the answer to QDDA: nine fields."""
+
+    name: str
+    value: str
+    unit: str
+    state: str
+    time: str
+
+    @classmethod
+    def of(cls, fields: list[str]) -> "_DisplayedValue":
+        """Return the reading in nine fields, four of which are not needed."""
+        name, value, unit, _multiplier, _decimals, _digits, state, _attribute, time = fields
+        return cls(name=name, value=value, unit=unit, state=state, time=time)
 
 
 def decode_displayed(text: str) -> MeterReading:
@@ -128,40 +152,53 @@ def decode_displayed(text: str) -> MeterReading:
     Raises:
         ProtocolError: If it is not such an answer, or not a direct current.
     """
-    words = text.split(",")
     try:
-        began, n_modes = float(words[7]), int(words[8])
-        if words[3] != "ADC" or not 0 <= n_modes < len(words):
-            raise ProtocolError(
-                f"the meter must show a direct current, its answer to QDDA is {text!r:.80}"
-            )
-        count = int(words[9 + n_modes])
-        rest = words[10 + n_modes :]
-        if len(rest) != count * READING_FIELDS:
-            raise ProtocolError(f"the meter's answer to QDDA is cut short: {text!r:.80}")
-        readings = [rest[i : i + READING_FIELDS] for i in range(0, len(rest), READING_FIELDS)]
-        values = {r[0]: _current(r[1]) for r in readings if r[2] == "ADC" and r[6] == "NORMAL"}
-        now = max((float(r[8]) for r in readings), default=began)
-    except (IndexError, ValueError) as error:
-        if isinstance(error, ProtocolError):
-            raise
+        return _decode_displayed_fields(text, text.split(","))
+    except ProtocolError:
+        raise
+    except (IndexError, ValueError):
         raise ProtocolError(f"the meter's answer to QDDA is invalid: {text!r:.80}") from None
-    live, duration = values.get("LIVE", values.get("PRIMARY")), now - began
+
+
+def _decode_displayed_fields(text: str, fields: list[str]) -> MeterReading:
+    """Decode the fields of the answer; fields 3, 7 and 8 are the unit, the start and the number of modes."""
+    no_direct_current = ProtocolError(
+        f"the meter must show a direct current, its answer to QDDA is {text!r:.80}"
+    )
+    unit = fields[3]
+    began = float(fields[7])
+    n_modes = int(fields[8])
+    if unit != "ADC" or not 0 <= n_modes < len(fields):
+        raise no_direct_current
+    n_readings = int(fields[9 + n_modes])
+    reading_fields = fields[10 + n_modes :]
+    if len(reading_fields) != n_readings * READING_FIELDS:
+        raise ProtocolError(f"the meter's answer to QDDA is cut short: {text!r:.80}")
+    values: dict[str, float] = {}
+    times: list[float] = []
+    for begin in range(0, len(reading_fields), READING_FIELDS):
+        reading = _DisplayedValue.of(reading_fields[begin : begin + READING_FIELDS])
+        if reading.unit == "ADC" and reading.state == "NORMAL":
+            values[reading.name] = _current(reading.value)
+        times.append(float(reading.time))
+    live = values.get("LIVE", values.get("PRIMARY"))
     if live is None:
-        raise ProtocolError(
-            f"the meter must show a direct current, its answer to QDDA is {text!r:.80}"
-        )
-    record = {
-        name.lower(): values[name] for name in ("AVERAGE", "MINIMUM", "MAXIMUM") if name in values
-    }
-    is_kept = len(record) == 3 and math.isfinite(duration)
-    return (
-        MeterReading(live=live, **record, duration=duration) if is_kept else MeterReading(live=live)
+        raise no_direct_current
+    duration = max(times, default=began) - began
+    record_names = ("AVERAGE", "MINIMUM", "MAXIMUM")
+    if not all(name in values for name in record_names) or not math.isfinite(duration):
+        return MeterReading(live=live)
+    return MeterReading(
+        live=live,
+        average=values["AVERAGE"],
+        minimum=values["MINIMUM"],
+        maximum=values["MAXIMUM"],
+        duration=duration,
     )
 
 
-def _current(word: str) -> float:
-    value = float(word)
+def _current(text: str) -> float:
+    value = float(text)
     if not abs(value) < OVERLOAD:
-        raise ProtocolError(f"the meter is overloaded: it reads {word!r:.40}")
+        raise ProtocolError(f"the meter is overloaded: it reads {text!r:.40}")
     return value

@@ -23,15 +23,32 @@ from laticauda.values.angles import to_quaternion
 
 Point = tuple[float, float, float]
 
-PORT = 22223  # for clients that use the least significant byte first
+PORT = 22223
+"""Port for clients that use the least significant byte first."""
 VERSION = "1.25"
+"""Version of the protocol."""
 BANNER = "QTM RT Interface connected"
-LARGEST = 1 << 20  # bytes; packets of a few bodies are far smaller
+"""First text of a server."""
+LARGEST_PACKET = 1 << 20
+"""Bytes of a packet at most; those of a few bodies are far smaller."""
 HEADER = struct.Struct("<II")
+"""Size and type of a packet."""
 DATA_HEADER = struct.Struct("<qII")
+"""Time in microseconds, number of the frame, number of components."""
 COMPONENT_HEADER = struct.Struct("<II")
+"""Size and type of a component."""
 BODIES_HEADER = struct.Struct("<ihh")
-LOST = np.full(3, np.nan)
+"""Number of bodies or markers, and two rates."""
+SKELETONS_HEADER = struct.Struct("<i")
+"""Number of skeletons."""
+MARKER = struct.Struct("<4f")
+"""Position and residual of a marker [mm]."""
+SKELETON = struct.Struct("<ii7f")
+"""Number of segments, number of the segment, its position [mm] and its quaternion, w last."""
+LOST_POSITION = np.full(3, np.nan)
+"""Position of a body that is not seen."""
+NUMBERS_OF_POSE = 12
+"""Numbers of a pose: three of its position, nine of its rotation."""
 
 
 class PacketType(IntEnum):
@@ -61,9 +78,13 @@ class Component(IntEnum):
     SKELETONS = 18
 
 
-COMPONENTS: dict[str, Component] = dict(
-    zip(("6d", "3dres", "6dres", "skeleton"), Component, strict=True)
-)
+COMPONENTS: dict[str, Component] = {
+    "6d": Component.BODIES,
+    "3dres": Component.MARKERS,
+    "6dres": Component.BODIES_RESIDUAL,
+    "skeleton": Component.SKELETONS,
+}
+"""Components by their names in commands."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -109,7 +130,7 @@ class PacketReader:
     """Splits a stream of bytes into packets; keeps the bytes of incomplete packets until the rest arrives."""
 
     def __init__(self) -> None:
-        self._waiting = b""
+        self._unfinished = b""
 
     def feed(self, data: bytes) -> Iterator[tuple[int, bytes]]:
         """Yield type and payload of every packet completed by `data`.
@@ -118,14 +139,15 @@ class PacketReader:
             ProtocolError: If a packet states an impossible size; the stream is unusable from there
                 on.
         """
-        self._waiting += data
-        while len(self._waiting) >= HEADER.size:
-            size, kind = HEADER.unpack_from(self._waiting)
-            if not HEADER.size <= size <= LARGEST:
+        self._unfinished += data
+        while len(self._unfinished) >= HEADER.size:
+            size, kind = HEADER.unpack_from(self._unfinished)
+            if not HEADER.size <= size <= LARGEST_PACKET:
                 raise ProtocolError(f"a packet claims to have {size} bytes")
-            if len(self._waiting) < size:
+            if len(self._unfinished) < size:
                 return
-            payload, self._waiting = self._waiting[HEADER.size : size], self._waiting[size:]
+            payload = self._unfinished[HEADER.size : size]
+            self._unfinished = self._unfinished[size:]
             yield kind, payload
 
 
@@ -146,19 +168,24 @@ def encode_frame(
         components: Components to send; as a skeleton, every body has one segment.
         points: Positions of the markers of every body in its own axes [m].
     """
-    parts = [
-        DATA_HEADER.pack(round(frame.timestamp * 1e6), frame.number & 0xFFFFFFFF, len(components))
-    ]
-    for component in components:
-        body = b"".join(_body_bytes(body, component, points) for body in frame.bodies)
-        count = len(frame.bodies) * (len(points) if component == Component.MARKERS else 1)
-        head = BODIES_HEADER.pack(count, 0, 0)[: 4 if component == Component.SKELETONS else None]
-        parts += [
-            COMPONENT_HEADER.pack(COMPONENT_HEADER.size + len(head + body), component),
-            head,
-            body,
-        ]
-    return encode_packet(PacketType.DATA, b"".join(parts))
+    microseconds = round(frame.timestamp * 1e6)
+    header = DATA_HEADER.pack(microseconds, frame.number & 0xFFFFFFFF, len(components))
+    encoded = [_encode_component(frame, component, points) for component in components]
+    return encode_packet(PacketType.DATA, b"".join([header, *encoded]))
+
+
+def _encode_component(frame: MocapFrame, component: Component, points: Sequence[Point]) -> bytes:
+    """Encode one component of a data packet: headers, then the numbers of all bodies."""
+    count = len(frame.bodies)
+    if component == Component.MARKERS:
+        count *= len(points)
+    if component == Component.SKELETONS:
+        count_header = SKELETONS_HEADER.pack(count)
+    else:
+        count_header = BODIES_HEADER.pack(count, 0, 0)
+    bodies = b"".join(_encode_body(body, component, points) for body in frame.bodies)
+    content = count_header + bodies
+    return COMPONENT_HEADER.pack(COMPONENT_HEADER.size + len(content), component) + content
 
 
 def answer_parameters(
@@ -172,50 +199,73 @@ def answer_parameters(
         asked: Any of `general`, `6d`, `3d` (the labels of all markers) and `skeleton` (one of one
             segment per body).
     """
-    said = f"<General><Frequency>{frequency:g}</Frequency></General>" if "general" in asked else ""
+    sections: list[str] = []
+    if "general" in asked:
+        sections.append(f"<General><Frequency>{frequency:g}</Frequency></General>")
     if "3d" in asked:
-        labels = (
-            f"{escape(name)}-{k}" for name, points in bodies.items() for k in range(len(points))
-        )
-        said += f"<The_3D>{''.join(f'<Label><Name>{label}</Name></Label>' for label in labels)}</The_3D>"
+        labels = [_label_xml(name, k) for name in bodies for k in range(len(bodies[name]))]
+        sections.append(f"<The_3D>{''.join(labels)}</The_3D>")
     if "skeleton" in asked:
-        skeletons = (
-            f'<Skeleton Name={quoteattr(name)}><Segment Name="body" ID="1"/></Skeleton>'
-            for name in bodies
-        )
-        said += f"<Skeletons>{''.join(skeletons)}</Skeletons>"
+        skeletons = [_skeleton_xml(name) for name in bodies]
+        sections.append(f"<Skeletons>{''.join(skeletons)}</Skeletons>")
+    if "6d" in asked:
+        listed = [_body_xml(name, points) for name, points in bodies.items()]
+        sections.append(f"<The_6D>{''.join(listed)}</The_6D>")
+    return f"<QTM_Parameters_Ver_{VERSION}>{''.join(sections)}</QTM_Parameters_Ver_{VERSION}>"
+
+
+def _label_xml(body: str, k: int) -> str:
+    return f"<Label><Name>{escape(body)}-{k}</Name></Label>"
+
+
+def _skeleton_xml(body: str) -> str:
+    return f'<Skeleton Name={quoteattr(body)}><Segment Name="body" ID="1"/></Skeleton>'
+
+
+def _body_xml(name: str, points: Sequence[Point]) -> str:
     listed = "".join(
-        f"<Body><Name>{escape(name)}</Name><Enabled>True</Enabled><Points>"
-        + "".join(
-            f'<Point X="{1e3 * x:.3f}" Y="{1e3 * y:.3f}" Z="{1e3 * z:.3f}" Virtual="0" PhysicalId="0" Name=""/>'
-            for x, y, z in points
-        )
-        + "</Points></Body>"
-        for name, points in bodies.items()
+        f'<Point X="{1e3 * x:.3f}" Y="{1e3 * y:.3f}" Z="{1e3 * z:.3f}" '
+        'Virtual="0" PhysicalId="0" Name=""/>'
+        for x, y, z in points
     )
-    said += f"<The_6D>{listed}</The_6D>" if "6d" in asked else ""
-    return f"<QTM_Parameters_Ver_{VERSION}>{said}</QTM_Parameters_Ver_{VERSION}>"
+    return (
+        f"<Body><Name>{escape(name)}</Name><Enabled>True</Enabled><Points>{listed}</Points></Body>"
+    )
 
 
-def _body_bytes(body: BodyPose | None, component: Component, points: Sequence[Point]) -> bytes:
+def _encode_body(body: BodyPose | None, component: Component, points: Sequence[Point]) -> bytes:
     """Encode a body's numbers as one component."""
     if component == Component.MARKERS:
-        at = (
-            np.full((len(points), 3), np.nan)
-            if body is None
-            else body.position + np.array(points) @ body.rotation.T
-        )
-        return b"".join(struct.pack("<4f", *(1e3 * place).tolist(), 0.0) for place in at)
+        return _encode_markers(body, points)
     if component == Component.SKELETONS:
-        place, (w, *xyz) = (
-            (body.position, to_quaternion(body.rotation)) if body else (LOST, [math.nan] * 4)
-        )
-        return struct.pack("<ii7f", 1, 1, *(1e3 * place).tolist(), *xyz, w)
-    n = 12 + (component == Component.BODIES_RESIDUAL)
+        return _encode_skeleton(body)
+    n_numbers = NUMBERS_OF_POSE
+    if component == Component.BODIES_RESIDUAL:
+        n_numbers += 1
     if body is None:
-        return struct.pack(f"<{n}f", *[math.nan] * n)
-    numbers = (*1e3 * body.position, *body.rotation.T.ravel(), 1e3 * body.residual)
-    return struct.pack(f"<{n}f", *numbers[:n])
+        numbers = [math.nan] * n_numbers
+    else:
+        numbers = [*1e3 * body.position, *body.rotation.T.ravel(), 1e3 * body.residual]
+    return struct.pack(f"<{n_numbers}f", *numbers[:n_numbers])
+
+
+def _encode_markers(body: BodyPose | None, points: Sequence[Point]) -> bytes:
+    if body is None:
+        positions = np.full((len(points), 3), np.nan)
+    else:
+        positions = body.position + np.array(points) @ body.rotation.T
+    return b"".join(MARKER.pack(*(1e3 * position).tolist(), 0.0) for position in positions)
+
+
+def _encode_skeleton(body: BodyPose | None) -> bytes:
+    """Encode a skeleton of one segment."""
+    if body is None:
+        position = LOST_POSITION
+        w, x, y, z = [math.nan] * 4
+    else:
+        position = body.position
+        w, x, y, z = to_quaternion(body.rotation)
+    return SKELETON.pack(1, 1, *(1e3 * position).tolist(), x, y, z, w)
 
 
 def body_pose(numbers: Sequence[float]) -> BodyPose | None:
@@ -223,10 +273,12 @@ def body_pose(numbers: Sequence[float]) -> BodyPose | None:
 
     Returns:
         The pose, or None if a number of its position or rotation is not finite: the body was not
-            seen.
+        seen.
     """
-    if not all(math.isfinite(number) for number in numbers[:12]):
+    if not all(math.isfinite(number) for number in numbers[:NUMBERS_OF_POSE]):
         return None
-    residual = 1e-3 * numbers[12] if len(numbers) > 12 else math.nan
-    rotation = np.array(numbers[3:12]).reshape(3, 3).T
+    residual = math.nan
+    if len(numbers) > NUMBERS_OF_POSE:
+        residual = 1e-3 * numbers[NUMBERS_OF_POSE]
+    rotation = np.array(numbers[3:NUMBERS_OF_POSE]).reshape(3, 3).T
     return BodyPose(position=1e-3 * np.array(numbers[:3]), rotation=rotation, residual=residual)

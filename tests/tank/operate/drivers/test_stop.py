@@ -40,7 +40,7 @@ def test_a_closed_contact_is_no_reason_and_one_that_opens_however_shortly_is(lin
     with SerialLine("/dev/ttyUSB1:cts", Clock()) as driver:
         until(lambda: driver.receive() == ())
         line[0].rts = False
-        until(lambda: driver._found)
+        until(lambda: driver._received)
         line[0].rts = True
         assert waited(driver, bool)[0] == "its contact on CTS is open"
         assert waited(driver, lambda found: not found) == ()

@@ -13,7 +13,8 @@ from laticauda.tank.operate.drivers.base import (
     StopInput,
     driver_named,
 )
-from laticauda.tank.protocol.worker import Clock, DeviceFailed
+from laticauda.tank.protocol.clock import Clock
+from laticauda.tank.protocol.worker import DeviceFailed
 
 __all__ = [
     "KINDS",

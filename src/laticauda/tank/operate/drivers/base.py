@@ -11,7 +11,7 @@ for a name. Every driver obeys these rules:
 - `work` is called repeatedly in a separate thread (`Worker`), and returns within some tenths of a
   second, or when `_ended` is set. An exception in it becomes a sentence in `trouble`, and it is
   called again after half a second, so that a broken connection is restored.
-- Received data are appended to `_found` with the time of arrival on the operation's clock, which is
+- Received data are appended to `_received` with the time of arrival on the operation's clock, which is
   not wall time if that clock has a `speed`. `receive` hands them over and never waits; nor does any
   other method that the loop calls.
 - Data from the wire are not trusted: invalid data are dropped, and never cause an exception in the
@@ -28,7 +28,8 @@ from typing import Any, NamedTuple
 from laticauda.control.estimation import PoseSample
 from laticauda.tank.operate.recording.entries import PowerReading
 from laticauda.tank.protocol import CanMessage
-from laticauda.tank.protocol.worker import Clock, DeviceFailed, T, Worker
+from laticauda.tank.protocol.clock import Clock
+from laticauda.tank.protocol.worker import DeviceFailed, T, Worker
 from laticauda.values.checks import check_hostname
 from laticauda.values.errors import BadArgument
 from laticauda.values.extensions import Extensible
@@ -141,11 +142,11 @@ class StopInput(Driver[str], Extensible, group="drivers.stop"):
         try:
             why = self.look()
         except Exception as error:
-            self._found.append(f"the input cannot be read: {error}")
+            self._received.append(f"the input cannot be read: {error}")
             raise
         self._looked = time.monotonic()
         if why:
-            self._found.append(why)
+            self._received.append(why)
 
     def receive(self) -> tuple[str, ...]:
         """Return why the robot must stop, as seen since the last call."""

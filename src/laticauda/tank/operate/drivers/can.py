@@ -16,7 +16,8 @@ from laticauda.tank.protocol import (
     open_bus,
     to_frame,
 )
-from laticauda.tank.protocol.worker import Clock, DeviceFailed
+from laticauda.tank.protocol.clock import Clock
+from laticauda.tank.protocol.worker import DeviceFailed
 
 POLL = 0.05  # longest wait for a frame [s, wall clock]
 BUS_OFF = 0x40  # bit in the identifier of Linux's error frames
@@ -72,7 +73,7 @@ class CanDriver(Bus):
         if not from_node(frame.arbitration_id):
             return  # our own, returned by udp_multicast
         wire = frame.arbitration_id, bytes(frame.data)
-        self._found.append(
+        self._received.append(
             Frame(self._clock.now(), *wire, is_ours=False, message=from_frame(frame))
         )
 

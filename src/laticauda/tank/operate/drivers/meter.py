@@ -11,7 +11,8 @@ from typing import Any
 from laticauda.tank.operate.drivers.base import Meter
 from laticauda.tank.operate.recording.entries import PowerReading
 from laticauda.tank.protocol import ProtocolError, meter
-from laticauda.tank.protocol.worker import Clock, DeviceFailed, hardware
+from laticauda.tank.protocol.clock import Clock
+from laticauda.tank.protocol.worker import DeviceFailed, hardware
 
 ANSWER_TIME = 1.0  # [s, wall clock]
 INTERVAL = 0.1  # between two queries; the meter's own interval is about as long [s]
@@ -62,7 +63,7 @@ class MeterDriver(Meter):
             self.release()  # it is opened again at the next try
             raise
         record = {name: getattr(shown, name) for name in ("average", "minimum", "maximum")}
-        self._found.append(
+        self._received.append(
             PowerReading(time=self._clock.now(), current=shown.live, since=self._since, **record)
         )
         self._ended.wait(INTERVAL / self._clock.speed)

@@ -15,8 +15,9 @@ import numpy as np
 
 from laticauda.control.estimation import PoseSample
 from laticauda.tank.operate.drivers.base import MotionCapture, host_and_port
-from laticauda.tank.protocol.qtm import LOST, BodyPose, body_pose
-from laticauda.tank.protocol.worker import Clock, DeviceFailed, hardware
+from laticauda.tank.protocol.clock import Clock
+from laticauda.tank.protocol.qtm import LOST_POSITION, BodyPose, body_pose
+from laticauda.tank.protocol.worker import DeviceFailed, hardware
 from laticauda.values.angles import from_quaternion
 
 CONNECT_TIME = 5.0  # [s, wall clock]
@@ -30,7 +31,7 @@ def pose_sample(time: float, pose: BodyPose | None) -> PoseSample:
         pose: Pose of the body; None: not seen.
     """
     if pose is None:
-        return PoseSample(time=time, position=LOST)
+        return PoseSample(time=time, position=LOST_POSITION)
     residual = 0.0 if np.isnan(pose.residual) else pose.residual
     return PoseSample(time=time, position=pose.position, rotation=pose.rotation, residual=residual)
 
@@ -171,7 +172,7 @@ class MocapDriver(MotionCapture):
         except Exception as error:  # an invalid packet is a lost frame
             self._trouble = f"invalid packet from the motion capture: {error}"
             return
-        self._found.append((arrival, pose_sample(stamp, pose)))
+        self._received.append((arrival, pose_sample(stamp, pose)))
 
 
 def _names(told: ElementTree.Element) -> list[str]:

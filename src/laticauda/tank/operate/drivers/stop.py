@@ -11,7 +11,8 @@ import contextlib
 from typing import Any
 
 from laticauda.tank.operate.drivers.base import StopInput
-from laticauda.tank.protocol.worker import Clock, DeviceFailed, hardware
+from laticauda.tank.protocol.clock import Clock
+from laticauda.tank.protocol.worker import DeviceFailed, hardware
 from laticauda.values.checks import check_choice
 
 LOOKS = 0.005  # time between two looks [s, wall clock]
