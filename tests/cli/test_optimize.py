@@ -10,7 +10,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.cli.studies import _text
-from laticauda.studies import Front, Optimization, optimize, sweep
+from laticauda.studies import Front, Optimization, optimization, optimize, sweep
 
 SHORT = "--duration 1 --budget 24 --population 12 --output a"
 
@@ -77,7 +77,7 @@ def test_what_it_finds_is_what_the_call_finds(run, folder: Path):
 def test_a_stopped_optimization_says_how_to_go_on(
     run, folder: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    swim_points, calls = sweep.swim_points, []
+    swim_points, calls = optimization.swim_points, []
 
     def stop(*args):
         calls.append(args)
@@ -86,7 +86,7 @@ def test_a_stopped_optimization_says_how_to_go_on(
         return swim_points(*args)
 
     with monkeypatch.context() as context:
-        context.setattr(sweep, "swim_points", stop)
+        context.setattr(optimization, "swim_points", stop)
         done = run(f"optimize {SHORT}")
     assert (done.status, done.out) == (130, "")
     assert (

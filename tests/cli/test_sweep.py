@@ -13,7 +13,7 @@ import pytest
 import laticauda as lc
 from laticauda.cli import vary
 from laticauda.models.simulate import list_parameters
-from laticauda.studies import open_sweep, sweep
+from laticauda.studies import open_sweep, point_trials
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
 KNOWN = list_parameters(lc.build_scenario("mamba-fin", GAIT))
@@ -190,7 +190,7 @@ def test_a_stopped_sweep_says_how_to_go_on(run, folder: Path, monkeypatch: pytes
         raise KeyboardInterrupt
 
     with monkeypatch.context() as context:
-        context.setattr(sweep, "run_batch", stop)
+        context.setattr(point_trials, "run_batch", stop)
         done = run(f"sweep {POINTS} {SHORT}")
     assert (done.status, done.out) == (130, "")
     assert (
