@@ -227,5 +227,4 @@ def points_table(
 def shared_facts(scenario: Scenario) -> dict[str, Any]:
     """Return what all trials share, for JSON."""
     facts = attributes_of(scenario)
-    version = facts.pop("laticauda")
-    return {**facts, "version": version}
+    return {**facts, "version": facts["laticauda"]}
