@@ -173,7 +173,7 @@ def test_memory_that_cannot_be_kept_in_place_is_said(monkeypatch):
 
 
 def test_a_driver_written_before_may_use_the_former_name_of_what_it_received():
-    worker = Idle("idle")
+    worker = Idle()
     with pytest.warns(DeprecationWarning, match="_received"):
         worker._found.append(1)
     assert worker.receive() == (1,)
