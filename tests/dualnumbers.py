@@ -105,7 +105,7 @@ def python_kernels(law=None):
         "no_type_check": same,
         "kernel": same,
         "entry": same,
-        "compiled": same,
+        "compile_scalar": same,
         "in_lanes": same,
         "any_lane": same,
         "first_lane": same,

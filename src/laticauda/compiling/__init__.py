@@ -44,7 +44,7 @@ def _find_folder() -> str:
     return ""
 
 
-_kept_for_now = _find_folder()
+_temporary_folder_message = _find_folder()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -59,10 +59,10 @@ class Target:
     """Converts a compiled function of numbers to one of lanes."""
     formulas: Mapping[Any, Any]
     """Replacements for functions that laws call, such as those of `scalars`."""
-    instead: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    replacements: Mapping[str, Any] = field(default_factory=dict[str, Any])
     """Replacements for names that the kernel templates import or define."""
-    made: dict[Any, Any] = field(default_factory=dict[Any, Any])
-    """Functions made for this target, keyed by what they were made from."""
+    functions: dict[Any, Any] = field(default_factory=dict[Any, Any])
+    """Functions compiled for this target, keyed by what they were made from."""
 
 
 def kernel(function: FunctionType) -> Any:
@@ -91,16 +91,21 @@ def compile_scalar(function: FunctionType) -> Any:
     names: dict[str, Any] = {**function.__globals__, "__name__": __name__}
     for name in globals_of(code):
         if isinstance(names.get(name), FunctionType):
-            names[name] = _compiled_inner(names[name])
-    cells = [cell.cell_contents for cell in function.__closure__ or ()]
-    cells = [_compiled_inner(cell) if isinstance(cell, FunctionType) else cell for cell in cells]
-    closure = tuple(CellType(cell) for cell in cells)
+            names[name] = _compile_inner(names[name])
+    closure: list[CellType] = []
+    for cell in function.__closure__ or ():
+        content = cell.cell_contents
+        if isinstance(content, FunctionType):
+            content = _compile_inner(content)
+        closure.append(CellType(content))
     # Numba does not support keyword-only arguments.
     code = code.replace(co_argcount=code.co_argcount + code.co_kwonlyargcount, co_kwonlyargcount=0)
-    return kernel(FunctionType(code, names, function.__name__, function.__defaults__, closure))
+    return kernel(
+        FunctionType(code, names, function.__name__, function.__defaults__, tuple(closure))
+    )
 
 
-def _compiled_inner(function: Callable[..., Any]) -> Any:
+def _compile_inner(function: Callable[..., Any]) -> Any:
     return _target.get().formulas.get(function) or compile_scalar(function)
 
 
@@ -108,7 +113,7 @@ def for_python(function: FunctionType) -> Any:
     """Return a version that Python can call of a function that only kernels call.
 
     Args:
-        function: Plain function, or the result of `compiled`.
+        function: Plain function, or the result of `compile_scalar`.
     """
     return njit(**INLINED)(getattr(function, "py_func", function))
 
@@ -146,7 +151,7 @@ def entry(function: FunctionType) -> Any:
     return _target.get().entry(function)
 
 
-def _kept(function: Callable[..., Any]) -> Any:
+def _compile_and_cache(function: Callable[..., Any]) -> Any:
     """Compile a function and cache the machine code on disk.
 
     Numba stores the code under the function's qualified name and ignores what the function calls,
@@ -168,24 +173,25 @@ def compile_once_across_processes(function: FunctionType) -> Any:
     compile_now = compiled.compile
 
     def compile_or_load(signature: Any) -> Any:
-        with locked(
-            Path(compiled.stats.cache_path) / f"{compiled.py_func.__qualname__}.lock", wait=True
-        ):
-            found = compile_now(signature)
-        if (
-            _kept_for_now and compiled.stats.cache_misses
-        ):  # the code did not come with the installation
+        lock = Path(compiled.stats.cache_path) / f"{compiled.py_func.__qualname__}.lock"
+        with locked(lock, wait=True):
+            machine_code = compile_now(signature)
+        came_with_installation = not compiled.stats.cache_misses
+        if _temporary_folder_message and not came_with_installation:
             warnings.warn(
-                f"{_kept_for_now}; set NUMBA_CACHE_DIR to a writable folder", stacklevel=2
+                f"{_temporary_folder_message}; set NUMBA_CACHE_DIR to a writable folder",
+                stacklevel=2,
             )
-        return found
+        return machine_code
 
     compiled.compile = compile_or_load
     return compiled
 
 
 def for_c(signature: Any, function: FunctionType) -> Any:
-    """Compile a function that C calls and cache the machine code on disk; processes take turns as in `in_turn`.
+    """Compile a function that C calls and cache the machine code on disk.
+
+    Processes take turns, see `compile_once_across_processes`.
 
     Args:
         signature: Signature in Numba's types.
@@ -196,18 +202,23 @@ def for_c(signature: Any, function: FunctionType) -> Any:
         return cfunc(signature, cache=True, **OPTIONS)(function)
 
 
+_DEFINED_FOR_LANES = (
+    scalars.where,
+    scalars.magnitude,
+    scalars.first_lane,
+    scalars.table_row,
+)
+"""Functions that `lanes` defines anew, under the same names."""
 PROCESSOR = Target(
     kernel=inlined,
-    entry=_kept,
+    entry=_compile_and_cache,
     in_lanes=_all_or_each,
     formulas={
         scalars.tanh: functions.tanh,
-        **{
-            one: getattr(lanes, one.__name__)
-            for one in (scalars.where, scalars.magnitude, scalars.first_lane, scalars.table_row)
-        },
+        **{function: getattr(lanes, function.__name__) for function in _DEFINED_FOR_LANES},
     },
 )
+"""This machine's processor."""
 _target: ContextVar[Target] = ContextVar("target", default=PROCESSOR)
 
 
@@ -218,11 +229,11 @@ def compiling_for(target: Target) -> Generator[None]:
     Args:
         target: Target to compile for.
     """
-    before = _target.set(target)
+    token = _target.set(target)
     try:
         yield
     finally:
-        _target.reset(before)
+        _target.reset(token)
 
 
 def fingerprint(function: Callable[..., Any]) -> str:
@@ -237,31 +248,39 @@ def fingerprint(function: Callable[..., Any]) -> str:
     return digest.hexdigest()
 
 
-def _parts(value: Any, seen: set[int]) -> list[str]:
+def _parts(value: Any, visited: set[int]) -> list[str]:
+    """Return texts that represent a function, or anything that it refers to."""
     function = getattr(value, "py_func", value)
     code = getattr(function, "__code__", None)
     if not isinstance(code, CodeType):
+        if isinstance(value, int | float | str | tuple):
+            return [f"{value!r}"]
         # Modules and other objects are represented by their type, because their text would contain
         # an address.
-        return [
-            f"{value!r}" if isinstance(value, int | float | str | tuple) else type(value).__name__
-        ]
-    if id(code) in seen:
+        return [type(value).__name__]
+    if id(code) in visited:
         return []
-    seen.add(id(code))
+    visited.add(id(code))
     parts = [*_text_of(code), repr(function.__defaults__)]
     for cell in function.__closure__ or ():
-        parts += _parts(cell.cell_contents, seen)
+        parts += _parts(cell.cell_contents, visited)
     for name in globals_of(code):
         if name in function.__globals__:
-            parts += [name, *_parts(function.__globals__[name], seen)]
+            parts += [name, *_parts(function.__globals__[name], visited)]
     return parts
 
 
 def _text_of(code: CodeType) -> list[str]:
-    constants = [c for c in code.co_consts if not isinstance(c, CodeType)]
-    inner = [text for c in code.co_consts if isinstance(c, CodeType) for text in _text_of(c)]
-    return [code.co_code.hex(), repr(constants), repr(code.co_names), *inner]
+    constants = [constant for constant in code.co_consts if not isinstance(constant, CodeType)]
+    parts = [code.co_code.hex(), repr(constants), repr(code.co_names)]
+    for inner_code in _inner_codes(code):
+        parts += _text_of(inner_code)
+    return parts
+
+
+def _inner_codes(code: CodeType) -> list[CodeType]:
+    """Return the code of functions that are defined inside a function."""
+    return [constant for constant in code.co_consts if isinstance(constant, CodeType)]
 
 
 @cache
@@ -271,9 +290,14 @@ def globals_of(code: CodeType) -> list[str]:
     Args:
         code: Code of a function.
     """
-    own = [one.argval for one in dis.get_instructions(code) if one.opname == "LOAD_GLOBAL"]
-    inner = [name for c in code.co_consts if isinstance(c, CodeType) for name in globals_of(c)]
-    return list(dict.fromkeys([*own, *inner]))
+    names = [
+        instruction.argval
+        for instruction in dis.get_instructions(code)
+        if instruction.opname == "LOAD_GLOBAL"
+    ]
+    for inner_code in _inner_codes(code):
+        names += globals_of(inner_code)
+    return list(dict.fromkeys(names))
 
 
 explain(globals())

@@ -21,7 +21,7 @@ def add(builder, emit, a, b):
 
 def subtract(builder, emit, a, b):
     """a - b."""
-    return emit(a[0], b[0]), _sum(builder, a[1], None if b[1] is None else builder.fneg(b[1]))
+    return emit(a[0], b[0]), _sum(builder, a[1], _negative(builder, b[1]))
 
 
 def multiply(builder, emit, a, b):
@@ -33,14 +33,16 @@ def divide(builder, emit, a, b):
     """a / b; a' / b - (a / b) b' / b."""
     value = emit(a[0], b[0])
     if b[1] is None:
-        return value, None if a[1] is None else emit(a[1], b[0])
+        if a[1] is None:
+            return value, None
+        return value, emit(a[1], b[0])
     share = builder.fneg(builder.fmul(value, b[1]))
     return value, emit(_sum(builder, a[1], share), b[0])
 
 
 def negate(builder, emit, a):
     """-a."""
-    return emit(a[0]), None if a[1] is None else builder.fneg(a[1])
+    return emit(a[0]), _negative(builder, a[1])
 
 
 def magnitude(builder, emit, a):
@@ -90,7 +92,15 @@ def _sum(builder, a, b):
 
 
 def _times(builder, derivative, factor):
-    return None if derivative is None else builder.fmul(derivative, factor)
+    if derivative is None:
+        return None
+    return builder.fmul(derivative, factor)
+
+
+def _negative(builder, derivative):
+    if derivative is None:
+        return None
+    return builder.fneg(derivative)
 
 
 def _slope_or_none(builder, value, divisor, derivative):

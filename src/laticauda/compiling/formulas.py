@@ -29,16 +29,16 @@ def digest_of(formula: Formula) -> str:
         formula: Formula of a law; what a user's formula calls may be redefined at run time, unlike
             laticauda's own.
     """
-    return (
-        _digest_of_ours(formula)
-        if _is_ours(formula)
-        else " ".join([fingerprint(formula.function), *formula.fields])
-    )
+    if _is_ours(formula):
+        return _digest_of_ours(formula)
+    return _digest(formula)
 
 
-@functools.cache
-def _digest_of_ours(formula: Formula) -> str:
+def _digest(formula: Formula) -> str:
     return " ".join([fingerprint(formula.function), *formula.fields])
+
+
+_digest_of_ours = functools.cache(_digest)
 
 
 def _is_ours(formula: Formula) -> bool:
@@ -55,34 +55,41 @@ def in_numbers(formula: Formula, record: type | None, n_first: int) -> Any:
         n_first: Count of the numbers before those of the record, which the law's own numbers
             follow.
     """
-    inner, last = compile_scalar(formula.function), n_first + _size(record)
-    own: Any = namedtuple("Numbers", formula.fields or ("nothing",))
-    rest = () if formula.fields else (0.0,)
+    inner = compile_scalar(formula.function)
+    last = n_first + _size(record)
+    # A tuple of no numbers is no type for Numba.
+    numbers_of_law: Any = namedtuple("Numbers", formula.fields or ("nothing",))
+    padding = () if formula.fields else (0.0,)
 
-    def alone(*numbers: float) -> Any:
-        return inner(own(*numbers[last:], *rest), *numbers[:n_first])
+    def call_without_record(*numbers: float) -> Any:
+        return inner(numbers_of_law(*numbers[last:], *padding), *numbers[:n_first])
 
     if record is None:
-        return compile_scalar(alone)
+        return compile_scalar(call_without_record)
 
-    def call(*numbers: float) -> Any:
+    def call_with_record(*numbers: float) -> Any:
         return inner(
-            own(*numbers[last:], *rest), *numbers[:n_first], record(*numbers[n_first:last])
+            numbers_of_law(*numbers[last:], *padding),
+            *numbers[:n_first],
+            record(*numbers[n_first:last]),
         )
 
-    return compile_scalar(call)
+    return compile_scalar(call_with_record)
 
 
 def _size(record: Any) -> int:
-    return 0 if record is None else len(record._fields)
+    if record is None:
+        return 0
+    return len(record._fields)
 
 
 def in_rows(formula: Formula, record: type | None, n_first: int) -> Any:
     """Return a formula as `in_numbers` does, but also for lanes; made once for all kernels of a target."""
-    now, key = current_target(), (digest_of(formula), record, n_first)
-    if key not in now.made:
-        now.made[key] = now.in_lanes(in_numbers(formula, record, n_first))
-    return now.made[key]
+    target = current_target()
+    key = (digest_of(formula), record, n_first)
+    if key not in target.functions:
+        target.functions[key] = target.in_lanes(in_numbers(formula, record, n_first))
+    return target.functions[key]
 
 
 def check(
@@ -106,23 +113,36 @@ def check(
     Raises:
         ValueError: If the formula is rejected; the message gives the reason.
     """
-    if _is_ours(formula) or (made_of := digest_of(formula)) in _checked:
+    if _is_ours(formula):
+        return
+    digest = digest_of(formula)
+    if digest in _checked:
         return
     try:
-        found: Any = for_python(in_numbers(formula, record, len(example) - _size(record)))(
-            *example, *numbers
-        )
+        compiled = for_python(in_numbers(formula, record, len(example) - _size(record)))
+        result: Any = compiled(*example, *numbers)
     except (NumbaError, TypeError) as err:
         raise ValueError(
             f"`{formula.name}` must have a formula that Numba can compile: {reason_of(err)}"
         ) from err
-    values = cast("tuple[object, ...]", found) if isinstance(found, tuple) else ()
-    if [isinstance(one, float) and math.isfinite(one) for one in values] != [True] * count:
-        words = {3: "three"}.get(count, count)
+    values = cast("tuple[object, ...]", result) if isinstance(result, tuple) else ()
+    are_finite = [isinstance(value, float) and math.isfinite(value) for value in values]
+    if are_finite != [True] * count:
+        shown_count = {3: "three"}.get(count, count)
         raise ValueError(
-            f"`{formula.name}` must return {words} finite numbers, {results}, got {found}."
+            f"`{formula.name}` must return {shown_count} finite numbers, {results}, got {result}."
         )
-    _checked.add(made_of)
+    _checked.add(digest)
+
+
+TELLING_LINES = (
+    "No implementation",
+    "Unknown attribute",
+    "missing a required",
+    "too many",
+    "Invalid use",
+)
+"""Beginnings of the lines of Numba's messages that state a problem."""
 
 
 def reason_of(error: Exception) -> str:
@@ -131,17 +151,13 @@ def reason_of(error: Exception) -> str:
     Args:
         error: Error of a compilation.
     """
-    lines = [line.strip(" :") for line in str(error).splitlines() if line.strip()] or [
-        type(error).__name__
-    ]
-    telling = (
-        "No implementation",
-        "Unknown attribute",
-        "missing a required",
-        "too many",
-        "Invalid use",
-    )
-    return next((line for line in lines if line.startswith(telling)), lines[-1])
+    lines = [line.strip(" :") for line in str(error).splitlines() if line.strip()]
+    for line in lines:
+        if line.startswith(TELLING_LINES):
+            return line
+    if lines:
+        return lines[-1]
+    return type(error).__name__
 
 
 def rows_from(first: int, count: int) -> Callable[..., tuple[Any, ...]]:
@@ -182,13 +198,12 @@ def summed(kinds: Sequence[Formula], count: int) -> Any:
 
 def _after(before: Any, formula: Formula, count: int) -> Any:
     """Return the sum function `before` extended by the parts of one more kind."""
-    part, size, first = (
-        in_rows(formula, None, PLACE),
-        len(formula.fields),
-        current_target().formulas[first_lane],
-    )
+    part = in_rows(formula, None, PLACE)
+    size = len(formula.fields)
+    first = current_target().formulas[first_lane]
     numbers = rows_from(0, size)
-    plus = kernel(eval(f"lambda a, b: ({''.join(f'a[{k}] + b[{k}], ' for k in range(count))})"))
+    terms = "".join(f"a[{k}] + b[{k}], " for k in range(count))
+    plus = kernel(eval(f"lambda a, b: ({terms})"))
 
     @kernel
     def total(S, at, x, y, z, t):

@@ -76,8 +76,11 @@ def sincos(x):
     z = y * y
     s = y + y * z * polynomial(z, SINE)
     c = 1.0 - 0.5 * z + z * z * polynomial(z, COSINE)
-    odd, low = bit(shifted, 0), bit(shifted, 1)  # the quadrant is q modulo 4
-    sine, cosine = where(odd, c, s), where(odd, s, c)
+    # The quadrant is q modulo 4.
+    odd = bit(shifted, 0)
+    low = bit(shifted, 1)
+    sine = where(odd, c, s)
+    cosine = where(odd, s, c)
     return where(low, -sine, sine), where(low ^ odd, -cosine, cosine)
 
 
@@ -111,7 +114,9 @@ def _for_lanes(function, of_lanes):
 
     @overload(function, jit_options=INLINED)
     def choose(x):
-        return of_lanes if isinstance(x, Lanes) else None
+        if isinstance(x, Lanes):
+            return of_lanes
+        return None
 
 
 _for_lanes(np.sin, lambda x: sincos(x)[0])

@@ -18,11 +18,10 @@ from numba.core.compiler import Compiler
 from numba.core.dispatcher import Dispatcher
 from numba.core.types import unliteral
 
-# Of "fast math", only contraction to fused multiply-adds is enabled: it does not reorder
-# operations.
 OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
-# Inlining lets the compiler optimize whole loops.
+"""Options of Numba for all code: of "fast math" only fused multiply-adds, which reorder no operations."""
 INLINED: Any = {"forceinline": True, **OPTIONS}
+"""Options for functions that are inlined, which lets the compiler optimize whole loops."""
 
 
 class _Code(JITCodeLibrary):
@@ -49,16 +48,17 @@ def inlined(function: FunctionType, **options: Any) -> Any:
         **options: Further options of Numba.
     """
     wrappers = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    made: Any = njit(pipeline_class=_Compiler, **wrappers, **INLINED, **options)(function)
-    template_of = made.get_call_template
-    made.get_call_template = lambda args, kws: template_of(tuple(map(unliteral, args)), kws)
-    return made
+    inner: Any = njit(pipeline_class=_Compiler, **wrappers, **INLINED, **options)(function)
+    template_of = inner.get_call_template
+    # Constants are passed like any numbers, so that the function is not compiled for each of them.
+    inner.get_call_template = lambda args, kws: template_of(tuple(map(unliteral, args)), kws)
+    return inner
 
 
-def is_inner(one: Any) -> bool:
+def is_inner(value: Any) -> bool:
     """Return whether an object was returned by `inlined`.
 
     Args:
-        one: Any object.
+        value: Any object.
     """
-    return isinstance(one, Dispatcher) and "no_cfunc_wrapper" in one.targetoptions
+    return isinstance(value, Dispatcher) and "no_cfunc_wrapper" in value.targetoptions

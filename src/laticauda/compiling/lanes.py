@@ -38,16 +38,17 @@ def _broadcast(context, builder, fromty, toty, value):
     if isinstance(toty, Duals):
         real, _ = parted(context, builder, fromty, toty, value)
         return joined(context, builder, toty, (real, ir.Constant(real.type, None)))
-    scalar = value if isinstance(toty, Mask) else context.cast(builder, value, fromty, toty.dtype)
-    return _splat(builder, vector(toty), scalar)
+    if not isinstance(toty, Mask):
+        value = context.cast(builder, value, fromty, toty.dtype)
+    return _splat(builder, vector(toty), value)
 
 
 def _splat(builder, vector, scalar):
-    nothing, index = ir.Constant(vector, ir.Undefined), ir.IntType(32)
-    first = builder.insert_element(nothing, scalar, ir.Constant(index, 0))
-    return builder.shuffle_vector(
-        first, nothing, ir.Constant(ir.VectorType(index, vector.count), None)
-    )
+    undefined = ir.Constant(vector, ir.Undefined)
+    index = ir.IntType(32)
+    first = builder.insert_element(undefined, scalar, ir.Constant(index, 0))
+    all_first = ir.Constant(ir.VectorType(index, vector.count), None)
+    return builder.shuffle_vector(first, undefined, all_first)
 
 
 def _lanes_among(args):
@@ -73,7 +74,9 @@ def _define(function, emit, result=lambda kind: kind, arity=2, dual=None):
 
     @type_callable(function)
     def typing(context):
-        return (lambda a: typed(a)) if arity == 1 else (lambda a, b: typed(a, b))
+        if arity == 1:
+            return lambda a: typed(a)
+        return lambda a, b: typed(a, b)
 
     def lower(context, builder, sig, args):
         kind = _lanes_among(sig.args)
@@ -83,21 +86,17 @@ def _define(function, emit, result=lambda kind: kind, arity=2, dual=None):
             ]
             if dual is None:
                 return emit(builder, kind.part, *(real for real, _ in parts))
-            return joined(
-                context,
-                builder,
-                kind,
-                dual(builder, functools.partial(emit, builder, kind.part), *parts),
-            )
+            emit_part = functools.partial(emit, builder, kind.part)
+            return joined(context, builder, kind, dual(builder, emit_part, *parts))
         vectors = [context.cast(builder, v, t, kind) for v, t in zip(args, sig.args, strict=True)]
         return emit(builder, kind, *vectors)
 
-    for arguments in (
-        ((Lanes,),)
-        if arity == 1
-        else ((Lanes, Lanes), (Lanes, types.Number), (types.Number, Lanes))
-    ):
-        lower_builtin(function, *arguments)(lower)
+    if arity == 1:
+        lower_builtin(function, Lanes)(lower)
+        return
+    lower_builtin(function, Lanes, Lanes)(lower)
+    lower_builtin(function, Lanes, types.Number)(lower)
+    lower_builtin(function, types.Number, Lanes)(lower)
 
 
 def _elementwise(name):
@@ -118,7 +117,9 @@ def _elementwise(name):
 
 def _truth(kind):
     """Return the result type of a comparison of lanes."""
-    return Mask(kind.width) if kind.width > 1 else types.boolean
+    if kind.width > 1:
+        return Mask(kind.width)
+    return types.boolean
 
 
 def _binary(name):
@@ -203,13 +204,15 @@ def where(typingctx, condition, a, b):
         kind = Lanes(kind, condition.width)
 
     def codegen(context, builder, sig, args):
-        one, other = (
-            context.cast(builder, v, t, kind) for v, t in zip(args[1:], sig.args[1:], strict=True)
-        )
+        value_a = context.cast(builder, args[1], sig.args[1], kind)
+        value_b = context.cast(builder, args[2], sig.args[2], kind)
         if not isinstance(kind, types.Complex | Duals):
-            return builder.select(args[0], one, other)
-        both = zip(*(parted(context, builder, kind, kind, v) for v in (one, other)), strict=True)
-        return joined(context, builder, kind, [builder.select(args[0], *parts) for parts in both])
+            return builder.select(args[0], value_a, value_b)
+        real_a, imag_a = parted(context, builder, kind, kind, value_a)
+        real_b, imag_b = parted(context, builder, kind, kind, value_b)
+        real = builder.select(args[0], real_a, real_b)
+        imag = builder.select(args[0], imag_a, imag_b)
+        return joined(context, builder, kind, [real, imag])
 
     return kind(condition, a, b), codegen
 
@@ -221,12 +224,8 @@ def magnitude(typingctx, x):
     def codegen(context, builder, sig, args):
         if not isinstance(x, types.Complex | Duals):
             return _elementwise("fabs")(builder, x, args[0])
-        return joined(
-            context,
-            builder,
-            x,
-            duals.magnitude(builder, None, parted(context, builder, x, x, args[0])),
-        )
+        parts = parted(context, builder, x, x, args[0])
+        return joined(context, builder, x, duals.magnitude(builder, None, parts))
 
     return x(x), codegen
 
@@ -262,51 +261,68 @@ def table_row(typingctx, address, index, further):
     row = ir.VectorType(ir.DoubleType(), 4)
 
     def codegen(context, builder, sig, args):
-        start, count = (
-            context.cast(builder, v, t, kind) for v, t in zip(args[:2], sig.args[:2], strict=True)
-        )
-        beyond = context.cast(builder, args[2], sig.args[2], types.int64)
-        size, word = (
-            context.cast(builder, ir.Constant(ir.DoubleType(), 32.0), types.float64, kind),
-            ir.IntType(64),
-        )
-        place = builder.fadd(start, builder.fmul(count, size))
-        place = builder.fptosi(
-            place, ir.VectorType(word, kind.width) if isinstance(kind, Lanes) else word
-        )
+        start = context.cast(builder, args[0], sig.args[0], kind)
+        count = context.cast(builder, args[1], sig.args[1], kind)
+        offset = context.cast(builder, args[2], sig.args[2], types.int64)
+        row_bytes = ir.Constant(ir.DoubleType(), 32.0)
+        size = context.cast(builder, row_bytes, types.float64, kind)
+        address_number = builder.fadd(start, builder.fmul(count, size))
+        address = builder.fptosi(address_number, _word_type(kind))
         rows = []
-        for lane in range(
-            getattr(kind, "width", 1)
-        ):  # gather instructions are slower than loads of rows
-            at = builder.inttoptr(
-                _picked_lane(context, builder, kind, place, lane), row.as_pointer()
-            )
-            rows.append(builder.load(builder.gep(at, [beyond]), align=8))
-            rows[-1].set_metadata("invariant.load", builder.module.add_metadata([]))
-        if not isinstance(kind, Lanes):
-            found = [
+        # Gather instructions are slower than loads of rows.
+        for lane in range(getattr(kind, "width", 1)):
+            lane_address = _picked_lane(context, builder, kind, address, lane)
+            pointer = builder.inttoptr(lane_address, row.as_pointer())
+            loaded = builder.load(builder.gep(pointer, [offset]), align=8)
+            loaded.set_metadata("invariant.load", builder.module.add_metadata([]))
+            rows.append(loaded)
+        if isinstance(kind, Lanes):
+            numbers = _columns(builder, rows)
+        else:
+            numbers = [
                 builder.extract_element(rows[0], ir.Constant(ir.IntType(32), k)) for k in range(4)
             ]
-        else:
-            found = _columns(builder, rows)
-        return context.make_tuple(builder, sig.return_type, found)
+        return context.make_tuple(builder, sig.return_type, numbers)
 
     return types.UniTuple(kind, 4)(address, index, further), codegen
+
+
+def _word_type(kind):
+    """Return the LLVM type of the integers in lanes, or of one integer."""
+    word = ir.IntType(64)
+    if isinstance(kind, Lanes):
+        return ir.VectorType(word, kind.width)
+    return word
+
+
+EVEN = (0, 8, 2, 10, 4, 12, 6, 14)
+"""Order that takes the numbers at even places of two vectors, in turns."""
+ODD = (1, 9, 3, 11, 5, 13, 7, 15)
+"""Order that takes those at odd places."""
+FIRST_PAIRS = (0, 1, 8, 9, 4, 5, 12, 13)
+"""Order that takes the first pairs of each four numbers of two vectors."""
+SECOND_PAIRS = (2, 3, 10, 11, 6, 7, 14, 15)
+"""Order that takes the second pairs."""
 
 
 def _columns(builder, rows):
     """Transpose rows of four numbers, one for each of eight lanes, to four vectors of lanes."""
 
-    def picked(a, b, *order):
-        return builder.shuffle_vector(
-            a, b, ir.Constant(ir.VectorType(ir.IntType(32), len(order)), order)
-        )
+    def shuffle(a, b, order):
+        indices = ir.Constant(ir.VectorType(ir.IntType(32), len(order)), order)
+        return builder.shuffle_vector(a, b, indices)
 
-    a, b, c, d = (picked(rows[i], rows[i + 4], *range(8)) for i in range(4))
-    even, odd = (0, 8, 2, 10, 4, 12, 6, 14), (1, 9, 3, 11, 5, 13, 7, 15)
-    first, second = (0, 1, 8, 9, 4, 5, 12, 13), (2, 3, 10, 11, 6, 7, 14, 15)
-    pairs = [(picked(a, b, *half), picked(c, d, *half)) for half in (even, odd)]
-    return [picked(*pair, *half) for half in (first, second) for pair in pairs]
+    a, b, c, d = (shuffle(rows[i], rows[i + 4], tuple(range(8))) for i in range(4))
+    even_ab = shuffle(a, b, EVEN)
+    even_cd = shuffle(c, d, EVEN)
+    odd_ab = shuffle(a, b, ODD)
+    odd_cd = shuffle(c, d, ODD)
+    return [
+        shuffle(even_ab, even_cd, FIRST_PAIRS),
+        shuffle(odd_ab, odd_cd, FIRST_PAIRS),
+        shuffle(even_ab, even_cd, SECOND_PAIRS),
+        shuffle(odd_ab, odd_cd, SECOND_PAIRS),
+    ]
 
 
 @intrinsic
@@ -315,14 +331,13 @@ def bit(typingctx, shifted, position):
 
     def codegen(context, builder, sig, args):
         bits = _bits(context, builder, shifted, args[0])
-        one = ir.Constant(ir.IntType(64), 1)
+        unit = ir.Constant(ir.IntType(64), 1)
         place = context.cast(builder, args[1], sig.args[1], types.int64)
-        mask = _same(builder, shifted, builder.shl(one, place))
+        mask = _same(builder, shifted, builder.shl(unit, place))
         return builder.icmp_unsigned("!=", builder.and_(bits, mask), ir.Constant(bits.type, None))
 
-    return (Mask(shifted.width) if isinstance(shifted, Lanes) else types.boolean)(
-        shifted, position
-    ), codegen
+    result = Mask(shifted.width) if isinstance(shifted, Lanes) else types.boolean
+    return result(shifted, position), codegen
 
 
 @intrinsic
@@ -338,19 +353,14 @@ def power_of_two(typingctx, shifted):
 
 
 def _bits(context, builder, kind, value):
-    word = ir.IntType(64)
-    return builder.bitcast(
-        value, ir.VectorType(word, kind.width) if isinstance(kind, Lanes) else word
-    )
+    return builder.bitcast(value, _word_type(kind))
 
 
 def _same(builder, kind, scalar):
     """Return a scalar for a single lane, or a vector with the scalar in all lanes."""
-    return (
-        _splat(builder, ir.VectorType(scalar.type, kind.width), scalar)
-        if isinstance(kind, Lanes)
-        else scalar
-    )
+    if isinstance(kind, Lanes):
+        return _splat(builder, ir.VectorType(scalar.type, kind.width), scalar)
+    return scalar
 
 
 # ---- functions that cannot take lanes ------------------------------------------------------------
@@ -374,12 +384,11 @@ def each_lane(typingctx, function, arguments):
                 _picked_lane(context, builder, a, v, lane)
                 for v, a in zip(values, arguments, strict=True)
             ]
-            if len(inner.args) < len(
-                lane_values
-            ):  # arguments of a function of *numbers are one tuple
+            # Arguments of a function of *numbers are one tuple.
+            if len(inner.args) < len(lane_values):
                 lane_values = [context.make_tuple(builder, inner.args[0], lane_values)]
-            got = cgutils.unpack_tuple(builder, call(builder, lane_values))
-            for j, (value, result) in enumerate(zip(got, results, strict=True)):
+            lane_results = cgutils.unpack_tuple(builder, call(builder, lane_values))
+            for j, (value, result) in enumerate(zip(lane_results, results, strict=True)):
                 scalar = context.cast(builder, value, result, _alone(kind))
                 columns[j] = _with_lane(context, builder, kind, columns[j], scalar, lane)
         return context.make_tuple(builder, out, columns)
@@ -391,28 +400,30 @@ def _alone(kind):
     """Return the type of a single lane."""
     if isinstance(kind, Duals):
         return Duals(kind.dtype, 1)
-    return kind.dtype if isinstance(kind, Lanes) else kind
+    if isinstance(kind, Lanes):
+        return kind.dtype
+    return kind
 
 
 def _picked_lane(context, builder, kind, value, lane):
-    at = ir.Constant(ir.IntType(32), lane)
+    index = ir.Constant(ir.IntType(32), lane)
     if isinstance(kind, Duals):
         parts = parted(context, builder, kind, kind, value)
-        return joined(
-            context, builder, _alone(kind), [builder.extract_element(part, at) for part in parts]
-        )
-    return builder.extract_element(value, at) if isinstance(kind, Lanes) else value
+        numbers = [builder.extract_element(part, index) for part in parts]
+        return joined(context, builder, _alone(kind), numbers)
+    if isinstance(kind, Lanes):
+        return builder.extract_element(value, index)
+    return value
 
 
 def _with_lane(context, builder, kind, value, scalar, lane):
-    at = ir.Constant(ir.IntType(32), lane)
+    index = ir.Constant(ir.IntType(32), lane)
     if not isinstance(kind, Duals):
-        return builder.insert_element(value, scalar, at)
-    parts = parted(context, builder, kind, kind, value)
-    new = parted(context, builder, _alone(kind), _alone(kind), scalar)
-    return joined(
-        context,
-        builder,
-        kind,
-        [builder.insert_element(*p, at) for p in zip(parts, new, strict=True)],
-    )
+        return builder.insert_element(value, scalar, index)
+    real, imag = parted(context, builder, kind, kind, value)
+    new_real, new_imag = parted(context, builder, _alone(kind), _alone(kind), scalar)
+    parts = [
+        builder.insert_element(real, new_real, index),
+        builder.insert_element(imag, new_imag, index),
+    ]
+    return joined(context, builder, kind, parts)

@@ -28,13 +28,15 @@ class ReadyCache(FunctionCache):
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return the code for a signature, None if there is none; see Numba."""
-        path, found = path_of(self._py_func), cast(Any, super()).load_overload(sig, target_context)
-        if found is None and path.is_file() and is_of_family():
-            signature, code = pickle.loads(path.read_bytes())
-            if signature == str(sig):
-                target_context.refresh()
-                found = cast(Any, self)._impl.rebuild(target_context, code)
-        return found
+        cached = cast(Any, super()).load_overload(sig, target_context)
+        path = path_of(self._py_func)
+        if cached is not None or not path.is_file() or not is_of_family():
+            return cached
+        signature, code = pickle.loads(path.read_bytes())
+        if signature != str(sig):
+            return None
+        target_context.refresh()
+        return cast(Any, self)._impl.rebuild(target_context, code)
 
 
 def path_of(function: Any, folder: Path | None = None) -> Path:
@@ -53,8 +55,8 @@ def is_of_family() -> bool:
     """Return whether this machine's processor is of the family, and no code for another processor was requested."""
     if platform.machine() not in ("x86_64", "AMD64") or "NUMBA_CPU_NAME" in os.environ:
         return False
-    there: Any = binding.get_host_cpu_features()
-    return all(there.get(feature, False) for feature in FEATURES)
+    features: Any = binding.get_host_cpu_features()
+    return all(features.get(feature, False) for feature in FEATURES)
 
 
 def is_ready(function: Any) -> bool:

@@ -29,9 +29,13 @@ from laticauda.values.formulas import Formula
 
 PACKAGE = Path(__file__).parent.parent
 _loading: dict[str, Mapping[str, Any]] = {}
+"""Specializations of the templates that are being loaded, by the names of their modules."""
 _loaded: dict[tuple[str, str, Target], ModuleType] = {}
+"""Loaded templates, by name, digest and target."""
 _specialized: dict[tuple[str, str, Target], ModuleType] = {}
-_inner: dict[tuple[Any, ...], tuple[Any, list[Any]]] = {}
+"""Last templates of packages, by package, digests and target."""
+_inner_functions: dict[tuple[Any, ...], tuple[Any, list[Any]]] = {}
+"""Inner functions with what they refer to, by what makes two of them identical."""
 _one_at_a_time = threading.Lock()
 
 
@@ -46,14 +50,15 @@ def closure(*modules: str, package: Path = PACKAGE) -> tuple[Path, ...]:
         modules: Full module names, such as ``laticauda.models.planar.stepping``; may be kernel templates.
         package: Folder of the package.
     """
-    found: set[Path] = set()
-    left = [_file(package, name.split(".")[1:]) for name in modules]
-    while left:
-        path = left.pop()
-        if path is not None and path not in found:
-            found.add(path)
-            left += [_file(package, way) for way in _ways(package, path.read_bytes())]
-    return tuple(sorted(found))
+    files: set[Path] = set()
+    pending = [_file(package, name.split(".")[1:]) for name in modules]
+    while pending:
+        path = pending.pop()
+        if path is not None and path not in files:
+            files.add(path)
+            for imported in _imported_modules(package, path.read_bytes()):
+                pending.append(_file(package, imported))
+    return tuple(sorted(files))
 
 
 def digest_of(*modules: str, package: Path = PACKAGE) -> str:
@@ -90,57 +95,70 @@ def is_kept(compiled: Any) -> bool:
     Args:
         compiled: Function as returned by Numba's decorator.
     """
-    kept = Path(compiled.stats.cache_path).glob(f"*{compiled.py_func.__qualname__}-*.nbi")
-    return bool(compiled.signatures) or any(kept) or ready.is_ready(compiled.py_func)
+    if compiled.signatures:
+        return True
+    cached = Path(compiled.stats.cache_path).glob(f"*{compiled.py_func.__qualname__}-*.nbi")
+    return any(cached) or ready.is_ready(compiled.py_func)
 
 
-def _file(package: Path, way: list[str]) -> Path | None:
+def _file(package: Path, names: list[str]) -> Path | None:
     """Return the file of a module in the package; None if there is none of that name."""
-    inside = package.joinpath(*way)
-    choices = (inside.with_suffix(".py"), inside / "__init__.py") if way else ()
-    return next((path for path in choices if path.is_file()), None)
+    if not names:
+        return None
+    inside = package.joinpath(*names)
+    for path in (inside.with_suffix(".py"), inside / "__init__.py"):
+        if path.is_file():
+            return path
+    return None
 
 
 @functools.cache
-def _ways(package: Path, text: bytes) -> list[list[str]]:
-    return list(_imported(package, ast.parse(text)))
+def _imported_modules(package: Path, text: bytes) -> list[list[str]]:
+    return list(_find_imports(package, ast.parse(text)))
 
 
-def _imported(package: Path, tree: ast.AST) -> Iterator[list[str]]:
+def _find_imports(package: Path, tree: ast.AST) -> Iterator[list[str]]:
     """Yield the modules of the package that a syntax tree imports, without the package's name."""
     for node in ast.iter_child_nodes(tree):
-        if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING"):
+        if _is_for_type_checkers(node):
             continue
-        yield from _imported(package, node)
+        yield from _find_imports(package, node)
+        modules: list[list[str]] = []
         if isinstance(node, ast.Import):
-            ways = [alias.name.split(".") for alias in node.names]
+            modules = [alias.name.split(".") for alias in node.names]
         elif isinstance(node, ast.ImportFrom) and node.module:
-            way = node.module.split(".")
-            ways = [_home(package, way, alias.name) for alias in node.names]
-        else:
-            continue
-        yield from (way[1:] for way in ways if way[0] == package.name)
+            origin = node.module.split(".")
+            modules = [_home(package, origin, alias.name) for alias in node.names]
+        for module in modules:
+            if module[0] == package.name:
+                yield module[1:]
 
 
-def _home(package: Path, way: list[str], name: str) -> list[str]:
+def _is_for_type_checkers(node: ast.AST) -> bool:
+    return isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING")
+
+
+def _home(package: Path, module: list[str], name: str) -> list[str]:
     """Return the module from which a name comes: it may be a module itself, or be handed on by a package."""
-    if _file(package, [*way[1:], name]):
-        return [*way, name]
-    face = package.joinpath(*way[1:], "__init__.py")
-    if way[0] == package.name and face.is_file():
-        return _handed_on(face.read_bytes()).get(name, way)
-    return way
+    if _file(package, [*module[1:], name]):
+        return [*module, name]
+    face = package.joinpath(*module[1:], "__init__.py")
+    if module[0] == package.name and face.is_file():
+        return _homes_of_names(face.read_bytes()).get(name, module)
+    return module
 
 
 @functools.cache
-def _handed_on(face: bytes) -> dict[str, list[str]]:
+def _homes_of_names(face: bytes) -> dict[str, list[str]]:
     """Return the modules of the names that a package imports when they are first used, see `values.packaging`."""
     homes: dict[str, list[str]] = {}
     for node in ast.parse(face).body:
-        if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING"):
-            for one in node.body:
-                if isinstance(one, ast.ImportFrom) and one.module:
-                    homes |= {alias.name: one.module.split(".") for alias in one.names}
+        if not isinstance(node, ast.If) or not _is_for_type_checkers(node):
+            continue
+        for statement in node.body:
+            if isinstance(statement, ast.ImportFrom) and statement.module:
+                for alias in statement.names:
+                    homes[alias.name] = statement.module.split(".")
     return homes
 
 
@@ -159,66 +177,85 @@ def specialized(
         names: Values of the names: a number, a law's formula, or None.
         target: What to compile for; None: this machine's processor.
     """
-    target, digests = target or PROCESSOR, {name: _made_of(one) for name, one in names.items()}
-    if (known := _specialized.get((package, str(digests), target))) is not None:
-        return known
-    folder, found = PACKAGE.joinpath(*package.split(".")[1:]), dict[str, Any](names)
-    template = ""
+    target = target or PROCESSOR
+    digests = {name: _digest_part(value) for name, value in names.items()}
+    key_of_package = (package, str(digests), target)
+    if key_of_package in _specialized:
+        return _specialized[key_of_package]
+    folder = PACKAGE.joinpath(*package.split(".")[1:])
+    template_bindings: dict[str, Any] = dict(names)
     with _one_at_a_time, compiling_for(target):
         sources = sources_digest(*(f"{package}.{template}" for template in made_for))
-        other = "" if target is PROCESSOR else id(target)
-        for template, own in made_for.items():
-            made_of = f"{package} {[digests[name] for name in own]} {sources} {other}"
-            key = hashlib.sha256(made_of.encode()).hexdigest()[:16]
+        target_part = "" if target is PROCESSOR else id(target)
+        for template, template_names in made_for.items():
+            values = [digests[name] for name in template_names]
+            text = f"{package} {values} {sources} {target_part}"
+            key = hashlib.sha256(text.encode()).hexdigest()[:16]
             if (template, key, target) not in _loaded:
-                module = load(folder / f"{template}.py", key, found)
-                for name in target.instead.keys() & vars(module).keys():
-                    setattr(module, name, target.instead[name])
-                vars(module).update({name: _first_of(one) for name, one in vars(module).items()})
+                module = load(folder / f"{template}.py", key, template_bindings)
+                _finish(module, target)
                 _loaded[template, key, target] = module
-            found[template] = _loaded[template, key, target]
-    return _specialized.setdefault((package, str(digests), target), found[template])
+            template_bindings[template] = _loaded[template, key, target]
+        last_template = template_bindings[list(made_for)[-1]]
+    return _specialized.setdefault(key_of_package, last_template)
 
 
-def _made_of(one: object) -> object:
+def _finish(module: ModuleType, target: Target) -> None:
+    """Put the target's replacements into a loaded template, and the first of identical inner functions."""
+    for name in target.replacements.keys() & vars(module).keys():
+        setattr(module, name, target.replacements[name])
+    for name, value in list(vars(module).items()):
+        setattr(module, name, _first_of(value))
+
+
+def _digest_part(value: object) -> object:
     """Return what represents a name's value in a digest."""
-    if isinstance(one, tuple):
-        return [_made_of(part) for part in cast("tuple[object, ...]", one)]
-    return formulas.digest_of(one) if isinstance(one, Formula) else one
+    if isinstance(value, tuple):
+        return [_digest_part(part) for part in cast("tuple[object, ...]", value)]
+    if isinstance(value, Formula):
+        return formulas.digest_of(value)
+    return value
 
 
-def _first_of(one: Any) -> Any:
+def _first_of(value: Any) -> Any:
     """Return the first inner function identical to this one, that is, not affected by how specializations differ.
 
     A kernel for another flow therefore compiles only what calls the flow, and reuses the rest.
     """
-    return _first_inner(one) if is_inner(one) else one
+    if is_inner(value):
+        return _first_inner(value)
+    return value
 
 
 @functools.cache
 def _first_inner(inner: Any) -> Any:
-    function, refers = inner.py_func, [*(inner.py_func.__defaults__ or ())]
+    function = inner.py_func
+    code = function.__code__
+    references: list[Any] = [*(function.__defaults__ or ())]
     for cell in function.__closure__ or ():
         cell.cell_contents = _first_of(cell.cell_contents)
-        refers.append(cell.cell_contents)
-    for name in filter(function.__globals__.__contains__, globals_of(function.__code__)):
-        found = function.__globals__[name] = _first_of(function.__globals__[name])
-        is_template = (
-            isinstance(found, ModuleType) and found in _loaded.values()
-        )  # only the names it uses count
-        refers += [
-            name,
-            *(getattr(found, way, None) for way in function.__code__.co_names if is_template),
-        ]
-        refers += [] if is_template else [found]
-    key = function.__code__, *inner.targetoptions, *map(_identity, refers)
-    return _inner.setdefault(key, (inner, refers))[
-        0
-    ]  # keeps its references alive, and with them the identities
+        references.append(cell.cell_contents)
+    for name in globals_of(code):
+        if name not in function.__globals__:
+            continue
+        value = _first_of(function.__globals__[name])
+        function.__globals__[name] = value
+        references.append(name)
+        if isinstance(value, ModuleType) and value in _loaded.values():
+            # Of a template, only the names that the function uses count.
+            references += [getattr(value, attribute, None) for attribute in code.co_names]
+        else:
+            references.append(value)
+    key = (code, *inner.targetoptions, *map(_identity, references))
+    # The table keeps the references alive, and with them their identities.
+    first, _ = _inner_functions.setdefault(key, (inner, references))
+    return first
 
 
-def _identity(one: Any) -> object:
-    return repr(one) if type(one) in (bool, int, float, str, tuple) else id(one)
+def _identity(value: Any) -> object:
+    if type(value) in (bool, int, float, str, tuple):
+        return repr(value)
+    return id(value)
 
 
 def load(file: Path, key: str, names: Mapping[str, Any]) -> ModuleType:

@@ -156,7 +156,7 @@ def _target() -> Target:
             **{scalars.where: where, scalars.magnitude: magnitude, scalars.first_lane: itself},
             scalars.tanh: device(lambda x: math.tanh(x)),
         },
-        instead={
+        replacements={
             **dict.fromkeys(("rows_of", "any_lane", "first_lane"), itself),
             "where": where,
             "magnitude": magnitude,

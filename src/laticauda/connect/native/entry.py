@@ -169,7 +169,7 @@ def native_target() -> Target:
         formulas={
             one: how for one, how in PROCESSOR.formulas.items() if one is not scalars.table_row
         },
-        instead={"free_joints": free_joints},
+        replacements={"free_joints": free_joints},
     )
 
 
