@@ -51,16 +51,12 @@ from laticauda.motion.gaits import envelope_of
 from laticauda.tank import protocol
 from laticauda.tank.lab import Fault, LabSettings, NodeSettings, Tank, VirtualRobot
 from laticauda.tank.operate import Event
-from laticauda.tank.operate.course.operator import Operator
-from laticauda.tank.operate.course.state import OperatorState, Outputs
 from laticauda.tank.operate.drivers import Frame
-from laticauda.tank.operate.loop import TankBus, TankCameras, TankDevices, run_loop
-from laticauda.tank.operate.recording.log import (
-    OperationLog,
-    OperationRecorder,
-    Sink,
-    read_operation,
-)
+from laticauda.tank.operate.loop import run_loop
+from laticauda.tank.operate.procedure.operator import Operator
+from laticauda.tank.operate.procedure.state import OperatorState, Outputs
+from laticauda.tank.operate.recording.log import OperationLog, read_operation
+from laticauda.tank.operate.recording.recorder import OperationRecorder, Sink
 from laticauda.tank.operate.safety.supervisor import BY_EVENT
 from laticauda.tank.operate.session import header_of, result_of
 from laticauda.tank.operate.settings import (
@@ -70,6 +66,7 @@ from laticauda.tank.operate.settings import (
     Limits,
     Operation,
 )
+from laticauda.tank.operate.tank_devices import TankBus, TankCameras, TankDevices
 from laticauda.tank.operate.verdict import verdict_of
 from laticauda.values.errors import LaticaudaError
 
@@ -335,18 +332,18 @@ class Disk(Sink):
         super().__init__(recorder, frames=frames)
         self.world, self.given, self.waiting = world, 0, list[tuple[float, float, Any]]()
 
-    def keep(self, now: float, found: Any) -> None:
-        self.given += 0 if self.trouble else sum(not isinstance(one, Frame) for one in found)
+    def keep(self, now: float, entries: Any) -> None:
+        self.given += 0 if self.trouble else sum(not isinstance(one, Frame) for one in entries)
         slow = self.world.on("disk_slow", now)
-        self.waiting.append((now + (slow.size * 10.0 if slow else 0.0), now, found))
+        self.waiting.append((now + (slow.size * 10.0 if slow else 0.0), now, entries))
         while self.waiting and self.waiting[0][0] <= now:
             self._put()
 
     def _put(self) -> None:
-        _, now, found = self.waiting.pop(0)
+        _, now, entries = self.waiting.pop(0)
         if self.world.on("disk_full", now) and not self.trouble:
             self.trouble = "no space left on device"
-        super().keep(now, found)
+        super().keep(now, entries)
 
     def flush(self) -> None:
         """The rest."""

@@ -29,9 +29,10 @@ from laticauda.control.estimation import Learned, Learner, Learning, Sample
 from laticauda.control.estimation.learning import CRAB
 from laticauda.tank.lab import Fault, LabSettings, Tank, VirtualRobot
 from laticauda.tank.lab.faults import ON_NODES
-from laticauda.tank.operate.course.operator import Operator
-from laticauda.tank.operate.loop import TankDevices, run_loop
+from laticauda.tank.operate.loop import run_loop
+from laticauda.tank.operate.procedure.operator import Operator
 from laticauda.tank.operate.settings import Calibration, CaptureVolume, Connection, Operation
+from laticauda.tank.operate.tank_devices import TankDevices
 
 FAULTS = {"lost fin": "lost_fin", "jammed joint": "stuck_servo", "weak joint, half": "weak_servo"}
 FAULTS["moving water, 3 cm/s"] = "moving_water"

@@ -123,8 +123,8 @@ TARGETS = (
     ),
     Target(
         files=_verdict(
-            *("cameras", "check", "joints", "model_run", "motion", "preparation"),
-            *("recorded_run", "signals", "verdict"),
+            *("cameras", "check", "completeness", "joints", "model_run", "motion"),
+            *("preparation", "recorded_run", "signals", "verdict"),
         ),
         tests=("tests/tank/operate/test_verdict.py",),
         warm=_swim,

@@ -32,9 +32,10 @@ from laticauda.control import Following
 from laticauda.models.spatial.scene import Pipe
 from laticauda.tank.lab import LabSettings, Tank, VirtualRobot
 from laticauda.tank.operate import Decision
-from laticauda.tank.operate.course.operator import Operator
-from laticauda.tank.operate.loop import TankDevices, run_loop
+from laticauda.tank.operate.loop import run_loop
+from laticauda.tank.operate.procedure.operator import Operator
 from laticauda.tank.operate.settings import load_operation
+from laticauda.tank.operate.tank_devices import TankDevices
 
 ROBOT, WATER = lc.load_robot("mamba-modules"), lc.load_water("paper-lateral")
 GAIT = lc.lateral_undulation(

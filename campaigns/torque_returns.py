@@ -48,9 +48,9 @@ import laticauda as lc
 from laticauda.control import Following
 from laticauda.tank.lab import Fault, LabSettings, NodeSettings, Tank, VirtualRobot
 from laticauda.tank.operate import Event, read_operation
-from laticauda.tank.operate.course.operator import Operator
-from laticauda.tank.operate.course.state import Inputs, OperatorState, Outputs
-from laticauda.tank.operate.loop import TankBus, TankDevices, TankTime, run_loop
+from laticauda.tank.operate.loop import run_loop
+from laticauda.tank.operate.procedure.operator import Operator
+from laticauda.tank.operate.procedure.state import Inputs, OperatorState, Outputs
 from laticauda.tank.operate.settings import (
     Calibration,
     CaptureVolume,
@@ -58,6 +58,7 @@ from laticauda.tank.operate.settings import (
     Limits,
     Operation,
 )
+from laticauda.tank.operate.tank_devices import TankBus, TankDevices, TankTime
 from laticauda.tank.protocol import (
     Heartbeat,
     NodeCommand,

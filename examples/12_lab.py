@@ -15,14 +15,15 @@ import matplotlib.pyplot as plt
 import laticauda as lc
 from laticauda.control import Following
 from laticauda.tank.lab import Fault, LabSettings, Tank, VirtualRobot
-from laticauda.tank.operate.course.operator import Operator
-from laticauda.tank.operate.loop import TankDevices, run_loop
+from laticauda.tank.operate.loop import run_loop
+from laticauda.tank.operate.procedure.operator import Operator
 from laticauda.tank.operate.settings import (
     Calibration,
     CaptureVolume,
     Connection,
     Operation,
 )
+from laticauda.tank.operate.tank_devices import TankDevices
 
 operation = Operation(
     name="desk",

@@ -32,10 +32,10 @@ def until(holds: Callable[[], object], patience: float = 20.0) -> None:
 def complaints(monkeypatch, *args, tries: int = 3, **how) -> Sequence[str]:
     """What a driver does not keep to, each time, of the contract on a computer that is busy with other tests."""
     for name, patient in {
-        "LONGEST": 0.5,
-        "LEAST_ANSWERS": 2.0,
-        "LEAST_BEATS": 0.5,
-        "LIMP_WITHIN": 4.0,
+        "LONGEST_CALL": 0.5,
+        "FEWEST_ANSWERS": 2.0,
+        "FEWEST_BEATS": 0.5,
+        "LIMP_TIME": 4.0,
     }.items():
         monkeypatch.setattr(contract, name, patient)
     found: Sequence[str] = ()

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from laticauda.tank.operate.safety.limits import Reports, compare, no_reports, within_limits
+from laticauda.tank.operate.safety.limits import LimitState, Reports, compare_with_limits
+from laticauda.tank.operate.safety.modules import Modules
 from laticauda.tank.operate.safety.supervisor import (
     CONFIRM_TIME,
     HOLD_AFTER,
@@ -37,7 +38,7 @@ def seen(now: float, *, beyond: bool) -> Reports:
         one |= {"current": np.full(1, 9.0), "angle": np.full(1, 3.0)}
     beat = Heartbeat(node=1, state=NodeState.ACTIVE, temperature=30.0, voltage=35.0)
     times = {name: np.full(1, now - 0.1) for name in ("heartbeat_time", "angle_time")}
-    modules = replace(no_reports(1), **one, **times, heartbeat=(beat,))
+    modules = replace(Modules.before_messages(1), **one, **times, heartbeat=(beat,))
     at = {
         "now": now,
         "lateness": 0.01,
@@ -56,8 +57,10 @@ def limits_of() -> dict[str, list[str]]:
         for beyond, later in ((False, 5.0), (True, 1.0)):
             for moved in (1e-9, 100.0):
                 limits = replace(Limits(), **{name: moved})
-                state, _ = compare(limits, within_limits(1), seen(0.0, beyond=beyond))
-                for event in compare(limits, state, seen(later, beyond=beyond))[1]:
+                state, _ = compare_with_limits(
+                    limits, LimitState.initial(1), seen(0.0, beyond=beyond)
+                )
+                for event in compare_with_limits(limits, state, seen(later, beyond=beyond))[1]:
                     if name not in found.setdefault(event, []):
                         found[event].append(name)
     return found

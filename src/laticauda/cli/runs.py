@@ -391,7 +391,9 @@ class Replay(Recording):
         paragraphs = ["\n".join(verdict["lines"])]
         if log.timing is not None:
             facts["timing"] = log.timing.summary()
-            paragraphs.append(f"The operator's loop: {operate.punctuality(facts['timing'])}.")
+            paragraphs.append(
+                f"The operator's loop: {operate.describe_punctuality(facts['timing'])}."
+            )
         if rerun is not None:
             facts["control"] = _facts_of_rerun(rerun)
             paragraphs.append(_describe_rerun(rerun))

@@ -12,7 +12,7 @@ from laticauda.control.estimation import Estimator, JointSample, PoseSample, Ref
 from laticauda.control.estimation.digital_twin import check_plant, start_twin, step_twin
 from laticauda.control.estimation.motion_model import JOINTS
 from laticauda.models.planar.model import PlanarPlant
-from laticauda.tank.operate.recording.entries import content_of
+from laticauda.tank.operate.recording.messages import content_of
 from laticauda.water.fluid.uniform import LinearShear
 
 BODY = lc.build_plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"), joints="servo")

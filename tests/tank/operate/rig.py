@@ -14,8 +14,8 @@ from laticauda.control.estimation import PoseSample
 from laticauda.robot import Robot
 from laticauda.robot.kinematics import Posture, link_angles
 from laticauda.tank.operate import Event, PowerReading
-from laticauda.tank.operate.course.operator import Operator
-from laticauda.tank.operate.course.state import Inputs, OperatorState, Outputs
+from laticauda.tank.operate.procedure.operator import Operator
+from laticauda.tank.operate.procedure.state import Inputs, OperatorState, Outputs
 from laticauda.tank.operate.recording.entries import Measurement
 from laticauda.tank.operate.safety.supervisor import TRANSITIONS
 from laticauda.tank.protocol import (

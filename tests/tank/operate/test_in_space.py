@@ -13,12 +13,14 @@ from laticauda.control.estimation import JointSample, KinematicEstimator, Mount,
 from laticauda.robot.kinematics import from_quaternion, module_poses, turn
 from laticauda.scenarios.interfaces import ORIENTATION, Start
 from laticauda.tank.lab import LabSettings, Tank, VirtualRobot
-from laticauda.tank.operate.course.operator import Operator
-from laticauda.tank.operate.loop import TankDevices, run_loop
-from laticauda.tank.operate.recording.log import OperationRecorder, Sink, read_operation
+from laticauda.tank.operate.loop import run_loop
+from laticauda.tank.operate.procedure.operator import Operator
+from laticauda.tank.operate.recording.log import read_operation
+from laticauda.tank.operate.recording.recorder import OperationRecorder, Sink
 from laticauda.tank.operate.recording.to_trial import trial_of
 from laticauda.tank.operate.session import header_of
 from laticauda.tank.operate.settings import Calibration, CaptureVolume, Operation
+from laticauda.tank.operate.tank_devices import TankDevices
 
 ROBOT = lc.load_robot("mamba-modules")
 WATER = replace(lc.load_water("paper-lateral"), density=ROBOT.mass / ROBOT.volume)

@@ -2,8 +2,8 @@
 
 import pytest
 
-from laticauda.tank.operate.course.state import Outputs
 from laticauda.tank.operate.loop import SWITCHES_ON_WITHIN, without_late_enabling
+from laticauda.tank.operate.procedure.state import Outputs
 from laticauda.tank.operate.recording.entries import Event
 from laticauda.tank.operate.safety.supervisor import HOLD_AFTER, LIMP_FROM
 from laticauda.tank.protocol import NodeCommand, Order, Sync

@@ -21,11 +21,12 @@ from laticauda.control.estimation import Learned, Learning
 from laticauda.robot import Current
 from laticauda.tank.lab import Fault, Lab, LabSettings, NodeSettings, Tank, VirtualRobot
 from laticauda.tank.operate import Event, rerun_learner
-from laticauda.tank.operate.course.operator import Operator
-from laticauda.tank.operate.course.state import OperatorState
 from laticauda.tank.operate.drivers import Clock, DeviceFailed
-from laticauda.tank.operate.loop import TankDevices, TankTime, run_loop
-from laticauda.tank.operate.recording.log import OperationRecorder, Sink, read_operation
+from laticauda.tank.operate.loop import run_loop
+from laticauda.tank.operate.procedure.operator import Operator
+from laticauda.tank.operate.procedure.state import OperatorState
+from laticauda.tank.operate.recording.log import read_operation
+from laticauda.tank.operate.recording.recorder import OperationRecorder, Sink
 from laticauda.tank.operate.recording.to_trial import trial_of
 from laticauda.tank.operate.series import run_series
 from laticauda.tank.operate.session import format_summary, header_of, operate, result_of
@@ -38,6 +39,7 @@ from laticauda.tank.operate.settings import (
     Operation,
     SeriesFile,
 )
+from laticauda.tank.operate.tank_devices import TankDevices, TankTime
 from laticauda.tank.operate.terminal import Keys, print_events
 from laticauda.tank.protocol import NodeState, bus_address
 from laticauda.water.fluid.waves import Sea

@@ -12,7 +12,7 @@ from tank.operate.rig import run_of
 import laticauda as lc
 from laticauda.control import Following
 from laticauda.tank.operate import Event
-from laticauda.tank.operate.course.operator import Operator
+from laticauda.tank.operate.procedure.operator import Operator
 from laticauda.tank.operate.settings import Calibration, Connection, Operation
 from laticauda.tank.operate.terminal import (
     EMERGENCY,

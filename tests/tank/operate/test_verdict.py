@@ -19,11 +19,13 @@ from laticauda.models.planar.model import PlanarPlant
 from laticauda.robot.kinematics import Posture, turn
 from laticauda.scenarios import Experiment
 from laticauda.tank.operate import Event, Header, OperationLog, recorded_verdict_summary, verdict_of
+from laticauda.tank.operate.recording.timing import Tick
 from laticauda.tank.operate.settings import Acceptance
 from laticauda.tank.operate.verdict import Verdict
 from laticauda.tank.operate.verdict.check import Measurement, compare_with_limit
+from laticauda.tank.operate.verdict.completeness import measure_missing_answers
 from laticauda.tank.operate.verdict.model_run import swim_model
-from laticauda.tank.operate.verdict.recorded_run import CycleMotion
+from laticauda.tank.operate.verdict.recorded_run import CycleMotion, RecordedRun
 from laticauda.tank.operate.verdict.signals import range_so_far, swing_of
 from laticauda.tank.operate.verdict.verdict import CHECKS
 
@@ -100,6 +102,7 @@ def log_of(
             ReferenceSample(time=time, angle=truth.joint_angle_ref[k], frequency=GAIT.frequency)
         )
         entries.append(JointSample(time=time, angle=angle[k], rate=truth.joint_rate[k]))
+        entries.append(Tick(due=time, began=time, sent=time))
         place = np.array([*markers[k], 0.0])
         entries.append(
             PoseSample(time=time, position=place, rotation=turn("yaw", links[k, 0] + yaw[k]))
@@ -110,7 +113,7 @@ def log_of(
         Event(time=last, kind="stop", message="", data={"succeeded": True, "clock": 0.5 + clock})
     )
     header = Header(
-        run=Experiment(robot=ROBOT, environment=WATER, gait=GAIT),
+        run=Experiment(robot=ROBOT, environment=WATER, gait=GAIT, notes={"rate": 1.0 / STEP}),
         estimator=KinematicEstimator(robot=ROBOT),
     )
     return OperationLog(
@@ -129,14 +132,14 @@ def test_a_perfect_run_passes_every_check_with_hardly_any_of_its_limits_used(tru
     assert max(one.share for one in verdict.checks) < 0.5
     summary = verdict.summary()
     assert summary["accepted"]
-    assert summary["lines"][0].startswith("ok          joint error not explained by its servo: ")
+    assert summary["lines"][2].startswith("ok          joint error not explained by its servo: ")
 
 
 def test_a_joint_that_stands_still_is_named_after_one_cycle_and_the_run_is_rejected(truth):
     angle = truth.joint_angle.copy()
     angle[len(angle) // 2 :, 3] = angle[len(angle) // 2, 3]
     verdict = verdict_of(log_of(truth, angle=angle), Acceptance(), PLANT)
-    found = verdict.checks[0]
+    found = verdict.checks[2]
     assert (found.name, found.outcome) == ("joint_error", "WRONG")
     assert found.description.endswith("module 4")
     assert CYCLES * 1.5 < found.since <= CYCLES * 1.5 + 6.0
@@ -377,15 +380,118 @@ def test_there_is_a_check_for_every_limit_in_the_same_order():
     assert [check.name for check in CHECKS] == [field.name for field in fields(Acceptance)]
 
 
-def test_the_first_check_that_is_wrong_is_the_reason():
+def test_the_check_that_used_most_of_its_limit_is_the_reason():
     limits, times = Acceptance(), [2.0, 3.0]
-    worst = {"angle_jump": 0.0, "swing_error": 9.0, "joint_error": 9.0}
+    worst = {"angle_jump": 0.0, "joint_error": 0.06, "swing_error": 9.0}
     checks = (
         compared(limits, name, 1.0, times, np.array([0.0, value])) for name, value in worst.items()
     )
     assert Verdict(()).reason == ""
     found = Verdict(tuple(checks), is_cut=True)
-    assert found.reason == f"The run failed a check: {found.checks[1].description}."
+    assert found.reason == f"The run failed a check: {found.checks[2].description}."
+    assert [line[:11] for line in found.summary()["lines"]] == [
+        "WRONG      ",
+        "WRONG      ",
+        "ok         ",
+    ]
+    assert "swing" in found.summary()["lines"][0]
+
+
+def test_a_starved_computer_is_named_before_what_it_makes_look_wrong():
+    limits, times = Acceptance(), [2.0, 3.0]
+
+    def verdict(**worst):
+        return Verdict(
+            tuple(
+                compared(limits, name, 1.0, times, np.array([0.0, value]))
+                for name, value in worst.items()
+            )
+        )
+
+    both = verdict(missing_answers=0.15, time_late=0.3, joint_error=0.2, clock_drift=0.03)
+    assert both.reason == (
+        "The run failed a check: share of a cycle's time by which this computer was late: "
+        "0.3 of 0.1 (300 %), since 2.0 s. This may be why another one failed: "
+        "drift of the cameras' clock against ours: 0.03 of 0.0002 s/s (15000 %), since 2.0 s."
+    )
+    assert verdict(time_late=0.3, missing_answers=0.5).reason == ""
+    fast = verdict(time_late=0.05, model_speed=9.0, joint_error=0.2)
+    assert fast.reason.startswith("The run failed a check: joint error")
+    assert "may be why" not in fast.reason
+
+
+def late_log(truth, lateness, rate=1.0 / STEP) -> OperationLog:
+    """A perfect run whose ticks began late by that much [s]."""
+    log = log_of(truth)
+    run = replace(log.header.run, notes={} if rate is None else {"rate": rate})
+    due = BEFORE + truth.time
+    punctual = without(log, Tick)
+    ticks = [
+        Tick(due=float(moment), began=float(moment + late), sent=float(moment + late))
+        for moment, late in zip(due, lateness, strict=True)
+    ]
+    return replace(log, header=replace(log.header, run=run), entries=(*punctual.entries, *ticks))
+
+
+def test_the_time_by_which_this_computer_was_late_is_noted_by_cycle(truth):
+    lateness = np.full(len(truth.time), 0.9 * STEP)  # not missed
+    found = judged(late_log(truth, lateness))["time_late"]
+    assert (found.outcome, found.value) == ("ok", 0.0)
+    lateness[(truth.time > 6.1) & (truth.time < 7.1)] = 2.0 * STEP  # 50 ticks of the third cycle
+    found = judged(late_log(truth, lateness))["time_late"]
+    assert found.outcome == "noted" and found.since == pytest.approx(9.0)
+    n_late = np.count_nonzero(lateness > STEP)
+    assert found.value == pytest.approx(n_late * 2.0 * STEP / 3.0)
+
+
+def test_without_a_rate_or_a_whole_cycle_nothing_is_known_of_lateness(truth):
+    lateness = np.full(len(truth.time), 2.0 * STEP)
+    assert judged(late_log(truth, lateness, rate=None))["time_late"].outcome == "not checked"
+    short = until_cycle(late_log(truth, lateness), 0.5)
+    assert judged(short)["time_late"].outcome == "not checked"
+    assert judged(short)["missing_answers"].outcome == "not checked"
+
+
+def test_answers_that_did_not_come_are_noted_and_a_lone_module_is_named(truth):
+    angle = truth.joint_angle.copy()
+    is_silent = (truth.time > 6.0) & (truth.time <= 6.6)  # a fifth of the third cycle
+    angle[is_silent, 3] = math.nan
+    found = judged(log_of(truth, angle=angle))["missing_answers"]
+    assert (found.outcome, found.since) == ("noted", pytest.approx(9.0))
+    assert found.value == pytest.approx(0.2, abs=0.01)
+    assert found.description.endswith("module 4")
+    angle[is_silent] = math.nan
+    found = judged(log_of(truth, angle=angle))["missing_answers"]
+    assert found.value == pytest.approx(0.2, abs=0.01)
+    assert "module" not in found.description.partition("(")[2]
+
+
+def test_samples_that_were_not_recorded_are_answers_that_did_not_come(truth):
+    log = log_of(truth)
+    entries = tuple(
+        entry
+        for entry in log.entries
+        if not (isinstance(entry, JointSample) and 8.0 < entry.time - BEFORE < 8.5)
+    )
+    found = judged(replace(log, entries=entries))["missing_answers"]
+    assert (found.outcome, found.since) == ("noted", pytest.approx(9.0))
+    assert found.value == pytest.approx(0.5 / 3.0, abs=0.02)
+    assert judged(without(log, JointSample))["missing_answers"].outcome == "not checked"
+
+
+def test_of_a_robot_with_one_module_that_module_need_not_be_named(truth):
+    angle = truth.joint_angle.copy()
+    angle[truth.time > 20.0] = math.nan
+    log = log_of(truth, angle=angle)
+    entries = [
+        replace(entry, angle=entry.angle[:1], rate=entry.rate[:1])
+        if isinstance(entry, JointSample)
+        else entry
+        for entry in log.entries
+    ]
+    run = RecordedRun.of(replace(log, entries=tuple(entries)), None)
+    found = measure_missing_answers(run)
+    assert found.location == "" and found.values[-1] > 0.9
 
 
 class Diverging(PlanarPlant):
@@ -721,7 +827,7 @@ def test_references_without_a_frequency_have_cycles_of_the_usual_length(truth, m
 def test_the_only_cycle_of_a_short_run_is_compared_with_the_model_too(truth):
     angle = truth.joint_angle.copy()
     angle[:, 3] = 0.0
-    found = verdict_of(until_cycle(log_of(truth, angle=angle), 1.2), Acceptance(), PLANT)
+    found = verdict_of(until_cycle(log_of(truth, angle=angle), 1.2, clock=0.5), Acceptance(), PLANT)
     assert found.reason.startswith(
         "The run failed a check: joint error not explained by its servo: "
     )
@@ -800,6 +906,8 @@ def rough_log(truth) -> OperationLog:
 
 
 ROUGH = {
+    "missing_answers": 14.0 / 150.0,
+    "time_late": 0.0,
     "joint_error": 0.016144689415124744,
     "angle_jump": 0.017843387465226953,
     "marker_jump": 0.018157364156439648,
@@ -823,10 +931,10 @@ def test_the_verdict_on_a_rough_run_stays_as_it_is(truth):
         "speed_change",
         "without_zero",
     ]
-    assert verdict.checks[4].since == pytest.approx(18.0)
-    assert [one.description[-8:] for one in verdict.checks[:2]] == ["module 5", "module 8"]
+    assert verdict.checks[6].since == pytest.approx(18.0)
+    assert [one.description[-8:] for one in verdict.checks[2:4]] == ["module 5", "module 8"]
     bare = verdict_of(rough_log(truth), Acceptance(), None)
-    assert bare.checks[0].value == pytest.approx(0.0028545947679231554, rel=1e-6)
+    assert bare.checks[2].value == pytest.approx(0.0028545947679231554, rel=1e-6)
 
 
 def test_joint_zeros_that_are_set_shortly_before_the_run_are_no_drift_of_the_robot(truth):

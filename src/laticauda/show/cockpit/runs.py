@@ -19,7 +19,7 @@ from laticauda.show.cockpit.live import Live
 from laticauda.show.cockpit.pages import refusing
 from laticauda.show.cockpit.scene import Scene
 from laticauda.tank import operate
-from laticauda.tank.operate.recording.entries import HEADER
+from laticauda.tank.operate.recording.header import HEADER
 from laticauda.trials import Format, Trial, logs
 from laticauda.values import series
 from laticauda.values.errors import LaticaudaError, TrialFileError

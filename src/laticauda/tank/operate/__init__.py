@@ -11,19 +11,21 @@ if TYPE_CHECKING:
     from laticauda.tank.operate.recording.entries import (
         Decision as Decision,
         Event as Event,
-        Header as Header,
         PowerReading as PowerReading,
-        punctuality as punctuality,
     )
+    from laticauda.tank.operate.recording.header import Header as Header
     from laticauda.tank.operate.recording.log import (
         OperationLog as OperationLog,
-        OperationRecorder as OperationRecorder,
-        Rerun as Rerun,
         read_operation as read_operation,
+    )
+    from laticauda.tank.operate.recording.recorder import OperationRecorder as OperationRecorder
+    from laticauda.tank.operate.recording.rerun import (
+        Rerun as Rerun,
         rerun_controller as rerun_controller,
         rerun_estimator as rerun_estimator,
         rerun_learner as rerun_learner,
     )
+    from laticauda.tank.operate.recording.timing import describe_punctuality as describe_punctuality
     from laticauda.tank.operate.recording.to_trial import trial_of as trial_of
     from laticauda.tank.operate.verdict import (
         Verdict as Verdict,
@@ -37,21 +39,23 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.tank.operate.recording.entries": [
             "Decision",
             "Event",
-            "Header",
             "PowerReading",
-            "punctuality",
         ],
-        "laticauda.tank.operate.recording.log": [
-            "OperationLog",
-            "OperationRecorder",
+        "laticauda.tank.operate.recording.header": ["Header"],
+        "laticauda.tank.operate.recording.log": ["OperationLog", "read_operation"],
+        "laticauda.tank.operate.recording.recorder": ["OperationRecorder"],
+        "laticauda.tank.operate.recording.rerun": [
             "Rerun",
-            "read_operation",
             "rerun_controller",
             "rerun_estimator",
             "rerun_learner",
         ],
+        "laticauda.tank.operate.recording.timing": ["describe_punctuality"],
         "laticauda.tank.operate.recording.to_trial": ["trial_of"],
         "laticauda.tank.operate.verdict": ["Verdict", "recorded_verdict_summary", "verdict_of"],
     },
-    renamed={"spoken": "recorded_verdict_summary"},
+    renamed={
+        "punctuality": "describe_punctuality",
+        "spoken": "recorded_verdict_summary",
+    },
 )

@@ -1,4 +1,4 @@
-"""Series of runs: each setting repeated, with mean and scatter, and the rejected runs with the reasons."""
+"""Series of runs: each setting repeated, with mean and scatter, and why runs were rejected."""
 
 import math
 import re
@@ -6,21 +6,41 @@ import statistics
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from laticauda import robot
 from laticauda.tank.operate.recording import log, to_trial
-from laticauda.tank.operate.session import TOLD, Result, kept_runs
+from laticauda.tank.operate.results import FIGURE_TEXTS, Result
+from laticauda.tank.operate.session import kept_runs
 from laticauda.tank.operate.settings import Operation, SeriesFile
+from laticauda.trials import Trial
 from laticauda.values import files
 from laticauda.values.errors import TrialFileError
 
 COLUMNS = ("gait", "config", "alpha_deg", "omega_deg_s", "delta_deg", "v_m_s", "P_avg_W")
-KINDS = {"lateral_undulation": "LU", "eel_like": "EEL"}
-FIGURES: dict[str, tuple[str, int, int] | None] = {
-    name: one or None for name, one in TOLD["series"].items()
+"""Columns of the table of repeats."""
+GAIT_LABELS = {"lateral_undulation": "LU", "eel_like": "EEL"}
+"""What the paper calls the gaits; runs of other gaits are not in the table of repeats."""
+ANGLE_DIGITS = 9
+"""Digits of the angles in that table, so that 30 deg in the trial file are 30."""
+
+
+class FigureColumn(NamedTuple):
+    """Column of a figure in the table of a series."""
+
+    title: str
+    """Title of the column."""
+    width: int
+    """Width in characters."""
+    digits: int
+    """Digits after the decimal point."""
+
+
+FIGURES: dict[str, FigureColumn | None] = {
+    name: FigureColumn(*column) if column else None
+    for name, column in FIGURE_TEXTS["series"].items()
 }
-"""Figures of a setting, with title, width and digits of their column in the table; None: not in the table."""
+"""Figures of a setting, with their columns in the table; None: not in the table."""
 Run = Callable[[Operation, Path], Result]
 Place = Callable[[Operation, int], None]
 Acknowledge = Callable[[Result], bool]
@@ -44,15 +64,21 @@ class Repeats:
         )
 
     def figure(self, name: str) -> tuple[float, float | None] | None:
-        """Return mean and standard deviation of a figure; one run has no deviation, and no runs give None.
+        """Return mean and standard deviation of a figure; None without a run.
+
+        One run has no deviation.
 
         Args:
             name: Name of a figure in `Result.summary`, such as `forward_velocity`.
         """
-        known = [
-            value for result in self.accepted if (value := result.summary().get(name)) is not None
-        ]
-        return mean_and_deviation(known) if known else None
+        values: list[float] = []
+        for result in self.accepted:
+            value = result.summary().get(name)
+            if value is not None:
+                values.append(value)
+        if not values:
+            return None
+        return mean_and_deviation(values)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -69,53 +95,69 @@ class Series:
     @property
     def is_complete(self) -> bool:
         """Whether every setting has all its repeats."""
-        repeats = [len(setting.accepted) for setting in self.settings]
-        return len(repeats) == len(self.file.trials) and all(
-            n >= self.file.repeats for n in repeats
-        )
+        if len(self.settings) != len(self.file.trials):
+            return False
+        return all(len(setting.accepted) >= self.file.repeats for setting in self.settings)
+
+    @property
+    def repeats_file(self) -> Path:
+        """Table of repeats."""
+        return self.folder / "repeats.csv"
 
     def summary(self) -> dict[str, Any]:
         """Return everything by name, ready for JSON."""
         return {
             "name": self.file.name,
             "complete": self.is_complete,
-            "repeats_file": str(self.folder / "repeats.csv"),
-            "settings": [
-                {
-                    "name": setting.operation.name,
-                    "accepted": len(setting.accepted),
-                    "rejected": [r.reason for r in setting.results if not r.accepted],
-                    **{name: setting.figure(name) for name in FIGURES},
-                    "aftermath": [r.aftermath for r in setting.results if r.aftermath],
-                }
-                for setting in self.settings
-            ],
+            "repeats_file": str(self.repeats_file),
+            "settings": [_summarize_setting(setting) for setting in self.settings],
         }
 
     def table(self) -> str:
-        """Return a table of mean and scatter per setting, and the reasons why runs were rejected."""
-        shown = [(name, *column) for name, column in FIGURES.items() if column is not None]
-        lines = [
-            f"{'setting':<34}{'runs':>5}"
-            + "".join(f"{title:>{width}}" for _, title, width, _ in shown)
-        ]
+        """Return a table of mean and scatter by setting, and the reasons of rejected runs."""
+        columns = {name: column for name, column in FIGURES.items() if column is not None}
+        titles = "".join(f"{column.title:>{column.width}}" for column in columns.values())
+        lines = [f"{'setting':<34}{'runs':>5}{titles}"]
         for setting in self.settings:
-            figures = (
-                f"{_shown(setting.figure(name), digits):>{width}}"
-                for name, _, width, digits in shown
-            )
             runs = f"{len(setting.accepted)}/{self.file.repeats}"
-            lines.append(f"{setting.operation.name:<34}{runs:>5}" + "".join(figures))
-        for result in (result for setting in self.settings for result in setting.results):
-            lines += [] if result.accepted else [f"rejected: {result.name}: {result.reason}"]
-            lines += [f"{result.name}: {result.aftermath}"] if result.aftermath else []
-        lines.append(f"for `laticauda reproduce --repeats`: {self.folder / 'repeats.csv'}")
+            line = f"{setting.operation.name:<34}{runs:>5}"
+            for name, column in columns.items():
+                figure = _format_figure(setting.figure(name), column.digits)
+                line += f"{figure:>{column.width}}"
+            lines.append(line)
+        for setting in self.settings:
+            lines += _list_problems(setting)
+        lines.append(f"for `laticauda reproduce --repeats`: {self.repeats_file}")
         return "\n".join(lines)
+
+
+def _summarize_setting(setting: Repeats) -> dict[str, Any]:
+    return {
+        "name": setting.operation.name,
+        "accepted": len(setting.accepted),
+        "rejected": [result.reason for result in setting.results if not result.accepted],
+        **{name: setting.figure(name) for name in FIGURES},
+        "aftermath": [result.aftermath for result in setting.results if result.aftermath],
+    }
+
+
+def _list_problems(setting: Repeats) -> list[str]:
+    """Return why runs were rejected, and what happened after others, one a line."""
+    lines: list[str] = []
+    for result in setting.results:
+        if not result.accepted:
+            lines.append(f"rejected: {result.name}: {result.reason}")
+        if result.aftermath:
+            lines.append(f"{result.name}: {result.aftermath}")
+    return lines
 
 
 def mean_and_deviation(values: Sequence[float]) -> tuple[float, float | None]:
     """Return mean and standard deviation of some values; a single value has no deviation."""
-    return statistics.fmean(values), statistics.stdev(values) if len(values) > 1 else None
+    mean = statistics.fmean(values)
+    if len(values) == 1:
+        return mean, None
+    return mean, statistics.stdev(values)
 
 
 def run_series(
@@ -151,12 +193,10 @@ def run_series(
     """
     settings: list[Repeats] = []
     for operation in series.trials:
-        earlier = {
-            number: _stored(operation, number, folder)
-            for number in _numbers(operation.name, folder)
-        }
-        setting = Repeats(operation=operation, results=tuple(earlier.values()))
-        first = max(earlier, default=0) + 1
+        earlier_numbers = _numbers_in_folder(operation.name, folder)
+        earlier_results = [_read_result(operation, number, folder) for number in earlier_numbers]
+        setting = Repeats(operation=operation, results=tuple(earlier_results))
+        first = max(earlier_numbers, default=0) + 1
         last = first + series.repeats - len(setting.accepted) + series.retries
         for number in range(first, last):
             if len(setting.accepted) >= series.repeats:
@@ -172,62 +212,92 @@ def run_series(
     return Series(file=series, settings=tuple(settings), folder=folder)
 
 
-def _numbers(name: str, folder: Path) -> list[int]:
-    """Return the numbers of the runs of a setting that a folder holds."""
-    found = (re.fullmatch(rf"{re.escape(name)}-([1-9][0-9]*)", run) for run in kept_runs(folder))
-    return sorted(int(match[1]) for match in found if match is not None)
+def _numbers_in_folder(name: str, folder: Path) -> list[int]:
+    """Return the numbers of the runs of a setting that a folder holds, in ascending order."""
+    numbers: list[int] = []
+    for run_name in kept_runs(folder):
+        match = re.fullmatch(rf"{re.escape(name)}-([1-9][0-9]*)", run_name)
+        if match is not None:
+            numbers.append(int(match[1]))
+    return sorted(numbers)
 
 
-def _stored(operation: Operation, number: int, folder: Path) -> Result:
-    """Return the result of a run of an earlier call; of a killed one, as far as its recording goes."""
-    from laticauda.trials.logs import load_trial
-
+def _read_result(operation: Operation, number: int, folder: Path) -> Result:
+    """Return the result of a run of an earlier call; of a killed one, as far as it was recorded."""
     path = folder / f"{operation.name}-{number}.nc"
     try:
-        if path.exists():
-            trial = load_trial(path)
-        else:
-            trial = to_trial.trial_of(log.read_operation(path.with_suffix(".mcap")))
-            trial.save(path)
+        trial = _read_trial(path)
     except TrialFileError as error:
         return Result(name=path.stem, accepted=False, reason=str(error), trial=None)
-    noted = {name: trial.settings.get(name) for name in ("idle_current", "supply_voltage")}
-    electric: dict[str, Any] = {
-        name: float(one) for name, one in noted.items() if isinstance(one, float | int)
-    }
     return Result(
         name=path.stem,
         accepted=trial.succeeded,
         reason="Read from its file." if trial.succeeded else trial.status,
         trial=trial,
-        **electric,
+        idle_current=_number_or_none(trial.settings.get("idle_current")),
+        supply_voltage=_number_or_none(trial.settings.get("supply_voltage")),
     )
 
 
-def _write_repeats(folder: Path, settings: list[Repeats]) -> None:
-    """Write the table that `laticauda reproduce --repeats` reads, with one row per accepted run."""
+def _read_trial(path: Path) -> Trial:
+    """Return a trial from its file, or make it of the recording beside it."""
+    from laticauda.trials.logs import load_trial
+
+    if path.exists():
+        return load_trial(path)
+    trial = to_trial.trial_of(log.read_operation(path.with_suffix(".mcap")))
+    trial.save(path)
+    return trial
+
+
+def _number_or_none(value: object) -> float | None:
+    if isinstance(value, float | int):
+        return float(value)
+    return None
+
+
+def _write_repeats(folder: Path, settings: Sequence[Repeats]) -> None:
+    """Write the table that `laticauda reproduce --repeats` reads: one row per accepted run."""
     rows: list[tuple[object, ...]] = []
     for setting in settings:
-        gait = setting.operation.gait
-        if gait.kind not in KINDS:
-            continue
-        config = (
-            "fin" if robot.load_robot(setting.operation.robot).caudal_fin is not None else "nofin"
-        )
-        angles = [
-            round(math.degrees(value), 9)
-            for value in (gait.amplitude, gait.frequency, gait.phase_shift)
-        ]
-        for result in setting.accepted:
-            summary = result.summary()
-            figures = summary["forward_velocity"], summary.get("electrical_power")
-            rows.append((KINDS[gait.kind], config, *angles, *figures))
+        rows += _rows_of_repeats(setting)
     files.local(folder).mkdir(parents=True, exist_ok=True)
     files.write(folder / "repeats.csv", files.csv_text([COLUMNS, *rows]))
 
 
-def _shown(figure: tuple[float, float | None] | None, digits: int) -> str:
+def _rows_of_repeats(setting: Repeats) -> list[tuple[object, ...]]:
+    """Return the rows of one setting, in the order of `COLUMNS`."""
+    gait = setting.operation.gait
+    if gait.kind not in GAIT_LABELS:
+        return []
+    has_fin = robot.load_robot(setting.operation.robot).caudal_fin is not None
+    config = "fin" if has_fin else "nofin"
+    rows: list[tuple[object, ...]] = []
+    for result in setting.accepted:
+        summary = result.summary()
+        rows.append(
+            (
+                GAIT_LABELS[gait.kind],
+                config,
+                _degrees(gait.amplitude),
+                _degrees(gait.frequency),
+                _degrees(gait.phase_shift),
+                summary["forward_velocity"],
+                summary.get("electrical_power"),
+            )
+        )
+    return rows
+
+
+def _degrees(angle: float) -> float:
+    return round(math.degrees(angle), ANGLE_DIGITS)
+
+
+def _format_figure(figure: tuple[float, float | None] | None, digits: int) -> str:
+    """Return mean and deviation as text."""
     if figure is None:
         return "-"
     mean, deviation = figure
-    return f"{mean:.{digits}f}" + ("" if deviation is None else f" ± {deviation:.{digits}f}")
+    if deviation is None:
+        return f"{mean:.{digits}f}"
+    return f"{mean:.{digits}f} ± {deviation:.{digits}f}"

@@ -1,4 +1,4 @@
-"""Settings of operations (gait or path, start, devices, tank, calibration, limits) and of series; their TOML files.
+"""Settings of operations and of series, and their TOML files.
 
     kind = "trial"
     name = "line-1"
@@ -44,11 +44,16 @@ from laticauda.values import codec, files
 from laticauda.values.errors import BadArgument, LaticaudaError
 from laticauda.values.quantities import option, quantity, value_class
 
-Vector: TypeAlias = NDArray[np.float64]  # two or three components
-LEAST_RATE, MOST_RATE = (
-    10.0,
-    500.0,
-)  # below, references time out in the modules; above, the bus is full [1/s]
+Vector: TypeAlias = NDArray[np.float64]
+"""A position or velocity, with two or three components."""
+SLOWEST_RATE = 10.0
+"""Ticks per second below which references time out in the modules [1/s]."""
+FASTEST_RATE = 500.0
+"""Ticks per second above which the bus is full [1/s]."""
+REST_SPEED = 0.01
+"""Speed up to which a robot moves toward no edge: it may swim away from it [m/s]."""
+REQUIRED_DEVICES = ("bus", "mocap")
+"""Kinds of devices without which there is no operation."""
 
 
 @value_class
@@ -88,7 +93,7 @@ class Connection:
         """Reject unknown drivers, and addresses that are invalid for their driver."""
         for kind in drivers.KINDS:
             name, address = self.of(kind)
-            if address or kind in ("bus", "mocap"):
+            if address or kind in REQUIRED_DEVICES:
                 drivers.driver_named(kind, name, address)
 
     def of(self, kind: str) -> tuple[str, str]:
@@ -106,8 +111,11 @@ class Connection:
             DeviceFailed: If the device cannot be reached; the message says what to check.
             MissingExtra: If a library is not installed.
         """
-        more = {"body": self.mocap_body} if kind == "mocap" else {}
-        return drivers.driver_named(kind, *self.of(kind))(self.of(kind)[1], clock, **more)
+        name, address = self.of(kind)
+        driver_class = drivers.driver_named(kind, name, address)
+        if kind == "mocap":
+            return driver_class(address, clock, body=self.mocap_body)
+        return driver_class(address, clock)
 
     def at(self, **typed: str | None) -> "Connection":
         """Return a copy with other devices, given in the form in which users type them.
@@ -120,10 +128,12 @@ class Connection:
         """
         changes: dict[str, str] = {}
         for kind, text in typed.items():
-            name, _, address = (text or "").rpartition("@")
-            changes |= (
-                {} if text is None else {kind: name or self.of(kind)[0], f"{kind}_address": address}
-            )
+            if text is None:
+                continue
+            name, _, address = text.rpartition("@")
+            if name:
+                changes[kind] = name
+            changes[f"{kind}_address"] = address
         try:
             return replace(self, **changes)
         except BadArgument as error:
@@ -132,7 +142,7 @@ class Connection:
 
 @value_class
 class CaptureVolume:
-    """Part of the tank that the motion capture covers, and where the path lies in it; tank frame."""
+    """Part of the tank that the motion capture covers, and where the path lies; tank frame."""
 
     volume_x: tuple[float, float] = quantity(
         "m", "extent of the measuring volume along the tank", default=(0.0, 12.0)
@@ -157,33 +167,32 @@ class CaptureVolume:
 
     def to_path(self, position: Vector) -> Vector:
         """Transform a position from the tank frame to the path frame [m]."""
-        return np.array(
-            [
-                *seen_from(self.path_origin, self.path_heading, position),
-                *(position[2:] - self.surface),
-            ]
-        )
+        in_plane = seen_from(self.path_origin, self.path_heading, position)
+        height = position[2:] - self.surface
+        return np.array([*in_plane, *height])
 
     def to_tank(self, position: Vector) -> Vector:
         """Transform a position from the path frame to the tank frame [m]."""
         x, y = seen_from((0.0, 0.0), -self.path_heading, position)
-        return np.array(
-            [self.path_origin[0] + x, self.path_origin[1] + y, *(position[2:] + self.surface)]
-        )
+        origin_x, origin_y = self.path_origin
+        height = position[2:] + self.surface
+        return np.array([origin_x + x, origin_y + y, *height])
 
     def room(self, position: Vector, velocity: Vector) -> float:
-        """Return the distance to the edge that the robot moves toward; infinite if it moves toward none [m].
+        """Return the distance to the edge that the robot moves toward [m].
+
+        It is infinite if it moves toward none.
 
         Args:
             position: Position in the tank frame [m].
             velocity: Velocity in the tank frame [m/s].
         """
         room = math.inf
-        for (low, high), at, speed in zip(
-            (self.volume_x, self.volume_y), position[:2], velocity[:2], strict=True
-        ):
-            if abs(speed) > 0.01:  # a robot at rest at the edge may swim away from it
-                room = min(room, high - at if speed > 0.0 else at - low)
+        for axis, (lower_edge, upper_edge) in enumerate((self.volume_x, self.volume_y)):
+            if velocity[axis] > REST_SPEED:
+                room = min(room, upper_edge - position[axis])
+            elif velocity[axis] < -REST_SPEED:
+                room = min(room, position[axis] - lower_edge)
         return float(room)
 
 
@@ -281,12 +290,19 @@ class Limits:
 
 @value_class
 class Acceptance:
-    """Limits for accepting a run that reached its end, one for each check of `laticauda.tank.operate.verdict`.
+    """Limits for accepting a run that reached its end, one for each check of its verdict.
 
     Those of speed, sideslip and turning limit changes in the run relative to the model;
-    `model_speed` is only noted.
+    `missing_answers`, `time_late`, `model_speed` and `without_zero` are only noted. What the first
+    two note may be why others are exceeded.
     """
 
+    missing_answers: float = quantity(
+        "", "share of a cycle's answers of a module that did not come", gt=0.0, default=0.1
+    )
+    time_late: float = quantity(
+        "", "share of a cycle's time by which this computer was late", gt=0.0, default=0.1
+    )
     joint_error: float = quantity(
         "rad", "joint error not explained by its servo", gt=0.0, default=math.radians(3.0)
     )
@@ -342,7 +358,9 @@ class Operation:
     duration: float = quantity(
         "s", "after which the run ends, unless the tank ends first", gt=0.0, default=90.0
     )
-    rate: float = quantity("1/s", "ticks per second", ge=LEAST_RATE, le=MOST_RATE, default=100.0)
+    rate: float = quantity(
+        "1/s", "ticks per second", ge=SLOWEST_RATE, le=FASTEST_RATE, default=100.0
+    )
     countdown: float = quantity("s", "before the run begins", ge=0.0, default=3.0)
     ramp: float = quantity("s", "of the smooth start", ge=0.0, default=3.0)
     offset_bandwidth: float = quantity("rad/s", "of the reference generator", gt=0.0, default=2.0)
@@ -376,17 +394,19 @@ class Operation:
                 "name", f"must be a file name of letters, digits, `-` and `_`, got {self.name!r}"
             )
         if self.supply_voltage is None and self.connection.meter_address:
-            rule = "must be given in V with a power meter, to turn its current into power, got None"
-            raise BadArgument("supply_voltage", rule)
+            raise BadArgument(
+                "supply_voltage",
+                "must be given in V with a power meter, to turn its current into power, got None",
+            )
         if self.learning is not None and self.in_space:
             raise BadArgument("learning", "must be left out in space, where nothing is learned")
 
     @property
     def in_space(self) -> bool:
-        """Whether depth and pitch are measured: for a path in space, or a gait that moves pitch joints."""
-        return self.gait.pitch is not None or (
-            self.following is not None and self.following.path_depth is not None
-        )
+        """Whether depth and pitch are measured: on a path in space, or if pitch joints move."""
+        if self.gait.pitch is not None:
+            return True
+        return self.following is not None and self.following.path_depth is not None
 
     def body(self) -> Robot:
         """Return the robot.
@@ -413,7 +433,7 @@ class Operation:
 
 
 class OperationFileError(LaticaudaError, ValueError):
-    """A trial or series file is invalid; the message gives the file, the key, the rule and the value."""
+    """A trial or series file is invalid; the message gives file, key, rule and value."""
 
 
 @value_class
@@ -472,11 +492,13 @@ def parse_operation(text: str, shown: str = "<text>") -> Operation | SeriesFile:
 
 def _with_common(table: codec.Table) -> codec.Table:
     """Return the table of a series with the common settings merged into every trial."""
-    common, trials = codec.table_of(table.pop("common", {}), "common"), table.get("trials")
-    if isinstance(trials, list):
-        entries = [
-            codec.table_of(entry, f"trials[{i}]")
-            for i, entry in enumerate(cast("list[object]", trials))
-        ]
-        table["trials"] = [codec.merge_tables(common, entry) for entry in entries]
+    common = codec.table_of(table.pop("common", {}), "common")
+    trials = table.get("trials")
+    if not isinstance(trials, list):
+        return table  # decoding it says what is wrong
+    merged: list[codec.Table] = []
+    for i, entry in enumerate(cast("list[object]", trials)):
+        trial = codec.table_of(entry, f"trials[{i}]")
+        merged.append(codec.merge_tables(common, trial))
+    table["trials"] = merged
     return table

@@ -17,18 +17,24 @@ from typing import Any, Self, TextIO
 
 import numpy as np
 
-from laticauda.tank.operate.course.state import OperatorState, Outputs
-from laticauda.tank.operate.recording.entries import Event, Tick
-from laticauda.tank.operate.safety import limits
+from laticauda.control.estimation import Estimate
+from laticauda.tank.operate.procedure.state import OperatorState, Outputs
+from laticauda.tank.operate.recording.entries import Event
+from laticauda.tank.operate.recording.timing import Tick
+from laticauda.tank.operate.safety.modules import Modules
 from laticauda.tank.operate.safety.supervisor import PHASES
 from laticauda.tank.operate.settings import Operation
 from laticauda.tank.protocol import NodeState, worker
 from laticauda.values.optional import optional_import
 
-STOP, EMERGENCY = "operator_key", "emergency_key"
-WORDS = {b" ": "by space", b"q": "by q", b"Q": "by q"}
+STOP = "operator_key"
+"""Event of the supervisor's table: straighten and stop."""
+EMERGENCY = "emergency_key"
+"""Event of the supervisor's table: emergency stop."""
+STOP_KEYS = {b" ": "by space", b"q": "by q", b"Q": "by q"}
 """Terminal keys that stop the robot, and how the log describes them."""
-LOOK = 0.1  # interval at which the terminal's thread checks whether to end [s, wall clock]
+LOOK_INTERVAL = 0.1
+"""Interval at which the terminal's thread checks whether to end [s, wall clock]."""
 
 
 class Keys:
@@ -36,7 +42,7 @@ class Keys:
 
     def __init__(self) -> None:
         self._pressed: dict[str, str] = {}
-        self._before: dict[int, Any] = {}
+        self._handlers_before: dict[int, Any] = {}
 
     @property
     def events(self) -> dict[str, str]:
@@ -49,29 +55,31 @@ class Keys:
         Args:
             how: How it was requested, for the log.
         """
-        self._pressed.setdefault(EMERGENCY if STOP in self._pressed else STOP, how)
+        event = EMERGENCY if STOP in self._pressed else STOP
+        self._pressed.setdefault(event, how)
 
     def __enter__(self) -> Self:
         """Install the signal handlers; only possible in the main thread of a program."""
         if threading.current_thread() is threading.main_thread():
             for number in (signal.SIGINT, signal.SIGTERM):
-                self._before[number] = signal.signal(
-                    number, lambda n, _: self.stop(f"by {signal.Signals(n).name}")
-                )
+                self._handlers_before[number] = signal.signal(number, self._stop_by_signal)
         return self
 
     def __exit__(self, *_: object) -> None:
         """Restore the previous signal handlers."""
-        for number, handler in self._before.items():
+        for number, handler in self._handlers_before.items():
             signal.signal(number, handler)
-        self._before.clear()
+        self._handlers_before.clear()
+
+    def _stop_by_signal(self, number: int, _: object) -> None:
+        self.stop(f"by {signal.Signals(number).name}")
 
 
 class Terminal(worker.Worker[None]):
-    """Reader of single keys, without Enter, within a `with` block; does nothing if there is no terminal.
+    """Reader of single keys, without Enter, within a `with` block.
 
-    The terminal is restored afterwards. Ctrl-C remains a signal. A program in the background reads
-    no keys.
+    It does nothing if there is no terminal. The terminal is restored afterwards. Ctrl-C remains a
+    signal. A program in the background reads no keys.
 
     Args:
         keys: Object that registers the keys pressed.
@@ -80,8 +88,9 @@ class Terminal(worker.Worker[None]):
 
     def __init__(self, keys: Keys, stream: TextIO | None = None) -> None:
         super().__init__("keys")
-        self._keys, self._stream = keys, sys.stdin if stream is None else stream
-        self._before: list[Any] | None = None
+        self._keys = keys
+        self._stream = sys.stdin if stream is None else stream
+        self._attributes_before: list[Any] | None = None
 
     def __enter__(self) -> Self:
         """Read keys one by one, without echo."""
@@ -91,44 +100,55 @@ class Terminal(worker.Worker[None]):
             import tty
 
             number = self._stream.fileno()
-            if self._stream.isatty() and _in_front(number):
-                self._before = termios.tcgetattr(number)
+            if self._stream.isatty() and _is_in_foreground(number):
+                self._attributes_before = termios.tcgetattr(number)
                 tty.setcbreak(number)
                 self._start()
         return self
 
     def release(self) -> None:
         """Restore the terminal."""
-        if self._before is not None:
-            import termios
+        if self._attributes_before is None:
+            return
+        import termios
 
-            with contextlib.suppress(OSError, ValueError, termios.error):
-                termios.tcsetattr(self._stream.fileno(), termios.TCSADRAIN, self._before)
+        with contextlib.suppress(OSError, ValueError, termios.error):
+            number = self._stream.fileno()
+            termios.tcsetattr(number, termios.TCSADRAIN, self._attributes_before)
 
     def work(self) -> None:
         """Wait for a key."""
         number = self._stream.fileno()
-        if select.select([number], [], [], LOOK)[0]:
-            pressed = os.read(number, 1)
-            if not pressed:
-                raise EOFError("the terminal is gone")
-            if pressed in WORDS:
-                self._keys.stop(WORDS[pressed])
+        readable, _, _ = select.select([number], [], [], LOOK_INTERVAL)
+        if not readable:
+            return
+        pressed = os.read(number, 1)
+        if not pressed:
+            raise EOFError("the terminal is gone")
+        if pressed in STOP_KEYS:
+            self._keys.stop(STOP_KEYS[pressed])
 
 
-def _in_front(number: int) -> bool:
-    """Return whether this program is in the foreground of its terminal; otherwise it must not change the terminal."""
+def _is_in_foreground(number: int) -> bool:
+    """Return whether this program is in the foreground of its terminal.
+
+    Otherwise it must not change the terminal.
+    """
     try:
         return os.tcgetpgrp(number) == os.getpgrp()
-    except (
-        OSError
-    ):  # not the controlling terminal of this program: no other program is in its foreground
+    except OSError:
+        # Not the controlling terminal of this program: no other program is in its foreground.
         return True
 
 
-REFRESH = 0.2  # [s, wall clock]
+REFRESH_INTERVAL = 0.2
+"""Time between two pictures of the dashboard [s, wall clock]."""
 LAST_EVENTS = 6
-RECENT = 1000  # number of ticks whose lateness is shown
+"""Number of events that are shown."""
+RECENT_TICKS = 1000
+"""Number of ticks whose lateness is shown."""
+PROGRESS_WIDTH = 24
+"""Width of the bar that shows how much of the run is over, in characters."""
 COLORS = {
     "idle": "white",
     "ready": "cyan",
@@ -136,16 +156,20 @@ COLORS = {
     "stopping": "yellow",
     "fault": "red",
 }
+"""Colors of the supervisor's states."""
 STATE_COLORS = {
     NodeState.ACTIVE: "green",
     NodeState.HOLD: "yellow",
     NodeState.LIMP: "yellow",
     NodeState.FAULT: "red",
 }
+"""Colors of the modules' states; all others are white."""
+MODULE_COLUMNS = {"node": 4, "state": 11, "angle": 9, "current": 8, "temp.": 7, "supply": 7}
+"""Columns of the table of modules, with their least widths in characters."""
 
 
 def print_events(state: OperatorState, outputs: Outputs) -> None:
-    """Write the events of one tick to standard error, one per line; can be passed as a callback for every tick."""
+    """Write the events of one tick to standard error, one per line; a callback for every tick."""
     for event in outputs.events:
         if event.kind != "phase":
             sys.stderr.write(f"{line_of(event)}\n")
@@ -157,7 +181,9 @@ def line_of(event: Event) -> str:
 
 
 class Dashboard:
-    """Live display of modules, pose, state and events, redrawn by a thread of rich within a `with` block.
+    """Live display of modules, pose, state and events.
+
+    It is redrawn by a thread of rich within a `with` block.
 
     Args:
         operation: Operation that is displayed.
@@ -167,27 +193,35 @@ class Dashboard:
         self._operation = operation
         self._state: OperatorState | None = None
         self._events: tuple[Event, ...] = ()
-        self._late, self._latest = deque[float](maxlen=RECENT), 0.0
-        often = {"refresh_per_second": 1.0 / REFRESH, "screen": False}
-        self._live: Any = _rich("live").Live(get_renderable=self._drawn, **often)
+        self._lateness = deque[float](maxlen=RECENT_TICKS)
+        self._largest_lateness = 0.0
+        self._live: Any = _rich("live").Live(
+            get_renderable=self._draw, refresh_per_second=1.0 / REFRESH_INTERVAL, screen=False
+        )
 
     def __call__(self, state: OperatorState, outputs: Outputs) -> None:
         """Take in one tick; the thread draws it."""
         self._state = state
-        for tick in (entry for entry in outputs.entries if isinstance(entry, Tick)):
-            self._late.append(tick.began - tick.due)
-            self._latest = max(self._latest, self._late[-1])
-        events = tuple(event for event in outputs.events if event.kind != "phase")
-        if events:
-            outdated = {"learned"} & {event.kind for event in events}
-            kept = (event for event in self._events if event.kind not in outdated)
-            self._events = (*kept, *events)[-LAST_EVENTS:]
+        for entry in outputs.entries:
+            if isinstance(entry, Tick):
+                lateness = entry.began - entry.due
+                self._lateness.append(lateness)
+                self._largest_lateness = max(self._largest_lateness, lateness)
+        new_events = [event for event in outputs.events if event.kind != "phase"]
+        if new_events:
+            events = list(self._events)
+            if any(event.kind == "learned" for event in new_events):  # replaces what was learned
+                events = [event for event in events if event.kind != "learned"]
+            self._events = (*events, *new_events)[-LAST_EVENTS:]
 
-    def _drawn(self) -> Any:
+    def _draw(self) -> Any:
         if self._state is None:
             return ""
-        late = 1e3 * float(np.percentile([0.0, *self._late.copy()], 99.9))
-        loop = f"loop late by {late:.1f} ms (99.9 % of the last {RECENT}), {1e3 * self._latest:.1f} ms at most"
+        almost_all = float(np.percentile([0.0, *self._lateness.copy()], 99.9))
+        loop = (
+            f"loop late by {1e3 * almost_all:.1f} ms (99.9 % of the last {RECENT_TICKS}), "
+            f"{1e3 * self._largest_lateness:.1f} ms at most"
+        )
         return render_dashboard(self._operation, self._state, self._events, loop)
 
     def __enter__(self) -> Self:
@@ -211,23 +245,23 @@ def render_dashboard(
         events: The latest events.
         loop: Text about the punctuality of the loop.
     """
-    columns = _rich("columns").Columns(
-        [_modules(state.modules), _pose(operation, state)], padding=(0, 2)
+    tables = [_render_modules(state.modules), _render_pose(operation, state)]
+    columns = _rich("columns").Columns(tables, padding=(0, 2))
+    event_lines = "\n".join(line_of(event) for event in events)
+    log = _rich("text").Text(event_lines, style="dim", overflow="ellipsis")
+    group = _rich("console").Group(_render_state(operation, state), columns, log)
+    keys = "space, q, Ctrl-C: straighten and stop; again: emergency stop"
+    return _rich("panel").Panel(
+        group,
+        title=f"[bold]{operation.name}[/bold]   {keys}",
+        title_align="left",
+        subtitle=f"[dim]{loop}[/]",
+        subtitle_align="right",
+        border_style=COLORS[state.supervisor.state],
     )
-    log = _rich("text").Text(
-        "\n".join(line_of(event) for event in events), style="dim", overflow="ellipsis"
-    )
-    group = _rich("console").Group(_head(operation, state), columns, log)
-    title = f"[bold]{operation.name}[/bold]   space, q, Ctrl-C: straighten and stop; again: emergency stop"
-    style = {
-        "border_style": COLORS[state.supervisor.state],
-        "title_align": "left",
-        "subtitle_align": "right",
-    }
-    return _rich("panel").Panel(group, title=title, subtitle=f"[dim]{loop}[/]", **style)
 
 
-def _head(operation: Operation, state: OperatorState) -> Any:
+def _render_state(operation: Operation, state: OperatorState) -> Any:
     """Return state, phase and time as one line."""
     supervisor = state.supervisor
     phase = state.phase.replace("_", " ")
@@ -238,38 +272,40 @@ def _head(operation: Operation, state: OperatorState) -> Any:
     )
     if state.begun is not None and state.now is not None:
         end = state.now if state.ended is None else state.ended
-        gone, whole = end - state.begun, operation.duration
-        filled = round(24 * min(gone / whole, 1.0))
-        text.append(f"   {gone:5.1f} of {whole:.0f} s  [{'=' * filled}{' ' * (24 - filled)}]")
+        elapsed = end - state.begun
+        bar = _render_progress(elapsed / operation.duration)
+        text.append(f"   {elapsed:5.1f} of {operation.duration:.0f} s  [{bar}]")
     if supervisor.cause:
-        text.append(
-            f"   {supervisor.cause.replace('_', ' ')}: {supervisor.action.replace('_', ' ')}",
-            style=color,
-        )
+        cause = supervisor.cause.replace("_", " ")
+        action = supervisor.action.replace("_", " ")
+        text.append(f"   {cause}: {action}", style=color)
     return text
 
 
-def _modules(modules: limits.Modules) -> Any:
+def _render_progress(share: float) -> str:
+    """Return a bar that shows which share of the run is over."""
+    n_filled = round(PROGRESS_WIDTH * min(share, 1.0))
+    return "=" * n_filled + " " * (PROGRESS_WIDTH - n_filled)
+
+
+def _render_modules(modules: Modules) -> Any:
     """Return a table with one row per module."""
     table = _rich("table").Table(box=None, pad_edge=False, header_style="bold")
-    for name, width in (
-        ("node", 4),
-        ("state", 11),
-        ("angle", 9),
-        ("current", 8),
-        ("temp.", 7),
-        ("supply", 7),
-    ):
-        table.add_column(name, justify="left" if name == "state" else "right", min_width=width)
+    for name, width in MODULE_COLUMNS.items():
+        justify = "left" if name == "state" else "right"
+        table.add_column(name, justify=justify, min_width=width)
     for k, beat in enumerate(modules.heartbeat):
         if beat is None:
             table.add_row(str(k + 1), "[red]silent[/]", "", "", "", "")
             continue
-        color = "red" if beat.leak else STATE_COLORS.get(beat.state, "white")
-        word = "LEAK" if beat.leak else beat.state.name.lower()
+        color = STATE_COLORS.get(beat.state, "white")
+        state = beat.state.name.lower()
+        if beat.leak:
+            color = "red"
+            state = "LEAK"
         table.add_row(
             str(k + 1),
-            f"[{color}]{word}[/]",
+            f"[{color}]{state}[/]",
             _number(math.degrees(modules.angle[k]), 1, "°"),
             _number(modules.current[k], 2, " A"),
             _number(beat.temperature, 0, " °C"),
@@ -278,26 +314,12 @@ def _modules(modules: limits.Modules) -> Any:
     return table
 
 
-def _pose(operation: Operation, state: OperatorState) -> Any:
+def _render_pose(operation: Operation, state: OperatorState) -> Any:
     """Return a table of the robot's pose and the current it draws."""
     table = _rich("table").Table.grid(padding=(0, 2))
-    estimate = state.estimate
-    rows: list[tuple[str, str]] = []
-    if estimate is None:
-        rows.append(("pose", "not known yet"))
-    else:
-        x, y, *height = estimate.center_of_mass
-        speed = math.hypot(*estimate.center_of_mass_velocity)
-        rows += [
-            ("position", f"{x:7.3f}, {y:7.3f} m"),
-            ("speed", f"{speed:7.3f} m/s"),
-            ("heading", f"{math.degrees(estimate.heading):7.1f}°"),
-            ("cameras", f"{estimate.status}, {estimate.age:.2f} s"),
-        ]
-        rows += [
-            ("depth", f"{-z:7.3f} m, pitch {math.degrees(estimate.pitch):.1f}° down")
-            for z in height
-        ]
+    rows = [("pose", "not known yet")]
+    if state.estimate is not None:
+        rows = _describe_estimate(state.estimate)
     if state.reference.command is not None and operation.following is not None:
         rows.append(("offset", f"{math.degrees(state.reference.command.offset):7.1f}°"))
     if state.reading is not None:
@@ -309,8 +331,27 @@ def _pose(operation: Operation, state: OperatorState) -> Any:
     return table
 
 
+def _describe_estimate(estimate: Estimate) -> list[tuple[str, str]]:
+    """Return names and values of a pose, one row each."""
+    position = estimate.center_of_mass
+    speed = math.hypot(*estimate.center_of_mass_velocity)
+    rows = [
+        ("position", f"{position[0]:7.3f}, {position[1]:7.3f} m"),
+        ("speed", f"{speed:7.3f} m/s"),
+        ("heading", f"{math.degrees(estimate.heading):7.1f}°"),
+        ("cameras", f"{estimate.status}, {estimate.age:.2f} s"),
+    ]
+    if position.size == 3:
+        depth = -position[2]
+        pitch = math.degrees(estimate.pitch)
+        rows.append(("depth", f"{depth:7.3f} m, pitch {pitch:.1f}° down"))
+    return rows
+
+
 def _number(value: float, digits: int, unit: str) -> str:
-    return f"{value:.{digits}f}{unit}" if math.isfinite(value) else "-"
+    if not math.isfinite(value):
+        return "-"
+    return f"{value:.{digits}f}{unit}"
 
 
 def _rich(name: str) -> Any:

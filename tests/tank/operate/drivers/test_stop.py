@@ -8,9 +8,9 @@ import pytest
 import serial
 from patience import until
 
+from laticauda.tank.operate.devices import Devices
 from laticauda.tank.operate.drivers import Clock, DeviceFailed, StopInput
 from laticauda.tank.operate.drivers.stop import SerialLine
-from laticauda.tank.operate.loop import Devices
 
 
 @pytest.fixture

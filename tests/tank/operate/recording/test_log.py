@@ -31,9 +31,9 @@ from laticauda.tank.operate import (
     rerun_learner,
 )
 from laticauda.tank.operate.drivers.can import Frame
-from laticauda.tank.operate.recording.entries import header_from_texts
-from laticauda.tank.operate.recording.log import Sink
-from laticauda.trials.logs import open_recording
+from laticauda.tank.operate.recording.header import header_from_texts
+from laticauda.tank.operate.recording.recorder import Sink
+from laticauda.trials.logs import Recorder, open_recording
 from laticauda.values.errors import TrialFileError
 
 ROBOT = lc.load_robot("mamba")
@@ -178,7 +178,7 @@ def test_a_header_with_something_wrong_in_it_is_refused_in_one_sentence(
     tmp_path: Path, change, says
 ):
     texts = {name: text for name, text in (HEADER.texts() | change).items() if text is not None}
-    with lc.logs.Recorder(tmp_path / "a.mcap") as recorder:
+    with Recorder(tmp_path / "a.mcap") as recorder:
         recorder.metadata("operation", texts)
     with pytest.raises(TrialFileError, match=says):
         read_operation(tmp_path / "a.mcap")

@@ -21,8 +21,8 @@ from laticauda.control.estimation import (
 )
 from laticauda.scenarios import Experiment
 from laticauda.tank.operate import Event, Header, OperationRecorder, PowerReading, read_operation
-from laticauda.tank.operate.recording.entries import Tick
-from laticauda.trials.logs import open_recording
+from laticauda.tank.operate.recording.timing import Tick
+from laticauda.trials.logs import Recorder, open_recording
 from laticauda.values.errors import StorageFailed, TrialFileError
 
 RUN = Experiment(robot=lc.load_robot("mamba"), environment=lc.load_water("paper-lateral"))
@@ -127,7 +127,7 @@ def test_an_older_file_is_never_replaced(file):
 
 def test_what_is_no_operation_is_refused_in_one_sentence(tmp_path):
     other = tmp_path / "other.mcap"
-    with lc.logs.Recorder(other) as recorder:
+    with Recorder(other) as recorder:
         recorder.scalar("/a", 0.0, 1.0)
     with pytest.raises(
         TrialFileError, match="it is not a recording of an operation, or its beginning is missing"

@@ -19,7 +19,8 @@ from laticauda.tank.operate import (
     rerun_estimator,
     trial_of,
 )
-from laticauda.tank.operate.recording.entries import content_of, header_from_texts
+from laticauda.tank.operate.recording.header import header_from_texts
+from laticauda.tank.operate.recording.messages import content_of
 from laticauda.trials.logs import load_trial
 from laticauda.values.errors import TrialFileError
 from laticauda.water.fluid.laws import FunctionDrag
@@ -193,7 +194,8 @@ def test_a_recording_makes_the_same_twin_again_and_the_estimates_are_the_same_to
         for one, two in zip(log.of(Estimate), again, strict=True)
     )
     with pytest.raises(
-        ValueError, match=r"`plant` must be `laticauda\.plant`, which rebuilds the recorded twin"
+        ValueError,
+        match=r"`plant` must be `laticauda\.build_plant`, which rebuilds the recorded twin",
     ):
         rerun_estimator(log)
 

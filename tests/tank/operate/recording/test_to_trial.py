@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
+from laticauda.values.errors import TrialFileError
 from laticauda.control.estimation import (
     Estimate,
     JointSample,
@@ -194,7 +195,7 @@ def test_the_run_is_what_lies_between_its_last_start_and_the_stop_behind_it_each
     ]
     cut = replace(log_of(FINNED, found[0]), lost="The file is not whole.")
     with pytest.raises(
-        lc.errors.TrialFileError,
+        TrialFileError,
         match=r"no run with at least two estimates\. The file is not whole\.",
     ):
         estimates_of_run(cut)

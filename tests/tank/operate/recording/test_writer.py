@@ -108,7 +108,7 @@ def test_a_disk_that_stalls_does_not_hold_the_loop_up(tmp_path: Path, monkeypatc
 def test_what_was_handed_over_before_the_loop_was_killed_is_in_the_file(tmp_path: Path):
     code = f"""
         import os, pathlib, signal, sys
-        sys.path[:0] = {[str(Path(__file__).parents[k]) for k in (0, 2)]!r}
+        sys.path[:0] = {[str(Path(__file__).parents[k]) for k in (0, 3)]!r}
         from test_writer import HEADER, Writer, readings
         writer = Writer(pathlib.Path({str(tmp_path / "a.mcap")!r}), HEADER)
         for reading in readings(300):

@@ -6,16 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from laticauda.tank.operate.safety.limits import (
-    SPIN_UP,
-    Modules,
-    Reports,
-    compare,
-    list_complaints,
-    no_reports,
-    updated,
-    within_limits,
-)
+from laticauda.tank.operate.safety.limits import SPIN_UP, LimitState, Reports, compare_with_limits
+from laticauda.tank.operate.safety.modules import Modules, list_complaints, update_modules
 from laticauda.tank.operate.safety.supervisor import BY_EVENT, LIMP_FROM
 from laticauda.tank.operate.settings import Limits
 from laticauda.tank.protocol import Acceleration, Heartbeat, JointState, NodeState, Sync
@@ -32,7 +24,7 @@ def modules_that(
     for name, value in numbers.items():
         values[name][1] = value
     times = {"heartbeat_time": np.full(n, heard), "angle_time": np.full(n, measured)}
-    return replace(no_reports(n), **values, **times, heartbeat=beats)
+    return replace(Modules.before_messages(n), **values, **times, heartbeat=beats)
 
 
 WELL = Heartbeat(node=1, state=NodeState.ACTIVE)
@@ -47,7 +39,11 @@ def seen_at(now: float, *beats: Heartbeat, **measured: float) -> Reports:
     }
     times = np.full(2, now)
     modules = replace(
-        no_reports(2), **numbers, heartbeat=beats, heartbeat_time=times, angle_time=times
+        Modules.before_messages(2),
+        **numbers,
+        heartbeat=beats,
+        heartbeat_time=times,
+        angle_time=times,
     )
     references = np.zeros(2)
     return Reports(
@@ -88,15 +84,19 @@ def test_what_is_beyond_its_limit_to_either_side_for_too_long_is_wrong(
     limits = Limits()
     patience, value = getattr(limits, lasts), {"angle": 1.0, "current": 5.0}[name]
     assert abs(value) > getattr(limits, limit)
-    state, found = compare(limits, within_limits(2), seen_at(10.0, **{name: sign * value}))
+    state, found = compare_with_limits(
+        limits, LimitState.initial(2), seen_at(10.0, **{name: sign * value})
+    )
     assert found == {}
-    held, found = compare(limits, state, seen_at(10.0 + patience, **{name: sign * value}))
+    held, found = compare_with_limits(
+        limits, state, seen_at(10.0 + patience, **{name: sign * value})
+    )
     assert found == {}
-    _, found = compare(limits, held, seen_at(10.1 + patience, **{name: sign * value}))
+    _, found = compare_with_limits(limits, held, seen_at(10.1 + patience, **{name: sign * value}))
     assert found == {event: says[0] if sign > 0 else says[1]}
     # One moment within the limit, and the time begins anew.
-    back, _ = compare(limits, held, seen_at(10.05 + patience))
-    _, found = compare(limits, back, seen_at(10.1 + patience, **{name: sign * value}))
+    back, _ = compare_with_limits(limits, held, seen_at(10.05 + patience))
+    _, found = compare_with_limits(limits, back, seen_at(10.1 + patience, **{name: sign * value}))
     assert found == {}
 
 
@@ -104,15 +104,17 @@ def test_what_a_module_says_of_itself_is_told_before_what_it_does():
     limits = Limits()
     beats = (WELL, Heartbeat(node=2, state=NodeState.FAULT, stuck=True))
     seen = seen_at(10.0, *beats)
-    state, found = compare(limits, replace(within_limits(2), sending=0.0), seen)
+    state, found = compare_with_limits(limits, replace(LimitState.initial(2), sending=0.0), seen)
     assert found == {"module_fault": "module 2: stuck"}
     limp = (beats[0], Heartbeat(node=2, state=NodeState.LIMP))
-    _, found = compare(limits, state, replace(seen, modules=replace(seen.modules, heartbeat=limp)))
+    _, found = compare_with_limits(
+        limits, state, replace(seen, modules=replace(seen.modules, heartbeat=limp))
+    )
     assert found == {"module_fault": "module 2 does not move: limp"}
 
 
 def test_before_any_message_nothing_is_known_and_every_module_is_silent():
-    modules = no_reports(3)
+    modules = Modules.before_messages(3)
     assert modules.n == 3
     assert modules.unheard == (1, 2, 3) and not modules.all_active()
     assert modules.is_limp(0.0, 1e9)  # of what is not heard, nothing says that it moves
@@ -133,8 +135,8 @@ def test_messages_count_for_their_module_and_those_of_others_for_none():
         (6.0, JointState(node=19, angle=9.0, rate=9.0, current=9.0, torque=9.0)),
         (7.0, Heartbeat(node=19, state=NodeState.FAULT)),
     ]
-    before = no_reports(2)
-    after = updated(before, messages)
+    before = Modules.before_messages(2)
+    after = update_modules(before, messages)
     assert [getattr(after, name)[1] for name in ("angle", "rate", "current", "torque")] == [
         0.1,
         0.2,
@@ -148,11 +150,11 @@ def test_messages_count_for_their_module_and_those_of_others_for_none():
         None,
         None,
     )  # a value is not changed
-    last = updated(
+    last = update_modules(
         after, [(8.0, JointState(node=1, angle=-0.1, rate=0.0, current=0.0, torque=0.0))]
     )
     assert last.angle.tolist() == [-0.1, 0.1] and last.angle_time.tolist() == [8.0, 1.0]
-    first = updated(after, [(9.0, Heartbeat(node=1, state=NodeState.READY))])
+    first = update_modules(after, [(9.0, Heartbeat(node=1, state=NodeState.READY))])
     assert first.heartbeat_time.tolist() == [9.0, 2.0]
 
 
@@ -181,7 +183,7 @@ def test_all_are_active_only_if_each_follows_or_holds_its_references():
 
 
 def test_silent_is_who_has_not_been_heard_for_longer_than_allowed():
-    modules = replace(no_reports(3), heartbeat_time=np.array([1.0, 0.5, 0.75]))
+    modules = replace(Modules.before_messages(3), heartbeat_time=np.array([1.0, 0.5, 0.75]))
     assert modules.silent(1.5, 0.75) == (2,)
     assert modules.silent(1.25, 0.75) == ()
 
@@ -225,8 +227,12 @@ def test_what_speaks_against_starting_is_said_of_its_module_with_what_to_look_at
 def test_a_bus_with_more_modules_than_the_robot_has_joints_is_that_of_another_robot():
     angles = {"angle": 0.0, "rate": 0.0, "current": 0.0, "torque": 0.0}
     modules = modules_that(SOUND, replace(SOUND, node=2))
-    other = updated(modules, [(1.0, JointState(node=18, **angles)), (1.0, Sync(counter=1))])
-    assert (modules.highest, updated(modules, [(0.5, Sync(counter=1))]).highest, other.highest) == (
+    other = update_modules(modules, [(1.0, JointState(node=18, **angles)), (1.0, Sync(counter=1))])
+    assert (
+        modules.highest,
+        update_modules(modules, [(0.5, Sync(counter=1))]).highest,
+        other.highest,
+    ) == (
         0,
         0,
         18,
@@ -234,18 +240,20 @@ def test_a_bus_with_more_modules_than_the_robot_has_joints_is_that_of_another_ro
     assert list_complaints(other, max_temperature=60.0, min_voltage=28.0) == (
         "module 18 responds, but the robot has 2: check `robot`",
     )
-    same = updated(modules, [(1.0, JointState(node=2, **angles)), (1.0, replace(SOUND, node=1))])
+    same = update_modules(
+        modules, [(1.0, JointState(node=2, **angles)), (1.0, replace(SOUND, node=1))]
+    )
     assert list_complaints(same, max_temperature=60.0, min_voltage=28.0) == ()
 
 
 def test_a_robot_that_is_well_and_in_time_breaks_no_limit():
-    state, found = compare(LIMITS, within_limits(2), seen_at(10.0))
+    state, found = compare_with_limits(LIMITS, LimitState.initial(2), seen_at(10.0))
     assert found == {}
     assert np.isposinf(state.current).all() and np.isposinf(state.joint_error).all()
     assert state.sending == 10.0
-    again, _ = compare(LIMITS, state, seen_at(10.5))
+    again, _ = compare_with_limits(LIMITS, state, seen_at(10.5))
     assert again.sending == 10.0  # since the first one
-    stopped, _ = compare(LIMITS, state, replace(seen_at(11.0), references=None))
+    stopped, _ = compare_with_limits(LIMITS, state, replace(seen_at(11.0), references=None))
     assert stopped.sending == math.inf
 
 
@@ -260,10 +268,15 @@ def test_a_robot_that_is_well_and_in_time_breaks_no_limit():
     ],
 )
 def test_at_its_limit_nothing_is_wrong_and_beyond_it_one_event_is(event, field, edge, beyond, says):
-    assert compare(LIMITS, within_limits(2), replace(seen_at(10.0), **{field: edge}))[1] == {}
-    assert compare(LIMITS, within_limits(2), replace(seen_at(10.0), **{field: beyond}))[1] == {
-        event: says
-    }
+    assert (
+        compare_with_limits(LIMITS, LimitState.initial(2), replace(seen_at(10.0), **{field: edge}))[
+            1
+        ]
+        == {}
+    )
+    assert compare_with_limits(
+        LIMITS, LimitState.initial(2), replace(seen_at(10.0), **{field: beyond})
+    )[1] == {event: says}
     assert event in BY_EVENT
 
 
@@ -271,7 +284,7 @@ def test_where_no_references_are_sent_neither_the_edge_nor_the_cameras_matter_no
     seen = replace(
         seen_at(10.0, angle=2.0), references=None, mocap_age=99.0, room=-1.0, lateness=1.0
     )
-    state, found = compare(LIMITS, within_limits(2), seen)
+    state, found = compare_with_limits(LIMITS, LimitState.initial(2), seen)
     assert found == {"late_loop": "a tick came 1.000 s late"}
     assert np.isposinf(state.joint_error).all()
 
@@ -280,14 +293,14 @@ def test_modules_that_stay_away_are_named():
     seen = seen_at(10.0)
     edge = replace(seen.modules, heartbeat_time=np.full(2, 9.5), angle_time=np.full(2, 9.7))
     exact = replace(LIMITS, heartbeat_timeout=0.5, joint_timeout=10.0 - 9.7)
-    assert compare(exact, within_limits(2), replace(seen, modules=edge))[1] == {}
+    assert compare_with_limits(exact, LimitState.initial(2), replace(seen, modules=edge))[1] == {}
     late = replace(
         seen.modules, heartbeat_time=np.array([10.0, 9.0]), angle_time=np.array([9.0, 10.0])
     )
-    found = compare(LIMITS, within_limits(2), replace(seen, modules=late))[1]
+    found = compare_with_limits(LIMITS, LimitState.initial(2), replace(seen, modules=late))[1]
     assert found == {"lost_heartbeat": "module 2", "lost_joints": "module 1"}
     both = replace(seen.modules, heartbeat_time=np.full(2, 9.0), angle_time=np.full(2, 9.0))
-    found = compare(LIMITS, within_limits(2), replace(seen, modules=both))[1]
+    found = compare_with_limits(LIMITS, LimitState.initial(2), replace(seen, modules=both))[1]
     assert found == {"lost_heartbeat": "module 1, 2", "lost_joints": "module 1, 2"}
 
 
@@ -325,77 +338,93 @@ def test_what_a_heartbeat_says_is_an_event_of_its_module_whoever_else_is_not_hea
     beats = None, replace(WELL, node=2, **changes), replace(WELL, node=3, **changes)
     seen = seen_at(10.0)
     modules = replace(modules_that(*beats, heard=10.0, measured=10.0))
-    _, said = compare(LIMITS, within_limits(3), replace(seen, modules=modules, references=None))
+    _, said = compare_with_limits(
+        LIMITS, LimitState.initial(3), replace(seen, modules=modules, references=None)
+    )
     assert said == found
 
 
 def test_a_supply_beyond_the_greatest_voltage_is_an_event_where_that_is_set():
     seen = replace(seen_at(10.0, WELL, replace(WELL, node=2, voltage=36.5)), references=None)
-    assert compare(LIMITS, within_limits(2), seen)[1] == {}
-    assert compare(replace(LIMITS, max_voltage=36.5), within_limits(2), seen)[1] == {}
-    found = compare(replace(LIMITS, max_voltage=36.0), within_limits(2), seen)[1]
+    assert compare_with_limits(LIMITS, LimitState.initial(2), seen)[1] == {}
+    assert (
+        compare_with_limits(replace(LIMITS, max_voltage=36.5), LimitState.initial(2), seen)[1] == {}
+    )
+    found = compare_with_limits(replace(LIMITS, max_voltage=36.0), LimitState.initial(2), seen)[1]
     assert found == {"high_voltage": "module 2: 36.5 V"}
 
 
 def test_modules_have_a_second_to_follow_the_first_references():
     limp = (WELL, Heartbeat(node=2, state=NodeState.LIMP))
-    state = replace(within_limits(2), sending=5.0)
-    assert compare(LIMITS, state, seen_at(5.0 + SPIN_UP, *limp))[1] == {}
-    found = compare(LIMITS, state, seen_at(5.01 + SPIN_UP, *limp))[1]
+    state = replace(LimitState.initial(2), sending=5.0)
+    assert compare_with_limits(LIMITS, state, seen_at(5.0 + SPIN_UP, *limp))[1] == {}
+    found = compare_with_limits(LIMITS, state, seen_at(5.01 + SPIN_UP, *limp))[1]
     assert found == {"module_fault": "module 2 does not move: limp"}
     assert SPIN_UP == 1.0
     silent = replace(seen_at(9.0).modules, heartbeat=(None, WELL))
-    assert compare(LIMITS, state, replace(seen_at(9.0), modules=silent))[1] == {}
+    assert compare_with_limits(LIMITS, state, replace(seen_at(9.0), modules=silent))[1] == {}
 
 
 def test_a_module_that_was_on_and_is_off_has_gone_limp_and_one_that_was_never_on_has_not():
     ready = Heartbeat(node=2, state=NodeState.READY)
-    state, found = compare(LIMITS, within_limits(2), seen_at(5.0, WELL, ready))
+    state, found = compare_with_limits(LIMITS, LimitState.initial(2), seen_at(5.0, WELL, ready))
     assert found == {}  # it is being switched on
-    state, found = compare(LIMITS, state, seen_at(5.1, replace(WELL, state=NodeState.LIMP), ready))
+    state, found = compare_with_limits(
+        LIMITS, state, seen_at(5.1, replace(WELL, state=NodeState.LIMP), ready)
+    )
     assert found == {"went_limp": "module 1"}
-    on = compare(LIMITS, within_limits(2), seen_at(5.0))[0]
+    on = compare_with_limits(LIMITS, LimitState.initial(2), seen_at(5.0))[0]
     for off in set(NodeState) - {NodeState.ACTIVE, NodeState.HOLD}:
-        _, found = compare(
+        _, found = compare_with_limits(
             LIMITS, on, seen_at(5.1, *(replace(WELL, node=k, state=off) for k in (1, 2)))
         )
         assert found == {"went_limp": "module 1, 2"}
-    assert compare(LIMITS, on, seen_at(5.1, replace(WELL, state=NodeState.HOLD), WELL))[1] == {}
+    assert (
+        compare_with_limits(LIMITS, on, seen_at(5.1, replace(WELL, state=NodeState.HOLD), WELL))[1]
+        == {}
+    )
 
 
 def test_what_was_on_before_references_are_sent_does_not_count():
-    on = compare(LIMITS, within_limits(2), seen_at(5.0))[0]
+    on = compare_with_limits(LIMITS, LimitState.initial(2), seen_at(5.0))[0]
     off = seen_at(5.1, *(Heartbeat(node=k, state=NodeState.LIMP) for k in (1, 2)))
-    state, found = compare(LIMITS, on, replace(off, references=None))
+    state, found = compare_with_limits(LIMITS, on, replace(off, references=None))
     assert found == {}
-    assert compare(LIMITS, state, off)[1] == {}
+    assert compare_with_limits(LIMITS, state, off)[1] == {}
 
 
 def test_modules_that_heard_nothing_for_longer_than_they_wait_are_limp_whatever_they_said_last():
-    assert compare(LIMITS, within_limits(2), replace(seen_at(10.0), pause=LIMP_FROM))[1] == {}
+    assert (
+        compare_with_limits(LIMITS, LimitState.initial(2), replace(seen_at(10.0), pause=LIMP_FROM))[
+            1
+        ]
+        == {}
+    )
     late = replace(seen_at(10.0), pause=LIMP_FROM + 0.1)
-    assert compare(LIMITS, within_limits(2), late)[1] == {
+    assert compare_with_limits(LIMITS, LimitState.initial(2), late)[1] == {
         "went_limp": "they had no references for 0.9 s"
     }
-    assert compare(LIMITS, within_limits(2), replace(late, references=None))[1] == {}
+    assert (
+        compare_with_limits(LIMITS, LimitState.initial(2), replace(late, references=None))[1] == {}
+    )
 
 
 def test_the_error_of_a_joint_is_that_beside_its_reference():
-    state = replace(within_limits(2), joint_error=np.zeros(2))
+    state = replace(LimitState.initial(2), joint_error=np.zeros(2))
     seen = replace(seen_at(10.0, angle=0.5), references=np.array([0.0, 0.5]))
-    assert compare(LIMITS, state, seen)[1] == {}
-    found = compare(LIMITS, state, replace(seen, references=np.array([0.0, -0.5])))[1]
+    assert compare_with_limits(LIMITS, state, seen)[1] == {}
+    found = compare_with_limits(LIMITS, state, replace(seen, references=np.array([0.0, -0.5])))[1]
     assert found == {"joint_error": "module 2: -57 deg"}
 
 
 def test_of_several_that_are_wrong_the_first_is_named():
     seen = seen_at(10.0, WELL, replace(WELL, node=2))
-    state = replace(within_limits(2), current=np.zeros(2), joint_error=np.zeros(2))
+    state = replace(LimitState.initial(2), current=np.zeros(2), joint_error=np.zeros(2))
     modules = replace(seen.modules, current=np.full(2, 5.0), angle=np.full(2, 1.0))
-    found = compare(LIMITS, state, replace(seen, modules=modules))[1]
+    found = compare_with_limits(LIMITS, state, replace(seen, modules=modules))[1]
     assert found == {"over_current": "module 1: 5.0 A", "joint_error": "module 1: -57 deg"}
     assert (
-        compare(
+        compare_with_limits(
             LIMITS,
             state,
             replace(
@@ -413,6 +442,8 @@ def test_of_several_that_are_wrong_the_first_is_named():
 
 def test_at_first_nothing_is_beyond_its_limit():
     assert (
-        within_limits(3).current.tolist() == within_limits(3).joint_error.tolist() == [math.inf] * 3
+        LimitState.initial(3).current.tolist()
+        == LimitState.initial(3).joint_error.tolist()
+        == [math.inf] * 3
     )
-    assert within_limits(3).sending == math.inf
+    assert LimitState.initial(3).sending == math.inf

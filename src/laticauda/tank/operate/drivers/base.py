@@ -76,30 +76,32 @@ class Driver(Worker[T]):
 
 
 class Bus(Driver[Frame], Extensible, group="drivers.bus"):
-    """The modules' bus. `receive` returns frames, whose messages are `JointState` and `Heartbeat`, by node.
+    """The modules' bus.
 
-    A bus other than that of `mamba.dbc` behaves the same: node 1 is the joint nearest the tail;
-    every `Sync` is answered with a `JointState` of every node, and a `Heartbeat` comes ten times a
-    second. A joint without references is held for a second at most, and then limp; the device
-    ensures this, or the driver if the device cannot.
+    `receive` returns frames, whose messages are `JointState` and `Heartbeat`, by node. A bus other
+    than that of `mamba.dbc` behaves the same: node 1 is the joint nearest the tail; every `Sync` is
+    answered with a `JointState` of every node, and a `Heartbeat` comes ten times a second. A joint
+    without references is held for a second at most, and then limp; the device ensures this, or the
+    driver if the device cannot.
     """
 
     @property
     def bus_off(self) -> str:
-        """Why nothing can be sent now, as a sentence, which stops the robot; "" if frames can be sent."""
+        """Why nothing can be sent now, as a sentence that stops the robot; "" if frames can."""
         raise NotImplementedError
 
     def send(self, messages: Iterable[CanMessage]) -> tuple[Frame, ...]:
-        """Send `messages` in this order, without waiting; return the frames that went out, one per message."""
+        """Send `messages` in this order, without waiting; return the frames that went out."""
         raise NotImplementedError
 
 
 class MotionCapture(Driver[tuple[float, PoseSample]], Extensible, group="drivers.mocap"):
-    """The rigid body on the robot, as seen by cameras. `receive` returns arrival times with poses in the tank frame.
+    """The rigid body on the robot, as seen by cameras.
 
-    A pose's own time is on the cameras' clock, whose offset the operation finds. A frame in which
-    the body is not seen has nan in its position; at the beginning, it is an error only if there is
-    no such body. A pose is never repeated.
+    `receive` returns arrival times with poses in the tank frame. A pose's own time is on the
+    cameras' clock, whose offset the operation finds. A frame in which the body is not seen has nan
+    in its position; at the beginning, it is an error only if there is no such body. A pose is never
+    repeated.
 
     Args:
         address: Address of the motion capture.
@@ -113,17 +115,21 @@ class MotionCapture(Driver[tuple[float, PoseSample]], Extensible, group="drivers
 
 
 class Meter(Driver[PowerReading], Extensible, group="drivers.meter"):
-    """The power meter in the supply cable. `receive` returns readings of the current, at least one per second."""
+    """The power meter in the supply cable.
+
+    `receive` returns readings of the current, at least one per second.
+    """
 
     def restart(self) -> None:
-        """Restart the record of average, minimum and maximum, if the meter keeps one; does not wait."""
+        """Restart the record of average, minimum and maximum if there is one; does not wait."""
 
 
 class StopInput(Driver[str], Extensible, group="drivers.stop"):
-    """The emergency-stop input. `receive` returns why the robot must stop, and nothing while all is well.
+    """The emergency-stop input.
 
-    It is queried at every tick, and is fail-safe: a contact that is open, however briefly, a line
-    that is lost and a `work` that does not return are reasons to stop.
+    `receive` returns why the robot must stop, and nothing while all is well. It is queried at every
+    tick, and is fail-safe: a contact that is open, however briefly, a line that is lost and a
+    `work` that does not return are reasons to stop.
     """
 
     OLDEST = 0.25
@@ -131,7 +137,7 @@ class StopInput(Driver[str], Extensible, group="drivers.stop"):
 
     def __init__(self, address: str, clock: Clock) -> None:
         super().__init__(address, clock)
-        self._looked = time.monotonic()
+        self._last_look = time.monotonic()
 
     def look(self) -> str:
         """Return why the robot must stop, or "" if it need not; an exception is also a reason."""
@@ -140,20 +146,21 @@ class StopInput(Driver[str], Extensible, group="drivers.stop"):
     def work(self) -> None:
         """Look once."""
         try:
-            why = self.look()
+            reason = self.look()
         except Exception as error:
             self._received.append(f"the input cannot be read: {error}")
             raise
-        self._looked = time.monotonic()
-        if why:
-            self._received.append(why)
+        self._last_look = time.monotonic()
+        if reason:
+            self._received.append(reason)
 
     def receive(self) -> tuple[str, ...]:
         """Return why the robot must stop, as seen since the last call."""
-        age = time.monotonic() - self._looked
-        return super().receive() or (
-            (f"it was last read {age:.2f} s ago",) if age > self.OLDEST else ()
-        )
+        age = time.monotonic() - self._last_look
+        reasons = super().receive()
+        if not reasons and age > self.OLDEST:
+            return (f"it was last read {age:.2f} s ago",)
+        return reasons
 
 
 KINDS: dict[str, Any] = {"bus": Bus, "mocap": MotionCapture, "meter": Meter, "stop": StopInput}
@@ -174,14 +181,18 @@ def driver_named(kind: str, name: str, address: str) -> Any:
             or ``KIND_address``.
     """
     try:
-        found = KINDS[kind].named(name)
-        kind = f"{kind}_address"
-        found.check(address)
+        driver_class = KINDS[kind].named(name)
     except BadArgument as error:
         raise BadArgument(kind, error.rule) from None
     except (AttributeError, ImportError) as error:
         raise DeviceFailed(f"The driver `{name}` cannot be loaded: {error}.") from error
-    return found
+    try:
+        driver_class.check(address)
+    except BadArgument as error:
+        raise BadArgument(f"{kind}_address", error.rule) from None
+    except (AttributeError, ImportError) as error:
+        raise DeviceFailed(f"The driver `{name}` cannot be loaded: {error}.") from error
+    return driver_class
 
 
 def host_and_port(address: str) -> tuple[str, int]:
@@ -191,7 +202,8 @@ def host_and_port(address: str) -> tuple[str, int]:
         ValueError: If the address does not have this form.
     """
     host, _, port = address.rpartition(":")
-    if not host or not (port.isascii() and port.isdigit() and 0 < int(port) < 65536):
+    is_number = port.isascii() and port.isdigit()
+    if not host or not is_number or not 0 < int(port) < 65536:
         raise BadArgument(
             "address", f"must be HOST:PORT, with a port from 1 to 65535, got {address!r}"
         )

@@ -1,4 +1,4 @@
-"""Driver of the CAN bus, with python-can: frames in and out, and whether the computer is still on the bus."""
+"""Driver of the CAN bus, with python-can: frames in and out, and whether the bus is still on."""
 
 # python-can is partly typed: this module passes typed messages on.
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
@@ -19,8 +19,10 @@ from laticauda.tank.protocol import (
 from laticauda.tank.protocol.clock import Clock
 from laticauda.tank.protocol.worker import DeviceFailed
 
-POLL = 0.05  # longest wait for a frame [s, wall clock]
-BUS_OFF = 0x40  # bit in the identifier of Linux's error frames
+LONGEST_WAIT = 0.05
+"""Longest wait for a frame [s, wall clock]."""
+BUS_OFF = 0x40
+"""Bit in the identifier of Linux's error frames."""
 ADVICE = {
     "socketcan": "Check that the interface is up: `ip link set can0 up type can bitrate 1000000`.",
     "udp_multicast": "Check the address and that this computer has a network.",
@@ -30,18 +32,22 @@ ADVICE = {
 
 
 class CanDriver(Bus):
-    """The CAN bus of `mamba.dbc`; for addresses, such as socketcan:can0, see `laticauda.tank.protocol.bus_address`."""
+    """The CAN bus of `mamba.dbc`.
+
+    For addresses, such as socketcan:can0, see `laticauda.tank.protocol.bus_address`.
+    """
 
     called = "can"
 
     def __init__(self, address: str, clock: Clock) -> None:
         super().__init__(address, clock)
-        self._send_trouble, self._is_off = "", False
-        where = bus_address(address)
+        self._send_trouble = ""
+        self._is_off = False
+        parsed_address = bus_address(address)
         try:
-            self._bus = open_bus(where)
+            self._bus = open_bus(parsed_address)
         except BusFailed as error:
-            raise DeviceFailed(f"{error} {ADVICE[where.interface]}") from error
+            raise DeviceFailed(f"{error} {ADVICE[parsed_address.interface]}") from error
         self._start()
 
     @classmethod
@@ -53,12 +59,16 @@ class CanDriver(Bus):
     @property
     def bus_off(self) -> str:
         """Why nothing can be sent, as a sentence; "" if frames can be sent."""
-        return self._send_trouble or (self.trouble if self._is_off else "")
+        if self._send_trouble:
+            return self._send_trouble
+        if self._is_off:
+            return self.trouble
+        return ""
 
     def work(self) -> None:
         """Wait for a frame and keep it."""
         try:
-            frame: Any = self._bus.recv(POLL)
+            frame: Any = self._bus.recv(LONGEST_WAIT)
         except Exception:
             self._is_off = True
             raise
@@ -72,9 +82,14 @@ class CanDriver(Bus):
         self._is_off = False
         if not from_node(frame.arbitration_id):
             return  # our own, returned by udp_multicast
-        wire = frame.arbitration_id, bytes(frame.data)
         self._received.append(
-            Frame(self._clock.now(), *wire, is_ours=False, message=from_frame(frame))
+            Frame(
+                time=self._clock.now(),
+                identifier=frame.arbitration_id,
+                data=bytes(frame.data),
+                is_ours=False,
+                message=from_frame(frame),
+            )
         )
 
     def send(self, messages: Iterable[CanMessage]) -> tuple[Frame, ...]:
@@ -95,8 +110,15 @@ class CanDriver(Bus):
             except Exception as error:  # the supervisor is told, and the modules stop by themselves
                 trouble = f"nothing can be sent: {error}"
                 continue
-            wire = frame.arbitration_id, bytes(frame.data)
-            sent.append(Frame(self._clock.now(), *wire, is_ours=True, message=message))
+            sent.append(
+                Frame(
+                    time=self._clock.now(),
+                    identifier=frame.arbitration_id,
+                    data=bytes(frame.data),
+                    is_ours=True,
+                    message=message,
+                )
+            )
         self._send_trouble = trouble
         return tuple(sent)
 

@@ -1,15 +1,15 @@
-"""Tests of a single driver: what comes from it, and whether it obeys the rules of `drivers.base`.
+"""Tests of a single driver: what comes from it, and whether it obeys the rules of `base`.
 
 A driver's test is one line, with the device or its emulator connected; `absent` is an address
 without a device:
 
-    assert contract.broken("mocap", "mine@127.0.0.1:9870", absent="mine@127.0.0.1:1") == ()
+    assert contract.list_broken_rules("mocap", "mine@127.0.0.1:9870", absent="mine@127.0.0.1:1") == ()
 """
 
 import math
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -19,6 +19,7 @@ from laticauda.tank.operate.drivers.base import Clock, DeviceFailed, Frame
 from laticauda.tank.operate.recording.entries import PowerReading
 from laticauda.tank.operate.settings import Connection
 from laticauda.tank.protocol import (
+    CanMessage,
     EmergencyStop,
     Heartbeat,
     JointState,
@@ -28,11 +29,24 @@ from laticauda.tank.protocol import (
     encode_references,
 )
 
-TICK = 0.01  # [s]
-LONGEST = 0.05  # time that a call of the loop may take [s]
-LEAST_BEATS, LEAST_ANSWERS = 5.0, 20.0  # per second and node
-LIMP_WITHIN = 1.5  # without references, or after an emergency stop [s]
-END_WITHIN = 3.0  # time in which a driver's threads must end after `close` [s]
+TICK = 0.01
+"""Time between two calls, as in a loop [s]."""
+LONGEST_CALL = 0.05
+"""Time that a call of the loop may take [s]."""
+FEWEST_BEATS = 5.0
+"""Heartbeats per second and node [1/s]."""
+FEWEST_ANSWERS = 20.0
+"""Answers to a Sync per second and node [1/s]."""
+ENABLE_TIME = 0.5
+"""Time within which modules are active [s]."""
+LIMP_TIME = 1.5
+"""Time within which modules are limp without references, or after an emergency stop [s]."""
+END_TIME = 3.0
+"""Time in which a driver's threads must end after `close` [s]."""
+ROTATION_ERROR = 1e-3
+"""By how much a rotation matrix may be not orthonormal [-]."""
+SYNC_COUNTS = 65536
+"""Number of the values that the counter of a Sync has."""
 
 
 class Heard(NamedTuple):
@@ -49,7 +63,9 @@ class Heard(NamedTuple):
 def listen(
     driver: Any, clock: Clock, duration: float, *, messages: Any = ()
 ) -> tuple[list[Heard], float]:
-    """Act as the loop for a while: call `receive` a hundred times a second; a bus is sent a `Sync` each time.
+    """Act as the loop for a while: call `receive` a hundred times a second.
+
+    A bus is sent a `Sync` each time.
 
     Args:
         driver: Connected driver of any kind.
@@ -60,32 +76,36 @@ def listen(
     Returns:
         The items received, oldest first, and the duration of the longest call [s].
     """
-    found: list[Heard] = []
-    longest, begun = 0.0, time.monotonic()
-    while (now := time.monotonic()) < begun + duration:
+    items: list[Heard] = []
+    longest_call = 0.0
+    begun = time.monotonic()
+    while True:
+        now = time.monotonic()
+        if now >= begun + duration:
+            return items, longest_call
         if hasattr(driver, "send"):
-            driver.send((*messages, Sync(counter=int((now - begun) / TICK) % 65536)))
-        came = driver.receive()
-        longest = max(longest, time.monotonic() - now)
-        found += [_heard(one, clock.now()) for one in came]
+            sync = Sync(counter=int((now - begun) / TICK) % SYNC_COUNTS)
+            driver.send((*messages, sync))
+        received = driver.receive()
+        longest_call = max(longest_call, time.monotonic() - now)
+        for item in received:
+            items.append(_describe_item(item, clock.now()))
         time.sleep(TICK)
-    return found, longest
 
 
-def _heard(one: Any, now: float) -> Heard:
-    if isinstance(one, Frame):
-        node = getattr(one.message, "node", None)
-        what = (
-            f"frame {one.identifier:#05x}"
-            if node is None
-            else f"{type(one.message).__name__} of node {node}"
-        )
-        return Heard(what, one.time, one.message)
-    if isinstance(one, PowerReading):
-        return Heard("reading", one.time, one)
-    if isinstance(one, str):
-        return Heard("reason to stop", now, one)
-    return Heard("body not seen" if one[1].is_lost else "body", *one)
+def _describe_item(item: Any, now: float) -> Heard:
+    if isinstance(item, Frame):
+        node = getattr(item.message, "node", None)
+        description = f"{type(item.message).__name__} of node {node}"
+        if node is None:
+            description = f"frame {item.identifier:#05x}"
+        return Heard(description, item.time, item.message)
+    if isinstance(item, PowerReading):
+        return Heard("reading", item.time, item)
+    if isinstance(item, str):
+        return Heard("reason to stop", now, item)
+    arrival, pose = item
+    return Heard("body not seen" if pose.is_lost else "body", arrival, pose)
 
 
 def list_broken_rules(
@@ -108,103 +128,188 @@ def list_broken_rules(
         moves: For a bus: also switch the motors on where the joints are, and see them go off
             without references.
     """
-    threads, clock, found = set(threading.enumerate()), Clock(), list[str]()
-    there = Connection(mocap_body=body).at(**{kind: device})
-    with there.opened(kind, clock) as driver:
-        heard, longest = listen(driver, clock, duration)
-        times, values = [one.time for one in heard], [one.value for one in heard]
-        right = times == sorted(times) and all(0.0 < one <= clock.now() for one in times)
-        found += [] if right else ["arrival times must be on the given clock, and increase"]
-        found += [f"a call of the loop took {longest:.3f} s"] if longest > LONGEST else []
-        found += [f"it reports: {driver.trouble}"] if driver.trouble else []
-        few = kind in ("mocap", "meter") and len(values) < math.floor(duration)
-        found += (
-            [f"{len(values)} items came in {duration:g} s"]
-            if few
-            else RULES[kind](values, duration)
-        )
+    threads_before = set(threading.enumerate())
+    clock = Clock()
+    connection = Connection(mocap_body=body).at(**{kind: device})
+    broken: list[str] = []
+    with connection.opened(kind, clock) as driver:
+        items, longest_call = listen(driver, clock, duration)
+        values = [item.value for item in items]
+        broken += _check_calls(driver, clock, items, longest_call)
+        is_periodic = kind in ("mocap", "meter")
+        if is_periodic and len(values) < math.floor(duration):
+            broken.append(f"{len(values)} items came in {duration:g} s")
+        else:
+            broken += RULES[kind](values, duration)
         if kind == "bus":
-            found += _limp(driver, clock, values, moves)
+            broken += _check_limp(driver, clock, values, moves=moves)
         elif kind == "meter":
             driver.restart()
     driver.close()  # closing twice does no harm
-    there.opened(kind, clock).close()  # a closed driver can be opened again
-    end = time.monotonic() + END_WITHIN
-    while (left := set(threading.enumerate()) - threads) and time.monotonic() < end:
+    connection.opened(kind, clock).close()  # a closed driver can be opened again
+    broken += _check_threads(threads_before)
+    if absent:
+        broken += _check_refusal(connection, kind, absent, clock)
+    return tuple(broken)
+
+
+def _check_calls(
+    driver: Any, clock: Clock, items: Sequence[Heard], longest_call: float
+) -> Iterator[str]:
+    """Check arrival times, the duration of calls, and that nothing is reported."""
+    times = [item.time for item in items]
+    are_on_clock = all(0.0 < arrival <= clock.now() for arrival in times)
+    if times != sorted(times) or not are_on_clock:
+        yield "arrival times must be on the given clock, and increase"
+    if longest_call > LONGEST_CALL:
+        yield f"a call of the loop took {longest_call:.3f} s"
+    if driver.trouble:
+        yield f"it reports: {driver.trouble}"
+
+
+def _check_threads(threads_before: set[threading.Thread]) -> Iterator[str]:
+    """Check that no thread is left soon after `close`."""
+    end = time.monotonic() + END_TIME
+    while True:
+        left = set(threading.enumerate()) - threads_before
+        if not left:
+            return
+        if time.monotonic() >= end:
+            names = ", ".join(thread.name for thread in left)
+            yield f"threads are left after `close`: {names}"
+            return
         time.sleep(TICK)
-    found += (
-        [f"threads are left after `close`: {', '.join(thread.name for thread in left)}"]
-        if left
-        else []
-    )
+
+
+def _check_refusal(connection: Connection, kind: str, absent: str, clock: Clock) -> Iterator[str]:
+    """Check that a device that is not there is refused, and named."""
+    _, _, address = absent.rpartition("@")
     try:
-        if absent:
-            there.at(**{kind: absent}).opened(kind, clock).close()
-            found.append(f"{absent} must be refused, with `DeviceFailed`")
+        connection.at(**{kind: absent}).opened(kind, clock).close()
     except DeviceFailed as error:
-        found += (
-            []
-            if absent.rpartition("@")[2] in str(error)
-            else [f"the error must name the address: {error}"]
-        )
-    return tuple(found)
+        if address not in str(error):
+            yield f"the error must name the address: {error}"
+        return
+    yield f"{absent} must be refused, with `DeviceFailed`"
 
 
-def _bus(found: list[Any], duration: float) -> Iterator[str]:
+def _check_bus(messages: Sequence[Any], duration: float) -> Iterator[str]:
     """Check that every node answers and sends heartbeats."""
-    nodes = sorted({one.node for one in found if isinstance(one, JointState | Heartbeat)})
+    nodes = sorted(
+        {message.node for message in messages if isinstance(message, JointState | Heartbeat)}
+    )
     if not nodes or nodes != list(range(1, len(nodes) + 1)):
         yield f"the nodes must be 1, 2, ..., got {nodes}"
-    for kind, least in ((JointState, LEAST_ANSWERS), (Heartbeat, LEAST_BEATS)):
-        counts = [
-            sum(isinstance(one, kind) and one.node == node for one in found) for node in nodes
-        ]
-        if min(counts, default=0) < least * duration:
-            yield f"every node must send {least:g} {kind.__name__} a second, got {counts} in {duration:g} s"
+    for message_class, fewest in ((JointState, FEWEST_ANSWERS), (Heartbeat, FEWEST_BEATS)):
+        senders = [message.node for message in messages if isinstance(message, message_class)]
+        counts = [senders.count(node) for node in nodes]
+        if min(counts, default=0) < fewest * duration:
+            yield (
+                f"every node must send {fewest:g} {message_class.__name__} a second, "
+                f"got {counts} in {duration:g} s"
+            )
 
 
-def _limp(driver: Any, clock: Clock, found: list[Any], moves: bool) -> Iterator[str]:
+class LimpTest(NamedTuple):
+    """What modules must be after some messages."""
+
+    description: str
+    """What they must be, in words."""
+    messages: tuple[CanMessage, ...]
+    """Messages that they get at every tick."""
+    duration: float
+    """Time that they have for it [s]."""
+    is_on: bool
+    """Whether their motors must be on."""
+
+
+def _check_limp(
+    driver: Any, clock: Clock, messages: Sequence[Any], *, moves: bool
+) -> Iterator[str]:
     """Check that modules are limp without references, and after an emergency stop."""
-    angles = {one.node: one.angle for one in found if isinstance(one, JointState)}
-    held = encode_references([angles[node] for node in sorted(angles)]) if angles else ()
-    steps = [
-        ("active with references", (NodeCommand(order=Order.ENABLE), *held), 0.5, True),
-        ("limp without references", (), LIMP_WITHIN, False),
-        ("limp after an emergency stop", (EmergencyStop(reason=2),), LIMP_WITHIN, False),
+    tests = [
+        LimpTest(
+            description="limp after an emergency stop",
+            messages=(EmergencyStop(reason=2),),
+            duration=LIMP_TIME,
+            is_on=False,
+        )
     ]
-    for what, messages, duration, is_on in steps if moves else steps[-1:]:
-        heard, _ = listen(driver, clock, duration, messages=messages)
-        states = {
-            one.value.node: one.value.state for one in heard if isinstance(one.value, Heartbeat)
-        }
-        if not states or any(state.is_on != is_on for state in states.values()):
-            yield f"modules must be {what}, got {states}"
-    sent = driver.send((NodeCommand(order=Order.CLEAR),))
-    if [(type(one.message), one.is_ours) for one in sent] != [
-        (NodeCommand, True)
-    ] or driver.bus_off:
-        yield f"`send` must return the frames that were sent, got {sent}; it reports {driver.bus_off!r}"
+    if moves:
+        tests = [*_tests_of_motors(messages), *tests]
+    for test in tests:
+        items, _ = listen(driver, clock, test.duration, messages=test.messages)
+        heartbeats = [item.value for item in items if isinstance(item.value, Heartbeat)]
+        states = {beat.node: beat.state for beat in heartbeats}
+        if not states or any(state.is_on != test.is_on for state in states.values()):
+            yield f"modules must be {test.description}, got {states}"
+    sent: tuple[Frame, ...] = driver.send((NodeCommand(order=Order.CLEAR),))
+    kinds = [(type(frame.message), frame.is_ours) for frame in sent]
+    if kinds != [(NodeCommand, True)] or driver.bus_off:
+        yield (
+            f"`send` must return the frames that were sent, got {sent}; "
+            f"it reports {driver.bus_off!r}"
+        )
 
 
-def _mocap(found: list[Any], duration: float) -> Iterator[str]:
+def _tests_of_motors(messages: Sequence[Any]) -> list[LimpTest]:
+    """Return the tests that switch motors on, at the angles that the joints have."""
+    angle_of = {
+        message.node: message.angle for message in messages if isinstance(message, JointState)
+    }
+    references: tuple[CanMessage, ...] = ()
+    if angle_of:
+        references = encode_references([angle_of[node] for node in sorted(angle_of)])
+    return [
+        LimpTest(
+            description="active with references",
+            messages=(NodeCommand(order=Order.ENABLE), *references),
+            duration=ENABLE_TIME,
+            is_on=True,
+        ),
+        LimpTest(
+            description="limp without references", messages=(), duration=LIMP_TIME, is_on=False
+        ),
+    ]
+
+
+def _check_mocap(poses: Sequence[Any], duration: float) -> Iterator[str]:
     """Check the poses of one body: none is repeated, and all rotations are valid."""
-    if all(pose.is_lost for pose in found):
+    if all(pose.is_lost for pose in poses):
         yield "the body must be seen"
-    if any(after.time <= before.time for before, after in pairwise(found)):
+    if any(later.time <= earlier.time for earlier, later in pairwise(poses)):
         yield "the times of poses must increase"
-    for turned in (pose.rotation for pose in found if pose.rotation is not None):
-        if not np.allclose(turned @ turned.T, np.eye(3), atol=1e-3) or np.linalg.det(turned) < 0.0:
-            yield f"rotation matrices must be orthonormal and right-handed, got {turned.tolist()}"
+    for pose in poses:
+        if pose.rotation is not None and not _is_rotation(pose.rotation):
+            yield (
+                "rotation matrices must be orthonormal and right-handed, "
+                f"got {pose.rotation.tolist()}"
+            )
             return
 
 
-def _others(found: list[Any], duration: float) -> Iterator[str]:
-    """Check that readings are finite numbers, and that there is no reason to stop."""
-    reasons = [one for one in found if isinstance(one, str)]
+def _is_rotation(matrix: np.ndarray) -> bool:
+    is_orthonormal = np.allclose(matrix @ matrix.T, np.eye(3), atol=ROTATION_ERROR)
+    return is_orthonormal and not np.linalg.det(matrix) < 0.0
+
+
+def _check_meter(readings: Sequence[Any], duration: float) -> Iterator[str]:
+    """Check that readings are finite numbers."""
+    if not all(math.isfinite(reading.current) for reading in readings):
+        yield f"readings must be finite, got {readings}"
+
+
+def _check_stop(reasons: Sequence[Any], duration: float) -> Iterator[str]:
+    """Check that there is no reason to stop."""
     if reasons:
         yield f"the contact must be closed for this test: {reasons[0]}"
-    elif not all(math.isfinite(reading.current) for reading in found):
-        yield f"readings must be finite, got {found}"
 
 
-RULES = {"bus": _bus, "mocap": _mocap, "meter": _others, "stop": _others}
+Rule = Callable[[Sequence[Any], float], Iterator[str]]
+RULES: Mapping[str, Rule] = {
+    "bus": _check_bus,
+    "mocap": _check_mocap,
+    "meter": _check_meter,
+    "stop": _check_stop,
+}
+"""Functions that yield what is wrong with the values that came from a driver, by its kind."""

@@ -1,4 +1,4 @@
-"""Driver of the power meter in the supply cable, with pyserial: current now, average, minimum and maximum."""
+"""Driver of the power meter in the supply cable, with pyserial: current now, and its record."""
 
 # pyserial has no types: this module passes typed readings on.
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
@@ -14,8 +14,10 @@ from laticauda.tank.protocol import ProtocolError, meter
 from laticauda.tank.protocol.clock import Clock
 from laticauda.tank.protocol.worker import DeviceFailed, hardware
 
-ANSWER_TIME = 1.0  # [s, wall clock]
-INTERVAL = 0.1  # between two queries; the meter's own interval is about as long [s]
+ANSWER_TIME = 1.0
+"""Longest wait for an answer [s, wall clock]."""
+INTERVAL = 0.1
+"""Time between two queries; the meter's own interval is about as long [s]."""
 
 
 class MeterDriver(Meter):
@@ -30,20 +32,12 @@ class MeterDriver(Meter):
         self._restart = threading.Event()
         self._since: float | None = None
         try:
-            answers = (
-                self._query(meter.IDENTITY) for _ in range(2)
-            )  # the first may answer an earlier query
-            if not any(
-                (identity := one).count(",") == 2 for one in answers
-            ):  # model, software, serial number
-                raise ProtocolError(
-                    f"the meter's answer to ID must have 3 fields, got {identity!r:.80}"
-                )
+            self._check_identity()
         except (OSError, ProtocolError, ValueError) as error:
             self.release()
             raise DeviceFailed(
-                f"The power meter at {address} does not answer ({error}): check that it is on, that it shows A DC, and "
-                "the name of the port."
+                f"The power meter at {address} does not answer ({error}): check that it is on, "
+                "that it shows A DC, and the name of the port."
             ) from error
         self._start()
 
@@ -62,27 +56,45 @@ class MeterDriver(Meter):
         except Exception:
             self.release()  # it is opened again at the next try
             raise
-        record = {name: getattr(shown, name) for name in ("average", "minimum", "maximum")}
         self._received.append(
-            PowerReading(time=self._clock.now(), current=shown.live, since=self._since, **record)
+            PowerReading(
+                time=self._clock.now(),
+                current=shown.live,
+                average=shown.average,
+                minimum=shown.minimum,
+                maximum=shown.maximum,
+                since=self._since,
+            )
         )
         self._ended.wait(INTERVAL / self._clock.speed)
 
-    def _query(self, word: str, *, has_data: bool = True) -> str:
+    def _check_identity(self) -> None:
+        """Check that a meter answers with model, software and serial number."""
+        identity = ""
+        for _ in range(2):  # the first answer may be to an earlier query
+            identity = self._query(meter.IDENTITY)
+            if identity.count(",") == 2:
+                return
+        raise ProtocolError(f"the meter's answer to ID must have 3 fields, got {identity!r:.80}")
+
+    def _query(self, query: str, *, has_data: bool = True) -> str:
         """Send a query, and return the data line of the answer."""
         if self._line is None:
             self._line = self._serial.Serial(
                 self._address, meter.BAUD_RATE, timeout=0.05, write_timeout=ANSWER_TIME
             )
         self._line.reset_input_buffer()
-        self._line.write(meter.encode_question(word))
-        reader, lines, end = meter.LineReader(), list[str](), time.monotonic() + ANSWER_TIME
-        while len(lines) < 1 + has_data:
+        self._line.write(meter.encode_question(query))
+        reader = meter.LineReader()
+        lines: list[str] = []
+        n_lines = 2 if has_data else 1
+        end = time.monotonic() + ANSWER_TIME
+        while len(lines) < n_lines:
             if time.monotonic() > end or self._ended.is_set():
-                raise ProtocolError(f"no answer to {word}")
+                raise ProtocolError(f"no answer to {query}")
             lines += reader.feed(self._line.read(max(self._line.in_waiting, 1)))
             if lines and lines[0] != "0":
-                raise ProtocolError(f"it refuses {word} with {lines[0]!r:.40}")
+                raise ProtocolError(f"it refuses {query} with {lines[0]!r:.40}")
         return lines[1] if has_data else ""
 
     def release(self) -> None:

@@ -1,4 +1,4 @@
-"""Driver of the motion capture, with the vendor's own client package, whose event loop runs in a thread."""
+"""Driver of the motion capture, with the vendor's own client, whose event loop runs in a thread."""
 
 # qtm_rt has no types: this module passes typed frames on.
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
@@ -7,8 +7,8 @@
 import asyncio
 import logging
 import threading
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
@@ -20,7 +20,14 @@ from laticauda.tank.protocol.qtm import LOST_POSITION, BodyPose, body_pose
 from laticauda.tank.protocol.worker import DeviceFailed, hardware
 from laticauda.values.angles import from_quaternion
 
-CONNECT_TIME = 5.0  # [s, wall clock]
+CONNECT_TIME = 5.0
+"""Longest wait for a connection [s, wall clock]."""
+ANSWER_TIME = CONNECT_TIME + 2.0
+"""Longest wait until the body has been found, too [s, wall clock]."""
+LOOK_INTERVAL = 0.05
+"""Time between two looks at whether the connection is to end [s, wall clock]."""
+TICKS_PER_SECOND = 1e6
+"""Ticks of the clock by which packets are stamped [1/s]."""
 
 
 def pose_sample(time: float, pose: BodyPose | None) -> PoseSample:
@@ -36,37 +43,70 @@ def pose_sample(time: float, pose: BodyPose | None) -> PoseSample:
     return PoseSample(time=time, position=pose.position, rotation=pose.rotation, residual=residual)
 
 
-def _of_body(packet: Any, at: Sequence[int]) -> BodyPose | None:
+def _pose_of_body(packet: Any, indices: Sequence[int]) -> BodyPose | None:
     """Return the pose of a rigid body."""
-    position, matrix, residual = packet.get_6d_residual()[1][at[0]]
+    _, bodies = packet.get_6d_residual()
+    position, matrix, residual = bodies[indices[0]]
     return body_pose((*position, *matrix.matrix, *residual))
 
 
-def _of_markers(packet: Any, at: Sequence[int]) -> BodyPose | None:
-    """Return the pose of three labeled markers: x from the second to the first, origin midway, y toward the third."""
-    front, back, left = np.array([packet.get_3d_markers_residual()[1][one][:3] for one in at])
-    x, z = front - back, np.cross(front - back, left - back)
-    if not np.linalg.norm(z) > 0.0:  # a marker is not seen, or the three are collinear
+def _pose_of_markers(packet: Any, indices: Sequence[int]) -> BodyPose | None:
+    """Return the pose of three labeled markers: front, back and left.
+
+    The x axis goes from the second to the first, the origin is midway, and y is toward the third.
+    """
+    _, markers = packet.get_3d_markers_residual()
+    front, back, left = np.array([markers[index][:3] for index in indices])
+    x_axis = front - back
+    z_axis = np.cross(x_axis, left - back)
+    if not np.linalg.norm(z_axis) > 0.0:  # a marker is not seen, or the three are collinear
         return None
-    axes = [axis / np.linalg.norm(axis) for axis in (x, np.cross(z, x), z)]
-    return body_pose((*(0.5 * (front + back)).tolist(), *np.concatenate(axes).tolist()))
+    y_axis = np.cross(z_axis, x_axis)
+    unit_axes = [axis / np.linalg.norm(axis) for axis in (x_axis, y_axis, z_axis)]
+    origin = 0.5 * (front + back)
+    return body_pose((*origin.tolist(), *np.concatenate(unit_axes).tolist()))
 
 
-def _of_segment(packet: Any, at: Sequence[int]) -> BodyPose | None:
+def _pose_of_segment(packet: Any, indices: Sequence[int]) -> BodyPose | None:
     """Return the pose of a skeleton's segment."""
-    segments = [segment for skeleton in packet.get_skeletons()[1] for segment in skeleton]
-    _, position, turned = segments[at[0]]
-    return body_pose(
-        (*position, *from_quaternion(turned.w, turned.x, turned.y, turned.z).T.ravel().tolist())
-    )
+    _, skeletons = packet.get_skeletons()
+    segments: list[Any] = []
+    for skeleton in skeletons:
+        segments += skeleton
+    _, position, quaternion = segments[indices[0]]
+    rotation = from_quaternion(quaternion.w, quaternion.x, quaternion.y, quaternion.z)
+    return body_pose((*position, *rotation.T.ravel().tolist()))
 
 
-FORMS = {
-    "6d": ("bodies", "6dres", _of_body),
-    "3d": ("markers", "3dres", _of_markers),
-    "skeleton": ("segments", "skeleton", _of_segment),
-}
-"""Forms of a body, by QTM's name of the parameters: in words, as a component of a packet, and how to get its pose."""
+class BodyForm(NamedTuple):
+    """What a body is in QTM: one of three kinds."""
+
+    parameters: str
+    """QTM's name of the parameters that list them."""
+    description: str
+    """What they are, in messages."""
+    component: str
+    """Component of a packet that has them."""
+    pose: Callable[[Any, Sequence[int]], BodyPose | None]
+    """Returns the pose from a packet, and indices in the list; None: not seen."""
+
+
+RIGID_BODY = BodyForm(parameters="6d", description="bodies", component="6dres", pose=_pose_of_body)
+THREE_MARKERS = BodyForm(
+    parameters="3d", description="markers", component="3dres", pose=_pose_of_markers
+)
+SEGMENT = BodyForm(
+    parameters="skeleton", description="segments", component="skeleton", pose=_pose_of_segment
+)
+
+
+def _form_of(body: str) -> BodyForm:
+    """Return what a name stands for: NAME, FRONT+BACK+LEFT or SKELETON/SEGMENT."""
+    if "/" in body:
+        return SEGMENT
+    if body.count("+") == 2:
+        return THREE_MARKERS
+    return RIGID_BODY
 
 
 class MocapDriver(MotionCapture):
@@ -81,21 +121,21 @@ class MocapDriver(MotionCapture):
     def __init__(self, address: str, clock: Clock, body: str = "") -> None:
         super().__init__(address, clock, body)
         self._qtm = hardware("qtm-rt", "qtm_rt")
-        logging.getLogger("qtm_rt").addHandler(
-            logging.NullHandler()
-        )  # our messages report its errors
-        self._form = "skeleton" if "/" in body else "3d" if body.count("+") == 2 else "6d"
-        self._called, self._component, self._pose = FORMS[self._form]
-        self._at: list[int] = []  # indices of the body, or its markers, in the server's list
-        self._first: DeviceFailed | None = None
+        # Our own messages report its errors.
+        logging.getLogger("qtm_rt").addHandler(logging.NullHandler())
+        self._form = _form_of(body)
+        self._indices: list[int] = []
+        """Indices of the body, or of its markers, in the server's list."""
+        self._first_error: DeviceFailed | None = None
         self._ready = threading.Event()
         self._start()
-        if not self._ready.wait(CONNECT_TIME + 2.0) or self._first is not None:
-            failed = self._first or DeviceFailed(
+        has_answered = self._ready.wait(ANSWER_TIME)
+        if not has_answered or self._first_error is not None:
+            error = self._first_error or DeviceFailed(
                 f"The motion capture at {address} does not answer."
             )
             self.close()
-            raise failed
+            raise error
 
     @classmethod
     def check(cls, address: str) -> None:
@@ -108,78 +148,87 @@ class MocapDriver(MotionCapture):
             asyncio.run(self._connected())
         except Exception as error:
             if not self._ready.is_set():  # the first error is for the creator of this driver
-                known = isinstance(error, DeviceFailed)
-                said = f"The motion capture at {self._address} fails: {error!r}."
-                self._first = error if known else DeviceFailed(said)
+                self._first_error = self._explain(error)
                 self._ready.set()
             raise
 
+    def _explain(self, error: Exception) -> DeviceFailed:
+        if isinstance(error, DeviceFailed):
+            return error
+        return DeviceFailed(f"The motion capture at {self._address} fails: {error!r}.")
+
     async def _connected(self) -> None:
         host, port = host_and_port(self._address)
-        gone = asyncio.Event()
-        asked = self._qtm.connect(
-            host, port, on_disconnect=lambda _: gone.set(), timeout=CONNECT_TIME
+        is_gone = asyncio.Event()
+        connecting = self._qtm.connect(
+            host, port, on_disconnect=lambda _: is_gone.set(), timeout=CONNECT_TIME
         )
-        link: Any = await asyncio.wait_for(asked, CONNECT_TIME)
+        link: Any = await asyncio.wait_for(connecting, CONNECT_TIME)
         if link is None:
             raise DeviceFailed(
-                f"The motion capture at {self._address} cannot be reached: check that QTM runs there, and that its "
-                "real-time server has this port."
+                f"The motion capture at {self._address} cannot be reached: check that QTM runs "
+                "there, and that its real-time server has this port."
             )
         try:
             await self._find_body(link)
             # The client waits for the first frame; cameras that do not measure yet are not a
             # connection error.
             stream = link.stream_frames(
-                frames="allframes", components=[self._component], on_packet=self._on_packet
+                frames="allframes", components=[self._form.component], on_packet=self._on_packet
             )
-            begun = asyncio.ensure_future(stream)
+            streaming = asyncio.ensure_future(stream)
             # Its result is not awaited: whether frames arrive says the same.
-            begun.add_done_callback(lambda begun: begun.cancelled() or begun.exception())
+            streaming.add_done_callback(lambda future: future.cancelled() or future.exception())
             self._trouble = ""
             self._ready.set()
-            while not (self._ended.is_set() or gone.is_set()):
-                await asyncio.sleep(0.05)
+            while not (self._ended.is_set() or is_gone.is_set()):
+                await asyncio.sleep(LOOK_INTERVAL)
         finally:
             if link.has_transport():
                 link.disconnect()
                 await asyncio.sleep(0.0)  # lets the transport close
-        if gone.is_set() and not self._ended.is_set():
+        if is_gone.is_set() and not self._ended.is_set():
             raise DeviceFailed(f"the motion capture at {self._address} closed the connection")
 
     async def _find_body(self, link: Any) -> None:
         """Find the indices of the body in the list."""
-        names = _names(ElementTree.fromstring(await link.get_parameters([self._form])))
+        answer = await link.get_parameters([self._form.parameters])
+        names = _names(ElementTree.fromstring(answer))
         listed = ", ".join(names) or "none"
-        wanted = self._body.split("+") if self._form == "3d" else [self._body or listed]
         if not self._body and len(names) != 1:
             raise DeviceFailed(
                 f"The body must be named by `mocap_body`: the motion capture has {listed}."
             )
-        for name in wanted:
+        body_names = [self._body or names[0]]
+        if self._form is THREE_MARKERS:
+            body_names = self._body.split("+")
+        for name in body_names:
             if name not in names:
                 raise DeviceFailed(
-                    f"The motion capture has no {name!r} among its {self._called}: {listed}."
+                    f"The motion capture has no {name!r} among its {self._form.description}: "
+                    f"{listed}."
                 )
-        self._at = [names.index(name) for name in wanted]
+        self._indices = [names.index(name) for name in body_names]
 
     def _on_packet(self, packet: Any) -> None:
         """Take in one packet, in the thread of the event loop."""
         arrival = self._clock.now()
         try:
-            pose = self._pose(packet, self._at)
-            stamp = packet.timestamp / 1e6
+            pose = self._form.pose(packet, self._indices)
+            stamp = packet.timestamp / TICKS_PER_SECOND
         except Exception as error:  # an invalid packet is a lost frame
             self._trouble = f"invalid packet from the motion capture: {error}"
             return
         self._received.append((arrival, pose_sample(stamp, pose)))
 
 
-def _names(told: ElementTree.Element) -> list[str]:
+def _names(parameters: ElementTree.Element) -> list[str]:
     """Return the names of all bodies, labels or segments, in the order of the packets."""
-    segments = (
-        (skeleton, part) for skeleton in told.iter("Skeleton") for part in skeleton.iter("Segment")
-    )
-    names = ["/".join(str(one.get("Name")) for one in pair) for pair in segments]
-    texts = [*told.findall(".//Body/Name"), *told.findall(".//Label/Name")]
-    return names + [(one.text or "").strip() for one in texts]
+    names: list[str] = []
+    for skeleton in parameters.iter("Skeleton"):
+        for segment in skeleton.iter("Segment"):
+            names.append(f"{skeleton.get('Name')}/{segment.get('Name')}")
+    for path in (".//Body/Name", ".//Label/Name"):
+        for element in parameters.findall(path):
+            names.append((element.text or "").strip())
+    return names

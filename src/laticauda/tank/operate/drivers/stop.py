@@ -15,8 +15,10 @@ from laticauda.tank.protocol.clock import Clock
 from laticauda.tank.protocol.worker import DeviceFailed, hardware
 from laticauda.values.checks import check_choice
 
-LOOKS = 0.005  # time between two looks [s, wall clock]
+LOOK_INTERVAL = 0.005
+"""Time between two looks [s, wall clock]."""
 LINES = ("cts", "dsr", "cd", "ri")
+"""Modem lines; the first is used if an address names none."""
 
 
 class SerialLine(StopInput):
@@ -25,15 +27,16 @@ class SerialLine(StopInput):
     def __init__(self, address: str, clock: Clock) -> None:
         super().__init__(address, clock)
         port, _, line = address.partition(":")
-        self._name, self._port = line or LINES[0], None
+        self._line = line or LINES[0]
+        self._port = None
         try:
             self._port: Any = hardware("pyserial", "serial").Serial(port)
-            getattr(self._port, self._name)
+            getattr(self._port, self._line)
         except (OSError, ValueError) as error:
             self.release()
             raise DeviceFailed(
-                f"The emergency-stop input at {address} cannot be read ({error}): check the name of the port, and that "
-                "it has modem lines."
+                f"The emergency-stop input at {address} cannot be read ({error}): "
+                "check the name of the port, and that it has modem lines."
             ) from error
         self._start()
 
@@ -41,16 +44,16 @@ class SerialLine(StopInput):
     def check(cls, address: str) -> None:
         """See `Driver.check`."""
         super().check(address)
-        check_choice("address", address.partition(":")[2] or LINES[0], LINES)
+        _, _, line = address.partition(":")
+        check_choice("address", line or LINES[0], LINES)
 
     def look(self) -> str:
         """See `StopInput.look`."""
-        self._ended.wait(LOOKS)
-        return (
-            ""
-            if getattr(self._port, self._name)
-            else f"its contact on {self._name.upper()} is open"
-        )
+        self._ended.wait(LOOK_INTERVAL)
+        is_closed = getattr(self._port, self._line)
+        if is_closed:
+            return ""
+        return f"its contact on {self._line.upper()} is open"
 
     def release(self) -> None:
         """Close the port."""

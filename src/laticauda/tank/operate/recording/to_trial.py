@@ -2,8 +2,8 @@
 
 import datetime
 import itertools
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -24,14 +24,30 @@ OBSERVED = tuple(
     name for name in Observation.__dataclass_fields__ if name in SERIES and name != "time"
 )
 """Fields of the estimates that a trial takes over unchanged."""
+FIN_SIGNALS = {"angle": "fin_angle_0", "rate": "fin_rate_0", "torque": "fin_torque"}
+"""Signals of a driven fin, as of a simulated one, by the fields of the joint samples."""
+TIME_ROUNDING = 1e-9
+"""A decision holds from its time on, although times of estimates may be rounded down [s]."""
 Column = Float[np.ndarray, " _n"]
 Table = Float[np.ndarray, "_n _columns"]
-Own = Callable[[Robot, str, Column], Column]
-"""Selects the joints that a trial has from all joints."""
+SelectJoints = Callable[[Robot, str, Column], Column]
+"""Selects the joints that a trial has from all joints of a sample."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ending:
+    """How a run ended, and whether it counts."""
+
+    status: str
+    """How it ended, in one sentence."""
+    succeeded: bool
+    """Whether it counts."""
 
 
 def estimates_of_run(log: OperationLog, estimates: list[Estimate] | None = None) -> list[Estimate]:
-    """Return the estimates of the run: from the last `start` to the `stop` after it, or the end; without a start, all.
+    """Return the estimates from the last `start` to the `stop` after it, or the end.
+
+    Without a start, all estimates belong to the run.
 
     Args:
         log: The recording.
@@ -41,16 +57,17 @@ def estimates_of_run(log: OperationLog, estimates: list[Estimate] | None = None)
         TrialFileError: If there are fewer than two estimates.
     """
     begin, end = log.span
-    found = log.of(Estimate) if estimates is None else estimates
+    if estimates is None:
+        estimates = log.of(Estimate)
     chosen: list[Estimate] = []
-    for estimate in found:
-        if begin <= estimate.time <= end and (not chosen or estimate.time > chosen[-1].time):
+    for estimate in estimates:
+        is_in_run = begin <= estimate.time <= end
+        is_later = not chosen or estimate.time > chosen[-1].time
+        if is_in_run and is_later:
             chosen.append(estimate)
     if len(chosen) < 2:
-        what = f" {log.lost}" if log.lost else ""
-        raise TrialFileError(
-            f"Cannot replay {log.path}: it holds no run with at least two estimates.{what}"
-        )
+        problem = f"Cannot replay {log.path}: it holds no run with at least two estimates."
+        raise TrialFileError(f"{problem} {log.lost}" if log.lost else problem)
     return chosen
 
 
@@ -70,55 +87,51 @@ def trial_of(log: OperationLog, estimates: list[Estimate] | None = None) -> Tria
     Raises:
         TrialFileError: If the recording holds no run.
     """
-    run = estimates_of_run(log, estimates)
-    time = np.array([estimate.time for estimate in run])
+    run_estimates = estimates_of_run(log, estimates)
+    time = np.array([estimate.time for estimate in run_estimates])
     observed: dict[str, Any] = {
-        name: np.array([getattr(estimate, name) for estimate in run]) for name in OBSERVED
+        name: np.array([getattr(estimate, name) for estimate in run_estimates]) for name in OBSERVED
     }
-    electrical, power_source = measure_electrical_work(log, time)
-    own = _all_joints if observed["center_of_mass"].shape[1] == 3 else Robot.yaw_joints
-    torque = _torque(log, time, own)
-    joints = {"joint_torque": torque, "joint_angle_ref": _references(log, time, own)}
-    work = None if torque is None else metrics.joint_work(time, torque, observed["joint_rate"])
-    fin = _of_fin(log, time)
-    if work is not None and {"fin_torque", "fin_rate_0"} <= fin.keys():
-        work = work + metrics.joint_work(
-            time, fin["fin_torque"][:, np.newaxis], fin["fin_rate_0"][:, np.newaxis]
-        )
-    end = next((one for one in log.of_run(Event) if one.kind in ("stop", "fault")), None)
-    wrong = [one for one in log.of(Event) if one.kind == "verdict" and not one.data["accepted"]]
+    is_in_space = observed["center_of_mass"].shape[1] == 3
+    select_joints = _select_body_joints if is_in_space else Robot.yaw_joints
+    torque = _measured_torque(log, time, select_joints)
+    fin = _fin_signals(log, time)
+    electrical_work, power_source = measure_electrical_work(log, time)
+    ending = _ending(log)
     learned: list[Learned] = log.of(Learned)
-    notes = {"learned": learned[-1].line} if learned else {}
-    began = datetime.datetime.fromtimestamp((log.epoch + round(1e9 * time[0])) / 1e9, datetime.UTC)
-    created = {"created": began.isoformat()} if log.epoch else {}
-    counts = end is not None and end.kind == "stop" and end.data.get("succeeded", True) is True
+    notes: dict[str, Any] = {"source": "recording", **power_source}
+    if learned:
+        notes["learned"] = learned[-1].line
+    created: dict[str, str] = {}
+    if log.epoch:
+        created["created"] = _wall_clock(log.epoch, time[0])
     return Trial.measured(
-        {"time": time - time[0], **observed, **joints, "work": work, "electrical_work": electrical},
-        signals={**_signals(log, time, run), **fin},
-        scenario=replace(
-            log.header.run,
-            notes={"source": "recording", **power_source, **notes, **log.header.run.notes},
-        ),
+        {
+            "time": time - time[0],
+            **observed,
+            "joint_torque": torque,
+            "joint_angle_ref": _references_in_force(log, time, select_joints),
+            "work": _work(time, observed["joint_rate"], torque, fin),
+            "electrical_work": electrical_work,
+        },
+        signals={**_signals(log, time, run_estimates), **fin},
+        scenario=replace(log.header.run, notes={**notes, **log.header.run.notes}),
         version=log.version,
         **created,
-        status=wrong[0].message
-        if wrong
-        else end.message
-        if end is not None
-        else "The recording reached its end.",
-        succeeded=counts and not (wrong or log.lost),
+        status=ending.status,
+        succeeded=ending.succeeded,
     )
 
 
 def measure_electrical_work(
     log: OperationLog, time: Column
 ) -> tuple[Column | None, Mapping[str, float | str]]:
-    """Return the electrical work above idle at some times [J], and its parameters; None without at least two readings.
+    """Return the electrical work above idle at some times [J], and its parameters.
 
-    W(t) = V (Q(t) - Q(0)) - V I_0 t, with the charge Q from the meter's own average if it keeps one
-    (Q is that average times the duration of its record, so nothing between two readings is missed),
-    else from its readings. The slope of W over a run is (4): P = V I_avg - V I_0. V is taken from
-    the recording.
+    It is None without at least two readings. W(t) = V (Q(t) - Q(0)) - V I_0 t, with the charge Q
+    from the meter's own average if it keeps one (Q is that average times the duration of its
+    record, so nothing between two readings is missed), else from its readings. The slope of W over
+    a run is (4): P = V I_avg - V I_0. V is taken from the recording.
 
     Args:
         log: The recording.
@@ -130,110 +143,172 @@ def measure_electrical_work(
     readings: list[PowerReading] = log.of(PowerReading)
     if len(readings) < 2:
         return None, {}
-    volts = log.header.supply_voltage
-    if volts is None:
+    voltage = log.header.supply_voltage
+    if voltage is None:
         raise TrialFileError(
             f"Cannot replay {log.path}: it holds power readings, but no `supply_voltage`."
         )
-    when = np.array([reading.time for reading in readings])
-    current = np.array([reading.current for reading in readings])
-    steps = np.diff(when) * 0.5 * (current[1:] + current[:-1])
-    for i, (one, two) in enumerate(itertools.pairwise(readings)):
-        charge = _charge_between(one, two)
-        if charge is not None:
-            steps[i] = charge
-    charge = np.concatenate(([0.0], np.cumsum(steps)))
-    idle = find_idle_current(log, volts)
-    drawn = np.interp(time, when, charge)
-    work = volts * (drawn - drawn[0] - idle * (time - time[0]))
-    return work, {"supply_voltage": volts, "idle_current": idle}
+    idle_current = find_idle_current(log, voltage)
+    reading_times = np.array([reading.time for reading in readings])
+    charge = np.interp(time, reading_times, _charge_at(readings))
+    work = voltage * (charge - charge[0] - idle_current * (time - time[0]))
+    return work, {"supply_voltage": voltage, "idle_current": idle_current}
 
 
 def find_idle_current(log: OperationLog, supply_voltage: float) -> float:
-    """Return I_0 as noted before the run, or else from the idle power in the robot's file, at `supply_voltage` [A]."""
-    noted = log.notes.get("idle", {}).get("current")
-    if noted is not None:
-        return check_not_negative("idle current", float(noted), "A")
+    """Return I_0 as noted before the run, or else from the idle power in the robot's file [A].
+
+    Args:
+        log: The recording.
+        supply_voltage: V of (4) [V].
+    """
+    noted_current = log.notes.get("idle", {}).get("current")
+    if noted_current is not None:
+        return check_not_negative("idle current", float(noted_current), "A")
     return log.header.run.robot.idle_power / supply_voltage
 
 
-# ---- inside --------------------------------------------------------------------------------------
+# ---- power ---------------------------------------------------------------------------------------
 
 
-def _charge_between(one: PowerReading, two: PowerReading) -> float | None:
-    """Return the charge between two readings of a meter that averages from `since` on [A s]; None if not known."""
-    if one.average is None or two.average is None or one.since is None or one.since != two.since:
+def _charge_at(readings: Sequence[PowerReading]) -> Column:
+    """Return the charge from the first reading to each one [A s]."""
+    times = np.array([reading.time for reading in readings])
+    current = np.array([reading.current for reading in readings])
+    steps = np.diff(times) * 0.5 * (current[1:] + current[:-1])
+    for i, (earlier, later) in enumerate(itertools.pairwise(readings)):
+        charge = _charge_by_averages(earlier, later)
+        if charge is not None:
+            steps[i] = charge
+    return np.concatenate(([0.0], np.cumsum(steps)))
+
+
+def _charge_by_averages(earlier: PowerReading, later: PowerReading) -> float | None:
+    """Return the charge between two readings from the meter's averages [A s]; None: not known."""
+    if earlier.average is None or later.average is None:
         return None
-    return two.average * (two.time - one.since) - one.average * (one.time - one.since)
+    since = earlier.since
+    if since is None or since != later.since:
+        return None
+    return later.average * (later.time - since) - earlier.average * (earlier.time - since)
 
 
-def _all_joints(robot: Robot, name: str, values: Column) -> Column:
+def _work(
+    time: Column, joint_rate: Table, joint_torque: Table | None, fin: Mapping[str, Column]
+) -> Table | None:
+    """Return the mechanical work of every joint [J]; None if torques are not reported."""
+    if joint_torque is None:
+        return None
+    work = metrics.joint_work(time, joint_torque, joint_rate)
+    if {"fin_torque", "fin_rate_0"} <= fin.keys():
+        fin_torque = fin["fin_torque"][:, np.newaxis]
+        fin_rate = fin["fin_rate_0"][:, np.newaxis]
+        work = work + metrics.joint_work(time, fin_torque, fin_rate)
+    return work
+
+
+# ---- joints --------------------------------------------------------------------------------------
+
+
+def _select_body_joints(robot: Robot, name: str, values: Column) -> Column:
     return values[: robot.n_joints]
 
 
-def _torque(log: OperationLog, time: Column, own: Own) -> Table | None:
-    """Return the torques of those joints at some times, interpolated linearly, ignoring nan; None if not reported."""
-    samples = sorted(
-        (one for one in log.of(JointSample) if one.torque is not None), key=lambda one: one.time
-    )
+def _measured_torque(log: OperationLog, time: Column, select_joints: SelectJoints) -> Table | None:
+    """Return joint torques at some times [N m], bridged linearly; None if not reported."""
+    samples = [sample for sample in log.of(JointSample) if sample.torque is not None]
     if not samples:
         return None
-    when = np.array([sample.time for sample in samples])
-    table = np.stack([own(log.header.run.robot, "torque", sample.torque) for sample in samples])
-    return np.nan_to_num(interpolated(time, when, table))
+    samples.sort(key=lambda sample: sample.time)
+    robot = log.header.run.robot
+    sample_times = np.array([sample.time for sample in samples])
+    torque = np.stack([select_joints(robot, "torque", sample.torque) for sample in samples])
+    return np.nan_to_num(interpolated(time, sample_times, torque))
 
 
-def _of_fin(log: OperationLog, time: Column) -> dict[str, Column]:
-    """Return the motion of a driven fin at some times and its reference, as the signals of a simulated fin."""
-    n, found = log.header.run.robot.n_joints, dict[str, Column]()
-    samples = sorted(
-        (one for one in log.of(JointSample) if np.isfinite(one.angle[n:]).any()),
-        key=lambda one: one.time,
-    )
-    for name, signal in (
-        ("angle", "fin_angle_0"),
-        ("rate", "fin_rate_0"),
-        ("torque", "fin_torque"),
-    ):
-        known = [
-            (one.time, getattr(one, name)[n]) for one in samples if getattr(one, name) is not None
-        ]
-        if known:
-            found[signal] = np.interp(time, *np.array(known).T)
-    references = [one for one in log.of(ReferenceSample) if one.angle.size > n]
+def _fin_signals(log: OperationLog, time: Column) -> dict[str, Column]:
+    """Return motion and reference of a driven fin at some times, as a simulated fin has them."""
+    fin_column = log.header.run.robot.n_joints
+    samples: list[JointSample] = [
+        sample for sample in log.of(JointSample) if np.isfinite(sample.angle[fin_column:]).any()
+    ]
+    samples.sort(key=lambda sample: sample.time)
+    signals: dict[str, Column] = {}
+    for field, signal in FIN_SIGNALS.items():
+        reporting = [sample for sample in samples if getattr(sample, field) is not None]
+        if reporting:
+            sample_times = [sample.time for sample in reporting]
+            values = [getattr(sample, field)[fin_column] for sample in reporting]
+            signals[signal] = np.interp(time, sample_times, values)
+    references: list[ReferenceSample] = [
+        reference for reference in log.of(ReferenceSample) if reference.angle.size > fin_column
+    ]
     if references:
-        found["fin_angle_ref"] = _in_force(references, time, lambda angle: angle[n : n + 1])[:, 0]
-    return found
+        angles = np.stack(
+            [reference.angle[fin_column : fin_column + 1] for reference in references]
+        )
+        signals["fin_angle_ref"] = _in_force(references, angles, time)[:, 0]
+    return signals
 
 
-def _references(log: OperationLog, time: Column, own: Own) -> Table | None:
-    """Return the references in force at some times; None if none were sent."""
-    samples: list[ReferenceSample] = log.of(ReferenceSample)
-    return (
-        _in_force(samples, time, lambda angle: own(log.header.run.robot, "angle", angle))
-        if samples
-        else None
-    )
+def _references_in_force(
+    log: OperationLog, time: Column, select_joints: SelectJoints
+) -> Table | None:
+    """Return the references in force at some times [rad]; None if none were sent."""
+    references: list[ReferenceSample] = log.of(ReferenceSample)
+    if not references:
+        return None
+    robot = log.header.run.robot
+    angles = np.stack([select_joints(robot, "angle", reference.angle) for reference in references])
+    return _in_force(references, angles, time)
 
 
-def _in_force(
-    samples: list[ReferenceSample], time: Column, some: Callable[[Column], Column]
-) -> Table:
-    """Return some of the references in force at some times; straight before the first one."""
-    table = np.stack([some(sample.angle) for sample in samples])
-    held = np.searchsorted([sample.time for sample in samples], time, side="right") - 1
-    return np.where(held[:, np.newaxis] >= 0, table[held], 0.0)
+def _in_force(references: Sequence[ReferenceSample], angles: Table, time: Column) -> Table:
+    """Return the angles that were in force at some times [rad]; straight before the first one."""
+    sent_at = [reference.time for reference in references]
+    latest = np.searchsorted(sent_at, time, side="right") - 1
+    return np.where(latest[:, np.newaxis] >= 0, angles[latest], 0.0)
 
 
-def _signals(log: OperationLog, time: Column, run: list[Estimate]) -> dict[str, Column]:
-    """Return the controller's signals, held between control instants, and the estimator's standard deviations."""
-    pitch = ("pitch",) if run[0].center_of_mass.size == 3 else ()
-    names = "age", "center_of_mass_std", "heading_std", *pitch
-    found = {name: np.array([getattr(estimate, name) for estimate in run]) for name in names}
-    decisions = [item for item in log.of_run(Decision) if item.signals]
+# ---- the rest of a trial -------------------------------------------------------------------------
+
+
+def _ending(log: OperationLog) -> Ending:
+    """Return how the run ended: by its verdict if that rejects it, else by its `stop` or a fault."""
+    for event in log.of(Event):
+        if event.kind == "verdict" and not event.data["accepted"]:
+            return Ending(status=event.message, succeeded=False)
+    for event in log.of_run(Event):
+        if event.kind in ("stop", "fault"):
+            is_success = event.kind == "stop" and event.data.get("succeeded", True) is True
+            return Ending(status=event.message, succeeded=is_success and not log.lost)
+    return Ending(status="The recording reached its end.", succeeded=False)
+
+
+def _wall_clock(epoch: int, time: float) -> str:
+    """Return the wall-clock time at a `time` [s] of a recording whose time 0 was at `epoch` [ns]."""
+    moment = datetime.datetime.fromtimestamp((epoch + round(1e9 * time)) / 1e9, datetime.UTC)
+    return moment.isoformat()
+
+
+def _signals(
+    log: OperationLog, time: Column, run_estimates: Sequence[Estimate]
+) -> dict[str, Column]:
+    """Return the estimator's standard deviations, and the controller's signals.
+
+    Signals of a controller are held from one control instant to the next.
+    """
+    names = ["age", "center_of_mass_std", "heading_std"]
+    if run_estimates[0].center_of_mass.size == 3:
+        names.append("pitch")
+    signals: dict[str, Column] = {}
+    for name in names:
+        signals[name] = np.array([getattr(estimate, name) for estimate in run_estimates])
+    decisions: list[Decision] = [decision for decision in log.of_run(Decision) if decision.signals]
     if decisions:
-        when = np.array([item.time for item in decisions])
-        held = np.maximum(np.searchsorted(when, time + 1e-9, side="right") - 1, 0)
+        decided_at = np.array([decision.time for decision in decisions])
+        latest = np.searchsorted(decided_at, time + TIME_ROUNDING, side="right") - 1
         for name in decisions[0].signals:
-            found[name] = np.array([item.signals.get(name, 0.0) for item in decisions])[held]
-    return found
+            values = np.array([decision.signals.get(name, 0.0) for decision in decisions])
+            signals[name] = values[np.maximum(latest, 0)]
+    return signals

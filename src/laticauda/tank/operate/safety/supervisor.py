@@ -146,7 +146,7 @@ def phase_with(phase: str, state: str, next_state: str) -> str:
     return _BY_STATES.get((phase, state, next_state), otherwise)
 
 
-def granted(state: str, request: str) -> str:
+def state_after_request(state: str, request: str) -> str:
     """Return the supervisor's state after a request; unchanged if the table does not have the request in this state.
 
     Args:
@@ -366,7 +366,7 @@ def _is_allowed(request: str, wrong: list[Rule], *, is_limp: bool, is_on: bool) 
 
 def _requested(state: SupervisorState, request: str, now: float) -> SupervisorState:
     """Return the state that the operation requests; the same if the table has no such request in this state."""
-    after = granted(state.state, request)
+    after = state_after_request(state.state, request)
     if after == state.state:
         return state
     if after == "stopping":

@@ -10,7 +10,8 @@ happened to robot, cameras or water, and rejects the run. For details, see docs/
     check.py         what a check is, and how its measurement is compared with its limit
     recorded_run.py  the recording, cut into cycles of the gait
     model_run.py     the same run, swum by the model
-    joints.py  cameras.py  motion.py  preparation.py     the checks, by what they look at
+    completeness.py  joints.py  cameras.py  motion.py  preparation.py
+                     the checks, by what they look at
     signals.py       running medians, jumps and ranges
 """
 

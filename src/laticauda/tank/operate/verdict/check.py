@@ -35,6 +35,8 @@ class Check:
     """Measures the quantity in a run; None: this run does not allow it."""
     rejects: bool = True
     """Whether a run that exceeds the limit is rejected; otherwise this is only noted."""
+    explains_others: bool = False
+    """Whether a run that exceeds the limit may for this reason exceed other ones, too."""
 
 
 class CheckResult(NamedTuple):

@@ -8,11 +8,23 @@ from laticauda.models.dynamics.plant import Plant
 from laticauda.tank.operate.recording.entries import Event
 from laticauda.tank.operate.recording.log import OperationLog
 from laticauda.tank.operate.settings import Acceptance
-from laticauda.tank.operate.verdict import cameras, joints, motion, preparation
+from laticauda.tank.operate.verdict import cameras, completeness, joints, motion, preparation
 from laticauda.tank.operate.verdict.check import Check, CheckResult, compare_with_limit
 from laticauda.tank.operate.verdict.recorded_run import RecordedRun
 
 CHECKS = (
+    Check(
+        name="missing_answers",
+        measure=completeness.measure_missing_answers,
+        rejects=False,
+        explains_others=True,
+    ),
+    Check(
+        name="time_late",
+        measure=completeness.measure_time_late,
+        rejects=False,
+        explains_others=True,
+    ),
     Check(name="joint_error", measure=joints.measure_joint_error),
     Check(name="angle_jump", measure=joints.measure_angle_jump),
     Check(name="marker_jump", measure=cameras.measure_marker_jump),
@@ -26,8 +38,9 @@ CHECKS = (
     Check(name="water_speed", measure=preparation.measure_water_speed),
     Check(name="without_zero", measure=preparation.measure_modules_without_zero, rejects=False),
 )
-"""All checks, one for every field of `Acceptance`; the first fault is the reason why a run is
-rejected."""
+"""All checks, one for every field of `Acceptance`, in the same order."""
+EXPLAINING = frozenset(check.name for check in CHECKS if check.explains_others)
+"""Checks of what may make a good run look wrong."""
 
 CUT_SHORT = "it reached an edge before a cycle was complete, so nothing confirms it"
 """Why a run is rejected that ended at an edge within its first cycle."""
@@ -45,21 +58,45 @@ class Verdict:
 
     @property
     def reason(self) -> str:
-        """First fault found, as a sentence; "" if the run is accepted."""
-        for check in self.checks:
-            if check.outcome == "WRONG":
-                return f"The run failed a check: {check.description}."
-        if self.is_cut:
+        """What failed, by the largest share of its limit; "" if the run is accepted.
+
+        A recording with holes may make anything look wrong, and is therefore named first.
+        """
+        failed = self._ranked_by_share("WRONG")
+        if not failed and self.is_cut:
             return f"The run failed a check: {CUT_SHORT}."
-        return ""
+        if not failed:
+            return ""
+        worst = failed[0]
+        explanations = [
+            check for check in self._ranked_by_share("noted") if check.name in EXPLAINING
+        ]
+        if not explanations:
+            return f"The run failed a check: {worst.description}."
+        return (
+            f"The run failed a check: {explanations[0].description}. "
+            f"This may be why another one failed: {worst.description}."
+        )
 
     def summary(self) -> dict[str, Any]:
-        """Return the verdict in a form ready for JSON and for a recording."""
+        """Return the verdict in a form ready for JSON and for a recording.
+
+        Its lines begin with what exceeds its limit, the largest share first.
+        """
+        exceeded = [*self._ranked_by_share("WRONG"), *self._ranked_by_share("noted")]
+        within_limits = [check for check in self.checks if check not in exceeded]
         return {
             "accepted": not self.reason,
             "checks": [check.summary() for check in self.checks],
-            "lines": [f"{check.outcome:<11} {check.description}" for check in self.checks],
+            "lines": [
+                f"{check.outcome:<11} {check.description}" for check in (*exceeded, *within_limits)
+            ],
         }
+
+    def _ranked_by_share(self, outcome: str) -> list[CheckResult]:
+        """Return the checks with this outcome, those that used most of their limit first."""
+        checks = [check for check in self.checks if check.outcome == outcome]
+        return sorted(checks, key=lambda check: check.share or 0.0, reverse=True)
 
 
 def verdict_of(log: OperationLog, limits: Acceptance, plant: Plant[Any] | None = None) -> Verdict:

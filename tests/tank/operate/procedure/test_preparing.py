@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from laticauda.tank.operate.course.preparing import (
+from laticauda.tank.operate.procedure.calibration import (
     CalibrationFailed,
     measure_joint_zeros,
     measure_marker_yaw,
-    stayed,
 )
+from laticauda.tank.operate.procedure.stillness import Pose, StillnessRule, watch_stillness
 
 
 def turned(yaw: float) -> np.ndarray:
@@ -46,14 +46,15 @@ def test_without_a_frame_there_is_no_yaw():
 
 def test_still_is_only_who_is_still_for_long_enough_and_noise_is_no_motion():
     noise = np.random.default_rng(0)
+    rule = StillnessRule(speed=0.01, rate=0.02, duration=1.0)
 
     def answers(speed: float, rate: float) -> list[bool]:
         seen, found = (), []
         for k in range(150):
             t = 0.01 * k
             x, y, heading = noise.normal(0.0, [0.001, 0.001, 0.002]).tolist()
-            place = (x + speed * t, y, heading + rate * t)
-            seen, is_still = stayed(seen, t, place, speed=0.01, rate=0.02, duration=1.0)
+            pose = Pose(x + speed * t, y, heading + rate * t)
+            seen, is_still = watch_stillness(seen, t, pose, rule)
             found.append(is_still)
         return found
 

@@ -1,4 +1,7 @@
-"""References of the joints: straight, straightening, or the controller's gait through the reference generator."""
+"""References of the joints: straight, straightening, or the controller's gait.
+
+A gait goes through the reference generator of the simulation.
+"""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -11,9 +14,10 @@ from laticauda.motion.gaits.generator import GeneratorState
 from laticauda.motion.gaits.reference import smooth_start
 from laticauda.robot import Robot
 from laticauda.scenarios import interfaces
-from laticauda.tank.operate.safety.limits import Numbers as References
+from laticauda.tank.operate.safety.modules import JointValues as References
 
-ROUNDING = 1e-9  # rounding error of sums of ticks [s]
+TIME_ROUNDING = 1e-9
+"""Rounding error of sums of ticks [s]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -42,7 +46,7 @@ class ReferenceState:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ReferenceSource:
-    """Turns observations into joint references: the controller, and the generator of the simulation."""
+    """Turns observations into joint references: a controller, and the simulation's generator."""
 
     robot: Robot
     """Robot with these joints."""
@@ -87,7 +91,7 @@ class ReferenceSource:
             now: Current time [s].
             duration: Duration of the whole straightening [s].
         """
-        share = smooth_start(max(now - state.since, 0.0), duration)[0]
+        share, _rate, _acceleration = smooth_start(max(now - state.since, 0.0), duration)
         return replace(state, references=state.origin * (1.0 - share))
 
     def begin(self, state: ReferenceState, now: float) -> ReferenceState:
@@ -112,14 +116,15 @@ class ReferenceSource:
             now: Current time [s].
             observation: Observation from the estimator.
         """
-        if now < state.due - ROUNDING:
+        if now < state.due - TIME_ROUNDING:
             return state
         controller_state, command = self.controller.step(state.controller_state, observation)
-        due = state.due + self.controller.interval
-        due = due if due > now else now
-        decided = state.n_decisions + 1
         return replace(
-            state, controller_state=controller_state, command=command, due=due, n_decisions=decided
+            state,
+            controller_state=controller_state,
+            command=command,
+            due=max(state.due + self.controller.interval, now),
+            n_decisions=state.n_decisions + 1,
         )
 
     def follow(self, state: ReferenceState, now: float) -> ReferenceState:
@@ -132,16 +137,14 @@ class ReferenceSource:
         assert state.command is not None and state.generator is not None  # `begin` sets them
         gait = state.command.steered
         generator = self.generator.step(state.generator, gait, now - state.time)
-        fin = self.generator.fin(generator, gait)[0]
-        references = np.append(self.generator.joints(generator, gait)[0], fin)[
-            : state.references.size
-        ]
+        joint_angles = self.generator.joints(generator, gait)[0]
+        fin_angle = self.generator.fin(generator, gait)[0]
+        n_driven = state.references.size  # without a driven fin, its angle is left out
+        references = np.append(joint_angles, fin_angle)[:n_driven]
         return replace(state, references=references, generator=generator, time=now)
 
     def signals(self, state: ReferenceState) -> dict[str, float]:
         """Return the controller's signals; empty before the run, or if it has none."""
-        return (
-            {}
-            if state.controller_state is None
-            else dict(self.controller.signals(state.controller_state))
-        )
+        if state.controller_state is None:
+            return {}
+        return dict(self.controller.signals(state.controller_state))

@@ -12,9 +12,9 @@ import laticauda as lc
 from laticauda.control import Following
 from laticauda.control.estimation import ReferenceSample
 from laticauda.motion.gaits import Generator
-from laticauda.tank.operate.course import preparing
-from laticauda.tank.operate.course.operator import Operator
-from laticauda.tank.operate.course.state import Outputs
+from laticauda.tank.operate.procedure import preparing
+from laticauda.tank.operate.procedure.operator import Operator
+from laticauda.tank.operate.procedure.state import Outputs
 from laticauda.tank.operate.safety.supervisor import BY_EVENT
 from laticauda.tank.operate.settings import (
     Calibration,
@@ -217,14 +217,14 @@ def turned_frame(rig: Rig, yaw: float):
 
 def test_where_the_robot_lies_is_not_what_a_late_computer_guesses_over_the_gap():
     run = run_of(Operator(operation=operation()))
-    while run.state.phase != "settling" or len(run.state.prepared.places) < 5:
+    while run.state.phase != "settling" or len(run.state.prepared.recent_poses) < 5:
         run.tick()
     guess = replace(run.state, estimate=replace(run.state.estimate, heading=0.5))
     period, now = 1.0 / run.operator.operation.rate, run.state.now
     punctual, _ = preparing.step(run.operator.operation, guess, now + 1.5 * period)
     late, _ = preparing.step(run.operator.operation, guess, now + 2.5 * period)
-    assert punctual.prepared.places[-1][3] == 0.5
-    assert late.prepared.places == run.state.prepared.places
+    assert punctual.prepared.recent_poses[-1].heading == 0.5
+    assert late.prepared.recent_poses == run.state.prepared.recent_poses
 
 
 def test_joint_zeros_are_sent_to_the_modules_when_the_robot_lies_straight():

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from laticauda.tank.operate.recording.entries import Timing, punctuality
+from laticauda.tank.operate.recording.timing import Timing, describe_punctuality
 
 
 def test_missed_are_the_ticks_that_were_not_over_when_the_next_was_due():
@@ -15,7 +15,7 @@ def test_missed_are_the_ticks_that_were_not_over_when_the_next_was_due():
     assert summary["latency_largest"] == pytest.approx(0.012)
     assert summary["period_median"] == pytest.approx(0.01, abs=0.002)
     assert summary["lateness_largest"] == pytest.approx(0.004)
-    said = punctuality(summary)
+    said = describe_punctuality(summary)
     assert said.startswith(
         "5 ticks of 10.00 ms, 1 missed; late by 0.00 ms (median), 3.99 (99.9 %), 4.00 at most;"
     )
@@ -24,6 +24,6 @@ def test_missed_are_the_ticks_that_were_not_over_when_the_next_was_due():
 
 def test_a_loop_without_ticks_says_so_and_no_more():
     assert (
-        punctuality(Timing(times=np.empty((0, 3)), interval=0.01).summary())
+        describe_punctuality(Timing(times=np.empty((0, 3)), interval=0.01).summary())
         == "0 ticks of 10.00 ms, 0 missed"
     )
