@@ -12,7 +12,7 @@ from laticauda.scenarios import interfaces
 from laticauda.show.cockpit import shapes
 from laticauda.show.cockpit.scene import Body, Scene, Trail
 from laticauda.tank.operate import Header
-from laticauda.tank.operate.recording import log
+from laticauda.tank.operate.recording import log, recorder
 from laticauda.trials import logs
 from laticauda.values import series
 from laticauda.values.errors import TrialFileError
@@ -53,7 +53,7 @@ class Feed:
     def look(self) -> str:
         """Read new entries; return what is wrong, in a sentence, or "".
 
-        The picture lags by `log.CHUNK`, so that it moves as steadily as the robot does.
+        The picture lags by `recorder.CHUNK_DURATION`, so that it moves as steadily as the robot does.
         """
         try:
             written = self._follow()
@@ -63,7 +63,7 @@ class Feed:
             none = f"There is no recording of an operation in {self.place} yet."
             return none if written is None else "The robot has not been seen yet."
         age = time.time() - written
-        moment = self._estimates[-1].time - log.CHUNK + min(age, log.CHUNK)
+        moment = self._estimates[-1].time - recorder.CHUNK_DURATION + min(age, recorder.CHUNK_DURATION)
         shown = max((k for k, one in enumerate(self._estimates) if one.time <= moment), default=0)
         while self._estimates[shown].time - self._estimates[0].time > SPAN:
             shown -= 1
