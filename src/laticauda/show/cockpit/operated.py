@@ -63,7 +63,9 @@ class Feed:
             none = f"There is no recording of an operation in {self.place} yet."
             return none if written is None else "The robot has not been seen yet."
         age = time.time() - written
-        moment = self._estimates[-1].time - recorder.CHUNK_DURATION + min(age, recorder.CHUNK_DURATION)
+        moment = (
+            self._estimates[-1].time - recorder.CHUNK_DURATION + min(age, recorder.CHUNK_DURATION)
+        )
         shown = max((k for k, one in enumerate(self._estimates) if one.time <= moment), default=0)
         while self._estimates[shown].time - self._estimates[0].time > SPAN:
             shown -= 1

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.values.errors import TrialFileError
 from laticauda.control.estimation import (
     Estimate,
     JointSample,
@@ -25,6 +24,7 @@ from laticauda.tank.operate.recording.to_trial import (
     find_idle_current,
     measure_electrical_work,
 )
+from laticauda.values.errors import TrialFileError
 
 WATER = lc.load_water("paper-lateral")
 FINNED = lc.load_robot("mamba-fin")
