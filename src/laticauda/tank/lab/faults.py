@@ -144,14 +144,10 @@ class Faults:
             kind: Kind of fault, such as `meter_silent`.
             node: Number of the module; by default, all modules.
         """
-        return next(
-            (
-                one
-                for one in self.present
-                if one.kind == kind and one.node in (protocol.EVERY_NODE, node)
-            ),
-            None,
-        )
+        for fault in self.present:
+            if fault.kind == kind and fault.node in (protocol.EVERY_NODE, node):
+                return fault
+        return None
 
 
 def load_faults(path: str | Path) -> tuple[Fault, ...]:
@@ -180,16 +176,17 @@ def fault_from_words(text: str, now: float) -> Fault:
     Raises:
         ValueError: If the line does not describe a fault.
     """
-    words = text.split()
-    if not words:
+    kind_and_fields = text.split()
+    if not kind_and_fields:
         raise BadArgument("kind", "is missing")
+    kind, *fields = kind_and_fields
     entry: dict[str, Any] = {"time": now}
-    for word in words[1:]:
-        key, equals, value = word.partition("=")
+    for field in fields:
+        key, equals, value = field.partition("=")
         if not equals:
             raise BadArgument(key, f"must have a value: {key}=...")
         try:
             entry[key] = int(value) if key == "node" else float(value)
         except ValueError:
             raise BadArgument(key, f"must be a number, got {value!r}") from None
-    return codec.decode(Fault, {**entry, "kind": words[0]})
+    return codec.decode(Fault, {**entry, "kind": kind})

@@ -23,7 +23,8 @@ MARKERS = (
     (0.0, 0.04, 0.0),
     (0.0, -0.03, 0.01),
 )
-ROTATION_JUMP = 0.1  # rad, of a body with a marker mistaken for its mirror image
+ROTATION_JUMP = 0.1
+"""Jump of the rotation of a body with a marker mistaken for its mirror image [rad]."""
 
 
 class Cameras:
@@ -148,18 +149,19 @@ class Multimeter:
 
     def answer(self, line: str) -> bytes:
         """Return the answer to a line, as bytes on the wire."""
-        word = " ".join(line.upper().split())
-        if word == meter.IDENTITY:
+        question = " ".join(line.upper().split())
+        if question == meter.IDENTITY:
             return meter.encode_answer(IDENTITY)
-        if word == meter.RESTART:
-            self._began, self._shown = self._time, []
+        if question == meter.RESTART:
+            self._began = self._time
+            self._shown = []
             return meter.encode_answer()
-        if word not in (meter.MEASURE, meter.DISPLAYED):
+        if question not in (meter.MEASURE, meter.DISPLAYED):
             return meter.encode_answer(acknowledgment=meter.Acknowledgment.SYNTAX_ERROR)
         reading = self.reading
         if reading is None:
             return meter.encode_answer(acknowledgment=meter.Acknowledgment.NO_DATA)
-        if word == meter.MEASURE:
+        if question == meter.MEASURE:
             return meter.encode_answer(meter.live_text(reading.live))
         return meter.encode_answer(meter.displayed_text(reading, self._time))
 
@@ -167,10 +169,12 @@ class Multimeter:
 # ---- in the modules: motors, sensors and supply of all of them at once ---------------------------
 
 
-GRAVITY = 9.81  # m/s^2
-# How gently gear play is taken up; assumptions that keep it from rattling in steps of the lab's
-# clock.
-PLAY_TORQUE, PLAY_TIME = 0.2, 0.03  # N m, s
+GRAVITY = 9.81
+"""Acceleration of gravity [m/s^2]."""
+PLAY_TORQUE = 0.2
+"""Torque at which gear play is taken up; an assumption that keeps it from rattling in the lab's steps [N m]."""
+PLAY_TIME = 0.03
+"""Time in which gear play is taken up, likewise [s]."""
 
 
 class Electronics:
@@ -195,9 +199,8 @@ class Electronics:
         self._voltage = np.array([a.voltage for a in actuators])
         self._idle = robot.idle_power
         n = len(actuators)
-        self._modules = [*range(robot.n_joints), 0][
-            :n
-        ]  # modules with the nodes; a driven fin's is in the last one
+        # Modules with the nodes; that of a driven fin is in the last one.
+        self._modules = [*range(robot.n_joints), 0][:n]
         self.zero_error = random.uniform(-1.0, 1.0, n) * settings.nodes.zero_error
         self.play, self.slip_rate = np.zeros(n), np.zeros(n)
         self.duty, self.current = np.zeros(n), np.zeros(n)
@@ -234,7 +237,7 @@ class Electronics:
         leads = 0.5 * self.settings.nodes.backlash * np.tanh(truth.joint_torque / PLAY_TORQUE)
         self.play = self.play + (leads - self.play) * (1.0 - math.exp(-dt / PLAY_TIME))
         motion = zip(truth.joint_angle, truth.joint_rate, reference, self._drives, strict=True)
-        self.duty = np.where(on, [self._servos.duty(*one) for one in motion], 0.0)
+        self.duty = np.where(on, [self._servos.duty(*joint) for joint in motion], 0.0)
         self.current = np.where(
             on, self._stall_current * (self.duty - truth.joint_rate / self._no_load_speed), 0.0
         )
@@ -245,12 +248,10 @@ class Electronics:
         supply = self.settings.supply
         # Of the two roots of P = (V - R I) I, the one at which a supply works; beyond its limit, it
         # gives what it can.
-        most = (
-            supply.voltage**2 / (4.0 * supply.cable_resistance)
-            if supply.cable_resistance
-            else np.inf
-        )
-        root = np.sqrt(1.0 - min(power / most, 1.0))
+        largest_power = np.inf
+        if supply.cable_resistance:
+            largest_power = supply.voltage**2 / (4.0 * supply.cable_resistance)
+        root = np.sqrt(1.0 - min(power / largest_power, 1.0))
         self.voltage = 0.5 * supply.voltage * (1.0 + float(root))
         self.supply_current = power / self.voltage
 
@@ -280,38 +281,27 @@ class Electronics:
         angle = truth.joint_angle + self.zero_error + self.play + s.angle_noise * noise[0]
         if s.angle_step > 0.0:
             angle = s.angle_step * np.rint(angle / s.angle_step)
-        rate = (
-            truth.joint_rate + self.slip_rate + s.rate_noise * noise[1]
-        )  # of the same sensor as the angle
+        # Of the same sensor as the angle.
+        rate = truth.joint_rate + self.slip_rate + s.rate_noise * noise[1]
         current = self.current + s.current_noise * noise[2]
         torque = self._stall_torque / self._stall_current * current
         load = truth.joint_torque + s.torque_noise * noise[3]
         acceleration = self._acceleration + s.acceleration_noise * noise[4:].T
-        names = (
-            "angle",
-            "rate",
-            "current",
-            "duty",
-            "torque",
-            "load",
-            "acceleration",
-            "temperature",
-            "leak",
-        )
-        columns = (
-            angle,
-            rate,
-            current,
-            self.duty,
-            torque,
-            load,
-            acceleration,
-            self.temperature,
-            leaks,
-        )
-        rows = zip(*(column.tolist() for column in columns), strict=True)
+        columns = {
+            "angle": angle,
+            "rate": rate,
+            "current": current,
+            "duty": self.duty,
+            "torque": torque,
+            "load": load,
+            "acceleration": acceleration,
+            "temperature": self.temperature,
+            "leak": leaks,
+        }
+        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
         return [
-            nodes.Senses(**dict(zip(names, row, strict=True)), voltage=self.voltage) for row in rows
+            nodes.Senses(**dict(zip(columns, row, strict=True)), voltage=self.voltage)
+            for row in rows
         ]
 
     def _heat(self, dt: float) -> None:

@@ -12,9 +12,9 @@ from laticauda.tank.lab.settings import NodeSettings
 from laticauda.tank.protocol import EVERY_NODE, FAULTS, NodeState, Order, Result, messages
 
 SETTLED = (NodeState.READY, NodeState.LIMP)
-STUCK_SMOOTHING = (
-    0.05  # of the angle, so that sensor noise does not count as travel; an assumption [s]
-)
+"""States in which a motor is off and a zero may be set."""
+STUCK_SMOOTHING = 0.05
+"""Time over which the angle is smoothed, so that sensor noise does not count as travel; an assumption [s]."""
 
 
 @dataclass(kw_only=True)
@@ -53,7 +53,9 @@ class Node:
     """
 
     def __init__(self, number: int, settings: NodeSettings, limit: float) -> None:
-        self.number, self.settings, self.limit = number, settings, limit
+        self.number = number
+        self.settings = settings
+        self.limit = limit
         self.power_on(0.0)
 
     def power_on(self, now: float) -> None:
@@ -87,20 +89,21 @@ class Node:
         Returns:
             Messages to send.
         """
-        dt, self._ticked = now - self._ticked, now
-        before = self.state
+        dt = now - self._ticked
+        self._ticked = now
+        state_before = self.state
         self._watch(dt, senses)
         self._live(now)
         self._follow(dt)
-        said: list[messages.CanMessage] = []
-        if self.state != before or now >= self._heartbeat_due - 1e-9:
-            said.append(self._heartbeat(now, senses))
+        sent: list[messages.CanMessage] = []
+        if self.state != state_before or now >= self._heartbeat_due - 1e-9:
+            sent.append(self._heartbeat(now, senses))
         if now >= self._sensors_due - 1e-9 and self.state != NodeState.STARTUP:
             self._sensors_due = max(self._sensors_due + self.settings.sensor_interval, now)
             along, left, up = senses.acceleration
-            said.append(messages.Loads(node=self.number, force=None, torque=senses.load))
-            said.append(messages.Acceleration(node=self.number, along=along, left=left, up=up))
-        return said
+            sent.append(messages.Loads(node=self.number, force=None, torque=senses.load))
+            sent.append(messages.Acceleration(node=self.number, along=along, left=left, up=up))
+        return sent
 
     def receive(
         self, message: messages.CanMessage, now: float, senses: Senses
@@ -122,9 +125,9 @@ class Node:
                 return [*self._obey(message, now, senses)]
         elif isinstance(message, messages.EmergencyStop):
             self.flags.add("emergency_stopped")
-            before = self.state
+            state_before = self.state
             self._live(now)
-            if self.state != before:
+            if self.state != state_before:
                 return [self._heartbeat(now, senses)]
         return []
 
@@ -154,12 +157,15 @@ class Node:
     ) -> list[messages.CanMessage]:
         if self.state == NodeState.STARTUP:
             return []
-        before = self.state
-        result = Result.DONE if self._do(command, now, senses) else Result.REFUSED
+        state_before = self.state
+        is_done = self._do(command, now, senses)
+        result = Result.DONE if is_done else Result.REFUSED
         reply = messages.CommandReply(
             node=self.number, order=command.order, result=result, state=self.state
         )
-        return [reply] if self.state == before else [reply, self._heartbeat(now, senses)]
+        if self.state == state_before:
+            return [reply]
+        return [reply, self._heartbeat(now, senses)]
 
     def _do(self, command: messages.NodeCommand, now: float, senses: Senses) -> bool:
         """Carry out an order, and return whether it was possible."""
@@ -177,7 +183,8 @@ class Node:
             self._enter(NodeState.READY, now)
         elif not self.is_on:
             self.reference = self.target = senses.angle + self.zero
-            self._referred, self._pending = now, None
+            self._referred = now
+            self._pending = None
             self.flags.discard("references_lost")
             self._enter(NodeState.ACTIVE, now)
         return True
@@ -213,13 +220,15 @@ class Node:
         on. The time of full pull therefore adds up until the joint has moved away from where it
         stood.
         """
-        limits, angle = self.settings, senses.angle
-        share = min(dt / STUCK_SMOOTHING, 1.0)
-        self._angle = (
-            angle if math.isnan(self._angle) else self._angle + share * (angle - self._angle)
-        )
+        limits = self.settings
+        if math.isnan(self._angle):
+            self._angle = senses.angle
+        else:
+            share = min(dt / STUCK_SMOOTHING, 1.0)
+            self._angle += share * (senses.angle - self._angle)
         if not self.is_on or not abs(self._angle - self._stood) <= limits.stuck_travel:
-            self._stood, self._stuck = self._angle, 0.0
+            self._stood = self._angle
+            self._stuck = 0.0
         elif abs(senses.duty) >= limits.stuck_duty:
             self._stuck += dt
         return self._stuck > limits.stuck_time
@@ -246,16 +255,18 @@ class Node:
     def _follow(self, dt: float) -> None:
         """Move the reference toward the target, no faster than allowed; a node that holds keeps its reference."""
         if self.state == NodeState.ACTIVE:
-            most = self.settings.speed_limit * dt
-            self.reference += min(max(self.target - self.reference, -most), most)
+            largest_step = self.settings.speed_limit * dt
+            step = self.target - self.reference
+            self.reference += min(max(step, -largest_step), largest_step)
 
     def _enter(self, state: NodeState, now: float) -> None:
-        self.state, self._since = state, now
+        self.state = state
+        self._since = now
 
     def _heartbeat(self, now: float, senses: Senses) -> messages.Heartbeat:
         self._heartbeat_due = now + self.settings.heartbeat_interval
         self._counter = (self._counter + 1) % 256
-        said = messages.Heartbeat(
+        heartbeat = messages.Heartbeat(
             node=self.number,
             state=self.state,
             temperature=senses.temperature,
@@ -265,4 +276,4 @@ class Node:
             **dict.fromkeys(self.flags, True),
         )
         self.flags.discard("bus_errors")
-        return said
+        return heartbeat

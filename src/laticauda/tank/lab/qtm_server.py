@@ -11,9 +11,19 @@ from laticauda.values.checks import check_hostname
 from laticauda.values.errors import LaticaudaError
 
 LOOPBACK = "127.0.0.1"
+"""Address that only this computer reaches."""
 MOST_CLIENTS = 16
-MOST_WAITING = 1 << 20  # bytes that a client may leave unread before it misses frames
-OLDEST, NEWEST = (1, 8), (1, 25)
+"""Clients at a time."""
+MOST_UNREAD_BYTES = 1 << 20
+"""Bytes that a client may leave unread before it misses frames."""
+OLDEST_VERSION = (1, 8)
+"""Oldest version of the protocol that a client may ask for."""
+NEWEST_VERSION = (1, 25)
+"""Newest one."""
+STOP_TIMEOUT = 5.0
+"""How long stopping may take [s]."""
+CLOSE_TIMEOUT = 1.0
+"""How long clients may take to be told [s]."""
 ANSWERS = {
     "qtmversion": "QTM Version is that of laticauda's virtual tank",
     "byteorder": "Byte order is little endian",
@@ -37,8 +47,10 @@ class _Client:
     """One connection."""
 
     writer: asyncio.StreamWriter
-    components: tuple[qtm.Component, ...] = ()  # of its stream; empty: it has no stream
+    components: tuple[qtm.Component, ...] = ()
+    """Components of its stream; empty: it has no stream."""
     divisor: int = 1
+    """Interval of its stream, in frames."""
     reader: qtm.PacketReader = field(default_factory=qtm.PacketReader)
 
     def send(self, packet: bytes) -> None:
@@ -56,7 +68,9 @@ class QtmServer:
     """
 
     def __init__(self, rate: float, host: str = LOOPBACK, port: int = qtm.PORT) -> None:
-        self.rate, self.host, self.port = rate, check_hostname("host", host), port
+        self.rate = rate
+        self.host = check_hostname("host", host)
+        self.port = port
         self._latest: MocapFrame | None = None
         self._clients: set[_Client] = set()
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -64,7 +78,7 @@ class QtmServer:
         self._server: asyncio.Server | None = None
         self._commands: dict[str, Callable[[_Client, Sequence[str]], bytes]] = {
             "version": self._version,
-            "getstate": lambda client, words: qtm.encode_event(qtm.Event.CONNECTED),
+            "getstate": self._state,
             "getparameters": self._parameters,
             "getcurrentframe": self._current_frame,
             "streamframes": self._stream_frames,
@@ -76,7 +90,8 @@ class QtmServer:
         Raises:
             ServerFailed: If it cannot listen.
         """
-        loop = self._loop = asyncio.new_event_loop()
+        loop = asyncio.new_event_loop()
+        self._loop = loop
         self._thread = threading.Thread(target=loop.run_forever, name="qtm-server", daemon=True)
         self._thread.start()
         opening = asyncio.start_server(self._serve, self.host, self.port)
@@ -91,12 +106,13 @@ class QtmServer:
 
     def stop(self) -> None:
         """End all connections and the thread."""
-        loop, self._loop = self._loop, None
+        loop = self._loop
+        self._loop = None
         if loop is None or self._thread is None:
             return
-        asyncio.run_coroutine_threadsafe(self._close(), loop).result(5.0)
+        asyncio.run_coroutine_threadsafe(self._close(), loop).result(STOP_TIMEOUT)
         loop.call_soon_threadsafe(loop.stop)
-        self._thread.join(5.0)
+        self._thread.join(STOP_TIMEOUT)
         loop.close()
 
     def publish(self, frame: MocapFrame) -> None:
@@ -111,8 +127,9 @@ class QtmServer:
     def _publish(self, frame: MocapFrame) -> None:
         self._latest = frame
         for client in self._clients:
-            waits = client.writer.transport.get_write_buffer_size() > MOST_WAITING
-            if client.components and frame.number % client.divisor == 0 and not waits:
+            unread = client.writer.transport.get_write_buffer_size()
+            is_due = frame.number % client.divisor == 0
+            if client.components and is_due and unread <= MOST_UNREAD_BYTES:
                 client.send(qtm.encode_frame(frame, client.components, MARKERS))
 
     async def _close(self) -> None:
@@ -121,8 +138,9 @@ class QtmServer:
         for client in list(self._clients):
             client.send(qtm.encode_event(qtm.Event.SHUTTING_DOWN))
             client.writer.close()
-        others = [task for task in asyncio.all_tasks() if task is not asyncio.current_task()]
-        await asyncio.wait(others, timeout=1.0) if others else None
+        other_tasks = asyncio.all_tasks() - {asyncio.current_task()}
+        if other_tasks:
+            await asyncio.wait(other_tasks, timeout=CLOSE_TIMEOUT)
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         client = _Client(writer)
@@ -143,68 +161,86 @@ class QtmServer:
             writer.close()
 
     def _answer(self, client: _Client, kind: int, text: str) -> None:
-        word, *rest = text.split() or [""]
-        answer, word = PARSE_ERROR, word.lower()
-        if kind == qtm.PacketType.COMMAND and word in ANSWERS:
-            answer = qtm.encode_text(ANSWERS[word])
-        elif kind == qtm.PacketType.COMMAND and word in self._commands:
-            answer = self._commands[word](client, rest)
-        client.send(answer)
+        if kind != qtm.PacketType.COMMAND or not text.split():
+            client.send(PARSE_ERROR)
+            return
+        command, *arguments = text.split()
+        command = command.lower()
+        if command in ANSWERS:
+            client.send(qtm.encode_text(ANSWERS[command]))
+        elif command in self._commands:
+            client.send(self._commands[command](client, arguments))
+        else:
+            client.send(PARSE_ERROR)
 
-    def _version(self, client: _Client, words: Sequence[str]) -> bytes:
-        if not words:
-            return qtm.encode_text(f"Version is {NEWEST[0]}.{NEWEST[1]}")
-        parts = words[0].split(".")
-        if len(parts) == 2 and all(p.isascii() and p.isdigit() and len(p) < 5 for p in parts):
-            if OLDEST <= (int(parts[0]), int(parts[1])) <= NEWEST:
-                return qtm.encode_text(f"Version set to {words[0]}")
+    def _state(self, client: _Client, arguments: Sequence[str]) -> bytes:
+        return qtm.encode_event(qtm.Event.CONNECTED)
+
+    def _version(self, client: _Client, arguments: Sequence[str]) -> bytes:
+        if not arguments:
+            major, minor = NEWEST_VERSION
+            return qtm.encode_text(f"Version is {major}.{minor}")
+        version = _parse_version(arguments[0])
+        if version is not None and OLDEST_VERSION <= version <= NEWEST_VERSION:
+            return qtm.encode_text(f"Version set to {arguments[0]}")
         return qtm.encode_text("Version NOT supported", qtm.PacketType.ERROR)
 
-    def _parameters(self, client: _Client, words: Sequence[str]) -> bytes:
-        names = {word.lower() for word in words}
-        asked = {"general", "6d", "3d", "skeleton"} if "all" in names else names
-        return qtm.encode_text(
-            qtm.answer_parameters(self.rate, {BODY: MARKERS}, asked), qtm.PacketType.XML
-        )
+    def _parameters(self, client: _Client, arguments: Sequence[str]) -> bytes:
+        sections = {argument.lower() for argument in arguments}
+        if "all" in sections:
+            sections = {"general", "6d", "3d", "skeleton"}
+        text = qtm.answer_parameters(self.rate, {BODY: MARKERS}, sections)
+        return qtm.encode_text(text, qtm.PacketType.XML)
 
-    def _current_frame(self, client: _Client, words: Sequence[str]) -> bytes:
-        components = _components(words)
-        if components is None:
+    def _current_frame(self, client: _Client, arguments: Sequence[str]) -> bytes:
+        components = _parse_components(arguments)
+        if not components:
             return PARSE_ERROR
         if self._latest is None:
             return qtm.encode_packet(qtm.PacketType.NO_MORE_DATA, b"")
         return qtm.encode_frame(self._latest, components, MARKERS)
 
-    def _stream_frames(self, client: _Client, words: Sequence[str]) -> bytes:
-        if not words:
+    def _stream_frames(self, client: _Client, arguments: Sequence[str]) -> bytes:
+        if not arguments:
             return PARSE_ERROR
-        rate, *rest = (word.lower() for word in words)
-        if rate == "stop":
+        rate, *component_names = arguments
+        if rate.lower() == "stop":
             client.components = ()
             return b""
-        components, divisor = _components(rest), self._divisor(rate)
-        if components is None or divisor is None:
+        components = _parse_components(component_names)
+        divisor = self._parse_divisor(rate.lower())
+        if not components or divisor is None:
             return PARSE_ERROR
-        client.components, client.divisor = components, divisor
+        client.components = components
+        client.divisor = divisor
         return b""  # the first frame is the answer
 
-    def _divisor(self, word: str) -> int | None:
-        """Return the interval, in frames, at which one is to be sent; None if the word does not give it."""
-        name, _, number = word.partition(":")
-        if word == "allframes":
+    def _parse_divisor(self, rate: str) -> int | None:
+        """Return the interval, in frames, at which one is to be sent; None if the text does not give it."""
+        if rate == "allframes":
             return 1
-        if name not in ("frequency", "frequencydivisor") or not (
-            number.isascii() and number.isdigit()
-        ):
+        name, _, number = rate.partition(":")
+        if name not in ("frequency", "frequencydivisor"):
             return None
-        if not 1 <= int(number[:9]) < 10**6:
+        if not (number.isascii() and number.isdigit()) or not 1 <= int(number[:9]) < 10**6:
             return None
-        return int(number) if name == "frequencydivisor" else max(1, round(self.rate / int(number)))
+        if name == "frequencydivisor":
+            return int(number)
+        return max(1, round(self.rate / int(number)))
 
 
-def _components(words: Sequence[str]) -> tuple[qtm.Component, ...] | None:
-    """Return the components of a frame that a client wants and that we have; None if there are none."""
-    return (
-        tuple(qtm.COMPONENTS[word.lower()] for word in words if word.lower() in qtm.COMPONENTS)
-        or None
-    )
+def _parse_version(text: str) -> tuple[int, int] | None:
+    """Return the two numbers of a version; None if the text is none."""
+    parts = text.split(".")
+    if len(parts) != 2:
+        return None
+    if not all(part.isascii() and part.isdigit() and len(part) < 5 for part in parts):
+        return None
+    major, minor = map(int, parts)
+    return major, minor
+
+
+def _parse_components(names: Sequence[str]) -> tuple[qtm.Component, ...]:
+    """Return the components of a frame that a client wants and that we have."""
+    lower_names = [name.lower() for name in names]
+    return tuple(qtm.COMPONENTS[name] for name in lower_names if name in qtm.COMPONENTS)

@@ -20,15 +20,16 @@ class SerialLine(worker.Worker[None]):
     """Serial line that answers queries; pyserial opens its `path`.
 
     Args:
-        answer: Function that returns the answer to a line.
+        respond: Function that returns the answer to a line.
 
     Raises:
         ServerFailed: If the operating system has no pseudo-terminals.
     """
 
-    def __init__(self, answer: Callable[[str], bytes]) -> None:
+    def __init__(self, respond: Callable[[str], bytes]) -> None:
         super().__init__("meter")
-        self._answer, self._reader = answer, LineReader()
+        self._respond = respond
+        self._reader = LineReader()
         try:
             import tty
 
@@ -45,7 +46,7 @@ class SerialLine(worker.Worker[None]):
         if select.select([self._ours], [], [], 0.1)[0]:
             for line in self._reader.feed(os.read(self._ours, 4096)):
                 with suppress(OSError):  # nobody reads, and the line is full
-                    os.write(self._ours, self._answer(line))
+                    os.write(self._ours, self._respond(line))
 
     def release(self) -> None:
         """Close the line."""
@@ -117,7 +118,7 @@ class Lab:
             wires.callback(self.server.stop)
             self.server.start()
             line = wires.enter_context(
-                SerialLine(lambda asked: self.call(lambda tank: tank.answer(asked)))
+                SerialLine(lambda line: self.call(lambda tank: tank.answer(line)))
             )
             self._wires = wires.pop_all()
         host, port = self.server.host, self.server.port

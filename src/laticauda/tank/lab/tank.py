@@ -19,7 +19,8 @@ from laticauda.tank.lab.virtual_robot import Truth, VirtualRobot
 from laticauda.tank.protocol import N_NODES, CanMessage, MocapFrame, Sync, decode, encode, from_node
 from laticauda.values.errors import BadArgument
 
-LEAST_STEP = 1e-4  # s; shorter is not worth a step of the plant
+SHORTEST_STEP = 1e-4
+"""Time that is worth a step of the plant, at least [s]."""
 Wire = tuple[int, bytes]
 """A frame as the bus carries it: identifier and data."""
 
@@ -46,7 +47,9 @@ class Tank:
                 f"must have 1 to {N_NODES} joints, a driven fin's included, got {len(joints)}",
             )
         self.settings = settings or LabSettings()
-        self.body, self.faults, self._built = body, Faults(), body.plant
+        self.body = body
+        self.faults = Faults()
+        self._plant_without_faults = body.plant
         for fault in faults:
             self.inject(fault)
         streams = np.random.SeedSequence(self.settings.seed).spawn(4)
@@ -87,7 +90,7 @@ class Tank:
         Raises:
             ValueError: If it cannot happen to this robot in this environment.
         """
-        quiet.check(fault, self._built)
+        quiet.check(fault, self._plant_without_faults)
         self.faults.add(fault)
 
     def carry(self, start: Start) -> None:
@@ -102,12 +105,14 @@ class Tank:
 
     def sent(self) -> list[Wire]:
         """Take out the frames that the nodes sent since the last call."""
-        sent, self._outbox = self._outbox, []
+        sent = self._outbox
+        self._outbox = []
         return sent
 
     def captured(self) -> list[MocapFrame]:
         """Take out the frames that the cameras captured since the last call."""
-        captured, self._captured = self._captured, []
+        captured = self._captured
+        self._captured = []
         return captured
 
     def answer(self, line: str) -> bytes:
@@ -116,7 +121,9 @@ class Tank:
         Args:
             line: Query, without the end of the line.
         """
-        return b"" if self.faults.on("meter_silent") else self.meter.answer(line)
+        if self.faults.on("meter_silent"):
+            return b""
+        return self.meter.answer(line)
 
     @property
     def next_tick(self) -> float:
@@ -145,7 +152,7 @@ class Tank:
             self._march(self.next_tick)
             self._ticks += 1
             self._tick()
-        if time - self.time >= LEAST_STEP:
+        if time - self.time >= SHORTEST_STEP:
             self._march(time)
 
     def receive(self, identifier: int, data: bytes, time: float | None = None) -> None:
@@ -160,7 +167,8 @@ class Tank:
             return
         late = self.faults.on("late_computer")
         if late is not None:
-            self._late.append((max(self.time, time or 0.0) + late.delay, (identifier, bytes(data))))
+            arrival = max(self.time, time or 0.0) + late.delay
+            self._late.append((arrival, (identifier, bytes(data))))
             return
         self._deliver(identifier, bytes(data), time)
 
@@ -184,8 +192,8 @@ class Tank:
 
     def _deliver_late(self, time: float) -> None:
         """Deliver the frames of a late computer whose time has come."""
-        due = [wire for when, wire in self._late if when <= time]
-        self._late = [(when, wire) for when, wire in self._late if when > time]
+        due = [wire for arrival, wire in self._late if arrival <= time]
+        self._late = [(arrival, wire) for arrival, wire in self._late if arrival > time]
         for identifier, data in due:
             self._deliver(identifier, data, None)
 
@@ -196,7 +204,8 @@ class Tank:
                 if self._silent[node.number - 1] or self._is_hit("frame_loss", node.number):
                     continue
                 if self._is_hit("frame_corruption", node.number):
-                    wire = wire[0], self._wire.bytes(len(wire[1]))
+                    identifier, data = wire
+                    wire = (identifier, self._wire.bytes(len(data)))
             self._outbox.append(wire)
 
     def _march(self, time: float) -> None:
@@ -211,11 +220,14 @@ class Tank:
             n,
         )
         reference = reference - self.electronics.offset(zero)
-        held, moves = reference.copy(), on.copy()
+        joint_reference = reference.copy()
+        is_driven = on.copy()
         jammed = np.zeros(n, dtype=bool)
-        for i, angle in self._jammed.items():
-            held[i], moves[i], jammed[i] = angle, True, True
-        self.body.advance(held, moves, dt)
+        for i, angle in self._jammed.items():  # a jammed joint is held where it stands
+            joint_reference[i] = angle
+            is_driven[i] = True
+            jammed[i] = True
+        self.body.advance(joint_reference, is_driven, dt)
         self.time = time
         self.electronics.advance(self.truth, reference, on, jammed, dt)
         self.meter.advance(self.electronics.supply_current, dt)
@@ -241,41 +253,45 @@ class Tank:
         faults = self.faults
         altering = tuple(fault for fault in faults.present if fault.kind in quiet.OF_PLANT)
         if altering != self._altering:
-            self._altering, self.body.plant = (
-                altering,
-                quiet.plant_with_faults(self.body, self._built, faults),
-            )
+            self._altering = altering
+            self.body.plant = quiet.plant_with_faults(self.body, self._plant_without_faults, faults)
         for i, node in enumerate(self.nodes):
-            number = node.number
-            dead = faults.on("dead_module", number) is not None
-            if self._dead[i] and not dead:
-                node.power_on(self.time)
-            off = faults.on("bus_off", number) is not None
-            if off:
-                node.error_count = 255
-            elif node.error_count:
-                node.error_count = 0
-                node.flags.add("bus_errors")
-            self._dead[i], self._silent[i] = dead, dead or off
-            slip = faults.on("slipped_zero", number)
-            more = (
-                -math.expm1(-self.settings.step / quiet.SLIP_TIME) * (slip.angle - self._slipped[i])
-                if slip
-                else 0.0
-            )
-            self._slipped[i] += more
-            self.electronics.zero_error[i] -= more
-            self.electronics.slip_rate[i] = -more / self.settings.step
-            self._leaks[i] = faults.on("leak", number) is not None
-            hot = faults.on("over_temperature", number)
+            self._apply_power_and_bus(i, node)
+            self._apply_slip(i, node)
+            self._leaks[i] = faults.on("leak", node.number) is not None
+            hot = faults.on("over_temperature", node.number)
             if hot is not None:
-                self.electronics.temperature[i] = max(
-                    self.electronics.temperature[i], hot.temperature
-                )
-            if faults.on("stuck_servo", number) is None:
+                temperature = self.electronics.temperature[i]
+                self.electronics.temperature[i] = max(temperature, hot.temperature)
+            if faults.on("stuck_servo", node.number) is None:
                 self._jammed.pop(i, None)
             else:
                 self._jammed.setdefault(i, float(self.truth.joint_angle[i]))
+
+    def _apply_power_and_bus(self, i: int, node: nodes.Node) -> None:
+        """Cut a module's power or its bus, and start it anew when power comes back."""
+        is_dead = self.faults.on("dead_module", node.number) is not None
+        if self._dead[i] and not is_dead:
+            node.power_on(self.time)
+        is_off_bus = self.faults.on("bus_off", node.number) is not None
+        if is_off_bus:
+            node.error_count = 255
+        elif node.error_count:
+            node.error_count = 0
+            node.flags.add("bus_errors")
+        self._dead[i] = is_dead
+        self._silent[i] = is_dead or is_off_bus
+
+    def _apply_slip(self, i: int, node: nodes.Node) -> None:
+        """Let a horn slip on its shaft: its sensor's zero moves toward the angle of the fault."""
+        slip = self.faults.on("slipped_zero", node.number)
+        step = 0.0
+        if slip is not None:
+            share = -math.expm1(-self.settings.step / quiet.SLIP_TIME)
+            step = share * (slip.angle - self._slipped[i])
+        self._slipped[i] += step
+        self.electronics.zero_error[i] -= step
+        self.electronics.slip_rate[i] = -step / self.settings.step
 
     def _read(self) -> list[nodes.Senses]:
         return self.electronics.read(self.truth, self._leaks)
@@ -298,35 +314,46 @@ def assist(tank: Tank, line: str) -> str:
     Raises:
         ValueError: If the command cannot be executed.
     """
-    words = line.split()
-    if not words or words[0] == "help":
+    command, *arguments = line.split() or ["help"]
+    if command == "help":
         return HELP
-    if words[0] == "clear":
+    if command == "clear":
         tank.faults.clear()
         return "no faults"
-    if words[0] == "carry":
-        return _carry(tank, words[1:])
-    if words[0] == "truth":
-        truth = tank.truth
-        x, y, z = truth.center_of_mass.tolist()
-        heading = math.degrees(truth.heading)
-        return f"time {tank.time:.2f} s, center of mass {x:.4f} {y:.4f} {z:.4f} m, heading {heading:.2f} deg"
+    if command == "carry":
+        return _carry(tank, arguments)
+    if command == "truth":
+        return _describe_truth(tank)
     fault = fault_from_words(line, tank.time)
     tank.inject(fault)
-    where = f" at node {fault.node}" if fault.node else ""
-    return f"{fault.kind}{where}: {KINDS[fault.kind]}"
+    location = f" at node {fault.node}" if fault.node else ""
+    return f"{fault.kind}{location}: {KINDS[fault.kind]}"
 
 
-def _carry(tank: Tank, words: list[str]) -> str:
-    try:
-        x, y, heading, *depth = (float(word) for word in words)
-    except ValueError:
-        got = " ".join(words)
-        rule = "must have three numbers, x y [m] and heading [deg], and in space a depth [m], got"
-        raise BadArgument("carry", f"{rule} {got!r}") from None
-    at = f" depth {depth[0]:g} m" if depth else ""
-    start = Start(
-        center_of_mass=(x, y), heading=math.radians(heading), depth=depth[0] if depth else None
+def _describe_truth(tank: Tank) -> str:
+    truth = tank.truth
+    x, y, z = truth.center_of_mass.tolist()
+    heading = math.degrees(truth.heading)
+    return (
+        f"time {tank.time:.2f} s, center of mass {x:.4f} {y:.4f} {z:.4f} m, "
+        f"heading {heading:.2f} deg"
     )
-    tank.carry(start)
-    return f"the robot lies straight at {x:g} {y:g} m, heading {heading:g} deg{at}"
+
+
+def _carry(tank: Tank, arguments: list[str]) -> str:
+    try:
+        numbers = [float(argument) for argument in arguments]
+        x, y, heading, *depths = numbers
+    except ValueError:
+        text = " ".join(arguments)
+        raise BadArgument(
+            "carry",
+            "must have three numbers, x y [m] and heading [deg], and in space a depth [m], "
+            f"got {text!r}",
+        ) from None
+    depth = depths[0] if depths else None
+    tank.carry(Start(center_of_mass=(x, y), heading=math.radians(heading), depth=depth))
+    text = f"the robot lies straight at {x:g} {y:g} m, heading {heading:g} deg"
+    if depth is not None:
+        text += f" depth {depth:g} m"
+    return text
