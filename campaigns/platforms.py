@@ -33,7 +33,8 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.connect import export_c, export_fmu
-from laticauda.connect.native.platforms import PLATFORMS, compiler
+from laticauda.connect.native.linking import find_compiler
+from laticauda.connect.native.platforms import PLATFORMS
 from laticauda.scenarios.interfaces import Command
 from laticauda.values.quantities import quantity, value_class
 from laticauda.values.scalars import magnitude
@@ -112,7 +113,7 @@ def driver(platform: str, folder: Path) -> str:
     """The program in C for a platform."""
     program = folder / f"drive-{platform}.exe"
     subprocess.run(
-        [*compiler(PLATFORMS[platform]), "-O2", str(DRIVER), "-o", str(program)], check=True
+        [*find_compiler(PLATFORMS[platform]), "-O2", str(DRIVER), "-o", str(program)], check=True
     )
     return str(program)
 
@@ -127,7 +128,12 @@ def error(scenario: lc.Scenario, platform: str, fmu: Path, program: str) -> floa
         one.attrib["name"]: int(one.attrib["valueReference"]) for one in root.iter("ScalarVariable")
     }
     one = PLATFORMS[platform]
-    library = folder / "binaries" / one.folder / f"{root.attrib['modelName']}{one.system.ending}"
+    library = (
+        folder
+        / "binaries"
+        / one.fmi2_folder
+        / f"{root.attrib['modelName']}{one.system.library_ending}"
+    )
     words = [*RUNNERS[platform], program, str(library), root.attrib["guid"], str(len(number))]
     own = {"WINEPREFIX": str(fmu.parent / "wine"), "WINEDEBUG": "-all"}
     done = subprocess.run(
@@ -209,7 +215,7 @@ def main() -> int:
     )
     parser.add_argument("--write", action="store_true", help="write platforms.csv")
     settings = parser.parse_args()
-    platforms = [one.name for one in PLATFORMS.values() if one.folder]
+    platforms = [one.name for one in PLATFORMS.values() if one.fmi2_folder]
     kept = {(one.platform, one.case): one.error for one in stored()} if STORED.exists() else {}
     found: list[Answer] = []
     for one in answers(platforms):

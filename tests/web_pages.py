@@ -17,7 +17,7 @@ from laticauda.cli.runs import Follow, Swim
 from laticauda.trials.logs.tabular import flat_columns
 
 NODE = shutil.which("node")
-SCRIPT = Path(__file__).parent / "cosim" / "web" / "trials.js"
+SCRIPT = Path(__file__).parent / "connect" / "web" / "trials.js"
 
 
 def data_of(folder: Path) -> dict[str, Any]:

@@ -16,7 +16,7 @@ MADE_OF = [
     PLANAR,
     ("laticauda.models.spatial.drives", "laticauda.models.spatial.stepping"),
     ("laticauda.water.mujoco.callback",),
-    ("laticauda.connect.native.platforms",),
+    ("laticauda.connect.native.machine_code",),
 ]
 # The least of the kernels that the drag law is in, and the one that the joint laws are in.
 TOW = """

@@ -176,7 +176,7 @@ class C(Compiled):
 
     def run(self) -> command.Outcome:
         """Write the files."""
-        from laticauda.connect.native.tables import export_c
+        from laticauda.connect.native.c_library import export_c
 
         return self.write_with(export_c, "platform", "static")
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
         MESSAGE_BYTES as MESSAGE_BYTES,
         PROTOCOL_VERSION as PROTOCOL_VERSION,
     )
-    from laticauda.connect.native.tables import export_c as export_c
+    from laticauda.connect.native.c_library import export_c as export_c
     from laticauda.connect.schema import message_schema as message_schema
     from laticauda.connect.server import Server as Server, ServerFailed as ServerFailed
     from laticauda.connect.session import Session as Session
@@ -31,7 +31,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
     {
         "laticauda.connect.fmu": ["LinkingFailed", "export_fmu"],
         "laticauda.connect.messages": ["MESSAGE_BYTES", "PROTOCOL_VERSION"],
-        "laticauda.connect.native.tables": ["export_c"],
+        "laticauda.connect.native.c_library": ["export_c"],
         "laticauda.connect.schema": ["message_schema"],
         "laticauda.connect.server": ["Server", "ServerFailed"],
         "laticauda.connect.session": ["Session"],

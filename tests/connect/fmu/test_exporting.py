@@ -16,7 +16,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.connect import export_fmu
-from laticauda.connect.native.variables import variables_of
+from laticauda.connect.native.variables import list_variables
 from laticauda.models.simulate import build_plant
 from laticauda.robot import Joint, Robot
 from laticauda.scenarios.interfaces import Command, Start
@@ -719,7 +719,7 @@ def test_without_a_c_compiler_it_says_what_to_install(tmp_path, monkeypatch):
 def test_the_numbers_of_a_flow_of_one_formula_are_parameters_and_water_that_moves_as_one_has_inputs():
     def names(current: Any) -> dict[str, tuple[str, float]]:
         body = in_python(environment=replace(lc.load_water("paper-lateral"), current=current))[0]
-        found = variables_of(body, GAIT, Start(), inputs="gait")
+        found = list_variables(body, GAIT, Start(), inputs="gait")
         template = body.layout.template
         for one in found:  # each stands in the row that has its value
             assert all(

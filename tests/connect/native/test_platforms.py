@@ -9,8 +9,10 @@ import pytest
 
 import laticauda as lc
 from laticauda.connect.native import entry, platforms
-from laticauda.connect.native.platforms import PLATFORMS, kept_at, linked, object_code, platform_of
-from laticauda.connect.native.tables import tables_of
+from laticauda.connect.native.linking import LinkingFailed, link_library
+from laticauda.connect.native.machine_code import compile_kernels, find_cache_path
+from laticauda.connect.native.platforms import PLATFORMS, find_platform
+from laticauda.connect.native.tables import build_tables
 from laticauda.models.planar.layout import flow_rows
 from laticauda.motion.joints import Prescribed
 from laticauda.values.errors import MissingExtra
@@ -31,13 +33,13 @@ X86_64, AARCH64 = (62).to_bytes(2, "little"), (183).to_bytes(2, "little")  # in 
 
 
 def code_for(name: str) -> bytes:
-    return object_code(PolynomialDrag(), Prescribed(), (), PLATFORMS[name])
+    return compile_kernels(PolynomialDrag(), Prescribed(), (), PLATFORMS[name])
 
 
 def test_the_machine_code_is_kept_for_the_next_time(monkeypatch):
     first = code_for("linux64")
     monkeypatch.setattr(
-        "laticauda.connect.native.platforms.bitcode",
+        "laticauda.connect.native.machine_code.compile_bitcode",
         lambda *laws: pytest.fail("it was compiled again"),
     )
     assert code_for("linux64") == first
@@ -62,14 +64,14 @@ def test_any_machine_writes_the_machine_code_of_every_platform(name, beginning, 
 
 
 def test_no_two_platforms_share_a_name_on_disk():
-    kept = {kept_at(PolynomialDrag(), Prescribed(), (), f"{name}.o") for name in PLATFORMS}
+    kept = {find_cache_path(PolynomialDrag(), Prescribed(), (), f"{name}.o") for name in PLATFORMS}
     assert len(kept) == len(PLATFORMS) == 6
 
 
 def test_a_water_that_is_not_the_papers_needs_no_new_machine_code():
     code_for("linux64")
     water = lc.Water(tangential_friction=0.1, normal_drag=1.0, added_mass=1.0)
-    assert kept_at(water.drag, Prescribed(), flow_rows(water).kinds, "linux64.o").exists()
+    assert find_cache_path(water.drag, Prescribed(), flow_rows(water).kinds, "linux64.o").exists()
 
 
 @needs_zig
@@ -82,7 +84,7 @@ extern long laticauda_move(void);
 __attribute__((visibility("default"))) long one(void) { return ONE + laticauda_move(); }
 """
     (tmp_path / "one.c").write_text(text)
-    code = linked(
+    code = link_library(
         code_for("darwin-arm64"),
         PLATFORMS["darwin-arm64"],
         [tmp_path / "one.c"],
@@ -120,8 +122,8 @@ console.log(JSON.stringify({imports: WebAssembly.Module.imports(module).length, 
 def test_a_browser_needs_nothing_but_the_module_and_swims_as_python_does(tmp_path):
     gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
     body: Any = lc.build_plant(lc.load_robot("mamba"), lc.load_water("paper-lateral"))
-    tables = tables_of(body, gait, lc.Start(), inputs="gait")
-    module = linked(code_for("wasm32"), PLATFORMS["wasm32"])
+    tables = build_tables(body, gait, lc.Start(), inputs="gait")
+    module = link_library(code_for("wasm32"), PLATFORMS["wasm32"])
     assert len(module) < 200_000
     told = {
         "whole": tables.whole.tolist(),
@@ -148,13 +150,13 @@ def test_an_unknown_machine_has_to_choose_a_platform(monkeypatch):
     with pytest.raises(
         ValueError, match=r"`platform` must be given on \w+ on riscv64, which is none of them"
     ):
-        platform_of()
-    assert platform_of("win64").pair == "x86_64-windows"
-    assert [one.name for one in platforms.platforms_of(("darwin", "linux64"))] == [
+        find_platform()
+    assert find_platform("win64").pair == "x86_64-windows"
+    assert [one.name for one in platforms.find_library_platforms(("darwin", "linux64"))] == [
         *("linux64", "darwin-arm64", "darwin-x86-64")
     ]
     with pytest.raises(ValueError, match=r"`platform` must be one of `linux64`, .* got 'win32'"):
-        platform_of("win32")
+        find_platform("win32")
 
 
 @pytest.mark.parametrize(
@@ -168,7 +170,7 @@ def test_an_unknown_machine_has_to_choose_a_platform(monkeypatch):
 def test_this_machine_is_known_by_what_python_says_of_it(monkeypatch, system, machine, name):
     monkeypatch.setattr("sys.platform", system)
     monkeypatch.setattr(platforms, "machine", lambda: machine)
-    assert platform_of().name == name
+    assert find_platform().name == name
 
 
 def test_without_zig_another_platform_says_what_to_install(monkeypatch):
@@ -177,15 +179,13 @@ def test_without_zig_another_platform_says_what_to_install(monkeypatch):
     with pytest.raises(
         MissingExtra, match=r'x86_64-windows needs ziglang; run `pip install "laticauda\[export\]"`'
     ):
-        linked(b"", PLATFORMS["win64"])
+        link_library(b"", PLATFORMS["win64"])
 
 
 def test_what_cannot_be_linked_says_what_the_compiler_said(tmp_path):
     (tmp_path / "wrong.c").write_text("this is no C\n")
-    with pytest.raises(
-        platforms.LinkingFailed, match=r"(?s)cannot make a library for .* It says:.*wrong.c"
-    ):
-        linked(code_for(platform_of().name), platform_of(), [tmp_path / "wrong.c"])
+    with pytest.raises(LinkingFailed, match=r"(?s)cannot make a library for .* It says:.*wrong.c"):
+        link_library(code_for(find_platform().name), find_platform(), [tmp_path / "wrong.c"])
 
 
 def test_a_law_that_needs_memory_of_its_own_is_refused():
@@ -198,4 +198,4 @@ def test_a_law_that_needs_memory_of_its_own_is_refused():
         ValueError,
         match=r"a drag law must be plain arithmetic, which needs no Python; `law` is not: No implementation .*zeros",
     ):
-        object_code(FunctionDrag(function=law), Prescribed(), (), platform_of())
+        compile_kernels(FunctionDrag(function=law), Prescribed(), (), find_platform())

@@ -7,7 +7,8 @@ from hypothesis import given, settings, strategies as st
 
 import laticauda as lc
 from laticauda.connect.native import entry
-from laticauda.connect.native.tables import Tables, tables_in_c, tables_of
+from laticauda.connect.native.c_tables import write_c_tables
+from laticauda.connect.native.tables import Tables, build_tables
 from laticauda.models.planar.layout import build_layout
 from laticauda.models.simulate import build_plant
 from laticauda.robot import Water
@@ -25,7 +26,7 @@ POSITIVE = st.just(0.0) | st.floats(1e-9, 5.0)  # of smaller ones, a product may
 
 
 def tables(water: Water, robot: str = "mamba-fin", **settings: str) -> Tables:
-    return tables_of(
+    return build_tables(
         build_plant(lc.load_robot(robot), water, **settings), GAIT, Start(), inputs="gait"
     )
 
@@ -95,17 +96,17 @@ def test_modules_with_coefficients_of_their_own_do_not_follow_the_waters():
     own = replace(
         robot, modules=tuple(replace(module, normal_drag=1.0) for module in robot.modules)
     )
-    told = tables_of(build_plant(own, water), GAIT, Start(), inputs="gait")
+    told = build_tables(build_plant(own, water), GAIT, Start(), inputs="gait")
     there = replace(water, normal_drag=3.0)
     assert rows_in(told, there) == pytest.approx(told.real[: told.n_rows], abs=0.0)
 
 
 def test_every_number_of_the_water_is_a_variable_or_told_as_fixed():
-    from laticauda.connect.fmu.exporting import facts_of
+    from laticauda.connect.fmu.documentation import list_fixed_settings
 
     water = lc.load_water("paper-lateral")
     names = {v.name.removeprefix("water.") for v in tables(water).variables} | {"current", "name"}
-    told = " ".join(name for name, _ in facts_of(tables(water)))
+    told = " ".join(setting.name for setting in list_fixed_settings(tables(water)))
     missing = [field.name for field in fields(Water) if field.name not in names]
     spoken = {
         "drag": "drag",
@@ -120,7 +121,7 @@ def test_every_number_of_the_water_is_a_variable_or_told_as_fixed():
 
 def test_numbers_reach_c_to_the_last_bit():
     told = tables(lc.load_water("paper-lateral"))
-    (line,) = [line for line in tables_in_c(told, "{}").splitlines() if " real[]" in line]
+    (line,) = [line for line in write_c_tables(told, "{}").splitlines() if " real[]" in line]
     numbers = line[line.index("{") + 1 : line.index("}")].split(", ")
     assert [float.fromhex(number) for number in numbers] == told.real.tolist()
 

@@ -14,7 +14,8 @@ import pytest
 
 import laticauda as lc
 from laticauda.connect import export_c
-from laticauda.connect.native.tables import header_of, tables_for
+from laticauda.connect.native.c_library import write_header
+from laticauda.connect.native.tables import build_tables_of_scenario
 from laticauda.scenarios.interfaces import Command, Start
 
 PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "c-library.md"
@@ -137,8 +138,8 @@ def test_what_is_out_of_its_range_or_diverges_is_refused_by_name_and_changes_not
 
 
 def test_the_header_names_every_variable_with_its_unit_and_range():
-    tables = tables_for("mamba-fin", GAIT, joints="servo", inputs="references")
-    header = header_of(tables, "snake")
+    tables = build_tables_of_scenario("mamba-fin", GAIT, joints="servo", inputs="references")
+    header = write_header(tables, "snake")
     members = re.findall(
         r"^    double \w+(?:\[(\d+)\])?; /\* (?!of the kernels)", header, re.MULTILINE
     )
@@ -154,8 +155,8 @@ def test_the_header_names_every_variable_with_its_unit_and_range():
 
 
 def test_a_robots_name_ends_no_comment():
-    tables = tables_for(replace(lc.load_robot("mamba"), name="a*/b"), GAIT)
-    header = header_of(tables, "snake")
+    tables = build_tables_of_scenario(replace(lc.load_robot("mamba"), name="a*/b"), GAIT)
+    header = write_header(tables, "snake")
     assert "The swimming snake robot a* /b" in header
     assert header.count("/*") == header.count("*/")
 
@@ -168,7 +169,7 @@ def test_members_of_a_fin_have_names_of_their_own(hinges):
         {"n_hinges": hinges, "flexural_rigidity": 0.05, "bending_damping": 0.002} if hinges else {}
     )
     fin = replace(robot.caudal_fin, **bending)
-    header = header_of(tables_for(replace(robot, caudal_fin=fin), GAIT), "snake")
+    header = write_header(build_tables_of_scenario(replace(robot, caudal_fin=fin), GAIT), "snake")
     names = re.findall(r"^    double (\w+)", header, re.MULTILINE)
     assert len(set(names)) == len(names)
     assert (("fin_angle" in header) or ("fin_angle_1" in header)) == bool(hinges)

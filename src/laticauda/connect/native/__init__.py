@@ -7,9 +7,25 @@ All computation is done by one C function, which does not depend on the robot:
 With an interval of 0 it starts a run: it fills all rows from the tables `whole` and `real` and the
 parameters among the variables. With any other interval it advances the run by that time [s], with
 inputs held constant. Both set the outputs. It returns 1, or 0 if the motion diverged. `rows` has
-room for `Tables.n_rows + entry.SCRATCH` numbers; together with the variables, it is all that is
-needed to continue a run.
+room for `Tables.n_numbers` numbers; together with the variables, it is all that is needed to
+continue a run.
 
-In Python, `tables_of` builds the tables and variables of a robot in water, `object_code` the
-machine code for a platform, and `linked` a library or WebAssembly module from that code.
+The function:
+
+- `entry`: compiles the function to LLVM code, and says how `whole` and `real` are laid out
+- `platforms`: operating systems and processors for which there can be libraries
+- `machine_code`: object files of the function for a platform, cached on disk
+- `linking`: libraries and WebAssembly modules from object files, by a C compiler
+
+A robot:
+
+- `variable`: what a variable is
+- `joint_rows`: where the kernels keep each joint
+- `settable`: variables that other tools set
+- `outputs`: variables that other tools read
+- `variables`: all of them, in order
+- `water_slopes`: how the kernels' rows depend on the water
+- `tables`: the arrays `whole` and `real` of a robot
+- `c_tables`: the arrays as a C header
+- `c_library`: export of a robot as a library in C
 """

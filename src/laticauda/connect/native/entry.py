@@ -1,7 +1,7 @@
 """Planar kernels without Python: one function with plain pointers, as LLVM code.
 
 The templates that `swim` runs (`laticauda.models.planar.model`) are compiled again, without any part of
-Numba's runtime; `laticauda.connect.native.platforms` generates machine code from the result. The
+Numba's runtime; `laticauda.connect.native.machine_code` generates machine code from the result. The
 function does not depend on the robot: the two arrays of `laticauda.connect.native.tables` describe
 the robot, and map its numbers to variables.
 
@@ -30,48 +30,88 @@ from laticauda.motion.joints.laws import JointLaw
 from laticauda.values import formulas, scalars
 from laticauda.water.fluid.laws import MOTION, DragLaw, Element
 
-NAME = "laticauda_move"
+ENTRY_FUNCTION = "laticauda_move"
 """Name of the function."""
 
-# Positions in the array of integers: shape of the chain, variables, and where other arrays begin in
-# it.
-N_BODIES, TAIL_LINK, HAS_EXTRAS, IS_IMPLICIT, N_ROWS = range(5)
-DT, HEADING, VELOCITY = range(5, 8)
-FIRST_STRIP, FIRST_PLATE, LAW = range(8, 11)
-# A piece is three numbers: where its pairs begin in that array, where their factors begin in the
-# array of reals, and the number of pairs. Products of water coefficients, and their values in the
-# template; how rows depend on them; rows that variables set at the start; rows that they set at
-# every step; variables that are sums of rows.
-TERMS, SLOPES, STARTED, HELD, SEEN, HEADER = range(11, 27, 3)
-NONE = -1  # in place of a variable: the number 1
-# After the rows: what the kernel logs at the two ends of a step, namely the time.
+# The array of integers begins with a header. Its first numbers are the shape of the chain.
+N_BODIES = 0
+"""Position of the number of bodies."""
+TAIL_LINK = 1
+"""Position of the index of the link at the tail."""
+HAS_EXTRAS = 2
+"""Position of whether bodies have more than strips: plates and so on."""
+IS_IMPLICIT = 3
+"""Position of whether joints are integrated implicitly."""
+N_ROWS = 4
+"""Position of the number of rows."""
+
+# Then come numbers of variables.
+DT = 5
+"""Position of the number of the variable that holds the step of the integration."""
+HEADING = 6
+"""Position of the number of the variable that holds the heading at the start."""
+VELOCITY = 7
+"""Position of the number of the variable that holds the speed at the start."""
+
+# Then, where other arrays begin in the same array.
+FIRST_STRIP = 8
+"""Position of where the first strip of every body stands."""
+FIRST_PLATE = 9
+"""Position of where the first plate of every body stands."""
+LAW = 10
+"""Position of where the joint laws stand."""
+
+# Then, pieces. A piece is three numbers: where its pairs begin in that array, where their factors
+# begin in the array of reals, and the number of pairs.
+PIECE_SIZE = 3
+TERMS = 11
+"""Piece of the products of water coefficients, with their values in the template."""
+SLOPES = 14
+"""Piece of how rows depend on these products."""
+START_ROWS = 17
+"""Piece of the rows that variables set at the start."""
+INPUT_ROWS = 20
+"""Piece of the rows that variables set at every step."""
+OUTPUT_ROWS = 23
+"""Piece of the variables that are sums of rows."""
+HEADER = 26
+"""Size of the header."""
+
+NONE = -1
+"""In place of the number of a variable: the number 1."""
 SCRATCH = 2
+"""Numbers after the rows: what the kernel logs at the two ends of a step, namely the time."""
 
 OWN: Any = {"_nrt": False}
 """Numba options: nothing may need Numba's runtime."""
 _inner = functools.partial(inlined, **OWN)
-# Functions that the C library provides.
-_ANGLES = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "hypot"}
-_POWERS = {
-    "exp",
-    "exp2",
-    "expm1",
-    "log",
-    "log2",
-    "log10",
-    "log1p",
-    "pow",
-    "sqrt",
-    "cbrt",
-    "sinh",
-    "cosh",
-    "tanh",
-}
-_OF_C = _ANGLES | _POWERS | {"erf", "fabs", "floor", "fmod", "memcpy", "memset"}
+_ANGLE_FUNCTIONS = frozenset({"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "hypot"})
+_POWER_FUNCTIONS = frozenset(
+    {
+        "exp",
+        "exp2",
+        "expm1",
+        "log",
+        "log2",
+        "log10",
+        "log1p",
+        "pow",
+        "sqrt",
+        "cbrt",
+        "sinh",
+        "cosh",
+        "tanh",
+    }
+)
+_OTHER_FUNCTIONS = frozenset({"erf", "fabs", "floor", "fmod", "memcpy", "memset"})
+_C_FUNCTIONS = _ANGLE_FUNCTIONS | _POWER_FUNCTIONS | _OTHER_FUNCTIONS
+"""Functions that the C library provides."""
 
 
-def bitcode(law: DragLaw, joints: JointLaw, flow: tuple[formulas.Formula, ...] = ()) -> bytes:
-    """Return the LLVM module with the function `NAME`, for any processor; compiles for seconds, without caching.
+def compile_bitcode(
+    law: DragLaw, joints: JointLaw, flow: tuple[formulas.Formula, ...] = ()
+) -> bytes:
+    """Return the LLVM module with the function, for any processor; compiles for seconds, without caching.
 
     Args:
         law: Law of the loads on one element.
@@ -83,24 +123,35 @@ def bitcode(law: DragLaw, joints: JointLaw, flow: tuple[formulas.Formula, ...] =
     """
     rule = f"a drag law must be plain arithmetic, which needs no Python; `{law.formula.name}`"
     try:
-        with compiling_for(native_target()):  # the law alone first, which is fast
-            count = MOTION + len(Element._fields) + len(law.formula.fields)
-            in_numbers(law.formula, Element, MOTION).compile(
-                (types.StarArgUniTuple(types.float64, count),)
-            )
-        move = _move(specialize(1, law, joints, flow, native_target()).run)
-    except NumbaError as err:
-        raise ValueError(f"{rule} is not: {reason_of(err)}.") from err
-    module = llvm.parse_assembly(move.inspect_llvm())
-    foreign = {
-        f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")
-    } - _OF_C
-    if foreign:
-        raise ValueError(f"{rule} needs {', '.join(sorted(foreign))}.")
-    return exported(move, NAME)
+        _compile_law(law)  # the law alone first, which is fast
+        move = _build_move(specialize(1, law, joints, flow, native_target()).run)
+    except NumbaError as error:
+        raise ValueError(f"{rule} is not: {reason_of(error)}.") from error
+    missing_functions = _list_missing_functions(move)
+    if missing_functions:
+        raise ValueError(f"{rule} needs {', '.join(missing_functions)}.")
+    return write_bitcode(move, ENTRY_FUNCTION)
 
 
-def exported(function: Any, name: str) -> bytes:
+def _compile_law(law: DragLaw) -> None:
+    n_numbers = MOTION + len(Element._fields) + len(law.formula.fields)
+    signature = (types.StarArgUniTuple(types.float64, n_numbers),)
+    with compiling_for(native_target()):
+        in_numbers(law.formula, Element, MOTION).compile(signature)
+
+
+def _list_missing_functions(function: Any) -> list[str]:
+    """Return the functions that a compiled function needs, and that neither LLVM nor the C library has."""
+    module = llvm.parse_assembly(function.inspect_llvm())
+    missing_names: set[str] = set()
+    for called in module.functions:
+        is_intrinsic = called.name.startswith("llvm.")
+        if called.is_declaration and not is_intrinsic and called.name not in _C_FUNCTIONS:
+            missing_names.add(called.name)
+    return sorted(missing_names)
+
+
+def write_bitcode(function: Any, name: str) -> bytes:
     """Return the LLVM module of a compiled function, with everything else in it internal.
 
     Args:
@@ -108,11 +159,14 @@ def exported(function: Any, name: str) -> bytes:
         name: Name of the function in the module.
     """
     module = llvm.parse_assembly(function.inspect_llvm())
-    for one in (*module.functions, *module.global_variables):
-        if not one.is_declaration:
-            one.linkage = "external" if one.name == function.native_name else "internal"
+    for symbol in (*module.functions, *module.global_variables):
+        if symbol.is_declaration:
+            continue
+        is_entry = symbol.name == function.native_name
+        symbol.linkage = "external" if is_entry else "internal"
     entry = module.get_function(function.native_name)
-    entry.name, entry.visibility = name, "hidden"
+    entry.name = name
+    entry.visibility = "hidden"
     return module.as_bitcode()
 
 
@@ -138,7 +192,9 @@ def _log_at(typingctx, numbers):
 
     def codegen(context, builder, sig, args):
         array = context.make_array(_LOG)(context, builder)
-        one, two, size = (context.get_constant(types.intp, number) for number in (1, 2, 8))
+        one = context.get_constant(types.intp, 1)
+        two = context.get_constant(types.intp, 2)
+        size = context.get_constant(types.intp, 8)
         populate_array(
             array,
             data=args[0],
@@ -158,17 +214,16 @@ def native_target() -> Target:
 
     @_inner
     def free_joints(law):
-        return _beyond(
-            law, law[-1]
-        )  # the flags follow the laws, which are preceded by their number
+        # The flags follow the laws, which are preceded by their number.
+        return _beyond(law, law[-1])
 
+    formulas_in_kernels = dict(PROCESSOR.formulas)
+    formulas_in_kernels.pop(scalars.table_row, None)
     return Target(
         kernel=_inner,
         entry=_inner,
         in_lanes=PROCESSOR.in_lanes,
-        formulas={
-            one: how for one, how in PROCESSOR.formulas.items() if one is not scalars.table_row
-        },
+        formulas=formulas_in_kernels,
         replacements={"free_joints": free_joints},
     )
 
@@ -179,7 +234,8 @@ def native_target() -> Target:
 @_inner
 def _assign(whole, real, piece, v, rows):
     """Set rows that are multiples of variables."""
-    pairs, factors = whole[piece], whole[piece + 1]
+    pairs = whole[piece]
+    factors = whole[piece + 1]
     for k in range(whole[piece + 2]):
         rows[whole[pairs + 2 * k + 1]] = real[factors + k] * v[whole[pairs + 2 * k]]
 
@@ -189,46 +245,53 @@ def _begin(whole, real, v, rows):
     """Fill all rows: the template, the terms that depend on the water's coefficients, and the initial state."""
     for q in range(whole[N_ROWS]):
         rows[q] = real[q]
-    terms, values, pairs, slopes = whole[TERMS], whole[TERMS + 1], whole[SLOPES], whole[SLOPES + 1]
+    terms = whole[TERMS]
+    values = whole[TERMS + 1]
+    pairs = whole[SLOPES]
+    slopes = whole[SLOPES + 1]
     for k in range(whole[SLOPES + 2]):
         term = whole[pairs + 2 * k]
         now = v[whole[terms + 2 * term + 1]]
         if whole[terms + 2 * term] != NONE:
             now *= v[whole[terms + 2 * term]]
         rows[whole[pairs + 2 * k + 1]] += real[slopes + k] * (now - real[values + term])
-    _assign(whole, real, STARTED, v, rows)
+    _assign(whole, real, START_ROWS, v, rows)
     rows[VX] = v[whole[VELOCITY]] * math.cos(v[whole[HEADING]])
     rows[VY] = v[whole[VELOCITY]] * math.sin(v[whole[HEADING]])
 
 
 @_inner
-def _look(whole, real, rows, v):
+def _write_outputs(whole, real, rows, v):
     """Set the variables that are sums of rows."""
-    pairs, factors = whole[SEEN], whole[SEEN + 1]
-    for k in range(whole[SEEN + 2]):
+    pairs = whole[OUTPUT_ROWS]
+    factors = whole[OUTPUT_ROWS + 1]
+    for k in range(whole[OUTPUT_ROWS + 2]):
         v[whole[pairs + 2 * k]] = 0.0
-    for k in range(whole[SEEN + 2]):
+    for k in range(whole[OUTPUT_ROWS + 2]):
         v[whole[pairs + 2 * k]] += real[factors + k] * rows[whole[pairs + 2 * k + 1]]
 
 
-def _move(run: Any) -> Any:
+def _build_move(run: Any) -> Any:
     """Build the function that reads a robot's variables, runs the kernel's steps, and writes the variables.
 
     Args:
         run: Kernel that advances the motion.
     """
-    reals, wholes = types.CPointer(types.float64), types.CPointer(types.int64)
+    reals = types.CPointer(types.float64)
+    wholes = types.CPointer(types.int64)
+    signature = types.int64(wholes, reals, reals, reals, types.float64)
 
-    @cfunc(types.int64(wholes, reals, reals, reals, types.float64), **INLINED, **OWN)
+    @cfunc(signature, **INLINED, **OWN)
     def move(whole, real, v, rows, interval):
         """Start (interval 0), or advance by the interval; return 1, or 0 if the motion diverged."""
-        steps, dt = 0, v[whole[DT]]
+        steps = 0
+        dt = v[whole[DT]]
         if interval == 0.0:
             _begin(whole, real, v, rows)
         else:
             steps = max(1, math.ceil(interval / dt - 1e-9))
             dt = interval / steps
-        _assign(whole, real, HELD, v, rows)
+        _assign(whole, real, INPUT_ROWS, v, rows)
         written = run(
             rows,
             whole[N_BODIES],
@@ -243,7 +306,8 @@ def _move(run: Any) -> Any:
             max(1, steps),
             _log_at(_beyond(rows, whole[N_ROWS])),
         )
-        _look(whole, real, rows, v)
-        return 1 if written == (1 if steps == 0 else 2) else 0
+        _write_outputs(whole, real, rows, v)
+        n_samples = 1 if steps == 0 else 2
+        return 1 if written == n_samples else 0
 
     return move

@@ -30,22 +30,44 @@ from laticauda.control.paths import Polyline, seen_from
 from laticauda.values.angles import wrap_to_pi, wrapped
 from laticauda.values.formulas import Formula
 
-# Current values; ends of the leg; first, second and last heading and start of the window; laws and
-# their memory.
-NUMBERS = (
-    *("x", "y", "heading", "time", "x0", "y0", "x1", "y1"),
-    *("t1", "heading1", "integral1", "t2", "heading2", "t3", "heading3", "integral3", "begin"),
-    *("look_ahead_distance", "integral_gain", "gain", "max_offset", "integral", "is_saturated"),
+_CURRENT_VALUES = ("x", "y", "heading", "time")
+_ENDS_OF_LEG = ("x0", "y0", "x1", "y1")
+# The first, second and last heading, with their times and integrals, and the start of the window.
+_HEADING_WINDOW = (
+    "t1",
+    "heading1",
+    "integral1",
+    "t2",
+    "heading2",
+    "t3",
+    "heading3",
+    "integral3",
+    "begin",
 )
-NAME = "laticauda_steer"
-"""Name of the compiled function."""
-RESULTS = "offset", "is_saturated", "integral", "error", "heading_ref", "heading_integral", "beyond"
+_LAWS = ("look_ahead_distance", "integral_gain", "gain", "max_offset")
+_MEMORY_OF_LAWS = ("integral", "is_saturated")
+NUMBERS = (*_CURRENT_VALUES, *_ENDS_OF_LEG, *_HEADING_WINDOW, *_LAWS, *_MEMORY_OF_LAWS)
+"""Names of the numbers that `instant` takes."""
+RESULTS = (
+    "offset",
+    "is_saturated",
+    "integral",
+    "error",
+    "heading_ref",
+    "heading_integral",
+    "beyond",
+)
 """Names of the results of `instant`."""
-_Legs, _Frame = (
-    namedtuple("_Legs", "waypoints"),
-    namedtuple("_Frame", "cross_track_error path_tangential_angle"),
-)
-_angle, _aim, _turn = Polyline.angle, IntegralLineOfSight.step, HeadingController.offset
+ENTRY_FUNCTION = "laticauda_steer"
+"""Name of the compiled function."""
+
+# What the functions of `laticauda.control` read of a path, and of a robot's position relative to it.
+_Legs = namedtuple("_Legs", "waypoints")
+_Frame = namedtuple("_Frame", "cross_track_error path_tangential_angle")
+
+_angle_of_leg = Polyline.angle
+_reference_heading = IntegralLineOfSight.step
+_offset_for_heading = HeadingController.offset
 
 
 def instant(s: Any) -> tuple[float, ...]:
@@ -54,16 +76,27 @@ def instant(s: Any) -> tuple[float, ...]:
     Args:
         s: Object with the `NUMBERS` as attributes, in the units of `laticauda.control`.
     """
-    now = s.time, s.heading, extend_integral((s.t3, s.heading3, s.integral3), s.time, s.heading)
+    last = (s.t3, s.heading3, s.integral3)
+    heading_integral = extend_integral(last, s.time, s.heading)
+    now = s.time, s.heading, heading_integral
     window = (s.t1, s.heading1, s.integral1), (s.t2, s.heading2, 0.0), now
-    used = mean_over(window, s.begin) if s.time > s.begin else s.heading
-    begin, end = (s.x0, s.y0), (s.x1, s.y1)
-    angle = _angle(_Legs((begin, end)), 0)
-    error, beyond = seen_from(begin, angle, (s.x, s.y))[1], seen_from(end, angle, (s.x, s.y))[0]
-    frame, is_saturated = _Frame(error, wrap_to_pi(angle)), s.is_saturated != 0.0
-    integral, heading_ref = _aim(s, s.integral, frame, used, s.time - s.t3, is_saturated)
-    offset, is_saturated = _turn(s, heading_ref=heading_ref, heading=used)
-    return offset, 1.0 if is_saturated else 0.0, integral, error, heading_ref, now[2], beyond
+    heading = mean_over(window, s.begin) if s.time > s.begin else s.heading
+
+    begin = (s.x0, s.y0)
+    end = (s.x1, s.y1)
+    position = (s.x, s.y)
+    angle = _angle_of_leg(_Legs((begin, end)), 0)
+    error = seen_from(begin, angle, position)[1]
+    beyond = seen_from(end, angle, position)[0]
+    frame = _Frame(error, wrap_to_pi(angle))
+
+    was_saturated = s.is_saturated != 0.0
+    integral, heading_ref = _reference_heading(
+        s, s.integral, frame, heading, s.time - s.t3, was_saturated
+    )
+    offset, is_saturated = _offset_for_heading(s, heading_ref=heading_ref, heading=heading)
+    saturation = 1.0 if is_saturated else 0.0
+    return offset, saturation, integral, error, heading_ref, heading_integral, beyond
 
 
 @overload(math.fmod)
@@ -71,17 +104,19 @@ def _fmod(x, y):  # Numba supports only NumPy's version
     return lambda x, y: np.fmod(x, y)
 
 
-def bitcode() -> bytes:
+def compile_bitcode() -> bytes:
     """Return the LLVM module of a function that reads `NUMBERS` from an address and writes `RESULTS` there."""
     target = entry.native_target()
     wrapping = target.kernel(inspect.unwrap(wrapped))  # type checks are not part of the formula
-    with compiling_for(replace(target, formulas={**target.formulas, wrap_to_pi: wrapping})):
-        inner = in_numbers(Formula(name="instant", function=instant, fields=NUMBERS), None, 0)
+    formulas = {**target.formulas, wrap_to_pi: wrapping}
+    formula = Formula(name="instant", function=instant, fields=NUMBERS)
+    with compiling_for(replace(target, formulas=formulas)):
+        compiled_instant = in_numbers(formula, None, 0)
         numbers = rows_from(0, len(NUMBERS))
 
     @cfunc(types.void(types.CPointer(types.float64)), **INLINED, **entry.OWN)
     def steer(address):
-        for i, result in enumerate(inner(*numbers(address))):
+        for i, result in enumerate(compiled_instant(*numbers(address))):
             address[i] = result
 
-    return entry.exported(steer, NAME)
+    return entry.write_bitcode(steer, ENTRY_FUNCTION)

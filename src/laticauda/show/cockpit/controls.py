@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, cast
 
 import numpy as np
 
-from laticauda.connect.web.exporting import LIMITS
+from laticauda.connect.web.sliders import LIMITS
 from laticauda.control import StraightLine
 from laticauda.motion.gaits import Gait, Wave, envelope_of, list_kinds
 from laticauda.motion.gaits.gait import STRAIGHT
