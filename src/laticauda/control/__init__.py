@@ -2,6 +2,14 @@
 
 Independent of model and hardware: the same controller steers the planar model and the robot in the
 tank.
+
+- frames: what a path is to guidance, and the position of a robot relative to it
+- curve: smooth curve through points; paths: line, circle, legs and smooth curve as paths
+- guidance: laws that give a heading, its estimate, and the offset that turns the robot there
+- path_following, spatial_path_following: the controllers, in plan and in space
+- following: their parameters as in trial files and on the command line
+- averaged: motion from cycle to cycle; current: an observer of the current, built on it
+- mpc: guidance that plans ahead; estimation: position and motion of the robot from samples
 """
 
 from typing import TYPE_CHECKING
@@ -27,8 +35,6 @@ if TYPE_CHECKING:
     from laticauda.control.path_following import (
         PathFollowing as PathFollowing,
         PathFollowingState as PathFollowingState,
-        SpatialPathFollowing as SpatialPathFollowing,
-        SpatialPathFollowingState as SpatialPathFollowingState,
     )
     from laticauda.control.paths import (
         Circle as Circle,
@@ -40,6 +46,10 @@ if TYPE_CHECKING:
         ModelPredictive as ModelPredictive,
         PlanLimits as PlanLimits,
         PredictiveState as PredictiveState,
+    )
+    from laticauda.control.spatial_path_following import (
+        SpatialPathFollowing as SpatialPathFollowing,
+        SpatialPathFollowingState as SpatialPathFollowingState,
     )
 
 __getattr__, __dir__, __all__ = lazy_exports(
@@ -56,13 +66,12 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "IntegralLineOfSight",
             "LineOfSight",
         ],
-        "laticauda.control.path_following": [
-            "PathFollowing",
-            "PathFollowingState",
+        "laticauda.control.path_following": ["PathFollowing", "PathFollowingState"],
+        "laticauda.control.paths": ["Circle", "Polyline", "Spline", "StraightLine"],
+        "laticauda.control.mpc.predictive": ["ModelPredictive", "PlanLimits", "PredictiveState"],
+        "laticauda.control.spatial_path_following": [
             "SpatialPathFollowing",
             "SpatialPathFollowingState",
         ],
-        "laticauda.control.paths": ["Circle", "Polyline", "Spline", "StraightLine"],
-        "laticauda.control.mpc.predictive": ["ModelPredictive", "PlanLimits", "PredictiveState"],
     },
 )

@@ -17,16 +17,43 @@ from laticauda.scenarios.interfaces import Observation
 from laticauda.values.quantities import option, quantity, value_class
 
 Array = np.ndarray
-X, Y, PSI, BEND, SPEED, SWAY, DRIFT_X, DRIFT_Y, RIPPLE, QUADRATURE = range(10)
-N_MOTION = 6  # states of the averaged model, the first ones
-_N = 10
+
+# Indices of the observer's states; the first `N_MOTION` are those of the averaged model.
+X = 0
+"""Position along the world x axis [m]."""
+Y = 1
+"""Position along the world y axis [m]."""
+PSI = 2
+"""Direction of motion through the water [rad]."""
+BEND = 3
+"""Offset that the joints have adopted, b of the model [rad]."""
+SPEED = 4
+"""Speed along psi, u of the model [m/s]."""
+SWAY = 5
+"""Speed to the left of psi, w of the model [m/s]."""
+DRIFT_X = 6
+"""Drift along the world x axis [m/s]."""
+DRIFT_Y = 7
+"""Drift along the world y axis [m/s]."""
+RIPPLE = 8
+"""Ripple of the heading [rad]."""
+QUADRATURE = 9
+"""The same oscillation, a quarter of a period later [rad]."""
+N_STATES = 10
+N_MOTION = 6
 _DRIFT = slice(DRIFT_X, DRIFT_Y + 1)
-# Square roots of the spectral densities, of the same order for any snake that swims a few cm/s with
-# cycles of seconds.
+
 _NOISE = np.array([3e-3, 3e-3, 0.03, 1e-3, 2e-3, 2e-3, 2e-3, 2e-3, 0.02, 0.02])
-_START = np.array([0.02, 0.02, 0.2, 0.01, 0.02, 0.02, 0.05, 0.05, 0.2, 0.2])
-_SEEN = np.array([0.05, 0.05, 0.03])  # swing of the center of mass [m], residual ripple [rad]
+"""Square roots of the spectral densities of the process noise, in units of the states per sqrt(s).
+
+They are of the same order for any snake that swims a few cm/s with cycles of seconds.
+"""
+_INITIAL_STD = np.array([0.02, 0.02, 0.2, 0.01, 0.02, 0.02, 0.05, 0.05, 0.2, 0.2])
+"""Standard deviations of the states after the first observation, in their units."""
+_MEASUREMENT_STD = np.array([0.05, 0.05, 0.03])
+"""Swing of the center of mass with the gait, x and y [m], and residual ripple of the heading [rad]."""
 _COMPLEX_STEP = 1e-30
+"""Imaginary step whose effect, per step, is an exact derivative: no difference is formed [-]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -63,14 +90,16 @@ class CurrentObserver:
     )
 
     def init(self, observation: Observation) -> ObserverState:
-        """Return the state after one `observation`: a position and an approximate heading, at rest, without drift.
+        """Return the state after one `observation`: its position and heading, at rest, without drift.
 
         Args:
             observation: First observation.
         """
-        mean = np.zeros(_N)
-        mean[[X, Y]], mean[PSI] = observation.center_of_mass[:2], observation.heading
-        return ObserverState(time=observation.time, mean=mean, covariance=np.diag(_START**2))
+        mean = np.zeros(N_STATES)
+        mean[[X, Y]] = observation.center_of_mass[:2]
+        mean[PSI] = observation.heading
+        covariance = np.diag(_INITIAL_STD**2)
+        return ObserverState(time=observation.time, mean=mean, covariance=covariance)
 
     def step(
         self, state: ObserverState | None, frequency: float, offset: float, observation: Observation
@@ -88,69 +117,98 @@ class CurrentObserver:
         dt = observation.time - state.time
         if dt <= 0.0:
             return state
-        steps = np.eye(_N) * (
-            1j * _COMPLEX_STEP
-        )  # one column per derivative: exact, no formula to maintain
-        moved = self._after(state.mean[:, np.newaxis] + steps, frequency, offset, dt)
-        slope, mean = np.imag(moved) / _COMPLEX_STEP, np.real(moved[:, 0])
-        covariance = slope @ state.covariance @ slope.T + np.diag(_NOISE**2 * dt)
-        return _corrected(observation, mean, covariance, self.model.bend)
+        # One column per state, and each column with a step in that state: the imaginary parts of
+        # the result are the columns of the derivative F.
+        steps = np.eye(N_STATES) * (1j * _COMPLEX_STEP)
+        columns = state.mean[:, np.newaxis] + steps
+        columns_after = self._advance_mean(columns, frequency, offset, dt)
+        transition = np.imag(columns_after) / _COMPLEX_STEP
+        mean = np.real(columns_after[:, 0])
+        covariance = transition @ state.covariance @ transition.T + np.diag(_NOISE**2 * dt)
+        return _correct(observation, mean, covariance, self.model.bend)
 
     def signals(self, state: ObserverState) -> dict[str, float]:
-        """Return the current at the robot estimated in `state`, and its standard deviations along x and y, for a log.
+        """Return the estimated current and its standard deviations along x and y, for a log.
 
         Args:
             state: State of the observer.
         """
-        ahead = np.array([math.cos(state.mean[PSI]), math.sin(state.mean[PSI])])
-        covariance = state.covariance[_DRIFT, _DRIFT] + self.speed_std**2 * np.outer(ahead, ahead)
-        names = ("drift_x", "drift_y", "drift_x_std", "drift_y_std")
-        return dict(
-            zip(names, (*state.drift.tolist(), *np.sqrt(np.diag(covariance)).tolist()), strict=True)
+        psi = state.mean[PSI]
+        direction = np.array([math.cos(psi), math.sin(psi)])
+        # An error of the model's speed looks like a current along the direction of motion.
+        covariance = state.covariance[_DRIFT, _DRIFT] + self.speed_std**2 * np.outer(
+            direction, direction
         )
+        drift_x, drift_y = state.drift.tolist()
+        x_std, y_std = np.sqrt(np.diag(covariance)).tolist()
+        return {"drift_x": drift_x, "drift_y": drift_y, "drift_x_std": x_std, "drift_y_std": y_std}
 
-    def _after(self, mean: Array, frequency: float, offset: float, dt: float) -> Array:
-        moved = self.model.after(tuple(mean[:N_MOTION]), frequency, offset, dt, np.sin, np.cos)
-        drift, c, s = mean[[DRIFT_X, DRIFT_Y]], math.cos(frequency * dt), math.sin(frequency * dt)
-        ripple, quadrature = mean[RIPPLE], mean[QUADRATURE]
-        turned = [c * ripple - s * quadrature, s * ripple + c * quadrature]
+    def _advance_mean(self, mean: Array, frequency: float, offset: float, dt: float) -> Array:
+        """Return the mean, or several as columns, after a time `dt` with one command."""
+        motion = self.model.after(tuple(mean[:N_MOTION]), frequency, offset, dt, np.sin, np.cos)
+        x, y, *velocities_and_angles = motion
+        drift = mean[[DRIFT_X, DRIFT_Y]]
+        c = math.cos(frequency * dt)
+        s = math.sin(frequency * dt)
+        ripple = c * mean[RIPPLE] - s * mean[QUADRATURE]
+        quadrature = s * mean[RIPPLE] + c * mean[QUADRATURE]
         return np.array(
-            [moved[0] + drift[0] * dt, moved[1] + drift[1] * dt, *moved[2:], *drift, *turned]
+            [
+                x + drift[0] * dt,
+                y + drift[1] * dt,
+                *velocities_and_angles,
+                *drift,
+                ripple,
+                quadrature,
+            ]
         )
 
 
-def _corrected(
+def _correct(
     observation: Observation, mean: Array, covariance: Array, bend: float
 ) -> ObserverState:
-    sees = np.zeros((3, _N))
-    sees[0, X] = sees[1, Y] = 1.0
-    sees[2, [PSI, BEND, RIPPLE]] = 1.0, bend, 1.0
+    """Correct the predicted mean and covariance by an observed position and heading."""
+    sensitivity = np.zeros((3, N_STATES))
+    sensitivity[0, X] = 1.0
+    sensitivity[1, Y] = 1.0
+    sensitivity[2, [PSI, BEND, RIPPLE]] = 1.0, bend, 1.0
     x, y = observation.center_of_mass[:2]
-    surprise = np.array([x, y, observation.heading]) - sees @ mean
-    spread = sees @ covariance @ sees.T + np.diag(_SEEN**2)
-    gain = np.linalg.solve(spread, sees @ covariance).T
-    left = np.eye(_N) - gain @ sees
-    kept = (
-        left @ covariance @ left.T + (gain * _SEEN**2) @ gain.T
-    )  # Joseph form: stays symmetric and positive
-    return ObserverState(time=observation.time, mean=mean + gain @ surprise, covariance=kept)
+    residual = np.array([x, y, observation.heading]) - sensitivity @ mean
+    spread = sensitivity @ covariance @ sensitivity.T + np.diag(_MEASUREMENT_STD**2)
+    gain = np.linalg.solve(spread, sensitivity @ covariance).T
+    # Joseph form: stays symmetric and positive.
+    remainder = np.eye(N_STATES) - gain @ sensitivity
+    of_prediction = remainder @ covariance @ remainder.T
+    of_measurement = (gain * _MEASUREMENT_STD**2) @ gain.T
+    return ObserverState(
+        time=observation.time,
+        mean=mean + gain @ residual,
+        covariance=of_prediction + of_measurement,
+    )
 
 
-def crab_angle(course: float, velocity: Array, speed: float, most: float) -> tuple[float, bool]:
-    """Return the angle by which a robot must point upstream of its course: asin of the cross current over the speed.
+def crab_angle(
+    course: float, velocity: Array, speed: float, max_angle: float
+) -> tuple[float, bool]:
+    """Return the angle by which a robot must point upstream of its course.
+
+    It is asin of the current across the course over the speed.
 
     Args:
         course: Desired course over ground [rad].
         velocity: Velocity of the water, x and y, world axes [m/s].
         speed: Speed of the robot through the water, positive [m/s].
-        most: Largest angle, used if the current is too strong [rad].
+        max_angle: Largest angle, used if the current is too strong [rad].
 
     Returns:
         The angle, positive to the right [rad], and whether the current is too strong: it would
         require a larger angle or prevents forward motion.
     """
-    c, s = math.cos(course), math.sin(course)
-    along, across = (float(one) for one in velocity @ np.array([[c, -s], [s, c]]))
-    asked = math.asin(min(max(across / speed, -1.0), 1.0))
-    angle = min(max(asked, -most), most)
-    return angle, abs(across) > speed * math.sin(most) or along + speed * math.cos(angle) <= 0.0
+    c = math.cos(course)
+    s = math.sin(course)
+    along, across = (velocity @ np.array([[c, -s], [s, c]])).tolist()
+    sine = min(max(across / speed, -1.0), 1.0)
+    angle = min(max(math.asin(sine), -max_angle), max_angle)
+    is_across_too_strong = abs(across) > speed * math.sin(max_angle)
+    is_stopped = along + speed * math.cos(angle) <= 0.0
+    return angle, is_across_too_strong or is_stopped

@@ -7,6 +7,7 @@ curvature is zero at both ends, so that it continues as a straight line without 
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -20,8 +21,26 @@ Nodes = Float[np.ndarray, " n_nodes"]
 Steps = Float[np.ndarray, " n_stretches"]
 Cubics = Float[np.ndarray, "4 n_stretches 2"]
 
-PIECES = 32  # per stretch between two points: one piece is too short for the curve to have two nearest points in it
-_GAUSS, _WEIGHT = np.polynomial.legendre.leggauss(5)
+PIECES = 32
+"""Pieces per stretch between two points: each is too short for two nearest points of the curve [-]."""
+MOST_BISECTIONS = 60
+"""Most steps of the search for a nearest point; halving alone gets below `TOLERANCE` with them [-]."""
+TOLERANCE = 1e-14
+"""Change of u, per whole range of u, at which that search ends [-]."""
+SLOWEST = 1e-6
+"""Share of the largest |r'| below which the curve turns on the spot [-]."""
+_GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
+
+
+class Derivatives(NamedTuple):
+    """Points of a curve, and their derivatives with respect to its parameter u."""
+
+    points: Vectors
+    """r [m]."""
+    first: Vectors
+    """r'."""
+    second: Vectors
+    """r''."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -39,23 +58,27 @@ class Curve:
     lengths: Nodes
     """Length from the start to each node [m]."""
 
-    def derivatives(self, u: Numbers) -> tuple[Vectors, Vectors, Vectors]:
+    def derivatives(self, u: Numbers) -> Derivatives:
         """Return the points at `u` and their first and second derivatives with respect to u."""
-        return _derivatives(self.knots, self.cubics, u)
+        return _evaluate(self.knots, self.cubics, u)
 
     def length(self, u: Numbers) -> Numbers:
         """Return the length from the start to `u` [m]."""
         # At the end, i is the last node: nothing is added, not even rounding, so points beyond it
         # are recognized.
         i = np.searchsorted(self.nodes, u, side="right") - 1
-        return self.lengths[i] + _length(self.knots, self.cubics, self.nodes[i], u)
+        return self.lengths[i] + _integrate_length(self.knots, self.cubics, self.nodes[i], u)
 
     def parameter(self, length: Numbers) -> Numbers:
-        """Return u at a `length` [m] between 0 and the whole length: Newton's method started from the table."""
+        """Return u at a `length` between 0 and the whole length [m].
+
+        Newton's method, started from the lengths at the nodes.
+        """
         u = np.interp(length, self.lengths, self.nodes)
         for _ in range(4):
-            speed = np.linalg.norm(self.derivatives(u)[1], axis=1)
-            u = np.clip(u - (self.length(u) - length) / speed, self.nodes[0], self.nodes[-1])
+            speed = np.linalg.norm(self.derivatives(u).first, axis=1)
+            step = (self.length(u) - length) / speed
+            u = np.clip(u - step, self.nodes[0], self.nodes[-1])
         return u
 
     def nearest(self, position: Float[np.ndarray, " 2"], near: float | None) -> float:
@@ -67,40 +90,56 @@ class Curve:
                 does not jump to another part of the curve that happens to be closer. None searches
                 the whole curve.
         """
-        distance = np.sum((self.corners - position) ** 2, axis=1)
-        if near is None:
-            i = int(np.argmin(distance))
-        else:
-            i = (
-                int(np.searchsorted(self.lengths, near))
-                if near < self.lengths[-1]
-                else distance.size - 1
-            )
-            while i + 1 < distance.size and distance[i + 1] < distance[i]:
-                i += 1
-            while i > 0 and distance[i - 1] < distance[i]:
-                i -= 1
-        low, high = (
-            float(self.nodes[max(i - 1, 0)]),
-            float(self.nodes[min(i + 1, self.nodes.size - 1)]),
-        )
-        return self._foot(position, low, float(self.nodes[i]), high)
+        i = self._nearest_node(position, near)
+        last = self.nodes.size - 1
+        low = float(self.nodes[max(i - 1, 0)])
+        high = float(self.nodes[min(i + 1, last)])
+        return self._find_foot(position, low, float(self.nodes[i]), high)
 
-    def _foot(self, position: Float[np.ndarray, " 2"], low: float, u: float, high: float) -> float:
-        """Find (r - p) . r' = 0 between `low` and `high`, or an end of the curve if that is nearer."""
-        for _ in range(60):
-            (r,), (first,), (second,) = self.derivatives(np.array([u]))
-            slope = float((r - position) @ first)
-            low, high = (low, u) if slope > 0.0 else (u, high)
-            bend = float(first @ first + (r - position) @ second)
-            step = u - slope / bend if bend > 0.0 else low
-            last, u = u, step if low < step < high else 0.5 * (low + high)
-            if abs(u - last) <= 1e-14 * float(self.nodes[-1]):
+    def _nearest_node(self, position: Float[np.ndarray, " 2"], near: float | None) -> int:
+        """Return the node nearest to `position`: of all, or the first downhill from `near`."""
+        squared_distance = np.sum((self.corners - position) ** 2, axis=1)
+        if near is None:
+            return int(np.argmin(squared_distance))
+        last = squared_distance.size - 1
+        i = last
+        if near < self.lengths[-1]:
+            i = int(np.searchsorted(self.lengths, near))
+        while i < last and squared_distance[i + 1] < squared_distance[i]:
+            i += 1
+        while i > 0 and squared_distance[i - 1] < squared_distance[i]:
+            i -= 1
+        return i
+
+    def _find_foot(
+        self, position: Float[np.ndarray, " 2"], low: float, u: float, high: float
+    ) -> float:
+        """Find (r - p) . r' = 0 between `low` and `high`, or an end of the curve if that is nearer.
+
+        Newton's method from `u`; where its step would leave the range, the range is halved.
+        """
+        for _ in range(MOST_BISECTIONS):
+            points, first_derivatives, second_derivatives = self.derivatives(np.array([u]))
+            apart = points[0] - position
+            first = first_derivatives[0]
+            slope = float(apart @ first)
+            if slope > 0.0:
+                high = u
+            else:
+                low = u
+            slope_rate = float(first @ first + apart @ second_derivatives[0])
+            last_u = u
+            u = 0.5 * (low + high)
+            if slope_rate > 0.0:
+                newton_u = last_u - slope / slope_rate
+                if low < newton_u < high:
+                    u = newton_u
+            if abs(u - last_u) <= TOLERANCE * float(self.nodes[-1]):
                 break
         return u
 
 
-def natural_cubic(points: Vectors) -> Curve:
+def fit_natural_cubic(points: Vectors) -> Curve:
     """Return the smooth curve through two or more points.
 
     Args:
@@ -109,51 +148,68 @@ def natural_cubic(points: Vectors) -> Curve:
     Raises:
         ValueError: If the curve stops and turns back at a point, where its direction is undefined.
     """
-    step = np.sqrt(np.linalg.norm(np.diff(points, axis=0), axis=1))
+    chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    step = np.sqrt(chords)
     knots = np.concatenate(([0.0], np.cumsum(step)))
-    cubics = _cubics(points, step)
-    inner = np.linspace(0.0, 1.0, PIECES, endpoint=False)
-    nodes = np.concatenate(
-        ((knots[:-1, np.newaxis] + step[:, np.newaxis] * inner).ravel(), knots[-1:])
-    )
-    corners, first, _ = _derivatives(knots, cubics, nodes)
-    speed = np.linalg.norm(first, axis=1)
-    slowest = int(np.argmin(speed))
-    if speed[slowest] < 1e-6 * np.max(speed):
-        x, y = corners[slowest]
-        raise BadArgument(
-            "waypoints",
-            f"must give a curve with a direction everywhere, but it turns on the spot at ({x:g}, {y:g})",
-        )
-    pieces = _length(knots, cubics, nodes[:-1], nodes[1:])
-    lengths = np.concatenate(([0.0], np.cumsum(pieces)))
+    cubics = _solve_cubics(points, step)
+    nodes = _place_nodes(knots, step)
+    corners, first, _ = _evaluate(knots, cubics, nodes)
+    _check_speed(corners, first)
+    piece_lengths = _integrate_length(knots, cubics, nodes[:-1], nodes[1:])
+    lengths = np.concatenate(([0.0], np.cumsum(piece_lengths)))
     return Curve(knots=knots, cubics=cubics, nodes=nodes, corners=corners, lengths=lengths)
 
 
-def _cubics(points: Vectors, step: Steps) -> Cubics:
+def _solve_cubics(points: Vectors, step: Steps) -> Cubics:
     """Solve the classical conditions: continuous second derivatives, zero at both ends."""
     slope = np.diff(points, axis=0) / step[:, np.newaxis]
     n = len(points)
-    matrix, right = np.eye(n), np.zeros((n, 2))
+    matrix = np.eye(n)
+    right_side = np.zeros((n, 2))
     for i in range(1, n - 1):
-        matrix[i, i - 1 : i + 2] = step[i - 1], 2.0 * (step[i - 1] + step[i]), step[i]
-        right[i] = 6.0 * (slope[i] - slope[i - 1])
-    second = np.linalg.solve(matrix, right)
+        matrix[i, i - 1] = step[i - 1]
+        matrix[i, i] = 2.0 * (step[i - 1] + step[i])
+        matrix[i, i + 1] = step[i]
+        right_side[i] = 6.0 * (slope[i] - slope[i - 1])
+    second = np.linalg.solve(matrix, right_side)
     h = step[:, np.newaxis]
     first = slope - h * (2.0 * second[:-1] + second[1:]) / 6.0
-    return np.stack((points[:-1], first, 0.5 * second[:-1], np.diff(second, axis=0) / (6.0 * h)))
+    third = np.diff(second, axis=0) / (6.0 * h)
+    return np.stack((points[:-1], first, 0.5 * second[:-1], third))
 
 
-def _derivatives(knots: Knots, cubics: Cubics, u: Numbers) -> tuple[Vectors, Vectors, Vectors]:
+def _place_nodes(knots: Knots, step: Steps) -> Nodes:
+    """Return u at the ends of the pieces, `PIECES` in every stretch."""
+    fractions = np.linspace(0.0, 1.0, PIECES, endpoint=False)
+    starts = knots[:-1, np.newaxis] + step[:, np.newaxis] * fractions
+    return np.concatenate((starts.ravel(), knots[-1:]))
+
+
+def _check_speed(points: Vectors, first: Vectors) -> None:
+    """Reject a curve that turns on the spot."""
+    speed = np.linalg.norm(first, axis=1)
+    slowest = int(np.argmin(speed))
+    if speed[slowest] < SLOWEST * np.max(speed):
+        x, y = points[slowest]
+        rule = "must give a curve with a direction everywhere"
+        raise BadArgument("waypoints", f"{rule}, but it turns on the spot at ({x:g}, {y:g})")
+
+
+def _evaluate(knots: Knots, cubics: Cubics, u: Numbers) -> Derivatives:
     i = np.clip(np.searchsorted(knots, u, side="right") - 1, 0, knots.size - 2)
     h = (u - knots[i])[:, np.newaxis]
     a, b, c, d = cubics[:, i]
-    return ((d * h + c) * h + b) * h + a, (3.0 * d * h + 2.0 * c) * h + b, 6.0 * d * h + 2.0 * c
+    return Derivatives(
+        points=((d * h + c) * h + b) * h + a,
+        first=(3.0 * d * h + 2.0 * c) * h + b,
+        second=6.0 * d * h + 2.0 * c,
+    )
 
 
-def _length(knots: Knots, cubics: Cubics, begin: Numbers, end: Numbers) -> Numbers:
-    """Return the length from `begin` to `end`, each within one piece, by Gauss quadrature of |r'|."""
+def _integrate_length(knots: Knots, cubics: Cubics, begin: Numbers, end: Numbers) -> Numbers:
+    """Return the length from `begin` to `end`, each in one piece, by Gauss quadrature of |r'|."""
     half = 0.5 * (end - begin)[:, np.newaxis]
-    u = (0.5 * (begin + end)[:, np.newaxis] + half * _GAUSS).ravel()
-    speed = np.linalg.norm(_derivatives(knots, cubics, u)[1], axis=1).reshape(-1, _GAUSS.size)
-    return (half * speed) @ _WEIGHT
+    middle = 0.5 * (begin + end)[:, np.newaxis]
+    u = (middle + half * _GAUSS_POINTS).ravel()
+    speed = np.linalg.norm(_evaluate(knots, cubics, u).first, axis=1)
+    return (half * speed.reshape(-1, _GAUSS_POINTS.size)) @ _GAUSS_WEIGHTS

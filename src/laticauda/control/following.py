@@ -1,9 +1,13 @@
-"""Path-following parameters as in trial files and on the command line: in plan, and in space if a depth is given."""
+"""Path-following parameters as in trial files and on the command line.
+
+Paths are followed in plan, and in space if a depth is given. `Following` is one flat list of
+parameters; its `controller` builds the path, the laws and the controller from them.
+"""
 
 import math
 from typing import Any, Literal
 
-from laticauda.control import current, path_following
+from laticauda.control import current, path_following, spatial_path_following
 from laticauda.control.frames import Path
 from laticauda.control.guidance import Guidance, HeadingController, IntegralLineOfSight, LineOfSight
 from laticauda.control.paths import Circle, Polyline, Spline, StraightLine
@@ -11,7 +15,8 @@ from laticauda.motion.gaits import Gait
 from laticauda.values.errors import BadArgument
 from laticauda.values.quantities import option, quantity, value_class
 
-LEVEL = 1.0  # level stretch of a profile before its first and after its last depth [m]
+LEVEL = 1.0
+"""Level stretch of a profile before its first and after its last depth [m]."""
 
 
 @value_class
@@ -79,7 +84,7 @@ class Following(Course):
     )
 
     def __post_init__(self) -> None:
-        """Check the waypoints by building the path, and the parameters of the laws by building the laws."""
+        """Check the waypoints and the parameters of the laws by building path and laws."""
         if self.circle is not None and self.waypoints is not None:
             raise BadArgument("circle", f"must not be given with `waypoints`, got {self.circle}")
         self.controller(Gait(amplitude=0.5, frequency=1.0, phase_shift=0.5))
@@ -88,27 +93,38 @@ class Following(Course):
     def path(self) -> Path[Any]:
         """Path in plan."""
         if self.circle is not None:
-            return Circle(center=self.circle[:2], radius=self.circle[2], turns=self.circle[3])
+            x, y, radius, turns = self.circle
+            return Circle(center=(x, y), radius=radius, turns=turns)
         if self.waypoints is None:
             return StraightLine()
-        return (
-            Spline(waypoints=self.waypoints) if self.smooth else Polyline(waypoints=self.waypoints)
-        )
+        if self.smooth:
+            return Spline(waypoints=self.waypoints)
+        return Polyline(waypoints=self.waypoints)
 
     @property
     def profile(self) -> Path[Any] | None:
         """Height along the path; None if depth is not steered."""
-        depths, along = self.path_depth, getattr(self.path, "lengths", (0.0,))
+        depths = self.path_depth
         if depths is None:
             return None
         if len(depths) == 1:
             return StraightLine(point=(0.0, -depths[0]))
-        if len(depths) != len(along):
-            rule = f"must be one depth, or {len(along)}: one per waypoint, or the first and last of a circle"
+        distances = self._distances_of_depths()
+        if len(depths) != len(distances):
+            n_depths = f"must be one depth, or {len(distances)}"
+            rule = f"{n_depths}: one per waypoint, or the first and last of a circle"
             raise BadArgument("path_depth", f"{rule}, got {len(depths)} of them")
-        points = [(at, -depth) for at, depth in zip(along, depths, strict=True)]
-        ends = (along[0] - LEVEL, -depths[0]), (along[-1] + LEVEL, -depths[-1])
-        return Polyline(waypoints=(ends[0], *points, ends[1]))
+        points = [(distance, -depth) for distance, depth in zip(distances, depths, strict=True)]
+        begin = (distances[0] - LEVEL, -depths[0])
+        end = (distances[-1] + LEVEL, -depths[-1])
+        return Polyline(waypoints=(begin, *points, end))
+
+    def _distances_of_depths(self) -> tuple[float, ...]:
+        """Return the distances along the path at which depths are given [m]."""
+        path = self.path
+        if isinstance(path, Circle | Polyline | Spline):
+            return path.lengths
+        return (0.0,)
 
     def controller(self, gait: Gait) -> path_following.PathFollowing:
         """Return the controller.
@@ -116,28 +132,32 @@ class Following(Course):
         Args:
             gait: Gait that swims along the path.
         """
-        law: Guidance[Any] = LineOfSight(look_ahead_distance=self.look_ahead_distance)
-        if self.guidance == "integral_line_of_sight":
-            law = IntegralLineOfSight(
-                look_ahead_distance=self.look_ahead_distance, integral_gain=self.integral_gain
-            )
         plan = path_following.PathFollowing(
             gait=gait,
             path=self.path,
-            guidance=law,
+            guidance=self._build_guidance(),
             heading=HeadingController(gain=self.gain, max_offset=self.max_offset),
             heading_estimate=self.heading_estimate,
             interval=self.interval,
             observer=self.observer,
         )
-        if self.profile is None:
+        profile = self.profile
+        if profile is None:
             return plan
-        return path_following.SpatialPathFollowing(
+        return spatial_path_following.SpatialPathFollowing(
             **vars(plan),
-            profile=self.profile,
+            profile=profile,
             climb_guidance=IntegralLineOfSight(
                 look_ahead_distance=self.climb_look_ahead_distance,
                 integral_gain=self.climb_integral_gain,
             ),
             climb=HeadingController(gain=self.climb_gain, max_offset=self.max_climb_offset),
         )
+
+    def _build_guidance(self) -> Guidance[Any]:
+        """Return the guidance law in plan."""
+        if self.guidance == "integral_line_of_sight":
+            return IntegralLineOfSight(
+                look_ahead_distance=self.look_ahead_distance, integral_gain=self.integral_gain
+            )
+        return LineOfSight(look_ahead_distance=self.look_ahead_distance)

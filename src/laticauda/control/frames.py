@@ -1,4 +1,7 @@
-"""Position of a robot relative to a path: what every path returns, and all that guidance sees of it."""
+"""Position of a robot relative to a path: what every path returns, and all that guidance sees of it.
+
+`Path` is the interface that guidance needs of a path; `laticauda.control.paths` has the usual ones.
+"""
 
 from typing import Generic, NamedTuple, TypeAlias, TypeVar
 
@@ -19,7 +22,8 @@ class PathFrame(NamedTuple):
     """Position relative to the nearest point of the path, along and across the path."""
 
     along_track_distance: float
-    """Path length up to the nearest point; negative before the start, beyond the path's length after its end [m]."""
+    """Path length up to the nearest point; negative before the start, beyond the path's length after
+    its end [m]."""
     cross_track_error: float
     """Distance from the path, positive to the left of it (p_y of the paper) [m]."""
     path_tangential_angle: float
@@ -32,8 +36,11 @@ class PathFrame(NamedTuple):
     @property
     def signals(self) -> dict[str, float]:
         """Signals for the log."""
-        names = "cross_track_error", "along_track_distance", "path_tangential_angle"
-        return {name: float(getattr(self, name)) for name in names}
+        return {
+            "cross_track_error": float(self.cross_track_error),
+            "along_track_distance": float(self.along_track_distance),
+            "path_tangential_angle": float(self.path_tangential_angle),
+        }
 
 
 class Path(Extensible, Generic[State], group="paths"):

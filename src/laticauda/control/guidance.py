@@ -1,4 +1,4 @@
-"""Guidance and heading: from the distance to the path to the heading that leads back, and to the turning offset.
+"""Guidance and heading: from the distance to the path to the heading that leads back, and its offset.
 
 Each guidance law consists of `init` and `step` with an explicit state. The reference heading is in
 world axes and within half a turn of the robot's heading, so that no law ever asks for a full turn.
@@ -6,8 +6,8 @@ world axes and within half a turn of the robot's heading, so that no law ever as
 
 import math
 from bisect import bisect_right
-from operator import itemgetter
-from typing import Generic, TypeAlias, TypeVar
+from operator import attrgetter
+from typing import Generic, NamedTuple, TypeAlias, TypeVar
 
 from laticauda.control.frames import PathFrame
 from laticauda.values.angles import wrap_to_pi
@@ -19,7 +19,10 @@ State = TypeVar("State")
 
 
 class Guidance(Extensible, Generic[State], group="guidance"):
-    """Guidance law: turns a position relative to the path into a reference heading; custom laws subclass this class."""
+    """Guidance law: turns a position relative to the path into a reference heading.
+
+    Custom laws subclass this class.
+    """
 
     def init(self) -> State:
         """Return the initial state."""
@@ -81,7 +84,8 @@ class LineOfSight(Guidance[None]):
             dt: Time since the last call, 0 at the first [s].
             is_saturated: Whether the offset was at its limit during that time.
         """
-        return None, _aimed(frame, frame.cross_track_error / self.look_ahead_distance, heading)
+        slope = frame.cross_track_error / self.look_ahead_distance
+        return None, _approach_path(frame, slope, heading)
 
 
 @value_class
@@ -117,14 +121,16 @@ class IntegralLineOfSight(Guidance[float]):
             dt: Time since the last call, 0 at the first [s].
             is_saturated: Whether the offset was at its limit during that time.
         """
-        delta, error = self.look_ahead_distance, frame.cross_track_error
+        delta = self.look_ahead_distance
+        error = frame.cross_track_error
         if not is_saturated:
             aim = error + self.integral_gain * state
             state += dt * delta * error / (aim * aim + delta * delta)
-        return state, _aimed(frame, (error + self.integral_gain * state) / delta, heading)
+        slope = (error + self.integral_gain * state) / delta
+        return state, _approach_path(frame, slope, heading)
 
 
-def _aimed(frame: PathFrame, slope: float, heading: float) -> float:
+def _approach_path(frame: PathFrame, slope: float, heading: float) -> float:
     """Return the direction that approaches the path with a slope, within half a turn of `heading` [rad]."""
     return heading + wrap_to_pi(frame.path_tangential_angle - math.atan(slope) - heading)
 
@@ -164,14 +170,27 @@ class HeadingController:
         Returns:
             phi_0, positive to turn left [rad], and whether it is at its limit.
         """
-        asked = self.gain * wrap_to_pi(heading_ref - heading)
-        if abs(asked) > self.max_offset:
-            return (self.max_offset if asked > 0.0 else -self.max_offset), True
-        return asked, False
+        offset = self.gain * wrap_to_pi(heading_ref - heading)
+        if offset > self.max_offset:
+            return self.max_offset, True
+        if offset < -self.max_offset:
+            return -self.max_offset, True
+        return offset, False
 
 
-HeadingWindow: TypeAlias = tuple[tuple[float, float, float], ...]
-"""Headings in the window, oldest first: time [s], heading [rad], its integral since the very first [rad s]."""
+class HeadingSample(NamedTuple):
+    """Heading at one time, with what a mean over any window needs."""
+
+    time: float
+    """Its time [s]."""
+    heading: float
+    """Theta, unwrapped [rad]."""
+    integral: float
+    """Integral of the heading from the very first sample to this one [rad s]."""
+
+
+HeadingWindow: TypeAlias = tuple[HeadingSample, ...]
+"""Headings in the window, oldest first; the first one is at or before the start of the window."""
 
 
 @value_class
@@ -210,39 +229,41 @@ class HeadingEstimate:
             The new window, and the mean over it [rad].
         """
         if self.window == 0.0 or not state:
-            return ((time, heading, 0.0),), heading
-        last = state[-1][0]
-        if time - last <= ROUNDING:
-            raise BadArgument(
-                "time", f"must increase from step to step, got {last} s and then {time} s"
-            )
-        begin = max(time - self.window, state[0][0])
-        oldest = max(
-            bisect_right(state, begin + ROUNDING, key=itemgetter(0)) - 1, 0
-        )  # last one not inside
-        seen = (*state[oldest:], (time, heading, extend_integral(state[-1], time, heading)))
-        return seen, mean_over(seen, begin)
+            return (HeadingSample(time, heading, 0.0),), heading
+        last = state[-1]
+        if time - last.time <= ROUNDING:
+            rule = "must increase from step to step"
+            raise BadArgument("time", f"{rule}, got {last.time} s and then {time} s")
+        begin = max(time - self.window, state[0].time)
+        n_before = bisect_right(state, begin + ROUNDING, key=attrgetter("time"))
+        last_before = max(n_before - 1, 0)
+        latest = HeadingSample(time, heading, extend_integral(last, time, heading))
+        window = (*state[last_before:], latest)
+        return window, compute_mean_heading(window, begin)
 
 
-def extend_integral(last: tuple[float, float, float], time: float, heading: float) -> float:
+def extend_integral(last: HeadingSample, time: float, heading: float) -> float:
     """Return the integral of the heading, extended by one heading [rad s].
 
     Args:
-        last: Previous time, heading and integral.
+        last: Previous heading.
         time: Current time [s].
         heading: Current heading [rad].
     """
-    begin, before, integral = last
-    return integral + 0.5 * (time - begin) * (before + heading)
+    return last.integral + 0.5 * (time - last.time) * (last.heading + heading)
 
 
-def mean_over(window: HeadingWindow, begin: float) -> float:
-    """Return the mean heading from a time between the first two headings of a window to the last one [rad].
+def compute_mean_heading(window: HeadingWindow, begin: float) -> float:
+    """Return the mean heading from a time between the first two headings to the last one [rad].
 
     Args:
         window: Two or more headings.
         begin: Time at which the mean starts [s].
     """
-    (t, first, _), (end, second, _), (time, _, integral) = window[0], window[1], window[-1]
-    there = first + (begin - t) / (end - t) * (second - first)
-    return (integral - extend_integral(window[0], begin, there)) / (time - begin)
+    first = window[0]
+    second = window[1]
+    last = window[-1]
+    share = (begin - first.time) / (second.time - first.time)
+    heading_at_begin = first.heading + share * (second.heading - first.heading)
+    integral_at_begin = extend_integral(first, begin, heading_at_begin)
+    return (last.integral - integral_at_begin) / (last.time - begin)

@@ -1,12 +1,14 @@
-"""Path following (Fig. 3 of the paper): guidance gives a heading, the heading controller an offset of the gait."""
+"""Path following (Fig. 3 of the paper).
+
+Guidance gives a heading, and the heading controller gives the offset of the gait that turns the
+robot there. In space, see `laticauda.control.spatial_path_following`.
+"""
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Literal, cast
-
-import numpy as np
+from typing import Any, Literal, NamedTuple
 
 from laticauda.control.current import SPEED, CurrentObserver, ObserverState, crab_angle
 from laticauda.control.frames import Path
@@ -19,7 +21,8 @@ from laticauda.values.checks import check_positive
 from laticauda.values.errors import BadArgument
 from laticauda.values.quantities import option, quantity, value_class
 
-_SLOWEST = 0.5  # lower bound of the speed used for a crab angle, as a fraction of the gait's speed
+_SLOWEST = 0.5
+"""Lower bound of the speed used for a crab angle, as a fraction of the gait's speed [-]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,10 +37,24 @@ class PathFollowingState:
     """State of the heading estimate."""
     time: float | None = None
     """Time of the last control instant; None before the first [s]."""
-    observed: ObserverState | None = None
-    """State of the observer of the current; None without an observer, and before the first control instant."""
+    observer: ObserverState | None = None
+    """State of the observer of the current; None without one, and before the first instant."""
     signals: Mapping[str, float] = field(default_factory=dict[str, float])
     """Signals of the last control instant, for the log."""
+
+
+class Crab(NamedTuple):
+    """How a robot points into the current, so that its course over ground is the desired one."""
+
+    angle: float
+    """Angle upstream of the course, positive to the right [rad]."""
+    is_limited: bool
+    """Whether the current is too strong for the course."""
+
+    @property
+    def signals(self) -> dict[str, float]:
+        """Signals for the log."""
+        return {"crab_angle": self.angle, "is_crab_limited": float(self.is_limited)}
 
 
 @value_class
@@ -94,8 +111,9 @@ class PathFollowing(Controller[PathFollowingState]):
     @cached_property
     def estimate(self) -> HeadingEstimate:
         """Heading estimate."""
-        is_raw = self.heading_estimate == "raw"
-        return HeadingEstimate(window=0.0 if is_raw else 2.0 * math.pi / self.gait.frequency)
+        if self.heading_estimate == "raw":
+            return HeadingEstimate(window=0.0)
+        return HeadingEstimate(window=2.0 * math.pi / self.gait.frequency)
 
     def init(self) -> PathFollowingState:
         """Return the state before the first control instant."""
@@ -112,16 +130,23 @@ class PathFollowing(Controller[PathFollowingState]):
             state: State returned by the last control instant or by `init`.
             observation: Current observation of the robot.
         """
-        dt = 0.0 if state.time is None else observation.time - state.time
+        dt = 0.0
+        if state.time is not None:
+            dt = observation.time - state.time
         window, heading = self.estimate.step(state.window, observation.time, observation.heading)
         progress, frame = self.path.locate(state.progress, observation.center_of_mass[:2])
         was_saturated = bool(state.signals.get("is_saturated"))
         guidance, heading_ref = self.guidance.step(
             state.guidance, frame, heading, dt, was_saturated
         )
-        observed, crab = self._observed(state, observation, heading_ref)
-        if crab:
-            heading_ref = heading + angles.wrap_to_pi(heading_ref - crab["crab_angle"] - heading)
+        observer_state: ObserverState | None = None
+        current_signals: dict[str, float] = {}
+        if self.observer is not None:
+            observer_state = self._observe_current(self.observer, state, observation)
+            crab = self._crab_into_current(self.observer, observer_state, heading_ref)
+            turn = angles.wrap_to_pi(heading_ref - crab.angle - heading)
+            heading_ref = heading + turn
+            current_signals = self.observer.signals(observer_state) | crab.signals
         offset, is_saturated = self.heading.offset(heading_ref=heading_ref, heading=heading)
         signals = {
             "heading_ref": heading_ref,
@@ -129,32 +154,34 @@ class PathFollowing(Controller[PathFollowingState]):
             **frame.signals,
             "offset": offset,
             "is_saturated": float(is_saturated),
-            **crab,
+            **current_signals,
         }
-        after = PathFollowingState(
+        state_after = PathFollowingState(
             progress=progress,
             guidance=guidance,
             window=window,
             time=observation.time,
-            observed=observed,
+            observer=observer_state,
             signals=signals,
         )
-        return after, Command(gait=self.gait, offset=offset)
+        return state_after, Command(gait=self.gait, offset=offset)
 
-    def _observed(
-        self, state: PathFollowingState, observation: Observation, course: float
-    ) -> tuple[ObserverState | None, dict[str, float]]:
-        """Update the estimate of the current, and find how the robot points into the current on its course."""
-        if self.observer is None:
-            return None, {}
-        frequency, held = self.gait.frequency, self.gait.offset + state.signals.get("offset", 0.0)
-        seen = self.observer.step(state.observed, frequency, held, observation)
+    def _observe_current(
+        self, observer: CurrentObserver, state: PathFollowingState, observation: Observation
+    ) -> ObserverState:
+        """Return the observer's state after an observation, under the command so far."""
+        offset = self.gait.offset + state.signals.get("offset", 0.0)
+        return observer.step(state.observer, self.gait.frequency, offset, observation)
+
+    def _crab_into_current(
+        self, observer: CurrentObserver, state: ObserverState, course: float
+    ) -> Crab:
+        """Return how the robot must point into the observed current on its `course` [rad]."""
         # With the filter's own speed, its errors in speed and current cancel; at the start it has
         # no speed.
-        speed = max(float(seen.mean[SPEED]), _SLOWEST * self.observer.model.speed(frequency, 0.0))
-        angle, is_limited = crab_angle(course, seen.drift, speed, self.max_crab_angle)
-        crab = {"crab_angle": angle, "is_crab_limited": float(is_limited)}
-        return seen, self.observer.signals(seen) | crab
+        usual_speed = observer.model.speed(self.gait.frequency, 0.0)
+        speed = max(float(state.mean[SPEED]), _SLOWEST * usual_speed)
+        return Crab(*crab_angle(course, state.drift, speed, self.max_crab_angle))
 
     def check(self, robot: Robot) -> None:
         """Reject a robot whose joints cannot bend as far as gait and steering together may require.
@@ -180,9 +207,8 @@ def refuse_offset(robot: Robot, gait: gaits.Gait, max_offset: float) -> None:
         ValueError: If a joint could go beyond its limit.
     """
     chain = robot.planar()
-    for i, (joint, g) in enumerate(
-        zip(chain.joints, gait.joint_envelope(chain.n_links), strict=True)
-    ):
+    envelope = gait.joint_envelope(chain.n_links)
+    for i, (joint, g) in enumerate(zip(chain.joints, envelope, strict=True)):
         room = joint.limit - gait.amplitude * abs(g) - abs(gait.offset)
         if max_offset > room:
             rule = (
@@ -190,132 +216,3 @@ def refuse_offset(robot: Robot, gait: gaits.Gait, max_offset: float) -> None:
                 f"of {joint.limit:.4g} rad with this gait"
             )
             raise BadArgument("max_offset", f"{rule}; got {max_offset}")
-
-
-# ---- in space: twice, once in plan and once in profile -------------------------------------------
-# A path in space is a path in plan and a profile: a path in the plane of the distance along the
-# former (to the right) and the height (up). Every path, guidance law and heading law therefore also
-# works vertically: in profile, "left of the path" is above it, and the heading is the climb, the
-# mean pitch of the links with the opposite sign.
-
-_SIGNALS = {
-    "heading_ref": "climb_ref",
-    "heading_used": "climb_used",
-    "cross_track_error": "height_error",
-    "path_tangential_angle": "path_climb",
-    "offset": "climb_offset",
-    "is_saturated": "climb_is_saturated",
-}
-
-
-@dataclass(frozen=True, kw_only=True)
-class SpatialPathFollowingState(PathFollowingState):
-    """State of path following in space: the state in plan and the state in profile."""
-
-    profile: PathFollowingState
-    """State in profile."""
-
-
-@value_class
-class SpatialPathFollowing(PathFollowing):
-    """Controller that makes a robot with pitch joints follow a path in space.
-
-    In plan it is `PathFollowing`; in profile it is a second `PathFollowing` that sets the offset of
-    the pitch joints.
-
-    Raises:
-        ValueError: If a field is out of its range.
-
-    Example:
-        >>> from laticauda.control import LineOfSight, StraightLine
-        >>> from laticauda.motion.gaits import Gait
-        >>> controller = SpatialPathFollowing(
-        ...     gait=Gait(amplitude=0.5, frequency=1.6, phase_shift=0.7),
-        ...     path=StraightLine(),
-        ...     profile=StraightLine(point=(0.0, -1.0)),
-        ...     guidance=LineOfSight(look_ahead_distance=0.5),
-        ...     climb_guidance=LineOfSight(look_ahead_distance=1.0),
-        ...     heading=HeadingController(gain=0.4, max_offset=0.35),
-        ...     climb=HeadingController(gain=0.2, max_offset=0.1),
-        ... )
-        >>> controller.interval
-        0.05
-    """
-
-    profile: Path[Any] = option(
-        "The path in profile: x is the distance along `path`, y the height, 0 at the surface"
-    )
-    climb_guidance: Guidance[Any] = option("Guidance law in profile")
-    climb: HeadingController = option("Climb controller")
-
-    @property
-    def _profile(self) -> PathFollowing:
-        own = {name: getattr(self, name) for name in ("gait", "heading_estimate", "interval")}
-        return PathFollowing(
-            path=self.profile, guidance=self.climb_guidance, heading=self.climb, **own
-        )
-
-    def init(self) -> SpatialPathFollowingState:
-        """Return the state before the first control instant."""
-        return SpatialPathFollowingState(**vars(super().init()), profile=self._profile.init())
-
-    def step(
-        self, state: PathFollowingState, observation: Observation
-    ) -> tuple[SpatialPathFollowingState, Command]:
-        """Return the `state` after the `observation`, and the command until the next control instant.
-
-        Args:
-            state: State returned by the last control instant or by `init`.
-            observation: Current observation of the robot.
-
-        Raises:
-            ValueError: If the observation comes from a planar model.
-        """
-        if observation.center_of_mass.size != 3:
-            raise BadArgument(
-                "observation",
-                "must come from a spatial model for a path in space, got one from a planar model",
-            )
-        plan, turn = super().step(state, observation)
-        at, velocity = observation.center_of_mass, observation.center_of_mass_velocity
-        course, gone = (
-            plan.signals[name] for name in ("path_tangential_angle", "along_track_distance")
-        )
-        along = velocity[0] * math.cos(course) + velocity[1] * math.sin(course)
-        seen = replace(
-            observation,
-            center_of_mass=np.array([gone, at[2]]),
-            center_of_mass_velocity=np.array([along, velocity[2]]),
-            heading=-observation.pitch,
-        )
-        profile, rise = self._profile.step(cast(SpatialPathFollowingState, state).profile, seen)
-        climb = {ours: profile.signals[name] for name, ours in _SIGNALS.items()}
-        state = SpatialPathFollowingState(
-            **vars(replace(plan, signals={**plan.signals, **climb})), profile=profile
-        )
-        return state, replace(turn, pitch_offset=-rise.offset)
-
-    def check(self, robot: Robot) -> None:
-        """Reject a robot whose joints cannot bend as far as gait and steering together may require.
-
-        Args:
-            robot: Robot that is to follow the path.
-
-        Raises:
-            ValueError: If there are no pitch joints, or the largest offset could take a joint
-                beyond its limit.
-        """
-        super().check(robot)
-        limits = [joint.limit for joint in robot.joints if joint.axis == "pitch"]
-        if not limits:
-            rule = "must have pitch joints for a path in space, got"
-            raise BadArgument(
-                "robot", f"{rule} `{robot.name}` (`axis` in its file; the planar model has none)"
-            )
-        pitch = self.gait.pitch
-        room = min(limits) - (0.0 if pitch is None else pitch.amplitude + abs(pitch.offset))
-        if self.climb.max_offset > room:
-            rule = (
-                f"must be <= {room:.4g} rad, or a pitch joint goes beyond its limit with this gait"
-            )
-            raise BadArgument("climb.max_offset", f"{rule}; got {self.climb.max_offset}")

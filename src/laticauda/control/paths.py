@@ -5,16 +5,18 @@ Each is a `Path` with `init` and `locate`, and with the progress along it as an 
 
 import math
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
-from laticauda.control.curve import Curve, natural_cubic
+from laticauda.control.curve import Curve, fit_natural_cubic
 from laticauda.control.frames import Distances, Path, PathFrame, Points, Position
 from laticauda.values.angles import wrap_to_pi
 from laticauda.values.errors import BadArgument
 from laticauda.values.quantities import quantity, value_class
 
 Waypoints = tuple[tuple[float, float], ...]
+"""Points in order, x and y in world axes [m]."""
 
 
 @value_class
@@ -47,8 +49,9 @@ class StraightLine(Path[None]):
             progress: None, because a line needs no memory.
             position: Center of mass, in world axes [m].
         """
-        along, across = seen_from(self.point, self.angle, position)
-        return None, _frame(along, across, self.angle, math.inf)
+        along, across = transform_to_axes(self.point, self.angle, position)
+        frame = _build_frame(along=along, across=across, angle=self.angle, length=math.inf)
+        return None, frame
 
     def points(self, along_track_distance: Distances) -> Points:
         """Return the point of the line at each `along_track_distance` [m].
@@ -56,12 +59,21 @@ class StraightLine(Path[None]):
         Args:
             along_track_distance: Distances along the path from its start [m].
         """
-        return np.array(self.point) + np.outer(along_track_distance, _unit(self.angle))
+        return np.array(self.point) + np.outer(along_track_distance, _unit_vector(self.angle))
+
+
+class CircleProgress(NamedTuple):
+    """Progress along a circle."""
+
+    direction: float
+    """Direction from the center to the last position, from the world x axis [rad]."""
+    angle_covered: float
+    """Angle covered so far, positive in the direction in which the circle is followed [rad]."""
 
 
 @value_class
-class Circle(Path[tuple[float, float] | None]):
-    """Circle, followed once or several times. It starts where the robot is first seen, and does not end.
+class Circle(Path[CircleProgress | None]):
+    """Circle, followed once or several times; it starts where the robot is first seen, without end.
 
     Raises:
         ValueError: If the radius is not positive, or the number of turns is 0.
@@ -87,36 +99,46 @@ class Circle(Path[tuple[float, float] | None]):
         """Return None: the robot has not been seen yet."""
 
     def locate(
-        self, progress: tuple[float, float] | None, position: Position
-    ) -> tuple[tuple[float, float], PathFrame]:
-        """Locate a `position` [m]; the `progress` is its direction from the center and the angle covered [rad].
+        self, progress: CircleProgress | None, position: Position
+    ) -> tuple[CircleProgress, PathFrame]:
+        """Locate a `position` [m].
 
         Args:
-            progress: Direction from the center to the last position, and the angle covered so far
-                [rad]; None if there is no last position.
+            progress: Progress at the last position; None if there is no last position.
             position: Center of mass, in world axes [m].
         """
-        side, (x, y) = math.copysign(1.0, self.turns), self.center
-        away, angle = (
-            math.hypot(position[0] - x, position[1] - y),
-            math.atan2(position[1] - y, position[0] - x),
+        side = self._turning_side
+        x, y = self.center
+        distance = math.hypot(position[0] - x, position[1] - y)
+        direction = math.atan2(position[1] - y, position[0] - x)
+        if progress is None:
+            progress = CircleProgress(direction, 0.0)
+        step = side * wrap_to_pi(direction - progress.direction)
+        angle_covered = progress.angle_covered + step
+        _, length = self.lengths
+        frame = _build_frame(
+            along=self.radius * angle_covered,
+            across=side * (self.radius - distance),
+            angle=direction + side * 0.5 * math.pi,
+            length=length,
+            curvature=side / self.radius,
         )
-        last, swept = progress or (angle, 0.0)
-        swept += side * wrap_to_pi(angle - last)
-        along, across = self.radius * swept, side * (self.radius - away)
-        ahead = angle + side * 0.5 * math.pi
-        return (angle, swept), _frame(along, across, ahead, self.lengths[1], side / self.radius)
+        return CircleProgress(direction, angle_covered), frame
 
     def points(self, along_track_distance: Distances) -> Points:
-        """Return the point of the circle at each `along_track_distance` [m]; distance 0 is at its right.
+        """Return the point at each `along_track_distance` [m]; distance 0 is at the circle's right.
 
         Args:
             along_track_distance: Distances along the circle from its rightmost point [m].
         """
-        angle = math.copysign(1.0, self.turns) * along_track_distance / self.radius
-        return np.array(self.center) + self.radius * np.stack(
-            (np.cos(angle), np.sin(angle)), axis=1
-        )
+        angle = self._turning_side * along_track_distance / self.radius
+        directions = np.stack((np.cos(angle), np.sin(angle)), axis=1)
+        return np.array(self.center) + self.radius * directions
+
+    @property
+    def _turning_side(self) -> float:
+        """1 if the robot turns to the left, -1 if it turns to the right."""
+        return math.copysign(1.0, self.turns)
 
 
 @value_class
@@ -144,8 +166,10 @@ class Polyline(Path[int]):
     @cached_property
     def lengths(self) -> tuple[float, ...]:
         """Length up to each waypoint [m]."""
-        legs = np.linalg.norm(np.diff(np.array(self.waypoints), axis=0), axis=1)
-        return tuple(np.concatenate(([0.0], np.cumsum(legs))).tolist())
+        legs = np.diff(np.array(self.waypoints), axis=0)
+        leg_lengths = np.linalg.norm(legs, axis=1)
+        lengths = np.concatenate(([0.0], np.cumsum(leg_lengths)))
+        return tuple(lengths.tolist())
 
     @property
     def length(self) -> float:
@@ -164,11 +188,15 @@ class Polyline(Path[int]):
             position: Center of mass, in world axes [m].
         """
         leg = progress
-        while leg < len(self.waypoints) - 2 and self._is_done(leg, position):
+        last_leg = len(self.waypoints) - 2
+        while leg < last_leg and self._is_done(leg, position):
             leg += 1
         angle = self.angle(leg)
-        along, across = seen_from(self.waypoints[leg], angle, position)
-        return leg, _frame(along + self.lengths[leg], across, angle, self.length)
+        along, across = transform_to_axes(self.waypoints[leg], angle, position)
+        frame = _build_frame(
+            along=along + self.lengths[leg], across=across, angle=angle, length=self.length
+        )
+        return leg, frame
 
     def points(self, along_track_distance: Distances) -> Points:
         """Return the point of the legs at each `along_track_distance` [m].
@@ -176,17 +204,13 @@ class Polyline(Path[int]):
         Args:
             along_track_distance: Distances along the path from its start [m].
         """
-        leg = np.clip(
-            np.searchsorted(self.lengths, along_track_distance, side="right") - 1,
-            0,
-            len(self.lengths) - 2,
-        )
-        corner = np.array(self.waypoints)
-        ahead = np.diff(corner, axis=0) / np.diff(self.lengths)[:, np.newaxis]
-        return (
-            corner[leg]
-            + (along_track_distance - np.array(self.lengths)[leg])[:, np.newaxis] * ahead[leg]
-        )
+        # Before the start the first leg continues, after the end the last one.
+        n_passed = np.searchsorted(self.lengths, along_track_distance, side="right")
+        leg = np.clip(n_passed - 1, 0, len(self.lengths) - 2)
+        corners = np.array(self.waypoints)
+        directions = np.diff(corners, axis=0) / np.diff(self.lengths)[:, np.newaxis]
+        distance_on_leg = along_track_distance - np.array(self.lengths)[leg]
+        return corners[leg] + distance_on_leg[:, np.newaxis] * directions[leg]
 
     def angle(self, leg: int) -> float:
         """Return the direction of a `leg`, counted from 0, from the world x axis [rad].
@@ -194,12 +218,17 @@ class Polyline(Path[int]):
         Args:
             leg: Index of the leg, from 0.
         """
-        (x, y), (to_x, to_y) = self.waypoints[leg], self.waypoints[leg + 1]
-        return math.atan2(to_y - y, to_x - x)
+        begin_x, begin_y = self.waypoints[leg]
+        end_x, end_y = self.waypoints[leg + 1]
+        return math.atan2(end_y - begin_y, end_x - begin_x)
 
     def _is_done(self, leg: int, position: Position) -> bool:
-        along, across = seen_from(self.waypoints[leg + 1], self.angle(leg), position)
-        return along >= 0.0 or math.hypot(along, across) < self.acceptance_distance
+        """Return whether the end of a leg is passed or reached."""
+        end = self.waypoints[leg + 1]
+        along, across = transform_to_axes(end, self.angle(leg), position)
+        if along >= 0.0:
+            return True
+        return math.hypot(along, across) < self.acceptance_distance
 
 
 @value_class
@@ -223,7 +252,7 @@ class Spline(Path[float | None]):
 
     @cached_property
     def _curve(self) -> Curve:
-        return natural_cubic(np.array(self.waypoints))
+        return fit_natural_cubic(np.array(self.waypoints))
 
     @property
     def length(self) -> float:
@@ -233,7 +262,8 @@ class Spline(Path[float | None]):
     @cached_property
     def lengths(self) -> tuple[float, ...]:
         """Length up to each waypoint [m]."""
-        return tuple(self._curve.length(self._curve.knots).tolist())
+        lengths = self._curve.length(self._curve.knots)
+        return tuple(lengths.tolist())
 
     def init(self) -> None:
         """Return None: the first position is searched along the whole curve."""
@@ -247,17 +277,25 @@ class Spline(Path[float | None]):
         """
         curve = self._curve
         u = np.array([curve.nearest(position[:2], progress)])
-        (r,), (first,), (second,) = curve.derivatives(u)
         length = float(curve.length(u)[0])
+        points, first_derivatives, second_derivatives = curve.derivatives(u)
+        x, y = points[0].tolist()
+        first = first_derivatives[0]
         angle = math.atan2(first[1], first[0])
-        beyond, across = seen_from((float(r[0]), float(r[1])), angle, position)
-        # Inside, the nearest point is at a right angle to the curve, and any remaining `beyond` is
-        # rounding.
-        is_outside = (length <= 0.0 and beyond < 0.0) or (length >= self.length and beyond > 0.0)
-        along = length + beyond if is_outside else length
-        return length, _frame(
-            along, across, angle, self.length, 0.0 if is_outside else _curvature(first, second)
+        beyond, across = transform_to_axes((x, y), angle, position)
+        along = length
+        curvature = _curvature(first, second_derivatives[0])
+        is_before_start = length <= 0.0 and beyond < 0.0
+        is_after_end = length >= self.length and beyond > 0.0
+        # Between the ends, the nearest point is at a right angle to the curve, and any remaining
+        # `beyond` is rounding.
+        if is_before_start or is_after_end:
+            along = length + beyond
+            curvature = 0.0
+        frame = _build_frame(
+            along=along, across=across, angle=angle, length=self.length, curvature=curvature
         )
+        return length, frame
 
     def points(self, along_track_distance: Distances) -> Points:
         """Return the point of the curve at each `along_track_distance` [m].
@@ -266,15 +304,17 @@ class Spline(Path[float | None]):
             along_track_distance: Distances along the path from its start [m].
         """
         inside = np.clip(along_track_distance, 0.0, self.length)
-        r, first, _ = self._curve.derivatives(self._curve.parameter(inside))
-        unit = first / np.linalg.norm(first, axis=1, keepdims=True)
-        return r + (along_track_distance - inside)[:, np.newaxis] * unit
+        u = self._curve.parameter(inside)
+        points, first, _ = self._curve.derivatives(u)
+        directions = first / np.linalg.norm(first, axis=1, keepdims=True)
+        beyond = along_track_distance - inside
+        return points + beyond[:, np.newaxis] * directions
 
 
-def _frame(
-    along: float, across: float, angle: float, length: float, curvature: float = 0.0
+def _build_frame(
+    *, along: float, across: float, angle: float, length: float, curvature: float = 0.0
 ) -> PathFrame:
-    """Return the frame of a position `along` a path of this length and `across` it, where its direction is `angle`."""
+    """Return the position relative to a path of this length, whose direction here is `angle`."""
     return PathFrame(
         along_track_distance=along,
         cross_track_error=across,
@@ -284,30 +324,35 @@ def _frame(
     )
 
 
-def _unit(angle: float) -> tuple[float, float]:
+def _unit_vector(angle: float) -> tuple[float, float]:
     return math.cos(angle), math.sin(angle)
 
 
-def seen_from(origin: tuple[float, float], angle: float, position: Position) -> tuple[float, float]:
-    """Transform a position to axes at `origin`, rotated by `angle`: along them, and across to the left [m].
+def transform_to_axes(
+    origin: tuple[float, float], angle: float, position: Position
+) -> tuple[float, float]:
+    """Transform a position to axes at `origin`, turned by `angle`: along, and across to the left [m].
 
     Args:
         origin: Origin of the axes [m].
         angle: Angle of the first axis from the world x axis [rad].
         position: Position in world axes [m].
     """
-    c, s = _unit(angle)
-    x, y = float(position[0]) - origin[0], float(position[1]) - origin[1]
+    c, s = _unit_vector(angle)
+    x = float(position[0]) - origin[0]
+    y = float(position[1]) - origin[1]
     return c * x + s * y, c * y - s * x
 
 
 def _curvature(first: Position, second: Position) -> float:
     """Return the curvature (x' y'' - y' x'') / |r'|^3 [1/m]."""
-    turn = first[0] * second[1] - first[1] * second[0]
-    return float(turn / math.hypot(first[0], first[1]) ** 3)
+    cross_product = first[0] * second[1] - first[1] * second[0]
+    speed = math.hypot(first[0], first[1])
+    return float(cross_product / speed**3)
 
 
 def _check_waypoints(points: Waypoints) -> None:
+    """Reject a single point, and two equal points in a row."""
     if len(points) < 2:
         raise BadArgument("waypoints", f"must hold at least 2 points, got {len(points)}")
     for i in range(1, len(points)):

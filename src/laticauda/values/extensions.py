@@ -21,7 +21,7 @@ ENTRY_POINTS = "laticauda."
 HOMES: Mapping[str, Mapping[str, str]] = {
     "controllers": {
         "path-following": "laticauda.control.path_following",
-        "spatial-path-following": "laticauda.control.path_following",
+        "spatial-path-following": "laticauda.control.spatial_path_following",
         "model-predictive": "laticauda.control.mpc.predictive",
         "offset-steps": "laticauda.control.averaged",
     },

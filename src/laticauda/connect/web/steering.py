@@ -22,11 +22,12 @@ from laticauda.compiling.formulas import in_numbers, rows_from
 from laticauda.connect.native import entry
 from laticauda.control.guidance import (
     HeadingController,
+    HeadingSample,
     IntegralLineOfSight,
+    compute_mean_heading,
     extend_integral,
-    mean_over,
 )
-from laticauda.control.paths import Polyline, seen_from
+from laticauda.control.paths import Polyline, transform_to_axes
 from laticauda.values.angles import wrap_to_pi, wrapped
 from laticauda.values.formulas import Formula
 
@@ -76,18 +77,21 @@ def instant(s: Any) -> tuple[float, ...]:
     Args:
         s: Object with the `NUMBERS` as attributes, in the units of `laticauda.control`.
     """
-    last = (s.t3, s.heading3, s.integral3)
+    last = HeadingSample(s.t3, s.heading3, s.integral3)
     heading_integral = extend_integral(last, s.time, s.heading)
-    now = s.time, s.heading, heading_integral
-    window = (s.t1, s.heading1, s.integral1), (s.t2, s.heading2, 0.0), now
-    heading = mean_over(window, s.begin) if s.time > s.begin else s.heading
+    first = HeadingSample(s.t1, s.heading1, s.integral1)
+    second = HeadingSample(s.t2, s.heading2, 0.0)
+    latest = HeadingSample(s.time, s.heading, heading_integral)
+    heading = s.heading
+    if s.time > s.begin:
+        heading = compute_mean_heading((first, second, latest), s.begin)
 
     begin = (s.x0, s.y0)
     end = (s.x1, s.y1)
     position = (s.x, s.y)
     angle = _angle_of_leg(_Legs((begin, end)), 0)
-    error = seen_from(begin, angle, position)[1]
-    beyond = seen_from(end, angle, position)[0]
+    _, error = transform_to_axes(begin, angle, position)
+    beyond, _ = transform_to_axes(end, angle, position)
     frame = _Frame(error, wrap_to_pi(angle))
 
     was_saturated = s.is_saturated != 0.0

@@ -1,168 +1,55 @@
-"""Model-predictive path following: at every instant, plan the next seconds and carry out the start of the best plan.
+"""Model-predictive path following: plan the next seconds, and carry out the start of the best plan.
 
-A plan is solved by CasADi and IPOPT, starting from the last one. Multiple shooting: the states at
-the stages and the commands between them are the unknowns, tied together by the model's step. The
-problem is built once for a fixed structure; numbers that change from one instant to the next are
-its parameters.
+Every control instant has a new plan, from the state that a filter estimates (see
+`laticauda.control.current`); `laticauda.control.mpc.planning` solves for it.
 """
-
-# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
-# pyright: reportMissingTypeStubs=false
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from laticauda.control import averaged, guidance, path_following, paths
+from laticauda.control import averaged, guidance, path_following
 from laticauda.control.current import BEND, PSI, SPEED, SWAY, CurrentObserver, ObserverState, X, Y
 from laticauda.control.frames import Path, PathFrame
+from laticauda.control.mpc.planning import Plan, PlanParameters, PlanProblem, solve_plan
 from laticauda.motion.gaits import Gait
 from laticauda.robot import Robot
 from laticauda.scenarios.interfaces import Command, Controller, Observation
 from laticauda.values.angles import wrap_to_pi
 from laticauda.values.checks import check_positive
 from laticauda.values.errors import BadArgument
-from laticauda.values.optional import optional_import
 from laticauda.values.quantities import option, quantity, value_class
 
-Array = np.ndarray
-_N_STATES, _N_COMMANDS = 6, 2
-# In the model, a wandering offset costs nothing, but it wears the robot: a small cost keeps it
-# steady [1/rad^2].
-_OFFSET_CHANGE = 30.0
-_FREQUENCY_CHANGE = 0.3
+_LEAST_INTERVAL = 0.2
+"""Least time between two control instants, which allows the solver enough time [s]."""
+_SLOWEST = 0.2
+"""Lower bound of the speed used to look ahead along the path, per requested speed [-]."""
+_HALF_PIECE = 0.01
+"""Half the length of the piece of path whose ends give the position and direction there [m]."""
+_SATURATION = 1e-9
+"""Distance from its limit within which an offset counts as saturated [rad]."""
 
 
-class PlanParameters(NamedTuple):
-    """Parameters that change from plan to plan, all in axes at the robot, along the path there."""
+class PlannedCommand(NamedTuple):
+    """Command of a gait: the numbers that are planned."""
 
-    state: Array
-    """The six states of the model."""
-    drift: Array
-    """Drift x, y [m/s]."""
-    command: Array
-    """Last command: frequency [rad/s] and offset [rad]."""
-    path: Array
-    """One row x, y [m] and direction [rad] of the path for the end of every stage."""
+    frequency: float
+    """Frequency of the gait [rad/s]."""
+    offset: float
+    """Offset of the joints [rad]."""
 
 
-class Plan(NamedTuple):
-    """Result of the solver."""
+class Decision(NamedTuple):
+    """What a plan, or the law that replaces it, decides."""
 
-    commands: Array
-    """Frequency [rad/s] and offset [rad] of every stage."""
-    states: Array
-    """States of the model at the end of every stage."""
-    unknowns: Array
-    """All unknowns, the initial guess of the next plan."""
-    is_solved: bool
-    """Whether the solver reports success and the commands are finite."""
-    iterations: int
-    """Number of iterations."""
-
-
-def solve_plan(problem: "ModelPredictive", given: PlanParameters, begin: Array | None) -> Plan:
-    """Solve for one plan.
-
-    Args:
-        problem: Structure of the problem, independent of its path; its solver is built once.
-        given: Parameters at this instant.
-        begin: Unknowns of the last plan; None at the start.
-
-    Raises:
-        MissingExtra: If CasADi is not installed.
-    """
-    solver, low, high, rule_low, rule_high = _solver(problem)
-    n = len(problem.stages)
-    parameters = np.concatenate([given.state, given.drift, given.command, given.path.ravel()])
-    if begin is None:
-        begin = np.concatenate([np.tile(given.state, n), np.tile(given.command, n)])
-    found = solver(x0=begin, p=parameters, lbx=low, ubx=high, lbg=rule_low, ubg=rule_high)
-    unknowns = np.asarray(found["x"]).ravel()
-    stats = solver.stats()
-    is_solved = bool(stats["success"]) and bool(np.all(np.isfinite(unknowns)))
-    states, commands = np.split(unknowns, [_N_STATES * n])
-    each = commands.reshape(n, _N_COMMANDS), states.reshape(n, _N_STATES)
-    return Plan(*each, unknowns, is_solved, int(stats["iter_count"]))
-
-
-@cache
-def _solver(problem: "ModelPredictive") -> tuple[Any, Array, Array, Array, Array]:
-    """Build the IPOPT solver of the problem, with the bounds of the unknowns and constraints."""
-    casadi = optional_import("Model-predictive control", "CasADi", "mpc", "casadi")
-    n, model = len(problem.stages), problem.model
-    states, commands = casadi.SX.sym("x", _N_STATES, n), casadi.SX.sym("u", _N_COMMANDS, n)
-    start, drift = casadi.SX.sym("x0", _N_STATES), casadi.SX.sym("v", 2)
-    last, path = casadi.SX.sym("u0", _N_COMMANDS), casadi.SX.sym("path", 3, n)
-    cost: Any = 0.0
-    ties: list[Any] = []
-    rates: list[Any] = []
-    powers: list[Any] = []
-    for k, dt in enumerate(problem.stages):
-        before = start if k == 0 else states[:, k - 1]
-        held = last if k == 0 else commands[:, k - 1]
-        f, offset = commands[0, k], commands[1, k]
-        moved = model.after(
-            tuple(before[i] for i in range(_N_STATES)), f, offset, dt, casadi.sin, casadi.cos
-        )
-        moved = casadi.vertcat(moved[0] + drift[0] * dt, moved[1] + drift[1] * dt, *moved[2:])
-        ties.append(states[:, k] - moved)
-        rates.append((commands[:, k] - held) / dt)
-        powers.append(model.power(f, offset))
-        cost += dt * _cost(problem, casadi, states[:, k], f, offset, drift, path[:, k])
-        cost += _FREQUENCY_CHANGE * (f - held[0]) ** 2 + _OFFSET_CHANGE * (offset - held[1]) ** 2
-    unknowns = casadi.vertcat(casadi.vec(states), casadi.vec(commands))
-    rules = casadi.vertcat(*ties, *rates, *powers)
-    parameters = casadi.vertcat(start, drift, last, casadi.vec(path))
-    quiet = {
-        "ipopt.print_level": 0,
-        "ipopt.sb": "yes",
-        "print_time": False,
-        "show_eval_warnings": False,
-    }
-    effort = {"ipopt.max_iter": problem.iterations, "ipopt.tol": 1e-4, "ipopt.mu_init": 1e-2}
-    warm = {"ipopt.warm_start_init_point": "yes", "ipopt.mu_strategy": "monotone"}
-    stated = {"x": unknowns, "p": parameters, "f": cost, "g": rules}
-    solver = casadi.nlpsol("plan", "ipopt", stated, quiet | effort | warm)
-    free = np.full(_N_STATES * n, np.inf)
-    low = np.concatenate([-free, np.tile([problem.frequencies[0], -problem.max_offset], n)])
-    high = np.concatenate([free, np.tile([problem.frequencies[1], problem.max_offset], n)])
-    pace = np.tile([problem.frequency_rate, problem.offset_rate], n)
-    tied = np.zeros(_N_STATES * n)
-    most = np.full(n, problem.power_limit)
-    return (
-        solver,
-        low,
-        high,
-        np.concatenate([tied, -pace, -np.inf * np.ones(n)]),
-        np.concatenate([tied, pace, most]),
-    )
-
-
-def _cost(
-    problem: "ModelPredictive", casadi: Any, state: Any, f: Any, offset: Any, drift: Any, path: Any
-) -> Any:
-    """Return the cost per second. Far from the path, the distance counts linearly, not quadratically."""
-    x, y, psi, _, u, w = (state[i] for i in range(_N_STATES))
-    c, s = casadi.cos(psi - path[2]), casadi.sin(psi - path[2])
-    cp, sp = casadi.cos(path[2]), casadi.sin(path[2])
-    error = cp * (y - path[1]) - sp * (x - path[0])
-    along = u * c - w * s + drift[0] * cp + drift[1] * sp
-    across = u * s + w * c + drift[1] * cp - drift[0] * sp
-    total = 2.0 * (casadi.sqrt(1.0 + (error / problem.cross_track_tolerance) ** 2) - 1.0)
-    total += (across / problem.speed / problem.course_tolerance) ** 2
-    total += ((problem.speed - along) / problem.speed_tolerance) ** 2
-    return total + problem.model.power(f, offset) / problem.power_tolerance
-
-
-# ---- the controller ------------------------------------------------------------------------------
-
-_LEAST_INTERVAL = 0.2  # allows the solver enough time [s]
-_SLOWEST = 0.2  # lower bound of the speed used to look ahead along the path, as a fraction of the requested speed
+    heading_ref: float
+    """Desired mean heading: the plan's after its first stage, or that of line of sight [rad]."""
+    command: PlannedCommand
+    """Command until the next control instant, not yet limited."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -171,12 +58,12 @@ class PredictiveState:
 
     progress: Any
     """Progress along the path."""
-    seen: ObserverState | None = None
+    command: PlannedCommand
+    """Last command."""
+    observer: ObserverState | None = None
     """Estimated state of the robot; None before the first instant."""
     unknowns: np.ndarray | None = None
-    """Unknowns of the last plan found, the initial guess of the next."""
-    command: tuple[float, float] = (0.0, 0.0)
-    """Frequency [rad/s] and offset [rad] of the last command."""
+    """Unknowns of the last plan, the initial guess of the next; None if it had no solution."""
     signals: Mapping[str, float] = field(default_factory=dict[str, float])
     """Signals of the last control instant, for the log."""
 
@@ -205,7 +92,7 @@ class PlanLimits:
 
 @value_class
 class ModelPredictive(PlanLimits, Controller[PredictiveState]):
-    """Controller that plans offset and frequency with the averaged model, and thus takes a current into account.
+    """Controller that plans offset and frequency with the averaged model, current included.
 
     The cost per second is the sum of the costs of the distance from the path, the course across it,
     the speed along it and the power, each relative to its tolerance. The offset, its rate, the
@@ -253,9 +140,13 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
         if not low <= self.gait.frequency <= high:
             rule = f"must enclose the gait's frequency of {self.gait.frequency:.4g} rad/s"
             raise BadArgument("frequency_limits", f"{rule}, got {low:.4g} and {high:.4g}")
-        least = max(self.model.power(low, offset) for offset in (0.0, self.max_offset))
-        if not self.power_limit >= least:
-            rule = f"must be >= {least:.4g} W, the power at the lowest frequency with the largest offset"
+        least_power = max(
+            self.model.power(low, 0.0),
+            self.model.power(low, self.max_offset),
+        )
+        if not self.power_limit >= least_power:
+            at_least = f"must be >= {least_power:.4g} W"
+            rule = f"{at_least}, the power at the lowest frequency with the largest offset"
             raise BadArgument("power_limit", f"{rule}, got {self.power_limit}")
 
     @property
@@ -266,16 +157,34 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
     @property
     def stages(self) -> tuple[float, ...]:
         """Durations for which a plan holds each command [s]."""
-        return (self.interval, *(self.stage,) * self.horizon)
+        later_stages = (self.stage,) * self.horizon
+        return (self.interval, *later_stages)
 
     @cached_property
-    def _problem(self) -> "ModelPredictive":
-        """Part that stays the same from plan to plan: all but the path, which may not be hashable."""
-        return replace(self, path=paths.StraightLine())
+    def _problem(self) -> PlanProblem:
+        """Part that stays the same from plan to plan."""
+        low, high = self.frequencies
+        return PlanProblem(
+            model=self.model,
+            stages=self.stages,
+            speed=self.speed,
+            lowest_frequency=low,
+            highest_frequency=high,
+            max_offset=self.max_offset,
+            power_limit=self.power_limit,
+            offset_rate=self.offset_rate,
+            frequency_rate=self.frequency_rate,
+            cross_track_tolerance=self.cross_track_tolerance,
+            course_tolerance=self.course_tolerance,
+            speed_tolerance=self.speed_tolerance,
+            power_tolerance=self.power_tolerance,
+            iterations=self.iterations,
+        )
 
     def init(self) -> PredictiveState:
         """Return the state before the first control instant."""
-        return PredictiveState(progress=self.path.init(), command=(self.gait.frequency, 0.0))
+        command = PlannedCommand(frequency=self.gait.frequency, offset=0.0)
+        return PredictiveState(progress=self.path.init(), command=command)
 
     def step(
         self, state: PredictiveState, observation: Observation
@@ -287,94 +196,115 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
             observation: Current observation of the robot.
         """
         observer = CurrentObserver(model=self.model)
-        seen = observer.step(state.seen, *state.command, observation)
+        last = state.command
+        estimate = observer.step(state.observer, last.frequency, last.offset, observation)
         # The plan starts from the filter's position: the center of mass swings across its course
         # with the gait.
-        progress, frame = self.path.locate(state.progress, seen.mean[[X, Y]])
-        _, raw = self.path.locate(progress, observation.center_of_mass[:2])
-        found = solve_plan(self._problem, self._given(seen, frame, state.command), state.unknowns)
-        is_fallback = not found.is_solved
-        heading_ref, wanted = (
-            self._line_of_sight(seen, frame) if is_fallback else self._first(seen, frame, found)
-        )
-        frequency, offset = self._limited(wanted, state.command)
-        after = PredictiveState(
+        progress, frame = self.path.locate(state.progress, estimate.mean[[X, Y]])
+        _, observed_frame = self.path.locate(progress, observation.center_of_mass[:2])
+        parameters = self._plan_parameters(estimate, frame, last)
+        plan = solve_plan(self._problem, parameters, state.unknowns)
+        if plan.is_solved:
+            decision = self._follow_plan(estimate, frame, plan)
+            unknowns = plan.unknowns
+        else:
+            decision = self._follow_line_of_sight(estimate, frame)
+            unknowns = None
+        command = self._limit_command(decision.command, last)
+        is_saturated = abs(command.offset) >= self.max_offset - _SATURATION
+        state_after = PredictiveState(
             progress=progress,
-            seen=seen,
-            unknowns=None if is_fallback else found.unknowns,
-            command=(frequency, offset),
+            observer=estimate,
+            unknowns=unknowns,
+            command=command,
             signals={
-                # Desired mean heading: the plan's after its first step, or that of line-of-sight
-                # guidance.
-                "heading_ref": heading_ref,
-                "heading_used": self._heading(seen),
-                **raw.signals,
-                **observer.signals(seen),
-                "frequency": frequency,
-                "offset": offset,
-                "is_saturated": float(abs(offset) >= self.max_offset - 1e-9),
-                "solver_iterations": float(found.iterations),
-                "is_fallback": float(is_fallback),
+                "heading_ref": decision.heading_ref,
+                "heading_used": self._mean_heading(estimate),
+                **observed_frame.signals,
+                **observer.signals(estimate),
+                "frequency": command.frequency,
+                "offset": command.offset,
+                "is_saturated": float(is_saturated),
+                "solver_iterations": float(plan.iterations),
+                "is_fallback": float(not plan.is_solved),
             },
         )
-        return after, Command(gait=replace(self.gait, frequency=frequency), offset=offset)
+        gait = replace(self.gait, frequency=command.frequency)
+        return state_after, Command(gait=gait, offset=command.offset)
 
-    def _given(
-        self, seen: ObserverState, frame: PathFrame, last: tuple[float, float]
+    def _plan_parameters(
+        self, estimate: ObserverState, frame: PathFrame, last: PlannedCommand
     ) -> PlanParameters:
-        """Return the parameters of a plan, in axes at the robot along the path, independent of where the path is."""
+        """Return the parameters of a plan, in axes at the robot along the path.
+
+        They do not depend on where in the world the path is.
+        """
+        mean = estimate.mean
         chi = frame.path_tangential_angle
-        drift, mean = _turned(seen.drift, -chi), seen.mean
+        drift = _rotate(estimate.drift, -chi)
         psi = wrap_to_pi(float(mean[PSI]) - chi)
-        pace = max(mean[SPEED] * math.cos(psi) + float(drift[0]), _SLOWEST * self.speed)
-        ahead = frame.along_track_distance + pace * np.cumsum(self.stages)
-        # Ends of a short piece around each point give its position and direction.
-        piece = 0.01
-        before, after = (self.path.points(ahead + sign * piece) for sign in (-1.0, 1.0))
-        foot = self.path.points(np.array([frame.along_track_distance]))[0]
-        tangent = _turned(after - before, -chi)
-        place = _turned(0.5 * (after + before) - foot, -chi)
-        direction = np.arctan2(tangent[:, 1], tangent[:, 0])
+        speed = max(mean[SPEED] * math.cos(psi) + float(drift[0]), _SLOWEST * self.speed)
         return PlanParameters(
             state=np.array(
                 [0.0, frame.cross_track_error, psi, mean[BEND], mean[SPEED], mean[SWAY]]
             ),
             drift=drift,
             command=np.array(last),
-            path=np.column_stack([place, np.unwrap(np.concatenate(([0.0], direction)))[1:]]),
+            path=self._path_ahead(frame, speed),
         )
 
-    def _first(
-        self, seen: ObserverState, frame: PathFrame, found: Plan
-    ) -> tuple[float, tuple[float, float]]:
-        """Return the heading at the end of the first whole stage, and the command until the next instant."""
-        now, psi = self._heading(seen), float(seen.mean[PSI])
-        ahead = float(found.states[1, PSI] + self.model.bend * found.states[1, BEND])
-        turn = ahead - wrap_to_pi(psi - frame.path_tangential_angle) - (now - psi)
-        return now + turn, (float(found.commands[0, 0]), float(found.commands[0, 1]))
+    def _path_ahead(self, frame: PathFrame, speed: float) -> np.ndarray:
+        """Return x, y and direction of the path where a robot of this speed is after every stage.
 
-    def _line_of_sight(
-        self, seen: ObserverState, frame: PathFrame
-    ) -> tuple[float, tuple[float, float]]:
-        """Return the heading and command of the fallback law."""
-        heading = float(seen.mean[PSI])
+        Position and direction are relative to the nearest point of the path and the path there.
+        """
+        chi = frame.path_tangential_angle
+        distances = frame.along_track_distance + speed * np.cumsum(self.stages)
+        before = self.path.points(distances - _HALF_PIECE)
+        after = self.path.points(distances + _HALF_PIECE)
+        nearest = self.path.points(np.array([frame.along_track_distance]))[0]
+        tangent = _rotate(after - before, -chi)
+        position = _rotate(0.5 * (after + before) - nearest, -chi)
+        direction = np.arctan2(tangent[:, 1], tangent[:, 0])
+        direction = np.unwrap(np.concatenate(([0.0], direction)))[1:]
+        return np.column_stack([position, direction])
+
+    def _follow_plan(self, estimate: ObserverState, frame: PathFrame, plan: Plan) -> Decision:
+        """Return the heading at the end of the first whole stage, and the plan's first command."""
+        heading = self._mean_heading(estimate)
+        psi = float(estimate.mean[PSI])
+        planned_state = plan.states[1]
+        planned_heading = float(planned_state[PSI] + self.model.bend * planned_state[BEND])
+        psi_on_path = wrap_to_pi(psi - frame.path_tangential_angle)
+        turn = planned_heading - psi_on_path - (heading - psi)
+        frequency, offset = plan.commands[0].tolist()
+        return Decision(heading + turn, PlannedCommand(frequency, offset))
+
+    def _follow_line_of_sight(self, estimate: ObserverState, frame: PathFrame) -> Decision:
+        """Return the heading and command of the law that replaces a plan."""
+        heading = float(estimate.mean[PSI])
         law = guidance.LineOfSight(look_ahead_distance=self.look_ahead_distance)
-        _, asked = law.step(None, frame, heading, 0.0, False)
-        turns = guidance.HeadingController(gain=self.gain, max_offset=self.max_offset)
-        return asked, (self.frequencies[0], turns.offset(heading_ref=asked, heading=heading)[0])
+        _, heading_ref = law.step(None, frame, heading, 0.0, False)
+        controller = guidance.HeadingController(gain=self.gain, max_offset=self.max_offset)
+        offset, _ = controller.offset(heading_ref=heading_ref, heading=heading)
+        lowest_frequency, _ = self.frequencies
+        return Decision(heading_ref, PlannedCommand(lowest_frequency, offset))
 
-    def _heading(self, seen: ObserverState) -> float:
+    def _mean_heading(self, estimate: ObserverState) -> float:
         """Return the mean heading, without the ripple [rad]."""
-        return float(seen.mean[PSI] + self.model.bend * seen.mean[BEND])
+        return float(estimate.mean[PSI] + self.model.bend * estimate.mean[BEND])
 
-    def _limited(
-        self, wanted: tuple[float, float], last: tuple[float, float]
-    ) -> tuple[float, float]:
+    def _limit_command(self, command: PlannedCommand, last: PlannedCommand) -> PlannedCommand:
         """Clip a command exactly to its limits, which the solver meets only within its tolerance."""
         low, high = self.frequencies
-        pace = self.frequency_rate * self.interval, self.offset_rate * self.interval
-        f, offset = (min(max(w, b - p), b + p) for w, b, p in zip(wanted, last, pace, strict=True))
-        return min(max(f, low), high), min(max(offset, -self.max_offset), self.max_offset)
+        frequency_step = self.frequency_rate * self.interval
+        offset_step = self.offset_rate * self.interval
+        frequency = _clip_change(command.frequency, last.frequency, frequency_step)
+        offset = _clip_change(command.offset, last.offset, offset_step)
+        return PlannedCommand(
+            frequency=min(max(frequency, low), high),
+            offset=min(max(offset, -self.max_offset), self.max_offset),
+        )
 
     def check(self, robot: Robot) -> None:
         """Reject a robot whose joints cannot bend as far as gait and steering together may require.
@@ -388,7 +318,13 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
         path_following.refuse_offset(robot, self.gait, self.max_offset)
 
 
-def _turned(points: np.ndarray, angle: float) -> np.ndarray:
+def _clip_change(value: float, last_value: float, largest_change: float) -> float:
+    """Return the value nearest to `value` that differs from the last one by no more than allowed."""
+    return min(max(value, last_value - largest_change), last_value + largest_change)
+
+
+def _rotate(points: np.ndarray, angle: float) -> np.ndarray:
     """Rotate one or more points by `angle` [rad]."""
-    c, s = math.cos(angle), math.sin(angle)
+    c = math.cos(angle)
+    s = math.sin(angle)
     return points @ np.array([[c, s], [-s, c]])

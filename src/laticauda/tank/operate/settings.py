@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 from laticauda import control, scenarios
 from laticauda.control import estimation
 from laticauda.control.estimation.samples import Offset
-from laticauda.control.paths import seen_from
+from laticauda.control.paths import transform_to_axes
 from laticauda.motion import gaits
 from laticauda.robot import Robot, Water, load_robot
 from laticauda.scenarios import interfaces
@@ -167,13 +167,13 @@ class CaptureVolume:
 
     def to_path(self, position: Vector) -> Vector:
         """Transform a position from the tank frame to the path frame [m]."""
-        in_plane = seen_from(self.path_origin, self.path_heading, position)
+        in_plane = transform_to_axes(self.path_origin, self.path_heading, position)
         height = position[2:] - self.surface
         return np.array([*in_plane, *height])
 
     def to_tank(self, position: Vector) -> Vector:
         """Transform a position from the path frame to the tank frame [m]."""
-        x, y = seen_from((0.0, 0.0), -self.path_heading, position)
+        x, y = transform_to_axes((0.0, 0.0), -self.path_heading, position)
         origin_x, origin_y = self.path_origin
         height = position[2:] + self.surface
         return np.array([origin_x + x, origin_y + y, *height])
