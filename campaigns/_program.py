@@ -152,9 +152,10 @@ def do_part(*args: Any) -> Any:
         return short
 
     module.CHAPTERS = {
-        name: (title, shortened(chapter)) for name, (title, chapter) in module.CHAPTERS.items()
+        name: chapter._replace(build=shortened(chapter.build))
+        for name, chapter in module.CHAPTERS.items()
     }
-    return getattr(module, "_do_all", module._do)(*args)
+    return getattr(module, "_run_whole_study", module._run_study)(*args)
 
 
 def _cut_reproduce() -> None:
@@ -167,7 +168,9 @@ def _cut_reproduce() -> None:
         side=replace(whole.side, phase_shifts=sweeps[2], duration=10.0),
     )
     module.paper_experiments = lambda parameters: small
-    module._do_all, module._do = module._do, do_part  # a worker's module has only its own
+    # A worker's module has only its own.
+    module._run_whole_study = module._run_study
+    module._run_study = do_part
 
 
 def _operate(words: list[str]) -> int:

@@ -26,7 +26,7 @@ from pathlib import Path
 import numpy as np
 
 import laticauda as lc
-from laticauda.paper.efficiency import TABLE2
+from laticauda.paper import TABLE2
 from laticauda.paper.measured import path_following_trials
 from laticauda.tank.lab import LabSettings, Tank, VirtualRobot
 from laticauda.tank.operate.series import Series, run_series

@@ -71,8 +71,8 @@ def short_reproduction(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("os.cpu_count", lambda: 1)
     monkeypatch.setattr(reproduce, "paper_experiments", small)
     chapters = {
-        name: (title, _without_figures(chapter))
-        for name, (title, chapter) in reproduce.CHAPTERS.items()
+        name: chapter._replace(build=_without_figures(chapter.build))
+        for name, chapter in reproduce.CHAPTERS.items()
     }
     monkeypatch.setattr(reproduce, "CHAPTERS", chapters)
 

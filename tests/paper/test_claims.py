@@ -8,8 +8,12 @@ import pytest
 from campaign_scripts import campaign
 
 from laticauda.paper import Claim, fin_gains, path_following_trials, run_side_trials
-from laticauda.paper.claims import Verdict, judge, load_claims, misprints, quantities
-from laticauda.paper.claims.judge import format_spread, percent, verdict
+from laticauda.paper.claims import Verdict, find_misprints, load_claims
+from laticauda.paper.claims.efficiency_numbers import collect_efficiency_numbers
+from laticauda.paper.claims.judge import judge_parts
+from laticauda.paper.claims.printed_numbers import MODELS, collect_table_numbers, energy_change
+from laticauda.paper.claims.rules import check_part
+from laticauda.paper.claims.sentences import format_percent, format_spread
 from laticauda.paper.measured import printed_changes
 from laticauda.trials import Trial
 
@@ -45,14 +49,14 @@ def with_speeds(study, speed):
 
 
 def test_all_parts_must_be_met():
-    assert verdict(True, True) == "holds"
-    assert verdict(True, False) == "holds in part"
-    assert verdict(False, False) == "does not hold"
+    assert judge_parts(True, True) == "holds"
+    assert judge_parts(True, False) == "holds in part"
+    assert judge_parts(False, False) == "does not hold"
 
 
 def test_numbers_read_well():
-    assert percent(-3.7) == "\N{MINUS SIGN}4 %"
-    assert percent(-0.2) == "0 %"
+    assert format_percent(-3.7) == "\N{MINUS SIGN}4 %"
+    assert format_percent(-0.2) == "0 %"
     assert format_spread([3.0, -1.0, 2.0]) == "\N{MINUS SIGN}1 to +3 %"
 
 
@@ -60,39 +64,39 @@ def test_every_claim_says_where_what_and_by_which_rule(found):
     assert len(found) == len(load_claims()) >= 30
     for claim in found.values():
         assert claim.verdict in get_args(Verdict)
-        assert claim.where and claim.theme
-        for text in (claim.paper, claim.found, claim.rule):
+        assert claim.section and claim.theme
+        for text in (claim.paper, claim.evidence, claim.rule):
             assert text.endswith(".")
             assert not re.search(r"nan|inf\b|None|[{}]", text)
 
 
 def test_without_studies_what_needs_one_is_not_tested_and_says_which():
     judged = by_key(load_claims())
-    assert judged["fin-speed-eel"].found == "Not run: the efficiency study."
-    assert judged["phase-optimum"].found == "Not run: the efficiency study, the side trials."
-    assert judged["path-converges"].found == "Not run: the path-following study."
-    assert judged["links-power"].found == "Not run: the side trials."
-    assert {claim.verdict for claim in judged.values() if claim.found.startswith("Not run")} == {
+    assert judged["fin-speed-eel"].evidence == "Not run: the efficiency study."
+    assert judged["phase-optimum"].evidence == "Not run: the efficiency study, the side trials."
+    assert judged["path-converges"].evidence == "Not run: the path-following study."
+    assert judged["links-power"].evidence == "Not run: the side trials."
+    assert {claim.verdict for claim in judged.values() if claim.evidence.startswith("Not run")} == {
         "not tested here"
     }
     assert judged["fin-length"].verdict == "holds"
 
 
 def test_that_both_models_agree_is_judged_by_the_answer_of_its_campaign():
-    finest = [one.path for one in campaign("parity").stored() if one.dt == quantities.MODELS["dt"]]
+    finest = [one.path for one in campaign("parity").stored() if one.dt == MODELS["dt"]]
     assert len(finest) == 15
-    assert max(finest) == pytest.approx(quantities.MODELS["path"], rel=0.03)
+    assert max(finest) == pytest.approx(MODELS["path"], rel=0.03)
     judged = by_key(load_claims())["same-as-vortex"]
     assert judged.verdict == "holds"
-    assert "differ by 0.002 % of the distance or less at a step of 0.5 ms" in judged.found
+    assert "differ by 0.002 % of the distance or less at a step of 0.5 ms" in judged.evidence
 
 
 def test_claims_about_simulations_say_which_joints(study, following, side, found):
     alone = ("fin-little-power", "fin-length", "repeatable", "eel-drag", "same-as-vortex")
     for claim in found.values():
-        assert ("prescribed joints" in claim.found) == (claim.key not in alone)
-    other = load_claims(replace(study, how={**study.how, "joints": "servo"}))
-    assert "servo joints" in by_key(other)["accurate"].found
+        assert ("prescribed joints" in claim.evidence) == (claim.key not in alone)
+    other = load_claims(replace(study, trial_settings={**study.trial_settings, "joints": "servo"}))
+    assert "servo joints" in by_key(other)["accurate"].evidence
 
 
 # ---- the studies decide --------------------------------------------------------------------------
@@ -104,7 +108,7 @@ def test_a_robot_that_swims_as_simulated_agrees_and_one_twice_as_fast_does_not(s
     for key in ("agreement-lateral", "agreement-lateral-fin", "agreement-eel", "accurate"):
         assert same[key].verdict == "holds"
         assert twice[key].verdict == "does not hold"
-    assert "mean absolute error 0.0 %" in same["agreement-lateral"].found
+    assert "mean absolute error 0.0 %" in same["agreement-lateral"].evidence
 
 
 def test_a_robot_that_swims_as_the_vortex_coefficients_say_is_closer_to_them(study):
@@ -128,14 +132,14 @@ def test_a_robot_that_swims_as_the_vortex_coefficients_say_is_closer_to_them(stu
         swum, settings=settings, cases=tuple(map(with_own, swum.cases)), sweeps=tuple(curves)
     )
     assert by_key(load_claims(three))["vortex-closer"] == by_key(load_claims(swum))["vortex-closer"]
-    assert ", mine: mean absolute error" in by_key(load_claims(three))["accurate"].found
+    assert ", mine: mean absolute error" in by_key(load_claims(three))["accurate"].evidence
     only = replace(study, settings=replace(settings, models=(own, study.settings.models[1])))
     assert by_key(load_claims(only))["vortex-closer"].verdict == "not tested here"
 
 
 def test_a_fin_that_doubled_every_speed_would_nearly_double_it(study):
     doubled = with_speeds(study, lambda case: 0.2 if case.group.has_fin else 0.1)
-    text = by_key(load_claims(doubled))["fin-nearly-double"].found
+    text = by_key(load_claims(doubled))["fin-nearly-double"].evidence
     assert "Table 1: +100 to +100 %, median +100 %, 11 of 11 reach +90 %" in text
 
 
@@ -153,7 +157,7 @@ def test_runs_that_end_off_the_path_have_not_converged(following):
     assert judged["path-converges"].verdict == "does not hold"
     assert judged["path-same-controller"].verdict == "does not hold"
     assert judged["path-about-zero"].verdict == "does not hold"
-    assert judged["path-converges"].found.count("0 of 12") == 1
+    assert judged["path-converges"].evidence.count("0 of 12") == 1
 
 
 def test_a_claim_about_path_following_says_in_how_many_ways_it_holds(following):
@@ -178,19 +182,21 @@ def test_a_claim_about_path_following_says_in_how_many_ways_it_holds(following):
     )
     for key in ("path-converges", "path-same-controller", "path-about-zero"):
         assert judged[key].verdict == "holds"
-        assert judged[key].found.endswith(
+        assert judged[key].evidence.endswith(
             f"The claim holds in {n - 1} of {n} ways to run the trials (joint law and bandwidth)."
         )
-    assert "ways to run" not in judged["path-heading"].found
+    assert "ways to run" not in judged["path-heading"].evidence
     alone = [replace(case, band=case.band[:1]) for case in following.cases]
     assert (
         "ways to run"
-        not in by_key(load_claims(replace(following, cases=tuple(alone))))["path-converges"].found
+        not in by_key(load_claims(replace(following, cases=tuple(alone))))[
+            "path-converges"
+        ].evidence
     )
 
 
 def test_a_maximum_at_the_end_of_its_range_is_not_one_of_the_papers_that_was_met(study):
-    found = quantities.efficiency(study)
+    found = collect_efficiency_numbers(study)
     assert found["at_the_end"].count(True) > 0
     ends = zip(found["at_the_end"], found["distances"], strict=True)
     assert all(np.isinf(distance) == at_the_end for at_the_end, distance in ends)
@@ -219,7 +225,7 @@ def test_the_fin_brings_the_robot_to_the_path_sooner_if_it_does(following):
     assert with_times(None, 1.0).verdict == "holds"
     assert (
         "lateral undulation (not reached in all cases) without and 1.00 s with fin"
-        in with_times(None, 1.0).found
+        in with_times(None, 1.0).evidence
     )
 
 
@@ -235,7 +241,8 @@ def test_what_more_links_bring_is_judged_at_the_same_gait_parameters(side):
 
     def with_links(speed, power):
         changed = [
-            grown(one, speed, power) if one.kept == "phase shift" else one for one in side.doublings
+            grown(one, speed, power) if one.in_common == "phase shift" else one
+            for one in side.doublings
         ]
         return by_key(load_claims(replace(side, doublings=tuple(changed))))
 
@@ -251,19 +258,19 @@ def test_what_more_links_bring_is_judged_at_the_same_gait_parameters(side):
 def test_the_printed_gains_follow_from_table_1(found, study):
     assert (
         "Recomputed from Table 1: +47.03 to +82.95 % over 4 settings."
-        in found["fin-speed-lateral"].found
+        in found["fin-speed-lateral"].evidence
     )
     assert (
         "Recomputed from Table 1: +33.64 to +88.68 % over 5 settings."
-        in found["fin-speed-eel"].found
+        in found["fin-speed-eel"].evidence
     )
     known = [gain for gain in fin_gains(study.cases) if gain.measured.velocity is not None]
     simulated = [gain.simulated(lambda case: case.forward_velocity[0]) for gain in known]
-    assert f"{format_spread(simulated)}, median" in found["fin-nearly-double"].found
+    assert f"{format_spread(simulated)}, median" in found["fin-nearly-double"].evidence
 
 
 def test_one_row_of_table_1_and_four_of_table_2_exceed_88_percent(found):
-    text = found["fin-more-than-88"].found
+    text = found["fin-more-than-88"].evidence
     assert (
         "Table 1, 1 of 9 (eel-like motion, with fin, case 2, +88.68 %); Table 2, 4 of 6 (+78 to +122 %)"
         in text
@@ -272,8 +279,8 @@ def test_one_row_of_table_1_and_four_of_table_2_exceed_88_percent(found):
 
 
 def test_the_tables_disagree_about_the_power(found):
-    assert "it falls in 5 of 7" in found["fin-power-falls"].found
-    assert "Table 2 +88.4 to +98.9 %" in found["fin-little-power"].found
+    assert "it falls in 5 of 7" in found["fin-power-falls"].evidence
+    assert "Table 2 +88.4 to +98.9 %" in found["fin-little-power"].evidence
     assert found["fin-little-power"].verdict == "holds in part"
 
 
@@ -287,7 +294,7 @@ def test_the_changes_of_table_2_are_those_printed_but_for_two_misprints():
 
 
 def test_misprints_are_listed_with_what_is_right():
-    listed = {(entry.where, entry.printed): entry.instead for entry in misprints()}
+    listed = {(entry.section, entry.printed): entry.instead for entry in find_misprints()}
     changes = {key: text for key, text in listed.items() if key[1].startswith("Change of")}
     assert [(where, printed, text.split(",")[0]) for (where, printed), text in changes.items()] == [
         ("Table 1, lateral undulation, with fin, case 3", "Change of power: +10.11 %.", "+4.79 %"),
@@ -314,21 +321,19 @@ def test_misprints_are_listed_with_what_is_right():
 )
 def test_a_part_of_a_rule_is_met_by_the_numbers_that_it_names(rule, met, not_met):
     known = {"study": {"met": met, "not met": not_met}}
-    assert judge._met({"of": "study.met", **rule}, known) == [True]
-    assert judge._met({"of": "study.not met", **rule}, known) == [False]
+    assert check_part({"of": "study.met", **rule}, known) == [True]
+    assert check_part({"of": "study.not met", **rule}, known) == [False]
 
 
 def test_each_of_several_numbers_can_be_a_part_of_its_own():
-    assert judge._met(
+    assert check_part(
         {"each": "study.values", "below": 2.0}, {"study": {"values": [1.0, 3.0]}}
     ) == [True, False]
 
 
 def test_energy_per_meter_is_power_over_speed(study):
-    assert quantities._per(10.0, 100.0) == pytest.approx(
-        -45.0
-    )  # 1.1 of the power at twice the speed
-    found = quantities.efficiency(study)
+    assert energy_change(10.0, 100.0) == pytest.approx(-45.0)  # 1.1 of the power at twice the speed
+    found = collect_efficiency_numbers(study)
     gain = fin_gains(study.cases)[0]
     per_meter = [
         case.mechanical_power[0] / case.forward_velocity[0]
@@ -344,4 +349,4 @@ def test_energy_per_meter_is_power_over_speed(study):
     change = (fin.mean_power / fin.forward_velocity) / (
         bare.mean_power / bare.forward_velocity
     ) - 1.0
-    assert quantities.tables()["energy"][0] == pytest.approx(100.0 * change)
+    assert collect_table_numbers()["energy"][0] == pytest.approx(100.0 * change)

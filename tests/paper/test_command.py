@@ -57,7 +57,7 @@ def test_coefficients_and_repeated_measurements_come_from_files(run, folder: Pat
 def test_bad_files_are_refused_before_anything_runs(
     run, folder: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr(MODULE, "_run", lambda *args: pytest.fail("it ran"))
+    monkeypatch.setattr(MODULE, "run_studies", lambda *args: pytest.fail("it ran"))
     done = run("reproduce --parameters nothing.toml")
     assert (done.status, done.out) == (2, "")
     assert "nothing.toml" in done.err
@@ -70,7 +70,7 @@ def test_bad_files_are_refused_before_anything_runs(
 def test_a_folder_that_cannot_be_written_is_bad_input(
     run, folder: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr(MODULE, "_run", lambda *args: pytest.fail("it ran"))
+    monkeypatch.setattr(MODULE, "run_studies", lambda *args: pytest.fail("it ran"))
     (folder / "file").write_text("")
     done = run("reproduce --output file")
     assert (done.status, done.out) == (2, "")
@@ -93,7 +93,7 @@ def test_a_trial_that_blows_up_ends_with_status_1(
     def fail(*args):
         raise SimulationFailed("mamba: the run blew up at 3 s.")
 
-    monkeypatch.setattr(MODULE, "_run", fail)
+    monkeypatch.setattr(MODULE, "run_studies", fail)
     done = run("reproduce")
     assert (done.status, done.out, done.err) == (
         1,

@@ -20,12 +20,11 @@ from laticauda.paper.figures import (
     Panel,
     draw_panel,
     efficiency_sheet,
-    following_speeds,
-    following_speeds_sheet,
 )
 from laticauda.paper.measured import read_table1
 from laticauda.paper.path_following import FollowingCase
 from laticauda.paper.settings import Group
+from laticauda.paper.speed_figures import LabeledSpeeds, following_speeds, following_speeds_sheet
 from laticauda.show.figures import new_figure
 
 
@@ -194,7 +193,9 @@ def test_the_bar_spans_the_simulated_speeds_and_every_speed_has_a_mark(ax):
 
 
 def test_what_the_marks_mean_is_in_the_legend_and_shapes_differ_too():
-    figure = following_speeds_sheet(ROWS, "Speeds", chosen="chosen runs", null=("no physics", NULL))
+    figure = following_speeds_sheet(
+        ROWS, "Speeds", chosen="chosen runs", null=LabeledSpeeds("no physics", NULL)
+    )
     (legend,) = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == [
         "measured in the tank",
@@ -214,7 +215,9 @@ def test_what_the_marks_mean_is_in_the_legend_and_shapes_differ_too():
 
 
 def test_no_text_of_the_sheet_lies_on_another():
-    figure = following_speeds_sheet(ROWS, "Speeds", chosen="chosen runs", null=("no physics", NULL))
+    figure = following_speeds_sheet(
+        ROWS, "Speeds", chosen="chosen runs", null=LabeledSpeeds("no physics", NULL)
+    )
     figure.canvas.draw()
     texts = [
         text for text in figure.findobj(Text) if text.get_text().strip() and text.get_visible()

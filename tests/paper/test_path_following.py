@@ -123,7 +123,7 @@ def test_joints_and_bandwidth_outside_the_band_are_run_besides():
     ]
     assert case.run is case.band[0]
     assert [run.dt for run in case.band] == [0.004, 0.05, 0.05]
-    assert (study.how["joints"], study.how["offset_bandwidth"], study.how["dt"]) == (
+    assert tuple(study.trial_settings[name] for name in ("joints", "offset_bandwidth", "dt")) == (
         "pd",
         6.0,
         0.004,

@@ -3,8 +3,8 @@ from dataclasses import replace
 
 from paper.reading import cells, said
 
-from laticauda.paper.claims import load_claims, misprints
-from laticauda.paper.report.reproduce import VERDICTS, claims_chapter, own_verdicts, summary_chapter
+from laticauda.paper.claims import find_misprints, load_claims
+from laticauda.paper.report.overview import VERDICTS, claims_chapter, own_verdicts, summary_chapter
 from laticauda.paper.scores import score_study
 
 CURVES = ("forward_velocity", "mechanical_power", "steady_velocity")
@@ -16,9 +16,9 @@ def test_the_tables_hold_every_claim_and_every_misprint(study):
     rows = cells(chapter, "claims")
     assert [row["verdict"] for row in rows] == [claim.verdict for claim in found]
     assert rows[0]["the paper says"] == found[0].paper
-    assert rows[0]["here"] == found[0].found
+    assert rows[0]["here"] == found[0].evidence
     assert [row["printed"] for row in cells(chapter, "misprints")] == [
-        one.printed for one in misprints()
+        one.printed for one in find_misprints()
     ]
 
 

@@ -13,6 +13,7 @@ import pytest
 from laticauda.motion.gaits import eel_like
 from laticauda.paper import Experiments, SideSettings, paper_experiments, reproduce
 from laticauda.paper.report import reproduce as module
+from laticauda.paper.report.chapter import paper_chapter
 from laticauda.paper.report.reproduce import CHAPTERS, HALVES, RUNS
 from laticauda.robot import Parameters, load_parameters, load_robot, load_water
 from laticauda.show.reports.chapter import Chapter
@@ -56,7 +57,10 @@ def test_one_folder_holds_report_figures_tables_and_data(
     monkeypatch.setattr(
         module,
         "CHAPTERS",
-        {name: (title, with_one_figure(chapter)) for name, (title, chapter) in CHAPTERS.items()},
+        {
+            name: chapter._replace(build=with_one_figure(chapter.build))
+            for name, chapter in CHAPTERS.items()
+        },
     )
     told: list = []
     done = reproduce(tmp_path / "a" / "b", small, progress=told_to(told))
@@ -123,9 +127,7 @@ def test_one_half_leaves_the_other_out(small, tmp_path: Path, monkeypatch: pytes
     )
     monkeypatch.setattr(module, "CHAPTERS", {})
     for name in ("claims_chapter", "summary_chapter"):
-        monkeypatch.setattr(
-            module, name, lambda *found: module.paper_chapter(name="words", values={})
-        )
+        monkeypatch.setattr(module, name, lambda *found: paper_chapter(name="words", values={}))
     done = reproduce(tmp_path, small, only="path-following")
     assert set(done.results) == {"path_following"}
 
@@ -139,7 +141,7 @@ def test_what_fails_in_a_worker_fails_here(small, tmp_path: Path):
 def test_a_folder_that_cannot_be_written_is_refused_before_anything_runs(
     tmp_path: Path, monkeypatch
 ):
-    monkeypatch.setattr(module, "_run", lambda *args: pytest.fail("it ran"))
+    monkeypatch.setattr(module, "run_studies", lambda *args: pytest.fail("it ran"))
     (tmp_path / "file").write_text("")
     with pytest.raises(ValueError, match="`folder` must be a folder, got the file"):
         reproduce(tmp_path / "file")
@@ -181,10 +183,10 @@ def test_other_coefficients_reach_every_study():
 
 KILLED = """
 import os, signal
-from laticauda.paper.report import reproduce as module
+from laticauda.paper.report import workers as module
 
 module.ProcessPoolExecutor = lambda *args, **more: os.kill(os.getpid(), signal.SIGKILL)
-module._run(None, ["efficiency", "side"], 2, None)
+module.run_studies(None, ["efficiency", "side"], 2, None)
 """
 
 

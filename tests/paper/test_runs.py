@@ -53,6 +53,13 @@ def test_how_runs_were_made_leaves_the_controller_out_and_all_are_counted():
     runs = Runs(model=Planar(), n_runs=2, progress=lambda *what: told.append(what))
     for swimmer in swimmers()[:2]:
         runs.swim("one", replace(swimmer, duration=0.5, model=model_of("planar", joints="pd")))
-    assert set(runs.how) == {"model", "joints", "dt", "offset_bandwidth", "loop_delay", "ramp"}
-    assert runs.how["joints"] == "pd"
+    assert set(runs.trial_settings) == {
+        "model",
+        "joints",
+        "dt",
+        "offset_bandwidth",
+        "loop_delay",
+        "ramp",
+    }
+    assert runs.trial_settings["joints"] == "pd"
     assert told == [(1, 2), (2, 2)]

@@ -69,10 +69,13 @@ def test_every_run_is_what_swim_gives_for_that_many_links(side):
 
 
 def test_what_is_kept_is_the_phase_shift_or_the_number_of_waves(side):
-    assert [doubling.kept for doubling in side.doublings] == ["phase shift", "number of waves"] * 2
+    assert [doubling.in_common for doubling in side.doublings] == [
+        "phase shift",
+        "number of waves",
+    ] * 2
     for doubling in side.doublings:
         ratio = doubling.longer.gait.phase_shift / doubling.shorter.gait.phase_shift
-        assert ratio == pytest.approx(1.0 if doubling.kept == "phase shift" else 0.5)
+        assert ratio == pytest.approx(1.0 if doubling.in_common == "phase shift" else 0.5)
         assert doubling.longer.gait.amplitude == doubling.shorter.gait.amplitude
 
 
@@ -111,7 +114,7 @@ def test_joints_water_and_progress_reach_the_runs():
         coefficients=waters,
     )
     study = run_side_trials(settings, joints="pd", progress=lambda *what: told.append(what))
-    assert study.how["joints"] == "pd"
+    assert study.trial_settings["joints"] == "pd"
     assert told == [(i + 1, 8) for i in range(8)]
     shorter = study.doublings[0].shorter
     water = waters.water("eel_like")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from laticauda.paper import fin_gains, meter_costs, null_predictions, score_simulations
-from laticauda.paper.claims.quantities import band_gains
+from laticauda.paper.fin_effect import band_gains
 from laticauda.paper.scores import score_study
 
 

@@ -12,12 +12,15 @@ from laticauda.values.quantities import option, quantity, value_class
 
 if TYPE_CHECKING:
     from laticauda.paper.efficiency import EfficiencyStudy
-    from laticauda.paper.path_following import PathFollowingStudy
+    from laticauda.paper.path_following import FollowingCase, PathFollowingStudy
     from laticauda.paper.report.reproduce import Reproduction
+    from laticauda.paper.scores import Score
+    from laticauda.paper.settings import Group
 
 HEADS = {"lateral_undulation": "lateral", "eel_like": "eel-like"}
 """Short names of the gaits, for the terminal."""
-FORMAT = "{desc} {n_fmt} of {total_fmt} |{bar}| {remaining} left"
+PROGRESS_FORMAT = "{desc} {n_fmt} of {total_fmt} |{bar}| {remaining} left"
+"""Line that shows the progress, for tqdm."""
 
 
 @value_class
@@ -57,139 +60,185 @@ class Reproduce(command.Command):
 
     def run(self) -> command.Outcome:
         """Run, and write the results."""
-        from laticauda.paper.efficiency import load_repeats
+        from laticauda.paper.repeats import Repeat, load_repeats
         from laticauda.paper.report.reproduce import paper_experiments, reproduce
         from laticauda.robot import load_parameters, load_water
 
-        parameters = None if self.parameters is None else load_parameters(self.parameters)
-        settings = paper_experiments(parameters)
-        joints = (
-            self.joints or (parameters.joints if parameters is not None else None) or "prescribed"
-        )
-        repeats = () if self.repeats is None else load_repeats(self.repeats)
+        parameters = None
+        joints = self.joints
+        if self.parameters is not None:
+            parameters = load_parameters(self.parameters)
+            joints = joints or parameters.joints
+        repeats: tuple[Repeat, ...] = ()
+        if self.repeats is not None:
+            repeats = load_repeats(self.repeats)
+        n_workers = self.workers
+        if n_workers is None:
+            n_workers = os.cpu_count() or 1
         scene.warn_of_compiling(load_water("paper-lateral"))
-        bar = show_progress(FORMAT)
-        done = reproduce(
+        bar = show_progress(PROGRESS_FORMAT)
+        reproduction = reproduce(
             self.output,
-            settings,
+            paper_experiments(parameters),
             only=self.only,
             model=self.model,
-            joints=joints,
+            joints=joints or "prescribed",
             repeats=repeats,
-            workers=os.cpu_count() or 1 if self.workers is None else self.workers,
-            progress=lambda what, done, total: bar(done, total, what),
+            workers=n_workers,
+            progress=lambda activity, n_done, n_total: bar(n_done, n_total, activity),
         )
-        return command.Outcome(facts=facts_of(done), text=as_text(done))
+        return command.Outcome(facts=facts_of(reproduction), text=as_text(reproduction))
 
 
-def facts_of(done: "Reproduction") -> dict[str, Any]:
+# ---- JSON ----------------------------------------------------------------------------------------
+
+
+def facts_of(reproduction: "Reproduction") -> dict[str, Any]:
     """Return for JSON what was run, the errors [%] by predictor, the verdicts, and the files.
 
     Args:
-        done: What was run and written.
+        reproduction: What was run and written.
     """
     from laticauda.values.packaging import __version__
 
-    results = done.results
-    found: dict[str, Any] = {"status": "All runs reached their end."}
-    if (study := results.get("efficiency")) is not None:
-        errors = _errors(study, "numbers_fitted", "leave_one_out", "leave_one_group_out")
-        found["efficiency"] = {
-            "settings": study.how,
-            "n_runs": study.settings.n_runs,
-            "errors": errors,
+    facts: dict[str, Any] = {"status": "All runs reached their end."}
+    efficiency = reproduction.results.get("efficiency")
+    if efficiency is not None:
+        facts["efficiency"] = _facts_of_efficiency(efficiency)
+    path_following = reproduction.results.get("path_following")
+    if path_following is not None:
+        facts["path_following"] = _facts_of_path_following(path_following)
+    facts["claims"] = Counter(claim.verdict for claim in reproduction.claims)
+    facts["output"] = str(reproduction.folder)
+    facts["files"] = reproduction.files
+    facts["version"] = __version__
+    return facts
+
+
+def _facts_of_efficiency(study: "EfficiencyStudy") -> dict[str, Any]:
+    from laticauda.paper.scores import score_study
+
+    errors: dict[str, Any] = {}
+    for score in score_study(study):
+        errors[score.name] = {
+            "numbers_fitted": score.n_fitted,
+            **_facts_of_errors(study, score),
+            "leave_one_out_percent": score.leave_one_out,
+            "leave_one_group_out_percent": score.leave_one_group_out,
         }
-    if (study := results.get("path_following")) is not None:
-        errors = _errors(study, "numbers_fitted_to_table1")
-        found["path_following"] = {
-            "settings": study.how,
-            "errors": errors,
-            "trials": _trials(study),
-        }
-    return found | {
-        "claims": Counter(claim.verdict for claim in done.claims),
-        "output": str(done.folder),
-        "files": done.files,
-        "version": __version__,
+    return {
+        "settings": study.trial_settings,
+        "n_runs": study.settings.n_runs,
+        "errors": errors,
     }
 
 
-def as_text(done: "Reproduction") -> str:
+def _facts_of_path_following(study: "PathFollowingStudy") -> dict[str, Any]:
+    from laticauda.paper.scores import score_study
+
+    errors: dict[str, Any] = {}
+    for score in score_study(study):
+        errors[score.name] = {
+            "numbers_fitted_to_table1": score.n_fitted,
+            **_facts_of_errors(study, score),
+        }
+    return {
+        "settings": study.trial_settings,
+        "errors": errors,
+        "trials": [_facts_of_case(case) for case in study.cases],
+    }
+
+
+def _facts_of_errors(
+    study: "EfficiencyStudy | PathFollowingStudy", score: "Score"
+) -> dict[str, Any]:
+    """Return the errors of a predictor, of all rows and by group [%]."""
+    groups = [group.name for group in study.settings.groups]
+    return {
+        "mape_percent": score.overall,
+        "mape_percent_by_group": dict(zip(groups, score.by_group, strict=True)),
+    }
+
+
+def _facts_of_case(case: "FollowingCase") -> dict[str, Any]:
+    return {
+        "group": case.group.name,
+        "case": case.measured.case,
+        "measured_velocity": case.measured.forward_velocity,
+        "forward_velocity": case.run.forward_velocity,
+        "last_third_rms": case.run.last_third_rms,
+        **case.run.figures,
+    }
+
+
+# ---- text ----------------------------------------------------------------------------------------
+
+
+def as_text(reproduction: "Reproduction") -> str:
     """Return as text the errors by predictor, the verdicts on the paper's claims, and the location of the report.
 
     Args:
-        done: What was run and written.
+        reproduction: What was run and written.
     """
-    results = done.results
-    parts: list[str] = []
-    if (study := results.get("efficiency")) is not None:
-        parts += [
-            f"Locomotion efficiency, {study.settings.n_runs} runs, {study.how['joints']} joints.\n"
-            "Mean error of the forward velocity over the measured rows of the paper's Table 1 [%]:",
-            _table(study, "leave_one_out"),
-        ]
-    if (study := results.get("path_following")) is not None:
-        limit = study.settings.accepted_error
-        held = sum(
-            case.run.last_third_rms is not None and case.run.last_third_rms < limit
-            for case in study.cases
-        )
-        parts += [
-            f"Path following, {study.how['joints']} joints, {loop_in_words(study.how)}: "
-            f"{held} of {len(study.cases)} trials keep\nthe mean error under {100 * limit:g} cm in their last third. "
-            "Mean error of the forward velocity over the paper's Table 2 [%]:",
-            _table(study),
-        ]
-    verdicts = Counter(claim.verdict for claim in done.claims)
-    parts.append(
-        f"The paper's claims: {', '.join(f'{verdict} {count}' for verdict, count in verdicts.items())}."
+    paragraphs: list[str] = []
+    efficiency = reproduction.results.get("efficiency")
+    if efficiency is not None:
+        paragraphs += _summarize_efficiency(efficiency)
+    path_following = reproduction.results.get("path_following")
+    if path_following is not None:
+        paragraphs += _summarize_path_following(path_following)
+    counts = Counter(claim.verdict for claim in reproduction.claims)
+    verdicts = ", ".join(f"{verdict} {count}" for verdict, count in counts.items())
+    paragraphs.append(f"The paper's claims: {verdicts}.")
+    folder = reproduction.folder
+    paragraphs.append(f"{len(reproduction.files)} files in {folder}; open {folder / 'report.html'}")
+    return "\n\n".join(paragraphs)
+
+
+def _summarize_efficiency(study: "EfficiencyStudy") -> list[str]:
+    joints = study.trial_settings["joints"]
+    introduction = (
+        f"Locomotion efficiency, {study.settings.n_runs} runs, {joints} joints.\n"
+        "Mean error of the forward velocity over the measured rows of the paper's Table 1 [%]:"
     )
-    parts.append(f"{len(done.files)} files in {done.folder}; open {done.folder / 'report.html'}")
-    return "\n\n".join(parts)
+    return [introduction, _format_errors(study, with_rows_left_out=True)]
 
 
-def _errors(
-    study: "EfficiencyStudy | PathFollowingStudy", fitted: str, *more: str
-) -> dict[str, Any]:
-    """Return by predictor the number of fitted parameters, and the errors."""
-    from laticauda.paper.scores import score_study
-
-    groups = [group.name for group in study.settings.groups]
-    return {
-        score.name: {
-            fitted: score.n_fitted,
-            "mape_percent": score.overall,
-            "mape_percent_by_group": dict(zip(groups, score.by_group, strict=True)),
-            **{f"{name}_percent": getattr(score, name) for name in more},
-        }
-        for score in score_study(study)
-    }
+def _summarize_path_following(study: "PathFollowingStudy") -> list[str]:
+    joints = study.trial_settings["joints"]
+    loop = loop_in_words(study.trial_settings)
+    limit = study.settings.accepted_error
+    rms_errors = [case.run.last_third_rms for case in study.cases]
+    n_below = sum(error is not None and error < limit for error in rms_errors)
+    introduction = (
+        f"Path following, {joints} joints, {loop}: "
+        f"{n_below} of {len(study.cases)} trials keep\n"
+        f"the mean error under {100 * limit:g} cm in their last third. "
+        "Mean error of the forward velocity over the paper's Table 2 [%]:"
+    )
+    return [introduction, _format_errors(study, with_rows_left_out=False)]
 
 
-def _trials(study: "PathFollowingStudy") -> list[dict[str, Any]]:
-    return [
-        {
-            "group": case.group.name,
-            "case": case.measured.case,
-            "measured_velocity": case.measured.forward_velocity,
-            "forward_velocity": case.run.forward_velocity,
-            "last_third_rms": case.run.last_third_rms,
-            **case.run.figures,
-        }
-        for case in study.cases
-    ]
-
-
-def _table(study: "EfficiencyStudy | PathFollowingStudy", left_out: str = "") -> str:
+def _format_errors(
+    study: "EfficiencyStudy | PathFollowingStudy", *, with_rows_left_out: bool
+) -> str:
     """Return a table of the errors, one predictor per line."""
     from laticauda.paper.scores import score_study
 
-    heads = [
-        f"{HEADS[group.gait]}, fin" if group.has_fin else HEADS[group.gait]
-        for group in study.settings.groups
-    ]
-    rows = [["", "all rows", *heads, *(["rows left out"] if left_out else [])]]
+    heads = ["", "all rows", *(_head_of(group) for group in study.settings.groups)]
+    if with_rows_left_out:
+        heads.append("rows left out")
+    lines = [heads]
     for score in score_study(study):
-        values = [score.overall, *score.by_group, *([getattr(score, left_out)] if left_out else [])]
-        rows.append([score.title, *map(tables.format_number, values)])
-    return tables.aligned(rows, right=range(1, len(rows[0])))
+        errors: list[float | None] = [score.overall, *score.by_group]
+        if with_rows_left_out:
+            errors.append(score.leave_one_out)
+        lines.append([score.title, *(tables.format_number(error) for error in errors)])
+    return tables.aligned(lines, right=range(1, len(heads)))
+
+
+def _head_of(group: "Group") -> str:
+    """Return the title of a group's column."""
+    if group.has_fin:
+        return f"{HEADS[group.gait]}, fin"
+    return HEADS[group.gait]

@@ -3,29 +3,23 @@
 It repeats the trials behind the paper's Figs. 4 to 11 and Table 1 in simulation, and compares the
 contents of the table, the maxima of sweeps, with the maxima of the simulated sweeps. The errors of
 the speeds are computed in `scores`.
-
-Repeated trials from a user's CSV file show the scatter of measurements of the same setting. The
-file is a table of speeds (`laticauda.trials.measured`), intended to have several rows per setting.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import chain
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from laticauda import scenarios
 from laticauda.motion import gaits
 from laticauda.paper.measured import MeasuredCase
-from laticauda.paper.runs import Runs, Study
+from laticauda.paper.runs import NamedScenario, Runs, Study
 from laticauda.paper.settings import EfficiencySettings, Group, SweepSettings, efficiency_settings
-from laticauda.tank.operate.series import mean_and_deviation
-from laticauda.trials import measured, null_models
 
 Curves = Float[np.ndarray, "n_models n_groups n_values"]
 CURVES = ("forward_velocity", "steady_velocity", "mechanical_power")
+"""Figures of a trial that a sweep keeps, as its fields are named."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -78,14 +72,19 @@ class EfficiencyStudy(Study[EfficiencySettings]):
         return tuple(model.name for model in self.settings.models)
 
     @property
+    def judged_model(self) -> str:
+        """Name of the model to which the claims refer."""
+        return self.models[self.judged]
+
+    @property
     def measured(self) -> tuple[Case, ...]:
         """The rows with a measured velocity."""
         return tuple(case for case in self.cases if case.measured.forward_velocity is not None)
 
-    usual = staticmethod(efficiency_settings)
+    default_settings = staticmethod(efficiency_settings)
 
     @classmethod
-    def by_runs(cls, settings: EfficiencySettings, runs: Runs) -> "EfficiencyStudy":
+    def from_runs(cls, settings: EfficiencySettings, runs: Runs) -> "EfficiencyStudy":
         """Run the trials of `settings` by `runs`, and return the study.
 
         Args:
@@ -93,53 +92,72 @@ class EfficiencyStudy(Study[EfficiencySettings]):
             runs: Runner, with the model and the progress callback.
         """
         runs.n_runs = settings.n_runs
-
-        def tasks(group: Group, gait: gaits.Gait) -> list[tuple[str, scenarios.Scenario]]:
-            """Return name and scenario of each model's trial; the first model's is last and determines `runs.how`."""
-            setting = "amplitude {:.3g}, frequency {:.3g}, phase shift {:.3g} [deg, deg/s]".format(
-                *np.degrees([gait.amplitude, gait.frequency, gait.phase_shift])
-            )
-            swimmers = [
-                one.scenario(
-                    group.robot, gait, model=one.driven(runs.model), duration=settings.duration
-                )
-                for one in reversed(settings.models)
-            ]
-            return [
-                (f"{one.robot.name}, {gait.kind}, {setting}, {one.environment.name}", one)
-                for one in swimmers
-            ]
-
         cases: list[Case] = []
-        for group, row in [(one, row) for one in settings.groups for row in one.cases]:
-            trials = [runs.swim(*task) for task in tasks(group, row.gait)][::-1]
-            velocity, power = zip(
-                *[(one.forward_velocity, one.mechanical_power) for one in trials], strict=True
-            )
-            cases.append(
-                Case(group=group, measured=row, forward_velocity=velocity, mechanical_power=power)
-            )
-        sweeps: list[SweepResult] = []
-        for sweep in settings.sweeps:
-            points = [
-                tasks(group, sweep.gait(group.gait, at))
-                for group in settings.groups
-                for at in sweep.values
-            ]
-            found, shape = (
-                runs.figures(list(chain(*points))),
-                (len(settings.groups), sweep.values.size, -1),
-            )
-            curves = {
-                name: np.moveaxis(found[name].reshape(shape)[:, :, ::-1], 2, 0) for name in CURVES
-            }
-            sweeps.append(SweepResult(settings=sweep, **curves))
+        for group in settings.groups:
+            for row in group.cases:
+                cases.append(_run_case(settings, runs, group, row))
+        sweeps = [_run_sweep(settings, runs, sweep) for sweep in settings.sweeps]
         return EfficiencyStudy(
-            settings=settings, how=runs.how, sweeps=tuple(sweeps), cases=tuple(cases)
+            settings=settings,
+            trial_settings=runs.trial_settings,
+            sweeps=tuple(sweeps),
+            cases=tuple(cases),
         )
 
 
 run_efficiency = EfficiencyStudy.run
+
+
+def _run_case(settings: EfficiencySettings, runs: Runs, group: Group, row: MeasuredCase) -> Case:
+    """Run one row of Table 1 with every model."""
+    tasks = _scenarios_from_last_model(settings, runs, group, row.gait)
+    trials_from_last = [runs.swim(task.name, task.scenario) for task in tasks]
+    trials = trials_from_last[::-1]
+    return Case(
+        group=group,
+        measured=row,
+        forward_velocity=tuple(trial.forward_velocity for trial in trials),
+        mechanical_power=tuple(trial.mechanical_power for trial in trials),
+    )
+
+
+def _run_sweep(settings: EfficiencySettings, runs: Runs, sweep: SweepSettings) -> SweepResult:
+    """Run one sweep with every group and model."""
+    tasks: list[NamedScenario] = []
+    for group in settings.groups:
+        for value in sweep.values:
+            gait = sweep.gait(group.gait, value)
+            tasks += _scenarios_from_last_model(settings, runs, group, gait)
+    figures = runs.figures(tasks)
+    shape = (len(settings.groups), sweep.values.size, -1)
+    curves: dict[str, Any] = {}
+    for name in CURVES:
+        from_last_model = figures[name].reshape(shape)
+        from_first_model = from_last_model[:, :, ::-1]
+        curves[name] = np.moveaxis(from_first_model, 2, 0)
+    return SweepResult(settings=sweep, **curves)
+
+
+def _scenarios_from_last_model(
+    settings: EfficiencySettings, runs: Runs, group: Group, gait: gaits.Gait
+) -> list[NamedScenario]:
+    """Return the scenario of each model's trial, backwards.
+
+    The first model's is the last to run, so that it determines `runs.trial_settings`.
+    """
+    angles = np.degrees([gait.amplitude, gait.frequency, gait.phase_shift])
+    setting = "amplitude {:.3g}, frequency {:.3g}, phase shift {:.3g} [deg, deg/s]".format(*angles)
+    tasks: list[NamedScenario] = []
+    for coefficients in reversed(settings.models):
+        scenario = coefficients.scenario(
+            group.robot, gait, model=coefficients.driven(runs.model), duration=settings.duration
+        )
+        name = f"{scenario.robot.name}, {gait.kind}, {setting}, {scenario.environment.name}"
+        tasks.append(NamedScenario(name, scenario))
+    return tasks
+
+
+# ---- maxima --------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,9 +185,9 @@ class Maximum:
         Args:
             model: Index of the model.
         """
-        return (
-            np.inf if self.at_the_end[model] else abs(self.simulated_at[model] - self.measured_at)
-        )
+        if self.at_the_end[model]:
+            return np.inf
+        return abs(self.simulated_at[model] - self.measured_at)
 
 
 def maxima(study: EfficiencyStudy) -> tuple[Maximum, ...]:
@@ -179,83 +197,30 @@ def maxima(study: EfficiencyStudy) -> tuple[Maximum, ...]:
         study: Result of `run_efficiency`.
     """
     stars = {(case.group.name, case.measured.starred): case.measured for case in study.measured}
-    return tuple(
-        _maximum(group, sweep, stars[group.name, sweep.settings.parameter], place)
-        for place, group in enumerate(study.settings.groups)
-        for sweep in study.sweeps
-        if (group.name, sweep.settings.parameter) in stars
-    )
+    all_maxima: list[Maximum] = []
+    for group_index, group in enumerate(study.settings.groups):
+        for sweep in study.sweeps:
+            star = stars.get((group.name, sweep.settings.parameter))
+            if star is not None:
+                all_maxima.append(_find_maximum(group, sweep, star, group_index))
+    return tuple(all_maxima)
 
 
-def _maximum(group: Group, sweep: SweepResult, star: MeasuredCase, place: int) -> Maximum:
-    curves, values, parameter = (
-        sweep.forward_velocity[:, place],
-        sweep.values,
-        sweep.settings.parameter,
-    )
-    best: Sequence[int] = np.argmax(curves, axis=1).tolist()
+def _find_maximum(
+    group: Group, sweep: SweepResult, star: MeasuredCase, group_index: int
+) -> Maximum:
+    curves = sweep.forward_velocity[:, group_index]
+    values = sweep.values
+    parameter = sweep.settings.parameter
+    fastest: Sequence[int] = np.argmax(curves, axis=1).tolist()
     return Maximum(
         group=group,
         parameter=parameter,
         measured_at=getattr(star.gait, parameter),
         measured_velocity=star.forward_velocity or 0.0,
-        simulated_at=tuple(map(float, values[best])),
-        simulated_velocity=tuple(float(curve[i]) for curve, i in zip(curves, best, strict=True)),
-        at_the_end=tuple(i in (0, values.size - 1) for i in best),
-    )
-
-
-# ---- repeated trials -----------------------------------------------------------------------------
-
-TABLE2 = Path(__file__).parent / "data" / "table2_series.toml"
-"""Table 2 as a series file of `laticauda operate`: twelve settings, three runs each."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Repeat(null_models.Row):
-    """All trials of one setting."""
-
-    forward_velocity: tuple[float, ...]
-    """Forward velocity by equation (5), trial by trial [m/s]."""
-    mean_power: tuple[float | None, ...]
-    """Electrical power above idle, trial by trial; None if missing [W]."""
-
-    @property
-    def velocity(self) -> tuple[float, float | None]:
-        """Mean and standard deviation of the forward velocity; a single trial has no deviation [m/s]."""
-        return mean_and_deviation(self.forward_velocity)
-
-    @property
-    def power(self) -> tuple[float, float | None] | None:
-        """Mean and standard deviation of the power; None if no trial has a power [W]."""
-        known = [value for value in self.mean_power if value is not None]
-        return mean_and_deviation(known) if known else None
-
-
-def load_repeats(path: str | Path) -> tuple[Repeat, ...]:
-    """Load repeated trials from a CSV file.
-
-    Args:
-        path: Path of the file.
-
-    Returns:
-        One entry per setting, in the order in which they first appear.
-
-    Raises:
-        TrialFileError: If `load_speeds` cannot read the file.
-    """
-    trials: dict[tuple[gaits.Gait, bool], list[tuple[float, float | None]]] = {}
-    for one in measured.load_speeds(path):
-        if one.v_m_s is not None:
-            trials.setdefault((one.motion, one.config == "fin"), []).append(
-                (one.v_m_s, one.P_avg_W)
-            )
-    return tuple(
-        Repeat(
-            gait=gait,
-            has_fin=has_fin,
-            forward_velocity=tuple(speed for speed, _ in found),
-            mean_power=tuple(power for _, power in found),
-        )
-        for (gait, has_fin), found in trials.items()
+        simulated_at=tuple(float(value) for value in values[fastest]),
+        simulated_velocity=tuple(
+            float(curve[index]) for curve, index in zip(curves, fastest, strict=True)
+        ),
+        at_the_end=tuple(index in (0, values.size - 1) for index in fastest),
     )

@@ -1,7 +1,6 @@
-"""Figures of the paper's studies: forward velocity and power over the parameters of the gait, as in Figs. 4 to 11.
+"""Figures of the efficiency study: forward velocity and power over the parameters of the gait, as in Figs. 4 to 11.
 
-Also the speeds of path-following trials: measured, simulated in several ways, and predicted without
-physics.
+A sheet has a column of axes per swept parameter, and a row per quantity.
 """
 
 # matplotlib's own annotations are partial; this package passes on typed figures and axes.
@@ -10,8 +9,7 @@ physics.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -22,9 +20,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from laticauda.paper.efficiency import Repeat
 from laticauda.paper.measured import MeasuredCase
-from laticauda.paper.path_following import FollowingCase, group_by_law
+from laticauda.paper.repeats import Repeat
 from laticauda.paper.settings import SweepSettings
 from laticauda.show.figures import style
 
@@ -36,38 +33,63 @@ LABELS = {
     "frequency": "frequency $\\omega$ [deg/s]",
     "phase_shift": "phase shift $\\delta$ [deg]",
 }
+"""Axis labels of the parameters."""
 SYMBOLS = {
     "amplitude": "$\\alpha$ = {:g}°",
     "frequency": "$\\omega$ = {:g}°/s",
     "phase_shift": "$\\delta$ = {:g}°",
 }
+"""Texts for parameters that are held fixed."""
 VELOCITY = ("forward velocity [m/s]",)
+"""Axis labels of a sheet of velocities."""
 POWERS = ("mechanical power,\nsimulated [W]", "electrical power,\nmeasured [W]")
+"""Axis labels of a sheet of powers: those that are simulated and measured differ by losses."""
+
+
+class ShownFields(NamedTuple):
+    """Fields that hold the data of one quantity."""
+
+    of_curves: str
+    """Field of a panel with the simulated curves; empty if the quantity is not simulated."""
+    of_rows: str
+    """Field of rows of a table with the measured values; empty if the quantity is not measured."""
+
+
 SHOWN = {
-    VELOCITY[0]: ("velocity", "forward_velocity"),
-    POWERS[0]: ("power", ""),
-    POWERS[1]: ("", "mean_power"),
+    VELOCITY[0]: ShownFields(of_curves="velocity", of_rows="forward_velocity"),
+    POWERS[0]: ShownFields(of_curves="power", of_rows=""),
+    POWERS[1]: ShownFields(of_curves="", of_rows="mean_power"),
 }
-"""By axis label, the names of the data shown: of the curves of a panel, and of the fields in rows of a table."""
-REPEATS = "#007A5A"  # a green that is darker than the models' colors
-BESIDE = 0.035  # shift of repeated trials to the right of their setting, as a fraction of the axis
-MARKER = 6.5  # [pt]
-MARKS = {
-    "measured, fastest of its sweep": style.marker_style(
-        "*", 1.5 * MARKER, markerfacecolor=style.INK, markeredgewidth=0.9
-    ),
-    "measured, another setting": style.marker_style(
-        "o", 0.85 * MARKER, markerfacecolor="white", markeredgewidth=0.9
-    ),
-}
-"""By legend label."""
+"""Fields that hold the data, by axis label."""
+
+REPEATS = "#007A5A"
+"""Color of repeated trials: a green that is darker than the models' colors."""
+BESIDE = 0.035
+"""Shift of repeated trials to the right of their setting, as a fraction of the axis [-]."""
+MARKER = 6.5
+"""Size of marks [pt]."""
+CURVE_WIDTH = 1.5
+"""Width of curves [pt]."""
+FASTEST_MARK = style.marker_style("*", 1.5 * MARKER, markerfacecolor=style.INK, markeredgewidth=0.9)
+"""Look of a setting that is the fastest of its sweep."""
+SETTING_MARK = style.marker_style("o", 0.85 * MARKER, markerfacecolor="white", markeredgewidth=0.9)
+"""Look of another measured setting."""
 TRIAL = style.marker_style("o", 0.4 * MARKER, REPEATS, markerfacecolor="none", markeredgewidth=0.6)
+"""Look of one repeated trial."""
 MEAN = style.marker_style("D", 0.4 * MARKER, REPEATS)
-PANEL_HEIGHT = 2.1  # [in]
-HEAD = 0.42  # height of the title [in]
-LEGEND_LINE = 0.165  # height of a line of the legend [in]
-ROOM = 1.12  # upper end of the axis, as a multiple of the highest value
-MARGIN = 0.035  # margin at the first and the last value, as a fraction of the axis
+"""Look of the mean of repeated trials."""
+PANEL_HEIGHT = 2.1
+"""Height of a row of panels [in]."""
+MORE_PANEL_HEIGHT = 0.7
+"""Height of each further row, as a share of the first [-]."""
+HEAD = 0.42
+"""Height of the title [in]."""
+LEGEND_LINE = 0.165
+"""Height of a line of the legend [in]."""
+ROOM = 1.12
+"""Upper end of the axis, as a multiple of the highest value [-]."""
+MARGIN = 0.035
+"""Margin at the first and the last value, as a fraction of the axis [-]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -87,13 +109,19 @@ class Panel:
     repeats: tuple[Repeat, ...]
     """Repeated settings on this line."""
 
-    def at(self, found: Sequence[MeasuredCase] | Sequence[Repeat]) -> Values:
+    @property
+    def ends(self) -> tuple[float, float]:
+        """First and last value of the parameter [deg, deg/s]."""
+        low, high = np.degrees(self.sweep.values[[0, -1]]).tolist()
+        return low, high
+
+    def at(self, rows: Sequence[MeasuredCase] | Sequence[Repeat]) -> Values:
         """Return the positions of settings on the axis [deg, deg/s].
 
         Args:
-            found: Measured settings.
+            rows: Measured settings.
         """
-        return np.degrees([getattr(one.gait, self.sweep.parameter) for one in found])
+        return np.degrees([getattr(row.gait, self.sweep.parameter) for row in rows])
 
 
 # ---- figures -------------------------------------------------------------------------------------
@@ -107,26 +135,20 @@ def draw_panel(panel: Panel, ax: Axes, ylabel: str) -> Axes:
         ax: Axes to draw on.
         ylabel: Axis label, one of `SHOWN`.
     """
-    of_curves, of_rows = SHOWN[ylabel]
-    curves: Sequence[Values] = [*getattr(panel, of_curves)] if of_curves else []
-    marks = np.array([getattr(one, of_rows, None) for one in panel.measured], dtype=float)
-    repeated = [np.array(getattr(one, of_rows, ()), dtype=float) for one in panel.repeats]
-    for i, curve in enumerate(curves):
-        color, dashes = style.LINES[i % len(style.LINES)]
-        ax.plot(np.degrees(panel.sweep.values), curve, color=color, linestyle=dashes, linewidth=1.5)
-    _draw_marks(panel, marks, ax)
-    _draw_scatter(panel, repeated, ax)
-    if np.all(np.isnan(np.concatenate([*curves, marks, *repeated]))):
-        ax.text(
-            0.5,
-            0.5,
-            "not available",
-            transform=ax.transAxes,
-            ha="center",
-            fontsize=style.TICK,
-            color=style.GRAY,
-        )
-    return _dress(panel, ax, ylabel)
+    fields = SHOWN[ylabel]
+    curves: list[Values] = []
+    if fields.of_curves:
+        curves = [*getattr(panel, fields.of_curves)]
+    measured = np.array([getattr(row, fields.of_rows, None) for row in panel.measured], dtype=float)
+    repeated = [
+        np.array(getattr(repeat, fields.of_rows, ()), dtype=float) for repeat in panel.repeats
+    ]
+    _draw_curves(panel, curves, ax)
+    _draw_settings(panel, measured, ax)
+    _draw_repeats(panel, repeated, ax)
+    if np.all(np.isnan(np.concatenate([*curves, measured, *repeated]))):
+        _say_not_available(ax)
+    return _style_panel(panel, ax, ylabel)
 
 
 def efficiency_sheet(panels: Sequence[Panel], title: str, ylabels: Sequence[str]) -> Figure:
@@ -140,10 +162,10 @@ def efficiency_sheet(panels: Sequence[Panel], title: str, ylabels: Sequence[str]
         title: Title above all panels.
         ylabels: Axis labels of the rows, from `SHOWN`.
     """
-    height = PANEL_HEIGHT * (1.0 + 0.7 * (len(ylabels) - 1))
-    figure = style.new_figure(
-        style.DOUBLE_COLUMN, height + HEAD + LEGEND_LINE * math.ceil(len(_handles(panels)) / 2)
-    )
+    handles = _list_handles(panels)
+    panels_height = PANEL_HEIGHT * (1.0 + MORE_PANEL_HEIGHT * (len(ylabels) - 1))
+    legend_height = LEGEND_LINE * math.ceil(len(handles) / 2)
+    figure = style.new_figure(style.DOUBLE_COLUMN, panels_height + HEAD + legend_height)
     grid = figure.subplots(len(ylabels), len(panels), sharex="col", sharey="row", squeeze=False)
     rows: list[list[Axes]] = [[*row] for row in grid]
     for ylabel, row in zip(ylabels, rows, strict=True):
@@ -151,69 +173,108 @@ def efficiency_sheet(panels: Sequence[Panel], title: str, ylabels: Sequence[str]
             draw_panel(panel, ax, ylabel)
             if row is not rows[-1]:
                 ax.set_xlabel("")
-        highest = max([0.0, *(ax.dataLim.y1 for ax in row)])
-        row[0].set_ylim(0.0, ROOM * highest if highest > 0.0 else 1.0)  # a common scale from zero
-    _finish(figure, rows, panels, title)
+        _scale_from_zero(row)
+    _finish_sheet(figure, rows, panels, title)
+    style.outside_legend(figure, handles, "outside lower center", ncols=2, handlelength=2.6)
     return figure
 
 
-# ---- parts ---------------------------------------------------------------------------------------
+# ---- data of a panel -----------------------------------------------------------------------------
 
 
-def _draw_marks(panel: Panel, quantity: Values, ax: Axes) -> None:
-    starred = np.array([one.starred == panel.sweep.parameter for one in panel.measured], dtype=bool)
-    for is_fastest, look in zip((False, True), reversed(MARKS.values()), strict=True):
-        shown = ~np.isnan(quantity) & (starred == is_fastest)
-        if np.any(shown):  # the layout treats an empty line that is not clipped as infinite
-            ax.plot(
-                panel.at(panel.measured)[shown], quantity[shown], clip_on=False, zorder=3, **look
-            )
+def _draw_curves(panel: Panel, curves: Sequence[Values], ax: Axes) -> None:
+    """Draw a line per model."""
+    positions = np.degrees(panel.sweep.values)
+    for index, curve in enumerate(curves):
+        ax.plot(positions, curve, **_line_look(index))
 
 
-def _draw_scatter(panel: Panel, quantities: Sequence[Values], ax: Axes) -> None:
+def _line_look(index: int) -> dict[str, Any]:
+    """Return the look of the line of a model."""
+    color, dashes = style.LINES[index % len(style.LINES)]
+    return {"color": color, "linestyle": dashes, "linewidth": CURVE_WIDTH}
+
+
+def _draw_settings(panel: Panel, values: Values, ax: Axes) -> None:
+    """Draw a mark per measured setting."""
+    is_fastest = np.array(
+        [row.starred == panel.sweep.parameter for row in panel.measured], dtype=bool
+    )
+    is_known = ~np.isnan(values)
+    positions = panel.at(panel.measured)
+    for is_shown, look in (
+        (is_known & ~is_fastest, SETTING_MARK),
+        (is_known & is_fastest, FASTEST_MARK),
+    ):
+        if np.any(is_shown):  # the layout treats an empty line that is not clipped as infinite
+            ax.plot(positions[is_shown], values[is_shown], clip_on=False, zorder=3, **look)
+
+
+def _draw_repeats(panel: Panel, values_by_setting: Sequence[Values], ax: Axes) -> None:
     """Draw repeated trials as dots, and mean and standard deviation of several, shifted right to keep marks visible."""
-    low, high = np.degrees(panel.sweep.values[[0, -1]])
-    step = BESIDE * float(high - low)
-    for place, quantity in zip(panel.at(panel.repeats).tolist(), quantities, strict=True):
-        known, at = quantity[~np.isnan(quantity)], place + step
-        if known.size:
-            ax.plot([at] * known.size, known, clip_on=False, zorder=4, **TRIAL)
-        if known.size > 1:
-            mean, deviation = float(np.mean(known)), float(np.std(known, ddof=1))
-            ax.errorbar([at + 0.8 * step], [mean], yerr=[deviation], capsize=1.8, zorder=4, **MEAN)
+    low, high = panel.ends
+    step = BESIDE * (high - low)
+    positions = panel.at(panel.repeats).tolist()
+    for setting_at, values in zip(positions, values_by_setting, strict=True):
+        known_values = values[~np.isnan(values)]
+        dots_at = setting_at + step
+        if known_values.size:
+            dots = [dots_at] * known_values.size
+            ax.plot(dots, known_values, clip_on=False, zorder=4, **TRIAL)
+        if known_values.size > 1:
+            mean = float(np.mean(known_values))
+            deviation = float(np.std(known_values, ddof=1))
+            mean_at = dots_at + 0.8 * step
+            ax.errorbar([mean_at], [mean], yerr=[deviation], capsize=1.8, zorder=4, **MEAN)
 
 
-def _mean_handle() -> ErrorbarContainer:
-    """Return the legend handle of mean and standard deviation."""
-    return ErrorbarContainer(
-        (Line2D([], [], **MEAN), (), (LineCollection([], colors=REPEATS, linewidths=1.0),)),
-        has_yerr=True,
-        label="their mean and standard deviation",
+def _say_not_available(ax: Axes) -> None:
+    ax.text(
+        0.5,
+        0.5,
+        "not available",
+        transform=ax.transAxes,
+        ha="center",
+        fontsize=style.TICK,
+        color=style.GRAY,
     )
 
 
-def _dress(panel: Panel, ax: Axes, ylabel: str) -> Axes:
-    low, high = np.degrees(panel.sweep.values[[0, -1]])
+# ---- axes ----------------------------------------------------------------------------------------
+
+
+def _style_panel(panel: Panel, ax: Axes, ylabel: str) -> Axes:
+    """Set limits, ticks and labels."""
+    low, high = panel.ends
     if high > low:
-        margin = MARGIN * float(high - low)  # keeps a mark at the end away from the next panel
-        beside = 2.0 * BESIDE * float(high - low)
-        farthest = max([float(high), *(panel.at(panel.repeats) + beside)])
-        ax.set_xlim(float(low) - margin, farthest + margin)
+        margin = MARGIN * (high - low)  # keeps a mark at the end away from the next panel
+        beside = 2.0 * BESIDE * (high - low)
+        farthest = max([high, *(panel.at(panel.repeats) + beside)])
+        ax.set_xlim(low - margin, farthest + margin)
     ax.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2.5, 5, 10]))
     ax.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
     return style.style_axes(ax, xlabel=LABELS[panel.sweep.parameter], ylabel=ylabel)
 
 
-def _finish(
+def _scale_from_zero(row: Sequence[Axes]) -> None:
+    """Set a common scale from zero for the axes of a row."""
+    highest = max([0.0, *(ax.dataLim.y1 for ax in row)])
+    top = 1.0
+    if highest > 0.0:
+        top = ROOM * highest
+    row[0].set_ylim(0.0, top)
+
+
+def _finish_sheet(
     figure: Figure, rows: Sequence[Sequence[Axes]], panels: Sequence[Panel], title: str
 ) -> None:
-    """Add what surrounds the data: letters, fixed parameters, legend and title."""
-    for place, (ax, panel) in enumerate(zip(rows[0], panels, strict=True)):
-        held = [
+    """Add what surrounds the data: letters, fixed parameters and title."""
+    for index, (ax, panel) in enumerate(zip(rows[0], panels, strict=True)):
+        fixed = [
             SYMBOLS[name].format(float(np.degrees(value)))
             for name, value in panel.sweep.fixed.items()
         ]
-        style.add_letter(ax, place, ", ".join(held), pad=6)
+        style.add_letter(ax, index, ", ".join(fixed), pad=6)
     for row in rows:
         for ax in row[1:]:
             ax.set_ylabel("")
@@ -222,120 +283,28 @@ def _finish(
             style.light_grid(ax, "y")
     figure.align_ylabels([row[0] for row in rows])
     figure.suptitle(title, fontsize=style.LABEL, color=style.INK, x=0.01, ha="left")
-    style.outside_legend(
-        figure, _handles(panels), "outside lower center", ncols=2, handlelength=2.6
-    )
 
 
-def _handles(panels: Sequence[Panel]) -> list[Line2D | ErrorbarContainer]:
+# ---- legend --------------------------------------------------------------------------------------
+
+
+def _list_handles(panels: Sequence[Panel]) -> list[Line2D | ErrorbarContainer]:
     """Return the handles of the legend."""
     handles: list[Line2D | ErrorbarContainer] = []
-    for i, label in enumerate(panels[0].labels):
-        color, dashes = style.LINES[i % len(style.LINES)]
-        handles.append(Line2D([], [], color=color, linestyle=dashes, linewidth=1.5, label=label))
-    handles += [Line2D([], [], label=label, **look) for label, look in MARKS.items()]
+    for index, label in enumerate(panels[0].labels):
+        handles.append(Line2D([], [], label=label, **_line_look(index)))
+    handles.append(Line2D([], [], label="measured, fastest of its sweep", **FASTEST_MARK))
+    handles.append(Line2D([], [], label="measured, another setting", **SETTING_MARK))
     if any(panel.repeats for panel in panels):
         handles.append(Line2D([], [], label="repeated trials, beside their setting", **TRIAL))
         handles.append(_mean_handle())
     return handles
 
 
-# ---- speeds of path following --------------------------------------------------------------------
-
-ROW_HEIGHT = 0.27  # [in]
-AROUND = 1.35  # height of title, labels and legend [in]
-GAP = 1.0  # rows between two groups, for the name of the second
-# By joint law, in order; distinguished by shape as well.
-LAWS: tuple[tuple[str, str], ...] = ((style.BLUE, "o"), (style.ORANGE, "^"), (style.AMBER, "s"))
-SPEED_MARKS = {
-    "measured": style.marker_style(
-        "D", 6.0, markeredgecolor="white", markeredgewidth=0.6, zorder=4
-    ),
-    "chosen": style.marker_style("o", 9.5, markerfacecolor="none", markeredgewidth=0.8, zorder=5),
-    "mean": style.marker_style(
-        "o", 5.5, style.BLUE, markerfacecolor="white", markeredgewidth=1.2, zorder=3
-    ),
-    "null": style.marker_style("|", 13.0, style.GRAY, markeredgewidth=2.0, zorder=1),
-}
-RANGE: dict[str, Any] = {
-    "color": "#C9DDEA",
-    "linewidth": 5.0,
-    "solid_capstyle": "round",
-    "zorder": 0,
-}
-
-
-def following_speeds(rows: Sequence[FollowingCase], null: Sequence[float], ax: Axes) -> Axes:
-    """Draw the speeds of trials, one trial below the other, with a mark per simulation and a line over their range.
-
-    Args:
-        rows: Cases from top to bottom; those of a group are consecutive.
-        null: Speeds predicted without physics, by row [m/s].
-        ax: Axes to draw on.
-    """
-    steps = [1.0 if row.group == before.group else 1.0 + GAP for before, row in pairwise(rows)]
-    places = np.cumsum([0.0, *steps]).tolist()
-    for row, y, predicted in zip(rows, places, null, strict=True):
-        speeds = [run.forward_velocity for run in row.band]
-        ax.plot([min(speeds), max(speeds)], [y, y], **RANGE)
-        for (color, marker), runs in zip(LAWS, group_by_law(row).values(), strict=False):
-            found = [run.forward_velocity for run in runs]
-            ax.plot(found, [y] * len(found), **style.marker_style(marker, 4.0, color), zorder=3)
-        values = {"null": predicted, "mean": row.cycle_mean.forward_velocity}
-        values |= {"chosen": row.run.forward_velocity, "measured": row.measured.forward_velocity}
-        for name, speed in values.items():
-            ax.plot([speed], [y], clip_on=False, **SPEED_MARKS[name])
-    for i, (row, y) in enumerate(zip(rows, places, strict=True)):
-        if i == 0 or row.group != rows[i - 1].group:
-            ax.text(
-                0.001,
-                y - 0.75,
-                row.group.name,
-                fontsize=style.TICK,
-                color=style.INK,
-                weight="bold",
-                va="center",
-            )
-    ax.set_yticks(places, [f"case {row.measured.case}" for row in rows])
-    ax.set_ylim(places[-1] + 0.6, places[0] - 1.1)
-    ax.set_xlim(left=0.0)
-    ax.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
-    style.light_grid(ax, "x")
-    style.style_axes(ax, xlabel="forward velocity [m/s]", ylabel="")
-    ax.tick_params(axis="y", length=0)
-    return ax
-
-
-def following_speeds_sheet(
-    rows: Sequence[FollowingCase], title: str, *, chosen: str, null: tuple[str, Sequence[float]]
-) -> Figure:
-    """Draw the speeds of trials with a title and a legend.
-
-    Args:
-        rows: Cases from top to bottom; those of a group are consecutive.
-        title: Title above the axes.
-        chosen: Legend label of the chosen runs.
-        null: Legend label of the prediction without physics, and its speeds by row [m/s].
-    """
-    n_groups = len({row.group.name for row in rows})
-    figure = style.new_figure(
-        style.DOUBLE_COLUMN, AROUND + ROW_HEIGHT * (len(rows) + GAP * n_groups)
+def _mean_handle() -> ErrorbarContainer:
+    """Return the legend handle of mean and standard deviation."""
+    mean = Line2D([], [], **MEAN)
+    stem = LineCollection([], colors=REPEATS, linewidths=1.0)
+    return ErrorbarContainer(
+        (mean, (), (stem,)), has_yerr=True, label="their mean and standard deviation"
     )
-    following_speeds(rows, null[1], figure.subplots())
-    words = {
-        "measured": "measured in the tank",
-        "chosen": chosen,
-        "mean": "the same, cycle-mean heading",
-    }
-    words["null"] = null[0]
-    handles = [Line2D([], [], label=label, **SPEED_MARKS[name]) for name, label in words.items()]
-    for (color, marker), (law, runs) in zip(LAWS, group_by_law(rows[0]).items(), strict=False):
-        label = f"{law} joints, {' and '.join(f'{run.offset_bandwidth:g}' for run in runs)} rad/s, raw heading"
-        handles.append(Line2D([], [], label=label, **style.marker_style(marker, 4.0, color)))
-    band: dict[str, Any] = {**RANGE, "solid_capstyle": "butt"}
-    handles.append(Line2D([], [], label="range of these", **band))
-    style.outside_legend(
-        figure, handles, "outside lower center", ncols=2, handlelength=1.4, handletextpad=0.7
-    )
-    style.add_title(figure, title)
-    return figure

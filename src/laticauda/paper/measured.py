@@ -1,21 +1,32 @@
-"""What the paper measured on the physical robot, as printed: Tables 1 and 2, row by row."""
+"""What the paper measured on the physical robot, as printed: Tables 1 and 2, row by row.
+
+The tables are the CSV files in `data`. A printed change due to the fin stands in the row with the
+fin; `PrintedChange` recomputes it from the two rows, which is how misprints are found.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from laticauda.motion import gaits
 from laticauda.robot import Actuator, Environment, Ground, Robot, load_robot
 from laticauda.trials import MeasuredTrial, MeasuredTrials, measured, null_models
 from laticauda.values import files
 
-PRINTED_TO = 0.02  # tolerance, as the printed changes come from unrounded speeds [%]
-DURATION = 30.0  # of the trials of Table 1 [s]
-_TOLERANCE = 1e-6  # of amplitude [rad], frequency [rad/s] and phase shift [rad]: the paper's are whole degrees
-_MAMBA = ("mamba", "mamba-fin", "mamba-modules", "mamba-modules-fin")
+PRINTED_TO = 0.02
+"""Tolerance of printed changes, as they come from unrounded speeds [%]."""
+DURATION = 30.0
+"""Duration of the trials of Table 1 [s]."""
+_TOLERANCE = 1e-6
+"""Tolerance of amplitude [rad], frequency [rad/s] and phase shift [rad]: the paper's are whole degrees."""
+_COMPARED_PARAMETERS = ("amplitude", "frequency", "phase_shift", "offset")
+_MAMBA_PRESETS = ("mamba", "mamba-fin", "mamba-modules", "mamba-modules-fin")
+
+
+# ---- rows ----------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,6 +66,18 @@ class MeasuredPathFollowing(_Row):
 MeasuredRow = MeasuredCase | MeasuredPathFollowing
 
 
+# ---- changes due to the fin ----------------------------------------------------------------------
+
+
+class PrintedAndRecomputed(NamedTuple):
+    """A change due to the fin as the paper prints it, and as it follows from the table."""
+
+    printed: float
+    """Change as printed [%]."""
+    recomputed: float
+    """Change from the two rows [%]."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class PrintedChange:
     """Changes due to the fin between two rows of a table: as printed, and from the table's own numbers."""
@@ -75,65 +98,76 @@ class PrintedChange:
         return _known_change(self.without.mean_power, self.with_fin.mean_power)
 
     @property
-    def misprints(self) -> Mapping[str, tuple[float, float]]:
+    def misprints(self) -> Mapping[str, PrintedAndRecomputed]:
         """Printed changes of velocity or power that do not follow from the table, with the recomputed changes [%]."""
         row = self.with_fin
-        pairs = {
-            "velocity": (row.printed_velocity, self.velocity),
-            "power": (row.printed_power, self.power),
-        }
-        return {
-            name: (printed, found)
-            for name, (printed, found) in pairs.items()
-            if printed is not None and found is not None and abs(printed - found) > PRINTED_TO
-        }
+        misprints: dict[str, PrintedAndRecomputed] = {}
+        for quantity, printed, recomputed in (
+            ("velocity", row.printed_velocity, self.velocity),
+            ("power", row.printed_power, self.power),
+        ):
+            if printed is None or recomputed is None:
+                continue
+            if abs(printed - recomputed) > PRINTED_TO:
+                misprints[quantity] = PrintedAndRecomputed(printed, recomputed)
+        return misprints
 
 
-class Table1(MeasuredTrials):
-    """Table 1 of the paper: Mamba, bare or with its fin, from standstill in still water."""
+def printed_changes(rows: Sequence[MeasuredRow]) -> tuple[PrintedChange, ...]:
+    """Return the changes due to the fin, for every row with the fin that has a counterpart without it.
 
-    def trials(self) -> tuple[MeasuredTrial, ...]:
-        """Return all rows of the table, in its order."""
-        return read_table1()
+    Args:
+        rows: Rows of one table.
+    """
+    rows_without_fin = {(row.gait.kind, row.case): row for row in rows if not row.has_fin}
+    changes: list[PrintedChange] = []
+    for row in rows:
+        counterpart = rows_without_fin.get((row.gait.kind, row.case))
+        if row.has_fin and counterpart is not None:
+            changes.append(PrintedChange(without=counterpart, with_fin=row))
+    return tuple(changes)
 
-    def counterpart(
-        self, robot: Robot, gait: gaits.Gait, environment: Environment
-    ) -> MeasuredTrial | None:
-        """Return the row of a setting, or None if there is none.
 
-        Args:
-            robot: Robot that swims; it is Mamba, whatever its name, if its body and fin are those
-                of one of Mamba's
-                presets. Numbers that models and fits assign to the same machine are not compared:
-                    actuators, power, the
-                fin's coefficients.
-            gait: Gait without steering.
-            environment: Environment of the trial.
-        """
-        if isinstance(environment, Ground) or environment.current != (0.0, 0.0):
-            return None
-        machine = _machine(robot)
-        is_mamba = any(machine == _machine(load_robot(name)) for name in _MAMBA)
-        return measured_trial(gait, robot.caudal_fin is not None) if is_mamba else None
+def percent_change(before: float, after: float) -> float:
+    """Return the relative increase of a value [%].
+
+    Args:
+        before: Initial value, not zero.
+        after: Final value, in the same unit.
+    """
+    return 100.0 * (after / before - 1.0)
+
+
+def _known_change(before: float | None, after: float | None) -> float | None:
+    if before is None or after is None:
+        return None
+    return percent_change(before, after)
+
+
+# ---- reading the tables --------------------------------------------------------------------------
 
 
 @cache
 def read_table1() -> tuple[MeasuredCase, ...]:
     """Return Table 1 of the paper, in its order, including settings that were not measured."""
-    return tuple(
-        MeasuredCase(
-            **_row(cells),
-            robot="mamba" if cells["config"] == "nofin" else "mamba-fin",
-            forward_velocity=_number(cells["v_m_s"]),
-            mean_power=_number(cells["P_avg_W"]),
-            starred=cells["fastest_over"] or None,
-            is_maximum=bool(cells["fastest_over"]),
-            duration=DURATION,
-            source="the paper",
-            about=f"Mamba {'without' if cells['config'] == 'nofin' else 'with'} its fin in the tank, {DURATION:g} s "
-            "from rest, the best of a sweep (Table 1 of the paper)",
-        )
-        for cells in _cells("table1.csv")
+    return tuple(_read_efficiency_row(cells) for cells in _read_cells("table1.csv"))
+
+
+def _read_efficiency_row(cells: Mapping[str, str]) -> MeasuredCase:
+    has_fin = cells["config"] != "nofin"
+    robot = "mamba-fin" if has_fin else "mamba"
+    configuration = "with" if has_fin else "without"
+    return MeasuredCase(
+        **_common_fields(cells),
+        robot=robot,
+        forward_velocity=_read_number(cells["v_m_s"]),
+        mean_power=_read_number(cells["P_avg_W"]),
+        starred=cells["fastest_over"] or None,
+        is_maximum=bool(cells["fastest_over"]),
+        duration=DURATION,
+        source="the paper",
+        about=f"Mamba {configuration} its fin in the tank, {DURATION:g} s "
+        "from rest, the best of a sweep (Table 1 of the paper)",
     )
 
 
@@ -150,39 +184,75 @@ def efficiency_trials() -> tuple[MeasuredCase, ...]:
 @cache
 def path_following_trials() -> tuple[MeasuredPathFollowing, ...]:
     """Return Table 2 of the paper, in its order."""
-    return tuple(
-        MeasuredPathFollowing(
-            **_row(cells),
-            initial_cross_track_error=float(cells["py0_m"]),
-            initial_heading=math.radians(float(cells["theta0_deg"])),
-            forward_velocity=float(cells["v_m_s"]),
-            mean_power=float(cells["P_avg_W"]),
-        )
-        for cells in _cells("table2.csv")
+    return tuple(_read_path_following_row(cells) for cells in _read_cells("table2.csv"))
+
+
+def _read_path_following_row(cells: Mapping[str, str]) -> MeasuredPathFollowing:
+    return MeasuredPathFollowing(
+        **_common_fields(cells),
+        initial_cross_track_error=float(cells["py0_m"]),
+        initial_heading=math.radians(float(cells["theta0_deg"])),
+        forward_velocity=float(cells["v_m_s"]),
+        mean_power=float(cells["P_avg_W"]),
     )
 
 
-def printed_changes(rows: Sequence[MeasuredRow]) -> tuple[PrintedChange, ...]:
-    """Return the changes due to the fin, for every row with the fin that has a counterpart without it.
+def _read_cells(table: str) -> list[dict[str, str]]:
+    """Return the cells of every row of a table, by column."""
+    _, numbered_rows = files.read_rows(Path(__file__).parent / "data" / table)
+    return [cells for _, cells in numbered_rows]
 
-    Args:
-        rows: Rows of one table.
-    """
-    bare = {(row.gait.kind, row.case): row for row in rows if not row.has_fin}
-    pairs = [(bare.get((row.gait.kind, row.case)), row) for row in rows if row.has_fin]
-    return tuple(
-        PrintedChange(without=before, with_fin=row) for before, row in pairs if before is not None
+
+def _common_fields(cells: Mapping[str, str]) -> dict[str, Any]:
+    """Return the fields of `_Row` from the cells of a row of either table."""
+    gait = measured.gait_in_table(
+        cells["gait"],
+        float(cells["alpha_deg"]),
+        float(cells["omega_deg_s"]),
+        float(cells["delta_deg"]),
     )
+    return {
+        "gait": gait,
+        "has_fin": cells["config"] == "fin",
+        "case": int(cells["case"]),
+        "printed_velocity": _read_number(cells["printed_v_percent"]),
+        "printed_power": _read_number(cells["printed_P_percent"]),
+    }
 
 
-def percent_change(before: float, after: float) -> float:
-    """Return the relative increase of a value [%].
+def _read_number(text: str) -> float | None:
+    if not text:
+        return None
+    return float(text)
 
-    Args:
-        before: Initial value, not zero.
-        after: Final value, in the same unit.
-    """
-    return 100.0 * (after / before - 1.0)
+
+# ---- finding the row of a setting ----------------------------------------------------------------
+
+
+class Table1(MeasuredTrials):
+    """Table 1 of the paper: Mamba, bare or with its fin, from standstill in still water."""
+
+    def trials(self) -> tuple[MeasuredTrial, ...]:
+        """Return all rows of the table, in its order."""
+        return read_table1()
+
+    def counterpart(
+        self, robot: Robot, gait: gaits.Gait, environment: Environment
+    ) -> MeasuredTrial | None:
+        """Return the row of a setting, or None if there is none.
+
+        Args:
+            robot: Robot that swims; it is Mamba, whatever its name, if its body and fin are those
+                of one of Mamba's presets. Numbers that models and fits assign to the same machine
+                are not compared: actuators, power, the fin's coefficients.
+            gait: Gait without steering.
+            environment: Environment of the trial.
+        """
+        if isinstance(environment, Ground) or environment.current != (0.0, 0.0):
+            return None
+        if not _is_mamba(robot):
+            return None
+        return measured_trial(gait, robot.caudal_fin is not None)
 
 
 def measured_trial(gait: gaits.Gait, has_fin: bool) -> MeasuredCase | None:
@@ -193,48 +263,36 @@ def measured_trial(gait: gaits.Gait, has_fin: bool) -> MeasuredCase | None:
             it must not steer.
         has_fin: Whether the robot has the caudal fin.
     """
-    same = (
-        trial
-        for trial in efficiency_trials()
-        if trial.has_fin == has_fin and _alike(trial.gait, gait)
-    )
-    return next(same, None)
+    for trial in efficiency_trials():
+        if trial.has_fin == has_fin and _is_same_gait(trial.gait, gait):
+            return trial
+    return None
 
 
-def _known_change(before: float | None, after: float | None) -> float | None:
-    return None if before is None or after is None else percent_change(before, after)
+def _is_same_gait(printed: gaits.Gait, gait: gaits.Gait) -> bool:
+    for name in _COMPARED_PARAMETERS:
+        if not abs(getattr(printed, name) - getattr(gait, name)) <= _TOLERANCE:
+            return False
+    return printed.kind == gait.kind and printed.pitch == gait.pitch and printed.fin == gait.fin
 
 
-def _machine(robot: Robot) -> Robot:
+def _is_mamba(robot: Robot) -> bool:
+    machine = _as_built(robot)
+    return any(machine == _as_built(load_robot(preset)) for preset in _MAMBA_PRESETS)
+
+
+def _as_built(robot: Robot) -> Robot:
     """Return the robot as a workshop would build it: without name, description and numbers that models assign to it."""
     fin = robot.caudal_fin
     if fin is not None:
         fin = replace(fin, tangential_friction=None, normal_drag=None, added_mass=None, n_strips=1)
     joints = tuple(replace(joint, actuator=Actuator()) for joint in robot.joints)
-    named = replace(robot, name="machine", description="", joints=joints, caudal_fin=fin)
-    return replace(named, electronics_power=0.0, active_power=None)
-
-
-def _cells(table: str) -> list[dict[str, str]]:
-    return [cells for _, cells in files.read_rows(Path(__file__).parent / "data" / table)[1]]
-
-
-def _row(cells: Mapping[str, str]) -> dict[str, Any]:
-    angles = (float(cells[name]) for name in ("alpha_deg", "omega_deg_s", "delta_deg"))
-    return {
-        "gait": measured.gait_in_table(cells["gait"], *angles),
-        "has_fin": cells["config"] == "fin",
-        "case": int(cells["case"]),
-        "printed_velocity": _number(cells["printed_v_percent"]),
-        "printed_power": _number(cells["printed_P_percent"]),
-    }
-
-
-def _number(text: str) -> float | None:
-    return float(text) if text else None
-
-
-def _alike(one: gaits.Gait, other: gaits.Gait) -> bool:
-    names = ("amplitude", "frequency", "phase_shift", "offset")
-    close = all(abs(getattr(one, name) - getattr(other, name)) <= _TOLERANCE for name in names)
-    return one.kind == other.kind and one.pitch == other.pitch and one.fin == other.fin and close
+    return replace(
+        robot,
+        name="machine",
+        description="",
+        joints=joints,
+        caudal_fin=fin,
+        electronics_power=0.0,
+        active_power=None,
+    )

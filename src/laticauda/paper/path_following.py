@@ -1,10 +1,12 @@
 """The path-following study: the 12 trials of Table 2 in all combinations of the band, and one of another publication.
 
-It repeats the trials behind the paper's Figs. 12 to 23 and Table 2. Its findings about the table
-are computed in `scores`.
+It repeats the trials behind the paper's Figs. 12 to 23 and Table 2. The paper does not say how its
+joints follow the gait, nor how fast an offset takes effect; so every case is run with each
+combination of joint law and bandwidth, the band. One of them is the chosen one. The findings about
+the table are computed in `scores`.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,13 +14,18 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.paper.measured import MeasuredPathFollowing, percent_change
-from laticauda.paper.runs import Runs, Study
+from laticauda.paper.runs import Coefficients, Runs, Study
 from laticauda.paper.settings import Group, HeldOut, PathFollowingSettings, path_following_settings
 from laticauda.scenarios import Model, loop_in_words
 from laticauda.trials import Trial, following
 from laticauda.trials.cycles import TRANSIENT
 from laticauda.values.extensions import name_of
 from laticauda.values.quantities import option, quantity, value_class
+
+HEADING_WORDS = {"raw": "raw", "cycle_mean": "cycle-mean"}
+"""Names of the heading estimates in texts."""
+_KEPT_SETTINGS = ("joints", "offset_bandwidth", "loop_delay", "dt", "ramp")
+"""Settings of a trial that are fields of `FollowingRun`, too."""
 
 
 @value_class
@@ -53,7 +60,7 @@ class FollowingRun:
     @property
     def name(self) -> str:
         """Joint law, bandwidth, delay and heading in words."""
-        heading = {"raw": "raw", "cycle_mean": "cycle-mean"}[self.heading_estimate]
+        heading = HEADING_WORDS[self.heading_estimate]
         loop = loop_in_words(vars(self)).removeprefix("bandwidth ")
         return f"{self.joints} joints, {loop}, {heading} heading"
 
@@ -96,11 +103,9 @@ class FollowingCase:
         Args:
             run: Run of this case.
         """
-        return (
-            None
-            if run.steady_velocity is None
-            else percent_change(self.free_velocity, run.steady_velocity)
-        )
+        if run.steady_velocity is None:
+            return None
+        return percent_change(self.free_velocity, run.steady_velocity)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -123,7 +128,7 @@ class HeldOutRun:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PathFollowingStudy(Study[PathFollowingSettings]):
-    """Settings and results of the path-following study; `how` describes the chosen runs."""
+    """Settings and results of the path-following study; `trial_settings` describes the chosen runs."""
 
     cases: tuple[FollowingCase, ...]
     """All rows of Table 2, in its order."""
@@ -132,19 +137,19 @@ class PathFollowingStudy(Study[PathFollowingSettings]):
     own: "tuple[PathFollowingStudy, ...]" = ()
     """The same study with each of the models that have their own joints, each in a single combination."""
 
-    usual = staticmethod(path_following_settings)
+    default_settings = staticmethod(path_following_settings)
 
     @property
     def ways(self) -> "tuple[PathFollowingStudy, ...]":
         """For each combination of the band, the study as if that were chosen; trials remain those of the chosen one."""
-        ways = range(len(self.cases[0].band))
-        return tuple(
-            replace(self, cases=tuple(replace(one, run=one.band[i]) for one in self.cases))
-            for i in ways
-        )
+        studies: list[PathFollowingStudy] = []
+        for index in range(len(self.cases[0].band)):
+            cases = tuple(replace(case, run=case.band[index]) for case in self.cases)
+            studies.append(replace(self, cases=cases))
+        return tuple(studies)
 
     @classmethod
-    def by_runs(cls, settings: PathFollowingSettings, runs: Runs) -> "PathFollowingStudy":
+    def from_runs(cls, settings: PathFollowingSettings, runs: Runs) -> "PathFollowingStudy":
         """Run the trials of `settings` by `runs`, and return the study.
 
         Args:
@@ -152,30 +157,46 @@ class PathFollowingStudy(Study[PathFollowingSettings]):
             runs: Runner, with the model and the progress callback.
         """
         chosen = runs.model
-        law = name_of(type(chosen.joints))
-        ways = [
-            replace(chosen, offset_bandwidth=bandwidth)
-            if joints == law
-            else replace(chosen, joints=lc.JointLaw.of(joints), offset_bandwidth=bandwidth, dt=None)
-            for joints, bandwidth in settings.band(law, chosen.offset_bandwidth)
-        ]
-        runs.n_runs = settings.n_runs(law, chosen.offset_bandwidth)
-        study, own = cls._of(settings, ways, runs), list[PathFollowingStudy]()
-        for one in settings.own:
-            runs = replace(runs, model=one.driven(chosen))
-            own.append(cls._of(replace(settings, coefficients=one, own=()), [runs.model], runs))
-        return replace(study, own=tuple(own))
+        joints = name_of(type(chosen.joints))
+        runs.n_runs = settings.n_runs(joints, chosen.offset_bandwidth)
+        study = _run_study(settings, _models_of_band(settings, chosen), runs)
+        own_studies: list[PathFollowingStudy] = []
+        for coefficients in settings.own:
+            runs = replace(runs, model=coefficients.driven(chosen))
+            own_settings = replace(settings, coefficients=coefficients, own=())
+            own_studies.append(_run_study(own_settings, [runs.model], runs))
+        return replace(study, own=tuple(own_studies))
 
-    @classmethod
-    def _of(
-        cls, settings: PathFollowingSettings, ways: list[Model], runs: Runs
-    ) -> "PathFollowingStudy":
-        pool = _Pool(settings=settings, ways=ways, runs=runs)
-        cases = [case for group in settings.groups for case in pool.cases(group)]
-        how = cases[0].trial.settings
-        return PathFollowingStudy(
-            settings=settings, how=how, cases=tuple(cases), held_out=pool.held_out()
-        )
+
+run_path_following = PathFollowingStudy.run
+
+
+def _models_of_band(settings: PathFollowingSettings, chosen: Model) -> list[Model]:
+    """Return the models of the band, among them the chosen one."""
+    chosen_joints = name_of(type(chosen.joints))
+    models: list[Model] = []
+    for joints, bandwidth in settings.band(chosen_joints, chosen.offset_bandwidth):
+        model = replace(chosen, offset_bandwidth=bandwidth)
+        if joints != chosen_joints:
+            model = replace(model, joints=lc.JointLaw.of(joints), dt=None)
+        models.append(model)
+    return models
+
+
+def _run_study(
+    settings: PathFollowingSettings, models: list[Model], runs: Runs
+) -> PathFollowingStudy:
+    """Run all cases with every model, of which `runs.model` is the chosen one, and the held-out trial."""
+    pool = _Pool(settings=settings, models=models, runs=runs)
+    cases: list[FollowingCase] = []
+    for group in settings.groups:
+        cases += pool.run_group(group)
+    return PathFollowingStudy(
+        settings=settings,
+        trial_settings=cases[0].trial.settings,
+        cases=tuple(cases),
+        held_out=pool.run_held_out(),
+    )
 
 
 def group_by_law(case: FollowingCase) -> dict[str, list[FollowingRun]]:
@@ -184,13 +205,13 @@ def group_by_law(case: FollowingCase) -> dict[str, list[FollowingRun]]:
     Args:
         case: Case of the study.
     """
-    found: dict[str, list[FollowingRun]] = {}
+    runs_by_law: dict[str, list[FollowingRun]] = {}
     for run in case.band:
-        found.setdefault(run.joints, []).append(run)
-    return found
+        runs_by_law.setdefault(run.joints, []).append(run)
+    return runs_by_law
 
 
-run_path_following = PathFollowingStudy.run
+# ---- figures of a run ----------------------------------------------------------------------------
 
 
 def figures_of(trial: Trial, distance: float) -> FollowingRun:
@@ -200,33 +221,59 @@ def figures_of(trial: Trial, distance: float) -> FollowingRun:
         trial: A run of `laticauda.control.PathFollowing` with a gait that moves.
         distance: Progress in x after which the run was to end [m].
     """
-    time, period = trial.time, trial.period
+    period = trial.period
     assert period is not None  # no case stands still
-    late = time - time[0] >= 2.0 / 3.0 * trial.duration
-    rms = largest = None
-    if trial.duration >= 1.5 * period:
-        last = following.last_third(time, trial.signals["cross_track_error"], period)
-        rms, largest = float(np.sqrt(np.mean(last**2))), float(np.max(np.abs(last)))
-    names = "joints", "offset_bandwidth", "loop_delay", "dt", "ramp"
-    how: dict[str, Any] = {name: trial.settings[name] for name in names}
     controller: Any = getattr(trial.scenario, "motion", None)  # a measured trial has none
     assert isinstance(controller, lc.PathFollowing)
+    trial_settings: dict[str, Any] = {name: trial.settings[name] for name in _KEPT_SETTINGS}
+
     progress = trial.center_of_mass[-1, 0] - trial.center_of_mass[0, 0]
+    reached = "time"
+    if progress >= distance:
+        reached = "distance"
+
+    steady_velocity = None
+    if trial.duration >= TRANSIENT + period:
+        steady_velocity = trial.steady_velocity
+
+    last_third_rms = None
+    last_third_largest = None
+    if trial.duration >= 1.5 * period:
+        error = following.last_third(trial.time, trial.signals["cross_track_error"], period)
+        last_third_rms = float(np.sqrt(np.mean(error**2)))
+        last_third_largest = float(np.max(np.abs(error)))
+
+    is_late = trial.time - trial.time[0] >= 2.0 / 3.0 * trial.duration
     return FollowingRun(
-        **how,
+        **trial_settings,
         heading_estimate=controller.heading_estimate,
-        reached="distance" if progress >= distance else "time",
+        reached=reached,
         duration=trial.duration,
         forward_velocity=trial.forward_velocity,
         path_speed=trial.path_speed,
-        steady_velocity=trial.steady_velocity if trial.duration >= TRANSIENT + period else None,
+        steady_velocity=steady_velocity,
         mechanical_power=trial.mechanical_power,
         joules_per_meter=trial.mechanical_power / trial.forward_velocity,
         figures=following.summarize_following(trial),
-        last_third_rms=rms,
-        last_third_largest=largest,
-        offset_swing=float(np.sqrt(2.0) * np.std(trial.signals["offset"][late])),
+        last_third_rms=last_third_rms,
+        last_third_largest=last_third_largest,
+        offset_swing=float(np.sqrt(2.0) * np.std(trial.signals["offset"][is_late])),
     )
+
+
+# ---- running -------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Task:
+    """What swims, whatever the model and the heading."""
+
+    name: str
+    """Name for messages."""
+    robot: str
+    """The robot's name."""
+    gait: lc.Gait
+    """Gait without the steering."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -234,79 +281,108 @@ class _Pool:
     """Common settings of all runs."""
 
     settings: PathFollowingSettings
-    ways: list[Model]
+    """Settings of the study."""
+    models: list[Model]
+    """Models of the band."""
     runs: Runs
+    """Runner; its model is the chosen one."""
 
-    def cases(self, group: Group) -> Iterator[FollowingCase]:
-        """Run and yield all cases of a group."""
-        free = self._swim(
-            f"{group.name}, unsteered", group.robot, group.followed[0].gait, self.runs.model
+    def run_group(self, group: Group) -> list[FollowingCase]:
+        """Run all cases of a group."""
+        free = _Task(
+            name=f"{group.name}, unsteered", robot=group.robot, gait=group.followed[0].gait
         )
-        for row, figure in zip(group.followed, group.figures, strict=True):
-            start = lc.Start(
-                center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading
-            )
-            task = (f"{group.name}, case {row.case}", group.robot, row.gait)
-            trials = [self._swim(*task, way, start, "raw") for way in self.ways]
-            band, place = [*map(self._figures, trials)], self.ways.index(self.runs.model)
-            yield FollowingCase(
-                measured=row,
-                group=group,
-                figure=figure,
-                trial=trials[place],
-                run=band[place],
-                band=tuple(band),
-                cycle_mean=self._figures(self._swim(*task, self.runs.model, start, "cycle_mean")),
-                free_velocity=free.steady_velocity,
-            )
+        free_velocity = self._swim_unsteered(free).steady_velocity
+        return [
+            self._run_case(group, row, figure, free_velocity)
+            for row, figure in zip(group.followed, group.figures, strict=True)
+        ]
 
-    def held_out(self) -> HeldOutRun:
-        """Run the trial of another publication."""
-        held = self.settings.held_out
+    def _run_case(
+        self, group: Group, row: MeasuredPathFollowing, figure: int, free_velocity: float
+    ) -> FollowingCase:
+        """Run one row of Table 2 with every model of the band, and with the cycle-mean heading."""
+        task = _Task(name=f"{group.name}, case {row.case}", robot=group.robot, gait=row.gait)
         start = lc.Start(
-            center_of_mass=(0.0, held.initial_cross_track_error), heading=held.initial_heading
+            center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading
         )
-        trial = self._swim(
-            "The held-out trial", held.robot, held.gait, self.runs.model, start, "raw"
+        trials = [self._swim_along_path(task, model, start, "raw") for model in self.models]
+        band = [self._figures(trial) for trial in trials]
+        cycle_mean = self._swim_along_path(task, self.runs.model, start, "cycle_mean")
+        chosen = self.models.index(self.runs.model)
+        return FollowingCase(
+            measured=row,
+            group=group,
+            figure=figure,
+            trial=trials[chosen],
+            run=band[chosen],
+            band=tuple(band),
+            cycle_mean=self._figures(cycle_mean),
+            free_velocity=free_velocity,
         )
-        time, period, velocity = trial.time, trial.period, trial.center_of_mass_velocity
+
+    def run_held_out(self) -> HeldOutRun:
+        """Run the trial of another publication."""
+        held_out = self.settings.held_out
+        task = _Task(name="The held-out trial", robot=held_out.robot, gait=held_out.gait)
+        start = lc.Start(
+            center_of_mass=(0.0, held_out.initial_cross_track_error),
+            heading=held_out.initial_heading,
+        )
+        trial = self._swim_along_path(task, self.runs.model, start, "raw")
+        period = trial.period
         assert period is not None
-        ahead = velocity[:, 0] * np.cos(trial.heading) + velocity[:, 1] * np.sin(trial.heading)
-        middle, mean = following.mean_error(time, ahead, period)
+        elapsed = trial.time - trial.time[0]
+        velocity = trial.center_of_mass_velocity
+        along_heading = velocity[:, 0] * np.cos(trial.heading) + velocity[:, 1] * np.sin(
+            trial.heading
+        )
+        middles, mean_along_heading = following.mean_error(trial.time, along_heading, period)
+        is_after_first_cycle = middles - trial.time[0] >= 1.5 * period
         return HeldOutRun(
-            settings=held,
+            settings=held_out,
             trial=trial,
             run=self._figures(trial),
-            velocity=_range(ahead[time - time[0] >= period]),
-            mean_velocity=_range(mean[middle - time[0] >= 1.5 * period]),
-            offset=_range(trial.signals["offset"]),
+            velocity=_range_of(along_heading[elapsed >= period]),
+            mean_velocity=_range_of(mean_along_heading[is_after_first_cycle]),
+            offset=_range_of(trial.signals["offset"]),
         )
 
     def _figures(self, trial: Trial) -> FollowingRun:
         return figures_of(trial, self.settings.distance)
 
-    def _swim(
-        self,
-        what: str,
-        robot: str,
-        gait: lc.Gait,
-        way: Model,
-        start: lc.Start | None = None,
-        heading: str = "",
+    def _swim_unsteered(self, task: _Task) -> Trial:
+        """Return the trial of a gait that nothing steers, with the chosen model."""
+        model = self.runs.model
+        return self.runs.swim(_name_run(task, model), self._unsteered_scenario(task, model))
+
+    def _swim_along_path(
+        self, task: _Task, model: Model, start: lc.Start, heading_estimate: str
     ) -> Trial:
-        """Return the trial of a run along the path from a start; without a start, of an unsteered run."""
-        settings, name = self.settings, f"{what}, joints {name_of(type(way.joints))}, bandwidth"
-        swimmer = settings.coefficients.scenario(robot, gait, model=way, duration=settings.duration)
-        name = f"{name} {way.offset_bandwidth:g} rad/s"
-        if start is None:
-            return self.runs.swim(name, swimmer)
-        steered, end = (
-            settings.controller(gait, heading),
-            start.center_of_mass[0] + settings.distance,
+        """Return the trial of a run along the path, which ends early after the distance of the settings."""
+        scenario = replace(
+            self._unsteered_scenario(task, model),
+            motion=self.settings.controller(task.gait, heading_estimate),
+            start=start,
         )
-        steered = replace(swimmer, motion=steered, start=start)
-        return self.runs.swim(name, steered, until=lambda seen: bool(seen.center_of_mass[0] >= end))
+        end = start.center_of_mass[0] + self.settings.distance
+        return self.runs.swim(
+            _name_run(task, model),
+            scenario,
+            until=lambda observation: bool(observation.center_of_mass[0] >= end),
+        )
+
+    def _unsteered_scenario(self, task: _Task, model: Model) -> lc.Scenario:
+        coefficients: Coefficients = self.settings.coefficients
+        return coefficients.scenario(
+            task.robot, task.gait, model=model, duration=self.settings.duration
+        )
 
 
-def _range(values: np.ndarray) -> tuple[float, float]:
+def _name_run(task: _Task, model: Model) -> str:
+    joints = name_of(type(model.joints))
+    return f"{task.name}, joints {joints}, bandwidth {model.offset_bandwidth:g} rad/s"
+
+
+def _range_of(values: np.ndarray) -> tuple[float, float]:
     return float(np.min(values)), float(np.max(values))

@@ -1,9 +1,13 @@
-"""Common parts of the paper's studies: which robot swims with which coefficients, and how it is run."""
+"""Common parts of the paper's studies: which robot swims in which water, and how a study is run.
+
+`Coefficients` turn a robot and a gait into a scenario, `Runs` swims scenarios one after another,
+and `Study` is the base of all studies: its `run` is what users call.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import Any, ClassVar, Generic, Self, TypeVar, Unpack, get_args
+from typing import Any, ClassVar, Generic, NamedTuple, Self, TypeVar, Unpack, get_args
 
 import numpy as np
 
@@ -20,7 +24,7 @@ from laticauda.values.checks import check_instance
 from laticauda.values.errors import SimulationFailed
 
 Settings = TypeVar("Settings")
-_robot = cache(lc.load_robot)
+_load_robot_once = cache(lc.load_robot)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,9 +69,12 @@ class Coefficients:
         """
         if self.loop_delay is None or self.parameters is None or self.parameters.joints is None:
             return model
-        joints = lc.JointLaw.of(self.parameters.joints)
         return replace(
-            model, joints=joints, offset_bandwidth=NO_FILTER, loop_delay=self.loop_delay, dt=None
+            model,
+            joints=lc.JointLaw.of(self.parameters.joints),
+            offset_bandwidth=NO_FILTER,
+            loop_delay=self.loop_delay,
+            dt=None,
         )
 
     def water(self, gait: str) -> lc.Water:
@@ -77,7 +84,9 @@ class Coefficients:
             gait: Kind of gait.
         """
         water = self.waters[gait]
-        return water if isinstance(water, lc.Water) else lc.load_water(water)
+        if isinstance(water, lc.Water):
+            return water
+        return lc.load_water(water)
 
     def scenario(self, robot: lc.Robot | str, gait: lc.Gait, **more: Any) -> Scenario:
         """Return the scenario of a robot, as changed by these parameters, in the water for its gait.
@@ -87,9 +96,20 @@ class Coefficients:
             gait: Gait of the robot.
             more: Further fields of the scenario.
         """
-        robot = _robot(robot) if isinstance(robot, str) else robot
-        robot = robot if self.parameters is None else self.parameters.robot(robot, gait.kind)
+        if isinstance(robot, str):
+            robot = _load_robot_once(robot)
+        if self.parameters is not None:
+            robot = self.parameters.robot(robot, gait.kind)
         return Scenario(robot=robot, motion=gait, environment=self.water(gait.kind), **more)
+
+
+class NamedScenario(NamedTuple):
+    """A scenario to run, with the name that messages call it by."""
+
+    name: str
+    """Name of the run, for messages."""
+    scenario: Scenario
+    """Scenario to run."""
 
 
 @dataclass(kw_only=True)
@@ -102,7 +122,7 @@ class Runs:
     """Called after every run with the number of runs done and the total."""
     n_runs: int = 0
     """Total number of runs; a study sets it before the first one [-]."""
-    how: dict[str, Setting] = field(default_factory=dict[str, Setting])
+    trial_settings: dict[str, Setting] = field(default_factory=dict[str, Setting])
     """How the runs were computed: model, joints, dt [s], offset_bandwidth [rad/s], ramp [s] and the like."""
     n_done: int = 0
     """Number of runs done [-]."""
@@ -119,17 +139,16 @@ class Runs:
         Raises:
             SimulationFailed: If the run blows up; the message says which.
         """
-        body = build_plant(scenario)
+        plant = build_plant(scenario)
         try:
-            trial = run_scenario(scenario, body, until=until, throw=True)
+            trial = run_scenario(scenario, plant, until=until, throw=True)
         except SimulationFailed as error:
             raise SimulationFailed(f"{name}: {error}") from error
-        self.how |= settings_of(body.settings)
-        self.n_done += 1
-        self.progress(self.n_done, self.n_runs)
+        self.trial_settings |= settings_of(plant.settings)
+        self._count_run()
         return trial
 
-    def figures(self, tasks: Sequence[tuple[str, Scenario]]) -> dict[str, np.ndarray]:
+    def figures(self, tasks: Sequence[NamedScenario]) -> dict[str, np.ndarray]:
         """Return the figures of many scenarios with a fixed gait, by `lc.swim_many`; up to rounding, those of `swim`.
 
         Args:
@@ -139,23 +158,26 @@ class Runs:
             SimulationFailed: If one blows up; the message says which.
             ValueError: If one is too short for a steady part.
         """
-        begun, scenarios = self.n_done, [scenario for _, scenario in tasks]
+        n_done_before = self.n_done
+        scenarios = [task.scenario for task in tasks]
 
-        def tell(share: float) -> None:
-            while self.n_done < begun + round(share * len(tasks)):
-                self.n_done += 1
-                self.progress(self.n_done, self.n_runs)
+        def count_runs(share_done: float) -> None:
+            while self.n_done < n_done_before + round(share_done * len(tasks)):
+                self._count_run()
 
-        found = lc.swim_many(scenarios, threads=1, progress=tell)
-        for (name, _), succeeded, status in zip(tasks, found.succeeded, found.status, strict=True):
+        swims = lc.swim_many(scenarios, threads=1, progress=count_runs)
+        for task, succeeded, status in zip(tasks, swims.succeeded, swims.status, strict=True):
             if not succeeded:
-                raise SimulationFailed(f"{name}: {status}")
-        for k in np.flatnonzero(
-            np.isnan(found.steady_velocity)
-        ):  # a run that is too short: its trial raises the error
-            _ = lc.swim(scenarios[k]).steady_velocity
-        self.how |= settings_of(build_plant(scenarios[-1]).settings)
-        return vars(found)
+                raise SimulationFailed(f"{task.name}: {status}")
+        for index in np.flatnonzero(np.isnan(swims.steady_velocity)):
+            # The run is too short: its trial raises the error that says so.
+            _ = lc.swim(scenarios[index]).steady_velocity
+        self.trial_settings |= settings_of(build_plant(scenarios[-1]).settings)
+        return vars(swims)
+
+    def _count_run(self) -> None:
+        self.n_done += 1
+        self.progress(self.n_done, self.n_runs)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -164,11 +186,11 @@ class Study(Generic[Settings]):
 
     settings: Settings
     """Settings that were run."""
-    how: Mapping[str, Setting]
+    trial_settings: Mapping[str, Setting]
     """How every run was computed: model, joints, dt [s], offset_bandwidth [rad/s], ramp [s] and the like."""
     version: str = field(default_factory=lambda: packaging.__version__)
     """Version of laticauda that ran it."""
-    usual: ClassVar[Any]
+    default_settings: ClassVar[Any]
     """Factory of the settings that are run if none are given."""
 
     @classmethod
@@ -196,11 +218,20 @@ class Study(Generic[Settings]):
             ValueError: If an argument is out of its range.
             SimulationFailed: If a run blows up; the message says which.
         """
-        chosen: Any = cls.usual() if settings is None else settings
-        check_instance("settings", chosen, *get_args(cls.__dict__["__orig_bases__"][0]))
-        return cls.by_runs(chosen, Runs(model=model_of(model, **changes), progress=progress))
+        chosen: Any = settings
+        if settings is None:
+            chosen = cls.default_settings()
+        check_instance("settings", chosen, cls._settings_class())
+        runs = Runs(model=model_of(model, **changes), progress=progress)
+        return cls.from_runs(chosen, runs)
 
     @classmethod
-    def by_runs(cls, settings: Settings, runs: Runs) -> Any:
+    def _settings_class(cls) -> Any:
+        """Return the class that a subclass names in brackets: `Study[EfficiencySettings]`."""
+        (settings_class,) = get_args(cls.__dict__["__orig_bases__"][0])
+        return settings_class
+
+    @classmethod
+    def from_runs(cls, settings: Settings, runs: Runs) -> Any:
         """Run the trials of `settings` by `runs`, and return the study."""
         raise NotImplementedError

@@ -3,29 +3,22 @@
 The null models are fitted to Table 1 by least squares of the logarithm. There they are scored on
 the same rows to which they are fitted, so their errors are also given for rows that were left out
 of the fit; Table 2 is predicted without a further fit.
-The changes due to the fin, and the energy per meter, are computed here too.
+The energy per meter is computed here too.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from laticauda.paper.efficiency import Case, EfficiencyStudy
-from laticauda.paper.measured import (
-    PrintedChange,
-    efficiency_trials,
-    percent_change,
-    printed_changes,
-)
+from laticauda.paper.measured import efficiency_trials
 from laticauda.paper.path_following import FollowingCase, FollowingRun, PathFollowingStudy
 from laticauda.scenarios import loop_in_words
 from laticauda.trials.null_models import PREDICTORS, Values, compared, mape, predict
-
-AnyCase = TypeVar("AnyCase", Case, FollowingCase)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,46 +47,9 @@ class Score:
     @property
     def title(self) -> str:
         """Name of the predictor in tables."""
-        return f"null model: {self.name}" if self.is_null else self.name
-
-
-@dataclass(frozen=True, kw_only=True)
-class FinGain(Generic[AnyCase]):
-    """Changes due to the fin between two cases of a table.
-
-    In Table 2 the two cases start from different places, so the change includes that effect.
-    """
-
-    without: AnyCase
-    """The case without the fin."""
-    with_fin: AnyCase
-    """The case with the fin."""
-
-    @property
-    def measured(self) -> PrintedChange:
-        """Measured changes: as printed, and from the table's own numbers."""
-        return PrintedChange(without=self.without.measured, with_fin=self.with_fin.measured)
-
-    def simulated(self, figure: Callable[[AnyCase], float]) -> float:
-        """Return the change of a simulated figure [%].
-
-        Args:
-            figure: Function that returns the figure of a case.
-        """
-        return percent_change(figure(self.without), figure(self.with_fin))
-
-
-def fin_gains(cases: Sequence[AnyCase]) -> tuple[FinGain[AnyCase], ...]:
-    """Return the changes due to the fin, for every case with the fin that has a counterpart without it.
-
-    Args:
-        cases: Cases of a study.
-    """
-    by_row = {id(case.measured): case for case in cases}
-    return tuple(
-        FinGain(without=by_row[id(pair.without)], with_fin=by_row[id(pair.with_fin)])
-        for pair in printed_changes([case.measured for case in cases])
-    )
+        if self.is_null:
+            return f"null model: {self.name}"
+        return self.name
 
 
 def score_study(study: EfficiencyStudy | PathFollowingStudy) -> tuple[Score, ...]:
@@ -102,33 +58,96 @@ def score_study(study: EfficiencyStudy | PathFollowingStudy) -> tuple[Score, ...
     Args:
         study: Result of `run_efficiency` or `run_path_following`.
     """
-    return (
-        _table1(study)
-        if isinstance(study, EfficiencyStudy)
-        else score_simulations(study) + null_predictions(study)
+    if isinstance(study, EfficiencyStudy):
+        return _score_models(study) + _score_null_models(study)
+    return score_simulations(study) + null_predictions(study)
+
+
+def find_best_null(scores: Sequence[Score]) -> Score:
+    """Return the null model with the smallest error on rows of Table 1 to which it was not fitted.
+
+    Args:
+        scores: Scores of Table 1.
+    """
+    null_scores = [score for score in scores if score.leave_one_out is not None]
+    return min(null_scores, key=lambda score: score.leave_one_out or 0.0)
+
+
+def _score_speeds(
+    study: EfficiencyStudy | PathFollowingStudy,
+    name: str,
+    n_fitted: int | None,
+    speeds: Values,
+    **null_fields: Any,
+) -> Score:
+    """Compare predicted speeds with the measured ones of a study."""
+    cases: Sequence[Case | FollowingCase] = study.cases
+    if isinstance(study, EfficiencyStudy):
+        cases = study.measured
+    measured = np.array([case.measured.forward_velocity for case in cases], dtype=float)
+    group_of_case = np.array([study.settings.groups.index(case.group) for case in cases])
+    by_group: list[float] = []
+    for group in np.unique(group_of_case):
+        in_group = group_of_case == group
+        by_group.append(mape(measured[in_group], speeds[in_group]))
+    return Score(
+        name=name,
+        n_fitted=n_fitted,
+        measured=tuple(measured.tolist()),
+        speeds=tuple(float(speed) for speed in speeds),
+        overall=mape(measured, speeds),
+        by_group=tuple(by_group),
+        **null_fields,
     )
 
 
-def _table1(study: EfficiencyStudy) -> tuple[Score, ...]:
+# ---- Table 1 -------------------------------------------------------------------------------------
+
+
+def _score_models(study: EfficiencyStudy) -> tuple[Score, ...]:
+    scores: list[Score] = []
+    for index, model in enumerate(study.settings.models):
+        speeds = np.array([case.forward_velocity[index] for case in study.measured])
+        scores.append(_score_speeds(study, model.name, model.n_fitted, speeds))
+    return tuple(scores)
+
+
+def _score_null_models(study: EfficiencyStudy) -> tuple[Score, ...]:
     rows = [case.measured for case in study.measured]
-    found = [
-        _scored(
+    measured = np.array([row.forward_velocity for row in rows], dtype=float)
+    scores: list[Score] = []
+    for null_model in compared(rows, measured):
+        score = _score_speeds(
             study,
-            one.name,
-            one.n_fitted,
-            np.array([case.forward_velocity[i] for case in study.measured]),
+            name=null_model.name,
+            n_fitted=null_model.n_parameters,
+            speeds=null_model.speeds,
+            is_null=True,
+            leave_one_out=_none_if_nan(null_model.left_out),
+            leave_one_group_out=_none_if_nan(null_model.group_left_out),
         )
-        for i, one in enumerate(study.settings.models)
-    ]
-    for null in compared(rows, np.array([row.forward_velocity for row in rows], dtype=float)):
-        one, one_group = (
-            None if math.isnan(error) else error for error in (null.left_out, null.group_left_out)
-        )
-        errors: dict[str, Any] = {"leave_one_out": one, "leave_one_group_out": one_group}
-        found.append(
-            _scored(study, null.name, null.n_parameters, null.speeds, is_null=True, **errors)
-        )
-    return tuple(found)
+        scores.append(score)
+    return tuple(scores)
+
+
+def _none_if_nan(error: float) -> float | None:
+    if math.isnan(error):
+        return None
+    return error
+
+
+# ---- Table 2 -------------------------------------------------------------------------------------
+
+
+class _Simulation(NamedTuple):
+    """One way to simulate all cases of Table 2."""
+
+    name: str
+    """Name in tables."""
+    n_fitted: int | None
+    """Number of values fitted to Table 1; None for coefficients from other sources [-]."""
+    runs: list[FollowingRun]
+    """Runs of all cases."""
 
 
 def score_simulations(study: PathFollowingStudy) -> tuple[Score, ...]:
@@ -137,16 +156,17 @@ def score_simulations(study: PathFollowingStudy) -> tuple[Score, ...]:
     Args:
         study: Result of `run_path_following`.
     """
-    ways: list[tuple[str, int | None, list[FollowingRun]]] = [
-        (runs[0].name, None, runs) for runs in in_all_ways(study)
-    ]
-    for one in study.own:
-        model, runs = one.settings.coefficients, [case.run for case in one.cases]
-        ways.append((f"{model.name}, {loop_in_words(vars(runs[0]))}", model.n_fitted, runs))
-    return tuple(
-        _scored(study, name, n, np.array([run.forward_velocity for run in runs]))
-        for name, n, runs in ways
-    )
+    simulations = [_Simulation(runs[0].name, None, runs) for runs in in_all_ways(study)]
+    for own_study in study.own:
+        model = own_study.settings.coefficients
+        runs = [case.run for case in own_study.cases]
+        name = f"{model.name}, {loop_in_words(vars(runs[0]))}"
+        simulations.append(_Simulation(name, model.n_fitted, runs))
+    scores: list[Score] = []
+    for simulation in simulations:
+        speeds = np.array([run.forward_velocity for run in simulation.runs])
+        scores.append(_score_speeds(study, simulation.name, simulation.n_fitted, speeds))
+    return tuple(scores)
 
 
 def in_all_ways(study: PathFollowingStudy) -> list[list[FollowingRun]]:
@@ -155,13 +175,14 @@ def in_all_ways(study: PathFollowingStudy) -> list[list[FollowingRun]]:
     Args:
         study: Result of `run_path_following`.
     """
-    cases, first = study.cases, study.cases[0]
-    others = [
-        [case.band[i] for case in cases]
-        for i, run in enumerate(first.band)
-        if run.name != first.run.name
-    ]
-    return [[case.run for case in cases], *others, [case.cycle_mean for case in cases]]
+    cases = study.cases
+    first_case = cases[0]
+    ways = [[case.run for case in cases]]
+    for index, run in enumerate(first_case.band):
+        if run.name != first_case.run.name:
+            ways.append([case.band[index] for case in cases])
+    ways.append([case.cycle_mean for case in cases])
+    return ways
 
 
 def null_predictions(study: PathFollowingStudy) -> tuple[Score, ...]:
@@ -170,14 +191,14 @@ def null_predictions(study: PathFollowingStudy) -> tuple[Score, ...]:
     Args:
         study: Result of `run_path_following`.
     """
-    known = [trial for trial in efficiency_trials() if trial.forward_velocity is not None]
-    others = [case.measured for case in study.cases]
-    speeds = np.array([trial.forward_velocity for trial in known], dtype=float)
-    return tuple(
-        _scored(study, name, n_fitted, predicted, is_null=True)
-        for name in PREDICTORS
-        for predicted, n_fitted in [predict(name, known, speeds, others)]
-    )
+    fitted_rows = [row for row in efficiency_trials() if row.forward_velocity is not None]
+    fitted_speeds = np.array([row.forward_velocity for row in fitted_rows], dtype=float)
+    predicted_rows = [case.measured for case in study.cases]
+    scores: list[Score] = []
+    for name in PREDICTORS:
+        speeds, n_fitted = predict(name, fitted_rows, fitted_speeds, predicted_rows)
+        scores.append(_score_speeds(study, name, n_fitted, speeds, is_null=True))
+    return tuple(scores)
 
 
 def meter_costs(study: PathFollowingStudy) -> dict[str, Float[np.ndarray, "2 n_cases"]]:
@@ -186,31 +207,13 @@ def meter_costs(study: PathFollowingStudy) -> dict[str, Float[np.ndarray, "2 n_c
     Args:
         study: Result of `run_path_following`.
     """
-    found: dict[str, list[tuple[float, float]]] = {
-        group.name: [] for group in study.settings.groups
-    }
-    for case in study.cases:
-        measured = case.measured.mean_power / case.measured.forward_velocity
-        found[case.group.name].append((measured, case.run.joules_per_meter))
-    return {name: np.array(costs).T for name, costs in found.items()}
-
-
-def _scored(
-    study: EfficiencyStudy | PathFollowingStudy,
-    name: str,
-    n_fitted: int | None,
-    speeds: Values,
-    **more: Any,
-) -> Score:
-    cases = study.measured if isinstance(study, EfficiencyStudy) else study.cases
-    measured = np.array([case.measured.forward_velocity for case in cases], dtype=float)
-    group = np.array([study.settings.groups.index(case.group) for case in cases])
-    return Score(
-        name=name,
-        n_fitted=n_fitted,
-        measured=tuple(measured.tolist()),
-        speeds=tuple(map(float, speeds)),
-        overall=mape(measured, speeds),
-        by_group=tuple(mape(measured[group == i], speeds[group == i]) for i in np.unique(group)),
-        **more,
-    )
+    costs: dict[str, Float[np.ndarray, "2 n_cases"]] = {}
+    for group in study.settings.groups:
+        measured: list[float] = []
+        simulated: list[float] = []
+        for case in study.cases:
+            if case.group.name == group.name:
+                measured.append(case.measured.mean_power / case.measured.forward_velocity)
+                simulated.append(case.run.joules_per_meter)
+        costs[group.name] = np.array([measured, simulated])
+    return costs

@@ -1,9 +1,15 @@
-"""The settings of the paper's experiments, from `paper.toml`: what is run, and related data printed in the paper."""
+"""The settings of the paper's experiments, from `paper.toml`: what is run, and related data printed in the paper.
+
+A study has groups (one gait with one configuration of the robot), and every group has its cases,
+the rows of Table 1 or 2. `efficiency_settings` and `path_following_settings` return the settings
+that come with laticauda.
+"""
 
 import math
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +33,12 @@ from laticauda.values.quantities import check_one_among, option, quantity, value
 
 PARAMETERS = ("amplitude", "frequency", "phase_shift")
 """Gait parameters that the paper sweeps."""
-LEAST_DURATION = 15.0  # a steady part requires 10 s and one gait cycle, 4 s in Table 2 [s]
+LEAST_DURATION = 15.0
+"""Least duration of a run: a steady part requires 10 s and one gait cycle, 4 s in Table 2 [s]."""
+_ROUNDING = 1e-9
+"""Share of a step by which the last value of a sweep may miss the end of its range, due to rounding [-]."""
+_SAME_VALUE = 1e-6
+"""Largest difference of parameters that are the same [rad, rad/s]."""
 
 
 @value_class
@@ -52,8 +63,8 @@ class SweepSettings:
     @property
     def values(self) -> Float[np.ndarray, " n_values"]:
         """Values of the parameter, in ascending order [rad, rad/s]."""
-        count = math.floor((self.high - self.low) / self.step + 1e-9) + 1
-        return self.low + self.step * np.arange(count)
+        n_values = math.floor((self.high - self.low) / self.step + _ROUNDING) + 1
+        return self.low + self.step * np.arange(n_values)
 
     def gait(self, kind: str, value: float) -> lc.Gait:
         """Return the gait at one point of the sweep.
@@ -71,7 +82,9 @@ class SweepSettings:
         Args:
             gait: Any gait.
         """
-        return all(abs(getattr(gait, name) - value) < 1e-6 for name, value in self.fixed.items())
+        return all(
+            abs(getattr(gait, name) - value) < _SAME_VALUE for name, value in self.fixed.items()
+        )
 
 
 @value_class
@@ -102,9 +115,8 @@ class Group:
     @property
     def followed(self) -> tuple[MeasuredPathFollowing, ...]:
         """Its cases in Table 2, one per figure."""
-        return tuple(row for row in path_following_trials() if row.group == self.name)[
-            : len(self.figures)
-        ]
+        rows = [row for row in path_following_trials() if row.group == self.name]
+        return tuple(rows[: len(self.figures)])
 
 
 @value_class
@@ -126,8 +138,9 @@ class EfficiencySettings:
     @property
     def n_runs(self) -> int:
         """Number of trials in the study."""
-        values = sum(sweep.values.size for sweep in self.sweeps) * len(self.groups)
-        return len(self.models) * (values + sum(len(group.cases) for group in self.groups))
+        n_values = sum(sweep.values.size for sweep in self.sweeps) * len(self.groups)
+        n_cases = sum(len(group.cases) for group in self.groups)
+        return len(self.models) * (n_values + n_cases)
 
 
 @value_class
@@ -172,7 +185,8 @@ class PathFollowingSettings:
         for name in ("joint_laws", "offset_bandwidths", "groups"):
             check_not_empty(name, getattr(self, name), "entry")
         for group in self.groups:
-            if (n_cases := len(group.followed)) != len(group.figures):
+            n_cases = len(group.followed)
+            if n_cases != len(group.figures):
                 rule = f"must be at most as many as Table 2 has cases of {group.name}, {n_cases}"
                 raise BadArgument("figures", f"{rule}, got {len(group.figures)}")
 
@@ -197,9 +211,11 @@ class PathFollowingSettings:
             joints: The chosen joint law.
             offset_bandwidth: The chosen bandwidth [rad/s].
         """
-        ways = [(law, bandwidth) for law in self.joint_laws for bandwidth in self.offset_bandwidths]
+        combinations = list(product(self.joint_laws, self.offset_bandwidths))
         chosen = (joints, float(offset_bandwidth))
-        return tuple(ways if chosen in ways else [chosen, *ways])
+        if chosen not in combinations:
+            combinations.insert(0, chosen)
+        return tuple(combinations)
 
     def n_runs(self, joints: str, offset_bandwidth: float) -> int:
         """Return the number of runs in the study: bands, cycle means, unsteered runs and the held-out run.
@@ -208,18 +224,21 @@ class PathFollowingSettings:
             joints: The chosen joint law.
             offset_bandwidth: The chosen bandwidth [rad/s].
         """
-        per_case = len(self.band(joints, offset_bandwidth)) + 1 + 2 * len(self.own)
-        return self.n_cases * per_case + (len(self.groups) + 1) * (1 + len(self.own))
+        n_in_band = len(self.band(joints, offset_bandwidth))
+        n_own = len(self.own)
+        # The models of our own run every case twice, with the raw and with the cycle-mean heading.
+        n_per_case = n_in_band + 1 + 2 * n_own
+        n_unsteered_and_held_out = len(self.groups) + 1
+        return self.n_cases * n_per_case + n_unsteered_and_held_out * (1 + n_own)
 
 
 @cache
 def efficiency_settings() -> EfficiencySettings:
     """Return the settings that come with laticauda; `dataclasses.replace` makes others."""
-    table = _table("efficiency")
+    table = _read_table("efficiency")
     for sweep in table["sweeps"]:
-        sweep["fixed"] = {
-            name: math.radians(angle) for name, angle in sweep.pop("fixed_deg").items()
-        }
+        angles = sweep.pop("fixed_deg")
+        sweep["fixed"] = {name: math.radians(angle) for name, angle in angles.items()}
     settings = codec.decode(EfficiencySettings, table)
     return replace(settings, models=(*settings.models, *own_models()))
 
@@ -227,20 +246,22 @@ def efficiency_settings() -> EfficiencySettings:
 @cache
 def own_models() -> tuple[Coefficients, ...]:
     """Return the project's own models of Mamba, used in addition to the paper's coefficients."""
-    return tuple(
-        Coefficients.of(lc.load_parameters(own.pop("parameters")), **own) for own in _table("own")
-    )
+    models: list[Coefficients] = []
+    for entry in _read_table("own"):
+        parameters = lc.load_parameters(entry.pop("parameters"))
+        models.append(Coefficients.of(parameters, **entry))
+    return tuple(models)
 
 
 @cache
 def path_following_settings() -> PathFollowingSettings:
     """Return the settings that come with laticauda; `dataclasses.replace` makes others."""
-    table = _table("path_following")
-    held = table["held_out"]
-    held["offset"] = [math.radians(angle) for angle in held.pop("offset_deg")]
-    return codec.decode(
-        PathFollowingSettings, {**table, "coefficients": paper_coefficients(), "own": own_models()}
-    )
+    table = _read_table("path_following")
+    held_out = table["held_out"]
+    held_out["offset"] = [math.radians(angle) for angle in held_out.pop("offset_deg")]
+    table["coefficients"] = paper_coefficients()
+    table["own"] = own_models()
+    return codec.decode(PathFollowingSettings, table)
 
 
 def paper_coefficients() -> Coefficients:
@@ -248,5 +269,6 @@ def paper_coefficients() -> Coefficients:
     return efficiency_settings().models[0]
 
 
-def _table(study: str) -> Any:
+def _read_table(study: str) -> Any:
+    """Return the part of `paper.toml` about a study; the caller may change it."""
     return files.read_toml(Path(__file__).with_name("paper.toml"))[study]

@@ -17,32 +17,39 @@ import laticauda as lc
 from laticauda.paper.measured import percent_change
 from laticauda.paper.runs import Coefficients, Runs, Study
 from laticauda.paper.settings import SweepSettings, efficiency_settings, paper_coefficients
-from laticauda.scenarios import Model
+from laticauda.scenarios import Model, Scenario
 from laticauda.values.errors import BadArgument
 from laticauda.values.quantities import option, quantity, value_class
 
 ROBOT = "mamba"
-SHALLOW = 0.06  # depth of the axis with the back just covered; a is 0.055 m [m]
-KEPT = ("phase shift", "number of waves")
-"""What the longer robot has in common with the shorter one, besides amplitude and frequency."""
+"""Robot of all side trials: without fin."""
+SHALLOW = 0.06
+"""Depth of the axis with the back just covered: half the height of the body is 0.055 m [m]."""
+SAME_PHASE_SHIFT = "phase shift"
+SAME_WAVES = "number of waves"
+KEPT = (SAME_PHASE_SHIFT, SAME_WAVES)
+"""What the longer robot may have in common with the shorter one, besides amplitude and frequency."""
 
 
-def _phase_shifts() -> SweepSettings:
-    return next(sweep for sweep in efficiency_settings().sweeps if sweep.parameter == "phase_shift")
+def _paper_phase_shifts() -> SweepSettings:
+    for sweep in efficiency_settings().sweeps:
+        if sweep.parameter == "phase_shift":
+            return sweep
+    raise AssertionError("the settings of the efficiency study have a sweep of the phase shift")
 
 
-def _fast() -> tuple[lc.Gait, ...]:
-    found = [
-        row.gait
-        for group in efficiency_settings().groups
-        for row in group.cases
-        if not group.has_fin
-    ]
-    highest = max(gait.frequency for gait in found)
-    return tuple(gait for gait in found if gait.frequency == highest)
+def _fastest_gaits() -> tuple[lc.Gait, ...]:
+    """Return the gaits of the highest frequency in Table 1 without fin."""
+    gaits: list[lc.Gait] = []
+    for group in efficiency_settings().groups:
+        if not group.has_fin:
+            gaits += [row.gait for row in group.cases]
+    highest_frequency = max(gait.frequency for gait in gaits)
+    return tuple(gait for gait in gaits if gait.frequency == highest_frequency)
 
 
-def _held() -> tuple[lc.Gait, ...]:
+def _central_gaits() -> tuple[lc.Gait, ...]:
+    """Return the gait that all sweeps of the paper go through, of both kinds."""
     lateral = lc.lateral_undulation(amplitude_deg=30.0, frequency_deg_s=110.0, phase_shift_deg=40.0)
     return lateral, replace(lateral, envelope=lc.EelLike())
 
@@ -52,16 +59,16 @@ class SideSettings:
     """Settings of the side trials."""
 
     phase_shifts: SweepSettings = option(
-        "The sweep over the phase shift", default_factory=_phase_shifts
+        "The sweep over the phase shift", default_factory=_paper_phase_shifts
     )
     gaits: tuple[lc.Gait, ...] = option(
-        "Of sensitivities; the fastest of Table 1 if omitted", default_factory=_fast
+        "Of sensitivities; the fastest of Table 1 if omitted", default_factory=_fastest_gaits
     )
     n_links: tuple[int, int] = quantity(
         "", "Links of the shorter and the longer robot", ge=2, default=(10, 20)
     )
     doubled: tuple[lc.Gait, ...] = option(
-        "Gaits of the shorter robot; the paper's if omitted", default_factory=_held
+        "Gaits of the shorter robot; the paper's if omitted", default_factory=_central_gaits
     )
     duration: float = quantity("s", "Duration of every trial", gt=0.0, default=30.0)
     coefficients: Coefficients = option(
@@ -78,7 +85,7 @@ class SideSettings:
 class Doubling:
     """A robot and a longer one with the same gait."""
 
-    kept: str
+    in_common: str
     """What the two have in common, one of `KEPT`."""
     shorter: lc.Trial
     """Trial of the robot with fewer links."""
@@ -98,7 +105,7 @@ class Doubling:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SideTrials(Study[SideSettings]):
-    """Results of the side trials, all without fin; `how` does not describe the sweep."""
+    """Results of the side trials, all without fin; `trial_settings` does not describe the sweep."""
 
     pd_velocity: Float[np.ndarray, " n_values"]
     """Forward velocity of lateral undulation over the phase shifts with pd joints [m/s]."""
@@ -107,55 +114,106 @@ class SideTrials(Study[SideSettings]):
     by_depth: Mapping[str, float]
     """By gait, change of the forward velocity just below the surface, relative to deep water [%]."""
     doublings: tuple[Doubling, ...]
-    """Doublings, ordered by gait and then by what was kept."""
+    """Doublings, ordered by gait and then by what they have in common."""
 
     @property
     def pd_optimum(self) -> float:
         """The phase shift at which lateral undulation is fastest with pd joints [rad]."""
         return float(self.settings.phase_shifts.values[np.argmax(self.pd_velocity)])
 
-    usual = SideSettings
+    default_settings = SideSettings
 
     @classmethod
-    def by_runs(cls, settings: SideSettings, runs: Runs) -> "SideTrials":
+    def from_runs(cls, settings: SideSettings, runs: Runs) -> "SideTrials":
         """Run the trials of `settings` by `runs`, and return the study."""
-        by, sweep = runs.model, settings.phase_shifts
-        gaits = {gait.kind: gait for gait in settings.gaits}
-        runs.n_runs = sweep.values.size + 3 * len(gaits) + 2 * len(KEPT) * len(settings.doubled)
+        pool = _Pool(settings=settings, runs=runs)
+        n_doublings = len(KEPT) * len(settings.doubled)
+        n_sensitivities = 3 * len(pool.gait_of_kind)
+        runs.n_runs = settings.phase_shifts.values.size + n_sensitivities + 2 * n_doublings
 
-        def swum(
-            gait: lc.Gait, how: Model = by, n_links: int | None = None, **others: Any
-        ) -> lc.Trial:
-            robot = lc.load_robot(ROBOT, n_links=n_links)
-            one = settings.coefficients.scenario(robot, gait, model=how, duration=settings.duration)
-            one = replace(one, environment=replace(one.environment, **others))
-            return runs.swim(f"{ROBOT} with {robot.n_links} links, {gait.kind}, side trial", one)
-
-        def changed_by(**others: Any) -> dict[str, float]:
-            speeds = {kind: swum(gait, **others).forward_velocity for kind, gait in gaits.items()}
-            return {kind: percent_change(usual[kind], speed) for kind, speed in speeds.items()}
-
-        def doubled(gait: lc.Gait, kept: str) -> Doubling:
-            few, many = settings.n_links
-            share = few / many if kept == "number of waves" else 1.0
-            longer = replace(gait, phase_shift=share * gait.phase_shift)
-            return Doubling(
-                kept=kept, shorter=swum(gait, n_links=few), longer=swum(longer, n_links=many)
-            )
-
-        pd = replace(by, joints=lc.JointLaw.of("pd"), dt=None)
-        swept = [
-            swum(sweep.gait("lateral_undulation", at), pd).forward_velocity for at in sweep.values
-        ]
-        usual = {kind: swum(gait).forward_velocity for kind, gait in gaits.items()}
+        # The sweep comes first, so that `runs.trial_settings` are not those of its pd joints.
+        pd_velocity = pool.sweep_with_pd_joints()
+        usual_velocity = pool.measure_velocities()
+        without_added_inertia = pool.measure_velocities(added_inertia=0.0)
+        shallow = pool.measure_velocities(depth=SHALLOW)
+        doublings: list[Doubling] = []
+        for gait in settings.doubled:
+            for in_common in KEPT:
+                doublings.append(pool.double_links(gait, in_common))
         return SideTrials(
             settings=settings,
-            pd_velocity=np.array(swept),
-            by_added_inertia=changed_by(added_inertia=0.0),
-            by_depth=changed_by(depth=SHALLOW),
-            doublings=tuple(doubled(gait, kept) for gait in settings.doubled for kept in KEPT),
-            how=runs.how,
+            pd_velocity=pd_velocity,
+            by_added_inertia=_percent_changes(usual_velocity, without_added_inertia),
+            by_depth=_percent_changes(usual_velocity, shallow),
+            doublings=tuple(doublings),
+            trial_settings=runs.trial_settings,
         )
 
 
 run_side_trials = SideTrials.run
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Pool:
+    """Common settings of all runs."""
+
+    settings: SideSettings
+    """Settings of the side trials."""
+    runs: Runs
+    """Runner, with the model."""
+
+    @property
+    def gait_of_kind(self) -> dict[str, lc.Gait]:
+        """Gaits of the sensitivities, by kind."""
+        return {gait.kind: gait for gait in self.settings.gaits}
+
+    def sweep_with_pd_joints(self) -> Float[np.ndarray, " n_values"]:
+        """Return the forward velocity over the phase shifts with pd joints [m/s]."""
+        model = replace(self.runs.model, joints=lc.JointLaw.of("pd"), dt=None)
+        sweep = self.settings.phase_shifts
+        velocities: list[float] = []
+        for value in sweep.values:
+            scenario = self._scenario(sweep.gait("lateral_undulation", value), model=model)
+            velocities.append(self._swim(scenario).forward_velocity)
+        return np.array(velocities)
+
+    def measure_velocities(self, **water_changes: Any) -> dict[str, float]:
+        """Return the forward velocity of every gait of the sensitivities in changed water [m/s]."""
+        velocities: dict[str, float] = {}
+        for kind, gait in self.gait_of_kind.items():
+            scenario = self._scenario(gait)
+            water = replace(scenario.environment, **water_changes)
+            velocities[kind] = self._swim(replace(scenario, environment=water)).forward_velocity
+        return velocities
+
+    def double_links(self, gait: lc.Gait, in_common: str) -> Doubling:
+        """Swim with fewer and with more links."""
+        n_few, n_many = self.settings.n_links
+        phase_shift = gait.phase_shift
+        if in_common == SAME_WAVES:
+            phase_shift *= n_few / n_many
+        longer_gait = replace(gait, phase_shift=phase_shift)
+        return Doubling(
+            in_common=in_common,
+            shorter=self._swim(self._scenario(gait, n_links=n_few)),
+            longer=self._swim(self._scenario(longer_gait, n_links=n_many)),
+        )
+
+    def _scenario(
+        self, gait: lc.Gait, *, model: Model | None = None, n_links: int | None = None
+    ) -> Scenario:
+        return self.settings.coefficients.scenario(
+            lc.load_robot(ROBOT, n_links=n_links),
+            gait,
+            model=model if model is not None else self.runs.model,
+            duration=self.settings.duration,
+        )
+
+    def _swim(self, scenario: Scenario) -> lc.Trial:
+        n_links = scenario.robot.n_links
+        kind = scenario.gait.kind
+        return self.runs.swim(f"{ROBOT} with {n_links} links, {kind}, side trial", scenario)
+
+
+def _percent_changes(before: Mapping[str, float], after: Mapping[str, float]) -> dict[str, float]:
+    return {kind: percent_change(before[kind], after[kind]) for kind in before}

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.paper.efficiency import TABLE2, load_repeats
+from laticauda.paper import TABLE2, load_repeats
 from laticauda.paper.measured import path_following_trials
 from laticauda.tank.operate.series import run_series
 from laticauda.tank.operate.session import Result

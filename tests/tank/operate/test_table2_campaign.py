@@ -8,7 +8,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.identify import fit, from_trial
-from laticauda.paper.efficiency import TABLE2, load_repeats
+from laticauda.paper import TABLE2, load_repeats
 from laticauda.tank.operate.series import Series, run_series
 from laticauda.tank.operate.settings import Calibration, load_operation
 

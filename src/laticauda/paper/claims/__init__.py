@@ -1,5 +1,18 @@
-"""The paper's claims, judged by the results of the studies, and the paper's misprints and contradictions."""
+"""The paper's claims, judged by the results of the studies, and the paper's misprints and contradictions.
 
-from laticauda.paper.claims.judge import Claim, Misprint, Verdict, load_claims, misprints
+`claims.toml` holds the claims: what the paper says, a rule, the numbers that the rule is about, and
+a template for the sentence that tells them. The modules:
 
-__all__ = ["Claim", "Misprint", "Verdict", "load_claims", "misprints"]
+- `table`: reads `claims.toml`.
+- `printed_numbers`, `efficiency_numbers`, `side_numbers`, `following_numbers`: the numbers that it
+  refers to by name, from the paper's tables and from each study.
+- `rules`: whether numbers meet the parts of a rule.
+- `sentences`: the sentences that tell the numbers.
+- `judge`: the claims with their verdicts.
+- `misprints`: misprints and contradictions.
+"""
+
+from laticauda.paper.claims.judge import Claim, Verdict, load_claims
+from laticauda.paper.claims.misprints import Misprint, find_misprints
+
+__all__ = ["Claim", "Misprint", "Verdict", "find_misprints", "load_claims"]

@@ -4,18 +4,18 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from laticauda.paper.claims.quantities import best_null, fin_by_gait
-from laticauda.paper.efficiency import EfficiencyStudy, Repeat, SweepResult, maxima
+from laticauda.paper.efficiency import EfficiencyStudy, Maximum, SweepResult, maxima
+from laticauda.paper.fin_effect import fin_gains, velocity_gains_by_gait
 from laticauda.paper.measured import percent_change
-from laticauda.paper.report.chapter import (
-    build_row,
-    convert_to_degrees,
-    error_rows,
-    fin_row,
-    misprinted,
-    paper_chapter,
+from laticauda.paper.repeats import Repeat
+from laticauda.paper.report.chapter import paper_chapter
+from laticauda.paper.report.columns import build_row, convert_to_degrees
+from laticauda.paper.report.shared_rows import (
+    build_error_rows,
+    build_fin_row,
+    list_misprinted_changes,
 )
-from laticauda.paper.scores import fin_gains, score_study
+from laticauda.paper.scores import find_best_null, score_study
 from laticauda.paper.settings import Group, SweepSettings
 from laticauda.show.reports.chapter import Chapter, Row
 
@@ -24,9 +24,10 @@ if TYPE_CHECKING:
 
     from laticauda.paper.figures import Panel
 
-NEAR = math.radians(
-    5.0
-)  # tolerance about the measured maximum, without the margin for rounding [rad, rad/s]
+NEAR = math.radians(5.0)
+"""Tolerance about the measured maximum, without the margin for rounding [rad, rad/s]."""
+_ROUNDING = 1e-9
+"""Margin for rounding [rad, rad/s]."""
 
 
 def efficiency_chapter(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -> Chapter:
@@ -38,113 +39,126 @@ def efficiency_chapter(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -
     """
     return paper_chapter(
         name="efficiency",
-        values={"study": study, "repeats": repeats, **_findings(study, repeats)},
-        tables=_tables(study, repeats),
+        values={"study": study, "repeats": repeats, **_collect_values(study, repeats)},
+        tables=_build_tables(study, repeats),
         n_figures=sum(len(group.figures) for group in study.settings.groups),
         figures=lambda: efficiency_figures(study, repeats),
     )
 
 
-def _findings(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> dict[str, Any]:
+def _collect_values(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> dict[str, Any]:
     """Return the values used in the sentences of the chapter."""
-    found, gains, starred, models = (
-        score_study(study),
-        fin_gains(study.cases),
-        maxima(study),
-        range(len(study.models)),
-    )
-    sweeps, groups = study.settings.sweeps, study.settings.groups
+    scores = score_study(study)
+    all_maxima = maxima(study)
+    models = range(len(study.models))
     return {
-        "physical": [score for score in found if not score.is_null],
-        "best": best_null(found),
-        "n_maxima": len(starred),
-        "n_near": [sum(one.distance(i) <= NEAR + 1e-9 for one in starred) for i in models],
-        "n_at_end": [sum(one.at_the_end[i] for one in starred) for i in models],
-        "fin": {kind: gain for kind, gain in fin_by_gait(study).items() if gain["measured"]},
-        "misprinted": misprinted(gains),
-        "n_repeats_shown": sum(
-            any(_is_shown(r, g, sweep) for g in groups for sweep in sweeps) for r in repeats
-        ),
+        "physical": [score for score in scores if not score.is_null],
+        "best": find_best_null(scores),
+        "n_maxima": len(all_maxima),
+        "n_near": [_count_near(all_maxima, model) for model in models],
+        "n_at_end": [_count_at_the_end(all_maxima, model) for model in models],
+        "fin": {
+            kind: gains for kind, gains in velocity_gains_by_gait(study).items() if gains.measured
+        },
+        "misprinted": list_misprinted_changes(fin_gains(study.cases)),
+        "n_repeats_shown": sum(_is_shown_in_any_panel(repeat, study) for repeat in repeats),
     }
+
+
+def _count_near(all_maxima: Sequence[Maximum], model: int) -> int:
+    """Return the number of simulated maxima near the measured ones."""
+    return sum(maximum.distance(model) <= NEAR + _ROUNDING for maximum in all_maxima)
+
+
+def _count_at_the_end(all_maxima: Sequence[Maximum], model: int) -> int:
+    """Return the number of simulated maxima at the end of their range."""
+    return sum(maximum.at_the_end[model] for maximum in all_maxima)
 
 
 # ---- tables --------------------------------------------------------------------------------------
 
 
-def _tables(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> dict[str, list[Row]]:
+def _build_tables(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> dict[str, list[Row]]:
     """Return all tables of the study, by name."""
     titles = {model.name: f"{model.name}: {model.title}" for model in study.settings.models}
-    return {
-        "table1": _table1(study),
-        "table1-maxima": _maxima(study),
-        "fin-gain": _fin(study),
-        "errors": error_rows(study, "numbers fitted here", titles),
-        "sweeps": _sweeps(study),
-        **({"repeats": [build_row("repeats", repeat) for repeat in repeats]} if repeats else {}),
+    tables = {
+        "table1": _build_table1(study),
+        "table1-maxima": _build_maxima_table(study),
+        "fin-gain": _build_fin_table(study),
+        "errors": build_error_rows(study, "numbers fitted here", titles),
+        "sweeps": _build_sweeps_table(study),
     }
+    if repeats:
+        tables["repeats"] = [build_row("repeats", repeat) for repeat in repeats]
+    return tables
 
 
-def _table1(study: EfficiencyStudy) -> list[Row]:
+def _build_table1(study: EfficiencyStudy) -> list[Row]:
     rows: list[Row] = []
     for case in study.cases:
-        measured = case.measured.forward_velocity
-        found = build_row("table1", case)
-        for name, velocity, power in zip(
-            study.models, case.forward_velocity, case.mechanical_power, strict=True
-        ):
-            found[f"{name}: v [m/s]"] = velocity
-            found[f"{name}: error [%]"] = (
-                None if measured is None else percent_change(measured, velocity)
-            )
-            found[f"{name}: mechanical power [W]"] = power
-        rows.append(found)
+        measured_velocity = case.measured.forward_velocity
+        row = build_row("table1", case)
+        for index, model in enumerate(study.models):
+            velocity = case.forward_velocity[index]
+            error = None
+            if measured_velocity is not None:
+                error = percent_change(measured_velocity, velocity)
+            row[f"{model}: v [m/s]"] = velocity
+            row[f"{model}: error [%]"] = error
+            row[f"{model}: mechanical power [W]"] = case.mechanical_power[index]
+        rows.append(row)
     return rows
 
 
-def _maxima(study: EfficiencyStudy) -> list[Row]:
+def _build_maxima_table(study: EfficiencyStudy) -> list[Row]:
     rows: list[Row] = []
-    for entry in maxima(study):
-        found = build_row("maxima", entry)
-        for i, name in enumerate(study.models):
-            found[f"{name}: fastest at [deg, deg/s]"] = convert_to_degrees(entry.simulated_at[i])
-            found[f"{name}: at the end of the range"] = entry.at_the_end[i]
-            found[f"{name}: v [m/s]"] = entry.simulated_velocity[i]
-        rows.append(found)
+    for maximum in maxima(study):
+        row = build_row("maxima", maximum)
+        for index, model in enumerate(study.models):
+            fastest_at = convert_to_degrees(maximum.simulated_at[index])
+            row[f"{model}: fastest at [deg, deg/s]"] = fastest_at
+            row[f"{model}: at the end of the range"] = maximum.at_the_end[index]
+            row[f"{model}: v [m/s]"] = maximum.simulated_velocity[index]
+        rows.append(row)
     return rows
 
 
-def _fin(study: EfficiencyStudy) -> list[Row]:
+def _build_fin_table(study: EfficiencyStudy) -> list[Row]:
     rows: list[Row] = []
     for gain in fin_gains(study.cases):
-        speeds = [
-            gain.simulated(lambda case, i=i: case.forward_velocity[i])
-            for i in range(len(study.models))
-        ]
-        simulated = {
-            f"{name}: v [%]": speed for name, speed in zip(study.models, speeds, strict=True)
-        }
-        rows.append(
-            fin_row(gain.measured, build_row("setting", gain.with_fin.measured.gait), simulated, {})
+        simulated: Row = {}
+        for index, model in enumerate(study.models):
+            simulated[f"{model}: v [%]"] = percent_change(
+                gain.without.forward_velocity[index], gain.with_fin.forward_velocity[index]
+            )
+        row = build_fin_row(
+            gain.measured,
+            setting=build_row("setting", gain.with_fin.measured.gait),
+            velocity=simulated,
+            power={},
         )
+        rows.append(row)
     return rows
 
 
-def _sweeps(study: EfficiencyStudy) -> list[Row]:
-    return [
-        {
-            "model": model,
-            "group": group.name,
-            "over": sweep.settings.parameter.replace("_", " "),
-            "value [deg, deg/s]": convert_to_degrees(float(value)),
-            "v [m/s]": sweep.forward_velocity[m, g, i],
-            "steady v [m/s]": sweep.steady_velocity[m, g, i],
-            "mechanical power [W]": sweep.mechanical_power[m, g, i],
-        }
-        for sweep in study.sweeps
-        for g, group in enumerate(study.settings.groups)
-        for m, model in enumerate(study.models)
-        for i, value in enumerate(sweep.values)
-    ]
+def _build_sweeps_table(study: EfficiencyStudy) -> list[Row]:
+    rows: list[Row] = []
+    for sweep in study.sweeps:
+        for group_index, group in enumerate(study.settings.groups):
+            for model_index, model in enumerate(study.models):
+                for value_index, value in enumerate(sweep.values):
+                    point = (model_index, group_index, value_index)
+                    row: Row = {
+                        "model": model,
+                        "group": group.name,
+                        "over": sweep.settings.parameter.replace("_", " "),
+                        "value [deg, deg/s]": convert_to_degrees(float(value)),
+                        "v [m/s]": sweep.forward_velocity[point],
+                        "steady v [m/s]": sweep.steady_velocity[point],
+                        "mechanical power [W]": sweep.mechanical_power[point],
+                    }
+                    rows.append(row)
+    return rows
 
 
 # ---- figures -------------------------------------------------------------------------------------
@@ -161,34 +175,49 @@ def efficiency_figures(
     """
     from laticauda.paper.figures import POWERS, VELOCITY, efficiency_sheet
 
-    for place, group in enumerate(study.settings.groups):
-        panels = [_panel(study, sweep, place, repeats) for sweep in study.sweeps]
-        sheets = {"Forward velocity": VELOCITY, "Power": POWERS}
-        for number, (what, ylabels) in zip(group.figures, sheets.items(), strict=True):
-            title = f"{what}: {group.name}"
-            sheet = efficiency_sheet(panels, title, ylabels)
+    axis_labels = {"Forward velocity": VELOCITY, "Power": POWERS}
+    for group_index, group in enumerate(study.settings.groups):
+        panels = [_build_panel(study, sweep, group_index, repeats) for sweep in study.sweeps]
+        for number, subject in zip(group.figures, axis_labels, strict=True):
+            title = f"{subject}: {group.name}"
+            sheet = efficiency_sheet(panels, title, axis_labels[subject])
             yield f"figure-{number:02d}", f"{title} (Fig. {number} of the paper).", sheet
 
 
-def _panel(
-    study: EfficiencyStudy, sweep: SweepResult, place: int, repeats: Sequence[Repeat]
+def _build_panel(
+    study: EfficiencyStudy, sweep: SweepResult, group_index: int, repeats: Sequence[Repeat]
 ) -> "Panel":
     """Return one panel: the curves of one group, and the rows of Table 1 and repeated trials that lie on this sweep."""
     from laticauda.paper.figures import Panel
 
-    group, rows = study.settings.groups[place], [case.measured for case in study.cases]
-    on_line = [row for row in rows if row.group == group.name and sweep.settings.contains(row.gait)]
+    group = study.settings.groups[group_index]
+    rows_on_line = [
+        case.measured
+        for case in study.cases
+        if case.measured.group == group.name and sweep.settings.contains(case.measured.gait)
+    ]
+    shown_repeats = [repeat for repeat in repeats if _is_shown(repeat, group, sweep.settings)]
     return Panel(
         sweep=sweep.settings,
         labels=tuple(model.title for model in study.settings.models),
-        velocity=sweep.forward_velocity[:, place],
-        power=sweep.mechanical_power[:, place],
-        measured=tuple(on_line),
-        repeats=tuple(repeat for repeat in repeats if _is_shown(repeat, group, sweep.settings)),
+        velocity=sweep.forward_velocity[:, group_index],
+        power=sweep.mechanical_power[:, group_index],
+        measured=tuple(rows_on_line),
+        repeats=tuple(shown_repeats),
     )
+
+
+def _is_shown_in_any_panel(repeat: Repeat, study: EfficiencyStudy) -> bool:
+    for group in study.settings.groups:
+        for sweep in study.settings.sweeps:
+            if _is_shown(repeat, group, sweep):
+                return True
+    return False
 
 
 def _is_shown(repeat: Repeat, group: Group, sweep: SweepSettings) -> bool:
     """Return whether repeated trials lie within a panel of this group and sweep."""
-    within = sweep.low - 1e-9 <= getattr(repeat.gait, sweep.parameter) <= sweep.high + 1e-9
-    return repeat.group == group.name and within and sweep.contains(repeat.gait)
+    if repeat.group != group.name or not sweep.contains(repeat.gait):
+        return False
+    value = getattr(repeat.gait, sweep.parameter)
+    return sweep.low - _ROUNDING <= value <= sweep.high + _ROUNDING

@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from laticauda.motion.gaits import GAIT_WORDS
-from laticauda.paper.claims.quantities import band_gains
+from laticauda.paper.fin_effect import FinGain, band_gains, fin_gains
 from laticauda.paper.measured import percent_change
 from laticauda.paper.path_following import (
     FollowingCase,
@@ -16,11 +16,15 @@ from laticauda.paper.path_following import (
     PathFollowingStudy,
     group_by_law,
 )
-from laticauda.paper.report.chapter import build_row, error_rows, fin_row, misprinted, paper_chapter
+from laticauda.paper.report.chapter import paper_chapter
+from laticauda.paper.report.columns import build_row
+from laticauda.paper.report.shared_rows import (
+    build_error_rows,
+    build_fin_row,
+    list_misprinted_changes,
+)
 from laticauda.paper.scores import (
-    FinGain,
     Score,
-    fin_gains,
     in_all_ways,
     meter_costs,
     null_predictions,
@@ -31,7 +35,10 @@ from laticauda.show.reports.chapter import Chapter, Row
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SPEEDS, HELD_OUT = "table2-speeds", "held-out"
+SPEEDS = "table2-speeds"
+"""Name of the figure of all speeds."""
+HELD_OUT = "held-out"
+"""Name of the figure and of the file of the held-out trial."""
 
 
 def path_following_chapter(study: PathFollowingStudy) -> Chapter:
@@ -40,123 +47,156 @@ def path_following_chapter(study: PathFollowingStudy) -> Chapter:
     Args:
         study: Result of `run_path_following`.
     """
+    trials = {f"figure-{case.figure:02d}": case.trial for case in study.cases}
+    trials[HELD_OUT] = study.held_out.trial
     return paper_chapter(
         name="path-following",
-        values={"study": study, **_findings(study), **_beyond_the_published(study.held_out)},
-        tables=_tables(study),
+        values={
+            "study": study,
+            **_collect_values(study),
+            **_compare_with_published(study.held_out),
+        },
+        tables=_build_tables(study),
         n_figures=len(study.cases) + 2,
         figures=lambda: path_following_figures(study),
-        trials={f"figure-{case.figure:02d}": case.trial for case in study.cases}
-        | {HELD_OUT: study.held_out.trial},
+        trials=trials,
     )
 
 
-def _findings(study: PathFollowingStudy) -> dict[str, Any]:
+# ---- values in sentences -------------------------------------------------------------------------
+
+
+def _collect_values(study: PathFollowingStudy) -> dict[str, Any]:
     """Return the values used in the sentences of the chapter."""
-    settings, cases, ways, gains = (
-        study.settings,
-        study.cases,
-        score_simulations(study),
-        fin_gains(study.cases),
-    )
-    kinds = dict.fromkeys(gain.with_fin.group.gait for gain in gains)
-    by_kind = {kind: [gain for gain in gains if gain.with_fin.group.gait == kind] for kind in kinds}
+    settings = study.settings
+    cases = study.cases
+    first_case = cases[0]
+    scores = score_simulations(study)
+    gains = fin_gains(cases)
     return {
-        "n_runs": settings.n_runs(cases[0].run.joints, cases[0].run.offset_bandwidth),
-        "laws": group_by_law(cases[0]),
-        "there": [case.run.figures for case in cases if case.run.converged],
-        "kept": [_kept(study, runs) for runs in in_all_ways(study)],
-        "errors": ways,
-        "best": _best_null(study),
+        "n_runs": settings.n_runs(first_case.run.joints, first_case.run.offset_bandwidth),
+        "laws": group_by_law(first_case),
+        "converged": [case.run.figures for case in cases if case.run.converged],
+        "late_errors": [_summarize_late_errors(study, runs) for runs in in_all_ways(study)],
+        "scores": scores,
+        "best": _find_best_null(study),
         "outside_band": [case.figure for case in cases if not case.is_in_band],
-        "groups": [
-            _group(score, [case for case in cases if case.group == group])
-            for group, score in zip(settings.groups, ways[0].by_group, strict=True)
-        ],
-        "fin": {
-            kind: {
-                "measured": [gain.measured.velocity for gain in here],
-                "simulated": [
-                    gain.simulated(lambda case: case.run.forward_velocity) for gain in here
-                ],
-                "band": [change for gain in here for change in band_gains(gain)],
-            }
-            for kind, here in by_kind.items()
-        },
-        "misprinted": misprinted(gains),
-        "costs": [*_costs(study)],
+        "groups": _describe_groups(study, scores[0]),
+        "fin": _describe_fin(gains),
+        "misprinted": list_misprinted_changes(gains),
+        "costs": _compare_costs(study),
     }
 
 
-def _kept(study: PathFollowingStudy, runs: Sequence[FollowingRun]) -> dict[str, Any]:
+def _find_best_null(study: PathFollowingStudy) -> Score:
+    return min(null_predictions(study), key=lambda score: score.overall)
+
+
+def _summarize_late_errors(
+    study: PathFollowingStudy, runs: Sequence[FollowingRun]
+) -> dict[str, Any]:
     """Return in which trials the cycle-mean error does not stay small in the last third, and how large it is."""
-    outside = [
-        (case.figure, run)
-        for case, run in zip(study.cases, runs, strict=True)
-        if run.last_third_largest is None or run.last_third_largest > study.settings.accepted_error
-    ]
+    figures_outside: list[int] = []
+    rms_outside: list[float] = []
+    for case, run in zip(study.cases, runs, strict=True):
+        largest = run.last_third_largest
+        if largest is None or largest > study.settings.accepted_error:
+            figures_outside.append(case.figure)
+            rms_outside.append(run.last_third_rms or 0.0)
     return {
         "name": runs[0].name,
-        "outside": [figure for figure, _ in outside],
+        "outside": figures_outside,
         "largest": max(run.last_third_largest or 0.0 for run in runs),
-        "rms": max((run.last_third_rms or 0.0 for _, run in outside), default=0.0),
+        "rms": max(rms_outside, default=0.0),
     }
 
 
-def _group(mean_error: float, cases: Sequence[FollowingCase]) -> dict[str, Any]:
-    """Return the errors of the speeds of one group, and the changes caused by closing the loop [%]."""
-    changes = {
-        name: [case.change_by_the_loop(getattr(case, name)) for case in cases]
-        for name in ("run", "cycle_mean")
-    }
-    return {
-        "name": cases[0].group.name.replace(",", ""),
-        "mean_error": mean_error,
-        "errors": [
+def _describe_groups(study: PathFollowingStudy, score: Score) -> list[dict[str, Any]]:
+    """Return the errors of the speeds of every group, and the changes caused by closing the loop [%]."""
+    groups: list[dict[str, Any]] = []
+    for group, mean_error in zip(study.settings.groups, score.by_group, strict=True):
+        cases = [case for case in study.cases if case.group == group]
+        errors = [
             percent_change(case.measured.forward_velocity, case.run.forward_velocity)
             for case in cases
-        ],
-        "swings": [math.degrees(case.run.offset_swing) for case in cases],
-        "changes": {
-            name: [value for value in values if value is not None]
-            for name, values in changes.items()
-        },
-    }
-
-
-def _costs(study: PathFollowingStudy) -> Iterator[tuple[str, float, float]]:
-    """Yield the measured energy per meter without and with the fin, gait by gait [J/m]."""
-    costs = {
-        group: np.mean(found, axis=1).tolist()[0] for group, found in meter_costs(study).items()
-    }
-    for gait in dict.fromkeys(group.gait for group in study.settings.groups):
-        pair = {
-            group.has_fin: costs[group.name]
-            for group in study.settings.groups
-            if group.gait == gait
+        ]
+        changes = {
+            "run": _known([case.change_by_the_loop(case.run) for case in cases]),
+            "cycle_mean": _known([case.change_by_the_loop(case.cycle_mean) for case in cases]),
         }
-        if len(pair) == 2:
-            yield gait, pair[False], pair[True]
+        description = {
+            "name": cases[0].group.name.replace(",", ""),
+            "mean_error": mean_error,
+            "errors": errors,
+            "swings": [math.degrees(case.run.offset_swing) for case in cases],
+            "changes": changes,
+        }
+        groups.append(description)
+    return groups
 
 
-def _beyond_the_published(held: HeldOutRun) -> dict[str, Any]:
+def _known(values: Sequence[float | None]) -> list[float]:
+    return [value for value in values if value is not None]
+
+
+def _describe_fin(gains: Sequence[FinGain[FollowingCase]]) -> dict[str, Any]:
+    """Return by kind of gait how much faster the fin makes the robot: measured, simulated, and over the band [%]."""
+    changes_by_kind: dict[str, Any] = {}
+    for gain in gains:
+        kind = gain.with_fin.group.gait
+        changes = changes_by_kind.setdefault(kind, {"measured": [], "simulated": [], "band": []})
+        changes["measured"].append(gain.measured.velocity)
+        changes["simulated"].append(gain.simulated(_simulated_velocity))
+        changes["band"] += band_gains(gain)
+    return changes_by_kind
+
+
+class GaitCosts(NamedTuple):
+    """Measured energy per meter with one gait."""
+
+    gait: str
+    """Kind of gait."""
+    without: float
+    """Without the fin [J/m]."""
+    with_fin: float
+    """With the fin [J/m]."""
+
+
+def _compare_costs(study: PathFollowingStudy) -> list[GaitCosts]:
+    """Return the measured energy per meter without and with the fin, gait by gait."""
+    measured_costs: dict[str, float] = {}
+    for group, costs in meter_costs(study).items():
+        measured, _ = np.mean(costs, axis=1).tolist()
+        measured_costs[group] = measured
+    compared: list[GaitCosts] = []
+    for gait in dict.fromkeys(group.gait for group in study.settings.groups):
+        groups = [group for group in study.settings.groups if group.gait == gait]
+        by_fin = {group.has_fin: measured_costs[group.name] for group in groups}
+        if len(by_fin) == 2:
+            compared.append(GaitCosts(gait, without=by_fin[False], with_fin=by_fin[True]))
+    return compared
+
+
+def _compare_with_published(held_out: HeldOutRun) -> dict[str, Any]:
     """Return by how much the held-out trial exceeds the published ranges: velocity, mean velocity [m/s] and offset."""
-    offset, published = (
-        [math.degrees(end) for end in ends] for ends in (held.offset, held.settings.offset)
-    )
+    published = held_out.settings
+    offset = [math.degrees(end) for end in held_out.offset]
+    published_offset = [math.degrees(end) for end in published.offset]
     return {
-        "velocity_beyond": _outside(held.velocity, held.settings.velocity),
-        "mean_velocity_beyond": _outside(held.mean_velocity, held.settings.velocity),
+        "velocity_beyond": _measure_excess(held_out.velocity, published.velocity),
+        "mean_velocity_beyond": _measure_excess(held_out.mean_velocity, published.velocity),
         "offset": offset,
-        "published_offset": published,
-        "offset_beyond": _outside(offset, published),
+        "published_offset": published_offset,
+        "offset_beyond": _measure_excess(offset, published_offset),
     }
 
 
-def _outside(found: Sequence[float], known: Sequence[float]) -> dict[str, float]:
-    """Return by how much a range extends beyond another one, and on which sides."""
-    sides = {"below": known[0] - found[0], "above": found[1] - known[1]}
-    return {side: by for side, by in sides.items() if by > 0.0}
+def _measure_excess(ends: Sequence[float], published_ends: Sequence[float]) -> dict[str, float]:
+    """Return by how much a range extends beyond a published one, and on which sides."""
+    low, high = ends
+    published_low, published_high = published_ends
+    excess = {"below": published_low - low, "above": high - published_high}
+    return {side: distance for side, distance in excess.items() if distance > 0.0}
 
 
 # ---- figures -------------------------------------------------------------------------------------
@@ -168,122 +208,160 @@ def path_following_figures(study: PathFollowingStudy) -> Iterator[tuple[str, str
     Args:
         study: Result of `run_path_following`.
     """
-    from laticauda.paper.figures import following_speeds_sheet
-    from laticauda.show.figures import follow_sheet
+    yield _draw_speeds(study)
+    for case in study.cases:
+        yield _draw_case(case)
+    yield _draw_held_out(study.held_out)
 
-    null = _best_null(study)
+
+def _draw_speeds(study: PathFollowingStudy) -> tuple[str, str, "Figure"]:
+    from laticauda.paper.speed_figures import LabeledSpeeds, following_speeds_sheet
+
+    best_null = _find_best_null(study)
     title = "Forward velocity in path following (Table 2)"
     chosen = study.cases[0].run.name
     caption = (
         f"{title}: measured in the tank; simulated with {chosen}, in the other ways of the band, and with the "
-        f"cycle-mean heading; and as the null model “{null.name}”, fitted to Table 1, predicts it."
+        f"cycle-mean heading; and as the null model “{best_null.name}”, fitted to Table 1, predicts it."
     )
-    predicted = (f"null model fitted to Table 1: {null.name}", null.speeds)
     sheet = following_speeds_sheet(
-        study.cases, title, chosen=f"simulated, {chosen}", null=predicted
+        study.cases,
+        title,
+        chosen=f"simulated, {chosen}",
+        null=LabeledSpeeds(
+            label=f"null model fitted to Table 1: {best_null.name}", speeds=best_null.speeds
+        ),
     )
-    yield SPEEDS, caption, sheet
-    for case in study.cases:
-        title = f"Path following: {case.group.name}, case {case.measured.case}"
-        start = _start(case.measured.initial_cross_track_error, case.measured.initial_heading)
-        sheet = follow_sheet(case.trial, title=f"{title}, {start}", note=_speeds(case))
-        yield (
-            f"figure-{case.figure:02d}",
-            f"{title} (Fig. {case.figure} of the paper). {_speeds(case)}.",
-            sheet,
-        )
-    held = study.held_out
-    start = _start(held.settings.initial_cross_track_error, held.settings.initial_heading)
-    title = f"Held-out trial (published 2016): {GAIT_WORDS[held.settings.gait.kind]}, {held.settings.robot}, {start}"
+    return SPEEDS, caption, sheet
+
+
+def _draw_case(case: FollowingCase) -> tuple[str, str, "Figure"]:
+    from laticauda.show.figures import follow_sheet
+
+    row = case.measured
+    title = f"Path following: {case.group.name}, case {row.case}"
+    start = _describe_start(row.initial_cross_track_error, row.initial_heading)
+    speeds = (
+        f"Forward velocity {row.forward_velocity:.4f} m/s measured, "
+        f"{case.run.forward_velocity:.4f} m/s simulated ({case.run.name})"
+    )
+    sheet = follow_sheet(case.trial, title=f"{title}, {start}", note=speeds)
+    caption = f"{title} (Fig. {case.figure} of the paper). {speeds}."
+    return f"figure-{case.figure:02d}", caption, sheet
+
+
+def _draw_held_out(held_out: HeldOutRun) -> tuple[str, str, "Figure"]:
+    from laticauda.show.figures import follow_sheet
+
+    published = held_out.settings
+    start = _describe_start(published.initial_cross_track_error, published.initial_heading)
+    gait = GAIT_WORDS[published.gait.kind]
+    sheet = follow_sheet(
+        held_out.trial,
+        title=f"Held-out trial (published 2016): {gait}, {published.robot}, {start}",
+        note=f"Simulated with {held_out.run.name}",
+    )
     caption = (
         "Path following: a trial of another publication (2016), on which no choice here rests."
     )
-    yield (
-        HELD_OUT,
-        caption,
-        follow_sheet(held.trial, title=title, note=f"Simulated with {held.run.name}"),
-    )
+    return HELD_OUT, caption, sheet
 
 
-def _best_null(study: PathFollowingStudy) -> Score:
-    return min(null_predictions(study), key=lambda prediction: prediction.overall)
-
-
-def _start(cross_track_error: float, heading: float) -> str:
+def _describe_start(cross_track_error: float, heading: float) -> str:
     degrees = f"{math.degrees(heading):.2f}".replace("-", "\N{MINUS SIGN}")
     return f"from $p_y$ = {cross_track_error:g} m, heading {degrees}°"
-
-
-def _speeds(case: FollowingCase) -> str:
-    return (
-        f"Forward velocity {case.measured.forward_velocity:.4f} m/s measured, {case.run.forward_velocity:.4f} m/s "
-        f"simulated ({case.run.name})"
-    )
 
 
 # ---- tables --------------------------------------------------------------------------------------
 
 
-def _tables(study: PathFollowingStudy) -> dict[str, list[Row]]:
+def _build_tables(study: PathFollowingStudy) -> dict[str, list[Row]]:
     """Return the tables by name: Table 2 row by row, every run, effects of the loop and of the fin, errors, costs."""
-    cases = study.cases
     return {
-        "following-trials": [
-            build_row("case", case)
-            | {"figure": case.figure}
-            | build_row("start", case)
-            | build_row("figures", case.run)
-            for case in cases
-        ],
-        "table2": [_table2(case) for case in cases],
-        "following-loop": [_loop(case) for case in cases],
-        "following-errors": error_rows(study, "numbers fitted to Table 1", {}),
-        "following-fin": [_fin(gain) for gain in fin_gains(cases)],
-        "following-joules": [*_joules(study)],
-        "following-runs": [*_runs(study)],
+        "following-trials": [_build_trial_row(case) for case in study.cases],
+        "table2": [_build_table2_row(case) for case in study.cases],
+        "following-loop": [_build_loop_row(case) for case in study.cases],
+        "following-errors": build_error_rows(study, "numbers fitted to Table 1", {}),
+        "following-fin": [_build_fin_row(gain) for gain in fin_gains(study.cases)],
+        "following-joules": _build_joules_table(study),
+        "following-runs": _build_runs_table(study),
     }
 
 
-def _table2(case: FollowingCase) -> Row:
+def _build_trial_row(case: FollowingCase) -> Row:
+    return {
+        **build_row("case", case),
+        "figure": case.figure,
+        **build_row("start", case),
+        **build_row("figures", case.run),
+    }
+
+
+def _build_table2_row(case: FollowingCase) -> Row:
     speeds = [run.forward_velocity for run in case.band]
     error = percent_change(case.measured.forward_velocity, case.run.forward_velocity)
-    known = {"case": case, "error": error, "low": min(speeds), "high": max(speeds)}
-    return build_row("case", case) | build_row("start", case) | build_row("table2", known)
+    subject = {"case": case, "error": error, "low": min(speeds), "high": max(speeds)}
+    return build_row("case", case) | build_row("start", case) | build_row("table2", subject)
 
 
-def _loop(case: FollowingCase) -> Row:
-    found = build_row("case", case) | {"unsteered: steady v [m/s]": case.free_velocity}
+def _build_loop_row(case: FollowingCase) -> Row:
+    row = build_row("case", case)
+    row["unsteered: steady v [m/s]"] = case.free_velocity
     for heading, run in (("raw", case.run), ("cycle mean", case.cycle_mean)):
-        here = build_row("loop", {"run": run, "change": case.change_by_the_loop(run)})
-        found |= {f"{heading}: {title}": one for title, one in here.items()}
-    return found
+        subject = {"run": run, "change": case.change_by_the_loop(run)}
+        for title, cell in build_row("loop", subject).items():
+            row[f"{heading}: {title}"] = cell
+    return row
 
 
-def _fin(gain: FinGain[FollowingCase]) -> Row:
-    band = band_gains(gain)
-    velocity: Row = {"simulated: v [%]": gain.simulated(lambda case: case.run.forward_velocity)}
-    velocity |= {"band: lowest [%]": min(band), "band: highest [%]": max(band)}
-    power = {
-        "simulated: mechanical power [%]": gain.simulated(lambda case: case.run.mechanical_power)
+def _build_fin_row(gain: FinGain[FollowingCase]) -> Row:
+    changes_in_band = band_gains(gain)
+    velocity: Row = {
+        "simulated: v [%]": gain.simulated(_simulated_velocity),
+        "band: lowest [%]": min(changes_in_band),
+        "band: highest [%]": max(changes_in_band),
     }
-    return fin_row(gain.measured, {}, velocity, power)
+    power: Row = {"simulated: mechanical power [%]": gain.simulated(_simulated_power)}
+    return build_fin_row(gain.measured, setting={}, velocity=velocity, power=power)
 
 
-def _joules(study: PathFollowingStudy) -> Iterator[Row]:
+def _simulated_velocity(case: FollowingCase) -> float:
+    return case.run.forward_velocity
+
+
+def _simulated_power(case: FollowingCase) -> float:
+    return case.run.mechanical_power
+
+
+def _build_joules_table(study: PathFollowingStudy) -> list[Row]:
+    rows: list[Row] = []
     for group, costs in meter_costs(study).items():
-        trials = [(f"case {i}", pair) for i, pair in enumerate(costs.T.tolist(), 1)]
-        for trial, pair in (*trials, ("mean", np.mean(costs, axis=1).tolist())):
-            both = zip(
-                ("measured: electrical [J/m]", "simulated: mechanical [J/m]"), pair, strict=True
-            )
-            yield {"group": group, "trial": trial, **dict(both)}
+        for number, (measured, simulated) in enumerate(costs.T.tolist(), start=1):
+            rows.append(_build_joules_row(group, f"case {number}", measured, simulated))
+        measured, simulated = np.mean(costs, axis=1).tolist()
+        rows.append(_build_joules_row(group, "mean", measured, simulated))
+    return rows
 
 
-def _runs(study: PathFollowingStudy) -> Iterator[Row]:
-    runs = [
-        (build_row("case", case), run)
-        for case in study.cases
-        for run in (*case.band, case.cycle_mean)
-    ]
-    for names, run in (*runs, ({"group": "held out", "case": 1}, study.held_out.run)):
-        yield {**names, **build_row("runs", run), **build_row("figures", run)}
+def _build_joules_row(group: str, trial: str, measured: float, simulated: float) -> Row:
+    return {
+        "group": group,
+        "trial": trial,
+        "measured: electrical [J/m]": measured,
+        "simulated: mechanical [J/m]": simulated,
+    }
+
+
+def _build_runs_table(study: PathFollowingStudy) -> list[Row]:
+    rows: list[Row] = []
+    for case in study.cases:
+        cells_of_case = build_row("case", case)
+        for run in (*case.band, case.cycle_mean):
+            rows.append(cells_of_case | _build_run_cells(run))
+    held_out: Row = {"group": "held out", "case": 1}
+    rows.append(held_out | _build_run_cells(study.held_out.run))
+    return rows
+
+
+def _build_run_cells(run: FollowingRun) -> Row:
+    return build_row("runs", run) | build_row("figures", run)

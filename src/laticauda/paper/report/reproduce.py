@@ -1,33 +1,26 @@
 """The paper in one call: run its studies, and write figures, tables, data and a report into one folder."""
 
-import os
-import sys
-from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from multiprocessing import active_children, get_context, parent_process, resource_tracker
 from pathlib import Path
-from threading import Thread
 from typing import Any, NamedTuple, Unpack
-
-import numpy as np
 
 from laticauda import robot, scenarios
 from laticauda.models.simulate.runner import silent
 from laticauda.paper import runs, settings, side_trials
-from laticauda.paper.claims import Claim, load_claims, misprints
-from laticauda.paper.efficiency import EfficiencyStudy, Repeat, run_efficiency
-from laticauda.paper.path_following import PathFollowingStudy, run_path_following
+from laticauda.paper.claims import Claim, load_claims
+from laticauda.paper.efficiency import run_efficiency
+from laticauda.paper.path_following import run_path_following
+from laticauda.paper.repeats import Repeat
 from laticauda.paper.report import efficiency, path_following
-from laticauda.paper.report.chapter import build_row, paper_chapter, paper_templates
-from laticauda.paper.scores import score_study
+from laticauda.paper.report.chapter import paper_templates
+from laticauda.paper.report.overview import claims_chapter, own_verdicts, summary_chapter
+from laticauda.paper.report.workers import Progress, run_studies
 from laticauda.show.reports.chapter import Chapter, writable_folder, write_chapter
 from laticauda.values import packaging
 from laticauda.values.checks import check_choice, check_whole_number
 from laticauda.values.files import write
-from laticauda.values.interrupts import defer_interrupts
 
 RUNS: Mapping[str, Callable[..., Any]] = {
     "path_following": run_path_following,
@@ -43,16 +36,22 @@ HALVES: Mapping[str, tuple[str, ...]] = {
 TITLE = (
     "Underwater snake robots with and without a caudal fin: the paper's experiments in simulation"
 )
-CHAPTERS: Mapping[str, tuple[str, Callable[..., Chapter]]] = {
-    "efficiency": ("Locomotion efficiency", efficiency.efficiency_chapter),
-    "path_following": ("Path following", path_following.path_following_chapter),
+
+
+class StudyChapter(NamedTuple):
+    """A study's own part of the report."""
+
+    title: str
+    """Title on the page."""
+    build: Callable[..., Chapter]
+    """Function that returns the chapter from the results of the study."""
+
+
+CHAPTERS: Mapping[str, StudyChapter] = {
+    "efficiency": StudyChapter("Locomotion efficiency", efficiency.efficiency_chapter),
+    "path_following": StudyChapter("Path following", path_following.path_following_chapter),
 }
 """Studies that have their own part of the report, in its order."""
-
-VERDICTS = ("holds", "holds in part", "does not hold", "not tested here")
-"""All verdicts, the best first."""
-
-Progress = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,15 +76,15 @@ def paper_experiments(parameters: robot.Parameters | None = None) -> Experiments
             the efficiency study also keeps the paper's, with unchanged robots. None uses the
             paper's.
     """
-    usual = Experiments()
+    experiments = Experiments()
     if parameters is None:
-        return usual
-    given = runs.Coefficients.of(parameters)
-    others = [one for one in usual.efficiency.models if one.name != given.name]
+        return experiments
+    coefficients = runs.Coefficients.of(parameters)
+    models = [model for model in experiments.efficiency.models if model.name != coefficients.name]
     return Experiments(
-        efficiency=replace(usual.efficiency, models=(given, *others)),
-        side=replace(usual.side, coefficients=given),
-        path_following=replace(usual.path_following, coefficients=given),
+        efficiency=replace(experiments.efficiency, models=(coefficients, *models)),
+        side=replace(experiments.side, coefficients=coefficients),
+        path_following=replace(experiments.path_following, coefficients=coefficients),
     )
 
 
@@ -101,14 +100,6 @@ class Reproduction:
     """Results of the studies that were run, by their names in `Experiments`."""
     claims: tuple[Claim, ...]
     """The paper's claims, judged by these results."""
-
-
-class _Done(NamedTuple):
-    """Outcome of a study."""
-
-    study: Any
-    files: list[str]
-    html: str
 
 
 def reproduce(
@@ -152,210 +143,93 @@ def reproduce(
         check_choice("only", only, tuple(HALVES))
     check_whole_number("workers", workers, 1)
     folder = writable_folder(folder)
-    report = paper_templates().get_template("report.html")
+    paper_templates()  # raises an error before anything is run if Jinja2 is missing
     settings = settings or Experiments()
-    by = scenarios.model_of(model, **changes)
-    how = scenarios.settings_of(by)
+    chosen_model = scenarios.model_of(model, **changes)
+
     names = [name for name in RUNS if only is None or name in HALVES[only]]
-    do = partial(_do, settings, by, folder, repeats)
-    done = _run(do, names, workers, progress)
-    results = {name: part.study for name, part in done.items()}
-    judged = load_claims(*results.values())
-    written, first = write_chapter(summary_chapter(results, judged), folder)
-    files, listed = write_chapter(claims_chapter(judged, own_verdicts(results)), folder)
-    found = [
-        (name.replace("_", "-"), title, done[name].html)
-        for name, (title, _) in CHAPTERS.items()
-        if name in done
-    ]
-    text = report.render(
-        title=TITLE,
-        coefficients=settings.efficiency.models[0].title,
-        version=packaging.__version__,
-        model=how["model"],
-        joints=how["joints"],
-        summary=first,
-        chapters=[("claims", "The paper's claims", listed), *found],
+    run_study = partial(_run_study, settings, chosen_model, folder, repeats)
+    outcomes = run_studies(run_study, names, workers, progress)
+
+    results = {name: outcome.study for name, outcome in outcomes.items()}
+    claims = load_claims(*results.values())
+    files = _write_report(
+        folder,
+        coefficients=settings.efficiency.models[0],
+        model=chosen_model,
+        outcomes=outcomes,
+        claims=claims,
     )
-    write(folder / "report.html", text)
-    written += [file for part in done.values() for file in part.files]
-    names = (*sorted([*written, *files]), "report.html")
-    return Reproduction(folder=folder, files=names, results=results, claims=judged)
+    return Reproduction(folder=folder, files=files, results=results, claims=claims)
 
 
-def summary_chapter(results: Mapping[str, Any], judged: Sequence[Claim]) -> Chapter:
-    """Return the chapter on the first screen of the report.
+class _Outcome(NamedTuple):
+    """Outcome of a study."""
 
-    Args:
-        results: Results of the studies, by their names in `Experiments`.
-        judged: Claims judged by these results.
-    """
-    studies = {"Table 1": results.get("efficiency"), "Table 2": results.get("path_following")}
-    predictors = {name: score_study(study) for name, study in studies.items() if study is not None}
-
-    def figures() -> Iterator[tuple[str, str, Any]]:
-        from laticauda.show.figures import style
-        from laticauda.show.reports.identify_figures import parity
-
-        shown = {
-            f"{name}: {one.name.split(',')[0]}": np.array([one.measured, one.speeds])
-            for name, (first, *others) in predictors.items()
-            for one in (
-                first,
-                *[other for other in others if other.n_fitted and not other.is_null][:1],
-            )
-        }
-        figure = style.new_figure(side := 0.55 * style.DOUBLE_COLUMN, side)
-        ax = parity(shown, figure.subplots(), what="forward velocity [m/s]")
-        ax.set(ylabel="simulated forward velocity [m/s]")
-        style.add_legend(ax, loc="upper left")
-        yield "speeds", "Simulated against measured speeds of the robot.", figure
-
-    values = {"n_claims": len(judged), "counts": _counted(judged), "predictors": predictors}
-    return paper_chapter(name="summary", values=values, n_figures=1, figures=figures)
+    study: Any
+    """Results of the study."""
+    files: list[str]
+    """Names of the files of its chapter."""
+    html: str
+    """Text of its chapter; empty if it has none."""
 
 
-def _counted(judged: Sequence[Claim]) -> dict[str, int]:
-    """Return the number of claims with each verdict that occurs."""
-    counts = Counter(claim.verdict for claim in judged)
-    return {name: counts[name] for name in VERDICTS if counts[name]}
-
-
-def own_verdicts(results: Mapping[str, Any]) -> dict[str, tuple[Claim, ...]]:
-    """Judge the claims with each of the project's own models in place of the paper's coefficients.
-
-    Args:
-        results: Results of the studies, by their names in `Experiments`; the side trials are not
-            run with these models.
-    """
-    studies: dict[str, list[Any]] = {}
-    for study in results.values():
-        if isinstance(study, EfficiencyStudy):
-            models = [
-                (i, one.name)
-                for i, one in enumerate(study.settings.models)
-                if one.n_fitted is not None
-            ]
-            studies |= {
-                name: [replace(study, judged=i), *studies.get(name, [])] for i, name in models
-            }
-        for one in study.own if isinstance(study, PathFollowingStudy) else ():
-            studies.setdefault(one.settings.coefficients.name, []).append(one)
-    return {name: load_claims(*mine) for name, mine in studies.items()}
-
-
-def claims_chapter(
-    found: Sequence[Claim], own: Mapping[str, Sequence[Claim]] | None = None
-) -> Chapter:
-    """Return the claims' contribution to the folder and the report.
-
-    Args:
-        found: Result of `laticauda.paper.claims.load_claims`.
-        own: Claims judged with other models, by name; their verdicts come before those of `found`.
-            None: no others.
-    """
-    claims = [build_row("claims", claim) for claim in found]
-    for name, others in (own or {}).items():
-        for mine, other in zip(claims, others, strict=True):
-            mine[f"with {name}"] = other.verdict
-            mine["verdict"] = mine.pop("verdict")
-    return paper_chapter(
-        name="claims",
-        values={"n_claims": len(found), "counts": _counted(found)},
-        tables={
-            "claims": claims,
-            "misprints": [build_row("misprints", entry) for entry in misprints()],
-        },
-    )
-
-
-# ---- the studies, sequentially or in parallel ----------------------------------------------------
-
-
-def _run(
-    do: Callable[[str, Progress], _Done], names: Sequence[str], workers: int, progress: Progress
-) -> dict[str, _Done]:
-    """Run all studies; the first error ends them."""
-    if min(workers, len(names)) == 1:
-        return {name: do(name, progress) for name in names}
-    context = get_context("spawn")  # the only start method that is safe everywhere
-    if os.name == "posix":
-        _track()
-    told = context.SimpleQueue()
-    listener = Thread(target=_listen, args=(told, progress), daemon=True)
-    listener.start()
-    workers, others = min(workers, len(names)), set(active_children())
-    with ProcessPoolExecutor(
-        workers, mp_context=context, initializer=_remember, initargs=(told,)
-    ) as pool:
-        with defer_interrupts():  # this process ends them
-            running = {pool.submit(do, name, _tell): name for name in names}
-        try:
-            done = {running[future]: future.result() for future in as_completed(running)}
-        except BaseException:
-            for worker in set(active_children()) - others:
-                worker.terminate()  # its files are complete or not in place
-            raise
-        told.put(None)
-        listener.join()
-    return done
-
-
-def _track() -> None:
-    """Start the process that removes what workers share if this one is killed, without a warning to the user."""
-    sys.warnoptions.append(
-        "ignore::UserWarning:multiprocessing.resource_tracker"
-    )  # passed on to the process
-    try:
-        resource_tracker.ensure_running()
-    finally:
-        sys.warnoptions.pop()
-
-
-def _do(
+def _run_study(
     settings: Experiments,
     model: scenarios.Model,
     folder: Path,
     repeats: Sequence[Repeat],
     name: str,
     progress: Progress,
-) -> _Done:
+) -> _Outcome:
     """Run one study and write its part of the folder."""
-    what = name.replace("_", " ")
-    study = RUNS[name](getattr(settings, name), model, progress=partial(progress, what))
+    activity = name.replace("_", " ")
+    run = RUNS[name]
+    study = run(getattr(settings, name), model, progress=partial(progress, activity))
     if name not in CHAPTERS:
-        return _Done(study, [], "")
-    more = {"repeats": repeats} if name == "efficiency" else {}
-    chapter = CHAPTERS[name][1](study, **more)
+        return _Outcome(study, files=[], html="")
+    build_chapter = CHAPTERS[name].build
+    if name == "efficiency":
+        chapter = build_chapter(study, repeats=repeats)
+    else:
+        chapter = build_chapter(study)
     files, html = write_chapter(
-        chapter, folder, lambda n: progress(f"{what}: figures", n, chapter.n_figures)
+        chapter,
+        folder,
+        lambda n_drawn: progress(f"{activity}: figures", n_drawn, chapter.n_figures),
     )
-    return _Done(study, files, html)
+    return _Outcome(study, files=files, html=html)
 
 
-# ---- in a worker ---------------------------------------------------------------------------------
-
-_told: Any = None
-"""Queue in which a worker reports its progress."""
-
-
-def _remember(told: Any) -> None:
-    global _told
-    _told = told
-    Thread(target=_end_with, args=(parent_process(),), daemon=True).start()
-
-
-def _end_with(parent: Any) -> None:
-    """Exit when the parent ends: nobody waits for the work of a program that was killed."""
-    parent.join()
-    os._exit(1)
-
-
-def _tell(what: str, done: int, total: int) -> None:
-    _told.put((what, done, total))
-
-
-def _listen(told: Any, progress: Progress) -> None:
-    """Pass on the progress that workers report, until the end is signaled."""
-    while (message := told.get()) is not None:
-        progress(*message)
+def _write_report(
+    folder: Path,
+    *,
+    coefficients: runs.Coefficients,
+    model: scenarios.Model,
+    outcomes: Mapping[str, _Outcome],
+    claims: Sequence[Claim],
+) -> tuple[str, ...]:
+    """Write the chapters about all studies and the page, and return the names of all files in the folder."""
+    results = {name: outcome.study for name, outcome in outcomes.items()}
+    summary_files, summary = write_chapter(summary_chapter(results, claims), folder)
+    claims_files, claims_html = write_chapter(claims_chapter(claims, own_verdicts(results)), folder)
+    chapters = [("claims", "The paper's claims", claims_html)]
+    files = [*summary_files, *claims_files]
+    for outcome in outcomes.values():
+        files += outcome.files
+    for name, chapter in CHAPTERS.items():
+        if name in outcomes:
+            chapters.append((name.replace("_", "-"), chapter.title, outcomes[name].html))
+    model_settings = scenarios.settings_of(model)
+    page = paper_templates().get_template("report.html")
+    text = page.render(
+        title=TITLE,
+        coefficients=coefficients.title,
+        version=packaging.__version__,
+        model=model_settings["model"],
+        joints=model_settings["joints"],
+        summary=summary,
+        chapters=chapters,
+    )
+    write(folder / "report.html", text)
+    return (*sorted(files), "report.html")
