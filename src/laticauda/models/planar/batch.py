@@ -28,24 +28,25 @@ from laticauda.values.extensions import Extensible
 
 Result = TypeVar("Result")
 
-# Fills an AVX-512 register; processors without AVX-512 use two or four registers for the same
-# numbers, and 16 lanes are no faster.
 WIDTH = 8
-# Rows of a wave's parameters (`TOLD`), and the rows of the initial state that hold the first of
-# them.
+"""Runs side by side. They fill an AVX-512 register; other processors use two or four registers for the
+same numbers, and 16 lanes are no faster."""
 COMMAND = slice(rows.AMPLITUDE, rows.OFFSET + 1)
-BEGUN = [rows.AMPLITUDE_NOW, rows.FREQUENCY_NOW, rows.PHASE_SHIFT_NOW]
-# Maximum number of blocks that one thread takes at a time, and of samples that are logged at a
-# time.
-_BLOCKS = 8
-_SAMPLES = 2000
-# Step of the derivatives: far below rounding, and a power of two, so that scaling by it changes no
-# digits.
+"""Rows of a wave's parameters (`TOLD`)."""
+FILTERED_COMMAND = [rows.AMPLITUDE_NOW, rows.FREQUENCY_NOW, rows.PHASE_SHIFT_NOW]
+"""Rows of the initial state that hold the first of them."""
+MOST_BLOCKS_PER_TASK = 8
+"""Blocks that one thread takes at a time."""
+SAMPLES_PER_CALL = 2000
+"""Samples that are logged by one call of a kernel."""
 STEP = 2.0**-100
+"""Step of the derivatives: far below rounding, and a power of two, so that scaling by it changes no digits."""
 # The log holds the header's state rows from TIME to VY: few enough to stay in the processor's
 # cache.
-_X, _VX = rows.X - rows.TIME, rows.VX - rows.TIME
+_X = rows.X - rows.TIME
+_VX = rows.VX - rows.TIME
 PATH_ROWS = _VX + 2
+"""Rows of a log without the joints."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,7 +93,7 @@ class Block:
 class Device(Extensible, group="devices"):
     """Device that runs batches instead of the processor's cores; provided by installed packages."""
 
-    def march_many(self, *batch: Any, **how: Any) -> Iterator[Any]:
+    def march_many(self, *batch: Any, **settings: Any) -> Iterator[Any]:
         """Run a batch, with the arguments of the function `march_many`."""
         raise NotImplementedError
 
@@ -126,19 +127,21 @@ def march_many(
     tasks = _tasks(runs, duration / n_intervals, n_threads)
 
     def work(task: np.ndarray) -> list[Result]:
-        alike = [runs[int(i)] for i in task]
-        first, columns = (
-            alike[0].plant,
-            columns_of(alike),
-        )  # kernel and rows are the same for all runs of a kind
-        n_rows = rows.LOG_STATE + 4 * (first.layout.n_bodies - 1) if with_joints else PATH_ROWS
-        log = aligned(
-            (1 + min(n_intervals, _SAMPLES), n_rows, WIDTH),
-            float if runs[0].slope is None else complex,
-        )
-        blocks = [slice(i, i + WIDTH) for i in range(0, len(alike), WIDTH)]
-        states = ((task[one], _side_by_side(columns[:, one], alike[one])) for one in blocks)
-        return [use(_march(first, index, S, duration, n_intervals, log)) for index, S in states]
+        task_runs = [runs[int(i)] for i in task]
+        plant = task_runs[0].plant  # kernel and rows are the same for all runs of a kind
+        columns = columns_of(task_runs)
+        n_rows = PATH_ROWS
+        if with_joints:
+            n_rows = rows.LOG_STATE + 4 * (plant.layout.n_bodies - 1)
+        kind = float if runs[0].slope is None else complex
+        log = aligned((1 + min(n_intervals, SAMPLES_PER_CALL), n_rows, WIDTH), kind)
+        results: list[Result] = []
+        for first in range(0, len(task_runs), WIDTH):
+            lanes = slice(first, first + WIDTH)
+            S = _side_by_side(columns[:, lanes], task_runs[lanes])
+            block = _march(plant, task[lanes], S, duration, n_intervals, log)
+            results.append(use(block))
+        return results
 
     with ThreadPoolExecutor(n_threads) as pool:
         waiting = deque[Future[list[Result]]](
@@ -156,53 +159,60 @@ def march_many(
 
 def _tasks(runs: Sequence[Run], interval: float, n_threads: int) -> Iterator[np.ndarray]:
     """Yield indices of runs that can run side by side, a few blocks of WIDTH per task."""
-    for alike in kinds_of(runs, interval):
-        size = WIDTH * min(max(len(alike) // (4 * WIDTH * n_threads), 1), _BLOCKS)
-        for i in range(0, len(alike), size):
-            yield np.array(alike[i : i + size])
+    for indices in kinds_of(runs, interval):
+        n_blocks = max(len(indices) // (4 * WIDTH * n_threads), 1)
+        size = WIDTH * min(n_blocks, MOST_BLOCKS_PER_TASK)
+        for first in range(0, len(indices), size):
+            yield np.array(indices[first : first + size])
 
 
 def kinds_of(runs: Sequence[Run], interval: float) -> Iterable[list[int]]:
     """Group the indices of runs that can run side by side; `interval` is the sample interval [s]."""
     kinds: dict[object, list[int]] = {}
-    of_plant: dict[int, object] = {}
-    of_law: dict[object, str] = {}
+    kind_of_plant: dict[int, object] = {}
+    digest_of_laws: dict[object, str] = {}
     for i, run in enumerate(runs):
         plant = run.plant
-        if id(plant) not in of_plant:
-            flow = plant.flow
-            law = (
-                type(plant.law),
-                getattr(plant.law, "function", None),
-                type(plant.joints),
-                flow.parts,
-                flow.counts,
-            )
-            if law not in of_law:
-                own = plant.joints.own
-                moving = (
-                    [digest_of(formula) for formula in flow.kinds],
-                    [part[2] for part in flow.parts],
-                )
-                of_law[law] = (
-                    f"{digest_of(plant.law.formula)} {own and digest_of(own)} {moving} {flow.counts}"
-                )
-            of_plant[id(plant)] = _kind(plant, interval, of_law[law])
-        recorded = run.command.gait.recorded  # lanes share its times, not its angles
-        kinds.setdefault((of_plant[id(plant)], recorded and recorded.time), []).append(i)
+        if id(plant) not in kind_of_plant:
+            laws = _laws_of(plant)
+            if laws not in digest_of_laws:
+                digest_of_laws[laws] = _digest_laws(plant)
+            kind_of_plant[id(plant)] = _kind(plant, interval, digest_of_laws[laws])
+        recorded = run.command.gait.recorded
+        recorded_times = recorded and recorded.time  # lanes share its times, not its angles
+        kinds.setdefault((kind_of_plant[id(plant)], recorded_times), []).append(i)
     return kinds.values()
+
+
+def _laws_of(plant: PlanarPlant) -> object:
+    """Return what the digest of a plant's laws depends on, quickly."""
+    flow = plant.flow
+    function = getattr(plant.law, "function", None)
+    return type(plant.law), function, type(plant.joints), flow.parts, flow.counts
+
+
+def _digest_laws(plant: PlanarPlant) -> str:
+    """Return the digest of the laws that are compiled into a plant's kernels."""
+    flow = plant.flow
+    joint_formula = plant.joints.own
+    joint_digest = joint_formula and digest_of(joint_formula)
+    flow_digests = [digest_of(formula) for formula in flow.kinds]
+    flow_parts = [part[2] for part in flow.parts]
+    return (
+        f"{digest_of(plant.law.formula)} {joint_digest} {(flow_digests, flow_parts)} {flow.counts}"
+    )
 
 
 def _kind(plant: PlanarPlant, interval: float, law_digest: str) -> object:
     """Return what runs side by side must have in common: the chain's shape, the laws, the number of steps."""
-    a: Layout = plant.layout
+    layout: Layout = plant.layout
     shape = (
-        a.n_bodies,
-        a.first_strip.tobytes(),
-        a.first_plate.tobytes(),
-        a.law.tobytes(),
-        a.tail_link,
-        a.has_extras,
+        layout.n_bodies,
+        layout.first_strip.tobytes(),
+        layout.first_plate.tobytes(),
+        layout.law.tobytes(),
+        layout.tail_link,
+        layout.has_extras,
     )
     return shape, plant.steps_in(interval), law_digest
 
@@ -219,19 +229,22 @@ def _march(
     every = plant.steps_in(duration / n_intervals)
     dt = duration / n_intervals / every
     paths: list[np.ndarray] = []
-    well, n_samples = np.full(WIDTH, True), np.zeros(WIDTH, dtype=int)
-    for first in range(0, n_intervals, _SAMPLES):
-        count = min(_SAMPLES, n_intervals - first)
+    is_well = np.full(WIDTH, True)
+    n_samples = np.zeros(WIDTH, dtype=int)
+    for first in range(0, n_intervals, SAMPLES_PER_CALL):
+        count = min(SAMPLES_PER_CALL, n_intervals - first)
         part = log[: count + 1]
         plant.kernels_of(WIDTH).run(
             S, *plant.layout.chain, plant.is_implicit, count * every, dt, every, part
         )
-        here = np.real(_numbers(S[rows.SAMPLES])).astype(int)
-        n_samples += well * (here if first == 0 else np.maximum(here - 1, 0))
-        well &= here == count + 1
-        if n_intervals > _SAMPLES:
+        n_written = np.real(_numbers(S[rows.SAMPLES])).astype(int)
+        # The first sample of a further part is the last one of the part before.
+        n_new = n_written if first == 0 else np.maximum(n_written - 1, 0)
+        n_samples += is_well * n_new
+        is_well &= n_written == count + 1
+        if n_intervals > SAMPLES_PER_CALL:
             paths.append(_numbers(part[0 if first == 0 else 1 :]).copy())
-        if not well.any():
+        if not is_well.any():
             break
     path = np.concatenate(paths) if paths else _numbers(log)
     n = index.size
@@ -254,9 +267,11 @@ def block_of(index: np.ndarray, path: np.ndarray, end: np.ndarray, n_samples: np
 
 def _side_by_side(columns: np.ndarray, runs: Sequence[Run]) -> np.ndarray:
     """Return the rows of up to WIDTH runs as lanes, complex if they have slopes; unused lanes repeat the last run."""
-    S = aligned((columns.shape[0], WIDTH), float if runs[0].slope is None else complex)
-    real, n = S, len(runs)
-    if runs[0].slope is not None:
+    n = len(runs)
+    has_slopes = runs[0].slope is not None
+    S = aligned((columns.shape[0], WIDTH), complex if has_slopes else float)
+    real = S
+    if has_slopes:
         real, slopes = split(S)
         slopes[:, :n] = STEP * np.stack([cast(np.ndarray, run.slope) for run in runs], axis=1)
         slopes[:, n:] = slopes[:, n - 1 : n]
@@ -267,9 +282,10 @@ def _side_by_side(columns: np.ndarray, runs: Sequence[Run]) -> np.ndarray:
 
 def columns_of(runs: Sequence[Run]) -> np.ndarray:
     """Return the rows of several runs, one column per run."""
-    return np.concatenate(
-        [_columns(list(of_one)) for _, of_one in groupby(runs, lambda run: id(run.plant))], axis=1
-    )
+    columns = [
+        _columns(list(plant_runs)) for _, plant_runs in groupby(runs, lambda run: id(run.plant))
+    ]
+    return np.concatenate(columns, axis=1)
 
 
 def _columns(runs: Sequence[Run]) -> np.ndarray:
@@ -278,21 +294,31 @@ def _columns(runs: Sequence[Run]) -> np.ndarray:
     if len(runs) == 1 or not all(_differ_in_waves(first, run) for run in runs[1:]):
         return np.stack([run.rows for run in runs], axis=1)
     S = np.repeat(first.rows[:, np.newaxis], len(runs), axis=1)
-    waves = np.array([[getattr(run.command.gait, name) for name in TOLD] for run in runs]).T
-    S[COMMAND], S[BEGUN] = waves, waves[: len(BEGUN)]
+    waves = np.array([_wave_numbers(run) for run in runs]).T
+    S[COMMAND] = waves
+    S[FILTERED_COMMAND] = waves[: len(FILTERED_COMMAND)]
     S[rows.OFFSET] += first.command.offset
     return S
 
 
-def _differ_in_waves(one: Run, other: Run) -> bool:
+def _wave_numbers(run: Run) -> list[float]:
+    return [getattr(run.command.gait, name) for name in TOLD]
+
+
+def _differ_in_waves(first: Run, run: Run) -> bool:
     """Return whether two runs of a plant differ only in `TOLD`."""
-    a, b = one.command, other.command
-    return one.start == other.start and _same(a, b, ("gait",)) and _same(a.gait, b.gait, TOLD)
+    return (
+        first.start == run.start
+        and _are_same(first.command, run.command, but=("gait",))
+        and _are_same(first.command.gait, run.command.gait, but=TOLD)
+    )
 
 
-def _same(one: object, other: object, but: Sequence[str]) -> bool:
+def _are_same(first: object, second: object, but: Sequence[str]) -> bool:
     """Return whether two objects of a class are equal in all fields except those in `but`."""
-    return all(vars(other)[name] == value for name, value in vars(one).items() if name not in but)
+    return all(
+        vars(second)[name] == value for name, value in vars(first).items() if name not in but
+    )
 
 
 def _numbers(lanes: np.ndarray) -> np.ndarray:

@@ -95,8 +95,8 @@ def build_layout(
     bodies = [*reversed(fin), *links]
     n = len(bodies)
     first_strip = [0, *accumulate(body.strips.mass.size if body.strips else 0 for body in bodies)]
-    on_links = [plate.link + len(fin) for plate in robot.pectoral_fins]
-    first_plate = [sum(body < i for body in on_links) for i in range(n + 1)]
+    bodies_of_plates = [plate.link + len(fin) for plate in robot.pectoral_fins]
+    first_plate = [sum(body < i for body in bodies_of_plates) for i in range(n + 1)]
     size = rows.HEADER_ROWS + n * rows.BODY_ROWS + first_strip[-1] * rows.STRIP_ROWS
     S = np.zeros(size + first_plate[-1] * rows.PLATE_ROWS)
     _write_environment(S, environment, robot, joints, folded=not fin)
@@ -108,18 +108,16 @@ def build_layout(
     ]
     for i, body in enumerate(bodies):
         if body.strips is not None:
-            own = strips[first_strip[i] : first_strip[i + 1]]
-            own[:, 0], own[:, 1 : rows.STRIP_DISPLACED + 1] = (
-                body.strips.position,
-                _loads(body.strips).T,
-            )
+            strips_of_body = strips[first_strip[i] : first_strip[i + 1]]
+            strips_of_body[:, 0] = body.strips.position
+            strips_of_body[:, 1 : rows.STRIP_DISPLACED + 1] = _loads(body.strips).T
     law = _write_joints(records, robot, fin, joints)
     write_effectors(S, robot, environment, first_link=len(fin))
     flow = flow_rows(environment).numbers
     S[rows.FLOW] = S.size
-    tether = robot.tether
-    pulled = isinstance(environment, robots.Water) and (
-        environment.trailing_edge != "none" or tether.drag > 0.0 or any(tether.force)
+    has_strips_or_plates = first_strip[-1] > 0 or first_plate[-1] > 0
+    has_extras = (
+        bool(robot.thrusters) or has_strips_or_plates or _is_pulled_at_tail(robot, environment)
     )
     return Layout(
         template=np.concatenate((S, flow)),
@@ -128,8 +126,16 @@ def build_layout(
         first_plate=np.array(first_plate),
         law=law,
         tail_link=len(fin),
-        has_extras=bool(robot.thrusters or first_strip[-1] or first_plate[-1] or pulled),
+        has_extras=has_extras,
     )
+
+
+def _is_pulled_at_tail(robot: robots.Robot, environment: robots.Environment) -> bool:
+    """Return whether a tether or the wake of a trailing edge pulls at the tail."""
+    if not isinstance(environment, robots.Water):
+        return False
+    tether = robot.tether
+    return environment.trailing_edge != "none" or tether.drag > 0.0 or any(tether.force)
 
 
 def _links_and_fin(
@@ -138,13 +144,13 @@ def _links_and_fin(
     """Return the bodies of the links and of a movable fin, root first; a rigid fin is part of the tail link."""
     # A batch of an identification lays out one robot per run: what modules or joints share is
     # computed only once.
-    modules = {id(m): m for m in robot.modules}
-    part = {
-        key: _Part(m.mass, m.length / 2.0 + m.center, m.moment_of_inertia)
-        for key, m in modules.items()
-    }
-    known = {key: _Body(m.length, (part[key],)) for key, m in modules.items()}
-    links = [known[id(m)] for m in robot.modules]
+    body_of_module: dict[int, _Body] = {}
+    for module in robot.modules:
+        if id(module) not in body_of_module:
+            position = module.length / 2.0 + module.center
+            part = _Part(module.mass, position, module.moment_of_inertia)
+            body_of_module[id(module)] = _Body(module.length, (part,))
+    links = [body_of_module[id(module)] for module in robot.modules]
     if robot.caudal_fin is None or coefficients.fin is None:
         return links, []
     fin = _fin_bodies(robot.caudal_fin, coefficients.fin, joints.code)
@@ -159,35 +165,41 @@ def _fin_bodies(fin: robots.CaudalFin, strips: Coefficients, joints: int) -> lis
     bodies: list[_Body] = []
     for piece in fin.pieces:
         joint = fin.joint if piece.begin == 0.0 else None
-        passive = rows.LOCKED if piece.hinge is None else rows.PASSIVE
+        law = rows.LOCKED if piece.hinge is None else rows.PASSIVE
+        if joint is not None:
+            law = joints
+        inertia = piece.mass * piece.length**2 / 12.0
+        is_on_piece = (middle > piece.begin) & (middle < piece.end)
         bodies.append(
             _Body(
                 length=piece.length,
-                parts=(_Part(piece.mass, piece.length / 2.0, piece.mass * piece.length**2 / 12.0),),
-                strips=_moved(strips, (middle > piece.begin) & (middle < piece.end), piece.end),
-                law=passive if joint is None else joints,
+                parts=(_Part(piece.mass, piece.length / 2.0, inertia),),
+                strips=_select(strips, is_on_piece, piece.end),
+                law=law,
                 is_hinged=joint is not None or piece.hinge is not None,
             )
         )
     return bodies
 
 
-def _moved(strips: Coefficients, own: np.ndarray, end: float) -> Coefficients:
-    """Return the strips selected by `own`, with positions measured from `end` behind the root."""
-    taken = {
-        field.name: getattr(strips, field.name)[own]
+def _select(strips: Coefficients, is_selected: np.ndarray, end: float) -> Coefficients:
+    """Return the selected strips, with positions measured from `end` behind the root."""
+    selected = {
+        field.name: getattr(strips, field.name)[is_selected]
         for field in fields(strips)
         if field.name != "fin"
     }
-    return Coefficients(**{**taken, "position": taken["position"] + end})
+    selected["position"] = selected["position"] + end
+    return Coefficients(**selected)
 
 
 def _fold(tail: _Body, piece: _Body) -> _Body:
     """Return the tail link with a fin of one rigid piece as part of it."""
-    part, strips = piece.parts[0], cast(Coefficients, piece.strips)
-    parts = *tail.parts, part._replace(position=-part.position)
+    part = piece.parts[0]
+    strips = cast(Coefficients, piece.strips)
     return tail._replace(
-        parts=parts, strips=replace(strips, position=strips.position - piece.length)
+        parts=(*tail.parts, part._replace(position=-part.position)),
+        strips=replace(strips, position=strips.position - piece.length),
     )
 
 
@@ -202,33 +214,37 @@ def _write_environment(
     S[rows.OWN_VELOCITY] = 1.0
     S[rows.BANDWIDTH] = 1.0
     S[rows.ACTIVE_POWER] = robot.active_power or 0.0
-    for first, numbers in (
-        (rows.LAW, robots.law_of(environment).numbers),
-        (rows.JOINT_LAW, joints.numbers),
-    ):
-        S[first : first + len(numbers)] = numbers
+    law_numbers = robots.law_of(environment).numbers
+    S[rows.LAW : rows.LAW + len(law_numbers)] = law_numbers
+    S[rows.JOINT_LAW : rows.JOINT_LAW + len(joints.numbers)] = joints.numbers
     if isinstance(environment, robots.Ground):
         return
     S[rows.TETHER_DRAG] = robot.tether.drag
     S[rows.TETHER_FORCE_X], S[rows.TETHER_FORCE_Y] = robot.tether.force
     S[rows.CURRENT_X], S[rows.CURRENT_Y], upward = environment.uniform
     if upward:
-        rule = "must be horizontal unless `model` is `spatial`, got"
-        raise BadArgument("current", f"{rule} {upward:g} m/s upward")
+        raise BadArgument(
+            "current",
+            f"must be horizontal unless `model` is `spatial`, got {upward:g} m/s upward",
+        )
     S[rows.HEIGHT] = -(environment.depth or 0.0)
     S[rows.OWN_VELOCITY] = environment.added_mass_form != "classic"
     S[rows.KIRCHHOFF] = environment.added_mass_form == "kirchhoff"
     if environment.trailing_edge == "elongated":
         S[rows.WAKE_MASS] = wake_mass(robot, environment)
-        S[rows.WAKE_POSITION] = -robot.caudal_fin.length if robot.caudal_fin and folded else 0.0
+        if robot.caudal_fin and folded:
+            S[rows.WAKE_POSITION] = -robot.caudal_fin.length
 
 
 def _write_bodies(
     records: np.ndarray, bodies: Sequence[_Body], w: Coefficients, environment: robots.Environment
 ) -> None:
     """Write masses and added masses of the bodies about their tail ends, and their own drag at their centers."""
-    known = {id(body): _solid(body) for body in {id(body): body for body in bodies}.values()}
-    length, mass, moment, rigid = np.array([known[id(body)] for body in bodies]).T
+    solids: dict[int, tuple[float, float, float, float]] = {}
+    for body in bodies:
+        if id(body) not in solids:
+            solids[id(body)] = _solid(body)
+    length, mass, moment, rigid = np.array([solids[id(body)] for body in bodies]).T
     mu_t, mu_n, moment_t, moment_n, added = _added_mass(bodies, w, length[-w.mass.size :] / 2.0)
     classic = isinstance(environment, robots.Water) and environment.added_mass_form == "classic"
     total = sum(part.mass for body in bodies for part in body.parts)
@@ -273,19 +289,21 @@ def _added_mass(bodies: Sequence[_Body], w: Coefficients, x: np.ndarray) -> np.n
 
     The last bodies are the links, whose own coefficients `w` apply at `x`.
     """
-    found = np.zeros((5, len(bodies)))
-    found[:, -x.size :] = w.mu_t, w.mu_n, w.mu_t * x, w.mu_n * x, w.lambda_1 + w.mu_n * (x * x)
+    sums = np.zeros((5, len(bodies)))
+    sums[:, -x.size :] = w.mu_t, w.mu_n, w.mu_t * x, w.mu_n * x, w.lambda_1 + w.mu_n * (x * x)
     for i, body in enumerate(bodies):
-        if (strips := body.strips) is not None:
-            at, (mu_t, mu_n) = strips.position, (strips.mu_t, strips.mu_n)
-            found[:, i] += (
-                mu_t.sum(),
-                mu_n.sum(),
-                mu_t @ at,
-                mu_n @ at,
-                strips.lambda_1.sum() + mu_n @ (at * at),
-            )
-    return found
+        strips = body.strips
+        if strips is None:
+            continue
+        position, mu_t, mu_n = strips.position, strips.mu_t, strips.mu_n
+        sums[:, i] += (
+            mu_t.sum(),
+            mu_n.sum(),
+            mu_t @ position,
+            mu_n @ position,
+            strips.lambda_1.sum() + mu_n @ (position * position),
+        )
+    return sums
 
 
 def write_effectors(
@@ -303,13 +321,8 @@ def write_effectors(
         ValueError: If a thruster or fin acts out of the plane.
     """
     for group in ("thrusters", "pectoral_fins"):
-        for i, one in enumerate(getattr(robot, group)):
-            for name in ("elevation", "roll"):
-                if getattr(one, name) != 0.0:
-                    rule = (
-                        "must be 0 unless `model` is `spatial`, since it acts out of the plane, got"
-                    )
-                    raise BadArgument(f"{group}[{i}].{name}", f"{rule} {getattr(one, name)}")
+        for i, effector in enumerate(getattr(robot, group)):
+            _check_in_plane(f"{group}[{i}]", effector)
     records = S[rows.HEADER_ROWS :][first_link * rows.BODY_ROWS :][: robot.n_links * rows.BODY_ROWS]
     records = records.reshape(-1, rows.BODY_ROWS)
     records[:, rows.THRUST_T : rows.THRUST_MOMENT + 1] = 0.0
@@ -317,18 +330,28 @@ def write_effectors(
         _add_thruster(records[thruster.link], robot, thruster.link, thruster)
     half_density = 0.5 * environment.density if isinstance(environment, robots.Water) else 0.0
     plates = sorted(robot.pectoral_fins, key=lambda plate: plate.link)
-    of_plates = S[S.size - len(plates) * rows.PLATE_ROWS :].reshape(-1, rows.PLATE_ROWS)
-    for record, plate in zip(of_plates, plates, strict=True):
+    plate_records = S[S.size - len(plates) * rows.PLATE_ROWS :].reshape(-1, rows.PLATE_ROWS)
+    for record, plate in zip(plate_records, plates, strict=True):
         record[: rows.PLATE_WATER] = _plate_numbers(plate, robot.modules[plate.link], half_density)
+
+
+def _check_in_plane(name: str, effector: robots.Thruster | robots.PectoralFin) -> None:
+    """Reject a thruster or fin that acts out of the plane."""
+    for angle in ("elevation", "roll"):
+        value = getattr(effector, angle)
+        if value != 0.0:
+            raise BadArgument(
+                f"{name}.{angle}",
+                "must be 0 unless `model` is `spatial`, since it acts out of the plane, "
+                f"got {value}",
+            )
 
 
 def _add_thruster(
     record: np.ndarray, robot: robots.Robot, link: int, thruster: robots.Thruster
 ) -> None:
-    along, across = (
-        thruster.thrust * np.cos(thruster.angle),
-        thruster.thrust * np.sin(thruster.angle),
-    )
+    along = thruster.thrust * np.cos(thruster.angle)
+    across = thruster.thrust * np.sin(thruster.angle)
     x = robot.modules[link].length / 2.0 + thruster.x
     record[[rows.THRUST_T, rows.THRUST_N]] += along, across
     record[rows.THRUST_MOMENT] += x * across - thruster.y * along
@@ -340,14 +363,14 @@ def _write_joints(
     """Write the parameters of the joint at the tail end of every body; return the joint laws."""
     table = joint_table(robot, joints)
     records[len(fin) + 1 :, : rows.JOINT_ROWS] = table[: robot.n_joints]
-    law, of_fin = np.full(len(records), joints.code), iter(table[robot.n_joints :])
+    fin_joints = iter(table[robot.n_joints :])
+    law = np.full(len(records), joints.code)
     law[0] = rows.LOCKED
-    for i, piece in zip(
-        range(len(fin), 0, -1), fin, strict=True
-    ):  # its hinge is at the tail end of the body ahead
+    # The hinge of a piece is at the tail end of the body ahead.
+    for i, piece in zip(range(len(fin), 0, -1), fin, strict=True):
         law[i] = piece.law
         if piece.is_hinged:
-            records[i, : rows.JOINT_ROWS] = next(of_fin)
+            records[i, : rows.JOINT_ROWS] = next(fin_joints)
     return law
 
 

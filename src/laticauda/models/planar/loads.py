@@ -36,28 +36,26 @@ def water_around(S, n, first_strip, first_plate, tail_link, has_extras):
         places(S, n)
         for i in range(n):
             b = HEADER_ROWS + i * BODY_ROWS
-            strips, plates = (
-                first_strip[i + 1] - first_strip[i],
-                first_plate[i + 1] - first_plate[i],
-            )
-            for k in range(
-                3 + strips + plates
-                if has_extras and (i == 0 or i == tail_link)
-                else 1 + strips + plates
-            ):
-                x, y, found = S[b + CENTER], 0.0 * S[b + CENTER], b + WATER_T
+            strips = first_strip[i + 1] - first_strip[i]
+            plates = first_plate[i + 1] - first_plate[i]
+            # The body's own element, its strips and plates; then the tether and the trailing edge.
+            n_points = 1 + strips + plates
+            if has_extras and (i == 0 or i == tail_link):
+                n_points += 2
+            for k in range(n_points):
+                x, y, water = S[b + CENTER], 0.0 * S[b + CENTER], b + WATER_T
                 if 0 < k <= strips:
                     e = HEADER_ROWS + n * BODY_ROWS + (first_strip[i] + k - 1) * STRIP_ROWS
-                    x, found = S[e + STRIP_POSITION], e + WATER_OF
+                    x, water = S[e + STRIP_POSITION], e + WATER_OF
                 elif strips < k <= strips + plates:
                     e = HEADER_ROWS + n * BODY_ROWS + first_strip[n] * STRIP_ROWS
                     e += (first_plate[i] + k - 1 - strips) * PLATE_ROWS
-                    x, y, found = S[e + PLATE_X], S[e + PLATE_Y], e + PLATE_WATER
+                    x, y, water = S[e + PLATE_X], S[e + PLATE_Y], e + PLATE_WATER
                 elif k == strips + plates + 1 and i == tail_link:
-                    x, found = y, TETHER_WATER
+                    x, water = y, TETHER_WATER
                 elif k > strips + plates and i == 0:
-                    x, found = S[WAKE_POSITION] + y, WAKE_WATER
-                put_water(S, b, x, y, found)
+                    x, water = S[WAKE_POSITION] + y, WAKE_WATER
+                put_water(S, b, x, y, water)
 
 
 @kernel
@@ -80,7 +78,7 @@ def places(S, n):
 
 
 @kernel
-def put_water(S, b, x, y, found):
+def put_water(S, b, x, y, water):
     """Write the water's motion at a point of body b to five rows: velocity and acceleration in link axes, rotation."""
     c, s = S[b + COS], S[b + SIN]
     first = int(first_lane(S[FLOW].real))  # first row of the flow, the same in all lanes
@@ -88,11 +86,11 @@ def put_water(S, b, x, y, found):
     u, v, _, a_x, a_y, _, _, _, spin, _ = felt(
         motion(S, first, place_x, place_y, S[HEIGHT], S[TIME])
     )
-    S[found] = c * u + s * v
-    S[found + 1] = c * v - s * u
-    S[found + 2] = c * a_x + s * a_y
-    S[found + 3] = c * a_y - s * a_x
-    S[found + 4] = spin
+    S[water] = c * u + s * v
+    S[water + 1] = c * v - s * u
+    S[water + 2] = c * a_x + s * a_y
+    S[water + 3] = c * a_y - s * a_x
+    S[water + 4] = spin
 
 
 @kernel
@@ -192,9 +190,9 @@ def strip_inertia(S, b, e):
 
 
 @kernel
-def add_extra(S, b, found):
+def add_extra(S, b, loads):
     """Add a force and a moment to the extra loads of body b."""
-    f_t, f_n, moment = found
+    f_t, f_n, moment = loads
     S[b + EXTRA_T] += f_t
     S[b + EXTRA_N] += f_n
     S[b + EXTRA_MOMENT] += moment

@@ -26,7 +26,8 @@ from laticauda.values.formulas import Formula
 from laticauda.water.fluid import flow as flows
 from laticauda.water.fluid.laws import DragLaw, PolynomialDrag
 
-LEAST_DT = 1e-7  # s; with smaller steps a run would take forever
+LEAST_DT = 1e-7
+"""Time that drag may take to stop a link, at least; with smaller steps a run would take forever [s]."""
 TEMPLATES = {
     "loads": ("WIDTH", "law", "flow"),
     "recursion": ("WIDTH", "law", "flow"),
@@ -159,65 +160,83 @@ class PlanarPlant(Plant[Planar]):
 
     def observe(self, state: PlantState) -> Observation:
         """Return the observation of a state."""
-        seen = object.__new__(_Seen)
-        vars(seen).update(self._named(state.values))
-        return seen
+        # Not by its constructor: most fields of an observation are never asked for.
+        observation = object.__new__(_PlanarObservation)
+        vars(observation).update(self._fields_of(state.values))
+        return observation
 
     def rows(self, state: PlantState, command: Command) -> np.ndarray:
         """Return all rows: the layout's parameters, the command and the state."""
-        gait, (kept, asked) = command.gait, self._kept
+        gait = command.gait
         if gait.pitch is not None or command.pitch_offset != 0.0:
+            pitch = "a pitch offset" if gait.pitch is None else gait.pitch
             raise BadArgument(
                 "gait.pitch",
-                "must be None unless `model` is `spatial`: the planar model has no pitch joints, got "
-                f"{'a pitch offset' if gait.pitch is None else gait.pitch}",
+                "must be None unless `model` is `spatial`: "
+                f"the planar model has no pitch joints, got {pitch}",
             )
-        is_plain = (
-            command.references is command.enabled is command.thrusts is command.deflections is None
-        )
-        if kept is not gait or not is_plain:
-            asked = self._asked(command)
-            vars(self)["_kept"] = gait if is_plain else None, asked
-        S = asked.copy()
-        S[self._state] = state.values if command.references is None else self._begun(state, command)
+        S = self._rows_of_command(command).copy()
         if command.references is not None:
+            S[self._state] = self._begun(state, command)
             return S
+        S[self._state] = state.values
         S[rows.OFFSET] = gait.offset + command.offset
-        if (table := self._recorded(command, self.layout.template[self._envelope])) is None:
+        table = self._recorded(command, self.layout.template[self._envelope])
+        if table is None:
             return S
-        S[rows.KNOTS], S[rows.N_KNOTS] = S.size, len(table)
+        S[rows.KNOTS] = S.size
+        S[rows.N_KNOTS] = len(table)
         return np.concatenate((S, table.ravel()))
 
-    def _asked(self, command: Command) -> np.ndarray:
+    def _rows_of_command(self, command: Command) -> np.ndarray:
+        """Return all rows except those of the offset, the state and a recording.
+
+        Steering by the offset alone needs the same rows every time: those of the last gait are kept.
+        """
+        is_gait_alone = (
+            command.references is None
+            and command.enabled is None
+            and command.thrusts is None
+            and command.deflections is None
+        )
+        last_gait, last_rows = self._last_rows
+        if is_gait_alone and command.gait is last_gait:
+            return last_rows
+        new_rows = self._compute_rows(command)
+        vars(self)["_last_rows"] = command.gait if is_gait_alone else None, new_rows
+        return new_rows
+
+    def _compute_rows(self, command: Command) -> np.ndarray:
         """Return all rows except those of the offset, the state and a recording."""
-        a = self.layout
-        S, (yaw, _, fin) = a.template.copy(), self._targets(command)
-        wave = *yaw[:3], 0.0, fin.amplitude, fin.frequency, fin.offset, fin.phase
-        loop = self.settings.offset_bandwidth, self.ramp if command.references is None else 0.0
-        S[rows.AMPLITUDE : rows.RAMP + 1] = *wave, *loop
+        layout = self.layout
+        S = layout.template.copy()
+        yaw, _, fin = self._targets(command)
+        wave = (*yaw[:3], 0.0, fin.amplitude, fin.frequency, fin.offset, fin.phase)
+        ramp = self.ramp if command.references is None else 0.0
+        S[rows.AMPLITUDE : rows.RAMP + 1] = (*wave, self.settings.offset_bandwidth, ramp)
         S[self._envelope] *= command.gait.joint_envelope(self.robot.n_links)
-        if (robot := command.effectors(self.robot)) is not self.robot:
-            write_effectors(
-                S[: S.size - self.flow.numbers.size],
-                robot,
-                self.environment,
-                first_link=a.tail_link,
-            )
+        robot = command.effectors(self.robot)
+        if robot is not self.robot:
+            without_flow = S[: S.size - self.flow.numbers.size]
+            write_effectors(without_flow, robot, self.environment, first_link=layout.tail_link)
         if command.references is not None or command.enabled is not None:
-            body = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(
-                -1, rows.BODY_ROWS
-            )
-            driven = [*range(a.tail_link + 1, a.n_bodies), a.tail_link][
-                : len(self.robot.driven_joints)
-            ]
-            joints = body[driven, : rows.JOINT_ROWS]
+            bodies = self._bodies_of(S)
+            # The joint of a driven fin comes last.
+            joint_bodies = [*range(layout.tail_link + 1, layout.n_bodies), layout.tail_link]
+            driven = joint_bodies[: len(self.robot.driven_joints)]
+            joints = bodies[driven, : rows.JOINT_ROWS]
             self._hold(joints, command)
-            body[driven, : rows.JOINT_ROWS] = joints
+            bodies[driven, : rows.JOINT_ROWS] = joints
         return S
 
+    def _bodies_of(self, S: np.ndarray) -> np.ndarray:
+        """Return a view of the records of all bodies, one per row."""
+        end = rows.HEADER_ROWS + self.layout.n_bodies * rows.BODY_ROWS
+        return S[rows.HEADER_ROWS : end].reshape(-1, rows.BODY_ROWS)
+
     @cached_property
-    def _kept(self) -> tuple[gaits.Gait | None, np.ndarray]:
-        """The last gait and its rows, cached because steering by the offset alone needs the same rows every time."""
+    def _last_rows(self) -> tuple[gaits.Gait | None, np.ndarray]:
+        """The last gait that was commanded alone, and its rows."""
         return None, self.layout.template
 
     def towing_load(self, speed: float, angle: float = 0.0) -> tuple[float, float, float]:
@@ -232,22 +251,19 @@ class PlanarPlant(Plant[Planar]):
             its links [N m].
         """
         if self.flow.kinds:
-            return replace(
-                self, environment=replace(self.environment, current=(0.0, 0.0))
-            ).towing_load(speed, angle)
-        a, S = self.layout, self.layout.template.copy()
+            still_water = replace(self.environment, current=(0.0, 0.0))
+            return replace(self, environment=still_water).towing_load(speed, angle)
+        a = self.layout
+        S = a.template.copy()
         S[rows.VX] = S[rows.CURRENT_X] + speed * math.cos(angle)
         S[rows.VY] = S[rows.CURRENT_Y] - speed * math.sin(angle)
         locked = np.zeros(a.n_bodies, dtype=bool)
         self._kernels.evaluate(
             S, a.n_bodies, a.first_strip, a.first_plate, locked, a.tail_link, a.has_extras
         )
-        bodies = S[rows.HEADER_ROWS : rows.HEADER_ROWS + a.n_bodies * rows.BODY_ROWS].reshape(
-            -1, rows.BODY_ROWS
-        )
-        moment, along, across = (
-            -bodies[0, [rows.P0, rows.P1, rows.P2]]
-        ).tolist()  # all bodies, about the tail end
+        bodies = self._bodies_of(S)
+        # The load on all bodies, about the tail end.
+        moment, along, across = (-bodies[0, [rows.P0, rows.P1, rows.P2]]).tolist()
         length = bodies[:, rows.LENGTH]
         middle = float(np.sum(length[: a.tail_link]) + 0.5 * np.sum(length[a.tail_link :]))
         return along, across, moment - middle * across
@@ -259,12 +275,16 @@ class PlanarPlant(Plant[Planar]):
     def stopping(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """Return pairs of drag slopes [kg/s] and masses [kg] of the elements, first across them, then along them."""
         along, across = self.law.steepest(1.0)  # links of a swimming robot are slower
-        c, fin = self.coefficients, self.robot.caudal_fin
-        free = [c] if c.fin is None or fin is None or not fin.hinges else [c, c.fin]
-        pairs = [
-            ((across * e.c_n, e.mass + e.mu_n), (along * e.c_t, e.mass + e.mu_t)) for e in free
-        ]
-        return [one for pair in pairs for one in pair]
+        links = self.coefficients
+        fin = self.robot.caudal_fin
+        elements = [links]
+        if links.fin is not None and fin is not None and fin.hinges:
+            elements.append(links.fin)
+        pairs: list[tuple[np.ndarray, np.ndarray]] = []
+        for e in elements:
+            pairs.append((across * e.c_n, e.mass + e.mu_n))
+            pairs.append((along * e.c_t, e.mass + e.mu_t))
+        return pairs
 
     def _stable_step(self) -> float:
         """Return the time constant of the link that drag stops fastest."""
@@ -275,18 +295,22 @@ class PlanarPlant(Plant[Planar]):
                 f"must let a link glide for at least {LEAST_DT:g} s, but its drag or friction stops one "
                 f"within {1.0 / rate:.3g} s; lower its coefficients",
             )
-        return 1.0 / rate if rate > 0.0 else math.inf
+        if rate > 0.0:
+            return 1.0 / rate
+        return math.inf
 
     def _run(
         self, state: PlantState, command: Command, n_intervals: int, every: int, dt: float
     ) -> tuple[np.ndarray, np.ndarray]:
         raw = np.empty((1 + n_intervals, rows.LOG_STATE + 4 * (self.layout.n_bodies - 1), 1))
-        S, chain = self.rows(state, command), self.layout.chain
-        written = self._kernels.run(
-            S, *chain, self.is_implicit, n_intervals * every, dt, every, raw
+        S = self.rows(state, command)
+        n_written = self._kernels.run(
+            S, *self.layout.chain, self.is_implicit, n_intervals * every, dt, every, raw
         )
-        samples = raw[:written, :, 0]
-        return (samples[-1, : self._size].copy() if written else state.values), samples
+        samples = raw[:n_written, :, 0]
+        if not n_written:
+            return state.values, samples
+        return samples[-1, : self._size].copy(), samples
 
     def _sample_of(self, state: PlantState, command: Command) -> np.ndarray:
         raw = np.empty((1, rows.LOG_STATE + 4 * (self.layout.n_bodies - 1), 1))
@@ -304,15 +328,15 @@ class PlanarPlant(Plant[Planar]):
             self.rows(state, command), *a.chain, samples[:, :, np.newaxis], force
         )
         body = np.moveaxis(force[..., 0], 1, 0)
-        body[:, :, a.tail_link] += body[:, :, : a.tail_link].sum(
-            axis=2
-        )  # fin bodies belong to the tail link
+        # Fin bodies belong to the tail link.
+        body[:, :, a.tail_link] += body[:, :, : a.tail_link].sum(axis=2)
         return body[:, :, a.tail_link :]
 
     @cached_property
     def _columns(self) -> dict[str, Any]:
         """Columns of a sample for each field of an observation; the fin's joints are omitted."""
-        fin, joints = rows.LOG_STATE + self.layout.tail_link, self.layout.n_bodies - 1
+        fin = rows.LOG_STATE + self.layout.tail_link
+        joints = self.layout.n_bodies - 1
         return {
             "time": _at(rows.TIME),
             "center_of_mass": slice(_at(rows.X), _at(rows.Y) + 1),
@@ -323,16 +347,18 @@ class PlanarPlant(Plant[Planar]):
             "joint_rate": slice(fin + joints, rows.LOG_STATE + 2 * joints),
         }
 
-    def _named(self, samples: np.ndarray) -> dict[str, np.ndarray]:
+    def _fields_of(self, samples: np.ndarray) -> dict[str, np.ndarray]:
         """Return an observation's fields, except the link angles, of one or many samples."""
         columns = samples.T
-        return {name: columns[which].T for name, which in self._columns.items()}
+        return {name: columns[selection].T for name, selection in self._columns.items()}
 
     def _samples(self, samples: np.ndarray) -> Samples:
-        tail, joints, seen = self.layout.tail_link, self.layout.n_bodies - 1, self._named(samples)
+        tail = self.layout.tail_link
+        joints = self.layout.n_bodies - 1
+        fields = self._fields_of(samples)
         columns = np.moveaxis(samples[:, rows.LOG_STATE :].reshape(len(samples), 4, joints), 1, 0)
         return Samples(
-            seen=seen | {"link_angle": _links(seen["heading"], seen["joint_angle"])},
+            seen=fields | {"link_angle": _links(fields["heading"], fields["joint_angle"])},
             reference=columns[2, :, tail:],
             offset=samples[:, _at(rows.OFFSET_NOW), np.newaxis],
             torque=columns[3, :, tail:],
@@ -342,7 +368,7 @@ class PlanarPlant(Plant[Planar]):
         )
 
 
-class _Seen(Observation):
+class _PlanarObservation(Observation):
     """Observation in the plane; link angles are computed on first access."""
 
     @cached_property

@@ -26,9 +26,8 @@ rows_of = lane_types.rows_of(_names["WIDTH"])
 loads, recursion, drives = _names["loads"], _names["recursion"], _names["drives"]
 
 combined = compile_scalar(stages.combined)
-BASE_ROWS = 6  # HEADING ... VY are contiguous
-# Weights of the slopes for each further stage, and for the end (J. C. Butcher, J. Aust. Math. Soc.
-# 4, 1964).
+BASE_ROWS = 6
+"""Rows of the three degrees of freedom and their rates: HEADING ... VY are contiguous."""
 WEIGHTS = (
     (1 / 4, 0.0, 0.0, 0.0, 0.0, 0.0),
     (1 / 8, 1 / 8, 0.0, 0.0, 0.0, 0.0),
@@ -37,6 +36,7 @@ WEIGHTS = (
     (-3 / 7, 2 / 7, 12 / 7, -12 / 7, 8 / 7, 0.0),
     (7 / 90, 0.0, 32 / 90, 12 / 90, 32 / 90, 7 / 90),
 )
+"""Weights of the slopes for each further stage, and for the end (J. C. Butcher, J. Aust. Math. Soc. 4, 1964)."""
 
 
 @entry
@@ -75,9 +75,8 @@ def run(
             written += 1
         if step == steps:
             break
-        if (
-            two_ways
-        ):  # the torques above follow from accelerations, which must not include implicit terms
+        if two_ways:
+            # The torques above follow from accelerations, which must not include implicit terms.
             drives.joint_torques(S, n, law, GAMMA * dt)
             recursion.accelerations(
                 S, n, first_strip, first_plate, is_free, tail_link, has_extras, False
@@ -124,11 +123,10 @@ def free_joints(law):
 @kernel
 def any_prescribed(law, n):
     """Return whether any joint is prescribed."""
-    found = False
     for i in range(1, n):
         if law[i] == PRESCRIBED:
-            found = True
-    return found
+            return True
+    return False
 
 
 @kernel
