@@ -7,8 +7,8 @@ import pytest
 
 import laticauda as lc
 from laticauda.connect import Server, clients_folder
-from laticauda.connect.messages import FIRST_GAIT
 from laticauda.models.simulate import build_plant
+from laticauda.motion.gaits.gait import FIRST_GAIT
 from laticauda.scenarios.interfaces import Command, Start
 
 COMPILER = shutil.which("cc") or shutil.which("gcc")

@@ -10,9 +10,9 @@ import pytest
 
 import laticauda as lc
 from laticauda.connect import Server, clients_folder
-from laticauda.connect.messages import FIRST_GAIT
 from laticauda.control import HeadingController, LineOfSight, PathFollowing, StraightLine
 from laticauda.models.simulate import build_plant, run
+from laticauda.motion.gaits.gait import FIRST_GAIT
 from laticauda.scenarios.interfaces import Start
 
 

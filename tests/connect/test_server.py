@@ -164,7 +164,7 @@ def test_beyond_this_computer_the_first_message_has_the_token_or_nothing_is_done
 
 
 def test_who_does_not_show_the_token_is_let_go_however_busy(monkeypatch):
-    monkeypatch.setattr("laticauda.connect.server.GREETING", 0.2)
+    monkeypatch.setattr("laticauda.connect.server.GREETING_TIMEOUT", 0.2)
     with Server("0.0.0.0", 0, max_clients=1) as server:
         stranger = Client(server.port)
         stranger.stream.write(b"\n \n{")

@@ -9,8 +9,9 @@ import pytest
 import laticauda as lc
 from laticauda.connect import Session
 from laticauda.connect.budget import Budget
-from laticauda.connect.messages import FIRST_GAIT, read_scenario
+from laticauda.connect.decoding import read_scenario
 from laticauda.models.simulate import build_plant
+from laticauda.motion.gaits.gait import FIRST_GAIT
 from laticauda.robot import Current, Thruster
 from laticauda.scenarios.interfaces import Command, Start
 from laticauda.values.codec import decode, encode
@@ -96,7 +97,7 @@ def test_the_log_has_every_sample_once_and_can_be_read_from_a_moment_on(ask):
 
 
 def test_a_log_that_is_too_long_loses_its_oldest_samples_and_says_how_many(ask, monkeypatch):
-    monkeypatch.setattr("laticauda.connect.session.MOST_SAMPLES", 20)
+    monkeypatch.setattr("laticauda.connect.history.MOST_SAMPLES", 20)
     ask("reset")
     for _ in range(50):
         ask("step", duration=0.05)
@@ -107,14 +108,14 @@ def test_a_log_that_is_too_long_loses_its_oldest_samples_and_says_how_many(ask, 
 
 
 def budgeted(**room):
-    session = Session(budget=Budget(**room).shared(4))
+    session = Session(budget=Budget(**room).share_among(4))
     return lambda request, **fields: json.loads(
         session.answer(json.dumps({"do": request, **fields}).encode())
     )
 
 
 def test_a_log_and_a_request_have_a_clients_part_of_the_numbers_of_all():
-    ask = budgeted(logged=4 * 51 * 10)  # ten samples of nine links
+    ask = budgeted(max_logged=4 * 51 * 10)  # ten samples of nine links
     ask("reset")
     for _ in range(50):
         ask("step", duration=0.05)
@@ -129,7 +130,7 @@ def test_a_log_and_a_request_have_a_clients_part_of_the_numbers_of_all():
 
 
 def test_an_answer_has_a_clients_part_of_the_numbers_of_all():
-    ask = budgeted(answered=400)
+    ask = budgeted(max_answered=400)
     assert (
         ask("run", series=["time"])["error"]
         == "`series` must hold 100 numbers or fewer in one answer, got 601."
@@ -137,7 +138,7 @@ def test_an_answer_has_a_clients_part_of_the_numbers_of_all():
 
 
 def test_what_is_large_waits_for_its_turn_and_what_is_small_does_not():
-    budget = Budget().shared(4)
+    budget = Budget().share_among(4)
     session, answers = Session(budget=budget), []
 
     def ask(**fields):
@@ -145,7 +146,7 @@ def test_what_is_large_waits_for_its_turn_and_what_is_small_does_not():
 
     ask(do="reset")
     large = threading.Thread(target=ask, kwargs={"do": "step", "duration": 200.0})
-    with budget.turn:
+    with budget.lock:
         ask(do="step", duration=0.1)
         large.start()
         large.join(0.3)

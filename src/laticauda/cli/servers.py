@@ -240,10 +240,10 @@ class Serve(Command):
         return None
 
     def _announce_address(self, server: "cosim.Server") -> None:
-        token = server.door.token
+        token = server.access.token
         folder = str(cosim.clients_folder())
-        if server.door.warning:
-            print(server.door.warning, file=sys.stderr)
+        if server.access.warning:
+            print(server.access.warning, file=sys.stderr)
         reach = "this computer only"
         if token:
             reach = f"token {token}"

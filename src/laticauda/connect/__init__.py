@@ -2,6 +2,16 @@
 
 A server for Octave, MATLAB and any other program with sockets and JSON, and FMUs and C libraries,
 which run without Python.
+
+- `server`: sockets, threads and limits of the TCP server
+- `session`: requests and answers of one client
+- `world`: a client's robot, and its log in `history`
+- `messages`: lines of JSON, and the fields of requests; `decoding`: from fields to values
+- `schema`: JSON Schema of the messages
+- `budget`: memory limits
+- `native`: planar kernels without Python, and libraries in C
+- `fmu`, `web`: FMUs, and web pages without a server
+- `clients`: programs in other languages that talk to the server
 """
 
 from pathlib import Path
@@ -22,7 +32,7 @@ if TYPE_CHECKING:
 
 
 def clients_folder() -> Path:
-    """Return the folder with the server's clients: `c`, `julia`, and `matlab`, which also works in GNU Octave."""
+    """Return the folder of the server's clients: `c`, `julia`, and `matlab`, also for GNU Octave."""
     return Path(__file__).parent / "clients"
 
 

@@ -12,30 +12,43 @@ from laticauda.robot import Water
 from laticauda.scenarios import Scenario
 from laticauda.values.errors import BadArgument
 
-MOST_NUMBERS = 2_000_000  # in one answer: about 40 MB of text
-MOST_KINDS = 12  # kinds of moving water that a server compiles
-LARGE = 100_000  # numbers, or bytes of a request
+MOST_NUMBERS = 2_000_000
+"""Numbers in one answer at most: about 40 MB of text [-]."""
+MOST_KINDS = 12
+"""Kinds of moving water that a server compiles at most [-]."""
+LARGE_OPERATION = 100_000
+"""Numbers of an operation, or bytes of a request, above which it needs the lock [-]."""
+
+FlowKind = tuple[object, ...]
+"""What a world's machine code depends on: classes of model, joints and drag, and of the parts of the current."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Budget:
     """Memory limits of a client, and the lock for operations that temporarily need more."""
 
-    logged: int = 24_000_000
+    max_logged: int = 24_000_000
     """Maximum number of values in the log, and in the samples of one request; 8 bytes each [-]."""
-    answered: int = 6_400_000
+    max_answered: int = 6_400_000
     """Maximum number of values in the answer being read, at most `MOST_NUMBERS`; about 20 bytes each [-]."""
-    kinds: set[tuple[object, ...]] = field(default_factory=set[tuple[object, ...]])
-    """Kinds of moving water, with their laws, that have been compiled; about 30 MB each, at most `MOST_KINDS`."""
-    turn: AbstractContextManager[object] = field(default_factory=threading.RLock)
+    compiled_kinds: set[FlowKind] = field(default_factory=set[FlowKind])
+    """Kinds of moving water that have been compiled; about 30 MB each, at most `MOST_KINDS`."""
+    lock: AbstractContextManager[object] = field(default_factory=threading.RLock)
     """Lock held during a large operation, so that only one runs at a time."""
 
-    def shared(self, clients: int) -> "Budget":
-        """Return the share of one of several clients; they all share the lock."""
-        answered = min(self.answered // clients, MOST_NUMBERS)
-        return replace(self, logged=self.logged // clients, answered=answered)
+    def share_among(self, n_clients: int) -> "Budget":
+        """Return the share of one of several clients; they all share the lock.
 
-    def check_kind(self, scenario: Scenario) -> None:
+        Args:
+            n_clients: Number of clients.
+        """
+        return replace(
+            self,
+            max_logged=self.max_logged // n_clients,
+            max_answered=min(self.max_answered // n_clients, MOST_NUMBERS),
+        )
+
+    def check_current(self, scenario: Scenario) -> None:
         """Reject a current whose machine code would exceed `MOST_KINDS`.
 
         Args:
@@ -44,23 +57,26 @@ class Budget:
         Raises:
             ValueError: If the current is one kind too many.
         """
-        water, model = scenario.environment, scenario.model
-        if isinstance(water, Water) and water.flow:
-            kind = (
-                type(model),
-                type(model.joints),
-                type(water.drag),
-                *dict.fromkeys(map(type, water.flow.parts)),
+        water = scenario.environment
+        if not isinstance(water, Water) or not water.flow:
+            return
+        model = scenario.model
+        classes_of_parts = dict.fromkeys(type(part) for part in water.flow.parts)
+        kind = (type(model), type(model.joints), type(water.drag), *classes_of_parts)
+        if kind not in self.compiled_kinds and len(self.compiled_kinds) >= MOST_KINDS:
+            raise BadArgument(
+                "current",
+                "must be of a kind that this server has compiled: "
+                f"its limit of {MOST_KINDS} kinds is reached",
             )
-            if kind not in self.kinds and len(self.kinds) >= MOST_KINDS:
-                rule = f"must be of a kind that this server has compiled: its limit of {MOST_KINDS} kinds is reached"
-                raise BadArgument("current", rule)
-            self.kinds.add(kind)
+        self.compiled_kinds.add(kind)
 
-    def turn_for(self, size: int) -> AbstractContextManager[object]:
+    def lock_for(self, size: int) -> AbstractContextManager[object]:
         """Return the lock for a large operation, or a null context for a small one.
 
         Args:
             size: Number of values that the operation holds, or of bytes in a request.
         """
-        return self.turn if size > LARGE else nullcontext()
+        if size > LARGE_OPERATION:
+            return self.lock
+        return nullcontext()

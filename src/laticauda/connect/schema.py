@@ -5,11 +5,12 @@ server may reject a message that conforms to the schema, and rejects every messa
 """
 
 import types
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, TypeAlias, Union, get_args, get_origin, get_type_hints
 
 from laticauda import scenarios
 from laticauda.connect import messages
+from laticauda.connect.decoding import InitialMessageState
 from laticauda.motion.gaits import Gait
 from laticauda.robot import Water
 from laticauda.scenarios.interfaces import Observation, Start
@@ -23,23 +24,26 @@ Schema: TypeAlias = dict[str, Any]
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 NULL: Schema = {"type": "null"}
 TEXT: Schema = {"type": "string"}
+OBJECT: Schema = {"type": "object"}
 NUMBERS: Schema = {"type": "array", "items": {"type": ["number", "null", "array"]}}
-PLAIN: Mapping[Any, str] = {
+"""An array of numbers with any number of axes."""
+JSON_TYPES: Mapping[Any, str] = {
     bool: "boolean",
     int: "integer",
     str: "string",
     float: "number",
     type(None): "null",
 }
-DECLARED = (
+"""Types in JSON, by those of Python."""
+DECLARING_CLASSES = (
     scenarios.Scenario,
     scenarios.Spatial,
     Start,
-    messages.InitialMessageState,
+    InitialMessageState,
     scenarios.Choice,
 )
 """Classes whose fields are top-level fields of a message; for a repeated name, the later class takes precedence."""
-OWN: Mapping[str, Schema] = {
+UNDECLARED_FIELDS: Mapping[str, Schema] = {
     "id": {},
     "protocol": {"const": messages.PROTOCOL_VERSION},
     "token": TEXT,
@@ -51,153 +55,192 @@ OWN: Mapping[str, Schema] = {
     },
 }
 """Fields of requests that no class declares."""
-ABOUT = {
-    "protocol": "integer",
-    "version": "string",
-    "robot": "string",
-    "n_links": "integer",
-    "n_joints": "integer",
+ROBOT_FIELDS: Mapping[str, Schema] = {
+    "protocol": {"type": "integer"},
+    "version": TEXT,
+    "robot": TEXT,
+    "n_links": {"type": "integer"},
+    "n_joints": {"type": "integer"},
+    "link_length": NUMBERS,
+    "settings": OBJECT,
 }
+"""Fields of answers that describe the server and the robot."""
 
 
 def message_schema() -> Schema:
     """Return the schema of all messages, with `$defs` for each kind of request and its answer."""
-    found = {do: _request(do) for do in messages.REQUESTS} | {
-        f"{do}_answer": one for do, one in _answers().items()
-    }
-    found["refusal"] = _object({"error": TEXT}, "error")
-    title = f"Messages of laticauda serve, version {messages.PROTOCOL_VERSION}"
+    definitions = {request: _request_schema(request) for request in messages.REQUEST_FIELDS}
+    for request, answer in _answer_schemas().items():
+        definitions[f"{request}_answer"] = answer
+    definitions["refusal"] = _object_schema({"error": TEXT}, required=["error"])
     return {
         "$schema": DIALECT,
-        "title": title,
-        "anyOf": [{"$ref": f"#/$defs/{name}"} for name in found],
-        "$defs": found,
+        "title": f"Messages of laticauda serve, version {messages.PROTOCOL_VERSION}",
+        "anyOf": [{"$ref": f"#/$defs/{name}"} for name in definitions],
+        "$defs": definitions,
     }
 
 
-def _request(do: str) -> Schema:
-    known: dict[str, Schema] = {}
-    for kind in DECLARED:
-        known |= _fields(kind)
-    law = _fields(scenarios.Spatial)["joints"]
-    known |= {
-        "joints": law,
-        "gait": _part(Gait),
-        "coefficients": _part(Water),
-        **OWN,
-        "do": {"const": do},
-    }
-    fields = {name: known[name] for name in (*messages.COMMON, *messages.REQUESTS[do])}
-    return _object(fields, "do", *(["duration"] if do == "step" else []))
+def _request_schema(request: str) -> Schema:
+    all_fields: dict[str, Schema] = {}
+    for declaring_class in DECLARING_CLASSES:
+        all_fields |= _class_fields(declaring_class)
+    all_fields["joints"] = _class_fields(scenarios.Spatial)["joints"]
+    all_fields["gait"] = _update_schema(Gait)
+    all_fields["coefficients"] = _update_schema(Water)
+    all_fields |= UNDECLARED_FIELDS
+    all_fields["do"] = {"const": request}
+    names = (*messages.COMMON_FIELDS, *messages.REQUEST_FIELDS[request])
+    fields = {name: all_fields[name] for name in names}
+    required = ["do"]
+    if request == "step":
+        required.append("duration")
+    return _object_schema(fields, required=required)
 
 
-def _answers() -> dict[str, Schema]:
-    observation = {name: _seen(hint) for name, hint in get_type_hints(Observation).items()}
-    seen = {
-        "observation": _object(observation, *observation),
-        **{name: _logged(SERIES[name]) for name in messages.LOADS},
-    }
-    about = {name: {"type": kind} for name, kind in ABOUT.items()}
-    about |= {"link_length": NUMBERS, "settings": {"type": "object"}}
-    series = {"series": {"type": "object", "additionalProperties": NUMBERS}}
-    figures = {
-        one.name: {"type": ["number", "null"], "description": f"{one.title} [{one.unit}]"}
-        for one in FIGURES
-    }
-    summary = {
-        "type": "object",
-        "properties": figures,
-        "required": ["status", "succeeded", *figures],
-    }
-    command = {"command": {"type": "object"}}
-    log = {**series, "dropped": {"type": "integer", "minimum": 0}}
+def _answer_schemas() -> dict[str, Schema]:
+    """Return the schemas of answers, by request."""
+    state = {"observation": _observation_schema()}
+    for name in messages.LOAD_FIELDS:
+        state[name] = _series_schema(SERIES[name])
+    series: Schema = {"type": "object", "additionalProperties": NUMBERS}
+    command = {"command": OBJECT}
+    log = {"series": series, "dropped": {"type": "integer", "minimum": 0}}
+    description = {**state, **ROBOT_FIELDS, **command}
+    figures = {"figures": _figures_schema(), "series": series}
     return {
-        "reset": _object({**seen, **about}, "observation", *about),
-        "step": _object(seen, "observation"),
-        "set": _object(command, "command"),
+        "reset": _object_schema({**state, **ROBOT_FIELDS}, required=["observation", *ROBOT_FIELDS]),
+        "step": _object_schema(state, required=["observation"]),
+        "set": _object_schema(command, required=["command"]),
         "get": {
             "anyOf": [
-                _object(log, *log),
-                _object({**seen, **about, **command}, "observation", *about, *command),
+                _object_schema(log, required=[*log]),
+                _object_schema(description, required=["observation", *ROBOT_FIELDS, "command"]),
             ]
         },
-        "run": _object({"figures": summary, **series}, "figures"),
+        "run": _object_schema(figures, required=["figures"]),
     }
 
 
-def _object(fields: Mapping[str, Schema], *required: str) -> Schema:
-    known = {"id": {}, **fields}
+def _observation_schema() -> Schema:
+    hints = get_type_hints(Observation)
+    fields = {name: _observed_schema(hint) for name, hint in hints.items()}
+    return _object_schema(fields, required=[*fields])
+
+
+def _observed_schema(hint: Any) -> Schema:
+    """Return the schema of a field of an observation, of this type."""
+    if type(None) in get_args(hint):
+        return {"anyOf": [NUMBERS, NULL]}
+    if hint is float:
+        return {"type": "number"}
+    return NUMBERS
+
+
+def _figures_schema() -> Schema:
+    """Return the schema of a trial's summary."""
+    figures: dict[str, Schema] = {}
+    for figure in FIGURES:
+        description = f"{figure.title} [{figure.unit}]"
+        figures[figure.name] = {"type": ["number", "null"], "description": description}
+    required = ["status", "succeeded", *figures]
+    return {"type": "object", "properties": figures, "required": required}
+
+
+def _series_schema(series: Series) -> Schema:
+    """Return the schema of one sample of a quantity."""
+    description = f"{series.text} [{series.units}]"
+    if series.dimensions == ("time",):
+        return {"type": "number", "description": description}
+    return {**NUMBERS, "description": description}
+
+
+def _object_schema(fields: Mapping[str, Schema], *, required: Sequence[str]) -> Schema:
+    """Return the schema of an object with these fields and an `id`."""
     return {
         "type": "object",
-        "properties": known,
+        "properties": {"id": {}, **fields},
         "required": list(required),
         "additionalProperties": False,
     }
 
 
-def _logged(one: Series) -> Schema:
-    kind = {"type": "number"} if one.dimensions == ("time",) else NUMBERS
-    return {**kind, "description": f"{one.text} [{one.units}]"}
-
-
-def _seen(hint: Any) -> Schema:
-    if type(None) in get_args(hint):
-        return {"anyOf": [NUMBERS, NULL]}
-    return {"type": "number"} if hint is float else NUMBERS
-
-
-def _part(kind: type) -> Schema:
+def _update_schema(updated_class: type) -> Schema:
     """Return the schema of a partial update: any fields of a class, and for a gait also its `kind`."""
-    fields = _fields(kind) | {"kind": TEXT}
-    return {
-        "anyOf": [{"type": "object", "properties": fields, "additionalProperties": False}, NULL]
-    }
+    fields = _class_fields(updated_class) | {"kind": TEXT}
+    update = {"type": "object", "properties": fields, "additionalProperties": False}
+    return {"anyOf": [update, NULL]}
 
 
-def _fields(kind: type) -> dict[str, Schema]:
+def _class_fields(declaring_class: type) -> dict[str, Schema]:
     """Return the schemas of a class's fields by name, including the names of angles in degrees."""
-    hints, texts, numbers = (
-        quantities.hints_of(kind),
-        quantities.texts_of(kind),
-        quantities.quantities_of(kind),
-    )
-    found = {name: _field(hint, texts[name], numbers.get(name)) for name, hint in hints.items()}
-    for name, plain in quantities.degrees_of(kind).items():
-        found[name] = _field(hints[plain], texts[plain], numbers[plain].in_degrees)
-    return found
+    hints = quantities.hints_of(declaring_class)
+    texts = quantities.texts_of(declaring_class)
+    declared_quantities = quantities.quantities_of(declaring_class)
+    fields: dict[str, Schema] = {}
+    for name, hint in hints.items():
+        fields[name] = _field_schema(hint, texts[name], declared_quantities.get(name))
+    for name, field in quantities.degrees_of(declaring_class).items():
+        in_degrees = declared_quantities[field].in_degrees
+        fields[name] = _field_schema(hints[field], texts[field], in_degrees)
+    return fields
 
 
-def _field(hint: Any, text: str, declared: Quantity | None) -> Schema:
-    unit = f" [{declared.unit or '-'}]" if declared else ""
-    choices = {
-        str(one): one for one in (*_choices(hint, declared), NULL)
-    }  # null is equivalent to omitting the field
-    return {"anyOf": list(choices.values()), "description": text + unit}
+def _field_schema(hint: Any, text: str, declared: Quantity | None) -> Schema:
+    """Return the schema of a field, each choice once; null is equivalent to omitting the field."""
+    distinct_choices: list[Schema] = []
+    for choice in (*_choices_of_type(hint, declared), NULL):
+        if choice not in distinct_choices:
+            distinct_choices.append(choice)
+    description = text
+    if declared is not None:
+        description = f"{text} [{declared.unit or '-'}]"
+    return {"anyOf": distinct_choices, "description": description}
 
 
-def _choices(hint: Any, declared: Quantity | None) -> list[Schema]:
+def _choices_of_type(hint: Any, declared: Quantity | None) -> list[Schema]:
     """Return the schemas that a value of this type may match in JSON."""
-    base, inner = get_origin(hint) or hint, get_args(hint)
-    if base in (types.UnionType, Union):
-        return [one for kind in inner for one in _choices(kind, declared)]
-    if base is Literal:
-        return [{"enum": sorted({form for one in inner for form in (one, one.replace("_", "-"))})}]
-    if base is tuple:
-        items = {"anyOf": _choices(inner[0], declared)}
-        if inner[-1] is not ...:
-            return [
-                {"type": "array", "items": items, "minItems": len(inner), "maxItems": len(inner)}
-            ]
-        return [{"type": "array", "items": items}, items]  # a number stands for an array of one
-    if base in (float, int) and declared is not None:
+    base_type = get_origin(hint) or hint
+    arguments = get_args(hint)
+    if base_type in (types.UnionType, Union):
+        choices: list[Schema] = []
+        for member in arguments:
+            choices.extend(_choices_of_type(member, declared))
+        return choices
+    if base_type is Literal:
+        return [{"enum": _spellings(arguments)}]
+    if base_type is tuple:
+        return _choices_of_tuple(arguments, declared)
+    if base_type in (float, int) and declared is not None:
         low, high = declared.ends
-        return [{"type": PLAIN[base], "minimum": low, "maximum": high}]
-    if base in PLAIN:
-        return [{"type": PLAIN[base]}]
-    if isinstance(base, type) and Extensible in base.__bases__:
-        group: Any = base
-        kinds = {
-            "kind": {"type": "string", "examples": list(group.names())}
-        }  # extensions may add more
-        return [TEXT, {"type": "object", "properties": kinds}]
-    return [{"type": "object"}]
+        return [{"type": JSON_TYPES[base_type], "minimum": low, "maximum": high}]
+    if base_type in JSON_TYPES:
+        return [{"type": JSON_TYPES[base_type]}]
+    if isinstance(base_type, type) and Extensible in base_type.__bases__:
+        return _choices_of_extensible(base_type)
+    return [OBJECT]
+
+
+def _spellings(names: Sequence[str]) -> list[str]:
+    """Return names with underscores and with hyphens, sorted."""
+    spellings: set[str] = set()
+    for name in names:
+        spellings.add(name)
+        spellings.add(name.replace("_", "-"))
+    return sorted(spellings)
+
+
+def _choices_of_tuple(element_types: Sequence[Any], declared: Quantity | None) -> list[Schema]:
+    """Return an array of fixed length; or one of any length, for which a number stands if it has one element."""
+    items = {"anyOf": _choices_of_type(element_types[0], declared)}
+    array: Schema = {"type": "array", "items": items}
+    if element_types[-1] is ...:
+        return [array, items]
+    n_elements = len(element_types)
+    return [{**array, "minItems": n_elements, "maxItems": n_elements}]
+
+
+def _choices_of_extensible(base_class: Any) -> list[Schema]:
+    """Return a name, or an object with a `kind`; extensions may add more kinds than the examples."""
+    kind = {"type": "string", "examples": list(base_class.names())}
+    return [TEXT, {"type": "object", "properties": {"kind": kind}}]

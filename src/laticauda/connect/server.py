@@ -14,14 +14,28 @@ from laticauda.values.access import ServerAccess
 from laticauda.values.checks import check_whole_number
 from laticauda.values.errors import BadArgument, LaticaudaError
 
-LOOPBACK, PORT, MOST_CLIENTS = "127.0.0.1", 5055, 16
-PIECE = 1 << 16  # bytes read at a time
-SENDING = 30.0  # s that a client may take to read an answer
-IDLE = 600.0  # s that a client may stay silent
-GREETING = 10.0  # s within which the client must send the token, if there is one
-DRAINING = (
-    1.0  # s during which excess input is still received, so that the client can read the reason
-)
+LOOPBACK = "127.0.0.1"
+"""Address at which only programs on this computer reach a server."""
+PORT = 5055
+"""Port to listen on by default."""
+MOST_CLIENTS = 16
+"""Clients at a time by default [-]."""
+LARGEST_PORT = 65535
+"""Largest number of a port."""
+RECEIVE_BYTES = 1 << 16
+"""Bytes that are received at a time [byte]."""
+SENDING_TIMEOUT = 30.0
+"""Time that a client may take to read an answer [s]."""
+IDLE_TIMEOUT = 600.0
+"""Time that a client may stay silent [s]."""
+GREETING_TIMEOUT = 10.0
+"""Time within which a client must send the token, if there is one [s]."""
+DRAINING_TIME = 1.0
+"""Time during which excess input is still received, so that the client can read the reason [s]."""
+RETRY_INTERVAL = 0.05
+"""Time between two attempts to accept a client, for example while out of file descriptors [s]."""
+CLOSING_TIMEOUT = 5.0
+"""Time that `Server.close` waits for the thread of the server [s]."""
 
 
 class ServerFailed(LaticaudaError, OSError):
@@ -55,15 +69,18 @@ class Server:
         max_clients: int = MOST_CLIENTS,
         own_robots: Mapping[str, Robot] | None = None,
     ) -> None:
-        if check_whole_number("port", port, 0) > 65535:
-            raise BadArgument("port", f"must be between 0 and 65535, got {port}")
-        self.host, self.port, self.door = host, port, ServerAccess.of(host)
+        if check_whole_number("port", port, 0) > LARGEST_PORT:
+            raise BadArgument("port", f"must be between 0 and {LARGEST_PORT}, got {port}")
+        self.host = host
+        self.port = port
+        self.access = ServerAccess.of(host)
         """Access control for clients."""
         self.max_clients = check_whole_number("max_clients", max_clients, 1)
-        self._own_robots, self._budget = dict(own_robots or {}), Budget().shared(max_clients)
+        self._own_robots = dict(own_robots or {})
+        self._budget = Budget().share_among(max_clients)
         self._socket: socket.socket | None = None
         self._clients: set[socket.socket] = set()
-        self._lock = threading.Lock()
+        self._clients_lock = threading.Lock()
         self._thread: threading.Thread | None = None
 
     def open(self) -> None:
@@ -73,10 +90,10 @@ class Server:
             ServerFailed: If the server cannot listen there.
         """
         try:
-            family, _, _, _, address = socket.getaddrinfo(
-                self.host, self.port, type=socket.SOCK_STREAM
-            )[0]
-            self._socket = socket.create_server((str(address[0]), self.port), family=family)
+            addresses = socket.getaddrinfo(self.host, self.port, type=socket.SOCK_STREAM)
+            family, _, _, _, address = addresses[0]
+            host = str(address[0])
+            self._socket = socket.create_server((host, self.port), family=family)
         except OSError as error:
             raise ServerFailed(
                 f"The server cannot listen at {self.host}:{self.port}: {error}."
@@ -85,29 +102,30 @@ class Server:
 
     def run(self) -> None:
         """Serve clients until `close` is called or Ctrl-C is pressed."""
-        listening = self._socket
-        assert listening is not None, "open() first"
+        listening_socket = self._socket
+        assert listening_socket is not None, "open() first"
         while True:
             try:
-                wire, _ = listening.accept()
+                client, _ = listening_socket.accept()
             except OSError:
                 if self._socket is None:
-                    return
-                time.sleep(0.05)  # for example, out of file descriptors; connected clients continue
+                    return  # it was closed
+                time.sleep(RETRY_INTERVAL)  # connected clients continue
                 continue
-            threading.Thread(target=self._serve, args=(wire,), daemon=True).start()
+            threading.Thread(target=self._serve, args=(client,), daemon=True).start()
 
     def close(self) -> None:
         """Close all connections and stop listening."""
-        listening, self._socket = self._socket, None
-        if listening is not None:
-            _shut(listening)
-        with self._lock:
+        listening_socket = self._socket
+        self._socket = None
+        if listening_socket is not None:
+            _shut(listening_socket)
+        with self._clients_lock:
             clients = list(self._clients)
-        for wire in clients:
-            _shut(wire)
+        for client in clients:
+            _shut(client)
         if self._thread is not None:
-            self._thread.join(5.0)
+            self._thread.join(CLOSING_TIMEOUT)
 
     def __enter__(self) -> "Server":
         """Start listening, and serve clients in a separate thread."""
@@ -120,78 +138,91 @@ class Server:
         """Call `close`."""
         self.close()
 
-    def _serve(self, wire: socket.socket) -> None:
+    def _serve(self, client: socket.socket) -> None:
         """Serve one client from its first line to its last, whatever it does."""
         try:
-            with self._lock:
-                welcome = len(self._clients) < self.max_clients
-                if welcome:
-                    self._clients.add(wire)
-            wire.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            wire.setsockopt(
-                socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1
-            )  # detects clients that left without closing
-            if welcome:
-                self._talk(wire)
+            is_admitted = self._admit(client)
+            client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            # Detects clients that left without closing.
+            client.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+            if is_admitted:
+                self._converse(client)
             else:
-                _dismiss(
-                    wire,
-                    f"The server already has {self.max_clients} clients, its maximum; try again later.",
-                )
+                reason = f"The server already has {self.max_clients} clients, its maximum;"
+                _dismiss(client, f"{reason} try again later.")
         except OSError:
             pass  # the client has disconnected
         finally:
-            with self._lock:
-                self._clients.discard(wire)
-            _shut(wire)
+            with self._clients_lock:
+                self._clients.discard(client)
+            _shut(client)
 
-    def _talk(self, wire: socket.socket) -> None:
-        session, is_known = Session(self._own_robots, self._budget), not self.door.token
-        greeting = threading.Timer(GREETING, _shut, (wire,))
-        greeting.daemon = True
+    def _admit(self, client: socket.socket) -> bool:
+        """Return whether there is room for a client, which is then counted."""
+        with self._clients_lock:
+            if len(self._clients) >= self.max_clients:
+                return False
+            self._clients.add(client)
+            return True
+
+    def _converse(self, client: socket.socket) -> None:
+        """Answer a client's lines until it leaves, stays silent or is rejected."""
+        session = Session(self._own_robots, self._budget)
+        is_known = not self.access.token
+        greeting_timer = threading.Timer(GREETING_TIMEOUT, _shut, (client,))
+        greeting_timer.daemon = True
         if not is_known:
-            greeting.start()
-        wire.settimeout(IDLE)
-        with wire.makefile("rb") as stream:
-            while (line := stream.readline(MESSAGE_BYTES)).endswith(b"\n"):
-                if line := line.strip():
-                    if why := self._why_not(line, is_known=is_known):
-                        return _dismiss(wire, f"{why} Good-bye.")
-                    greeting.cancel()
-                    is_known = True
-                    wire.settimeout(SENDING)
-                    wire.sendall(session.answer(line))
-                    wire.settimeout(IDLE)
-        if len(line) == MESSAGE_BYTES:
-            _dismiss(
-                wire,
-                f"A message must be {MESSAGE_BYTES} bytes or shorter; this one is longer. Good-bye.",
-            )
+            greeting_timer.start()
+        client.settimeout(IDLE_TIMEOUT)
+        with client.makefile("rb") as stream:
+            while True:
+                raw_line = stream.readline(MESSAGE_BYTES)
+                if not raw_line.endswith(b"\n"):
+                    break
+                line = raw_line.strip()
+                if not line:
+                    continue
+                reason = self._reason_to_reject(line, is_known=is_known)
+                if reason:
+                    _dismiss(client, f"{reason} Good-bye.")
+                    return
+                greeting_timer.cancel()
+                is_known = True
+                client.settimeout(SENDING_TIMEOUT)
+                client.sendall(session.answer(line))
+                client.settimeout(IDLE_TIMEOUT)
+        if len(raw_line) == MESSAGE_BYTES:
+            limit = f"A message must be {MESSAGE_BYTES} bytes or shorter; this one is longer."
+            _dismiss(client, f"{limit} Good-bye.")
 
-    def _why_not(self, line: bytes, *, is_known: bool) -> str:
+    def _reason_to_reject(self, line: bytes, *, is_known: bool) -> str:
         """Return why a line is rejected and its client disconnected; "" if the line is accepted."""
         if not line.startswith(b"{"):  # for example, a web page that speaks HTTP
             return "A message must be a JSON object; this one is not."
-        if not is_known:
-            with suppress(ValueError):
-                is_known = self.door.admits(read_message(line).get("token"))
-        return (
-            "" if is_known else "The first message must hold the `token` that the server printed."
-        )
+        if is_known or self._holds_token(line):
+            return ""
+        return "The first message must hold the `token` that the server printed."
+
+    def _holds_token(self, line: bytes) -> bool:
+        try:
+            message = read_message(line)
+        except ValueError:
+            return False
+        return self.access.admits(message.get("token"))
 
 
-def _dismiss(wire: socket.socket, why: str) -> None:
+def _dismiss(client: socket.socket, reason: str) -> None:
     """Send the reason and disconnect; input is read briefly, because otherwise the reason would not arrive."""
-    wire.settimeout(DRAINING)
-    wire.sendall(write_message({"error": why}))
-    wire.shutdown(socket.SHUT_WR)
-    end = time.monotonic() + DRAINING
-    while time.monotonic() < end and wire.recv(PIECE):
+    client.settimeout(DRAINING_TIME)
+    client.sendall(write_message({"error": reason}))
+    client.shutdown(socket.SHUT_WR)
+    end = time.monotonic() + DRAINING_TIME
+    while time.monotonic() < end and client.recv(RECEIVE_BYTES):
         pass
 
 
-def _shut(wire: socket.socket) -> None:
+def _shut(connection: socket.socket) -> None:
     """Close a socket that another thread may be waiting on."""
     with suppress(OSError):  # the other end has already closed it
-        wire.shutdown(socket.SHUT_RDWR)
-    wire.close()
+        connection.shutdown(socket.SHUT_RDWR)
+    connection.close()
