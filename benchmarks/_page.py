@@ -14,7 +14,7 @@ import viser
 from viser._messages import ViewerCameraMessage
 from websockets.sync.client import connect
 
-from laticauda.show.cockpit.scene import HOME
+from laticauda.show.cockpit.cameras import HOME
 
 REPORT = 0.1  # between two words about the camera: what a page says whose camera goes along [s]
 

@@ -55,8 +55,8 @@ import numpy as np
 import laticauda as lc
 from laticauda.control import StraightLine
 from laticauda.show.cockpit import Cockpit, Live
+from laticauda.show.cockpit.changes import change_fin
 from laticauda.show.cockpit.page import FRAME
-from laticauda.show.cockpit.simulation import change_fin
 
 GAIT = lc.lateral_undulation(
     amplitude=math.radians(30.0), frequency=math.radians(130.0), phase_shift=math.radians(40.0)

@@ -268,14 +268,14 @@ def test_the_page_shows_and_chooses_them(ideas, gait, water):
             "carangiform" in controls["kind"].handle.options
             and "spring" in controls["joints"].handle.options
         )
-        page.live.alter(**controls["kind"].changes("carangiform"))
+        page.live.alter(**controls["kind"].change("carangiform"))
         page.live.advance(0.2)
         assert (
             page.live.scenario.gait.kind
-            == controls["kind"].shown(page.live.scenario)
+            == controls["kind"].read(page.live.scenario)
             == "carangiform"
         )
-        page.live.alter(**controls["joints"].changes("spring"))
+        page.live.alter(**controls["joints"].change("spring"))
         page.live.advance(0.2)
         assert page.live.scenario.model.joints == ideas.Spring()
         assert page.live.scenario.environment.drag == water.drag

@@ -291,7 +291,7 @@ def cockpit(folder: Path) -> None:
     """The live page: following a path with its plots, the controls, and the map of the gaits."""
     from page import camera  # here alone: it needs a browser
 
-    from laticauda.show.cockpit.simulation import adapt_scenario
+    from laticauda.show.cockpit.changes import adapt_scenario
 
     robot = lc.load_robot("mamba-fin")
     gait = lc.lateral_undulation(

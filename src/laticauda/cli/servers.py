@@ -314,9 +314,10 @@ class CockpitCommand(OfScenario):
 
     def run(self) -> None:
         """Serve until Ctrl-C."""
-        from laticauda.show.cockpit import Cockpit, Live, pages
+        from laticauda.show.cockpit import Cockpit, Live
+        from laticauda.show.cockpit.server import load_viser
 
-        pages.load_viser()
+        load_viser()
         scenario = self.chosen
         warn_of_compiling(scenario.environment, scenario.model)
         cockpit = Cockpit(Live(scenario), host=self.host, port=self.port)

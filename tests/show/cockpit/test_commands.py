@@ -16,8 +16,14 @@ from laticauda.control import StraightLine
 from laticauda.motion.gaits import Custom, EelLike, Wave
 from laticauda.scenarios import run_to_toml
 from laticauda.show.cockpit import Cockpit, Live, read_figures
-from laticauda.show.cockpit.runs import FILE, TEXT, copy_buttons, in_python, in_shell
-from laticauda.show.cockpit.simulation import adapt_scenario, change_fin
+from laticauda.show.cockpit.changes import adapt_scenario, change_fin
+from laticauda.show.cockpit.elsewhere import (
+    FILE,
+    TEXT,
+    build_copy_buttons,
+    write_python,
+    write_shell,
+)
 
 GAIT = lc.lateral_undulation(
     amplitude=math.radians(31.0), frequency=math.radians(125.0), phase_shift=math.radians(40.0)
@@ -61,7 +67,7 @@ def test_the_file_the_command_and_the_python_run_as_they_are_and_give_the_number
     if isinstance(scenario.model, lc.Spatial):
         pytest.importorskip("mujoco")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("laticauda.show.cockpit.runs.DURATION", DURATION)
+    monkeypatch.setattr("laticauda.show.cockpit.elsewhere.DURATION", DURATION)
     live = Live(scenario)
     cockpit, page = Cockpit(live, port=0), Page()
     try:
@@ -83,7 +89,7 @@ def test_the_file_the_command_and_the_python_run_as_they_are_and_give_the_number
         trial.forward_velocity,
         trial.mean_power,
     )
-    for text in (in_shell, in_python):
+    for text in (write_shell, write_python):
         assert escape(json.dumps(text(page.files[FILE].decode())), quote=True) in copied
     for _ in range(round(DURATION / 0.1)):
         live.advance(0.1)
@@ -99,9 +105,9 @@ def test_what_is_copied_has_the_file_in_it(tmp_path, monkeypatch):
     robot = replace(lc.load_robot("mamba"), name='it\'s \\ "mine"')
     scenario = lc.build_scenario(robot, GAIT, 0.1)
     scope = {}
-    exec(in_python(run_to_toml(scenario)), scope)
+    exec(write_python(run_to_toml(scenario)), scope)
     assert scope["scenario"] == scenario
-    shell = in_shell(run_to_toml(scenario)).replace("laticauda swim", "test -f")
+    shell = write_shell(run_to_toml(scenario)).replace("laticauda swim", "test -f")
     subprocess.run(["bash", "-e", "-c", shell], check=True)
     assert lc.load_scenario(FILE) == scenario
 
@@ -113,7 +119,7 @@ TEXTS = {"copy <this>": 'first "line" \\\n  --it\'s {one} & more', "copy that": 
 
 def test_a_button_puts_its_text_on_the_clipboard_as_it_is(tmp_path):
     (tmp_path / "page.html").write_text(
-        f"<!doctype html><body>{copy_buttons(TEXTS)}</body>", encoding="utf-8"
+        f"<!doctype html><body>{build_copy_buttons(TEXTS)}</body>", encoding="utf-8"
     )
     with browser() as found:
         page = found.new_context().new_page()
@@ -129,7 +135,7 @@ def test_a_button_puts_its_text_on_the_clipboard_as_it_is(tmp_path):
 
 def test_where_the_browser_allows_no_clipboard_the_old_way_is_taken(tmp_path):
     (tmp_path / "page.html").write_text(
-        f"<!doctype html><body>{copy_buttons(TEXTS)}</body>", encoding="utf-8"
+        f"<!doctype html><body>{build_copy_buttons(TEXTS)}</body>", encoding="utf-8"
     )
     with browser() as found:
         page = found.new_context().new_page()

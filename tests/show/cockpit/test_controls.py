@@ -16,10 +16,12 @@ from laticauda.models.spatial.scene import Pipe
 from laticauda.motion.gaits import Custom
 from laticauda.motion.joints.laws import Servo
 from laticauda.show.cockpit import Cockpit, Live, read_figures
-from laticauda.show.cockpit.gait_map import AMPLITUDES, FREQUENCIES, OF_GAITS, with_wave
-from laticauda.show.cockpit.pages import Event
-from laticauda.show.cockpit.readouts import numbers_text
-from laticauda.show.cockpit.simulation import depth_of, path_of, route_of
+from laticauda.show.cockpit.changes import read_depth, read_path, sample_route
+from laticauda.show.cockpit.events import Event
+from laticauda.show.cockpit.gait_map import QUANTITY_OF_LABEL
+from laticauda.show.cockpit.gait_trials import AMPLITUDES, FREQUENCIES, change_wave
+from laticauda.show.cockpit.page import GizmoPose
+from laticauda.show.cockpit.readouts import format_figures
 from laticauda.values.errors import TrialFileError
 from laticauda.values.quantities import hints_of
 
@@ -68,7 +70,7 @@ def test_what_the_page_says_has_no_underscores(cockpit):
     handles = [one.handle for one in cockpit._controls.by_name.values()]
     said = [text for handle in handles for text in (handle.label, *getattr(handle, "options", ()))]
     assert "eel like" in said and "phase shift [°]" in said
-    assert [text for text in (*said, *OF_GAITS) if "_" in text] == []
+    assert [text for text in (*said, *QUANTITY_OF_LABEL) if "_" in text] == []
     use(cockpit, control(cockpit, "flow"), "swell")  # its numbers have fields of their own
     assert [
         name for name, one in cockpit._controls.by_name.items() if "_" in one.handle.label
@@ -153,8 +155,8 @@ def test_a_speed_of_time_beyond_its_limits_is_refused(cockpit):
 def test_the_path_goes_where_it_is_dragged(cockpit):
     use(cockpit, control(cockpit, "path"), True)
     pose = (1.0, 2.0, 0.0), (math.cos(0.2), 0.0, 0.0, math.sin(0.2))
-    cockpit._drag(Event(Page(), cockpit._gizmo, (*pose, "end")))
-    path = path_of(cockpit.live.scenario)
+    cockpit._drag(Event(Page(), cockpit._gizmo, GizmoPose(*pose, "end")))
+    path = read_path(cockpit.live.scenario)
     assert path.point == (1.0, 2.0)
     assert path.angle == pytest.approx(0.4)
 
@@ -170,7 +172,7 @@ def test_the_best_gait_of_the_map_can_be_swum_and_is_marked_on_it(cockpit):
     shown._swim_best(Event(Page(), None, None))
     cockpit._show_scenario()
     i, j = np.unravel_index(np.nanargmax(shown._values()), shown._values().shape)
-    assert live.scenario.gait == with_wave(GAIT, AMPLITUDES[j], FREQUENCIES[i])
+    assert live.scenario.gait == change_wave(GAIT, AMPLITUDES[j], FREQUENCIES[i])
     assert control(cockpit, "amplitude").value == AMPLITUDES[j]
     shown.show()
     assert not np.array_equal(shown._image.image, before)
@@ -210,7 +212,7 @@ def test_a_ghost_begins_beside_the_robot_or_where_it_was_and_anew_with_the_world
     np.testing.assert_allclose(runs._ghost.sample(0.0).center_of_mass, (5.0, 2.0))
     live.advance(1.0)
     cockpit._reset()
-    assert runs._since == live.simulation.time == 0.0
+    assert runs._ghost_start == live.simulation.time == 0.0
 
 
 def test_a_recorded_operation_is_played_back_and_what_is_no_trial_says_why(cockpit, tmp_path):
@@ -279,8 +281,8 @@ def test_forces_failure_and_reset_are_shown(cockpit):
     live.advance(0.2)
     for _ in range(12):
         cockpit.frame()
-    assert cockpit._scene._forces.points.shape == (9, 2, 3)
-    assert cockpit._scene._forces_at.visible
+    assert cockpit._scene._forces.arrows.points.shape == (9, 2, 3)
+    assert cockpit._scene._forces.frame.visible
     assert "measured in the paper" in cockpit._figures.content
     live.simulation = replace(live.simulation, failure="The run diverged.")
     for _ in range(12):
@@ -313,14 +315,14 @@ def test_depth_pitch_and_roll_are_shown_of_a_robot_in_space(in_space, cockpit):
     assert plotted["depth"][-1] == pytest.approx(0.7, abs=0.02)
     assert plotted["roll"][-1] == pytest.approx(math.degrees(0.2), abs=1.0)
     assert plotted["pitch"][-1] == pytest.approx(math.degrees(0.1), abs=1.0)
-    text = numbers_text(live)
+    text = format_figures(live)
     assert "| depth | **0.7" in text and "| pitch | **" in text and "| roll | **" in text
     assert (
         in_space._scene._floor.position[2] == -1.5 and in_space._scene._surface.position[2] == 0.0
     )
     cockpit.live.advance(0.1)
     cockpit.frame()
-    assert np.isnan(cockpit.live.plots()["depth"]).all() and "depth" not in numbers_text(
+    assert np.isnan(cockpit.live.plots()["depth"]).all() and "depth" not in format_figures(
         cockpit.live
     )
 
@@ -328,7 +330,7 @@ def test_depth_pitch_and_roll_are_shown_of_a_robot_in_space(in_space, cockpit):
 def test_a_depth_is_held_from_the_page_straight_ahead_or_along_the_path(in_space):
     assert use(in_space, control(in_space, "depth"), 1.0) == []
     live = in_space.live
-    assert depth_of(live.scenario) == 1.0 and path_of(live.scenario) is not None
+    assert read_depth(live.scenario) == 1.0 and read_path(live.scenario) is not None
     assert in_space._gizmo.position[2] == -1.0
     before = float(live.latest().center_of_mass[2])
     live.advance(3.0)
@@ -337,7 +339,7 @@ def test_a_depth_is_held_from_the_page_straight_ahead_or_along_the_path(in_space
     live.advance(5.0)
     assert float(live.latest().center_of_mass[2]) < before - 0.05
     assert use(in_space, control(in_space, "depth"), 0.0) == []
-    assert depth_of(live.scenario) is None and path_of(live.scenario) is not None
+    assert read_depth(live.scenario) is None and read_path(live.scenario) is not None
     use(in_space, control(in_space, "path"), False)
     assert live.scenario.motion == live.scenario.gait
 
@@ -366,13 +368,13 @@ def test_a_helix_around_a_pipe_is_drawn_and_swum_from_a_scenario():
     motion, start = following.controller(GAIT), lc.Start(center_of_mass=(0.0, -1.0), depth=0.5)
     pipe = Pipe(bore=0.2, length=1.5, center=(0.0, 0.0, -0.75), tilt=0.5 * math.pi)
     scenario = lc.build_scenario("mamba-modules", motion, model="spatial", scene=pipe, start=start)
-    points = route_of(scenario, 0.0)
+    points = sample_route(scenario, 0.0)
     np.testing.assert_allclose(np.hypot(points[:, 0], points[:, 1]), 1.0)
     assert points[0, 2] == pytest.approx(-0.5, abs=0.02) and points[-1, 2] == pytest.approx(
         -1.0, abs=0.02
     )
     served = Cockpit(Live(scenario), port=0)
-    assert len(served._scene._around) == 24  # the staves of the pipe
+    assert len(served._scene._surroundings) == 24  # the staves of the pipe
     assert not served._gizmo.visible
     served.live.advance(5.0)
     served.frame()
@@ -380,7 +382,7 @@ def test_a_helix_around_a_pipe_is_drawn_and_swum_from_a_scenario():
     use(served, control(served, "model"), "planar")  # refused: it has no pitch joints
     assert served.live.scenario == scenario
     use(served, control(served, "path"), False)
-    assert served.live.scenario.motion == GAIT and route_of(served.live.scenario, 0.0).size == 0
+    assert served.live.scenario.motion == GAIT and sample_route(served.live.scenario, 0.0).size == 0
     served.close()
 
 
@@ -407,7 +409,7 @@ def test_a_flow_is_chosen_with_the_numbers_that_it_declares_and_can_be_left(cock
     assert "`diameter` must be > 0 m" in told and field("diameter").value == flow.diameter
     cockpit.live.advance(0.1)
     cockpit.frame()
-    tails, tips = np.moveaxis(cockpit._scene._water._handles[0].points, 1, 0)
+    tails, tips = np.moveaxis(cockpit._scene._water._arrows_handle.points, 1, 0)
     middle = 0.5 * (tails + tips)[:, :2].astype(float)
     velocity = cockpit.live.scenario.environment.velocity(middle, cockpit.live.simulation.time)
     assert np.allclose(

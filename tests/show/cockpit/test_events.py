@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from laticauda.show.cockpit.pages import EventQueue
+from laticauda.show.cockpit.events import EventQueue
 
 
 @pytest.fixture

@@ -6,16 +6,16 @@ import pytest
 
 import laticauda as lc
 from laticauda.control import StraightLine
-from laticauda.show.cockpit.gait_map import (
+from laticauda.show.cockpit.changes import adapt_scenario
+from laticauda.show.cockpit.gait_map import draw_gait_map
+from laticauda.show.cockpit.gait_trials import (
     AMPLITUDES,
     DURATION,
     FREQUENCIES,
-    base_of,
-    gait_map_picture,
-    map_of_gaits,
-    with_wave,
+    change_wave,
+    map_gaits,
+    strip_scenario,
 )
-from laticauda.show.cockpit.simulation import adapt_scenario
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=math.radians(40.0))
 SCENARIO = adapt_scenario(lc.build_scenario("mamba", GAIT), current=(0.05, 0.0))
@@ -23,25 +23,25 @@ SCENARIO = adapt_scenario(lc.build_scenario("mamba", GAIT), current=(0.05, 0.0))
 
 @pytest.fixture(scope="module")
 def gaits():
-    return map_of_gaits(SCENARIO)
+    return map_gaits(SCENARIO)
 
 
 def test_every_value_of_the_map_is_what_swim_says(gaits):
     values = gaits["forward_velocity"]
     assert values.shape == (len(FREQUENCIES), len(AMPLITUDES))
     for i, j in ((0, 0), (5, 5), (-1, 2)):
-        gait = with_wave(GAIT, AMPLITUDES[j], FREQUENCIES[i])
+        gait = change_wave(GAIT, AMPLITUDES[j], FREQUENCIES[i])
         trial = lc.swim(SCENARIO.robot, gait, DURATION, environment=SCENARIO.environment)
         assert values[i, j] == pytest.approx(trial.forward_velocity, rel=1e-6)
 
 
 def test_scenarios_that_differ_in_what_the_map_spans_share_it():
     same = adapt_scenario(
-        SCENARIO, gait=with_wave(GAIT, 12.0, 34.0), model="spatial", path=StraightLine()
+        SCENARIO, gait=change_wave(GAIT, 12.0, 34.0), model="spatial", path=StraightLine()
     )
-    assert base_of(same) == base_of(SCENARIO)
-    assert base_of(adapt_scenario(SCENARIO, joints="pd")) != base_of(SCENARIO)
-    assert base_of(adapt_scenario(SCENARIO, current=(0.0, 0.0))) != base_of(SCENARIO)
+    assert strip_scenario(same) == strip_scenario(SCENARIO)
+    assert strip_scenario(adapt_scenario(SCENARIO, joints="pd")) != strip_scenario(SCENARIO)
+    assert strip_scenario(adapt_scenario(SCENARIO, current=(0.0, 0.0))) != strip_scenario(SCENARIO)
 
 
 RED, GRAY = (230, 60, 30), (200, 200, 200)
@@ -55,18 +55,18 @@ def area(picture, color):
 def test_the_picture_marks_the_gait_and_what_failed_is_gray():
     values = np.full((len(FREQUENCIES), len(AMPLITUDES)), 1.0)
     values[3, 4] = 5.0
-    beyond = with_wave(GAIT, 80.0, 100.0)
-    assert area(gait_map_picture(values, "forward_velocity", GAIT), RED) > 100
-    whole = gait_map_picture(values, "forward_velocity", beyond)
+    beyond = change_wave(GAIT, 80.0, 100.0)
+    assert area(draw_gait_map(values, "forward_velocity", GAIT), RED) > 100
+    whole = draw_gait_map(values, "forward_velocity", beyond)
     assert (area(whole, RED), area(whole, GRAY) < 100) == (0, True)
     values[0, 0] = np.nan
-    assert area(gait_map_picture(values, "forward_velocity", beyond), GRAY) > 1000
+    assert area(draw_gait_map(values, "forward_velocity", beyond), GRAY) > 1000
 
 
 def test_a_quantity_that_no_trial_has_is_drawn_gray():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        picture = gait_map_picture(
+        picture = draw_gait_map(
             np.full((len(FREQUENCIES), len(AMPLITUDES)), np.nan), "cost_of_transport", GAIT
         )
     assert area(picture, GRAY) > 100_000

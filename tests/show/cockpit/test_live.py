@@ -11,8 +11,10 @@ from laticauda.motion.joints.laws import PD
 from laticauda.paper.measured import efficiency_trials
 from laticauda.scenarios import Experiment
 from laticauda.show.cockpit import Live, read_figures
-from laticauda.show.cockpit.live import MOST_TICKS, RingBuffer
-from laticauda.show.cockpit.simulation import TICK, adapt_scenario, change_fin, find_measured
+from laticauda.show.cockpit.buffer import RingBuffer
+from laticauda.show.cockpit.changes import adapt_scenario, change_fin, find_measured
+from laticauda.show.cockpit.live import MOST_TICKS
+from laticauda.show.cockpit.simulation import TICK
 from laticauda.trials.logs import load_trial
 
 GAIT = lc.lateral_undulation(
@@ -91,7 +93,7 @@ def test_another_kind_of_gait_is_taken_up_once_the_joints_are_straight(live):
         angles.append(live.latest().joint_angle)
     steps = np.abs(np.diff(angles, axis=0)).max(axis=1)
     assert steps.max() < 0.12  # [rad], in 25 ms: what the old gait does anyway
-    assert live.simulation.shape.kind == "eel_like"
+    assert live.simulation.envelope_gait.kind == "eel_like"
     assert np.abs(angles[-40:]).max(axis=0)[0] > 2.0 * np.abs(angles[-40:]).max(axis=0)[-1]
 
 

@@ -12,7 +12,7 @@ from laticauda.control.estimation import Estimate, JointSample
 from laticauda.robot import Joint
 from laticauda.scenarios import Experiment
 from laticauda.show.cockpit import Cockpit, Live
-from laticauda.show.cockpit.operated import Feed
+from laticauda.show.cockpit.feed import Feed
 from laticauda.tank.operate import Event, Header, OperationRecorder
 
 pytest.importorskip("viser")
@@ -130,10 +130,10 @@ def test_the_picture_runs_steadily_half_a_second_behind(tmp_path, monkeypatch):
     for age in (0.0, 0.25, 0.5, 1.5):
         now = path.stat().st_mtime + age
         monkeypatch.setattr(
-            "laticauda.show.cockpit.operated.time", SimpleNamespace(time=lambda now=now: now)
+            "laticauda.show.cockpit.feed.time", SimpleNamespace(time=lambda now=now: now)
         )
         feed = Feed(path)
-        assert feed.look() == ""
+        assert feed.update() == ""
         found.append(feed.estimate.time)
     assert found == pytest.approx([0.49, 0.74, 0.99, 0.99], abs=0.03)
 
@@ -144,14 +144,14 @@ def test_of_a_long_recording_only_the_end_is_read(tmp_path):
         for k in range(2000):
             recording.record(estimate(0.0, 0.01 * k))
     feed = Feed(path)
-    feed._follow()
+    feed._read_entries()
     assert len(feed._estimates) == 501
 
 
 def test_a_file_that_is_no_recording_is_said_in_one_sentence(tmp_path):
     (tmp_path / "a.mcap").write_bytes(b"no")
-    assert "it is not an MCAP file" in Feed(tmp_path).look()
-    assert "no such file" in Feed(tmp_path / "b.mcap").look().lower()
+    assert "it is not an MCAP file" in Feed(tmp_path).update()
+    assert "no such file" in Feed(tmp_path / "b.mcap").update().lower()
 
 
 def test_a_recording_that_is_torn_in_the_middle_of_a_record_goes_on_when_the_rest_is_there(
@@ -165,9 +165,9 @@ def test_a_recording_that_is_torn_in_the_middle_of_a_record_goes_on_when_the_res
     shutil.copy(whole, growing)
     os.truncate(growing, len(data) // 2)
     feed = Feed(growing)
-    feed._follow()
+    feed._read_entries()
     before = len(feed._estimates)
     assert 0 < before < 300
     growing.write_bytes(data)
-    feed._follow()
+    feed._read_entries()
     assert [one.time for one in feed._estimates] == pytest.approx([0.01 * k for k in range(300)])

@@ -34,9 +34,9 @@ from patience import LONG, running
 
 import laticauda as lc
 from laticauda.show.cockpit import Cockpit, Live
-from laticauda.show.cockpit.scene import FIELD_OF_VIEW, HOME
+from laticauda.show.cockpit.cameras import FIELD_OF_VIEW, HOME
+from laticauda.show.cockpit.changes import read_depth
 from laticauda.show.cockpit.shapes import compute_poses
-from laticauda.show.cockpit.simulation import depth_of
 
 pytestmark = pytest.mark.slow
 GAIT = lc.lateral_undulation(
@@ -281,7 +281,7 @@ def test_a_depth_is_typed_and_held_in_space(chromium, tmp_path):
     depth = field(page, "hold depth [m]")
     depth.fill("0.85")
     depth.press("Enter")
-    assert until(lambda: depth_of(served.live.scenario) == 0.85)
+    assert until(lambda: read_depth(served.live.scenario) == 0.85)
     served.live.speed = 4.0
     assert until(lambda: abs(number(page, "depth") - 0.85) < 0.04, 90.0)
     assert all(

@@ -6,8 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from laticauda.show.cockpit.pages import PageCamera, PageCameras
-from laticauda.show.cockpit.scene import AHEAD, HOME, PHONE
+from laticauda.show.cockpit.cameras import AHEAD, HOME, PHONE, PageCamera, PageCameras
 
 
 class Camera:

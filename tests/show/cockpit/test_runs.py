@@ -9,7 +9,7 @@ import msgspec
 import pytest
 
 import laticauda as lc
-from laticauda.show.cockpit import pages, runs
+from laticauda.show.cockpit import files, server, uploads
 from laticauda.values.access import ServerAccess
 from laticauda.values.errors import TrialFileError
 
@@ -28,26 +28,26 @@ def saved(tmp_path_factory):
 
 
 def test_what_another_process_has_read_is_the_trial_bit_for_bit(saved):
-    assert runs.foreign_trial(saved, "mine.nc").equals(lc.load_trial(saved))
+    assert files.load_uploaded_trial(saved, "mine.nc").equals(lc.load_trial(saved))
 
 
 @LINUX
 def test_a_file_that_needs_too_much_memory_is_refused_and_the_page_goes_on(saved, monkeypatch):
     monkeypatch.setattr(
-        runs, "ROOM", 1 << 20
+        files, "MEMORY_LIMIT", 1 << 20
     )  # less than it has already: whatever it asks for next, it does not get
     with pytest.raises(
         TrialFileError, match=r"Cannot load mine\.nc: its reader ended at once, or exceeded 1 MiB\."
     ):
-        runs.foreign_trial(saved, "mine.nc")
+        files.load_uploaded_trial(saved, "mine.nc")
 
 
 def test_a_file_that_takes_too_long_is_refused(saved, monkeypatch):
-    monkeypatch.setattr(runs, "SECONDS", 0.01)
+    monkeypatch.setattr(files, "TIME_LIMIT", 0.01)
     with pytest.raises(
         TrialFileError, match=r"Cannot load mine\.nc: reading it takes longer than 0\.01 s\."
     ):
-        runs.foreign_trial(saved, "mine.nc")
+        files.load_uploaded_trial(saved, "mine.nc")
 
 
 CAMERA = msgspec.msgpack.encode(
@@ -63,16 +63,16 @@ CAMERA = msgspec.msgpack.encode(
 @pytest.fixture
 def sending(monkeypatch):
     """What a page sends of files, and how many bytes the server keeps of it then."""
-    monkeypatch.setattr(pages, "MOST_UPLOADED", 100_000)
-    monkeypatch.setattr(pages, "PART_COST", 100)
-    server = pages.serve(ServerAccess.of("127.0.0.1"), 0)
+    monkeypatch.setattr(uploads, "MOST_UPLOADED", 100_000)
+    monkeypatch.setattr(uploads, "PART_COST", 100)
+    viser_server = server.start_server(ServerAccess.of("127.0.0.1"), 0)
     got = []
-    button = server.gui.add_upload_button("send")
+    button = viser_server.gui.add_upload_button("send")
     button.on_upload(lambda event: got.append(len(event.target.value.content)))
-    kept = server.gui._current_file_upload_states
+    kept = viser_server.gui._current_file_upload_states
 
     async def talk(said):
-        where = f"ws://127.0.0.1:{server.get_port()}"
+        where = f"ws://127.0.0.1:{viser_server.get_port()}"
         async with websockets.connect(
             where, subprotocols=[f"viser-v{viser.__version__}"], max_size=None
         ) as wire:
@@ -89,8 +89,8 @@ def sending(monkeypatch):
                 await asyncio.sleep(0.05)
             return held
 
-    yield SimpleNamespace(send=lambda said: asyncio.run(talk(said)), got=got, server=server)
-    pages.stop_server(server)
+    yield SimpleNamespace(send=lambda said: asyncio.run(talk(said)), got=got, server=viser_server)
+    server.stop_server(viser_server)
 
 
 def begun(name, parts, size):

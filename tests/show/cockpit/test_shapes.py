@@ -6,8 +6,8 @@ import pytest
 import laticauda as lc
 from laticauda.robot.kinematics import Posture
 from laticauda.show.cockpit import Live
+from laticauda.show.cockpit.changes import change_fin
 from laticauda.show.cockpit.shapes import build_shapes, compute_poses
-from laticauda.show.cockpit.simulation import change_fin
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
 

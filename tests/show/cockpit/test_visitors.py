@@ -8,7 +8,7 @@ import socket
 
 import pytest
 
-from laticauda.show.cockpit import pages
+from laticauda.show.cockpit import server
 from laticauda.values.access import ServerAccess
 
 viser = pytest.importorskip("viser")
@@ -21,7 +21,7 @@ class Served:
 
     def __init__(self, host):
         self.door = ServerAccess.of(host)
-        self.server = pages.serve(self.door, 0)
+        self.server = server.start_server(self.door, 0)
         self.port = self.server.get_port()
         self.host = f"127.0.0.1:{self.port}"
 
@@ -66,7 +66,7 @@ class Served:
 def own():
     served = Served("127.0.0.1")
     yield served
-    pages.stop_server(served.server)
+    server.stop_server(served.server)
 
 
 def test_its_own_page_is_answered_and_stands_in_no_other_and_talks_to_its_server_alone(own):
@@ -97,7 +97,7 @@ def test_pages_of_others_get_nothing(own, headers):
 def public():
     served = Served("0.0.0.0")
     yield served
-    pages.stop_server(served.server)
+    server.stop_server(served.server)
 
 
 def test_beyond_this_computer_a_page_is_answered_that_has_the_token_and_nobody_else(
@@ -152,8 +152,8 @@ def test_a_viser_that_would_serve_everybody_is_refused(monkeypatch):
 
     usual = module.serve
     with (
-        pytest.raises(pages.LaticaudaError, match=r"install viser 1\.1"),
-        pages._guarding(ServerAccess.of("127.0.0.1")),
+        pytest.raises(server.LaticaudaError, match=r"install viser 1\.1"),
+        server.guard_websockets(ServerAccess.of("127.0.0.1")),
     ):
         pass  # a viser that makes its server otherwise
     assert module.serve is usual

@@ -7,27 +7,55 @@
 import math
 import threading
 from collections.abc import Callable
-from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 import laticauda as lc
+from laticauda.show.cockpit.events import Event, EventQueue, refusing
+from laticauda.show.cockpit.gait_trials import (
+    AMPLITUDES,
+    FREQUENCIES,
+    QUANTITIES,
+    change_wave,
+    map_gaits,
+    strip_scenario,
+)
 from laticauda.show.cockpit.live import Live
-from laticauda.show.cockpit.pages import Event, EventQueue, refusing
 from laticauda.show.figures import style
 from laticauda.studies.point_trials import COSTS, LABELS
 from laticauda.values.errors import LaticaudaError
 
-AMPLITUDES = tuple(float(value) for value in range(5, 65, 5))  # [deg]
-FREQUENCIES = tuple(float(value) for value in range(20, 220, 20))  # [deg/s]
-OF_GAITS = {
-    name.replace("_", " "): name for name in ("forward_velocity", "mean_power", "cost_of_transport")
-}
-"""Mapped quantities, frequencies by amplitudes, by their names on the page."""
-DURATION = 20.0  # of every trial [s]
-WAITING = f"Computing {len(AMPLITUDES) * len(FREQUENCIES)} trials; the first map also compiles, some 20 s ..."
-OF_THE_GAITS = "Planar trials of 20 s from rest, in the plane; gray where a trial failed. Red: the current gait."
+QUANTITY_OF_LABEL = {name.replace("_", " "): name for name in QUANTITIES}
+"""Mapped quantities, by their names on the page."""
+HINT = "Over amplitude and frequency; takes some seconds"
+N_TRIALS = len(AMPLITUDES) * len(FREQUENCIES)
+WAITING = f"Computing {N_TRIALS} trials; the first map also compiles, some 20 s ..."
+EXPLANATION = (
+    "Planar trials of 20 s from rest, in the plane; gray where a trial failed. "
+    "Red: the current gait."
+)
+
+
+class ComputedMap(NamedTuple):
+    """The result of computing a map."""
+
+    base: lc.Scenario
+    """What the map depends on, see `strip_scenario`."""
+    values: dict[str, np.ndarray]
+    """Values of all trials by quantity; empty if they cannot be computed."""
+
+
+class DrawnMap(NamedTuple):
+    """What the chart shows."""
+
+    values_id: int
+    """Identity of the values."""
+    quantity: str
+    amplitude: float
+    """Amplitude of the marked gait [rad]."""
+    frequency: float
+    """Frequency of the marked gait [rad/s]."""
 
 
 class GaitMap:
@@ -44,128 +72,107 @@ class GaitMap:
         self, gui: Any, live: Live, events: EventQueue, changed: Callable[[], None]
     ) -> None:
         self._live = live
-        self._on = gui.add_checkbox(
-            "show the map", False, hint="Over amplitude and frequency; takes some seconds"
-        )
-        self._quantity = gui.add_dropdown("quantity", tuple(OF_GAITS))
-        self._image = gui.add_image(
-            np.zeros((1, 1, 3), dtype=np.uint8), format="png", visible=False
-        )
+        self._on = gui.add_checkbox("show the map", False, hint=HINT)
+        self._quantity = gui.add_dropdown("quantity", tuple(QUANTITY_OF_LABEL))
+        no_image = np.zeros((1, 1, 3), dtype=np.uint8)
+        self._image = gui.add_image(no_image, format="png", visible=False)
         self._best = gui.add_button("swim the best of the map", visible=False)
         self._best.on_click(events.handler(self._swim_best, then=changed))
         self._text = gui.add_markdown("")
-        self._computed: tuple[lc.Scenario, dict[str, np.ndarray]] | None = (
-            None  # of which base; empty if it failed
-        )
+        self._computed: ComputedMap | None = None
         self._worker: threading.Thread | None = None
-        self._drawn: object = None
+        self._drawn: DrawnMap | None = None
 
     def show(self) -> None:
         """Update the chart; called from time to time, returns at once."""
         values = self._values() if self._on.value else None
-        self._image.visible = self._best.visible = values is not None
+        has_values = values is not None
+        self._image.visible = has_values
+        self._best.visible = has_values
         self._text.visible = self._on.value
-        gait, quantity = self._live.scenario.gait, OF_GAITS[self._quantity.value]
-        wanted = id(values), quantity, gait.amplitude, gait.frequency
-        if values is not None and self._drawn != wanted:
-            self._drawn, self._image.image = wanted, gait_map_picture(values, quantity, gait)
+        if values is None:
+            return
+        gait = self._live.scenario.gait
+        quantity = self._chosen_quantity
+        drawn = DrawnMap(id(values), quantity, gait.amplitude, gait.frequency)
+        if drawn != self._drawn:
+            self._drawn = drawn
+            self._image.image = draw_gait_map(values, quantity, gait)
+
+    @property
+    def _chosen_quantity(self) -> str:
+        return QUANTITY_OF_LABEL[self._quantity.value]
 
     def _values(self) -> np.ndarray | None:
-        """Return the values to draw; None until they are available."""
-        base = base_of(self._live.scenario)
+        """Return the values to draw, the latest ones while others are computed; None until there are any."""
+        base = strip_scenario(self._live.scenario)
         is_busy = self._worker is not None and self._worker.is_alive()
-        if not is_busy and (self._computed is None or self._computed[0] != base):
+        is_current = self._computed is not None and self._computed.base == base
+        if not is_busy and not is_current:
             self._text.content = WAITING
             self._worker = threading.Thread(
                 target=self._compute, args=(base,), name="map", daemon=True
             )
             self._worker.start()
-        return (
-            None
-            if self._computed is None
-            else self._computed[1].get(OF_GAITS[self._quantity.value])
-        )
+        computed = self._computed
+        if computed is None:
+            return None
+        return computed.values.get(self._chosen_quantity)
 
     def _compute(self, base: lc.Scenario) -> None:
         try:
-            self._computed, self._text.content = (base, map_of_gaits(base)), OF_THE_GAITS
+            self._computed = ComputedMap(base, map_gaits(base))
+            self._text.content = EXPLANATION
         except (ValueError, LaticaudaError) as error:
-            self._computed, self._text.content = (base, {}), str(error)
+            self._computed = ComputedMap(base, {})
+            self._text.content = str(error)
 
     @refusing
     def _swim_best(self, _: Event) -> None:
-        values, quantity = self._values(), OF_GAITS[self._quantity.value]
+        values = self._values()
         if values is None or np.isnan(values).all():
             return
-        i, j = np.unravel_index(
-            (np.nanargmin if quantity in COSTS else np.nanargmax)(values), values.shape
-        )
-        self._live.alter(gait=with_wave(self._live.scenario.gait, AMPLITUDES[j], FREQUENCIES[i]))
+        is_cost = self._chosen_quantity in COSTS
+        best = np.nanargmin(values) if is_cost else np.nanargmax(values)
+        row, column = np.unravel_index(best, values.shape)
+        gait = change_wave(self._live.scenario.gait, AMPLITUDES[column], FREQUENCIES[row])
+        self._live.alter(gait=gait)
 
 
-# ---- content of the map --------------------------------------------------------------------------
+# ---- the chart -----------------------------------------------------------------------------------
+
+WIDTH = 3.4
+"""[inch]."""
+HEIGHT = 2.9
+"""[inch]."""
+DOTS_PER_INCH = 220
+FAILED_COLOR = "#c8c8c8"
+GAIT_COLOR = "#E63C1E"
 
 
-def base_of(scenario: lc.Scenario) -> lc.Scenario:
-    """Return what the map depends on, in the plane and without steering; scenarios with the same base share a map.
-
-    Args:
-        scenario: The scenario.
-    """
-    gait = replace(scenario.gait, amplitude=0.0, frequency=0.0)
-    return replace(scenario, motion=gait, model=lc.Planar(joints=scenario.model.joints))
-
-
-def map_of_gaits(scenario: lc.Scenario) -> dict[str, np.ndarray]:
-    """Compute trials of `DURATION` from rest in one batch: each quantity of `OF_GAITS`, over frequency and amplitude.
-
-    Args:
-        scenario: The scenario.
-
-    Raises:
-        ValueError: If the batch cannot compute such trials.
-    """
-    base = replace(base_of(scenario), duration=DURATION, sample_interval=0.05)
-    gaits = [
-        with_wave(base.gait, amplitude, frequency)
-        for frequency in FREQUENCIES
-        for amplitude in AMPLITUDES
-    ]
-    swims = lc.swim_many([replace(base, motion=gait) for gait in gaits])
-    shape = len(FREQUENCIES), len(AMPLITUDES)
-    return {name: np.asarray(getattr(swims, name)).reshape(shape) for name in OF_GAITS.values()}
-
-
-def with_wave(gait: lc.Gait, amplitude_deg: float, frequency_deg_s: float) -> lc.Gait:
-    """Return the gait with another amplitude [deg] and frequency [deg/s]."""
-    return replace(
-        gait, amplitude=math.radians(amplitude_deg), frequency=math.radians(frequency_deg_s)
-    )
-
-
-def gait_map_picture(values: np.ndarray, quantity: str, gait: lc.Gait) -> np.ndarray:
+def draw_gait_map(values: np.ndarray, quantity: str, gait: lc.Gait) -> np.ndarray:
     """Draw a quantity as colors over amplitude and frequency, and a gait as a dot; gray where a trial failed.
 
     Args:
         values: Value of every trial.
-        quantity: One of `OF_GAITS`.
+        quantity: One of `QUANTITIES`.
         gait: The gait to mark.
     """
-    figure = style.new_figure(3.4, 2.9)
-    figure.set_dpi(220)
-    ax = figure.add_subplot()
-    ax.set_facecolor("#c8c8c8")
-    mesh = ax.pcolormesh(AMPLITUDES, FREQUENCIES, np.ma.masked_invalid(values), shading="nearest")
-    style.style_axes(ax, xlabel="amplitude [deg]", ylabel="frequency [deg/s]")
-    ax.autoscale_view()
-    ax.autoscale(False)
-    ax.plot(
-        math.degrees(gait.amplitude),
-        math.degrees(gait.frequency),
-        **style.marker_style("o", 7.0, "#E63C1E"),
+    figure = style.new_figure(WIDTH, HEIGHT)
+    figure.set_dpi(DOTS_PER_INCH)
+    axes = figure.add_subplot()
+    axes.set_facecolor(FAILED_COLOR)
+    colors = axes.pcolormesh(
+        AMPLITUDES, FREQUENCIES, np.ma.masked_invalid(values), shading="nearest"
     )
+    style.style_axes(axes, xlabel="amplitude [deg]", ylabel="frequency [deg/s]")
+    axes.autoscale_view()
+    axes.autoscale(False)
+    amplitude = math.degrees(gait.amplitude)
+    frequency = math.degrees(gait.frequency)
+    axes.plot(amplitude, frequency, **style.marker_style("o", 7.0, GAIT_COLOR))
     style.add_title(figure, LABELS[quantity])
-    bar: Any = figure.colorbar(mesh, ax=ax)
+    bar: Any = figure.colorbar(colors, ax=axes)
     bar.ax.tick_params(labelsize=style.TICK, labelcolor=style.INK)
     bar.outline.set_visible(False)
     canvas: Any = figure.canvas

@@ -1,49 +1,24 @@
-"""Numbers and plots of a run."""
+"""Numbers of a run, beside those of the paper."""
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from laticauda.robot import Robot
+from laticauda.show.cockpit.changes import find_measured
 from laticauda.show.cockpit.live import Live, read_tilt
-from laticauda.show.cockpit.pages import time_scale
-from laticauda.show.cockpit.simulation import TICK, find_measured
+from laticauda.show.cockpit.simulation import TICK, Simulation
 from laticauda.show.reports.chapter import in_digits
 from laticauda.trials import metrics
 from laticauda.trials.feasibility import judge_feasibility
+from laticauda.trials.measured import MeasuredTrial
+from laticauda.values.series import Log
 
-STEP = 4  # every STEP-th sample is drawn
-COLORS = ("#56B4E9", "#E69F00", "#8ADB9B")
-PLOTS = {
-    "Speed [m/s]": {
-        "speed": "speed",
-    },
-    "Power [W]": {
-        "power": "power",
-    },
-    "Cross-track error [m]": {
-        "cross_track_error": "error",
-    },
-    "Heading [deg]": {
-        "heading": "heading",
-    },
-    "Depth [m], in space": {
-        "depth": "depth",
-    },
-    "Pitch and roll [deg], in space": {
-        "pitch": "pitch",
-        "roll": "roll",
-    },
-    "Joint angles [deg]": {
-        "joint_tail": "tail",
-        "joint_middle": "middle",
-        "joint_head": "head",
-    },
-}
-"""Lines of each plot, by its title with unit: column of `Live.plots` and name."""
-HEIGHT = 165  # [px]
-FIGURES = ("forward_velocity", "cycle_velocity", "mean_power", "cost_of_transport")
-RECENT = 800  # latest samples, over which joints and actuators are checked
+RECENT = 800
+"""Latest samples, over which joints and actuators are checked."""
+SLOWEST_TRANSPORT = 1e-6
+"""Velocity up to which there is no cost of transport [m/s]."""
 
 
 def read_figures(live: Live) -> dict[str, Any]:
@@ -57,119 +32,138 @@ def read_figures(live: Live) -> dict[str, Any]:
     Args:
         live: The run.
     """
-    record, now = live.record()
-    time, place, scenario, robot = record.time, record.center_of_mass, now.scenario, now.plant.robot
-    elapsed, found = (
-        float(time[-1] - time[0]),
-        dict[str, Any](dict.fromkeys(FIGURES, math.nan), joints="-"),
-    )
-    if elapsed > 0.0:
-        velocity = metrics.forward_velocity(time, place)
-        work = record.work[:, 0] if record.electrical_work is None else record.electrical_work
-        power = metrics.mean_power(time, work)
-        found |= {"forward_velocity": velocity, "mean_power": power}
-        if velocity > 1e-6:
-            weight = metrics.carried_weight(robot, scenario.environment)
-            found["cost_of_transport"] = metrics.cost_of_transport(power, weight, velocity)
-        cycle = (
-            2.0 * math.pi / scenario.gait.frequency if scenario.gait.frequency > 0.0 else math.inf
-        )
-        if TICK <= cycle < elapsed:
-            n = round(cycle / TICK)
-            found["cycle_velocity"] = float(
-                np.linalg.norm(place[-1] - place[-1 - n]) / (time[-1] - time[-1 - n])
-            )
-        lately = judge_feasibility(
-            robot, record.at(slice(-RECENT, None)), cycle if math.isfinite(cycle) else None
-        )
-        found["joints"] = (
-            f"cannot: {'; '.join(lately.problems)}" if lately.problems else lately.words
-        )
-    heading = float(live.latest().heading)
-    return {
-        "time": elapsed,
-        "cross_track_error": now.cross_track_error,
-        "heading": heading,
-        **found,
+    record, simulation = live.record()
+    figures: dict[str, Any] = {
+        "time": float(record.time[-1] - record.time[0]),
+        "cross_track_error": simulation.cross_track_error,
+        "heading": float(live.latest().heading),
+        "forward_velocity": math.nan,
+        "cycle_velocity": math.nan,
+        "mean_power": math.nan,
+        "cost_of_transport": math.nan,
+        "joints": "-",
     }
+    if not figures["time"] > 0.0:
+        return figures
+    period = math.inf
+    frequency = simulation.scenario.gait.frequency
+    if frequency > 0.0:
+        period = 2.0 * math.pi / frequency
+    figures |= _measure_transport(record, simulation)
+    figures["cycle_velocity"] = _measure_cycle_velocity(record, period)
+    figures["joints"] = _describe_joints(simulation.plant.robot, record, period)
+    return figures
 
 
-def numbers_text(live: Live) -> str:
+def _measure_transport(record: Log, simulation: Simulation) -> dict[str, float]:
+    """Return velocity, power and, if the robot advances, cost of transport."""
+    velocity = metrics.forward_velocity(record.time, record.center_of_mass)
+    work = record.work[:, 0]
+    if record.electrical_work is not None:
+        work = record.electrical_work
+    power = metrics.mean_power(record.time, work)
+    figures = {"forward_velocity": velocity, "mean_power": power}
+    if velocity > SLOWEST_TRANSPORT:
+        environment = simulation.scenario.environment
+        weight = metrics.carried_weight(simulation.plant.robot, environment)
+        figures["cost_of_transport"] = metrics.cost_of_transport(power, weight, velocity)
+    return figures
+
+
+def _measure_cycle_velocity(record: Log, period: float) -> float:
+    """Return the velocity over the last cycle of a gait; nan if the record is shorter, or samples are too sparse."""
+    elapsed = float(record.time[-1] - record.time[0])
+    if not TICK <= period < elapsed:
+        return math.nan
+    n_samples = round(period / TICK)
+    position = record.center_of_mass
+    distance = np.linalg.norm(position[-1] - position[-1 - n_samples])
+    duration = record.time[-1] - record.time[-1 - n_samples]
+    return float(distance / duration)
+
+
+def _describe_joints(robot: Robot, record: Log, period: float) -> str:
+    """Return recent demands on the joints, or why the robot cannot meet them."""
+    cycle = period if math.isfinite(period) else None
+    feasibility = judge_feasibility(robot, record.at(slice(-RECENT, None)), cycle)
+    if feasibility.problems:
+        return f"cannot: {'; '.join(feasibility.problems)}"
+    return feasibility.words
+
+
+# ---- as text -------------------------------------------------------------------------------------
+
+
+class NumberFormat(NamedTuple):
+    """How a number is shown."""
+
+    unit: str
+    digits: int
+    """Digits after the decimal point."""
+
+    def format(self, value: float) -> str:
+        """Return a number with its unit; a dash if it is not available."""
+        if not math.isfinite(value):
+            return "\N{EN DASH}"
+        return f"{in_digits(value, f'.{self.digits}f')} {self.unit}".strip()
+
+
+VELOCITY = NumberFormat("m/s", 3)
+POWER = NumberFormat("W", 1)
+RATIO = NumberFormat("", 2)
+DISTANCE = NumberFormat("m", 3)
+DEPTH = NumberFormat("m", 2)
+ANGLE = NumberFormat("deg", 1)
+UNAVAILABLE = "not available"
+
+
+def format_figures(live: Live) -> str:
     """Return the figures next to those of the paper, as Markdown."""
     failure = live.simulation.failure
     if failure is not None:
         return f"**{failure}** Change a setting, or reset."
-    now, tank = read_figures(live), find_measured(live.scenario)
-    kind = "mechanical" if live.latest().electrical_work is None else "electrical"
-    rows = [
-        ("forward velocity (5)", _number(now["forward_velocity"], "m/s", 3)),
-        ("over the last gait cycle", _number(now["cycle_velocity"], "m/s", 3)),
-        (f"mean power, {kind}", _number(now["mean_power"], "W", 1)),
-        ("cost of transport", _number(now["cost_of_transport"], "", 2)),
-        ("cross-track error", _number(now["cross_track_error"], "m", 3)),
-        ("heading", _number(math.degrees(now["heading"]), "deg", 1)),
-    ]
-    for name, value in read_tilt(live.latest()).items():
-        if math.isfinite(value):
-            rows.append(
-                (
-                    name,
-                    _number(value, "m" if name == "depth" else "deg", 2 if name == "depth" else 1),
-                )
-            )
-    lines = [f"| since the last change | {now['time']:.1f} s |", "|:--|--:|"]
-    lines += [f"| {name} | **{value}** |" for name, value in rows]
-    lines += [f"| joints | {now['joints']} |"]
-    if tank is not None:
-        speed = (
-            "not available" if tank.forward_velocity is None else f"{tank.forward_velocity:.3f} m/s"
-        )
-        power = "not available" if tank.mean_power is None else f"{tank.mean_power:.1f} W"
-        lines += [
-            f"| measured in the paper | {speed} |",
-            f"| in 30 s from rest, electrical | {power} |",
-        ]
+    figures = read_figures(live)
+    latest = live.latest()
+    kind_of_power = "electrical"
+    if latest.electrical_work is None:
+        kind_of_power = "mechanical"
+    rows = {
+        "forward velocity (5)": VELOCITY.format(figures["forward_velocity"]),
+        "over the last gait cycle": VELOCITY.format(figures["cycle_velocity"]),
+        f"mean power, {kind_of_power}": POWER.format(figures["mean_power"]),
+        "cost of transport": RATIO.format(figures["cost_of_transport"]),
+        "cross-track error": DISTANCE.format(figures["cross_track_error"]),
+        "heading": ANGLE.format(math.degrees(figures["heading"])),
+        **_format_tilt(read_tilt(latest)),
+    }
+    lines = [f"| since the last change | {figures['time']:.1f} s |", "|:--|--:|"]
+    lines += [f"| {name} | **{value}** |" for name, value in rows.items()]
+    lines.append(f"| joints | {figures['joints']} |")
+    measured = find_measured(live.scenario)
+    if measured is not None:
+        lines += _format_measured(measured)
     return "\n".join(lines)
 
 
-def _number(value: float, unit: str, digits: int) -> str:
-    return (
-        f"{in_digits(value, f'.{digits}f')} {unit}".strip()
-        if math.isfinite(value)
-        else "\N{EN DASH}"
-    )
+def _format_tilt(tilt: dict[str, float]) -> dict[str, str]:
+    """Return depth, pitch and roll of a robot in space; nothing in the plane."""
+    rows: dict[str, str] = {}
+    for name, value in tilt.items():
+        if math.isfinite(value):
+            number_format = DEPTH if name == "depth" else ANGLE
+            rows[name] = number_format.format(value)
+    return rows
 
 
-class Plots:
-    """All plots, over the simulated time in seconds.
-
-    Args:
-        gui: GUI of the page's server.
-    """
-
-    def __init__(self, gui: Any) -> None:
-        axis = {"stroke": "#c8d2d8", "grid": {"stroke": "#3a4750", "width": 1}}
-        self._handles: list[Any] = []
-        for title, lines in PLOTS.items():
-            series = [
-                {"label": name, "stroke": color, "width": 1.5}
-                for name, color in zip(lines.values(), COLORS)  # noqa: B905
-            ]
-            self._handles.append(
-                gui.add_uplot(
-                    (np.zeros(1),) * (1 + len(lines)),
-                    ({"label": "time [s]"}, *series),
-                    title=title,
-                    scales=time_scale(),
-                    axes=(axis, axis),
-                    height=HEIGHT,
-                )
-            )
-
-    def show(self, live: Live) -> None:
-        """Draw the available data."""
-        columns = live.plots(step=STEP)
-        if not columns:
-            return
-        for handle, lines in zip(self._handles, PLOTS.values(), strict=True):
-            handle.data = (columns["time"], *(columns[name] for name in lines))
+def _format_measured(measured: MeasuredTrial) -> list[str]:
+    """Return what the paper measured in the same setting."""
+    speed = UNAVAILABLE
+    if measured.forward_velocity is not None:
+        speed = f"{measured.forward_velocity:.3f} m/s"
+    power = UNAVAILABLE
+    if measured.mean_power is not None:
+        power = f"{measured.mean_power:.1f} W"
+    return [
+        f"| measured in the paper | {speed} |",
+        f"| in 30 s from rest, electrical | {power} |",
+    ]

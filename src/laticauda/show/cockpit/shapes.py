@@ -1,5 +1,10 @@
-"""Pose and appearance of every part of the robot: meshes in frames, without any graphics engine."""
+"""Pose and appearance of every part of the robot: meshes in frames, without any graphics engine.
 
+A part is a module, or a piece of the fin. Parts are numbered from the tail: first the modules, then
+the pieces of the fin, starting at its root.
+"""
+
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -7,26 +12,28 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.models.spatial import appearance
-from laticauda.models.spatial.bodies import AXES, build_bodies
-from laticauda.robot import Robot, kinematics
+from laticauda.models.spatial.bodies import AXES, Body, build_bodies
+from laticauda.robot import CaudalFin, Module, Robot, kinematics
 from laticauda.scenarios import interfaces
-from laticauda.show.pictures.camera import to_space
+from laticauda.show.pictures.camera import lift_to_space
 from laticauda.values import series
 
 Color = tuple[int, int, int]
+"""Red, green and blue, each from 0 to 255."""
 
 
 class Shape(NamedTuple):
     """A surface in the frame of a part."""
 
     part: int
+    """Index of the part."""
     mesh: appearance.Mesh
     color: Color
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Poses:
-    """Poses of all parts at one instant: the modules, tail first, each at its tail end; then the pieces of the fin."""
+    """Poses of all parts at one instant; the origin of a module is its tail end."""
 
     position: Float[np.ndarray, "n_parts 3"]
     """Positions [m]."""
@@ -36,30 +43,83 @@ class Poses:
     """Midpoint of every module [m]."""
 
 
+# ---- shapes --------------------------------------------------------------------------------------
+
+
 def build_shapes(robot: Robot) -> list[Shape]:
     """Return the shapes of the robot: housings with their bands, a head, a plate for the fin.
 
     Args:
         robot: The robot as its plant has it.
     """
-    found = [
-        Shape(i, build(module), _color(material))
-        for i, module in enumerate(robot.modules)
-        for material, build in appearance.mesh_builders(is_head=i == robot.n_links - 1).items()
+    shapes: list[Shape] = []
+    for part, module in enumerate(robot.modules):
+        shapes += _module_shapes(part, module, is_head=part == robot.n_links - 1)
+    if robot.caudal_fin is not None:
+        shapes += _fin_shapes(robot.n_links, robot.caudal_fin)
+    return shapes
+
+
+def _module_shapes(part: int, module: Module, *, is_head: bool) -> list[Shape]:
+    builders = appearance.mesh_builders(is_head=is_head)
+    return [Shape(part, build(module), _color_of(name)) for name, build in builders.items()]
+
+
+def _fin_shapes(first_part: int, fin: CaudalFin) -> list[Shape]:
+    shapes: list[Shape] = []
+    for part, piece in enumerate(fin.pieces, first_part):
+        plate = appearance.build_fin_plate(fin, piece)
+        boxes = appearance.rods(fin, piece)
+        if plate is not None:
+            boxes = [plate, *boxes]
+        mesh = appearance.joined(*map(_box_mesh, boxes))
+        shapes.append(Shape(part, mesh, _color_of("fin")))
+    return shapes
+
+
+def _color_of(material_name: str) -> Color:
+    red, green, blue, _ = appearance.MATERIALS[material_name][0]
+    return round(255 * red), round(255 * green), round(255 * blue)
+
+
+BOX_CORNERS = np.array(
+    [
+        (-1.0, -1.0, -1.0),
+        (-1.0, -1.0, 1.0),
+        (-1.0, 1.0, -1.0),
+        (-1.0, 1.0, 1.0),
+        (1.0, -1.0, -1.0),
+        (1.0, -1.0, 1.0),
+        (1.0, 1.0, -1.0),
+        (1.0, 1.0, 1.0),
     ]
-    fin = robot.caudal_fin
-    for k, piece in enumerate(fin.pieces if fin is not None else ()):
-        assert fin is not None
-        boxes = [
-            *filter(None, [appearance.build_fin_plate(fin, piece)]),
-            *appearance.rods(fin, piece),
-        ]
-        found.append(
-            Shape(
-                robot.n_links + k, appearance.joined(*(_mesh(box) for box in boxes)), _color("fin")
-            )
-        )
-    return found
+)
+"""Corners of a box, in half of its sizes."""
+BOX_SIDES = (
+    (0, 1, 3, 2),
+    (4, 6, 7, 5),
+    (0, 4, 5, 1),
+    (2, 3, 7, 6),
+    (0, 2, 6, 4),
+    (1, 5, 7, 3),
+)
+"""Corners of every side, counterclockwise when seen from outside."""
+
+
+def _box_mesh(box: appearance.Box) -> appearance.Mesh:
+    """Return the mesh of a box; each triangle has its own corners, so that edges stay sharp."""
+    corners = BOX_CORNERS * box.half_size + box.position
+    triangles: list[tuple[int, int, int]] = []
+    for a, b, c, d in BOX_SIDES:
+        triangles += [(a, b, c), (a, c, d)]
+    n_vertices = 3 * len(triangles)
+    return appearance.Mesh(
+        vertices=corners[np.array(triangles).ravel()],
+        faces=np.arange(n_vertices).reshape(-1, 3),
+    )
+
+
+# ---- poses ---------------------------------------------------------------------------------------
 
 
 def compute_poses(robot: Robot, sample: series.Log, height: float = 0.0) -> Poses:
@@ -71,50 +131,51 @@ def compute_poses(robot: Robot, sample: series.Log, height: float = 0.0) -> Pose
         sample: One sample of the plant's log, or of a trial.
         height: Height of a robot in the plane [m].
     """
-    if sample.center_of_mass.size == 3:
-        root = kinematics.from_quaternion(
-            *(float(sample.signals[name]) for name in interfaces.ORIENTATION)
-        )
-    else:
-        root = kinematics.turn("yaw", float(sample.link_angle[0]))
-    pieces = robot.caudal_fin.pieces if robot.caudal_fin is not None else ()
-    bends = [float(sample.signals.get(f"fin_angle_{k}", np.zeros(()))) for k in range(len(pieces))]
-    parts, angles = build_bodies(robot), [0.0, *sample.joint_angle.tolist(), *np.negative(bends)]
-    places, turns = {"": np.zeros(3)}, {"": root}
-    for body, angle in zip(parts, angles, strict=True):
-        before = turns[body.parent]
-        places[body.name] = places[body.parent] + before @ body.position
-        turns[body.name] = before @ kinematics.turn(
-            "pitch" if body.axis == AXES["pitch"] else "yaw", angle
-        )
-    position, rotation = (
-        np.array([found[body.name] for body in parts]) for found in (places, turns)
-    )
-    ahead, mass = rotation[:, :, 0], np.array([body.mass for body in parts])
-    center = mass @ (position + np.array([[body.center] for body in parts]) * ahead) / mass.sum()
-    position += to_space(sample.center_of_mass, height) - center
-    middle = (
-        position[: robot.n_links]
-        + np.array([[one.half_length] for one in robot.modules]) * ahead[: robot.n_links]
-    )
+    bodies = build_bodies(robot)
+    position, rotation = _place_bodies(bodies, _tail_rotation(sample), _angles(robot, sample))
+    ahead = rotation[:, :, 0]
+    mass = np.array([body.mass for body in bodies])
+    center_on_axis = np.array([[body.center] for body in bodies])
+    center = mass @ (position + center_on_axis * ahead) / mass.sum()
+    position += lift_to_space(sample.center_of_mass, height) - center
+    half_length = np.array([[module.half_length] for module in robot.modules])
+    n_links = robot.n_links
     return Poses(
         position=position,
-        orientation=np.array([*map(kinematics.to_quaternion, rotation)]),
-        middle=middle,
+        orientation=np.array([kinematics.to_quaternion(matrix) for matrix in rotation]),
+        middle=position[:n_links] + half_length * ahead[:n_links],
     )
 
 
-def _color(material: str) -> Color:
-    r, g, b, _ = appearance.MATERIALS[material][0]
-    return round(255 * r), round(255 * g), round(255 * b)
+def _tail_rotation(sample: series.Log) -> np.ndarray:
+    """Return the rotation matrix of module 0."""
+    if sample.center_of_mass.size == 2:
+        return kinematics.turn("yaw", float(sample.link_angle[0]))
+    quaternion = [float(sample.signals[name]) for name in interfaces.ORIENTATION]
+    return kinematics.from_quaternion(*quaternion)
 
 
-def _mesh(box: appearance.Box) -> appearance.Mesh:
-    """Return the mesh of a box; each face has its own corners, so that edges stay sharp."""
-    corner = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
-    vertices = corner * box.half_size + box.position
-    sides = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
-    faces = [face for a, b, c, d in sides for face in ((a, b, c), (a, c, d))]
-    return appearance.Mesh(
-        vertices=vertices[np.array(faces).ravel()], faces=np.arange(3 * len(faces)).reshape(-1, 3)
-    )
+def _angles(robot: Robot, sample: series.Log) -> list[float]:
+    """Return the angle of every body relative to its parent [rad]; that of module 0 is 0."""
+    n_pieces = 0
+    if robot.caudal_fin is not None:
+        n_pieces = len(robot.caudal_fin.pieces)
+    straight = np.zeros(())
+    bends = [float(sample.signals.get(f"fin_angle_{k}", straight)) for k in range(n_pieces)]
+    return [0.0, *sample.joint_angle.tolist(), *np.negative(bends)]
+
+
+def _place_bodies(
+    bodies: Sequence[Body], tail_rotation: np.ndarray, angles: Sequence[float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return positions [m] and rotation matrices of all bodies, from an origin at module 0."""
+    position_of = {"": np.zeros(3)}
+    rotation_of = {"": tail_rotation}
+    for body, angle in zip(bodies, angles, strict=True):
+        axis = "pitch" if body.axis == AXES["pitch"] else "yaw"
+        parent_rotation = rotation_of[body.parent]
+        position_of[body.name] = position_of[body.parent] + parent_rotation @ body.position
+        rotation_of[body.name] = parent_rotation @ kinematics.turn(axis, angle)
+    position = np.array([position_of[body.name] for body in bodies])
+    rotation = np.array([rotation_of[body.name] for body in bodies])
+    return position, rotation

@@ -1,4 +1,7 @@
-"""Cameras: one that follows a robot smoothly, one beside it, one above it, and a fixed one that shows everything."""
+"""Cameras: one that follows a robot smoothly, one beside it, one above it, and a fixed one that shows everything.
+
+A camera that follows looks at the robot without the ripple of its strokes, see `remove_ripple`.
+"""
 
 import math
 from typing import Any, Literal, NamedTuple
@@ -14,7 +17,8 @@ from laticauda.values.optional import load_mujoco
 from laticauda.values.quantities import option, quantity, value_class
 
 Camera = Literal["follow", "side", "top", "fixed"]
-VIEW_DEG = 36.0  # vertical angle of view
+VIEW_DEG = 36.0
+"""Vertical angle of view [deg]."""
 
 
 class Direction(NamedTuple):
@@ -32,10 +36,18 @@ DIRECTIONS = {
     "top": Direction(89.9, 90.0),
     "fixed": Direction(32.0, 90.0),
 }
-ROOM = 1.36  # width of the picture at the robot, in robot lengths
-BELOW = 0.07  # how far below the robot `follow` looks, in robot lengths, to show its shadow
-CALM, CALM_TURN = 0.75, 1.5  # time scales of smoothing, in periods of the gait
-PERIOD, LONGEST_PERIOD = 2.0, 10.0  # period if there is no gait, and longest period [s]
+ROOM = 1.36
+"""Width of the picture at the robot, in robot lengths."""
+BELOW = 0.07
+"""How far below the robot `follow` looks, to show its shadow, in robot lengths."""
+CALM_POSITION = 0.75
+"""Time scale over which the position is smoothed, in periods of the gait."""
+CALM_HEADING = 1.5
+"""Time scale over which the heading is smoothed, in periods of the gait."""
+PERIOD = 2.0
+"""Period that is assumed if there is no gait [s]."""
+LONGEST_PERIOD = 10.0
+"""Largest period that is smoothed [s]."""
 
 
 @value_class
@@ -62,18 +74,31 @@ class Film:
         "`follow`, `side` and `top` turn with the robot; `fixed` sees it all", default="follow"
     )
 
+    @property
+    def aspect(self) -> float:
+        """Aspect ratio of the pictures, width over height [-]."""
+        width, height = self.size
+        return width / height
+
     def span(self, trial: Trial) -> tuple[float, float]:
         """Return the times at which the film begins and ends in a trial [s].
+
+        Args:
+            trial: The trial.
 
         Raises:
             ValueError: If it is not within the trial.
         """
-        first, last = float(trial.time[0]), float(trial.time[-1])
-        begin = first if self.begin is None else check_within("begin", self.begin, first, last, "s")
-        return begin, last if self.end is None else check_within("end", self.end, begin, last, "s")
+        begin = float(trial.time[0])
+        end = float(trial.time[-1])
+        if self.begin is not None:
+            begin = check_within("begin", self.begin, begin, end, "s")
+        if self.end is not None:
+            end = check_within("end", self.end, begin, end, "s")
+        return begin, end
 
 
-def view(trial: Trial, time: float, height: float, film: Film) -> Any:
+def aim_at_trial(trial: Trial, time: float, height: float, film: Film) -> Any:
     """Return a film's camera for a trial at a given time, as a `MjvCamera`.
 
     Args:
@@ -82,23 +107,44 @@ def view(trial: Trial, time: float, height: float, film: Film) -> Any:
         height: Height at which a planar robot swims [m].
         film: The film with its camera.
     """
-    aspect, camera = film.size[0] / film.size[1], film.camera
-    if camera == "fixed":
-        begin, end = film.span(trial)
-        shown = (trial.time >= begin) & (trial.time <= end)
-        center, heading = trial.center_of_mass[shown], trial.heading[shown]
-        ends = 0.5 * trial.robot.reach * np.stack((np.cos(heading), np.sin(heading)), axis=1)
-        low, high = center.min(axis=0), center.max(axis=0)
-        both = np.concatenate((center[:, :2] - ends, center[:, :2] + ends))
-        low[:2], high[:2] = both.min(axis=0), both.max(axis=0)
-        wide = max(float(high[0] - low[0]), aspect * float(high[1] - low[1]))
-        return aim_camera(
-            trial.robot, to_space(0.5 * (low + high), height), 0.0, aspect, camera, wide
-        )
-    period = ripple_period(trial)
-    center = to_space(calm(trial.time, trial.center_of_mass, time, CALM * period), height)
-    heading = float(calm(trial.time, trial.heading, time, CALM_TURN * period))
-    return aim_camera(trial.robot, center, heading, aspect, camera)
+    if film.camera == "fixed":
+        return _aim_at_whole_trial(trial, height, film)
+    period = estimate_ripple_period(trial)
+    center = remove_ripple(
+        trial.time, trial.center_of_mass, moment=time, width=CALM_POSITION * period
+    )
+    heading = remove_ripple(trial.time, trial.heading, moment=time, width=CALM_HEADING * period)
+    return aim_camera(
+        trial.robot,
+        center=lift_to_space(center, height),
+        heading=float(heading),
+        aspect=film.aspect,
+        camera=film.camera,
+    )
+
+
+def _aim_at_whole_trial(trial: Trial, height: float, film: Film) -> Any:
+    """Return a camera that sees the robot during the whole film."""
+    begin, end = film.span(trial)
+    is_filmed = (trial.time >= begin) & (trial.time <= end)
+    center = trial.center_of_mass[is_filmed]
+    heading = trial.heading[is_filmed]
+    half_robot = 0.5 * trial.robot.reach * np.stack((np.cos(heading), np.sin(heading)), axis=1)
+    ends = np.concatenate((center[:, :2] - half_robot, center[:, :2] + half_robot))
+    low = center.min(axis=0)
+    high = center.max(axis=0)
+    low[:2] = ends.min(axis=0)
+    high[:2] = ends.max(axis=0)
+    width = float(high[0] - low[0])
+    depth = float(high[1] - low[1])
+    return aim_camera(
+        trial.robot,
+        center=lift_to_space(0.5 * (low + high), height),
+        heading=0.0,
+        aspect=film.aspect,
+        camera=film.camera,
+        wide=max(width, film.aspect * depth),
+    )
 
 
 def aim_camera(
@@ -120,35 +166,49 @@ def aim_camera(
             place.
         wide: Minimum width to be seen [m].
     """
-    down, aside = DIRECTIONS[camera]
-    reach, ahead = robot.reach, 0.0 if camera == "fixed" else middle_ahead_of_center(robot)
-    below = BELOW * reach if camera == "follow" else 0.0
+    direction = DIRECTIONS[camera]
+    ahead = 0.0
+    if camera != "fixed":
+        ahead = middle_ahead_of_center(robot)
+    below = 0.0
+    if camera == "follow":
+        below = BELOW * robot.reach
+    offset = np.array((ahead * math.cos(heading), ahead * math.sin(heading), -below))
+    half_width = 0.5 * ROOM * max(robot.reach, wide)
     half_view = math.atan(math.tan(math.radians(0.5 * VIEW_DEG)) * aspect)
-    seen = load_mujoco().MjvCamera()
-    seen.lookat = center + np.array((ahead * math.cos(heading), ahead * math.sin(heading), -below))
-    seen.distance = 0.5 * ROOM * max(reach, wide) / math.tan(half_view)
-    seen.azimuth, seen.elevation = math.degrees(heading) + aside, -down
-    return seen
+    mujoco_camera = load_mujoco().MjvCamera()
+    mujoco_camera.lookat = center + offset
+    mujoco_camera.distance = half_width / math.tan(half_view)
+    mujoco_camera.azimuth = math.degrees(heading) + direction.from_heading
+    mujoco_camera.elevation = -direction.below_horizontal
+    return mujoco_camera
 
 
-def to_space(center: np.ndarray, height: float) -> Float[np.ndarray, "3"]:
+def lift_to_space(position: np.ndarray, height: float) -> Float[np.ndarray, "3"]:
     """Return a position in space, at a given height if it is planar [m]."""
-    return center if center.size == 3 else np.append(center, height)
-
-
-def ripple_period(trial: Trial) -> float:
-    """Return the period of the ripple in speed and heading [s]."""
-    return min(trial.period or PERIOD, LONGEST_PERIOD)
+    if position.size == 3:
+        return position
+    return np.append(position, height)
 
 
 def middle_ahead_of_center(robot: Robot) -> float:
     """Return how far the middle of the straight robot with its fin is ahead of its center of mass [m]."""
-    behind = robot.caudal_fin.length if robot.caudal_fin else 0.0
-    return 0.5 * (robot.length - behind) - straight_center_of_mass(robot)
+    fin_length = 0.0
+    if robot.caudal_fin is not None:
+        fin_length = robot.caudal_fin.length
+    return 0.5 * (robot.length - fin_length) - straight_center_of_mass(robot)
 
 
-def calm(
-    time: Float[np.ndarray, " n"], values: Float[np.ndarray, "n ..."], at: float, width: float
+# ---- smoothing -----------------------------------------------------------------------------------
+
+
+def estimate_ripple_period(trial: Trial) -> float:
+    """Return the period of the ripple in speed and heading [s]."""
+    return min(trial.period or PERIOD, LONGEST_PERIOD)
+
+
+def remove_ripple(
+    time: Float[np.ndarray, " n"], values: Float[np.ndarray, "n ..."], moment: float, width: float
 ) -> np.ndarray:
     """Return a signal without its ripple: the value at a moment of the best-fit straight line around it.
 
@@ -157,12 +217,14 @@ def calm(
     Args:
         time: Times of the samples [s].
         values: The signal.
-        at: The moment [s].
+        moment: The moment [s].
         width: Standard deviation of the samples' weights around that moment [s].
     """
-    ago = time - at
-    near = np.abs(ago) <= max(3.0 * width, 2.0 * float(np.min(np.abs(ago))))
-    weight = np.exp(-0.25 * (ago[near] / width) ** 2)
-    return np.asarray(
-        np.polyfit(ago[near], values[near], min(1, int(near.sum()) - 1), w=weight)[-1]
-    )
+    lead = time - moment
+    nearest = float(np.min(np.abs(lead)))
+    is_near = np.abs(lead) <= max(3.0 * width, 2.0 * nearest)
+    weight = np.exp(-0.25 * (lead[is_near] / width) ** 2)
+    n_near = int(is_near.sum())
+    degree = min(1, n_near - 1)
+    coefficients = np.polyfit(lead[is_near], values[is_near], degree, w=weight)
+    return np.asarray(coefficients[-1])

@@ -15,7 +15,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from laticauda.show.pictures import replay, stage
-from laticauda.show.pictures.camera import Film, ripple_period, view
+from laticauda.show.pictures.camera import Film, aim_at_trial, estimate_ripple_period
 from laticauda.trials import Trial
 from laticauda.values.checks import check_positive, check_within
 from laticauda.values.errors import BadArgument, LaticaudaError, MissingProgram
@@ -126,7 +126,7 @@ def draw_pictures(
                 replay.draw_path(scene, path, width)
                 replay.draw_trail(scene, trial, time, height, width)
 
-            camera = view(trial, time, height, film)
+            camera = aim_at_trial(trial, time, height, film)
             posture, *others = [replay.posture_at(one, time, height) for one in (trial, *beside)]
             picture = studio.picture(posture, camera, decorate, others)
             figures = [
@@ -144,7 +144,7 @@ def check_video() -> None:
 
 def speed_at(trial: Trial, time: float) -> float:
     """Return the speed of the center of mass over the last period of the gait, and hence without its ripple [m/s]."""
-    moments = max(time - ripple_period(trial), float(trial.time[0])), time
+    moments = max(time - estimate_ripple_period(trial), float(trial.time[0])), time
     if moments[0] == moments[1]:
         return float(np.linalg.norm(trial.center_of_mass_velocity[0]))
     start, stop = replay.interpolate_centers(trial, moments)

@@ -17,7 +17,7 @@ from jaxtyping import Float
 
 from laticauda.robot import kinematics
 from laticauda.scenarios import interfaces
-from laticauda.show.pictures.camera import Film, view
+from laticauda.show.pictures.camera import Film, aim_at_trial
 from laticauda.show.pictures.stage import Posture, Studio, flat_posture
 from laticauda.show.pictures.surroundings import add_piece
 from laticauda.trials import Trial
@@ -134,7 +134,7 @@ def show(trial: Trial, *, speed: float = 1.0) -> None:
                 load_mujoco().mjtCamera.mjCAMERA_TRACKING
             )  # starts as in a film; the mouse moves it
             window.cam.trackbodyid = stage.model.body("module_0").id
-            first = view(trial, float(trial.time[0]), stage.height, Film())
+            first = aim_at_trial(trial, float(trial.time[0]), stage.height, Film())
             for name in ("lookat", "distance", "azimuth", "elevation"):
                 setattr(window.cam, name, getattr(first, name))
         while window.is_running():

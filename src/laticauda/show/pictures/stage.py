@@ -18,7 +18,12 @@ from laticauda.models.spatial.bodies import ballast_of
 from laticauda.models.spatial.model import SpatialPlant
 from laticauda.robot import Environment, Ground, Robot
 from laticauda.scenarios import Model, Spatial
-from laticauda.show.pictures.camera import VIEW_DEG, aim_camera, middle_ahead_of_center, to_space
+from laticauda.show.pictures.camera import (
+    VIEW_DEG,
+    aim_camera,
+    lift_to_space,
+    middle_ahead_of_center,
+)
 from laticauda.show.pictures.surroundings import (
     MovingWater,
     add_surroundings,
@@ -246,7 +251,7 @@ def flat_posture(
             np.zeros(robot.n_joints),
         )  # the planar model holds the others straight
         joint_angle[[i for i, joint in enumerate(robot.joints) if joint.axis == "yaw"]] = yaw
-    return Posture(to_space(center, height), upright(tail), joint_angle, fin_angle)
+    return Posture(lift_to_space(center, height), upright(tail), joint_angle, fin_angle)
 
 
 def upright(angle: float) -> Float[np.ndarray, "4"]:
