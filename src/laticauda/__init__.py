@@ -178,5 +178,5 @@ __getattr__, __dir__, __all__ = lazy_exports(
         ],
         "laticauda.trials": ["Trial", "compare", "joined"],
     },
-    renamed={"plant": "build_plant", "scenario": "build_scenario"},
+    renamed={"plant": "build_plant", "scenario": "build_scenario", **moved.FORMER_PACKAGES},
 )

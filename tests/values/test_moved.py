@@ -60,6 +60,14 @@ def test_what_is_no_error_is_found_by_its_name_of_before(old):
     assert found is getattr(importlib.import_module(f"laticauda.values.{module}"), name)
 
 
+def test_packages_of_before_are_attributes_too():
+    with pytest.warns(
+        DeprecationWarning, match=r"^laticauda\.logs is now laticauda\.trials\.logs$"
+    ):
+        module = laticauda.logs  # pyright: ignore
+    assert module is importlib.import_module("laticauda.trials.logs")
+
+
 def test_the_warning_points_to_the_import():
     code = (
         "import warnings\nwarnings.simplefilter('always')\n\nfrom laticauda.fluid import DragLaw\n"

@@ -16,9 +16,13 @@ import tyro
 
 from laticauda.cli.command import Command
 from laticauda.cli.flags import BadFlag, spell_field, wrap_text
-from laticauda.values.checks import suggest_nearest
-from laticauda.values.errors import BadArgument, LaticaudaError, SimulationFailed
-from laticauda.values.files import read_toml
+from laticauda.values import (
+    BadArgument,
+    LaticaudaError,
+    SimulationFailed,
+    read_toml,
+    suggest_nearest,
+)
 
 PROGRAM = "laticauda"
 DESCRIPTION = (
@@ -88,7 +92,7 @@ def main(args: Sequence[str] | None = None) -> int:
 
 
 def _print_version() -> int:
-    from laticauda.values.packaging import __version__
+    from laticauda.values import __version__
 
     print(f"{PROGRAM} {__version__}")
     return 0

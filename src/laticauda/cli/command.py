@@ -20,9 +20,7 @@ from laticauda.cli.progress import (
     show_progress as show_progress,
     stored_trials as stored_trials,
 )
-from laticauda.values.access import LOCAL as LOCAL
-from laticauda.values.files import to_json
-from laticauda.values.quantities import option, value_class
+from laticauda.values import LOCAL as LOCAL, option, to_json, value_class
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,29 +13,32 @@ from laticauda import scenarios
 from laticauda.cli.command import PATIENCE, SHARE, Command, Outcome, show_progress
 from laticauda.cli.flags import File, Options, Picture, Place, Words
 from laticauda.cli.tables import aligned, parse_numbers
-from laticauda.identify import tasks
-from laticauda.identify.candidates import SENSORS, coast_down, swim_candidates
-from laticauda.identify.conversion import from_tow
-from laticauda.identify.design import Design, Judged, design_experiment
-from laticauda.identify.discrimination import (
+from laticauda.identify import (
+    LIMIT,
+    SENSORS,
+    Design,
     Discrimination,
+    Judged,
+    Measurement,
+    Problem,
+    Tow,
+    Unknown,
+    coast_down,
+    design_experiment,
     discriminate,
+    format_share,
+    from_tow,
+    known_from,
+    make_problem,
+    marginal,
     misidentification_probability,
+    swim_candidates,
+    tasks,
 )
-from laticauda.identify.identifiability import LIMIT, marginal
-from laticauda.identify.information import known_from
-from laticauda.identify.measurements import Measurement
-from laticauda.identify.problem import Problem, make_problem
-from laticauda.identify.reasons import format_share
-from laticauda.identify.towing import Tow
-from laticauda.identify.unknowns import Unknown
 from laticauda.motion import gaits
 from laticauda.robot import TEXTBOOK, Environment, load_robot, water_names
 from laticauda.show import figures
-from laticauda.values import packaging
-from laticauda.values.checks import check_not_empty
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import BadArgument, check_not_empty, option, packaging, quantity, value_class
 
 FORM = "NAME, NAME=VALUE or NAME=MEAN+-SD, such as water.normal_drag=1.75+-0.5"
 SENSOR_FORM = "one of speed, power, path, heading, joint-angle, joint-torque, alone or with =SIGMA, such as path=0.003"
@@ -418,7 +421,7 @@ def _numbered(steps: Iterable[Judged]) -> list[_Row]:
 
 def _draw(design: Design, path: str) -> None:
     from laticauda.show.figures import style
-    from laticauda.show.reports.identify_figures import short_names, shrinking
+    from laticauda.show.reports import short_names, shrinking
 
     figure = figures.new_figure(style.DOUBLE_COLUMN, 3.0)
     ax = figure.subplots()

@@ -4,11 +4,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from laticauda.cli import command, tables
-from laticauda.tank.operate import drivers
+from laticauda.tank.operate import Connection, drivers
 from laticauda.tank.operate.drivers.contract import listen
-from laticauda.tank.operate.settings import Connection
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import BadArgument, option, quantity, value_class
 
 
 @value_class

@@ -8,8 +8,7 @@ from typing import Annotated, Any, Literal
 import laticauda as lc
 from laticauda.cli import command, flags
 from laticauda.cli.scene import OfScenario, warn_of_compiling
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import BadArgument, option, quantity, value_class
 
 CAUSALITIES = ("parameter", "input", "output")
 """Kinds of variables that are counted."""
@@ -45,7 +44,7 @@ class Urdf(command.Command):
         Args:
             robot: Robot to write.
         """
-        from laticauda.models.spatial.urdf import write_urdf
+        from laticauda.models.spatial import write_urdf
 
         write_urdf(self.output, robot, meshes=self.meshes)
 
@@ -176,7 +175,7 @@ class C(Compiled):
 
     def run(self) -> command.Outcome:
         """Write the files."""
-        from laticauda.connect.native.c_library import export_c
+        from laticauda.connect.native import export_c
 
         return self.write_with(export_c, "platform", "static")
 

@@ -14,8 +14,7 @@ from typing import Any, cast
 
 import tyro
 
-from laticauda.values.files import read_toml
-from laticauda.values.quantities import Field, fields_of, texts_of
+from laticauda.values import Field, fields_of, read_toml, texts_of
 
 
 @dataclass(frozen=True)

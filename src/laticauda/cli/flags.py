@@ -54,8 +54,7 @@ from laticauda.cli.flag_types import (
 )
 from laticauda.cli.number_flags import accept_objects as accept_objects, numbers_flag
 from laticauda.cli.wave_flags import wave_flags, with_typed_wave
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import Field, fields_of, texts_of
+from laticauda.values import BadArgument, Field, fields_of, texts_of
 
 Command = TypeVar("Command")
 

@@ -22,20 +22,25 @@ from laticauda.cli.flags import (
 )
 from laticauda.cli.tables import format_table, parse_numbers
 from laticauda.identify import fitting, measurements, result, tasks, validation
-from laticauda.models.simulate.numbers import UNITS
+from laticauda.models.simulate import UNITS
 from laticauda.robot import load_parameters
-from laticauda.show.reports.chapter import load_templates, writable_folder
-from laticauda.show.reports.identify import (
+from laticauda.show.reports import (
     as_dict,
     errors_of,
     identification_tables,
+    load_templates,
+    writable_folder,
     write_identification,
 )
-from laticauda.values.checks import check_choice
-from laticauda.values.codec import keys_of
-from laticauda.values.errors import BadArgument
-from laticauda.values.files import write
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import (
+    BadArgument,
+    check_choice,
+    keys_of,
+    option,
+    quantity,
+    value_class,
+    write,
+)
 
 FORM = "NAME, NAME=LOW:HIGH or NAME=MEAN+-SD, such as water.normal_drag=0.5:4"
 METHOD_OF_TASK = ("starts", "seed", "noise")

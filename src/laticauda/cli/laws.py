@@ -8,10 +8,8 @@ from typing import TypeVar
 from laticauda import robot
 from laticauda.cli.flags import BadFlag, accept_objects
 from laticauda.cli.tables import parse_numbers
-from laticauda.values import codec
-from laticauda.values.errors import BadArgument, LaticaudaError
-from laticauda.values.extensions import Extensible, name_of
-from laticauda.water.fluid.flow import Flow
+from laticauda.values import BadArgument, Extensible, LaticaudaError, codec, name_of
+from laticauda.water.fluid import Flow
 
 Member = TypeVar("Member", bound=Extensible)
 

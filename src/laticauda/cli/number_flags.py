@@ -7,11 +7,15 @@ from typing import Any, TypeAlias, cast
 
 from laticauda.cli.flag_names import is_declared, spell_flag
 from laticauda.cli.flag_types import BadFlag, Number, words_flag
-from laticauda.values.annotations import Annotation, TupleAnnotation, is_tuple
-from laticauda.values.checks import check_whole_number
-from laticauda.values.display_units import DisplayUnit
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import Quantity
+from laticauda.values import (
+    Annotation,
+    BadArgument,
+    DisplayUnit,
+    Quantity,
+    TupleAnnotation,
+    check_whole_number,
+    is_tuple,
+)
 
 LARGEST_EXACT_INTEGER = 2**53
 """Up to this, a float holds every whole number."""

@@ -9,11 +9,8 @@ from typing import Any
 
 from laticauda.cli import command, flags
 from laticauda.models import simulate
-from laticauda.tank.operate import drivers, session, settings, terminal
-from laticauda.tank.operate.series import run_series
-from laticauda.values.errors import RobotFileError
-from laticauda.values.files import read_text
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.tank.operate import drivers, run_series, session, settings, terminal
+from laticauda.values import RobotFileError, option, quantity, read_text, value_class
 
 
 @value_class

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from laticauda.cli.flags import OutputFile, marks_of, parts_of
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument
 
 
 class RequestedFile(NamedTuple):
@@ -60,7 +60,7 @@ def check_output(option: str, path: str | None, endings: Sequence[str]) -> None:
     if not _is_writable(file):
         raise BadArgument(option, f"must be a writable file, got {path}: permission denied")
     if file.suffix.lower() == ".mp4":
-        from laticauda.show.pictures.render import check_video
+        from laticauda.show.pictures import check_video
 
         check_video()
 

@@ -12,7 +12,7 @@ from laticauda.cli.tables import aligned, format_number, percent, read_in
 from laticauda.motion import gaits
 from laticauda.robot import SEEN, TEXTBOOK, Ground, describe_coefficients, in_a_line
 from laticauda.trials import FIGURES, MeasuredTrial, Trial, following, measured_counterpart
-from laticauda.values.quantities import describe_fields
+from laticauda.values import describe_fields
 
 WIDTH = 110
 """Width of the text [characters]."""

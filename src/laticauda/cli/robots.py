@@ -9,10 +9,8 @@ from typing import Any
 from laticauda import robot
 from laticauda.cli import command, flags, tables
 from laticauda.robot import Ground, Parameters, Robot, Water, files, parameters
-from laticauda.values.checks import check_choice
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, value_class
-from laticauda.water.fluid.flow import Flow
+from laticauda.values import BadArgument, check_choice, option, value_class
+from laticauda.water.fluid import Flow
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,7 @@ from laticauda.control import estimation
 from laticauda.models import simulate
 from laticauda.show import figures
 from laticauda.tank import operate
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import fields_of, option, quantity, value_class
+from laticauda.values import BadArgument, fields_of, option, quantity, value_class
 
 
 @value_class

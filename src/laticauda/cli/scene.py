@@ -17,7 +17,7 @@ from laticauda.cli.command import Command
 from laticauda.cli.flags import File, Options, parse_command, was_typed
 from laticauda.cli.laws import find_member, import_law
 from laticauda.models import simulate
-from laticauda.motion.gaits.gait import FIRST_GAIT
+from laticauda.motion.gaits import FIRST_GAIT
 from laticauda.scenarios import (
     Choice,
     Model,
@@ -27,9 +27,7 @@ from laticauda.scenarios import (
     model_of,
     named_after,
 )
-from laticauda.values.errors import BadArgument
-from laticauda.values.extensions import name_of
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import BadArgument, name_of, option, quantity, value_class
 
 IMPORTED_NAMES = ("gait", "law", "joints", "scene")
 """Names that may be MODULE:CLASS."""

@@ -18,10 +18,7 @@ from laticauda.cli.scene import OfScenario, warn_of_compiling
 from laticauda.robot import Scene, Water, load_robot
 from laticauda.scenarios import model_of, named_after, water_for
 from laticauda.tank import lab, protocol
-from laticauda.values import packaging
-from laticauda.values.errors import BadArgument
-from laticauda.values.files import to_json
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import BadArgument, option, packaging, quantity, to_json, value_class
 
 # ---- the virtual tank ----------------------------------------------------------------------------
 
@@ -314,8 +311,7 @@ class CockpitCommand(OfScenario):
 
     def run(self) -> None:
         """Serve until Ctrl-C."""
-        from laticauda.show.cockpit import Cockpit, Live
-        from laticauda.show.cockpit.server import load_viser
+        from laticauda.show.cockpit import Cockpit, Live, load_viser
 
         load_viser()
         scenario = self.chosen

@@ -21,12 +21,8 @@ from laticauda.cli.vary import Known, Study
 from laticauda.models.simulate.numbers import list_parameters
 from laticauda.scenarios import Scenario
 from laticauda.show import figures
-from laticauda.studies.cluster import connected
-from laticauda.studies.optimization import Limits
-from laticauda.studies.sampling import Points
-from laticauda.values.checks import check_choice
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.studies import Limits, Points, connected
+from laticauda.values import BadArgument, check_choice, option, quantity, value_class
 
 N_BEST = 5
 """Number of points of a sweep that are printed."""
@@ -194,7 +190,7 @@ class Optimize(Study):
 
     def studied(self, scenario: Scenario, known: Known) -> Outcome:
         """Search, and write the front."""
-        from laticauda.show.reports.front import write_front_figure
+        from laticauda.show.reports import write_front_figure
 
         folder = Path(self.output)
         front = self._front(scenario, folder)

@@ -4,8 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from laticauda.values.display_units import display_unit
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, display_unit
 
 MISSING = "-"
 """What stands in a table for a missing value."""

@@ -6,10 +6,9 @@ from typing import Annotated
 import laticauda as lc
 from laticauda.cli import command, flags, report, tables
 from laticauda.show import figures
-from laticauda.show.pictures.camera import Film
+from laticauda.show.pictures import Film
 from laticauda.trials import ComparedFigure, Format, logs
-from laticauda.values.errors import BadArgument, TrialFileError
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import BadArgument, TrialFileError, option, quantity, value_class
 
 TRIAL = (
     "The trial, as `laticauda swim --save` or `trial convert` wrote it, or a log (with --columns)"
@@ -34,7 +33,7 @@ class Filming(command.Command):
             beside: Trials of other robots in the same scene.
         """
         if self.video is not None:
-            from laticauda.show.pictures.render import render_film
+            from laticauda.show.pictures import render_film
 
             begin, end = self.film.span(trial)
             render_film(
@@ -73,12 +72,12 @@ class View(Filming):
         trial = lc.load_trial(self.file)
         beside = [lc.load_trial(file) for file in self.beside]
         if self.still is not None:
-            from laticauda.show.pictures.render import write_still
+            from laticauda.show.pictures import write_still
 
             write_still(trial, self.still, self.film, time=self.time, beside=beside)
         self.write_film(trial, self.speed, beside)
         if self.video is None and self.still is None:
-            from laticauda.show.pictures.replay import show
+            from laticauda.show.pictures import show
 
             show(trial, speed=self.speed)
         facts = {"file": self.file, "video": self.video, "still": self.still}

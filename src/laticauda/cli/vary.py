@@ -13,13 +13,11 @@ import numpy as np
 from laticauda import studies
 from laticauda.cli import command, scene
 from laticauda.cli.tables import MISSING, aligned, format_table, parse_numbers
-from laticauda.models.simulate.numbers import Parameter, list_parameters, suggest_names
+from laticauda.models.simulate import Parameter, suggest_names
+from laticauda.models.simulate.numbers import list_parameters
 from laticauda.scenarios import Scenario
-from laticauda.studies.point_trials import LABELS, attributes_of
-from laticauda.values import files
-from laticauda.values.display_units import display_unit
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.studies import LABELS, attributes_of
+from laticauda.values import BadArgument, display_unit, files, option, quantity, value_class
 
 ROOTS_LEFT_OUT = ("gait", "water", "ground")
 """Fields of these are named by their last word alone, like the options."""

@@ -13,8 +13,7 @@ from tyro.constructors import StructFieldSpec
 
 from laticauda.cli.flag_names import FLAG_NAMES
 from laticauda.cli.number_flags import numbers_flag
-from laticauda.values.annotations import Annotation
-from laticauda.values.quantities import Field, quantities_of
+from laticauda.values import Annotation, Field, quantities_of
 
 COMMON_NUMBERS = ("frequency", "phase_shift")
 """Numbers that a new wave has from its gait."""

@@ -21,11 +21,11 @@ from numba.core.errors import NumbaError
 from numba.extending import overload
 
 from laticauda.values import scalars
-from laticauda.values.arguments import explain
+from laticauda.values import explain
 from laticauda.compiling import functions, lanes, ready
 from laticauda.compiling.inner import INLINED, OPTIONS, inlined
 from laticauda.compiling.lane_types import Lanes
-from laticauda.values.files import locked
+from laticauda.values import locked
 
 
 def _find_folder() -> str:

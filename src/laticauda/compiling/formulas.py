@@ -16,8 +16,7 @@ from typing import Any, cast
 from numba.core.errors import NumbaError
 
 from laticauda.compiling import compile_scalar, current_target, fingerprint, for_python, kernel
-from laticauda.values.formulas import Formula
-from laticauda.values.scalars import first_lane
+from laticauda.values import Formula, first_lane
 
 _checked: set[str] = set()
 

@@ -25,7 +25,7 @@ from typing import Any, cast
 
 from laticauda.compiling import PROCESSOR, Target, compiling_for, formulas, globals_of, ready
 from laticauda.compiling.inner import is_inner
-from laticauda.values.formulas import Formula
+from laticauda.values import Formula
 
 PACKAGE = Path(__file__).parent.parent
 _loading: dict[str, Mapping[str, Any]] = {}

@@ -17,7 +17,7 @@ which run without Python.
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from laticauda.values.packaging import lazy_exports
+from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.connect.fmu import LinkingFailed as LinkingFailed, export_fmu as export_fmu

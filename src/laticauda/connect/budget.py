@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 
 from laticauda.robot import Water
 from laticauda.scenarios import Scenario
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument
 
 MOST_NUMBERS = 2_000_000
 """Numbers in one answer at most: about 40 MB of text [-]."""

@@ -18,13 +18,18 @@ from laticauda.connect.messages import (
     Message,
 )
 from laticauda.motion import gaits
-from laticauda.motion.gaits.gait import FIRST_GAIT, Wave
+from laticauda.motion.gaits import FIRST_GAIT, Wave
 from laticauda.robot import TEXTBOOK, Current, Robot, Water
 from laticauda.scenarios import interfaces
-from laticauda.values import codec
-from laticauda.values.checks import check_choice, check_within
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import (
+    BadArgument,
+    check_choice,
+    check_within,
+    codec,
+    option,
+    quantity,
+    value_class,
+)
 
 MOST_LINKS = 200
 """Links of a robot at most that a client may ask for [-]."""

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from laticauda.values.checks import check_choice
-from laticauda.values.series import Log
+from laticauda.values import Log, check_choice
 
 MOST_SAMPLES = 100_000
 """Samples in a log at most [-]."""

@@ -13,12 +13,9 @@ from laticauda.connect import messages
 from laticauda.connect.decoding import InitialMessageState
 from laticauda.motion.gaits import Gait
 from laticauda.robot import Water
-from laticauda.scenarios.interfaces import Observation, Start
+from laticauda.scenarios import Observation, Start
 from laticauda.trials import FIGURES
-from laticauda.values import quantities
-from laticauda.values.extensions import Extensible
-from laticauda.values.quantities import Quantity
-from laticauda.values.series import SERIES, Series
+from laticauda.values import SERIES, Extensible, Quantity, Series, quantities
 
 Schema: TypeAlias = dict[str, Any]
 DIALECT = "https://json-schema.org/draft/2020-12/schema"

@@ -10,9 +10,7 @@ from laticauda.connect.budget import Budget
 from laticauda.connect.messages import MESSAGE_BYTES, read_message, write_message
 from laticauda.connect.session import Session
 from laticauda.robot import Robot
-from laticauda.values.access import ServerAccess
-from laticauda.values.checks import check_whole_number
-from laticauda.values.errors import BadArgument, LaticaudaError
+from laticauda.values import BadArgument, LaticaudaError, ServerAccess, check_whole_number
 
 LOOPBACK = "127.0.0.1"
 """Address at which only programs on this computer reach a server."""

@@ -16,10 +16,16 @@ from laticauda.connect.messages import Message
 from laticauda.connect.world import World, change_world, check_work, create_world, step_world
 from laticauda.models import simulate
 from laticauda.robot import Current, Robot, Water
-from laticauda.values import codec, packaging
-from laticauda.values.checks import check_choice, check_finite, check_positive
-from laticauda.values.errors import BadArgument, LaticaudaError
-from laticauda.values.series import SERIES
+from laticauda.values import (
+    SERIES,
+    BadArgument,
+    LaticaudaError,
+    check_choice,
+    check_finite,
+    check_positive,
+    codec,
+    packaging,
+)
 
 RUN_DURATION = 30.0
 """Duration of a run that does not state it [s]."""

@@ -14,9 +14,7 @@ from laticauda.connect.history import History
 from laticauda.connect.messages import Message
 from laticauda.models import simulate
 from laticauda.robot import Water
-from laticauda.values.checks import check_positive, check_within
-from laticauda.values.errors import BadArgument
-from laticauda.values.series import Log
+from laticauda.values import BadArgument, Log, check_positive, check_within
 
 MOST_WORK = 20_000_000
 """Steps times links per request at most: seconds on one core for the planar model [-]."""

@@ -14,7 +14,7 @@ tank.
 
 from typing import TYPE_CHECKING
 
-from laticauda.values.packaging import lazy_exports
+from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.control.averaged import (
@@ -31,16 +31,22 @@ if TYPE_CHECKING:
         HeadingEstimate as HeadingEstimate,
         IntegralLineOfSight as IntegralLineOfSight,
         LineOfSight as LineOfSight,
+        HeadingSample as HeadingSample,
+        ROUNDING as ROUNDING,
+        compute_mean_heading as compute_mean_heading,
+        extend_integral as extend_integral,
     )
     from laticauda.control.path_following import (
         PathFollowing as PathFollowing,
         PathFollowingState as PathFollowingState,
+        refuse_offset as refuse_offset,
     )
     from laticauda.control.paths import (
         Circle as Circle,
         Polyline as Polyline,
         Spline as Spline,
         StraightLine as StraightLine,
+        transform_to_axes as transform_to_axes,
     )
     from laticauda.control.mpc.predictive import (
         ModelPredictive as ModelPredictive,
@@ -73,5 +79,15 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "SpatialPathFollowing",
             "SpatialPathFollowingState",
         ],
+    },
+    plain={
+        "laticauda.control.guidance": [
+            "HeadingSample",
+            "ROUNDING",
+            "compute_mean_heading",
+            "extend_integral",
+        ],
+        "laticauda.control.path_following": ["refuse_offset"],
+        "laticauda.control.paths": ["transform_to_axes"],
     },
 )

@@ -27,10 +27,9 @@ import numpy as np
 
 from laticauda.motion.gaits import Gait
 from laticauda.robot import Robot, Water
-from laticauda.scenarios.interfaces import Command, Controller, Observation
+from laticauda.scenarios import Command, Controller, Observation
 from laticauda.trials import Trial, metrics
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import BadArgument, option, quantity, value_class
 
 State: TypeAlias = tuple[Any, Any, Any, Any, Any, Any]
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from laticauda.control.averaged import AveragedModel
-from laticauda.scenarios.interfaces import Observation
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.scenarios import Observation
+from laticauda.values import option, quantity, value_class
 
 Array = np.ndarray
 

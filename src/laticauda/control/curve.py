@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument
 
 Numbers = Float[np.ndarray, " n_points"]
 Vectors = Float[np.ndarray, "n_points 2"]

@@ -12,8 +12,7 @@ from laticauda.control.frames import Path
 from laticauda.control.guidance import Guidance, HeadingController, IntegralLineOfSight, LineOfSight
 from laticauda.control.paths import Circle, Polyline, Spline, StraightLine
 from laticauda.motion.gaits import Gait
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import BadArgument, option, quantity, value_class
 
 LEVEL = 1.0
 """Level stretch of a profile before its first and after its last depth [m]."""

@@ -8,7 +8,7 @@ from typing import Generic, NamedTuple, TypeAlias, TypeVar
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.values.extensions import Extensible
+from laticauda.values import Extensible
 
 State = TypeVar("State")
 # The path modules import these from here, so that no import hook of the tests checks their fields

@@ -10,10 +10,7 @@ from operator import attrgetter
 from typing import Generic, NamedTuple, TypeAlias, TypeVar
 
 from laticauda.control.frames import PathFrame
-from laticauda.values.angles import wrap_to_pi
-from laticauda.values.errors import BadArgument
-from laticauda.values.extensions import Extensible
-from laticauda.values.quantities import quantity, value_class
+from laticauda.values import BadArgument, Extensible, quantity, value_class, wrap_to_pi
 
 State = TypeVar("State")
 

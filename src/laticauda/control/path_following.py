@@ -15,11 +15,8 @@ from laticauda.control.frames import Path
 from laticauda.control.guidance import Guidance, HeadingController, HeadingEstimate, HeadingWindow
 from laticauda.motion import gaits
 from laticauda.robot import Robot
-from laticauda.scenarios.interfaces import Command, Controller, Observation
-from laticauda.values import angles
-from laticauda.values.checks import check_positive
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.scenarios import Command, Controller, Observation
+from laticauda.values import BadArgument, angles, check_positive, option, quantity, value_class
 
 _SLOWEST = 0.5
 """Lower bound of the speed used for a crab angle, as a fraction of the gait's speed [-]."""

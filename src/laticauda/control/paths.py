@@ -11,9 +11,7 @@ import numpy as np
 
 from laticauda.control.curve import Curve, fit_natural_cubic
 from laticauda.control.frames import Distances, Path, PathFrame, Points, Position
-from laticauda.values.angles import wrap_to_pi
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import quantity, value_class
+from laticauda.values import BadArgument, quantity, value_class, wrap_to_pi
 
 Waypoints = tuple[tuple[float, float], ...]
 """Points in order, x and y in world axes [m]."""

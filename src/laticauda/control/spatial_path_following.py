@@ -16,9 +16,8 @@ from laticauda.control.frames import Path
 from laticauda.control.guidance import Guidance, HeadingController
 from laticauda.control.path_following import PathFollowing, PathFollowingState
 from laticauda.robot import Robot
-from laticauda.scenarios.interfaces import Command, Observation
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, value_class
+from laticauda.scenarios import Command, Observation
+from laticauda.values import BadArgument, option, value_class
 
 SIGNALS_IN_PROFILE = {
     "heading_ref": "climb_ref",

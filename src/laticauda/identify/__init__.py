@@ -59,10 +59,10 @@ Tasks and designs:
 
 from typing import TYPE_CHECKING
 
-from laticauda.values.packaging import lazy_exports
+from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
-    from laticauda.identify.conversion import from_trial as from_trial
+    from laticauda.identify.conversion import from_trial as from_trial, from_tow as from_tow
     from laticauda.identify.fitting import fit as fit
     from laticauda.identify.leaving_out import (
         leave_out as leave_out,
@@ -73,12 +73,34 @@ if TYPE_CHECKING:
     from laticauda.identify.profiles import profile_interval as profile_interval
     from laticauda.identify.result import Fit as Fit, ParameterEstimate as ParameterEstimate
     from laticauda.identify.tables import from_table as from_table, from_table1 as from_table1
-    from laticauda.identify.tasks import compare_laws as compare_laws
+    from laticauda.identify.tasks import compare_laws as compare_laws, Task as Task
     from laticauda.identify.trial_files import TrialFile as TrialFile
     from laticauda.identify.unknowns import Unknown as Unknown
     from laticauda.identify.validation import (
         compared_with_null_models as compared_with_null_models,
+        Validation as Validation,
     )
+    from laticauda.identify.candidates import (
+        SENSORS as SENSORS,
+        coast_down as coast_down,
+        swim_candidates as swim_candidates,
+    )
+    from laticauda.identify.design import (
+        Design as Design,
+        Judged as Judged,
+        design_experiment as design_experiment,
+    )
+    from laticauda.identify.discrimination import (
+        Discrimination as Discrimination,
+        discriminate as discriminate,
+        misidentification_probability as misidentification_probability,
+    )
+    from laticauda.identify.identifiability import LIMIT as LIMIT, marginal as marginal
+    from laticauda.identify.information import known_from as known_from
+    from laticauda.identify.problem import Problem as Problem, make_problem as make_problem
+    from laticauda.identify.reasons import format_share as format_share
+    from laticauda.identify.series import SERIES as SERIES
+    from laticauda.identify.towing import Tow as Tow
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
@@ -95,6 +117,24 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.identify.trial_files": ["TrialFile"],
         "laticauda.identify.unknowns": ["Unknown"],
         "laticauda.identify.validation": ["compared_with_null_models"],
+    },
+    plain={
+        "laticauda.identify.candidates": ["SENSORS", "coast_down", "swim_candidates"],
+        "laticauda.identify.conversion": ["from_tow"],
+        "laticauda.identify.design": ["Design", "Judged", "design_experiment"],
+        "laticauda.identify.discrimination": [
+            "Discrimination",
+            "discriminate",
+            "misidentification_probability",
+        ],
+        "laticauda.identify.identifiability": ["LIMIT", "marginal"],
+        "laticauda.identify.information": ["known_from"],
+        "laticauda.identify.problem": ["Problem", "make_problem"],
+        "laticauda.identify.reasons": ["format_share"],
+        "laticauda.identify.series": ["SERIES"],
+        "laticauda.identify.tasks": ["Task"],
+        "laticauda.identify.towing": ["Tow"],
+        "laticauda.identify.validation": ["Validation"],
     },
     renamed={"posterior": "sample_posterior", "profile": "profile_interval"},
 )

@@ -16,8 +16,7 @@ from laticauda.identify.measurements import Measurement
 from laticauda.identify.series import SERIES, SERIES_KINDS
 from laticauda.identify.tables import setting_of
 from laticauda.robot import Environment, Robot
-from laticauda.values.checks import check_positive
-from laticauda.values.packaging import renamed_names
+from laticauda.values import check_positive, renamed_names
 
 
 class Sensor(NamedTuple):

@@ -11,10 +11,9 @@ import laticauda as lc
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.series import SERIES, series_of_trial
 from laticauda.identify.towing import LOADS, Tow
-from laticauda.models.simulate.numbers import UNITS
+from laticauda.models.simulate import UNITS
 from laticauda.robot import Environment, Robot, Water
-from laticauda.values.checks import check_choice, check_instance, check_whole_number
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, check_choice, check_instance, check_whole_number
 
 STRAIGHT = lc.Gait(amplitude=0.0, frequency=1.0, phase_shift=0.5)
 """Gait without joint motion."""

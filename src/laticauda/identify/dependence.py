@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Bool
 
 from laticauda.identify.resolving import ScopedName
-from laticauda.models.simulate.numbers import Parameter
-from laticauda.values.errors import BadArgument
+from laticauda.models.simulate import Parameter
+from laticauda.values import BadArgument
 
 Dependence = Bool[np.ndarray, "n_measurements n_unknowns"]
 """Whether each measurement depends on each unknown."""

@@ -27,8 +27,8 @@ from laticauda.identify.problem import Problem
 from laticauda.identify.reasons import describe_contribution, describe_missed
 from laticauda.identify.selection import CRITERIA, Score, best_of, score_of
 from laticauda.identify.unknowns import ResolvedUnknown
-from laticauda.models.simulate.runner import Progress, silent
-from laticauda.values.checks import check_choice, check_not_empty, check_whole_number
+from laticauda.models.simulate import Progress, silent
+from laticauda.values import check_choice, check_not_empty, check_whole_number
 
 
 class Judged(NamedTuple):

@@ -39,9 +39,8 @@ from laticauda.identify.information import CandidateRows, predict_candidates, pr
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.problem import Problem
 from laticauda.identify.selection import best_of
-from laticauda.models.simulate.runner import Progress, silent
-from laticauda.values.checks import check_whole_number
-from laticauda.values.errors import BadArgument
+from laticauda.models.simulate import Progress, silent
+from laticauda.values import BadArgument, check_whole_number
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

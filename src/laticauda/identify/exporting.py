@@ -13,10 +13,10 @@ import numpy as np
 import laticauda as lc
 from laticauda.identify.problem import Problem
 from laticauda.identify.resolving import with_tied
-from laticauda.models.simulate.numbers import change_parameters, list_parameters
-from laticauda.robot.parameters import FIELDS_OF_ROBOT, GAITS, NAMES
-from laticauda.values import extensions, quantities
-from laticauda.values.errors import BadArgument
+from laticauda.models.simulate import change_parameters
+from laticauda.models.simulate.numbers import list_parameters
+from laticauda.robot import FIELDS_OF_ROBOT, GAITS, NAMES
+from laticauda.values import BadArgument, extensions, quantities
 
 Changes = dict[str, dict[str, Any]]
 """Tables of a parameter file, and the numbers in them, by name."""

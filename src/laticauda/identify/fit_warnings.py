@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from laticauda.identify.problem import Problem
-from laticauda.values.optional import optional_import
+from laticauda.values import optional_import
 
 _RARE = 5e-4
 """Probability that chi^2 is below its range, and that it is above [-]."""

@@ -17,10 +17,10 @@ from laticauda.identify.noise_factor import applied_noise_factor
 from laticauda.identify.problem import Problem, make_problem
 from laticauda.identify.result import Fit
 from laticauda.identify.unknowns import ResolvedUnknown, Unknown
-from laticauda.models.simulate.runner import Progress, silent
+from laticauda.models.simulate import Progress, silent
 from laticauda.robot import Robot
 from laticauda.scenarios import Model, ModelChanges
-from laticauda.values.errors import BadArgument, SimulationFailed
+from laticauda.values import BadArgument, SimulationFailed
 
 SPREAD = 3.0
 """Additional starts on a log scale lie within this factor of the first [-]."""

@@ -15,7 +15,7 @@ from laticauda.identify.measurements import Measurement
 from laticauda.identify.model import predict, scaled_jacobian
 from laticauda.identify.problem import Problem, other_measurements, with_starts
 from laticauda.identify.result import Fit
-from laticauda.models.simulate.runner import Progress, silent
+from laticauda.models.simulate import Progress, silent
 
 _N_AT_ONCE = 64
 """Candidates that are simulated in one batch."""

@@ -10,9 +10,8 @@ from laticauda.identify import fitting
 from laticauda.identify.model import predict, scaled_jacobian
 from laticauda.identify.problem import Problem
 from laticauda.identify.result import Fit
-from laticauda.models.simulate.runner import Progress, silent
-from laticauda.values.checks import check_choice
-from laticauda.values.errors import BadArgument
+from laticauda.models.simulate import Progress, silent
+from laticauda.values import BadArgument, check_choice
 
 BY = ("measurement", "group")
 """What can be left out at a time."""

@@ -9,8 +9,8 @@ from jaxtyping import Float, Int
 from laticauda.identify.method import cost_of
 from laticauda.identify.model import Predicted, predict, scaled_jacobian
 from laticauda.identify.problem import Problem
-from laticauda.models.simulate.runner import silent
-from laticauda.values.optional import optional_import
+from laticauda.models.simulate import silent
+from laticauda.values import optional_import
 
 MOST_STEPS = 100
 """Predictions after which a search ends without having converged."""

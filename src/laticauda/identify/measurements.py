@@ -13,12 +13,18 @@ from laticauda.identify.selection_bias import mean_of_the_greatest
 from laticauda.identify.series import SERIES, SERIES_KINDS
 from laticauda.identify.towing import LOADS, Tow
 from laticauda.identify.unknowns import Prior
-from laticauda.models.simulate.numbers import UNITS
+from laticauda.models.simulate import UNITS
 from laticauda.trials import arrays
-from laticauda.values.checks import check_choice, check_instance, check_whole_number
-from laticauda.values.errors import BadArgument
-from laticauda.values.packaging import renamed_names
-from laticauda.values.quantities import LARGEST, Quantity, check_items
+from laticauda.values import (
+    LARGEST,
+    BadArgument,
+    Quantity,
+    check_choice,
+    check_instance,
+    check_items,
+    check_whole_number,
+    renamed_names,
+)
 
 _PAIR = "a pair of what was measured and the sigma of its noise"
 _ROUNDING = 1e-9

@@ -8,8 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from laticauda.identify.identifiability import LIMIT
-from laticauda.values.optional import optional_import
-from laticauda.values.quantities import check_one_among, option, quantity, value_class
+from laticauda.values import check_one_among, option, optional_import, quantity, value_class
 
 Loss = Callable[[np.ndarray], np.ndarray]
 """Function rho of squared residuals; a search minimizes its sum."""

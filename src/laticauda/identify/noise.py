@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.identify.problem import Problem
-from laticauda.values.optional import optional_import
+from laticauda.values import optional_import
 
 _SURE = 3.1
 """White noise is this many standard deviations off in 1 of 1000 cases [-]."""

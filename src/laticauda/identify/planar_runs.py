@@ -17,10 +17,15 @@ from laticauda.identify.runs import SimulatedRuns, data_of_measurements, logged_
 from laticauda.identify.sensing import RunResults, measured_values
 from laticauda.identify.series import SERIES_KINDS
 from laticauda.identify.unknowns import NUISANCE, SIMULATED, ResolvedUnknown
-from laticauda.models.planar.batch import STEP, Block, Run
-from laticauda.models.simulate import batch_run, batch_scenarios, derivatives
-from laticauda.models.simulate.numbers import UNITS, change_parameters
-from laticauda.models.simulate.runner import silent
+from laticauda.models.planar import STEP, Block, Run
+from laticauda.models.simulate import (
+    UNITS,
+    batch_run,
+    batch_scenarios,
+    change_parameters,
+    derivatives,
+    silent,
+)
 from laticauda.scenarios import Scenario
 
 

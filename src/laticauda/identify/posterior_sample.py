@@ -8,9 +8,8 @@ from jaxtyping import Float
 
 from laticauda.identify.profiles import sum_of_squares
 from laticauda.identify.result import Fit
-from laticauda.models.simulate.runner import Progress, silent
-from laticauda.values.checks import check_choice, check_whole_number
-from laticauda.values.optional import optional_import
+from laticauda.models.simulate import Progress, silent
+from laticauda.values import check_choice, check_whole_number, optional_import
 
 _WIDEST_START = 0.3
 """Largest spread of the starts, along unknowns that are not identified, in large changes [-]."""

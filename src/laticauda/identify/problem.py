@@ -32,13 +32,10 @@ from laticauda.identify.unknowns import (
     Unknown,
     as_unknowns,
 )
-from laticauda.models.simulate.numbers import change_parameters
+from laticauda.models.simulate import change_parameters
 from laticauda.robot import Robot
-from laticauda.scenarios import Model, Scenario, model_of
-from laticauda.scenarios.interfaces import Resumed, Start
-from laticauda.values.checks import check_instance, check_not_empty
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import check_items
+from laticauda.scenarios import Model, Resumed, Scenario, Start, model_of
+from laticauda.values import BadArgument, check_instance, check_items, check_not_empty
 
 SAMPLE_INTERVAL = 0.05
 """Sample interval of the logs that series are interpolated from [s]."""

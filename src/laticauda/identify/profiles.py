@@ -8,8 +8,7 @@ import numpy as np
 from laticauda.identify.local_search import all_residuals, minimize
 from laticauda.identify.method import cost_of
 from laticauda.identify.result import Fit
-from laticauda.values.checks import check_choice
-from laticauda.values.optional import optional_import
+from laticauda.values import check_choice, optional_import
 
 _CLOSE = 1e-3
 """Relative accuracy of the distance to an end [-]."""

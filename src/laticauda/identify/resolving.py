@@ -10,16 +10,10 @@ from functools import partial
 from typing import NamedTuple, NoReturn
 
 from laticauda.identify.unknowns import NUISANCE, Prior, ResolvedUnknown, Unknown
-from laticauda.models.simulate.numbers import (
-    Parameter,
-    change_parameters,
-    list_parameters,
-    suggest_names,
-    value_of,
-)
+from laticauda.models.simulate import Parameter, change_parameters, suggest_names, value_of
+from laticauda.models.simulate.numbers import list_parameters
 from laticauda.scenarios import Scenario
-from laticauda.values.checks import suggest_nearest
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, suggest_nearest
 
 RANGE = 100.0
 """Factor by which a number on a log scale may exceed its start or fall below it [-]."""

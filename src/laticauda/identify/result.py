@@ -15,10 +15,9 @@ from laticauda.identify.method import Method
 from laticauda.identify.problem import DataBlock, Problem
 from laticauda.identify.series import SERIES
 from laticauda.identify.towing import LOADS
-from laticauda.models.simulate.numbers import UNITS
+from laticauda.models.simulate import UNITS
 from laticauda.robot import Parameters, Robot, Water
-from laticauda.values.checks import check_choice
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, check_choice
 
 _UNITS = UNITS | LOADS | SERIES
 """Units of all that can be measured, by name."""

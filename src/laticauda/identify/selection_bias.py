@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from laticauda.values.checks import check_whole_number
+from laticauda.values import check_whole_number
 
 _REACH = 10.0
 """Range of the integral on either side of 0, in standard deviations [-]."""

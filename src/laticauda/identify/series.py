@@ -15,7 +15,7 @@ from laticauda.models.planar import rows
 from laticauda.trials import Trial
 
 if TYPE_CHECKING:
-    from laticauda.models.planar.batch import Block, Run
+    from laticauda.models.planar import Block, Run
 
 SeriesOfLane = Callable[["Block", int, "Run"], np.ndarray]
 """Function that returns the series, time first, of the run in one lane of a block's log."""

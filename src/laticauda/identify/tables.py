@@ -12,8 +12,7 @@ import laticauda as lc
 from laticauda.identify.measurements import Measurement
 from laticauda.scenarios import build_scenario
 from laticauda.trials import MeasuredTrials, measured, null_models
-from laticauda.values.checks import check_choice, check_positive
-from laticauda.values.errors import RobotFileError, TrialFileError
+from laticauda.values import RobotFileError, TrialFileError, check_choice, check_positive
 
 TABLE_SIGMA = 0.05
 """Default noise of a table's numbers, as a fraction of each value; the paper states none [-]."""

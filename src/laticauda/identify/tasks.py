@@ -48,13 +48,17 @@ from laticauda.identify.result import Fit
 from laticauda.identify.tables import from_table, from_table1
 from laticauda.identify.trial_files import TableFile, TrialFile
 from laticauda.identify.unknowns import Unknown, as_unknowns
-from laticauda.models.simulate.runner import Progress, silent
-from laticauda.robot.files import read_table
-from laticauda.robot.parameters import NAMES, adjust, read_adjustments
-from laticauda.values import codec
-from laticauda.values.checks import check_label
-from laticauda.values.errors import BadArgument, RobotFileError
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.models.simulate import Progress, silent
+from laticauda.robot import NAMES, adjust, read_adjustments, read_table
+from laticauda.values import (
+    BadArgument,
+    RobotFileError,
+    check_label,
+    codec,
+    option,
+    quantity,
+    value_class,
+)
 
 KIND = "identification"
 """Kind of a task's file."""

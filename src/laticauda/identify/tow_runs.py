@@ -10,7 +10,7 @@ from laticauda.identify.runs import SimulatedRuns, data_of_measurements
 from laticauda.identify.sensing import RunResults, measured_values
 from laticauda.identify.towing import Tow
 from laticauda.identify.unknowns import NUISANCE
-from laticauda.models.simulate.numbers import change_parameters
+from laticauda.models.simulate import change_parameters
 from laticauda.scenarios import Scenario
 
 DIFFERENCE = 2.0**-12

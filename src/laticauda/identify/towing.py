@@ -5,8 +5,8 @@ their derivatives are finite differences.
 """
 
 import laticauda as lc
-from laticauda.models.planar.model import PlanarPlant
-from laticauda.values.quantities import quantity, value_class
+from laticauda.models.planar import PlanarPlant
+from laticauda.values import quantity, value_class
 
 LOADS = {"drag": "N", "side_force": "N", "yaw_moment": "N m"}
 """Loads of a tow, and their units; see `Tow`."""

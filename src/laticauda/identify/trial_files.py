@@ -13,10 +13,15 @@ from laticauda.identify.measurements import Measurement
 from laticauda.identify.series import SERIES
 from laticauda.identify.tables import FIGURES, TABLE_SIGMA
 from laticauda.identify.unknowns import numbers_by_name
-from laticauda.models.simulate.numbers import UNITS
-from laticauda.values.checks import check_choice
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import check_one_among, option, quantity, value_class
+from laticauda.models.simulate import UNITS
+from laticauda.values import (
+    BadArgument,
+    check_choice,
+    check_one_among,
+    option,
+    quantity,
+    value_class,
+)
 
 PATH = {"center_of_mass": 0.005}
 """Series of a trial used by default: the path as seen by a camera, with its noise [m]."""

@@ -10,16 +10,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, cast
 
-from laticauda.models.simulate.numbers import Parameter
-from laticauda.values.checks import (
+from laticauda.models.simulate import Parameter
+from laticauda.values import (
+    BadArgument,
+    Check,
     check_finite,
+    check_items,
     check_label,
     check_not_empty,
     check_positive,
+    option,
+    quantity,
     show_value,
+    value_class,
 )
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import Check, check_items, option, quantity, value_class
 
 NUISANCE = {
     parameter.name: parameter

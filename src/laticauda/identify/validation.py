@@ -18,9 +18,9 @@ from laticauda.identify.leaving_out import (
 from laticauda.identify.profiles import Ends, profile_interval
 from laticauda.identify.result import Fit
 from laticauda.identify.tasks import Task
-from laticauda.models.simulate.runner import silent
+from laticauda.models.simulate import silent
 from laticauda.motion.gaits import GAIT_WORDS
-from laticauda.trials.null_models import NullModel, Row, compared
+from laticauda.trials import NullModel, Row, compared
 
 _VELOCITY = "forward_velocity"
 """The figure that null models predict."""

@@ -14,7 +14,7 @@ Every run looks up the measured tables, so nothing else is imported for them.
 
 from typing import TYPE_CHECKING
 
-from laticauda.values.packaging import lazy_exports
+from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.paper.claims.judge import Claim as Claim

@@ -8,7 +8,7 @@ from laticauda.cli import command, scene, tables
 from laticauda.cli.command import show_progress
 from laticauda.cli.flags import File, Folder
 from laticauda.scenarios import loop_in_words
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import option, quantity, value_class
 
 if TYPE_CHECKING:
     from laticauda.paper.efficiency import EfficiencyStudy
@@ -99,7 +99,7 @@ def facts_of(reproduction: "Reproduction") -> dict[str, Any]:
     Args:
         reproduction: What was run and written.
     """
-    from laticauda.values.packaging import __version__
+    from laticauda.values import __version__
 
     facts: dict[str, Any] = {"status": "All runs reached their end."}
     efficiency = reproduction.results.get("efficiency")

@@ -17,10 +17,8 @@ from laticauda.paper.measured import MeasuredPathFollowing, percent_change
 from laticauda.paper.runs import Coefficients, Runs, Study
 from laticauda.paper.settings import Group, HeldOut, PathFollowingSettings, path_following_settings
 from laticauda.scenarios import Model, loop_in_words
-from laticauda.trials import Trial, following
-from laticauda.trials.cycles import TRANSIENT
-from laticauda.values.extensions import name_of
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.trials import TRANSIENT, Trial, following
+from laticauda.values import name_of, option, quantity, value_class
 
 HEADING_WORDS = {"raw": "raw", "cycle_mean": "cycle-mean"}
 """Names of the heading estimates in texts."""

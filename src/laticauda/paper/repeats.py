@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from laticauda.motion import gaits
-from laticauda.tank.operate.series import mean_and_deviation
+from laticauda.tank.operate import mean_and_deviation
 from laticauda.trials import measured, null_models
 
 TABLE2 = Path(__file__).parent / "data" / "table2_series.toml"

@@ -12,16 +12,12 @@ from typing import Any, ClassVar, Generic, NamedTuple, Self, TypeVar, Unpack, ge
 import numpy as np
 
 import laticauda as lc
-from laticauda.models.simulate import build_plant
-from laticauda.models.simulate.runner import Until, run_scenario, silent
+from laticauda.models.simulate import Until, build_plant, run_scenario, silent
 from laticauda.motion import gaits
-from laticauda.scenarios import Model, ModelChanges, Scenario, model_of, settings_of
-from laticauda.scenarios.scenario import NO_FILTER
-from laticauda.studies.point_trials import Progress
-from laticauda.trials.contents import Setting
-from laticauda.values import packaging
-from laticauda.values.checks import check_instance
-from laticauda.values.errors import SimulationFailed
+from laticauda.scenarios import NO_FILTER, Model, ModelChanges, Scenario, model_of, settings_of
+from laticauda.studies import Progress
+from laticauda.trials import Setting
+from laticauda.values import SimulationFailed, check_instance, packaging
 
 Settings = TypeVar("Settings")
 _load_robot_once = cache(lc.load_robot)

@@ -18,7 +18,7 @@ from laticauda.paper.efficiency import Case, EfficiencyStudy
 from laticauda.paper.measured import efficiency_trials
 from laticauda.paper.path_following import FollowingCase, FollowingRun, PathFollowingStudy
 from laticauda.scenarios import loop_in_words
-from laticauda.trials.null_models import PREDICTORS, Values, compared, mape, predict
+from laticauda.trials import PREDICTORS, Values, compared, mape, predict
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -25,11 +25,17 @@ from laticauda.paper.measured import (
     read_table1,
 )
 from laticauda.paper.runs import Coefficients
-from laticauda.trials.null_models import group_name
-from laticauda.values import codec, files
-from laticauda.values.checks import check_not_empty
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import check_one_among, option, quantity, value_class
+from laticauda.trials import group_name
+from laticauda.values import (
+    BadArgument,
+    check_not_empty,
+    check_one_among,
+    codec,
+    files,
+    option,
+    quantity,
+    value_class,
+)
 
 PARAMETERS = ("amplitude", "frequency", "phase_shift")
 """Gait parameters that the paper sweeps."""

@@ -18,8 +18,7 @@ from laticauda.paper.measured import percent_change
 from laticauda.paper.runs import Coefficients, Runs, Study
 from laticauda.paper.settings import SweepSettings, efficiency_settings, paper_coefficients
 from laticauda.scenarios import Model, Scenario
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import BadArgument, option, quantity, value_class
 
 ROBOT = "mamba"
 """Robot of all side trials: without fin."""

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from laticauda.values.packaging import lazy_exports
+from laticauda.values import lazy_exports
 from laticauda.robot.describe import describe as describe  # at once: a module has its name
 
 if TYPE_CHECKING:
@@ -48,11 +48,18 @@ if TYPE_CHECKING:
         robot_names as robot_names,
         to_toml as to_toml,
         water_names as water_names,
+        find as find,
+        read_table as read_table,
     )
     from laticauda.robot.parameters import (
         Parameters as Parameters,
         load_parameters as load_parameters,
         parameter_names as parameter_names,
+        FIELDS_OF_ROBOT as FIELDS_OF_ROBOT,
+        GAITS as GAITS,
+        NAMES as NAMES,
+        adjust as adjust,
+        read_adjustments as read_adjustments,
     )
     from laticauda.robot.robot import Robot as Robot, has_power_model as has_power_model
     from laticauda.robot.textbook import (
@@ -62,6 +69,25 @@ if TYPE_CHECKING:
         tether_drag as tether_drag,
         textbook_of as textbook_of,
         textbook_water as textbook_water,
+    )
+    from laticauda.robot.hydrodynamics import (
+        Coefficients as Coefficients,
+        link_coefficients as link_coefficients,
+        mass_across as mass_across,
+        override_or_default as override_or_default,
+        wake_mass as wake_mass,
+    )
+    from laticauda.robot.kinematics import (
+        ModulePoses as ModulePoses,
+        Posture as Posture,
+        center_of_mass as center_of_mass,
+        from_quaternion as from_quaternion,
+        heading as heading,
+        levers as levers,
+        link_angles as link_angles,
+        module_poses as module_poses,
+        to_quaternion as to_quaternion,
+        turn as turn,
     )
 
 __getattr__, __dir__, __all__ = lazy_exports(
@@ -113,5 +139,34 @@ __getattr__, __dir__, __all__ = lazy_exports(
         ],
     },
     own=["describe"],
+    plain={
+        "laticauda.robot.files": ["find", "read_table"],
+        "laticauda.robot.hydrodynamics": [
+            "Coefficients",
+            "link_coefficients",
+            "mass_across",
+            "override_or_default",
+            "wake_mass",
+        ],
+        "laticauda.robot.kinematics": [
+            "ModulePoses",
+            "Posture",
+            "center_of_mass",
+            "from_quaternion",
+            "heading",
+            "levers",
+            "link_angles",
+            "module_poses",
+            "to_quaternion",
+            "turn",
+        ],
+        "laticauda.robot.parameters": [
+            "FIELDS_OF_ROBOT",
+            "GAITS",
+            "NAMES",
+            "adjust",
+            "read_adjustments",
+        ],
+    },
     renamed={"coefficients": "describe_coefficients", "summary": "summarize_robot"},
 )

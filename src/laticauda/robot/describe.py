@@ -8,8 +8,8 @@ from typing import TypeVar
 
 from laticauda.robot import body, environment, textbook
 from laticauda.robot.robot import Robot
-from laticauda.values.quantities import describe_fields, quantities_of
-from laticauda.water.fluid.flow import Flow
+from laticauda.values import describe_fields, quantities_of
+from laticauda.water.fluid import Flow
 
 Row = tuple[str, str]
 T = TypeVar("T")

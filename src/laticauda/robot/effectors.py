@@ -22,8 +22,7 @@ from typing import Literal
 import numpy as np
 
 from laticauda.robot.body import Joint
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import BadArgument, option, quantity, value_class
 
 MOST_HINGES = 6
 """Most hinges that a fin may have."""

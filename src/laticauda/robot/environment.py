@@ -9,12 +9,17 @@ from typing import Any, ClassVar, Literal, TypeAlias
 import numpy as np
 
 from laticauda.robot.robot import Robot
-from laticauda.values.checks import check_choice, check_label
-from laticauda.values.errors import BadArgument
-from laticauda.values.extensions import Extensible, name_of
-from laticauda.values.quantities import option, quantity, value_class
-from laticauda.water.fluid.flow import Flow
-from laticauda.water.fluid.laws import DragLaw, PolynomialDrag
+from laticauda.values import (
+    BadArgument,
+    Extensible,
+    check_choice,
+    check_label,
+    name_of,
+    option,
+    quantity,
+    value_class,
+)
+from laticauda.water.fluid import DragLaw, Flow, PolynomialDrag
 
 Current: TypeAlias = tuple[float, float] | tuple[float, float, float] | Flow
 

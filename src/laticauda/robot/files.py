@@ -21,11 +21,22 @@ from typing import Any, TypeAlias, TypeVar, cast, overload
 from laticauda.motion import gaits
 from laticauda.robot import environment, textbook
 from laticauda.robot.robot import Robot
-from laticauda.values import extensions, files
-from laticauda.values.checks import suggest_nearest
-from laticauda.values.codec import BadKey, Table, decode, encode, keys_of, stamped, take_kind
-from laticauda.values.errors import BadArgument, LaticaudaError, RobotFileError
-from laticauda.water.fluid.flow import Flow
+from laticauda.values import (
+    BadArgument,
+    BadKey,
+    LaticaudaError,
+    RobotFileError,
+    Table,
+    decode,
+    encode,
+    extensions,
+    files,
+    keys_of,
+    stamped,
+    suggest_nearest,
+    take_kind,
+)
+from laticauda.water.fluid import Flow
 
 Described: TypeAlias = Robot | environment.Water | environment.Ground | Flow
 Kind = TypeVar("Kind", Robot, environment.Water, environment.Ground, Flow)

@@ -35,8 +35,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.robot import CaudalFin, Environment, Ground, Module, Robot, Water
-from laticauda.values.arguments import explain
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, explain
 
 _LOADS = ("c_t", "c_n", "mu_t", "mu_n", "lambda_1", "lambda_2", "lambda_3")
 _Number = TypeVar("_Number", float, np.ndarray)

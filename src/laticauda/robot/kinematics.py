@@ -22,11 +22,16 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.robot import Robot
-from laticauda.values.angles import from_quaternion, to_quaternion
-from laticauda.values.arguments import explain
-from laticauda.values.checks import check_instance, check_whole_number, show_value
-from laticauda.values.errors import BadArgument
-from laticauda.values.series import as_floats
+from laticauda.values import (
+    BadArgument,
+    as_floats,
+    check_instance,
+    check_whole_number,
+    explain,
+    from_quaternion,
+    show_value,
+    to_quaternion,
+)
 
 __all__ = [
     "ModulePoses",

@@ -26,17 +26,26 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from laticauda.motion.gaits.gait import list_kinds
-from laticauda.motion.joints.laws import JointLaw
+from laticauda.motion.joints import JointLaw
 from laticauda.robot.body import Actuator, Joint
 from laticauda.robot.effectors import CaudalFin, Tether
 from laticauda.robot.environment import Water
 from laticauda.robot.files import find, preset_names, read_table
 from laticauda.robot.robot import Robot
-from laticauda.values import codec, files
-from laticauda.values.checks import check_choice, check_instance, check_label
-from laticauda.values.errors import BadArgument, RobotFileError
-from laticauda.values.quantities import hints_of, option, quantities_of, value_class
-from laticauda.water.fluid.laws import DragLaw
+from laticauda.values import (
+    BadArgument,
+    RobotFileError,
+    check_choice,
+    check_instance,
+    check_label,
+    codec,
+    files,
+    hints_of,
+    option,
+    quantities_of,
+    value_class,
+)
+from laticauda.water.fluid import DragLaw
 
 Adjustments: TypeAlias = Mapping[str, Mapping[str, Any]]
 """Values that replace the robot's own, by table and field."""

@@ -7,11 +7,16 @@ from typing import Literal, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from laticauda.motion.joints.laws import JointLaw
+from laticauda.motion.joints import JointLaw
 from laticauda.robot import body, effectors
-from laticauda.values.checks import check_label, check_whole_number
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import (
+    BadArgument,
+    check_label,
+    check_whole_number,
+    option,
+    quantity,
+    value_class,
+)
 
 Numbers: TypeAlias = NDArray[np.float64]
 Effector = TypeVar("Effector", effectors.Thruster, effectors.PectoralFin)

@@ -32,8 +32,8 @@ from itertools import pairwise
 from laticauda.robot.body import Section
 from laticauda.robot.environment import Water
 from laticauda.robot.robot import Robot, Surface
-from laticauda.values.errors import BadArgument
-from laticauda.water.fluid.laws import TotalSpeedDrag
+from laticauda.values import BadArgument
+from laticauda.water.fluid import TotalSpeedDrag
 
 TEXTBOOK = "textbook"
 """Name of this water."""

@@ -10,7 +10,7 @@ stored.py    text with every number, as trials store it
 
 from typing import TYPE_CHECKING
 
-from laticauda.values.packaging import lazy_exports
+from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.scenarios.building import (
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
         Spatial as Spatial,
         loop_in_words as loop_in_words,
         settings_of as settings_of,
+        NO_FILTER as NO_FILTER,
     )
     from laticauda.scenarios.stored import (
         run_from_table as run_from_table,
@@ -41,6 +42,8 @@ if TYPE_CHECKING:
         load_scenario as load_scenario,
         save_scenario as save_scenario,
         scenario_from_table as scenario_from_table,
+        NAMES as NAMES,
+        take_chosen as take_chosen,
     )
     from laticauda.scenarios.waters import (
         default_water as default_water,
@@ -48,6 +51,18 @@ if TYPE_CHECKING:
         named_after as named_after,
         preset_water as preset_water,
         water_for as water_for,
+    )
+    from laticauda.scenarios.interfaces import (
+        Command as Command,
+        Controller as Controller,
+        EFFECTORS as EFFECTORS,
+        ORIENTATION as ORIENTATION,
+        Observation as Observation,
+        OpenLoop as OpenLoop,
+        Resumed as Resumed,
+        Start as Start,
+        check_waves as check_waves,
+        fin_signals as fin_signals,
     )
 
 __getattr__, __dir__, __all__ = lazy_exports(
@@ -85,5 +100,21 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "preset_water",
             "water_for",
         ],
+    },
+    plain={
+        "laticauda.scenarios.interfaces": [
+            "Command",
+            "Controller",
+            "EFFECTORS",
+            "ORIENTATION",
+            "Observation",
+            "OpenLoop",
+            "Resumed",
+            "Start",
+            "check_waves",
+            "fin_signals",
+        ],
+        "laticauda.scenarios.scenario": ["NO_FILTER"],
+        "laticauda.scenarios.toml": ["NAMES", "take_chosen"],
     },
 )

@@ -11,12 +11,11 @@ from typing import Any, Literal, TypeAlias, TypedDict, Unpack
 
 from laticauda import robot as robots
 from laticauda.motion.gaits import Gait
-from laticauda.motion.joints.laws import JointLaw
+from laticauda.motion.joints import JointLaw
 from laticauda.scenarios.interfaces import Controller, Start
 from laticauda.scenarios.scenario import MODELS, Model, Scenario, Spatial
 from laticauda.scenarios.waters import environment_of
-from laticauda.values.checks import check_choice, check_instance, suggest_nearest
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, check_choice, check_instance, suggest_nearest
 
 Motion: TypeAlias = Gait | Controller[Any]
 

@@ -8,8 +8,7 @@ from laticauda.motion.gaits import Gait
 from laticauda.scenarios.building import model_of
 from laticauda.scenarios.scenario import Model
 from laticauda.scenarios.waters import water_for
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import BadArgument, option, quantity, value_class
 
 ORIGIN_BY_GAIT = {
     "eel_like": "the paper's for eel-like motion",

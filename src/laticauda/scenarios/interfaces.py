@@ -8,14 +8,18 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.motion.gaits import Gait
-from laticauda.motion.gaits.gait import STRAIGHT
-from laticauda.motion.joints.laws import JointLaw
+from laticauda.motion.gaits import STRAIGHT, Gait
+from laticauda.motion.joints import JointLaw
 from laticauda.robot import Robot
-from laticauda.values.checks import check_finite, check_instance
-from laticauda.values.errors import BadArgument
-from laticauda.values.extensions import Extensible
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import (
+    BadArgument,
+    Extensible,
+    check_finite,
+    check_instance,
+    option,
+    quantity,
+    value_class,
+)
 
 State = TypeVar("State")
 FAR = 1e5  # beyond this, digits of the motion are lost

@@ -7,13 +7,18 @@ from typing import Any, Literal, TypeAlias, cast
 import numpy as np
 
 from laticauda.motion.gaits import Gait
-from laticauda.motion.joints.laws import JointLaw, Prescribed
+from laticauda.motion.joints import JointLaw, Prescribed
 from laticauda.robot import Environment, Robot, Scene
 from laticauda.scenarios.interfaces import Command, Controller, OpenLoop, Resumed, Start
-from laticauda.values.checks import check_instance
-from laticauda.values.errors import BadArgument
-from laticauda.values.extensions import Unknown, name_of
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import (
+    BadArgument,
+    Unknown,
+    check_instance,
+    name_of,
+    option,
+    quantity,
+    value_class,
+)
 
 NO_FILTER = 1e6
 """Bandwidth of a reference generator whose filters pass everything at once [rad/s]."""

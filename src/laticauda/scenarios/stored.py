@@ -14,9 +14,8 @@ from laticauda import robot
 from laticauda.motion import gaits
 from laticauda.scenarios.interfaces import Controller
 from laticauda.scenarios.scenario import Experiment, Scenario
-from laticauda.values import codec, extensions, files, quantities
-from laticauda.values.errors import RobotFileError
-from laticauda.water.fluid.gridded import Grid
+from laticauda.values import RobotFileError, codec, extensions, files, quantities
+from laticauda.water.fluid import Grid
 
 KINDS: dict[str, type[Scenario] | type[Experiment]] = {
     "scenario": Scenario,

@@ -27,8 +27,7 @@ from laticauda import robot
 from laticauda.motion import gaits
 from laticauda.scenarios import choice, stored
 from laticauda.scenarios.scenario import Scenario
-from laticauda.values import codec, files
-from laticauda.values.errors import RobotFileError
+from laticauda.values import RobotFileError, codec, files
 
 NAMES = ("robot", "n_links", "water", "ground", "parameters")
 """Entries that choose robot and environment by name, see `laticauda.scenarios.Choice`."""

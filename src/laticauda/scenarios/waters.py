@@ -8,10 +8,8 @@ from typing import Any, cast
 
 from laticauda import robot as robots
 from laticauda.motion.gaits import EelLike, Gait
-from laticauda.robot.files import find
-from laticauda.values import extensions
-from laticauda.values.checks import check_instance
-from laticauda.values.formulas import Law
+from laticauda.robot import find
+from laticauda.values import Law, check_instance, extensions
 
 MAMBA = ("mamba", "mamba-fin", "mamba-modules", "mamba-modules-fin")
 """The robots whose trials were used to identify the paper's waters."""

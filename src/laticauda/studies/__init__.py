@@ -18,7 +18,7 @@ averaged        averaged model of a gait, for model-predictive guidance
 
 from typing import TYPE_CHECKING
 
-from laticauda.values.packaging import lazy_exports
+from laticauda.values import lazy_exports
 from laticauda.studies.optimize import optimize as optimize  # at once: a module has its name
 
 if TYPE_CHECKING:
@@ -28,15 +28,28 @@ if TYPE_CHECKING:
         OBJECTIVES as OBJECTIVES,
         Optimization as Optimization,
         SPEED_POWER as SPEED_POWER,
+        Limits as Limits,
     )
     from laticauda.studies.running import run_sweep as run_sweep
-    from laticauda.studies.sampling import Grid as Grid, Rows as Rows, Samples as Samples
+    from laticauda.studies.sampling import (
+        Grid as Grid,
+        Rows as Rows,
+        Samples as Samples,
+        Points as Points,
+    )
     from laticauda.studies.stored_sweep import (
         best_points as best_points,
         count_failed as count_failed,
         open_sweep as open_sweep,
     )
     from laticauda.studies.sweep import Sweep as Sweep
+    from laticauda.studies.cluster import connected as connected
+    from laticauda.studies.point_trials import (
+        COSTS as COSTS,
+        LABELS as LABELS,
+        Progress as Progress,
+        attributes_of as attributes_of,
+    )
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
@@ -50,5 +63,11 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.studies.sweep": ["Sweep"],
     },
     own=["optimize"],
+    plain={
+        "laticauda.studies.cluster": ["connected"],
+        "laticauda.studies.optimization": ["Limits"],
+        "laticauda.studies.point_trials": ["COSTS", "LABELS", "Progress", "attributes_of"],
+        "laticauda.studies.sampling": ["Points"],
+    },
     renamed={"best": "best_points", "unbeaten": "pareto_front"},
 )

@@ -6,10 +6,9 @@ from typing import Any
 import laticauda as lc
 from laticauda import control
 from laticauda.models import simulate
-from laticauda.models.simulate.runner import Progress, silent
+from laticauda.models.simulate import Progress, silent
 from laticauda.motion import gaits
-from laticauda.values.checks import check_whole_number
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, check_whole_number
 
 N_TRIALS = 4
 """Number of trials, unless it is stated."""

@@ -18,8 +18,7 @@ import numpy as np
 from laticauda.studies.folder import check_same, readable, storage
 from laticauda.studies.optimization import VIOLATION
 from laticauda.studies.point_trials import QUANTITIES
-from laticauda.values import files
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, files
 
 CHECKPOINT = "checkpoint.npz"
 """Name of the file."""

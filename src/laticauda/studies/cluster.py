@@ -22,9 +22,7 @@ from typing import Any
 from laticauda import scenarios
 from laticauda.studies.point_trials import Column, swim_points
 from laticauda.studies.sampling import Table
-from laticauda.values.errors import ClusterFailed, LaticaudaError
-from laticauda.values.optional import optional_import
-from laticauda.values.packaging import __version__
+from laticauda.values import ClusterFailed, LaticaudaError, __version__, optional_import
 
 TASKS_PER_THREAD = 2
 """Tasks in flight per thread of the cluster, so that no thread waits for this process."""

@@ -11,8 +11,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, cast
 
-from laticauda.values.errors import BadArgument, MissingExtra, StorageFailed
-from laticauda.values.files import is_full, local, locked
+from laticauda.values import BadArgument, MissingExtra, StorageFailed, is_full, local, locked
 
 FORMAT = 2
 """Format of the definitions; format 1, which was not numbered, held no scenario."""

@@ -18,8 +18,8 @@ from laticauda.studies.point_trials import (
     scenarios_at,
 )
 from laticauda.studies.sampling import Table
-from laticauda.trials.logs.tabular import csv_text
-from laticauda.values.files import write
+from laticauda.trials.logs import csv_text
+from laticauda.values import write
 
 if TYPE_CHECKING:
     import xarray

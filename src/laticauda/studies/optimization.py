@@ -23,9 +23,7 @@ from laticauda.studies.point_trials import (
 )
 from laticauda.studies.sampling import Table
 from laticauda.trials.feasibility import ROUNDING
-from laticauda.values.checks import check_choice
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import BadArgument, check_choice, option, quantity, value_class
 
 OBJECTIVES = (
     "forward_velocity",

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from laticauda.models.simulate.runner import silent
+from laticauda.models.simulate import silent
 from laticauda.studies.checkpoint import (
     CHECKPOINT,
     JOB,
@@ -24,8 +24,7 @@ from laticauda.studies.front import Front, pareto_front
 from laticauda.studies.optimization import VIOLATION, Optimization, compute_losses, evaluate
 from laticauda.studies.point_trials import QUANTITIES, Progress
 from laticauda.studies.search import Search, package_versions
-from laticauda.values.checks import check_whole_number
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, check_whole_number
 
 POPULATION: Mapping[int, int] = {1: 40, 2: 100}
 """Points in a generation, by number of objectives."""

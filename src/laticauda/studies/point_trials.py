@@ -13,24 +13,24 @@ import numpy as np
 from jaxtyping import Shaped
 
 import laticauda as lc
-from laticauda.models.simulate.batch_figures import Block, Run, joint_peaks
-from laticauda.models.simulate.batch_run import run_batch
-from laticauda.models.simulate.batch_scenarios import runs_of
-from laticauda.models.simulate.numbers import (
+from laticauda.models.simulate import (
     UNITS,
+    Block,
+    Run,
     change_parameters,
     check_whole,
     described,
-    list_parameters,
+    joint_peaks,
     look_up,
     of_figure,
+    run_batch,
+    runs_of,
+    silent,
 )
-from laticauda.models.simulate.runner import silent
+from laticauda.models.simulate.numbers import list_parameters
 from laticauda.studies.sampling import Table
 from laticauda.trials.feasibility import NEEDS
-from laticauda.values import codec, extensions, packaging
-from laticauda.values.checks import check_instance
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, check_instance, codec, extensions, packaging
 
 Column = Shaped[np.ndarray, " n_points"]
 Progress = Callable[[int, int], None]

@@ -5,7 +5,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from laticauda.values.quantities import quantity, value_class
+from laticauda.values import quantity, value_class
 
 Block: TypeAlias = tuple[slice, ...]
 """One slice per dimension of a sweep's points."""

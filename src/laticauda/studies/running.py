@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from laticauda.models.simulate.runner import silent
+from laticauda.models.simulate import silent
 from laticauda.studies.point_trials import Column, Progress, swim_points
 from laticauda.studies.regions import Regions
 from laticauda.studies.sampling import Table
 from laticauda.studies.store import open_store
 from laticauda.studies.stored_sweep import open_sweep
 from laticauda.studies.sweep import Sweep
-from laticauda.values.checks import check_whole_number
+from laticauda.values import check_whole_number
 
 if TYPE_CHECKING:
     import xarray

@@ -12,10 +12,17 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.studies.regions import Block
-from laticauda.values.checks import check_finite, check_instance, check_not_empty
-from laticauda.values.errors import BadArgument
-from laticauda.values.optional import optional_import
-from laticauda.values.quantities import check_items, option, quantity, value_class
+from laticauda.values import (
+    BadArgument,
+    check_finite,
+    check_instance,
+    check_items,
+    check_not_empty,
+    option,
+    optional_import,
+    quantity,
+    value_class,
+)
 
 Values = Float[np.ndarray, " n_values"]
 Table = Float[np.ndarray, "n_points n_names"]

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.studies.sampling import Table
-from laticauda.values.optional import optional_import
+from laticauda.values import optional_import
 
 DIFFERENTIAL_WEIGHT = 0.6
 """F of differential evolution: factor of the difference of two points [-]."""

@@ -33,8 +33,7 @@ from laticauda.studies.stored_sweep import (
     regions_of_definition,
 )
 from laticauda.studies.sweep import Sweep
-from laticauda.values.errors import BadArgument
-from laticauda.values.files import write
+from laticauda.values import BadArgument, write
 
 
 @dataclass(kw_only=True, eq=False)

@@ -20,10 +20,14 @@ import numpy as np
 from laticauda.studies.folder import readable
 from laticauda.studies.point_trials import COSTS, FIGURES, QUANTITIES
 from laticauda.studies.regions import Regions
-from laticauda.values.checks import check_choice, check_whole_number
-from laticauda.values.errors import BadArgument
-from laticauda.values.files import local, read_text
-from laticauda.values.optional import optional_import
+from laticauda.values import (
+    BadArgument,
+    check_choice,
+    check_whole_number,
+    local,
+    optional_import,
+    read_text,
+)
 
 if TYPE_CHECKING:
     import xarray

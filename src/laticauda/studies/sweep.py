@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 
 import laticauda as lc
-from laticauda.models.simulate.numbers import check_whole, list_parameters
+from laticauda.models.simulate import check_whole
+from laticauda.models.simulate.numbers import list_parameters
 from laticauda.studies import sampling
 from laticauda.studies.point_trials import check_ranges, check_scenario, definition_of
 from laticauda.studies.regions import Block, Regions, divide_regions
 from laticauda.studies.sampling import Table
-from laticauda.values.checks import check_whole_number
-from laticauda.values.quantities import option, value_class
+from laticauda.values import check_whole_number, option, value_class
 
 REGION_TIME = 1.5
 """Time that a region is meant to take on one core [s]."""

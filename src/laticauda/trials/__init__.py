@@ -17,12 +17,20 @@ logs/           files of trials and of other programs
 
 from typing import TYPE_CHECKING
 
-from laticauda.values.packaging import lazy_exports
+from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
-    from laticauda.trials.contents import FORCE_COMPONENTS as FORCE_COMPONENTS
-    from laticauda.trials.cycles import CycleMean as CycleMean
-    from laticauda.trials.dataset import Format as Format
+    from laticauda.trials.contents import (
+        FORCE_COMPONENTS as FORCE_COMPONENTS,
+        REACHED_END as REACHED_END,
+        Setting as Setting,
+    )
+    from laticauda.trials.cycles import (
+        CycleMean as CycleMean,
+        TRANSIENT as TRANSIENT,
+        hermite as hermite,
+    )
+    from laticauda.trials.dataset import Format as Format, AXES as AXES
     from laticauda.trials.measured import (
         MeasuredTrial as MeasuredTrial,
         MeasuredTrials as MeasuredTrials,
@@ -36,6 +44,17 @@ if TYPE_CHECKING:
         joined as joined,
     )
     from laticauda.trials.trial import FIGURES as FIGURES, Figure as Figure, Trial as Trial
+    from laticauda.trials.following import nearest_points as nearest_points
+    from laticauda.trials.null_models import (
+        NullModel as NullModel,
+        PREDICTORS as PREDICTORS,
+        Row as Row,
+        Values as Values,
+        compared as compared,
+        group_name as group_name,
+        mape as mape,
+        predict as predict,
+    )
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
@@ -52,5 +71,21 @@ __getattr__, __dir__, __all__ = lazy_exports(
         ],
         "laticauda.trials.several": ["ComparedFigure", "compare", "joined"],
         "laticauda.trials.trial": ["FIGURES", "Figure", "Trial"],
+    },
+    plain={
+        "laticauda.trials.contents": ["REACHED_END", "Setting"],
+        "laticauda.trials.cycles": ["TRANSIENT", "hermite"],
+        "laticauda.trials.dataset": ["AXES"],
+        "laticauda.trials.following": ["nearest_points"],
+        "laticauda.trials.null_models": [
+            "NullModel",
+            "PREDICTORS",
+            "Row",
+            "Values",
+            "compared",
+            "group_name",
+            "mape",
+            "predict",
+        ],
     },
 )

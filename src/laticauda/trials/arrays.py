@@ -6,9 +6,7 @@ from typing import TypeAlias, cast
 import numpy as np
 from jaxtyping import Float, Shaped
 
-from laticauda.values.checks import check_choice, check_instance
-from laticauda.values.errors import BadArgument
-from laticauda.values.series import as_floats
+from laticauda.values import BadArgument, as_floats, check_choice, check_instance
 
 # Shapes of a trial's arrays. `Trial` imports them from here and checks the arrays itself, whatever
 # it is given.

@@ -11,9 +11,7 @@ from laticauda.motion import gaits
 from laticauda.robot import Ground, Robot, Water
 from laticauda.trials import arrays
 from laticauda.trials.arrays import AnyArray, FinJoints, Setting
-from laticauda.values import series
-from laticauda.values.checks import check_flag, check_instance, check_text
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, check_flag, check_instance, check_text, series
 
 REACHED_END = "The run reached its end."
 """Status of a run that succeeded."""

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float, Inexact
 
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument
 
 Time = Float[np.ndarray, " n_samples"]
 Signal = Float[np.ndarray, "n_samples ..."]

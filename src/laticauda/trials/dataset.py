@@ -20,10 +20,7 @@ import numpy as np
 from laticauda import scenarios
 from laticauda.trials.arrays import AnyArray
 from laticauda.trials.contents import Contents
-from laticauda.values import codec
-from laticauda.values.extensions import Extensible
-from laticauda.values.files import write
-from laticauda.values.series import LINK_FORCE, SERIES, SIGNAL, Series, log_of
+from laticauda.values import LINK_FORCE, SERIES, SIGNAL, Extensible, Series, codec, log_of, write
 
 if TYPE_CHECKING:
     import xarray

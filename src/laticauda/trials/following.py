@@ -19,8 +19,7 @@ from laticauda.trials.cycles import (
     resolves_cycles,
 )
 from laticauda.trials.trial import Trial
-from laticauda.values.checks import check_positive
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, check_positive
 
 TOLERANCE = 0.1
 """Cycle-mean error within which a run counts as converged [m]."""

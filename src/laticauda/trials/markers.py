@@ -9,8 +9,7 @@ from jaxtyping import Bool, Complex, Float
 
 from laticauda.robot import kinematics
 from laticauda.trials.trial import Trial
-from laticauda.values import files
-from laticauda.values.errors import BadArgument, TrialFileError
+from laticauda.values import BadArgument, TrialFileError, files
 
 Places = Float[np.ndarray, "n_samples n_markers 2"]
 ComplexPlaces = Complex[np.ndarray, "n_times n_markers"]

@@ -26,10 +26,16 @@ from typing import Any, Literal
 from laticauda.motion import gaits
 from laticauda.robot import Environment, Robot
 from laticauda.trials.trial import Trial
-from laticauda.values import extensions, files
-from laticauda.values.checks import suggest_nearest
-from laticauda.values.errors import BadArgument, TrialFileError
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import (
+    BadArgument,
+    TrialFileError,
+    extensions,
+    files,
+    option,
+    quantity,
+    suggest_nearest,
+    value_class,
+)
 
 
 @dataclass(frozen=True, kw_only=True)

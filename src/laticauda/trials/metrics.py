@@ -9,14 +9,12 @@ none returns nan.
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda.robot import Ground, Robot, Water
-from laticauda.robot.kinematics import Posture
+from laticauda.robot import Ground, Posture, Robot, Water
 from laticauda.trials import cycles
 from laticauda.trials.contents import Contents
 from laticauda.trials.cycles import CycleMean, Signal, SteadyPart, Time
-from laticauda.values.checks import check_positive
-from laticauda.values.errors import BadArgument
-from laticauda.water.fluid.laws import Element
+from laticauda.values import BadArgument, check_positive
+from laticauda.water.fluid import Element
 
 Path = Float[np.ndarray, "n_samples n_axes"]
 Joints = Float[np.ndarray, "n_samples n_joints"]
@@ -189,7 +187,7 @@ def towing_drag(robot: Robot, water: Water, speed: float) -> float:
         water: Water that defines the coefficients and drag terms.
         speed: v through the water [m/s].
     """
-    from laticauda.robot.hydrodynamics import link_coefficients
+    from laticauda.robot import link_coefficients
 
     link = link_coefficients(robot, water)
     c_t = float(np.sum(link.c_t))

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from laticauda.motion.gaits import GAIT_WORDS, Gait
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument
 
 Values = Float[np.ndarray, " n_rows"]
 Design = Float[np.ndarray, "n_rows n_parameters"]

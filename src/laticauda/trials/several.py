@@ -9,10 +9,7 @@ import numpy as np
 from laticauda.motion import gaits
 from laticauda.scenarios import Experiment, Scenario
 from laticauda.trials.trial import FIGURES, Figure, Trial
-from laticauda.values import angles
-from laticauda.values.checks import check_instance
-from laticauda.values.errors import BadArgument
-from laticauda.values.series import concatenated
+from laticauda.values import BadArgument, angles, check_instance, concatenated
 
 _OF_MEAN_POWER = ("mean_power", "cost_of_transport", "joules_per_meter")
 

@@ -14,8 +14,7 @@ import numpy as np
 from laticauda.trials import contents, cycles, metrics
 from laticauda.trials.dataset import fields_of, save, to_dataset
 from laticauda.trials.feasibility import Feasibility, judge_feasibility, make_peak_figure
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import Quantity, describe_field, html_table
+from laticauda.values import BadArgument, Quantity, describe_field, html_table
 
 if TYPE_CHECKING:
     import xarray

@@ -47,6 +47,8 @@ PLACES = {
     "trial": "trials",
 }
 """Where the packages and modules of 0.2 are now, both without `laticauda.`; what was inside moved with them."""
+FORMER_PACKAGES = {old: f"laticauda.{new}:" for old, new in PLACES.items() if "." not in old}
+"""Those that were attributes of laticauda, `lc.logs`, for `packaging.renamed_names`."""
 NOT_ERRORS = {
     "at_least_one": "checks:check_not_empty",
     "deaf": "interrupts:defer_interrupts",

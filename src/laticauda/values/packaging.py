@@ -77,7 +77,7 @@ def renamed_names(module: str, renamed: Mapping[str, str]) -> Callable[[str], An
     Args:
         module: The module, `__name__`.
         renamed: New names, by old ones. A name that is now defined elsewhere is written as
-            `laticauda.robot.files:load_robot`.
+            `laticauda.robot.files:load_robot`, and a module as `laticauda.robot.files:`.
     """
 
     def get(name: str) -> Any:
@@ -92,10 +92,10 @@ def _get_renamed(module: str, old_name: str, renamed: Mapping[str, str]) -> Any:
         raise AttributeError(f"module {module!r} has no attribute {old_name!r}")
     new_module, _, new_name = renamed[old_name].rpartition(":")
     new_module = new_module or module
-    warnings.warn(
-        f"{module}.{old_name} is now {new_module}.{new_name}", DeprecationWarning, stacklevel=3
-    )
-    return getattr(import_module(new_module), new_name)
+    full_name = f"{new_module}.{new_name}".rstrip(".")
+    warnings.warn(f"{module}.{old_name} is now {full_name}", DeprecationWarning, stacklevel=3)
+    found = import_module(new_module)
+    return getattr(found, new_name) if new_name else found
 
 
 def moved_modules(moved: Mapping[str, str]) -> None:

@@ -19,8 +19,7 @@ from numba import cuda
 from numba.cuda import config
 
 from laticauda.compiling import Target
-from laticauda.models.planar import rows
-from laticauda.models.planar.batch import (
+from laticauda.models.planar import (
     PATH_ROWS,
     Block,
     Device,
@@ -28,10 +27,10 @@ from laticauda.models.planar.batch import (
     block_of,
     columns_of,
     kinds_of,
+    rows,
+    specialize,
 )
-from laticauda.models.planar.model import specialize
-from laticauda.values import scalars
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, scalars
 
 Result = TypeVar("Result")
 

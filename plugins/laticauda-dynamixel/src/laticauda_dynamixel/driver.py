@@ -26,9 +26,9 @@ from laticauda.tank.protocol import (
     References,
     Sync,
     encode,
+    hardware,
 )
-from laticauda.tank.protocol.worker import hardware
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument
 from laticauda_dynamixel import packets
 from laticauda_dynamixel.packets import BROADCAST, Instruction, Packet, Reader, Register
 

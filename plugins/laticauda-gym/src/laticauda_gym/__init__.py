@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from gymnasium.envs import registration
 
-from laticauda.values.packaging import lazy_exports
+from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda_gym.abreast import Abreast as Abreast

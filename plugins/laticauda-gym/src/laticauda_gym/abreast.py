@@ -12,10 +12,9 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.models.dynamics import school
-from laticauda.models.spatial.school import School, Together
+from laticauda.models.spatial import School, Together
 from laticauda.scenarios import Scenario, Spatial
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import BadArgument, option, quantity, value_class
 from laticauda_gym.swimming import Numbers, Range, Sight, Step, in_body_axes, ranges, swimmer
 from laticauda_gym.tasks import BESIDE_THE_PATH, Steered, check_ends, log_square
 

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.values.checks import check_instance
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, check_instance
 from laticauda_gym.environments import SwimmingVectorEnv
 from laticauda_gym.packages import needed
 

@@ -14,9 +14,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from laticauda import scenarios
-from laticauda.values import codec
-from laticauda.values.checks import check_choice, check_whole_number
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, check_choice, check_whole_number, codec
 from laticauda_gym.episodes import BOUND, Episodes
 from laticauda_gym.swimming import Swimming, swimmer
 from laticauda_gym.tasks import Efficiency, PathFollowing, StationKeeping
@@ -128,7 +126,7 @@ class _Tasked:
     def _picture(self, lane: int) -> np.ndarray | None:
         if self.render_mode is None:
             return None
-        from laticauda.show.pictures.stage import Studio, posture_of
+        from laticauda.show.pictures import Studio, posture_of
 
         school = self.episodes.school
         self._studio = self._studio or Studio.of(school.plant)

@@ -12,11 +12,10 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda import robot
-from laticauda.models.dynamics.school import Motion, School
-from laticauda.models.simulate.plants import school_of
+from laticauda.models.dynamics import Motion, School
+from laticauda.models.simulate import school_of
 from laticauda.scenarios import interfaces
-from laticauda.values.checks import check_choice, check_finite
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, check_choice, check_finite
 from laticauda_gym.swimming import FLOW, Step, Swimming
 
 BOUND = 10.0

@@ -3,7 +3,7 @@
 from importlib import import_module
 from typing import Any
 
-from laticauda.values.errors import LaticaudaError
+from laticauda.values import LaticaudaError
 
 
 class NotInstalled(LaticaudaError, ImportError):

@@ -16,13 +16,13 @@ import numpy as np
 from jaxtyping import Float
 
 import laticauda as lc
-from laticauda.models.dynamics.school import Motion
-from laticauda.models.simulate.numbers import change_parameters, list_parameters, look_up
+from laticauda.models.dynamics import Motion
+from laticauda.models.simulate import change_parameters, look_up
+from laticauda.models.simulate.numbers import list_parameters
 from laticauda.robot import Current, Robot, Water
 from laticauda.scenarios import Changes, Scenario, build_scenario
-from laticauda.values.checks import check_instance, check_within
-from laticauda.values.quantities import option, quantity, value_class
-from laticauda.water.fluid.flow import Flow
+from laticauda.values import check_instance, check_within, option, quantity, value_class
+from laticauda.water.fluid import Flow
 
 Numbers = Float[np.ndarray, " n"]
 

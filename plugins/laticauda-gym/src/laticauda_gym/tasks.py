@@ -4,10 +4,8 @@ import math
 
 import numpy as np
 
-from laticauda.control.path_following import refuse_offset
-from laticauda.values.checks import check_positive
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import quantities_of, quantity, value_class
+from laticauda.control import refuse_offset
+from laticauda.values import BadArgument, check_positive, quantities_of, quantity, value_class
 from laticauda_gym.swimming import Numbers, Range, Sight, Step, Swimming, in_body_axes, ranges
 
 HEADING_RATE = Sight(name="heading_rate", of=lambda step: step.after.heading_rate)

@@ -11,8 +11,7 @@ from gymnasium.error import ResetNeeded
 from gymnasium.spaces import Box
 from gymnasium.utils.seeding import np_random
 
-from laticauda.values.checks import check_whole_number
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, check_whole_number
 from laticauda_gym.abreast import OPEN, Abreast, OneScene
 from laticauda_gym.environments import NOT_BEGUN, checked, decoded, spaces
 from laticauda_gym.episodes import Episodes

@@ -29,7 +29,7 @@ from laticauda.tank.protocol import (
     Sync,
     encode,
 )
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument
 from laticauda_ros2 import messages
 from laticauda_ros2.node import PATIENCE, TOPIC, Node, name_and_domain, waited
 

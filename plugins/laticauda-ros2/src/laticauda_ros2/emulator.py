@@ -26,7 +26,7 @@ from laticauda.tank.protocol import (
     encode_references,
     to_frame,
 )
-from laticauda.values.angles import to_quaternion
+from laticauda.values import to_quaternion
 from laticauda_ros2 import messages
 from laticauda_ros2.bus import GOALS, MOTORS, STATES
 from laticauda_ros2.node import Node

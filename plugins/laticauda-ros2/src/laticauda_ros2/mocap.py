@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 
 from laticauda.control.estimation import PoseSample
-from laticauda.robot.kinematics import from_quaternion
+from laticauda.robot import from_quaternion
 from laticauda.tank.operate.drivers import Clock, DeviceFailed, MotionCapture
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument
 from laticauda_ros2.messages import PoseStamped
 from laticauda_ros2.node import PATIENCE, TOPIC, Node, name_and_domain, waited
 

@@ -24,7 +24,7 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
 from laticauda.tank.operate.drivers import DeviceFailed
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument
 
 TOPIC = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 DOMAINS = range(233)

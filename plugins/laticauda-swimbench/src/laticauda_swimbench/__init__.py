@@ -7,7 +7,7 @@ scores = swimbench.score("ilos")      # a score file's content
 
 from typing import TYPE_CHECKING
 
-from laticauda.values.packaging import lazy_exports
+from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda_swimbench.challenges import (

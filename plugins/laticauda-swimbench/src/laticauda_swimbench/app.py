@@ -9,10 +9,16 @@ import tyro
 
 from laticauda.cli.command import SHARE, Command, Outcome, show_progress
 from laticauda.cli.flags import BadFlag, Folder, Inputs, Listed, Place, parse_command
-from laticauda.values.checks import check_choice, check_whole_number
-from laticauda.values.errors import BadArgument, LaticaudaError
-from laticauda.values.files import write
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import (
+    BadArgument,
+    LaticaudaError,
+    check_choice,
+    check_whole_number,
+    option,
+    quantity,
+    value_class,
+    write,
+)
 from laticauda_gym.packages import NotInstalled
 from laticauda_swimbench.challenges import CHALLENGES, challenge
 

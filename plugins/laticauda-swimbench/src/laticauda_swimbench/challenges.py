@@ -16,9 +16,7 @@ from typing import Any, cast
 import laticauda as lc
 from laticauda.robot import Robot
 from laticauda.scenarios import Scenario, run_from_table
-from laticauda.values import codec
-from laticauda.values.checks import check_choice
-from laticauda.values.files import parse_toml
+from laticauda.values import check_choice, codec, parse_toml
 from laticauda_gym.environments import SwimmingEnv, SwimmingVectorEnv
 from laticauda_swimbench.task import Swim
 

@@ -18,9 +18,7 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.control import AveragedModel, ModelPredictive
-from laticauda.values.checks import check_choice
-from laticauda.values.errors import BadArgument
-from laticauda.values.files import read_toml
+from laticauda.values import BadArgument, check_choice, read_toml
 from laticauda_gym import Episodes, Pilots
 from laticauda_gym.packages import needed
 from laticauda_swimbench import networks

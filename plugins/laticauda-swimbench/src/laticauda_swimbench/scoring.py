@@ -16,9 +16,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from laticauda.values.errors import LaticaudaError
-from laticauda.values.files import read_text, read_toml, to_json
-from laticauda.values.packaging import __version__
+from laticauda.values import LaticaudaError, __version__, read_text, read_toml, to_json
 from laticauda_gym import Episodes
 from laticauda_swimbench.challenges import CHALLENGES, Challenge, challenge
 from laticauda_swimbench.methods import Method, method

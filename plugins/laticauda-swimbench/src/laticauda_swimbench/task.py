@@ -3,8 +3,8 @@
 import math
 from dataclasses import replace
 
-from laticauda.control.path_following import refuse_offset
-from laticauda.values.quantities import quantity, value_class
+from laticauda.control import refuse_offset
+from laticauda.values import quantity, value_class
 from laticauda_gym.swimming import Numbers, Range, Sight, Step, Swimming, ranges
 from laticauda_gym.tasks import BESIDE_THE_PATH, PHASE, check_ends
 

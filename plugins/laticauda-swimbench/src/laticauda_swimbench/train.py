@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.values.checks import check_choice
+from laticauda.values import check_choice
 from laticauda_gym import SwimmingVectorEnv
 from laticauda_gym.packages import needed
 from laticauda_swimbench import networks

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from laticauda.control.estimation import PoseSample
-from laticauda.robot.kinematics import from_quaternion
+from laticauda.robot import from_quaternion
 from laticauda.tank.operate.drivers import Clock, DeviceFailed, MotionCapture
 from laticauda.tank.operate.drivers.base import host_and_port
 

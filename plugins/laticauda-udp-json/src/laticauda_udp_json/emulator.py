@@ -11,7 +11,7 @@ import sys
 import laticauda as lc
 from laticauda.tank import lab, protocol
 from laticauda.tank.operate.drivers.base import host_and_port
-from laticauda.values.angles import to_quaternion
+from laticauda.values import to_quaternion
 
 USUAL = "127.0.0.1:9870"
 

@@ -28,9 +28,7 @@ from laticauda.connect.native.machine_code import compile_kernels_of
 from laticauda.connect.native.platforms import Platform, find_library_platforms
 from laticauda.connect.native.tables import build_tables_of_scenario
 from laticauda.connect.native.variable import Variable
-from laticauda.values import files
-from laticauda.values.checks import check_choice
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, check_choice, files
 
 FOLDER = Path(__file__).parent
 C_FOLDER = FOLDER / "c"

@@ -29,3 +29,18 @@ A robot:
 - `c_tables`: the arrays as a C header
 - `c_library`: export of a robot as a library in C
 """
+
+from typing import TYPE_CHECKING
+
+from laticauda.values import lazy_exports
+
+if TYPE_CHECKING:
+    from laticauda.connect.native.c_library import export_c as export_c
+
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {},
+    plain={
+        "laticauda.connect.native.c_library": ["export_c"],
+    },
+)

@@ -16,8 +16,7 @@ from laticauda.connect.native.machine_code import compile_kernels_of
 from laticauda.connect.native.platforms import C_FOLDER, find_library_platforms
 from laticauda.connect.native.tables import Tables, build_tables_of_scenario
 from laticauda.connect.native.variable import Variable
-from laticauda.values import files
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, files
 
 STATUS_NAMES = ("DIVERGED", "WRONG_INTERVAL")
 """What the library's functions return on an error, without the prefix that each library has."""

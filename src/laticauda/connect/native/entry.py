@@ -24,11 +24,10 @@ from numba.np.arrayobj import populate_array
 
 from laticauda.compiling import INLINED, PROCESSOR, Target, compiling_for, inlined
 from laticauda.compiling.formulas import in_numbers, reason_of
-from laticauda.models.planar.model import specialize
-from laticauda.models.planar.rows import VX, VY
-from laticauda.motion.joints.laws import JointLaw
+from laticauda.models.planar import VX, VY, specialize
+from laticauda.motion.joints import JointLaw
 from laticauda.values import formulas, scalars
-from laticauda.water.fluid.laws import MOTION, DragLaw, Element
+from laticauda.water.fluid import MOTION, DragLaw, Element
 
 ENTRY_FUNCTION = "laticauda_move"
 """Name of the function."""

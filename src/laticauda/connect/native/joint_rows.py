@@ -2,8 +2,7 @@
 
 from typing import NamedTuple
 
-from laticauda.models.planar import rows
-from laticauda.models.planar.model import PlanarPlant
+from laticauda.models.planar import PlanarPlant, rows
 
 
 class JointRecord(NamedTuple):

@@ -19,7 +19,7 @@ from typing import NamedTuple
 from laticauda.connect.native import platforms
 from laticauda.connect.native.entry import ENTRY_FUNCTION
 from laticauda.connect.native.platforms import BROWSER, Platform
-from laticauda.values.errors import LaticaudaError, MissingExtra, MissingProgram
+from laticauda.values import LaticaudaError, MissingExtra, MissingProgram
 
 COMPILERS = ("cc", "gcc", "clang")
 """C compilers that are looked for, in this order."""

@@ -16,10 +16,10 @@ from laticauda.compiling.templates import sources_digest
 from laticauda.connect.native.entry import compile_bitcode
 from laticauda.connect.native.linking import find_compiler
 from laticauda.connect.native.platforms import Platform
-from laticauda.models.planar.model import PlanarPlant, specialize
-from laticauda.motion.joints.laws import JointLaw
+from laticauda.models.planar import PlanarPlant, specialize
+from laticauda.motion.joints import JointLaw
 from laticauda.values import files, formulas
-from laticauda.water.fluid.laws import DragLaw
+from laticauda.water.fluid import DragLaw
 
 
 def compile_kernels_of(plant: PlanarPlant, platforms: Sequence[Platform]) -> list[bytes]:

@@ -9,8 +9,7 @@ from laticauda.connect.native.joint_rows import (
     list_fin_joints,
 )
 from laticauda.connect.native.variable import RowShare, Variable, one_row
-from laticauda.models.planar import rows
-from laticauda.models.planar.model import PlanarPlant
+from laticauda.models.planar import PlanarPlant, rows
 from laticauda.robot import has_power_model
 
 MOTION = (

@@ -7,8 +7,7 @@ from pathlib import Path
 from platform import machine
 from typing import NamedTuple
 
-from laticauda.values.checks import check_choice
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, check_choice
 
 C_FOLDER = Path(__file__).parent / "c"
 """C sources and headers that libraries are built from."""

@@ -17,11 +17,9 @@ from laticauda.connect.native.variable import (
     Variable,
     one_row,
 )
-from laticauda.models.planar import rows
-from laticauda.models.planar.model import LEAST_DT, PlanarPlant
-from laticauda.values import formulas
-from laticauda.values.quantities import quantities_of
-from laticauda.water.fluid.flow import Flow
+from laticauda.models.planar import LEAST_DT, PlanarPlant, rows
+from laticauda.values import formulas, quantities_of
+from laticauda.water.fluid import Flow
 
 LARGEST_STEP = 1e3
 """Largest step of the integration that may be set [s]."""

@@ -14,8 +14,7 @@ from laticauda.connect.native.variable import Causality, Variable
 from laticauda.connect.native.variables import list_variables
 from laticauda.connect.native.water_slopes import find_water_slopes
 from laticauda.models.planar import model, rows
-from laticauda.values.checks import check_choice, check_instance
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, check_choice, check_instance
 
 INPUTS = ("gait", "references")
 """Inputs that may drive the robot: a gait, or an angle for every joint."""

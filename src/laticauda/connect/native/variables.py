@@ -12,7 +12,7 @@ from laticauda.connect.native.settable import (
     list_water_parameters,
 )
 from laticauda.connect.native.variable import Variable
-from laticauda.models.planar.model import PlanarPlant
+from laticauda.models.planar import PlanarPlant
 
 
 def list_variables(

@@ -15,8 +15,7 @@ import numpy as np
 import laticauda as lc
 from laticauda.connect.native import entry
 from laticauda.connect.native.variable import Variable
-from laticauda.models.planar.layout import build_layout
-from laticauda.models.planar.model import PlanarPlant
+from laticauda.models.planar import PlanarPlant, build_layout
 
 DENSITY_ROUNDING = 1e-12
 """Share of a row below which its change with the density is rounding [-]."""

@@ -23,10 +23,9 @@ from laticauda.connect.web.robot_data import (
     name_of_law,
 )
 from laticauda.connect.web.sliders import list_sliders
-from laticauda.control.guidance import ROUNDING
-from laticauda.models.planar.model import PlanarPlant
-from laticauda.values import files
-from laticauda.values.quantities import hints_of
+from laticauda.control import ROUNDING
+from laticauda.models.planar import PlanarPlant
+from laticauda.values import files, hints_of
 
 ROBOTS = ("mamba", "mamba-fin", "mamba-modules-fin", "amphibot", "tendon-fish")
 """Presets that a page contains by default."""

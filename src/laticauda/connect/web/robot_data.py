@@ -12,10 +12,9 @@ from laticauda import scenarios
 from laticauda.connect.native.joint_rows import first_row_of_body
 from laticauda.connect.native.tables import Tables, build_tables
 from laticauda.connect.native.variable import Variable
-from laticauda.models.planar import rows
-from laticauda.models.planar.model import PlanarPlant
+from laticauda.models.planar import PlanarPlant, rows
 from laticauda.motion import gaits
-from laticauda.motion.gaits.gait import FIRST_GAIT
+from laticauda.motion.gaits import FIRST_GAIT
 from laticauda.robot import kinematics
 from laticauda.values import codec, extensions
 

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import laticauda as lc
 from laticauda import control, robot
 from laticauda.connect.web.robot_data import ELASTIC_FIN
-from laticauda.motion.gaits.gait import FIRST_GAIT
-from laticauda.values.quantities import fields_of
+from laticauda.motion.gaits import FIRST_GAIT
+from laticauda.values import fields_of
 
 
 class SliderRange(NamedTuple):

@@ -20,16 +20,16 @@ from numba.extending import overload
 from laticauda.compiling import INLINED, compiling_for
 from laticauda.compiling.formulas import in_numbers, rows_from
 from laticauda.connect.native import entry
-from laticauda.control.guidance import (
+from laticauda.control import (
     HeadingController,
     HeadingSample,
     IntegralLineOfSight,
+    Polyline,
     compute_mean_heading,
     extend_integral,
+    transform_to_axes,
 )
-from laticauda.control.paths import Polyline, transform_to_axes
-from laticauda.values.angles import wrap_to_pi, wrapped
-from laticauda.values.formulas import Formula
+from laticauda.values import Formula, wrap_to_pi, wrapped
 
 _CURRENT_VALUES = ("x", "y", "heading", "time")
 _ENDS_OF_LEG = ("x0", "y0", "x1", "y1")

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from laticauda.values.packaging import lazy_exports
+from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.control.estimation.digital_twin import TwinState as TwinState
@@ -31,6 +31,8 @@ if TYPE_CHECKING:
         ReferenceSample as ReferenceSample,
         Sample as Sample,
         StateEstimator as StateEstimator,
+        Offset as Offset,
+        Status as Status,
     )
 
 __getattr__, __dir__, __all__ = lazy_exports(
@@ -51,5 +53,8 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "Sample",
             "StateEstimator",
         ],
+    },
+    plain={
+        "laticauda.control.estimation.samples": ["Offset", "Status"],
     },
 )

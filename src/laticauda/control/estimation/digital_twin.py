@@ -12,13 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from laticauda import scenarios
-from laticauda.models.dynamics.plant import Plant
+from laticauda.models.dynamics import Plant
 from laticauda.motion import gaits
-from laticauda.motion.joints.laws import Prescribed
+from laticauda.motion.joints import Prescribed
 from laticauda.robot import Robot
 from laticauda.scenarios import interfaces
-from laticauda.values.checks import check_instance
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, check_instance
 
 Vector: TypeAlias = NDArray[np.float64]
 

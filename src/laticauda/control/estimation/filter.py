@@ -31,13 +31,10 @@ from laticauda.control.estimation.samples import (
     Sample,
     StateEstimator,
 )
-from laticauda.models.dynamics.plant import Plant
-from laticauda.motion.gaits.reference import filter_step
-from laticauda.robot import Water
-from laticauda.robot.kinematics import center_of_mass, heading, link_angles
-from laticauda.values.angles import wrap_to_pi
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.models.dynamics import Plant
+from laticauda.motion.gaits import filter_step
+from laticauda.robot import Water, center_of_mass, heading, link_angles
+from laticauda.values import BadArgument, option, quantity, value_class, wrap_to_pi
 
 PLAY_TORQUE = 0.3  # approximate torque at which a gear touches on one side [N m]
 LONGEST_STEP = 0.05  # longest prediction step over a gap [s]

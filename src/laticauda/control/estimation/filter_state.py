@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from laticauda.control.estimation import digital_twin, samples
-from laticauda.values.quantities import quantity, value_class
+from laticauda.values import quantity, value_class
 
 # The filter runs hundreds of times per second: shapes are given in docstrings and not checked at
 # run time.

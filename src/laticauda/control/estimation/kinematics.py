@@ -16,10 +16,8 @@ from laticauda.control.estimation.samples import (
     Sample,
     StateEstimator,
 )
-from laticauda.robot import Robot
-from laticauda.robot.kinematics import center_of_mass, heading, link_angles, module_poses, turn
-from laticauda.values.angles import wrap_to_pi
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.robot import Robot, center_of_mass, heading, link_angles, module_poses, turn
+from laticauda.values import option, quantity, value_class, wrap_to_pi
 
 Vector = Float[np.ndarray, " _n"]
 

@@ -23,12 +23,11 @@ from laticauda.control.estimation.samples import (
     Sample,
 )
 from laticauda.control.estimation.stretches import MARGIN, TICK, Array, Stretches
-from laticauda.models.dynamics.plant import Plant
-from laticauda.motion.joints.laws import Prescribed
+from laticauda.models.dynamics import Plant
+from laticauda.motion.joints import Prescribed
 from laticauda.robot import Robot, Water
-from laticauda.scenarios.interfaces import Command, Start
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.scenarios import Command, Start
+from laticauda.values import BadArgument, option, quantity, value_class
 
 Row: TypeAlias = tuple[float, ...]
 Coefficient: TypeAlias = Literal[

@@ -14,8 +14,7 @@ import numpy as np
 from laticauda.control.estimation.digital_twin import TwinState
 from laticauda.control.estimation.filter_state import Gaussian, Matrix, Noise, Vector
 from laticauda.control.estimation.samples import Mount
-from laticauda.robot import Robot
-from laticauda.robot.kinematics import Posture, link_angles
+from laticauda.robot import Posture, Robot, link_angles
 
 # Indices in the estimated vector. U: surge, S: sway, V: current, h: smooth heading, r: its rate;
 # then the rate of turning and the sideways speed per mean joint angle.

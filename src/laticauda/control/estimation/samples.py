@@ -14,10 +14,16 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.robot import Robot, body
-from laticauda.scenarios.interfaces import Observation
-from laticauda.values.checks import check_finite, check_instance, check_not_negative
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.scenarios import Observation
+from laticauda.values import (
+    BadArgument,
+    check_finite,
+    check_instance,
+    check_not_negative,
+    option,
+    quantity,
+    value_class,
+)
 
 Offset: TypeAlias = tuple[float, float] | tuple[float, float, float]
 Vector: TypeAlias = Float[np.ndarray, " _"]

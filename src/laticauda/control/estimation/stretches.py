@@ -17,11 +17,10 @@ from numpy.typing import NDArray
 from laticauda.control.estimation.digital_twin import STILL
 from laticauda.control.estimation.filter import PLAY_TORQUE
 from laticauda.control.estimation.samples import Mount
-from laticauda.models.dynamics.plant import Plant
+from laticauda.models.dynamics import Plant
 from laticauda.motion.gaits import JointAngles
-from laticauda.robot import Robot
-from laticauda.robot.kinematics import center_of_mass, heading, link_angles
-from laticauda.scenarios.interfaces import Command, Start
+from laticauda.robot import Robot, center_of_mass, heading, link_angles
+from laticauda.scenarios import Command, Start
 
 Array: TypeAlias = NDArray[np.float64]
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from laticauda.control.averaged import AveragedModel
 from laticauda.control.current import N_MOTION
-from laticauda.values.optional import optional_import
+from laticauda.values import optional_import
 
 Array = np.ndarray
 

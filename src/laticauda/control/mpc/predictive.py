@@ -18,11 +18,8 @@ from laticauda.control.frames import Path, PathFrame
 from laticauda.control.mpc.planning import Plan, PlanParameters, PlanProblem, solve_plan
 from laticauda.motion.gaits import Gait
 from laticauda.robot import Robot
-from laticauda.scenarios.interfaces import Command, Controller, Observation
-from laticauda.values.angles import wrap_to_pi
-from laticauda.values.checks import check_positive
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.scenarios import Command, Controller, Observation
+from laticauda.values import BadArgument, check_positive, option, quantity, value_class, wrap_to_pi
 
 _LEAST_INTERVAL = 0.2
 """Least time between two control instants, which allows the solver enough time [s]."""

@@ -25,7 +25,7 @@ and C are computed with k times that noise.
 
 from typing import TYPE_CHECKING
 
-from laticauda.values.packaging import lazy_exports
+from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.identify.tank_day.evaluation import (

@@ -14,12 +14,11 @@ from laticauda.identify.measurements import Measurement
 from laticauda.identify.result import Fit
 from laticauda.identify.tank_day.folder import RUNS, Day, Noise
 from laticauda.identify.tank_day.laws import laws_of, log_evidence
-from laticauda.models.planar.model import PlanarPlant
-from laticauda.models.simulate.runner import Progress, silent
+from laticauda.models.planar import PlanarPlant
+from laticauda.models.simulate import Progress, silent
 from laticauda.motion.gaits import JointAngles, recorded_gait
 from laticauda.robot import Environment, Water
-from laticauda.values.errors import TrialFileError
-from laticauda.values.optional import optional_import
+from laticauda.values import TrialFileError, optional_import
 
 DECISIVE = 100.0
 """Odds above which a law counts as decided [-]."""

@@ -9,11 +9,8 @@ import laticauda as lc
 from laticauda.identify.conversion import from_tow
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.towing import Tow
-from laticauda.robot import Robot, load_robot, textbook_water, to_toml
-from laticauda.robot.files import read_table
-from laticauda.values import codec, files
-from laticauda.values.errors import RobotFileError, TrialFileError
-from laticauda.values.quantities import quantity, value_class
+from laticauda.robot import Robot, load_robot, read_table, textbook_water, to_toml
+from laticauda.values import RobotFileError, TrialFileError, codec, files, quantity, value_class
 
 FILES = Path(__file__).parent.parent / "tank_day_files"
 """Folder of the files that every tank day begins with."""

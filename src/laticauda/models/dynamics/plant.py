@@ -10,21 +10,19 @@ from typing import ClassVar, Generic, NamedTuple, TypeVar, cast
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.motion.gaits.reference import WaveState, WaveTarget, first_state
-from laticauda.motion.joints.laws import JOINT, Drive, JointLaw
+from laticauda.motion.gaits import WaveState, WaveTarget, first_state
+from laticauda.motion.joints import JOINT, Drive, JointLaw
 from laticauda.robot import Environment, Robot, check_fits, has_power_model
-from laticauda.scenarios import Model
-from laticauda.scenarios.interfaces import (
+from laticauda.scenarios import (
     EFFECTORS,
     Command,
+    Model,
     Observation,
     Start,
     check_waves,
     fin_signals,
 )
-from laticauda.values.checks import check_instance, check_positive
-from laticauda.values.errors import BadArgument
-from laticauda.values.series import Log
+from laticauda.values import BadArgument, Log, check_instance, check_positive
 
 ModelType = TypeVar("ModelType", bound=Model)
 Waves = tuple[WaveState, WaveState, WaveState]

@@ -17,10 +17,9 @@ from jaxtyping import Bool, Float, Int
 
 from laticauda.models.dynamics.plant import Plant, PlantState
 from laticauda.robot import Current, Water
-from laticauda.scenarios.interfaces import Command, Observation
-from laticauda.values.checks import check_positive, check_whole_number
-from laticauda.values.errors import BadArgument
-from laticauda.water.fluid.flow import Flow
+from laticauda.scenarios import Command, Observation
+from laticauda.values import BadArgument, check_positive, check_whole_number
+from laticauda.water.fluid import Flow
 
 Currents: TypeAlias = Sequence[Current]
 PlantType = TypeVar("PlantType", bound=Plant[Any])

@@ -11,7 +11,7 @@ With `rate` and `acceleration` of a degree of freedom, k1 is (rate + gamma h acc
 acceleration).
 """
 
-from laticauda.values.scalars import magnitude
+from laticauda.values import magnitude
 
 GAMMA = 1.0 - 0.5**0.5
 WEIGHTS = (1.5, 0.5)

@@ -12,3 +12,46 @@ model       a single robot as a `Plant`
 batch       many runs at once
 school      many robots that are commanded step by step
 """
+
+from typing import TYPE_CHECKING
+
+from laticauda.values import lazy_exports
+
+if TYPE_CHECKING:
+    from laticauda.models.planar.batch import (
+        Block as Block,
+        Device as Device,
+        PATH_ROWS as PATH_ROWS,
+        Run as Run,
+        STEP as STEP,
+        block_of as block_of,
+        columns_of as columns_of,
+        kinds_of as kinds_of,
+    )
+    from laticauda.models.planar.layout import build_layout as build_layout
+    from laticauda.models.planar.model import (
+        LEAST_DT as LEAST_DT,
+        PlanarPlant as PlanarPlant,
+        specialize as specialize,
+    )
+    from laticauda.models.planar.rows import VX as VX, VY as VY
+
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {},
+    plain={
+        "laticauda.models.planar.batch": [
+            "Block",
+            "Device",
+            "PATH_ROWS",
+            "Run",
+            "STEP",
+            "block_of",
+            "columns_of",
+            "kinds_of",
+        ],
+        "laticauda.models.planar.layout": ["build_layout"],
+        "laticauda.models.planar.model": ["LEAST_DT", "PlanarPlant", "specialize"],
+        "laticauda.models.planar.rows": ["VX", "VY"],
+    },
+)

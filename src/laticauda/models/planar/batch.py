@@ -23,8 +23,8 @@ from laticauda.models.dynamics.school import TOLD, usable_cores
 from laticauda.models.planar import rows
 from laticauda.models.planar.layout import Layout
 from laticauda.models.planar.model import PlanarPlant
-from laticauda.scenarios.interfaces import Command, Start
-from laticauda.values.extensions import Extensible
+from laticauda.scenarios import Command, Start
+from laticauda.values import Extensible
 
 Result = TypeVar("Result")
 

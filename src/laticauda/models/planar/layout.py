@@ -12,10 +12,10 @@ from jaxtyping import Float, Int
 from laticauda import robot as robots
 from laticauda.models.dynamics.plant import joint_table
 from laticauda.models.planar import rows
-from laticauda.motion.joints.laws import JointLaw, Prescribed
-from laticauda.robot.hydrodynamics import Coefficients, link_coefficients, wake_mass
-from laticauda.values.errors import BadArgument
-from laticauda.water.fluid.flow import Rows, rows_of
+from laticauda.motion.joints import JointLaw, Prescribed
+from laticauda.robot import Coefficients, link_coefficients, wake_mass
+from laticauda.values import BadArgument
+from laticauda.water.fluid import Rows, rows_of
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

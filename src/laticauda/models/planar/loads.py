@@ -14,8 +14,8 @@ from laticauda.compiling.functions import sincos
 from laticauda.compiling.lanes import first_lane, magnitude, where
 from laticauda.compiling.templates import bindings
 from laticauda.models.planar.rows import *
-from laticauda.water.fluid import flow, inertia
-from laticauda.water.fluid.laws import MOTION, Element, plate
+from laticauda.water.fluid import MOTION, Element, flow, inertia
+from laticauda.water.fluid.laws import plate
 
 _names = bindings(__name__)
 law = in_rows(_names["law"], Element, MOTION)

@@ -15,16 +15,11 @@ from laticauda.models.dynamics.plant import Plant, PlantState, Samples
 from laticauda.models.planar import rows
 from laticauda.models.planar.layout import Layout, build_layout, flow_rows, write_effectors
 from laticauda.motion import gaits
-from laticauda.motion.joints.laws import JointLaw
-from laticauda.robot import law_of
-from laticauda.robot.hydrodynamics import Coefficients, link_coefficients
-from laticauda.scenarios import Planar
-from laticauda.scenarios.interfaces import Command, Observation, Start
-from laticauda.values.checks import check_instance
-from laticauda.values.errors import BadArgument
-from laticauda.values.formulas import Formula
-from laticauda.water.fluid import flow as flows
-from laticauda.water.fluid.laws import DragLaw, PolynomialDrag
+from laticauda.motion.joints import JointLaw
+from laticauda.robot import Coefficients, law_of, link_coefficients
+from laticauda.scenarios import Command, Observation, Planar, Start
+from laticauda.values import BadArgument, Formula, check_instance
+from laticauda.water.fluid import DragLaw, PolynomialDrag, flow as flows
 
 LEAST_DT = 1e-7
 """Time that drag may take to stop a link, at least; with smaller steps a run would take forever [s]."""

@@ -6,15 +6,15 @@ rows per body (tail first), then one record of ``STRIP_ROWS`` rows per fin strip
 ``PLATE_ROWS`` rows per pectoral fin, then the numbers of a flow and of a recording, if any.
 """
 
-from laticauda.motion.gaits.reference import WaveState
-from laticauda.motion.joints.laws import (
+from laticauda.motion.gaits import WaveState
+from laticauda.motion.joints import (
     FIRST_FREE as FIRST_FREE,
     JOINT,
     LOCKED as LOCKED,
     PASSIVE as PASSIVE,
     PRESCRIBED as PRESCRIBED,
 )
-from laticauda.values.formulas import MOST_NUMBERS
+from laticauda.values import MOST_NUMBERS
 
 # --- Header: parameters ---------------------------------------------------------------------------
 (

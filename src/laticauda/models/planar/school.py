@@ -14,8 +14,8 @@ from laticauda.models.planar.batch import COMMAND, WIDTH, aligned
 from laticauda.models.planar.layout import flow_rows
 from laticauda.models.planar.model import PlanarPlant
 from laticauda.robot import Water, has_power_model
-from laticauda.scenarios.interfaces import Observation, Start
-from laticauda.values.errors import BadArgument
+from laticauda.scenarios import Observation, Start
+from laticauda.values import BadArgument
 
 STATE = slice(rows.TIME, rows.TIME + rows.LOG_STATE)
 """Rows of the state in the header."""

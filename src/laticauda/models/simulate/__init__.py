@@ -18,7 +18,7 @@ certainty.py        intervals of figures, from those of coefficients
 
 from typing import TYPE_CHECKING
 
-from laticauda.values.packaging import lazy_exports
+from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.models.simulate.certainty import (
@@ -34,13 +34,38 @@ if TYPE_CHECKING:
     from laticauda.models.simulate.numbers import (
         Parameter as Parameter,
         list_parameters as list_parameters,
+        UNITS as UNITS,
+        change_parameters as change_parameters,
+        check_whole as check_whole,
+        described as described,
+        environment_prefix as environment_prefix,
+        look_up as look_up,
+        of_figure as of_figure,
+        suggest_names as suggest_names,
+        value_of as value_of,
     )
     from laticauda.models.simulate.plants import (
         needs_compiling as needs_compiling,
         build_plant as build_plant,
+        school_of as school_of,
     )
-    from laticauda.models.simulate.runner import resume as resume, run as run, swim as swim
+    from laticauda.models.simulate.runner import (
+        resume as resume,
+        run as run,
+        swim as swim,
+        Progress as Progress,
+        Until as Until,
+        run_scenario as run_scenario,
+        silent as silent,
+    )
     from laticauda.models.simulate.several import swim_together as swim_together
+    from laticauda.models.simulate.batch_figures import (
+        Block as Block,
+        Run as Run,
+        joint_peaks as joint_peaks,
+    )
+    from laticauda.models.simulate.batch_run import run_batch as run_batch
+    from laticauda.models.simulate.batch_scenarios import runs_of as runs_of
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
@@ -56,6 +81,24 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.models.simulate.plants": ["needs_compiling", "build_plant"],
         "laticauda.models.simulate.runner": ["resume", "run", "swim"],
         "laticauda.models.simulate.several": ["swim_together"],
+    },
+    plain={
+        "laticauda.models.simulate.batch_figures": ["Block", "Run", "joint_peaks"],
+        "laticauda.models.simulate.batch_run": ["run_batch"],
+        "laticauda.models.simulate.batch_scenarios": ["runs_of"],
+        "laticauda.models.simulate.numbers": [
+            "UNITS",
+            "change_parameters",
+            "check_whole",
+            "described",
+            "environment_prefix",
+            "look_up",
+            "of_figure",
+            "suggest_names",
+            "value_of",
+        ],
+        "laticauda.models.simulate.plants": ["school_of"],
+        "laticauda.models.simulate.runner": ["Progress", "Until", "run_scenario", "silent"],
     },
     renamed={
         "parameters": "list_parameters",

@@ -11,9 +11,8 @@ from laticauda.models.dynamics.plant import check_size
 from laticauda.models.planar.batch import Block, Device, Run, march_many
 from laticauda.models.simulate import batch_figures
 from laticauda.models.simulate.runner import Progress, silent
-from laticauda.trials import metrics
-from laticauda.trials.contents import REACHED_END
-from laticauda.values.checks import check_choice, check_whole_number
+from laticauda.trials import REACHED_END, metrics
+from laticauda.values import check_choice, check_whole_number
 
 CPU = "cpu"
 """Name of the device that needs no further package."""

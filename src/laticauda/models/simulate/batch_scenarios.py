@@ -10,10 +10,17 @@ from laticauda.models.planar.model import PlanarPlant
 from laticauda.models.simulate.plants import build_plant
 from laticauda.motion.gaits import Gait
 from laticauda.robot import Environment, Ground, Robot, Water, load_robot
-from laticauda.scenarios import ModelChanges, Planar, Scenario, build_scenario, default_water
-from laticauda.scenarios.interfaces import Command, OpenLoop, Start
-from laticauda.values.checks import check_instance, check_not_empty
-from laticauda.values.errors import BadArgument
+from laticauda.scenarios import (
+    Command,
+    ModelChanges,
+    OpenLoop,
+    Planar,
+    Scenario,
+    Start,
+    build_scenario,
+    default_water,
+)
+from laticauda.values import BadArgument, check_instance, check_not_empty
 
 Item = TypeVar("Item")
 

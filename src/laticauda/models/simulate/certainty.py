@@ -9,8 +9,7 @@ from laticauda import robot, scenarios
 from laticauda.models.simulate.numbers import change_parameters
 from laticauda.models.simulate.runner import swim
 from laticauda.trials import Trial
-from laticauda.values.checks import check_choice
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, check_choice
 
 Interval = tuple[float, float]
 """Lower and upper bound."""

@@ -15,11 +15,9 @@ from laticauda.models.simulate.runner import Progress, silent
 from laticauda.models.simulate.several import swim_each
 from laticauda.motion.gaits import Gait
 from laticauda.robot import Environment, Robot
-from laticauda.scenarios import ModelChanges, Scenario, Spatial
-from laticauda.scenarios.interfaces import Start
-from laticauda.trials import Trial
-from laticauda.trials.dataset import AXES
-from laticauda.values.checks import check_choice, check_instance
+from laticauda.scenarios import ModelChanges, Scenario, Spatial, Start
+from laticauda.trials import AXES, Trial
+from laticauda.values import check_choice, check_instance
 
 if TYPE_CHECKING:
     import xarray

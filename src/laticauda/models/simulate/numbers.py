@@ -32,8 +32,7 @@ from laticauda.models.simulate.run_figures import (  # where they were found so 
 )
 from laticauda.robot import Current, Environment, Water
 from laticauda.scenarios import Scenario
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import hints_of, quantities_of, texts_of
+from laticauda.values import BadArgument, hints_of, quantities_of, texts_of
 
 NUMBER_TYPES = (float, float | None)
 """Types of the fields that hold a number other than a count."""

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple, TypeAlias, cast
 
-from laticauda.values.quantities import hints_of
+from laticauda.values import hints_of
 
 Changes: TypeAlias = dict[str, Any]
 """New values by step; a value is a number, or the changes of the object that the step leads to."""

@@ -7,11 +7,8 @@ from laticauda import scenarios
 from laticauda.models.dynamics.plant import Plant
 from laticauda.models.dynamics.school import School
 from laticauda.robot import Environment, Ground, Robot, Water, law_of, load_robot
-from laticauda.scenarios import Experiment, Model, ModelChanges, Planar, Scenario, Spatial
-from laticauda.scenarios.interfaces import Command
-from laticauda.values.checks import check_instance
-from laticauda.values.errors import BadArgument
-from laticauda.values.optional import load_mujoco
+from laticauda.scenarios import Command, Experiment, Model, ModelChanges, Planar, Scenario, Spatial
+from laticauda.values import BadArgument, check_instance, load_mujoco
 
 
 def build_plant(

@@ -15,8 +15,7 @@ from jaxtyping import Float
 
 from laticauda.models.planar.batch import Run
 from laticauda.models.planar.model import PlanarPlant
-from laticauda.scenarios import Scenario
-from laticauda.scenarios.interfaces import Command, Start
+from laticauda.scenarios import Command, Scenario, Start
 from laticauda.trials import metrics
 
 Weights = Mapping[int, float]

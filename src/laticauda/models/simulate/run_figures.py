@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Inexact
 
 from laticauda.trials import Trial
-from laticauda.values.series import SERIES
+from laticauda.values import SERIES
 
 Figure = Inexact[np.ndarray, " n_trials"]
 """One value per trial; complex only in batches that carry derivatives."""

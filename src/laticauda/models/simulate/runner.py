@@ -18,20 +18,21 @@ from laticauda.models.dynamics.plant import Plant, Stretch, check_size
 from laticauda.models.simulate.plants import build_plant
 from laticauda.motion import gaits
 from laticauda.robot import Robot
-from laticauda.scenarios import Changes, Experiment, Motion, Scenario, build_scenario
-from laticauda.scenarios.interfaces import (
+from laticauda.scenarios import (
+    Changes,
     Command,
     Controller,
+    Experiment,
+    Motion,
     Observation,
     OpenLoop,
     Resumed,
+    Scenario,
     Start,
+    build_scenario,
 )
-from laticauda.trials import Trial
-from laticauda.trials.contents import REACHED_END
-from laticauda.values import packaging
-from laticauda.values.checks import check_instance
-from laticauda.values.errors import BadArgument, SimulationFailed
+from laticauda.trials import REACHED_END, Trial
+from laticauda.values import BadArgument, SimulationFailed, check_instance, packaging
 
 Progress = Callable[[float], None]
 """Receives how far the computation has come."""

@@ -23,8 +23,7 @@ from laticauda.models.simulate.run_figures import UNITS
 from laticauda.models.simulate.runner import Progress, silent
 from laticauda.motion.gaits import Gait
 from laticauda.scenarios import ModelChanges, Scenario, interfaces
-from laticauda.values.checks import check_choice
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, check_choice
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

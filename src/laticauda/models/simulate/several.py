@@ -16,8 +16,7 @@ from laticauda.models.simulate import plants, runner
 from laticauda.models.simulate.runner import Progress, silent
 from laticauda.scenarios import Scenario, Spatial
 from laticauda.trials import Trial
-from laticauda.values.checks import check_instance
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, check_instance
 
 Result = TypeVar("Result")
 

@@ -14,9 +14,7 @@ from jaxtyping import Float, Int
 
 from laticauda.models.spatial.bodies import fin_bodies
 from laticauda.robot import CaudalFin, Module, Piece, Robot
-from laticauda.values.errors import BadArgument
-from laticauda.values.files import write
-from laticauda.values.optional import load_mujoco
+from laticauda.values import BadArgument, load_mujoco, write
 
 SEEN, HULL = 1, 3  # geom groups
 # Modules collide with the world but not with each other: their joint limits keep them apart.

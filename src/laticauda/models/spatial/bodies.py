@@ -12,8 +12,19 @@ convention as those of the body: positive angles turn the part behind the hinge 
 
 from typing import NamedTuple
 
-from laticauda.robot import CaudalFin, Hinge, Joint, Module, PectoralFin, Piece, Robot, Thruster
-from laticauda.robot.kinematics import levers, to_quaternion, turn
+from laticauda.robot import (
+    CaudalFin,
+    Hinge,
+    Joint,
+    Module,
+    PectoralFin,
+    Piece,
+    Robot,
+    Thruster,
+    levers,
+    to_quaternion,
+    turn,
+)
 from laticauda.scenarios import Model, Spatial
 
 Three = tuple[float, float, float]

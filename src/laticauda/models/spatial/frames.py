@@ -13,7 +13,7 @@ from laticauda.models.spatial.bodies import ballast_of, build_bodies, mounts
 from laticauda.models.spatial.urdf import urdf
 from laticauda.robot import Module, Robot
 from laticauda.scenarios import Model
-from laticauda.values.angles import from_quaternion
+from laticauda.values import from_quaternion
 
 UNTURNED = (1.0, 0.0, 0.0, 0.0)
 Places: TypeAlias = Float[np.ndarray, "n_samples 3"]

@@ -15,9 +15,7 @@ from laticauda.models.spatial import appearance, scene as scenes
 from laticauda.models.spatial.bodies import build_bodies, mounts
 from laticauda.robot import Environment, Joint, Module, Robot, Scene, Water, check_fits
 from laticauda.scenarios import Spatial
-from laticauda.values.checks import check_choice, check_instance
-from laticauda.values.files import write
-from laticauda.values.optional import load_mujoco
+from laticauda.values import check_choice, check_instance, load_mujoco, write
 
 ROOTS = ("free", "planar")
 ACTUATORS = ("none", "servo")

@@ -13,14 +13,11 @@ from laticauda.models.dynamics.plant import ELASTIC_DT, Plant, PlantState, Sampl
 from laticauda.models.spatial import rows, water_robot
 from laticauda.models.spatial.scene import check_free
 from laticauda.models.spatial.twin import Twin, land_of
-from laticauda.robot import Ground, Scene, Water
-from laticauda.robot.kinematics import to_quaternion, turn
-from laticauda.scenarios import Spatial
-from laticauda.scenarios.interfaces import ORIENTATION, Command, Observation, Start, check_waves
-from laticauda.values.checks import check_instance
-from laticauda.values.errors import BadArgument
+from laticauda.robot import Ground, Scene, Water, to_quaternion, turn
+from laticauda.scenarios import ORIENTATION, Command, Observation, Spatial, Start, check_waves
+from laticauda.values import BadArgument, check_instance
 from laticauda.water import mujoco as water
-from laticauda.water.fluid.flow import Flow
+from laticauda.water.fluid import Flow
 from laticauda.water.mujoco import Element, ground
 
 CONTACT_SHARE = (

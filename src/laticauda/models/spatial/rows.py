@@ -4,10 +4,10 @@ A state is one flat array: the rows below, then qpos, qvel, the link angles and,
 contact forces on every link.
 """
 
-from laticauda.motion.gaits.reference import WaveState
-from laticauda.motion.joints.laws import JOINT, PASSIVE as PASSIVE, PRESCRIBED as PRESCRIBED
-from laticauda.values.formulas import MOST_NUMBERS
-from laticauda.water.mujoco.table import AT
+from laticauda.motion.gaits import WaveState
+from laticauda.motion.joints import JOINT, PASSIVE as PASSIVE, PRESCRIBED as PRESCRIBED
+from laticauda.values import MOST_NUMBERS
+from laticauda.water.mujoco import AT
 
 # --- Rows of a state
 TIME, TIME_REST, PHASE = range(

@@ -16,10 +16,8 @@ import numpy as np
 
 from laticauda.models.spatial.bodies import Three
 from laticauda.robot import Environment, Ground, Scene
-from laticauda.values.errors import BadArgument
-from laticauda.values.optional import load_mujoco
-from laticauda.values.quantities import option, quantity, value_class
-from laticauda.water.fluid.laws import CoulombFriction
+from laticauda.values import BadArgument, load_mujoco, option, quantity, value_class
+from laticauda.water.fluid import CoulombFriction
 from laticauda.water.mujoco import Terrain
 
 Quaternion = tuple[float, float, float, float]

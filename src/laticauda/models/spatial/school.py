@@ -13,8 +13,7 @@ from laticauda.models.dynamics import school
 from laticauda.models.dynamics.plant import PlantState, Stretch
 from laticauda.models.dynamics.school import Currents
 from laticauda.models.spatial import model, rows, scene, twin
-from laticauda.scenarios import interfaces
-from laticauda.scenarios.interfaces import Command
+from laticauda.scenarios import Command, interfaces
 
 WAVE = rows.PHASE + np.array((0, 1, 3, 5, 7))  # phase, amplitude, frequency, phase shift, offset
 

@@ -24,8 +24,7 @@ from laticauda.compiling.templates import bindings
 from laticauda.models.dynamics import stages
 from laticauda.models.dynamics.stages import FARTHEST, GAMMA, STRONGEST
 from laticauda.models.spatial.rows import *
-from laticauda.water.mujoco.native import forces_after, forward_skip, integrate_positions
-from laticauda.water.mujoco.vectors import field, numbers
+from laticauda.water.mujoco import field, forces_after, forward_skip, integrate_positions, numbers
 
 _drives = bindings(__name__)["drives"]
 actuator, count_work = _drives.actuator, _drives.count_work

@@ -12,10 +12,10 @@ from laticauda.compiling.templates import specialized
 from laticauda.models.dynamics.plant import FORCES, has_hinges, joint_table
 from laticauda.models.spatial import mjcf, rows, scene, water_robot
 from laticauda.models.spatial.bodies import fin_bodies, straight_center_of_mass
-from laticauda.motion.joints.laws import JointLaw
+from laticauda.motion.joints import JointLaw
 from laticauda.robot import Environment, Ground, Robot, Scene, Water
 from laticauda.scenarios import Spatial
-from laticauda.values.optional import load_mujoco
+from laticauda.values import load_mujoco
 from laticauda.water import mujoco as water
 from laticauda.water.mujoco import callback, native, table
 

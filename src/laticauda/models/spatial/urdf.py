@@ -15,8 +15,7 @@ from laticauda import scenarios
 from laticauda.models.spatial.appearance import MATERIALS, build_fin_plate, check_meshes, copied
 from laticauda.models.spatial.bodies import Body, build_bodies, mounts
 from laticauda.robot import Joint, Module, Robot
-from laticauda.values import angles, files
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, angles, files
 
 # Otherwise MuJoCo would merge links that are fixed to each other, and discard visual shapes.
 MUJOCO = {"fusestatic": "false", "discardvisual": "false", "strippath": "false"}

@@ -21,18 +21,23 @@ from typing import Any
 import numpy as np
 
 from laticauda.models.spatial.bodies import fin_bodies, mounts
-from laticauda.robot import CaudalFin, Environment, Ground, Module, Robot, Water, law_of
-from laticauda.robot.hydrodynamics import (
+from laticauda.robot import (
+    CaudalFin,
     Coefficients,
+    Environment,
+    Ground,
+    Module,
+    Robot,
+    Water,
+    law_of,
     link_coefficients,
     mass_across,
     override_or_default,
     wake_mass,
 )
-from laticauda.values.errors import BadArgument
-from laticauda.water.fluid.laws import CoulombFriction, ViscousFriction
-from laticauda.water.mujoco.elements import Element
-from laticauda.water.mujoco.ground import SINK, Contact
+from laticauda.values import BadArgument
+from laticauda.water.fluid import CoulombFriction, ViscousFriction
+from laticauda.water.mujoco import SINK, Contact, Element
 
 
 def robot_elements(

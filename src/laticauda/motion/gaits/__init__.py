@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from laticauda.values.packaging import lazy_exports
+from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.motion.gaits.gait import (
@@ -20,13 +20,21 @@ if TYPE_CHECKING:
         list_kinds as list_kinds,
         lateral_undulation as lateral_undulation,
         recorded_gait as recorded_gait,
+        FIRST_GAIT as FIRST_GAIT,
+        STRAIGHT as STRAIGHT,
     )
     from laticauda.motion.gaits.generator import (
         Generator as Generator,
         GeneratorState as GeneratorState,
     )
     from laticauda.motion.gaits.recorded import JointAngles as JointAngles
-    from laticauda.motion.gaits.reference import WaveState as WaveState
+    from laticauda.motion.gaits.reference import (
+        WaveState as WaveState,
+        WaveTarget as WaveTarget,
+        filter_step as filter_step,
+        first_state as first_state,
+        smooth_start as smooth_start,
+    )
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
@@ -50,6 +58,15 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.motion.gaits.generator": ["Generator", "GeneratorState"],
         "laticauda.motion.gaits.recorded": ["JointAngles"],
         "laticauda.motion.gaits.reference": ["WaveState"],
+    },
+    plain={
+        "laticauda.motion.gaits.gait": ["FIRST_GAIT", "STRAIGHT"],
+        "laticauda.motion.gaits.reference": [
+            "WaveTarget",
+            "filter_step",
+            "first_state",
+            "smooth_start",
+        ],
     },
     renamed={"kinds": "list_kinds"},
 )

@@ -11,10 +11,18 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypedDict, Unpack
 
 from laticauda.motion.gaits.recorded import JointAngles
 from laticauda.motion.gaits.reference import WaveTarget
-from laticauda.values.checks import check_finite, check_whole_number, show_value
-from laticauda.values.errors import BadArgument
-from laticauda.values.extensions import Extensible, name_of
-from laticauda.values.quantities import check_items, option, quantity, value_class
+from laticauda.values import (
+    BadArgument,
+    Extensible,
+    check_finite,
+    check_items,
+    check_whole_number,
+    name_of,
+    option,
+    quantity,
+    show_value,
+    value_class,
+)
 
 # ---- envelopes -----------------------------------------------------------------------------------
 

@@ -9,8 +9,7 @@ from jaxtyping import Float
 from laticauda.motion.gaits import reference
 from laticauda.motion.gaits.gait import STRAIGHT, Gait
 from laticauda.motion.gaits.reference import WaveState
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import BadArgument, option, quantity, value_class
 
 Reference = tuple[float, float, float]
 

@@ -11,10 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.motion.gaits.reference import between_knots
-from laticauda.values.errors import BadArgument, TrialFileError
-from laticauda.values.files import read_columns
-from laticauda.values.quantities import quantity, value_class
-from laticauda.values.series import Log
+from laticauda.values import BadArgument, Log, TrialFileError, quantity, read_columns, value_class
 
 JOINT = re.compile(r"joint_(\d+)(_deg|_rad)?")
 """Pattern for the names of angle columns; 1 is the tail-most joint."""

@@ -19,7 +19,7 @@ computes in its own way, are passed as arguments. The annotations say float, but
 
 from typing import NamedTuple
 
-from laticauda.values.scalars import where
+from laticauda.values import where
 
 
 class WaveTarget(NamedTuple):

@@ -1,10 +1,30 @@
 """Actuators: joint laws as values, their torques as scalar functions, and the power drawn by their motors."""
 
-from laticauda.motion.joints.laws import PD, Drive, JointLaw, Prescribed, Servo, motor_power, servo
+from laticauda.motion.joints.laws import (
+    FIRST_FREE,
+    JOINT,
+    LOCKED,
+    PASSIVE,
+    PD,
+    PRESCRIBED,
+    SLIDING_RATE,
+    Drive,
+    JointLaw,
+    Prescribed,
+    Servo,
+    motor_power,
+    servo,
+)
 from laticauda.motion.joints.speed_servo import SpeedServo, speed_servo
 
 __all__ = [
+    "FIRST_FREE",
+    "JOINT",
+    "LOCKED",
+    "PASSIVE",
     "PD",
+    "PRESCRIBED",
+    "SLIDING_RATE",
     "Drive",
     "JointLaw",
     "Prescribed",

@@ -16,7 +16,7 @@ from laticauda.motion.joints.laws import (
     Drive,
     Servo,
 )
-from laticauda.values.formulas import Formula
+from laticauda.values import Formula
 
 
 def actuator_of(own: Formula | None) -> Any:

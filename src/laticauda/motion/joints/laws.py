@@ -12,11 +12,7 @@ trials at once) work too; conditions therefore use the real part only, and choic
 
 from typing import ClassVar, NamedTuple
 
-from laticauda.values.checks import check_choice
-from laticauda.values.extensions import Extensible
-from laticauda.values.formulas import Formula, Law
-from laticauda.values.quantities import value_class
-from laticauda.values.scalars import tanh, where
+from laticauda.values import Extensible, Formula, Law, check_choice, tanh, value_class, where
 
 # Rate over which dry friction changes sign; small compared with the rates of swimming, about 1
 # rad/s [rad/s].

@@ -5,8 +5,7 @@ from typing import ClassVar
 import numpy as np
 
 from laticauda.motion.joints.laws import SLIDING_RATE, Drive, Servo
-from laticauda.values.quantities import quantity, value_class
-from laticauda.values.scalars import tanh, where
+from laticauda.values import quantity, tanh, value_class, where
 
 TINY = 1e-30  # [(N m)^2], avoids 0/0 for a motor that is switched off and has nothing to do
 BEYOND = 1.0 + 2.0**0.5

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from laticauda.paper.report.chapter import paper_templates
-from laticauda.show.reports.chapter import in_digits
+from laticauda.show.reports import in_digits
 
 
 def fill_in(template: str, numbers: Mapping[str, Any]) -> str:

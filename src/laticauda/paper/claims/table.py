@@ -5,7 +5,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from laticauda.values.files import read_toml
+from laticauda.values import read_toml
 
 Entry = Mapping[str, Any]
 """A claim or a misprint, by the names of its fields there."""

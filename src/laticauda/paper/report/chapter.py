@@ -5,7 +5,7 @@ from functools import cache, partial
 from typing import Any
 
 from laticauda.motion.gaits import GAIT_WORDS
-from laticauda.show.reports.chapter import Chapter, load_templates
+from laticauda.show.reports import Chapter, load_templates
 
 
 @cache

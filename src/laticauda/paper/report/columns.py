@@ -11,8 +11,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any, cast
 
-from laticauda.show.reports.chapter import Row
-from laticauda.values.files import read_toml
+from laticauda.show.reports import Row
+from laticauda.values import read_toml
 
 
 def build_row(table: str, subject: object) -> Row:

@@ -17,7 +17,7 @@ from laticauda.paper.report.shared_rows import (
 )
 from laticauda.paper.scores import find_best_null, score_study
 from laticauda.paper.settings import Group, SweepSettings
-from laticauda.show.reports.chapter import Chapter, Row
+from laticauda.show.reports import Chapter, Row
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

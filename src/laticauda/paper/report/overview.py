@@ -13,7 +13,7 @@ from laticauda.paper.path_following import PathFollowingStudy
 from laticauda.paper.report.chapter import paper_chapter
 from laticauda.paper.report.columns import build_row
 from laticauda.paper.scores import Score, score_study
-from laticauda.show.reports.chapter import Chapter, Row
+from laticauda.show.reports import Chapter, Row
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -60,7 +60,7 @@ def _draw_speeds(
 ) -> Iterator[tuple[str, str, "Figure"]]:
     """Yield the figure of the first screen: file name, caption and figure."""
     from laticauda.show.figures import style
-    from laticauda.show.reports.identify_figures import parity
+    from laticauda.show.reports import parity
 
     speeds: dict[str, np.ndarray] = {}
     for table, scores in scores_by_table.items():

@@ -30,7 +30,7 @@ from laticauda.paper.scores import (
     null_predictions,
     score_simulations,
 )
-from laticauda.show.reports.chapter import Chapter, Row
+from laticauda.show.reports import Chapter, Row
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

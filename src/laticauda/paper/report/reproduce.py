@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Unpack
 
 from laticauda import robot, scenarios
-from laticauda.models.simulate.runner import silent
+from laticauda.models.simulate import silent
 from laticauda.paper import runs, settings, side_trials
 from laticauda.paper.claims import Claim, load_claims
 from laticauda.paper.efficiency import run_efficiency
@@ -17,10 +17,8 @@ from laticauda.paper.report import efficiency, path_following
 from laticauda.paper.report.chapter import paper_templates
 from laticauda.paper.report.overview import claims_chapter, own_verdicts, summary_chapter
 from laticauda.paper.report.workers import Progress, run_studies
-from laticauda.show.reports.chapter import Chapter, writable_folder, write_chapter
-from laticauda.values import packaging
-from laticauda.values.checks import check_choice, check_whole_number
-from laticauda.values.files import write
+from laticauda.show.reports import Chapter, writable_folder, write_chapter
+from laticauda.values import check_choice, check_whole_number, packaging, write
 
 RUNS: Mapping[str, Callable[..., Any]] = {
     "path_following": run_path_following,

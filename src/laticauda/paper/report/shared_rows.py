@@ -8,7 +8,7 @@ from laticauda.paper.fin_effect import FinGain
 from laticauda.paper.measured import MeasuredRow, PrintedChange
 from laticauda.paper.path_following import PathFollowingStudy
 from laticauda.paper.scores import score_study
-from laticauda.show.reports.chapter import Row
+from laticauda.show.reports import Row
 
 
 def build_error_rows(

@@ -12,7 +12,7 @@ from multiprocessing import active_children, get_context, parent_process, resour
 from threading import Thread
 from typing import Any, TypeVar
 
-from laticauda.values.interrupts import defer_interrupts
+from laticauda.values import defer_interrupts
 
 Outcome = TypeVar("Outcome")
 Progress = Callable[[str, int, int], None]

@@ -31,12 +31,13 @@ The panel:
 
 from typing import TYPE_CHECKING
 
-from laticauda.values.packaging import lazy_exports
+from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.show.cockpit.live import Live as Live
     from laticauda.show.cockpit.page import Cockpit as Cockpit
     from laticauda.show.cockpit.readouts import read_figures as read_figures
+    from laticauda.show.cockpit.server import load_viser as load_viser
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
@@ -44,6 +45,9 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.show.cockpit.live": ["Live"],
         "laticauda.show.cockpit.page": ["Cockpit"],
         "laticauda.show.cockpit.readouts": ["read_figures"],
+    },
+    plain={
+        "laticauda.show.cockpit.server": ["load_viser"],
     },
     renamed={"numbers": "read_figures"},
 )

@@ -3,14 +3,13 @@
 from importlib.util import find_spec
 from typing import Any
 
-from laticauda.motion.joints.laws import JointLaw
+from laticauda.motion.joints import JointLaw
 from laticauda.robot import CaudalFin, Robot, load_robot, robot_names
 from laticauda.scenarios import MODELS, Scenario
 from laticauda.show.cockpit.changes import Changes, change_fin
 from laticauda.show.cockpit.control import Control, read_hint
 from laticauda.show.cockpit.live import Live
-from laticauda.values.checks import check_positive
-from laticauda.values.extensions import name_of
+from laticauda.values import check_positive, name_of
 
 RIGIDITY = 0.2
 """Initial value of an elastic fin [N m^2]."""

@@ -7,10 +7,11 @@ import numpy as np
 
 import laticauda as lc
 from laticauda import control
-from laticauda.robot.environment import Current
+from laticauda.robot import Current
 from laticauda.scenarios import Model, Planar, Scenario, default_water, model_of
-from laticauda.trials.measured import MeasuredTrial, measured_setting
-from laticauda.values.checks import check_instance
+from laticauda.trials import MeasuredTrial
+from laticauda.trials.measured import measured_setting
+from laticauda.values import check_instance
 
 N_HINGES = 3
 """Hinges of an elastic fin."""

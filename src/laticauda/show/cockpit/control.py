@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 from laticauda.robot import Water
 from laticauda.scenarios import Scenario
 from laticauda.show.cockpit.changes import Changes
-from laticauda.values.quantities import texts_of
+from laticauda.values import texts_of
 
 
 class Control(NamedTuple):

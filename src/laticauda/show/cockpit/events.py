@@ -7,7 +7,7 @@ from collections.abc import Callable, Coroutine
 from queue import SimpleQueue
 from typing import Any, NamedTuple, TypeVar
 
-from laticauda.values.errors import LaticaudaError
+from laticauda.values import LaticaudaError
 
 NOTE_DURATION = 12.0
 """How long a page shows why something was refused [s]."""

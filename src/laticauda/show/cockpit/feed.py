@@ -12,7 +12,7 @@ import numpy as np
 from laticauda.tank.operate import Header
 from laticauda.tank.operate.recording import log, recorder
 from laticauda.trials import logs
-from laticauda.values.errors import TrialFileError
+from laticauda.values import TrialFileError
 
 if TYPE_CHECKING:
     from laticauda.control.estimation import Estimate

@@ -10,9 +10,9 @@ import sys
 from pathlib import Path
 
 from laticauda.tank import operate
-from laticauda.tank.operate.recording.header import HEADER
+from laticauda.tank.operate.recording import HEADER
 from laticauda.trials import Format, Trial, logs
-from laticauda.values.errors import LaticaudaError, TrialFileError
+from laticauda.values import LaticaudaError, TrialFileError
 
 ENDINGS = tuple(ending for ending in Format.endings() if ending != ".csv")
 """Endings of the files that can be played back; a CSV file does not say what robot it is of."""

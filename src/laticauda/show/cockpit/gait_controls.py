@@ -6,14 +6,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from laticauda.connect.web.sliders import LIMITS
-from laticauda.motion.gaits import Gait, Wave, envelope_of, list_kinds
-from laticauda.motion.gaits.gait import STRAIGHT
+from laticauda.motion.gaits import STRAIGHT, Gait, Wave, envelope_of, list_kinds
 from laticauda.scenarios import Scenario
 from laticauda.show.cockpit.changes import Changes
 from laticauda.show.cockpit.control import Control, read_hint, spell_out
 from laticauda.show.cockpit.live import Live
-from laticauda.values.checks import check_within
-from laticauda.values.quantities import quantities_of
+from laticauda.values import check_within, quantities_of
 
 SliderLimits = Mapping[str, tuple[float, float, float]]
 """Lowest value, highest value and step of each slider [deg], by the field that it sets."""

@@ -23,8 +23,8 @@ from laticauda.show.cockpit.gait_trials import (
 )
 from laticauda.show.cockpit.live import Live
 from laticauda.show.figures import style
-from laticauda.studies.point_trials import COSTS, LABELS
-from laticauda.values.errors import LaticaudaError
+from laticauda.studies import COSTS, LABELS
+from laticauda.values import LaticaudaError
 
 QUANTITY_OF_LABEL = {name.replace("_", " "): name for name in QUANTITIES}
 """Mapped quantities, by their names on the page."""

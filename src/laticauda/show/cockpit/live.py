@@ -13,8 +13,7 @@ from laticauda.show.cockpit.buffer import RingBuffer
 from laticauda.show.cockpit.changes import Changes, adapt_scenario
 from laticauda.show.cockpit.simulation import TICK, Simulation, begin_simulation
 from laticauda.trials import Trial
-from laticauda.values import packaging, series
-from laticauda.values.checks import check_within
+from laticauda.values import check_within, packaging, series
 
 PLOTTED = 60.0
 """Duration shown in the plots [s]."""

@@ -22,7 +22,7 @@ from laticauda.show.cockpit.readouts import format_figures
 from laticauda.show.cockpit.runs import Runs
 from laticauda.show.cockpit.scene import Scene
 from laticauda.show.cockpit.server import start_server, stop_server
-from laticauda.values.access import ServerAccess
+from laticauda.values import ServerAccess
 
 FRAME = 0.05
 """Time between two frames [s]."""

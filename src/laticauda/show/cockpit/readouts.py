@@ -10,10 +10,9 @@ from laticauda.show.cockpit.changes import find_measured
 from laticauda.show.cockpit.live import Live, read_tilt
 from laticauda.show.cockpit.simulation import TICK, Simulation
 from laticauda.show.reports.chapter import in_digits
-from laticauda.trials import metrics
+from laticauda.trials import MeasuredTrial, metrics
 from laticauda.trials.feasibility import judge_feasibility
-from laticauda.trials.measured import MeasuredTrial
-from laticauda.values.series import Log
+from laticauda.values import Log
 
 RECENT = 800
 """Latest samples, over which joints and actuators are checked."""

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.models.dynamics.plant import Plant
+from laticauda.models.dynamics import Plant
 from laticauda.robot import Environment, Robot, kinematics
 from laticauda.show.cockpit.bodies import Body
 from laticauda.show.cockpit.lines import Line, Trail

@@ -16,9 +16,7 @@ from importlib import import_module
 from typing import Any
 
 from laticauda.show.cockpit.uploads import limit_uploads
-from laticauda.values.access import ServerAccess
-from laticauda.values.errors import LaticaudaError
-from laticauda.values.optional import optional_import
+from laticauda.values import LaticaudaError, ServerAccess, optional_import
 
 POLICY = "connect-src 'self' data: blob:; frame-ancestors 'none'"
 """A page connects only to its own server (viser's would follow an address in the link), and cannot be embedded."""

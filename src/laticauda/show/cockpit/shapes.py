@@ -11,8 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.models.spatial import appearance
-from laticauda.models.spatial.bodies import AXES, Body, build_bodies
+from laticauda.models.spatial import AXES, Body, appearance, build_bodies
 from laticauda.robot import CaudalFin, Module, Robot, kinematics
 from laticauda.scenarios import interfaces
 from laticauda.show.pictures.camera import lift_to_space

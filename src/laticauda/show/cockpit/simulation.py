@@ -10,8 +10,7 @@ import numpy as np
 import laticauda as lc
 from laticauda.scenarios import Scenario
 from laticauda.show.cockpit.changes import check_scenario, read_path
-from laticauda.values import series
-from laticauda.values.checks import check_instance
+from laticauda.values import check_instance, series
 
 TICK = 0.025
 """Time between two samples [s]."""

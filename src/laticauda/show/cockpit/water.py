@@ -6,7 +6,7 @@ import numpy as np
 
 from laticauda.robot import Environment, Robot, Water
 from laticauda.show.pictures.camera import lift_to_space
-from laticauda.water.fluid.arrows import MOMENTS, Arrows, Surface, arrows_of, has_waves
+from laticauda.water.fluid import MOMENTS, Arrows, Surface, arrows_of, has_waves
 
 SURFACE_REACH = 10.0
 """Distance from the robot to the sides of the surface that is drawn [m]."""

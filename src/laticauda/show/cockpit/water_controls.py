@@ -12,9 +12,8 @@ from laticauda.scenarios import Scenario
 from laticauda.show.cockpit.changes import STILL, Changes
 from laticauda.show.cockpit.control import Control, read_hint, read_water, spell_out
 from laticauda.show.cockpit.live import Live
-from laticauda.values.checks import check_within
-from laticauda.values.quantities import quantities_of
-from laticauda.water.fluid.flow import Flow
+from laticauda.values import check_within, quantities_of
+from laticauda.water.fluid import Flow
 
 FASTEST_CURRENT = 2.0
 """Maximum along an axis [m/s]."""

@@ -14,7 +14,7 @@ film      a run in the plane as a film
 
 from typing import TYPE_CHECKING
 
-from laticauda.values.packaging import lazy_exports
+from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.show.figures.film import Film as Film, swim_film as swim_film

@@ -22,8 +22,7 @@ from laticauda.show.figures.swim import title_of
 from laticauda.show.figures.water import draw_water
 from laticauda.show.pictures.render import write_video
 from laticauda.trials import Trial, following
-from laticauda.values.checks import check_positive
-from laticauda.values.files import write
+from laticauda.values import check_positive, write
 
 PLAN_HEIGHTS = (1.2, 4.5)
 """Smallest and largest height of the plan view [in]."""

@@ -12,8 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 
-from laticauda.robot import CaudalFin, Robot
-from laticauda.robot.kinematics import Posture
+from laticauda.robot import CaudalFin, Posture, Robot
 from laticauda.show.figures import style
 from laticauda.trials import Trial
 

@@ -19,7 +19,7 @@ from matplotlib.colors import BoundaryNorm, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from laticauda.values.files import write
+from laticauda.values import write
 
 DOUBLE_COLUMN = 7.16
 """Width of two columns of a journal [in]."""

@@ -18,7 +18,7 @@ from matplotlib.transforms import Affine2D, ScaledTranslation, Transform, blende
 from laticauda.robot import Water
 from laticauda.show.figures import style
 from laticauda.trials import Trial
-from laticauda.water.fluid.arrows import arrows_of, grid_points, has_waves, surface_elevation
+from laticauda.water.fluid import arrows_of, grid_points, has_waves, surface_elevation
 
 TEXT_HEIGHT = 9.0
 """Height of the text above the upper right corner [pt]."""

@@ -9,12 +9,10 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.models.spatial.bodies import straight_center_of_mass
+from laticauda.models.spatial import straight_center_of_mass
 from laticauda.robot import Robot
 from laticauda.trials import Trial
-from laticauda.values.checks import check_within
-from laticauda.values.optional import load_mujoco
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import check_within, load_mujoco, option, quantity, value_class
 
 Camera = Literal["follow", "side", "top", "fixed"]
 VIEW_DEG = 36.0

@@ -17,9 +17,14 @@ from PIL import Image, ImageDraw, ImageFont
 from laticauda.show.pictures import replay, stage
 from laticauda.show.pictures.camera import Film, aim_at_trial, estimate_ripple_period
 from laticauda.trials import Trial
-from laticauda.values.checks import check_positive, check_within
-from laticauda.values.errors import BadArgument, LaticaudaError, MissingProgram
-from laticauda.values.files import write
+from laticauda.values import (
+    BadArgument,
+    LaticaudaError,
+    MissingProgram,
+    check_positive,
+    check_within,
+    write,
+)
 
 # Text: margin and sizes in heights of the picture, and colors.
 MARGIN, LARGE, SMALL = 0.045, 0.052, 0.029

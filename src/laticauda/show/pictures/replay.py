@@ -20,12 +20,8 @@ from laticauda.scenarios import interfaces
 from laticauda.show.pictures.camera import Film, aim_at_trial
 from laticauda.show.pictures.stage import Posture, Studio, flat_posture
 from laticauda.show.pictures.surroundings import add_piece
-from laticauda.trials import Trial
-from laticauda.trials.cycles import hermite
-from laticauda.trials.following import nearest_points
-from laticauda.values.checks import check_positive
-from laticauda.values.errors import LaticaudaError
-from laticauda.values.optional import load_mujoco
+from laticauda.trials import Trial, hermite, nearest_points
+from laticauda.values import LaticaudaError, check_positive, load_mujoco
 
 PICTURES_PER_SECOND, MOMENTS = (
     60.0,

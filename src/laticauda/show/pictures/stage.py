@@ -10,12 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float, UInt8
 
-from laticauda.models.dynamics.plant import Plant, PlantState
-from laticauda.models.planar import rows
-from laticauda.models.planar.model import PlanarPlant
-from laticauda.models.spatial import mjcf
-from laticauda.models.spatial.bodies import ballast_of
-from laticauda.models.spatial.model import SpatialPlant
+from laticauda.models.dynamics import Plant, PlantState
+from laticauda.models.planar import PlanarPlant, rows
+from laticauda.models.spatial import SpatialPlant, ballast_of, mjcf
 from laticauda.robot import Environment, Ground, Robot
 from laticauda.scenarios import Model, Spatial
 from laticauda.show.pictures.camera import (
@@ -30,9 +27,8 @@ from laticauda.show.pictures.surroundings import (
     draw_shadows,
     shadow_casters,
 )
-from laticauda.values.errors import MissingProgram
-from laticauda.values.optional import load_mujoco, optional_import
-from laticauda.water.fluid.arrows import MOMENTS, has_waves
+from laticauda.values import MissingProgram, load_mujoco, optional_import
+from laticauda.water.fluid import MOMENTS, has_waves
 
 PACKAGES = "libegl1 libegl-mesa0 libgl1-mesa-dri libopengl0"
 MOST_SHAPES = 4000

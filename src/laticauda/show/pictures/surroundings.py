@@ -11,12 +11,10 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int
 
-from laticauda.models.spatial.appearance import HULL
+from laticauda.models.spatial import HULL
 from laticauda.robot import Environment, Ground, Water
-from laticauda.values import codec
-from laticauda.values.files import read_toml
-from laticauda.values.optional import load_mujoco
-from laticauda.water.fluid.arrows import Surface, arrows_of, grid_points, has_waves
+from laticauda.values import codec, load_mujoco, read_toml
+from laticauda.water.fluid import Surface, arrows_of, grid_points, has_waves
 
 SAMPLES = 4  # per pixel
 TILE = 0.5  # side of a floor tile [m]

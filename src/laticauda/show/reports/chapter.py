@@ -24,9 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from laticauda.values.errors import BadArgument
-from laticauda.values.files import csv_text, local, write
-from laticauda.values.optional import optional_import
+from laticauda.values import BadArgument, csv_text, local, optional_import, write
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -16,10 +16,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 import laticauda as lc
-from laticauda.models.simulate.numbers import environment_prefix, list_parameters
+from laticauda.models.simulate import environment_prefix
+from laticauda.models.simulate.numbers import list_parameters
 from laticauda.show.figures import posture, style
-from laticauda.studies import Front
-from laticauda.studies.point_trials import LABELS
+from laticauda.studies import LABELS, Front
 from laticauda.trials import MeasuredTrial, all_measured
 
 Curve = tuple[Float[np.ndarray, " _"], Float[np.ndarray, " _"]]

@@ -8,13 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.identify.result import ParameterEstimate
-from laticauda.identify.tasks import Task
-from laticauda.identify.validation import Validation
+from laticauda.identify import ParameterEstimate, Task, Validation
 from laticauda.show.reports import chapter
 from laticauda.show.reports.chapter import Row
-from laticauda.values import extensions, packaging
-from laticauda.values.files import to_json, to_plain, write
+from laticauda.values import extensions, packaging, to_json, to_plain, write
 
 _PART = 0.3  # least weight of the parameters, as opposed to initial conditions, in a direction that is listed
 

@@ -17,10 +17,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from laticauda.identify.result import Fit
-from laticauda.identify.series import SERIES
-from laticauda.identify.validation import Validation
-from laticauda.models.simulate.numbers import UNITS
+from laticauda.identify import SERIES, Fit, Validation
+from laticauda.models.simulate import UNITS
 from laticauda.show.figures import new_figure, style
 
 _DROPPED = ("robot.joint.actuator.", "robot.joint.", "robot.", "water.")

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from laticauda.values.packaging import lazy_exports
+from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.tank.lab.faults import (

@@ -14,10 +14,16 @@ from pathlib import Path
 from typing import Any
 
 from laticauda.tank import protocol
-from laticauda.values import codec, files
-from laticauda.values.checks import check_choice
-from laticauda.values.errors import BadArgument, LaticaudaError
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import (
+    BadArgument,
+    LaticaudaError,
+    check_choice,
+    codec,
+    files,
+    option,
+    quantity,
+    value_class,
+)
 
 KINDS = {
     "frame_loss": "a `share` of the frames on the bus is lost",

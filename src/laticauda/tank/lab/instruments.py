@@ -6,9 +6,8 @@ from statistics import fmean
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda.motion.joints.laws import Drive, Servo
-from laticauda.robot import Robot
-from laticauda.robot.kinematics import ModulePoses, from_quaternion, turn
+from laticauda.motion.joints import Drive, Servo
+from laticauda.robot import ModulePoses, Robot, from_quaternion, turn
 from laticauda.tank.lab import nodes, virtual_robot
 from laticauda.tank.lab.settings import LabSettings, MocapSettings, SupplySettings
 from laticauda.tank.protocol import BodyPose, MeterReading, MocapFrame, meter

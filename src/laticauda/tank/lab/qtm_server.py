@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 
 from laticauda.tank.lab.instruments import BODY, MARKERS
 from laticauda.tank.protocol import MocapFrame, ProtocolError, qtm
-from laticauda.values.checks import check_hostname
-from laticauda.values.errors import LaticaudaError
+from laticauda.values import LaticaudaError, check_hostname
 
 LOOPBACK = "127.0.0.1"
 """Address that only this computer reaches."""

@@ -6,14 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.models.dynamics.plant import Plant
-from laticauda.robot import Water
-from laticauda.robot.kinematics import turn
+from laticauda.models.dynamics import Plant
+from laticauda.robot import Water, turn
 from laticauda.tank.lab.faults import Fault, Faults
 from laticauda.tank.lab.instruments import Cameras
 from laticauda.tank.lab.virtual_robot import VirtualRobot
 from laticauda.tank.protocol import BodyPose, MocapFrame
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument
 
 OF_PLANT = ("weak_servo", "lost_fin", "moving_water")
 SLIP_TIME = 0.3  # time in which a horn slips under load [s]

@@ -13,7 +13,7 @@ from laticauda.tank.lab.tank import Tank
 from laticauda.tank.protocol import BusAddress, clock as clocks, open_bus, qtm, worker
 from laticauda.tank.protocol.can import python_can
 from laticauda.tank.protocol.meter import LineReader
-from laticauda.values.checks import check_positive
+from laticauda.values import check_positive
 
 
 class SerialLine(worker.Worker[None]):

@@ -1,7 +1,6 @@
 """Settings of the virtual tank. Those that are not in the paper are assumptions, and marked as such."""
 
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import BadArgument, option, quantity, value_class
 
 
 @value_class

@@ -11,13 +11,13 @@ from pathlib import Path
 
 import numpy as np
 
-from laticauda.scenarios.interfaces import Start
+from laticauda.scenarios import Start
 from laticauda.tank.lab import instruments, nodes, quiet
 from laticauda.tank.lab.faults import KINDS, Fault, Faults, fault_from_words
 from laticauda.tank.lab.settings import LabSettings
 from laticauda.tank.lab.virtual_robot import Truth, VirtualRobot
 from laticauda.tank.protocol import N_NODES, CanMessage, MocapFrame, Sync, decode, encode, from_node
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument
 
 SHORTEST_STEP = 1e-4
 """Time that is worth a step of the plant, at least [s]."""

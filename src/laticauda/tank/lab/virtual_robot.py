@@ -7,17 +7,13 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda.models.dynamics.plant import Plant, PlantState
+from laticauda.models.dynamics import Plant, PlantState
 from laticauda.motion import gaits
-from laticauda.motion.joints.laws import Servo
-from laticauda.robot import Robot
-from laticauda.robot.kinematics import ModulePoses, from_quaternion, module_poses, turn
-from laticauda.scenarios import Experiment
-from laticauda.scenarios.interfaces import ORIENTATION, Command, Start
+from laticauda.motion.joints import Servo
+from laticauda.robot import ModulePoses, Robot, from_quaternion, module_poses, turn
+from laticauda.scenarios import ORIENTATION, Command, Experiment, Start
 from laticauda.trials import Trial
-from laticauda.values import series
-from laticauda.values.errors import BadArgument, SimulationFailed
-from laticauda.values.extensions import name_of
+from laticauda.values import BadArgument, SimulationFailed, name_of, series
 
 SAMPLE_INTERVAL = 0.05  # s
 MOST_SAMPLES = 72_000

@@ -5,7 +5,7 @@ Names are imported on first use, because recordings load an additional library.
 
 from typing import TYPE_CHECKING
 
-from laticauda.values.packaging import lazy_exports
+from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.tank.operate.recording.entries import (
@@ -32,6 +32,11 @@ if TYPE_CHECKING:
         recorded_verdict_summary as recorded_verdict_summary,
         verdict_of as verdict_of,
     )
+    from laticauda.tank.operate.series import (
+        mean_and_deviation as mean_and_deviation,
+        run_series as run_series,
+    )
+    from laticauda.tank.operate.settings import Connection as Connection
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
@@ -53,6 +58,10 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.tank.operate.recording.timing": ["describe_punctuality"],
         "laticauda.tank.operate.recording.to_trial": ["trial_of"],
         "laticauda.tank.operate.verdict": ["Verdict", "recorded_verdict_summary", "verdict_of"],
+    },
+    plain={
+        "laticauda.tank.operate.series": ["mean_and_deviation", "run_series"],
+        "laticauda.tank.operate.settings": ["Connection"],
     },
     renamed={
         "punctuality": "describe_punctuality",

@@ -14,7 +14,7 @@ from laticauda.tank.operate.recording.to_trial import trial_of
 from laticauda.tank.operate.safety.supervisor import BY_EVENT, cause_of
 from laticauda.tank.operate.verdict import Verdict
 from laticauda.trials import Trial, following
-from laticauda.values.errors import TrialFileError
+from laticauda.values import TrialFileError
 
 FIGURE_TEXTS: dict[str, Any] = tomllib.loads(
     Path(__file__).with_name("figures.toml").read_text(encoding="utf-8")

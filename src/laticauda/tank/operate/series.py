@@ -14,8 +14,7 @@ from laticauda.tank.operate.results import FIGURE_TEXTS, Result
 from laticauda.tank.operate.session import kept_runs
 from laticauda.tank.operate.settings import Operation, SeriesFile
 from laticauda.trials import Trial
-from laticauda.values import files
-from laticauda.values.errors import TrialFileError
+from laticauda.values import TrialFileError, files
 
 COLUMNS = ("gait", "config", "alpha_deg", "omega_deg_s", "delta_deg", "v_m_s", "P_avg_W")
 """Columns of the table of repeats."""

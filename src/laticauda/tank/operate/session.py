@@ -13,7 +13,7 @@ from typing import Any
 
 from laticauda import scenarios
 from laticauda.control.estimation import Learner
-from laticauda.models.dynamics.plant import Plant
+from laticauda.models.dynamics import Plant
 from laticauda.tank import lab
 from laticauda.tank.operate import drivers, loop, settings, terminal
 from laticauda.tank.operate.devices import Devices, connected
@@ -33,8 +33,7 @@ from laticauda.tank.operate.results import (
 from laticauda.tank.operate.tank_devices import TankDevices
 from laticauda.tank.operate.verdict import Verdict, verdict_of
 from laticauda.trials import logs
-from laticauda.values import files
-from laticauda.values.errors import BadArgument, TrialFileError
+from laticauda.values import BadArgument, TrialFileError, files
 
 PATIENCE = 10.0
 """Longest wait until the recording is on disk [s, wall clock]."""

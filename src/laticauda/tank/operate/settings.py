@@ -32,17 +32,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from laticauda import control, scenarios
-from laticauda.control import estimation
-from laticauda.control.estimation.samples import Offset
-from laticauda.control.paths import transform_to_axes
+from laticauda.control import estimation, transform_to_axes
+from laticauda.control.estimation import Offset
 from laticauda.motion import gaits
 from laticauda.robot import Robot, Water, load_robot
 from laticauda.scenarios import interfaces
 from laticauda.tank.operate import drivers
 from laticauda.tank.protocol.can import GROUP, PORT
-from laticauda.values import codec, files
-from laticauda.values.errors import BadArgument, LaticaudaError
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import (
+    BadArgument,
+    LaticaudaError,
+    codec,
+    files,
+    option,
+    quantity,
+    value_class,
+)
 
 Vector: TypeAlias = NDArray[np.float64]
 """A position or velocity, with two or three components."""

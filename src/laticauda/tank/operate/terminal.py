@@ -25,7 +25,7 @@ from laticauda.tank.operate.safety.modules import Modules
 from laticauda.tank.operate.safety.supervisor import PHASES
 from laticauda.tank.operate.settings import Operation
 from laticauda.tank.protocol import NodeState, worker
-from laticauda.values.optional import optional_import
+from laticauda.values import optional_import
 
 STOP = "operator_key"
 """Event of the supervisor's table: straighten and stop."""

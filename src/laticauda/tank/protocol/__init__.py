@@ -14,7 +14,7 @@ clock       the operator's clock, and real-time priority
 
 from typing import TYPE_CHECKING
 
-from laticauda.values.packaging import lazy_exports
+from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.tank.protocol.can import (
@@ -52,6 +52,7 @@ if TYPE_CHECKING:
         from_node as from_node,
     )
     from laticauda.tank.protocol.qtm import BodyPose as BodyPose, MocapFrame as MocapFrame
+    from laticauda.tank.protocol.worker import hardware as hardware
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
@@ -87,6 +88,9 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.tank.protocol.meter": ["MeterReading"],
         "laticauda.tank.protocol.packing": ["decode", "encode", "from_node"],
         "laticauda.tank.protocol.qtm": ["BodyPose", "MocapFrame"],
+    },
+    plain={
+        "laticauda.tank.protocol.worker": ["hardware"],
     },
     renamed={"references": "encode_references"},
 )

@@ -15,9 +15,14 @@ from typing import Any, Literal, cast
 
 from laticauda.tank.protocol import messages
 from laticauda.tank.protocol.packing import decode, encode
-from laticauda.values.errors import BadArgument, LaticaudaError
-from laticauda.values.optional import optional_import
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import (
+    BadArgument,
+    LaticaudaError,
+    option,
+    optional_import,
+    quantity,
+    value_class,
+)
 
 GROUP = "239.74.163.2"
 """Multicast group of our own."""

@@ -10,7 +10,7 @@ from collections.abc import Generator
 from contextlib import contextmanager, suppress
 
 from laticauda.tank.protocol.worker import THREAD_PREFIX
-from laticauda.values.checks import check_positive
+from laticauda.values import check_positive
 
 DEVICE_PRIORITY = 10
 """Real-time priority of the workers' threads."""

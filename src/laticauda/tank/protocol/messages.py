@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Annotated, TypeAlias
 
-from laticauda.values.errors import BadArgument, LaticaudaError
+from laticauda.values import BadArgument, LaticaudaError
 
 N_NODES = 19
 """Number of nodes: Mamba's 18 joints, and a driven fin."""

@@ -13,8 +13,7 @@ from typing import Any, NamedTuple
 
 from laticauda.tank.protocol import messages
 from laticauda.tank.protocol.layouts import LAYOUT_OF, LAYOUTS, Layout, Number
-from laticauda.values.checks import check_finite
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, check_finite
 
 NOT_AVAILABLE = -32768
 """Lowest number of a signed word, sent for a sensor that has no value."""

@@ -19,7 +19,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.tank.protocol.messages import ProtocolError
-from laticauda.values.angles import to_quaternion
+from laticauda.values import to_quaternion
 
 Point = tuple[float, float, float]
 

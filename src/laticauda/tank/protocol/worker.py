@@ -5,8 +5,7 @@ import warnings
 from collections import deque
 from typing import Any, Generic, Self, TypeVar
 
-from laticauda.values.errors import LaticaudaError
-from laticauda.values.optional import optional_import
+from laticauda.values import LaticaudaError, optional_import
 
 T = TypeVar("T")
 MOST_WAITING_ITEMS = 100_000

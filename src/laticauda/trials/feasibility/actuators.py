@@ -17,7 +17,7 @@ from typing import TypeAlias
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.motion.joints.laws import SLIDING_RATE
+from laticauda.motion.joints import SLIDING_RATE
 from laticauda.robot import Actuator, Robot
 
 Joints: TypeAlias = Float[np.ndarray, "n_samples n_joints n_runs"]

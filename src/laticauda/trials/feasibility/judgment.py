@@ -10,7 +10,7 @@ from laticauda.robot import Robot
 from laticauda.trials.feasibility.actuators import Joints, Offer, TorqueSpeedLine, duty_from_offer
 from laticauda.trials.feasibility.figures import ROUNDING, compute_peaks, find_settled_samples
 from laticauda.trials.feasibility.link_overlap import measure_overlap
-from laticauda.values.series import Log
+from laticauda.values import Log
 
 FIN_SERIES = {
     "joint_angle": "fin_angle_0",

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from laticauda.values.packaging import lazy_exports
+from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.trials.logs.bags import write_bag as write_bag
@@ -10,13 +10,15 @@ if TYPE_CHECKING:
         ColumnMap as ColumnMap,
         load_column_map as load_column_map,
     )
-    from laticauda.trials.logs.loading import load_trial as load_trial
-    from laticauda.trials.logs.recorder import Frame as Frame, Recorder as Recorder
+    from laticauda.trials.logs.loading import load_trial as load_trial, interpolated as interpolated
+    from laticauda.trials.logs.recorder import Frame as Frame, Recorder as Recorder, CLOCK as CLOCK
     from laticauda.trials.logs.recording import (
         Logged as Logged,
         Recording as Recording,
         open_recording as open_recording,
+        failures_of as failures_of,
     )
+    from laticauda.trials.logs.tabular import csv_text as csv_text
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
@@ -26,5 +28,11 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.trials.logs.loading": ["load_trial"],
         "laticauda.trials.logs.recorder": ["Frame", "Recorder"],
         "laticauda.trials.logs.recording": ["Logged", "Recording", "open_recording"],
+    },
+    plain={
+        "laticauda.trials.logs.loading": ["interpolated"],
+        "laticauda.trials.logs.recorder": ["CLOCK"],
+        "laticauda.trials.logs.recording": ["failures_of"],
+        "laticauda.trials.logs.tabular": ["csv_text"],
     },
 )

@@ -8,8 +8,7 @@ from laticauda.trials import Trial
 from laticauda.trials.logs import ros2
 from laticauda.trials.logs.recorder import QUALITY
 from laticauda.trials.logs.recording import Recording, open_recording
-from laticauda.values import files
-from laticauda.values.errors import StorageFailed, TrialFileError
+from laticauda.values import StorageFailed, TrialFileError, files
 
 VERSION = 5  # version of metadata.yaml: that of ROS 2 Humble, which every later version reads
 METADATA = "metadata.yaml"

@@ -33,11 +33,19 @@ from typing import Any, Literal, TypeAlias
 
 from laticauda.motion import gaits
 from laticauda.robot import Environment, Robot
-from laticauda.scenarios.toml import NAMES, take_chosen
-from laticauda.values import codec, files
-from laticauda.values.checks import check_choice, check_finite, show_value
-from laticauda.values.errors import BadArgument, TrialFileError
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.scenarios import NAMES, take_chosen
+from laticauda.values import (
+    BadArgument,
+    TrialFileError,
+    check_choice,
+    check_finite,
+    codec,
+    files,
+    option,
+    quantity,
+    show_value,
+    value_class,
+)
 
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 ANGLES = {"rad": 1.0, "deg": math.pi / 180.0}

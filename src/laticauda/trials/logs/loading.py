@@ -17,8 +17,7 @@ from laticauda.trials.arrays import Samples, check_times
 from laticauda.trials.logs import column_maps, tables, tabular
 from laticauda.trials.logs.placing import Measured, joints_of, place_of
 from laticauda.trials.logs.recording import failures_of
-from laticauda.values import files, series
-from laticauda.values.errors import BadArgument, TrialFileError
+from laticauda.values import BadArgument, TrialFileError, files, series
 
 
 def load_trial(

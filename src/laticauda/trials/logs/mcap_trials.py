@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from laticauda.models.spatial.frames import Frames
-from laticauda.scenarios.interfaces import ORIENTATION
+from laticauda.models.spatial import Frames
+from laticauda.scenarios import ORIENTATION
 from laticauda.trials import Format, Trial
 from laticauda.trials.dataset import assembled, describe_series, read_epoch
 from laticauda.trials.logs.recorder import WORLD, Recorder
 from laticauda.trials.logs.recording import Logged, open_recording
-from laticauda.values.errors import StorageFailed
+from laticauda.values import StorageFailed
 
 if TYPE_CHECKING:
     import xarray

@@ -13,7 +13,7 @@ from laticauda.robot import kinematics
 from laticauda.trials.arrays import Samples
 from laticauda.trials.logs.column_maps import ANGLES, AXES, LENGTHS, UNITS, Body, ColumnMap, Frame
 from laticauda.trials.logs.tables import Table
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument
 
 Points = Float[np.ndarray, "n_samples 2"]
 Angles = Float[np.ndarray, "n_samples n_columns"]

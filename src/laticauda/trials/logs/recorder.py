@@ -16,9 +16,14 @@ from pathlib import Path
 from typing import Any, BinaryIO, Self, TypeAlias
 
 from laticauda.trials.logs import ros2
-from laticauda.values.checks import check_finite, check_positive, check_whole_number
-from laticauda.values.errors import BadArgument, StorageFailed
-from laticauda.values.optional import optional_import
+from laticauda.values import (
+    BadArgument,
+    StorageFailed,
+    check_finite,
+    check_positive,
+    check_whole_number,
+    optional_import,
+)
 
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "fatal": 50}
 """Levels of events and their numbers in rcl_interfaces/Log."""

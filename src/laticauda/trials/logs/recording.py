@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 
 from laticauda.trials.logs import recorder, ros2
-from laticauda.values.errors import TrialFileError
+from laticauda.values import TrialFileError
 
 if TYPE_CHECKING:
     from mcap.records import Channel, Schema

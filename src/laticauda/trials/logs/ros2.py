@@ -18,8 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from laticauda.values.errors import BadArgument
-from laticauda.values.optional import optional_import
+from laticauda.values import BadArgument, optional_import
 
 if TYPE_CHECKING:
     from mcap.records import Schema

@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 
 from laticauda.trials.arrays import Samples
-from laticauda.values.checks import suggest_nearest
-from laticauda.values.optional import optional_import
+from laticauda.values import optional_import, suggest_nearest
 
 MISSING = ("", "nan", "null", "none", "na", "n/a", "-")
 """Cells that stand for a missing number, in lower case."""

@@ -26,8 +26,7 @@ from jaxtyping import Float
 from laticauda import trials as trial
 from laticauda.trials.arrays import Samples
 from laticauda.trials.dataset import AXES, MARK, assembled, describe_series, read_epoch
-from laticauda.values import files
-from laticauda.values.optional import optional_import
+from laticauda.values import files, optional_import
 
 if TYPE_CHECKING:
     import xarray

@@ -32,9 +32,7 @@ from functools import cached_property
 
 import numpy as np
 
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import quantity, value_class
-from laticauda.values.scalars import where
+from laticauda.values import BadArgument, quantity, value_class, where
 from laticauda.water.fluid.flow import Flow
 from laticauda.water.fluid.uniform import Uniform
 

@@ -22,10 +22,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from laticauda.values.errors import BadArgument
-from laticauda.values.extensions import Extensible, name_of
-from laticauda.values.formulas import Formula, Law, OfFunction
-from laticauda.values.quantities import describe_fields, option, value_class
+from laticauda.values import (
+    BadArgument,
+    Extensible,
+    Formula,
+    Law,
+    OfFunction,
+    describe_fields,
+    name_of,
+    option,
+    value_class,
+)
 
 STEP = 1e-4
 """Step of differences, in m and s; errors: (k STEP)^2 / 6 for waves of number k, and 1e-12 / STEP of the velocity."""

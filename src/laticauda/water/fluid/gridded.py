@@ -21,11 +21,19 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from laticauda.values.checks import check_instance, show_value
-from laticauda.values.errors import BadArgument
-from laticauda.values.formulas import Formula
-from laticauda.values.quantities import option, quantity, value_class
-from laticauda.values.scalars import first_lane, table_address, table_row, where
+from laticauda.values import (
+    BadArgument,
+    Formula,
+    check_instance,
+    first_lane,
+    option,
+    quantity,
+    show_value,
+    table_address,
+    table_row,
+    value_class,
+    where,
+)
 from laticauda.water.fluid.flow import Flow
 
 if TYPE_CHECKING:

@@ -18,10 +18,7 @@ from typing import ClassVar, NamedTuple, TypeAlias
 
 import numpy as np
 
-from laticauda.values.extensions import Extensible
-from laticauda.values.formulas import Law, OfFunction
-from laticauda.values.quantities import option, quantity, value_class
-from laticauda.values.scalars import magnitude
+from laticauda.values import Extensible, Law, OfFunction, magnitude, option, quantity, value_class
 
 # Keeps the direction of a velocity defined at rest; far below any relevant speed [m^2/s^2].
 _AT_REST = 1e-30

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 
-from laticauda.values.quantities import quantity, value_class
-from laticauda.values.scalars import where
+from laticauda.values import quantity, value_class, where
 from laticauda.water.fluid.flow import Flow
 
 BED_LAYER = 0.01

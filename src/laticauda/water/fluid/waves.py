@@ -13,9 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import hints_of, option, quantity, value_class
-from laticauda.values.scalars import where
+from laticauda.values import BadArgument, hints_of, option, quantity, value_class, where
 from laticauda.water.fluid.flow import Flow
 
 GRAVITY = 9.81  # m/s^2

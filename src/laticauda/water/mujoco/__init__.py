@@ -11,7 +11,7 @@ Independent of laticauda's robots. Requires the extra `spatial`.
 
 from typing import TYPE_CHECKING
 
-from laticauda.values.packaging import lazy_exports
+from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.water.mujoco.checks import stable_step as stable_step
@@ -21,13 +21,20 @@ if TYPE_CHECKING:
         geom_element as geom_element,
         geom_elements as geom_elements,
     )
-    from laticauda.water.mujoco.ground import Contact as Contact, Terrain as Terrain
+    from laticauda.water.mujoco.ground import Contact as Contact, Terrain as Terrain, SINK as SINK
     from laticauda.water.mujoco.water import (
         Water as Water,
         attach as attach,
         attached as attached,
         compile_spec as compile_spec,
     )
+    from laticauda.water.mujoco.native import (
+        forces_after as forces_after,
+        forward_skip as forward_skip,
+        integrate_positions as integrate_positions,
+    )
+    from laticauda.water.mujoco.table import AT as AT
+    from laticauda.water.mujoco.vectors import field as field, numbers as numbers
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
@@ -41,6 +48,12 @@ __getattr__, __dir__, __all__ = lazy_exports(
         ],
         "laticauda.water.mujoco.ground": ["Contact", "Terrain"],
         "laticauda.water.mujoco.water": ["Water", "attach", "attached", "compile_spec"],
+    },
+    plain={
+        "laticauda.water.mujoco.ground": ["SINK"],
+        "laticauda.water.mujoco.native": ["forces_after", "forward_skip", "integrate_positions"],
+        "laticauda.water.mujoco.table": ["AT"],
+        "laticauda.water.mujoco.vectors": ["field", "numbers"],
     },
     renamed={"compiled": "compile_spec"},
 )

@@ -25,7 +25,7 @@ from numba.extending import intrinsic
 
 from laticauda.compiling import for_c, kernel
 from laticauda.compiling.templates import named_after, sources_digest
-from laticauda.values.optional import load_mujoco
+from laticauda.values import load_mujoco
 from laticauda.water.mujoco import native
 from laticauda.water.mujoco.element_loads import element_load
 from laticauda.water.mujoco.table import *

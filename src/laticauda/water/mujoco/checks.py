@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.values.errors import BadArgument
-from laticauda.values.optional import load_mujoco
+from laticauda.values import BadArgument, load_mujoco
 from laticauda.water.fluid.laws import Element as Coefficients
 from laticauda.water.mujoco import hydrostatics
 from laticauda.water.mujoco.elements import Element

@@ -10,11 +10,16 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from laticauda.values.angles import from_quaternion
-from laticauda.values.checks import check_instance, check_positive
-from laticauda.values.errors import BadArgument
-from laticauda.values.optional import load_mujoco
-from laticauda.values.quantities import option, quantity, value_class
+from laticauda.values import (
+    BadArgument,
+    check_instance,
+    check_positive,
+    from_quaternion,
+    load_mujoco,
+    option,
+    quantity,
+    value_class,
+)
 from laticauda.water.fluid.laws import DragLaw, PolynomialDrag
 from laticauda.water.mujoco.ground import Contact
 

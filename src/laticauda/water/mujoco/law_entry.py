@@ -14,7 +14,7 @@ from numba import carray, types  # pyright: ignore[reportPrivateImportUsage]
 from laticauda.compiling import compile_scalar, for_c
 from laticauda.compiling.formulas import PLACE, in_numbers, rows_from, summed
 from laticauda.compiling.templates import bindings, named_after
-from laticauda.values.formulas import MOST_NUMBERS
+from laticauda.values import MOST_NUMBERS
 from laticauda.water.fluid.flow import Motion, local_flow
 from laticauda.water.fluid.laws import MOTION, Element
 from laticauda.water.mujoco.table import LOADS

@@ -23,7 +23,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from laticauda.values.optional import load_mujoco
+from laticauda.values import load_mujoco
 from laticauda.water.mujoco.table import AT
 
 # A free body with a hinged child: every array of interest has a distinct address.

@@ -25,7 +25,7 @@ from numba import types
 
 from laticauda.compiling import for_c, kernel
 from laticauda.compiling.templates import named_after, sources_digest
-from laticauda.values.optional import load_mujoco
+from laticauda.values import load_mujoco
 from laticauda.water.mujoco.callback import (
     REGISTRY_SIZE,
     SCRATCH,

@@ -4,7 +4,7 @@
 from collections import namedtuple
 from itertools import accumulate
 
-from laticauda.values.formulas import MOST_NUMBERS
+from laticauda.values import MOST_NUMBERS
 from laticauda.water.fluid.laws import MOTION, Element
 
 # --- The table of one model: 64-bit integers ------------------------------------------------------

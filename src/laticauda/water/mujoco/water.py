@@ -18,10 +18,15 @@ import numpy as np
 
 from laticauda.compiling.formulas import digest_of
 from laticauda.compiling.templates import load, sources_digest
-from laticauda.values.checks import check_choice, check_finite, check_instance, check_positive
-from laticauda.values.errors import BadArgument
-from laticauda.values.formulas import Formula
-from laticauda.values.optional import load_mujoco
+from laticauda.values import (
+    BadArgument,
+    Formula,
+    check_choice,
+    check_finite,
+    check_instance,
+    check_positive,
+    load_mujoco,
+)
 from laticauda.water.fluid.flow import Flow, FunctionFlow, rows_of
 from laticauda.water.fluid.laws import DragLaw
 from laticauda.water.mujoco import callback, hydrostatics, native, sensors, table as rows

@@ -30,9 +30,7 @@ from laticauda.tank.operate.recording.entries import PowerReading
 from laticauda.tank.protocol import CanMessage
 from laticauda.tank.protocol.clock import Clock
 from laticauda.tank.protocol.worker import DeviceFailed, T, Worker
-from laticauda.values.checks import check_hostname
-from laticauda.values.errors import BadArgument
-from laticauda.values.extensions import Extensible
+from laticauda.values import BadArgument, Extensible, check_hostname
 
 
 class Frame(NamedTuple):

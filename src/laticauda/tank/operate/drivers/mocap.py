@@ -18,7 +18,7 @@ from laticauda.tank.operate.drivers.base import MotionCapture, host_and_port
 from laticauda.tank.protocol.clock import Clock
 from laticauda.tank.protocol.qtm import LOST_POSITION, BodyPose, body_pose
 from laticauda.tank.protocol.worker import DeviceFailed, hardware
-from laticauda.values.angles import from_quaternion
+from laticauda.values import from_quaternion
 
 CONNECT_TIME = 5.0
 """Longest wait for a connection [s, wall clock]."""

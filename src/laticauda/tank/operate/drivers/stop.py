@@ -13,7 +13,7 @@ from typing import Any
 from laticauda.tank.operate.drivers.base import StopInput
 from laticauda.tank.protocol.clock import Clock
 from laticauda.tank.protocol.worker import DeviceFailed, hardware
-from laticauda.values.checks import check_choice
+from laticauda.values import check_choice
 
 LOOK_INTERVAL = 0.005
 """Time between two looks [s, wall clock]."""

@@ -5,8 +5,7 @@ import math
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.values.angles import wrap_to_pi
-from laticauda.values.errors import LaticaudaError
+from laticauda.values import LaticaudaError, wrap_to_pi
 
 
 class CalibrationFailed(LaticaudaError, RuntimeError):

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from laticauda.control.estimation import Estimator, KinematicEstimator
-from laticauda.models.dynamics.plant import Plant
+from laticauda.models.dynamics import Plant
 from laticauda.robot import Robot
 from laticauda.tank.operate.procedure import preparing
 from laticauda.tank.operate.procedure.intake import take_in

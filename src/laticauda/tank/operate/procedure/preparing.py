@@ -27,7 +27,7 @@ from laticauda.tank.operate.recording.entries import Event
 from laticauda.tank.operate.safety.modules import list_complaints
 from laticauda.tank.operate.safety.supervisor import phase_after
 from laticauda.tank.operate.settings import Operation
-from laticauda.values.angles import wrap_to_pi
+from laticauda.values import wrap_to_pi
 
 GRANT_TIME = 5.0
 """Time within which the supervisor has to let the robot move [s]."""

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from laticauda.motion import gaits
-from laticauda.motion.gaits.generator import GeneratorState
-from laticauda.motion.gaits.reference import smooth_start
+from laticauda.motion.gaits import GeneratorState, smooth_start
 from laticauda.robot import Robot
 from laticauda.scenarios import interfaces
 from laticauda.tank.operate.safety.modules import JointValues as References

@@ -10,3 +10,18 @@ log.py        a recording, read again
 rerun.py      estimator, learner or controller, run once more on what was recorded
 to_trial.py   the run in a recording as a trial
 """
+
+from typing import TYPE_CHECKING
+
+from laticauda.values import lazy_exports
+
+if TYPE_CHECKING:
+    from laticauda.tank.operate.recording.header import HEADER as HEADER
+
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {},
+    plain={
+        "laticauda.tank.operate.recording.header": ["HEADER"],
+    },
+)

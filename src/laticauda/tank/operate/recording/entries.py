@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 from laticauda.control.estimation import Estimate, JointSample, Learned, PoseSample, ReferenceSample
 from laticauda.scenarios import interfaces
 from laticauda.tank.operate.recording.timing import Tick
-from laticauda.values.quantities import quantity, value_class
+from laticauda.values import quantity, value_class
 
 
 @value_class

@@ -7,13 +7,19 @@ from typing import Any, TypeAlias, get_args
 
 from laticauda import robot
 from laticauda.control import estimation
-from laticauda.models.dynamics.plant import Plant
+from laticauda.models.dynamics import Plant
 from laticauda.scenarios import Experiment, interfaces, run_from_toml, run_to_toml
-from laticauda.values import codec, packaging
-from laticauda.values.checks import check_instance
-from laticauda.values.errors import BadArgument
-from laticauda.values.quantities import hints_of, option, quantity, value_class
-from laticauda.water.fluid.laws import FunctionDrag
+from laticauda.values import (
+    BadArgument,
+    check_instance,
+    codec,
+    hints_of,
+    option,
+    packaging,
+    quantity,
+    value_class,
+)
+from laticauda.water.fluid import FunctionDrag
 
 HEADER = "operation"
 """Name of the header among the metadata of a recording."""

@@ -14,10 +14,8 @@ from laticauda.tank.operate.recording.entries import Entry, Event
 from laticauda.tank.operate.recording.header import FORMAT, HEADER, Header, header_from_texts
 from laticauda.tank.operate.recording.timing import Tick, Timing
 from laticauda.trials import logs
-from laticauda.trials.logs.recorder import CLOCK
-from laticauda.trials.logs.recording import failures_of
-from laticauda.values import codec
-from laticauda.values.errors import TrialFileError
+from laticauda.trials.logs import CLOCK, failures_of
+from laticauda.values import TrialFileError, codec
 
 EVENTS_TOPIC = "/events"
 """Topic of the events."""

@@ -12,14 +12,19 @@ from typing import Any, cast, get_args
 
 import numpy as np
 
-from laticauda.control.estimation import Estimate, JointSample, Learned, PoseSample, ReferenceSample
-from laticauda.control.estimation.samples import Status
+from laticauda.control.estimation import (
+    Estimate,
+    JointSample,
+    Learned,
+    PoseSample,
+    ReferenceSample,
+    Status,
+)
 from laticauda.scenarios import interfaces
 from laticauda.tank.operate.recording.entries import Decision, PowerReading
 from laticauda.tank.operate.recording.timing import Tick
 from laticauda.trials.logs import ros2
-from laticauda.values import codec
-from laticauda.values.quantities import hints_of
+from laticauda.values import codec, hints_of
 
 TOPICS: Mapping[str, type[Any]] = {
     "/sample/pose": PoseSample,

@@ -13,16 +13,15 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.control.estimation import Estimate, JointSample, PoseSample, Sample
-from laticauda.control.estimation.learning import Learned, Learner
-from laticauda.models.spatial.frames import Frames
-from laticauda.robot.kinematics import to_quaternion, turn
+from laticauda.control.estimation import Estimate, JointSample, Learned, Learner, PoseSample, Sample
+from laticauda.models.spatial import Frames
+from laticauda.robot import to_quaternion, turn
 from laticauda.tank.operate.drivers.base import Frame
 from laticauda.tank.operate.recording.entries import Decision, Entry, Event, PowerReading
 from laticauda.tank.operate.recording.header import HEADER, Header
 from laticauda.tank.operate.recording.messages import TOPIC_OF, content_of, ros_type_of
 from laticauda.trials import logs
-from laticauda.values.checks import check_not_negative
+from laticauda.values import check_not_negative
 
 CHUNK_DURATION = 0.5
 """Most that is lost if the program is killed [s]."""

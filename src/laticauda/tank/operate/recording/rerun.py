@@ -4,15 +4,21 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from laticauda.control.estimation import Estimate, Estimator, Sample, StateEstimator
-from laticauda.control.estimation.learning import Learned, Learner, Learning
-from laticauda.control.estimation.samples import Mount
-from laticauda.models.dynamics.plant import Plant
+from laticauda.control.estimation import (
+    Estimate,
+    Estimator,
+    Learned,
+    Learner,
+    Learning,
+    Mount,
+    Sample,
+    StateEstimator,
+)
+from laticauda.models.dynamics import Plant
 from laticauda.scenarios import interfaces
 from laticauda.tank.operate.recording.entries import Decision
 from laticauda.tank.operate.recording.log import OperationLog
-from laticauda.values.checks import check_instance
-from laticauda.values.errors import BadArgument
+from laticauda.values import BadArgument, check_instance
 
 
 @dataclass(frozen=True, kw_only=True)

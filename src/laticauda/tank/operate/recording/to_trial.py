@@ -11,14 +11,12 @@ from jaxtyping import Float
 
 from laticauda.control.estimation import Estimate, JointSample, Learned, ReferenceSample
 from laticauda.robot import Robot
-from laticauda.scenarios.interfaces import Observation
+from laticauda.scenarios import Observation
 from laticauda.tank.operate.recording.entries import Decision, Event, PowerReading
 from laticauda.tank.operate.recording.log import OperationLog
 from laticauda.trials import Trial, metrics
-from laticauda.trials.logs.loading import interpolated
-from laticauda.values.checks import check_not_negative
-from laticauda.values.errors import TrialFileError
-from laticauda.values.series import SERIES
+from laticauda.trials.logs import interpolated
+from laticauda.values import SERIES, TrialFileError, check_not_negative
 
 OBSERVED = tuple(
     name for name in Observation.__dataclass_fields__ if name in SERIES and name != "time"

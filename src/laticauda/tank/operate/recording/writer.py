@@ -21,7 +21,7 @@ from laticauda.tank.operate.drivers.base import Frame
 from laticauda.tank.operate.recording.entries import Entry, Event
 from laticauda.tank.operate.recording.header import Header
 from laticauda.tank.operate.recording.recorder import OperationRecorder, Sink
-from laticauda.values.errors import LaticaudaError, StorageFailed
+from laticauda.values import LaticaudaError, StorageFailed
 
 MOST_WAITING = 1 << 26
 """Bytes that the pipe has not yet taken; beyond this, the disk does not keep up."""

@@ -29,9 +29,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
-from laticauda.values.checks import suggest_nearest
-from laticauda.values.files import read_rows
-from laticauda.values.quantities import quantity, value_class
+from laticauda.values import quantity, read_rows, suggest_nearest, value_class
 
 
 def _table(name: str) -> list[dict[str, str]]:

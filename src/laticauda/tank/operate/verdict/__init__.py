@@ -21,7 +21,7 @@ from laticauda.tank.operate.verdict.verdict import (
     recorded_verdict_summary as recorded_verdict_summary,
     verdict_of as verdict_of,
 )
-from laticauda.values.packaging import renamed_names
+from laticauda.values import renamed_names
 
 __getattr__ = renamed_names(
     __name__, {"Check": "CheckResult", "spoken": "recorded_verdict_summary"}

@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from laticauda.tank.operate.settings import Acceptance
 from laticauda.tank.operate.verdict.recorded_run import RecordedRun
-from laticauda.values.quantities import quantities_of, texts_of
+from laticauda.values import quantities_of, texts_of
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,7 +10,7 @@ from laticauda.control.estimation import JointSample
 from laticauda.tank.operate.verdict.check import Measurement
 from laticauda.tank.operate.verdict.recorded_run import RecordedRun
 from laticauda.tank.operate.verdict.signals import LONGEST_GAP, jumps_of
-from laticauda.trials.logs.loading import interpolated
+from laticauda.trials.logs import interpolated
 
 LATENESS = 0.032
 """Time by which answers are late when a computer pauses [s]; a jump must outlast it."""

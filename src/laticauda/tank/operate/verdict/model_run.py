@@ -9,10 +9,10 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.control.estimation import Estimate, ReferenceSample
-from laticauda.models.dynamics.plant import Plant
+from laticauda.models.dynamics import Plant
 from laticauda.motion import gaits
-from laticauda.scenarios.interfaces import Command, Start
-from laticauda.values.series import Log
+from laticauda.scenarios import Command, Start
+from laticauda.values import Log
 
 STILL = gaits.Gait(amplitude=0.0, frequency=0.0, phase_shift=0.0)
 """Gait of a command whose references are given instead."""

@@ -11,13 +11,13 @@ from jaxtyping import Float
 from numpy.typing import ArrayLike
 
 from laticauda.control.estimation import Estimate, JointSample, Mount, PoseSample, ReferenceSample
-from laticauda.models.dynamics.plant import Plant
+from laticauda.models.dynamics import Plant
 from laticauda.robot import Robot
 from laticauda.tank.operate.recording.entries import Event
 from laticauda.tank.operate.recording.log import OperationLog
 from laticauda.tank.operate.verdict.model_run import ModelRun, swim_model
 from laticauda.tank.operate.verdict.signals import MEDIAN_LENGTH, running_median
-from laticauda.trials.logs.loading import interpolated
+from laticauda.trials.logs import interpolated
 
 PERIOD_WITHOUT_GAIT = 2.0
 """Length of a cycle if the references have no frequency [s]."""

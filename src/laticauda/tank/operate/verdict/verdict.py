@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from laticauda.models.dynamics.plant import Plant
+from laticauda.models.dynamics import Plant
 from laticauda.tank.operate.recording.entries import Event
 from laticauda.tank.operate.recording.log import OperationLog
 from laticauda.tank.operate.settings import Acceptance
