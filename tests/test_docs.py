@@ -152,12 +152,12 @@ def laws_of_pages_are_forgotten():
 
     What the package's own modules define stays, for they are imported only once.
     """
-    before = {base: set(base._known) for base in Extensible.__subclasses__()}
+    before = {base: set(base._members) for base in Extensible.__subclasses__()}
     yield
     for base, names in before.items():
-        for name in base._known.keys() - names:
-            if not base._known[name].__module__.startswith("laticauda"):
-                del base._known[name]
+        for name in base._members.keys() - names:
+            if not base._members[name].__module__.startswith("laticauda"):
+                del base._members[name]
 
 
 def renders(page: Path) -> bool:

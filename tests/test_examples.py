@@ -22,15 +22,15 @@ def test_the_example_runs(example: Path, tmp_path: Path, monkeypatch: pytest.Mon
         monkeypatch.chdir(tmp_path)
         monkeypatch.setattr(sys, "argv", [str(example)])
         monkeypatch.syspath_prepend(ROOT / "plugins/laticauda-gym/src")
-        known = {base: dict(base._known) for base in Extensible.__subclasses__()}
+        known = {base: dict(base._members) for base in Extensible.__subclasses__()}
         try:
             runpy.run_path(str(example), run_name="__main__")
         finally:
             plt.close("all")
             for base, names in known.items():  # laws of one example are known to it alone
-                for name in base._known.keys() - names.keys():
-                    if not base._known[name].__module__.startswith("laticauda"):
-                        del base._known[name]
+                for name in base._members.keys() - names.keys():
+                    if not base._members[name].__module__.startswith("laticauda"):
+                        del base._members[name]
         return
     # Example 14 uses a distribution beside laticauda, which need not be installed for the tests.
     found = os.pathsep.join(

@@ -81,7 +81,7 @@ def ideas(tmp_path_factory):
     spec.loader.exec_module(module)
     yield module
     for group, name in GROUPS:
-        del group._known[name]
+        del group._members[name]
     del sys.modules["ideas"]
 
 
@@ -322,7 +322,7 @@ def test_a_file_shows_the_laws_of_those_who_are_not_here(ideas, tmp_path, monkey
     monkeypatch.chdir(tmp_path)
     assert main(f"swim {LINE} --stiffness 25 --wash 0.4 --save own.nc".split()) == 0
     for group, name in GROUPS:
-        monkeypatch.delitem(group._known, name)
+        monkeypatch.delitem(group._members, name)
     capsys.readouterr()
     assert main("trial show own.nc --json".split()) == 0
     found = json.loads(capsys.readouterr().out)
@@ -356,4 +356,4 @@ def test_a_law_that_cannot_be_compiled_says_why(ideas):
         ):
             lc.build_plant(ROBOT, STILL, joints=Broken())
     finally:
-        del JointLaw._known["broken"]
+        del JointLaw._members["broken"]

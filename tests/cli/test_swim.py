@@ -356,7 +356,7 @@ def test_a_scenario_is_a_file_that_options_change(run):
 def test_a_gait_of_ones_own_in_a_scenario_file_is_typed_beside_it_and_keeps_its_numbers(
     run, folder, monkeypatch
 ):
-    monkeypatch.setattr(lc.Envelope, "_known", dict(lc.Envelope._known))  # forgotten afterwards
+    monkeypatch.setattr(lc.Envelope, "_members", dict(lc.Envelope._members))  # forgotten afterwards
     (folder / "unheard.py").write_text(
         "import laticauda as lc\nfrom laticauda.values.quantities import quantity, value_class\n\n\n@value_class\n"
         'class UnheardOf(lc.Envelope):\n    share: float = quantity("", "Of it", ge=0.0, le=1.0, default=0.9)\n\n'

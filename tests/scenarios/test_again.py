@@ -133,7 +133,7 @@ def test_a_controller_that_nobody_here_defines_is_kept_with_its_gait():
 
     known = lc.build_scenario("mamba", Wandering(gait=GAIT))
     assert run_from_toml(run_to_toml(known)) == known
-    del Controller._known["wandering"]
+    del Controller._members["wandering"]
     stored = run_from_toml(run_to_toml(known))
     assert stored.gait == GAIT
     with pytest.raises(ValueError, match="its `wandering` is not defined"):

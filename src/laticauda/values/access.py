@@ -43,12 +43,14 @@ class ServerAccess:
                 cannot be part of a URL.
         """
         check_hostname("host", host)
-        given = os.environ.get(VARIABLE, "")
-        if given and not re.fullmatch(r"[A-Za-z0-9_-]{16,}", given):
+        token = os.environ.get(VARIABLE, "")
+        if token and not re.fullmatch(r"[A-Za-z0-9_-]{16,}", token):
             raise BadArgument(
                 VARIABLE, "must be 16 or more letters, digits, `-` and `_`; its value is not shown"
             )
-        return cls(host, given or ("" if host in LOCAL else secrets.token_urlsafe(18)))
+        if not token and host not in LOCAL:
+            token = secrets.token_urlsafe(18)
+        return cls(host, token)
 
     @property
     def warning(self) -> str:
@@ -72,10 +74,10 @@ class ServerAccess:
         Args:
             token: Token given by the client; anything but a text counts as no token.
         """
-        said = token if isinstance(token, str) else ""
-        return not self.token or hmac.compare_digest(
-            said.encode(errors="replace"), self.token.encode()
-        )
+        if not self.token:
+            return True
+        text = token if isinstance(token, str) else ""
+        return hmac.compare_digest(text.encode(errors="replace"), self.token.encode())
 
     def refusal(self, path: str, headers: Callable[[str], list[str]]) -> str:
         """Return why a browser's request is not answered, in a sentence; "" if it is answered.
@@ -95,9 +97,10 @@ class ServerAccess:
         return ""
 
 
-def _is_ours(served: str, given: str) -> bool:
+def _is_ours(served: str, requested: str) -> bool:
     """Return whether a host names this server; others may have been pointed here by an attacker for a moment."""
-    name = (given.rpartition(":")[0] if given.rpartition(":")[2].isdigit() else given).strip("[]")
+    host, _, port = requested.rpartition(":")
+    name = (host if port.isdigit() else requested).strip("[]")
     if (name and name == served) or name in LOCAL:
         return True
     try:  # a number is not a name: nobody else's page can have this server's address

@@ -29,14 +29,16 @@ def wrap_to_pi(angle: float | NDArray[np.float64]) -> float | NDArray[np.float64
     """
     # fmod is exact, and so is the subtraction of one turn: no digit is lost, however large the
     # angle.
-    if isinstance(angle, float) and math.isfinite(
-        angle
-    ):  # ten times faster than arrays of one, and just as exact
+    # Ten times faster than arrays of one, and just as exact.
+    if isinstance(angle, float) and math.isfinite(angle):
         return wrapped(angle)
     turn = 2.0 * math.pi
-    rest = np.fmod(angle, turn)
-    found = np.where(rest >= np.pi, rest - turn, np.where(rest < -np.pi, rest + turn, rest))
-    return found if found.ndim else float(found)
+    remainder = np.fmod(angle, turn)
+    raised = np.where(remainder < -np.pi, remainder + turn, remainder)
+    wrapped_angles = np.where(remainder >= np.pi, remainder - turn, raised)
+    if wrapped_angles.ndim:
+        return wrapped_angles
+    return float(wrapped_angles)
 
 
 def wrapped(angle: float) -> float:
@@ -46,8 +48,12 @@ def wrapped(angle: float) -> float:
         angle: Angle [rad].
     """
     turn = 2.0 * math.pi
-    rest = math.fmod(angle, turn)
-    return rest - turn if rest >= math.pi else rest + turn if rest < -math.pi else rest
+    remainder = math.fmod(angle, turn)
+    if remainder >= math.pi:
+        return remainder - turn
+    if remainder < -math.pi:
+        return remainder + turn
+    return remainder
 
 
 def from_quaternion(w: Any, x: Any, y: Any, z: Any) -> Float[np.ndarray, "3 3 ..."]:

@@ -17,32 +17,29 @@ from typing import Any, cast, get_args, get_origin
 
 from laticauda.values.errors import BadArgument
 
-MOST_SEEN = 100
+MOST_ITEMS = 100
 """Number of items of a list that are checked."""
 _MARK = "explained"
-_NUMBERS: dict[Any, type] = {
-    float: Real,
-    int: Integral,
-}  # Python accepts one for the other, and NumPy's for both
+_NUMBERS: dict[Any, type] = {float: Real, int: Integral}
+"""What counts as a number of a class: Python accepts one for the other, and NumPy's for both."""
 
 
-def explained(thing: Any, package: str) -> Any:
+def explained(content: Any, package: str) -> Any:
     """Wrap a function or class so that a failure due to an argument of the wrong type names that argument.
 
     Args:
-        thing: Function or class; anything else, and a class that validates its fields itself, is
+        content: Function or class; anything else, and a class that validates its fields itself, is
             returned unchanged.
         package: Package from which users import it.
     """
-    if isinstance(thing, types.FunctionType | types.MethodType) or hasattr(thing, "cache_info"):
-        return _explained(thing, package)
-    if (
-        isinstance(thing, type)
-        and "__init__" in vars(thing)
-        and not hasattr(thing, "__post_init__")
-    ):
-        thing.__init__ = _explained(thing.__init__, package)  # type: ignore[misc]
-    return thing
+    is_function = isinstance(content, types.FunctionType | types.MethodType)
+    if is_function or hasattr(content, "cache_info"):
+        return _explained(content, package)
+    if not isinstance(content, type):
+        return content
+    if "__init__" in vars(content) and not hasattr(content, "__post_init__"):
+        content.__init__ = _explained(content.__init__, package)  # type: ignore[misc]
+    return content
 
 
 def explain(module: dict[str, Any]) -> None:
@@ -51,10 +48,11 @@ def explain(module: dict[str, Any]) -> None:
     Args:
         module: The module's `globals()`, when complete.
     """
-    name = module["__name__"]
-    for word, thing in list(module.items()):
-        if not word.startswith("_") and getattr(thing, "__module__", "").startswith(name):
-            module[word] = explained(thing, name)
+    module_name = module["__name__"]
+    for name, content in list(module.items()):
+        is_defined_here = getattr(content, "__module__", "").startswith(module_name)
+        if is_defined_here and not name.startswith("_"):
+            module[name] = explained(content, module_name)
 
 
 @functools.cache
@@ -63,40 +61,43 @@ def _explained(function: Callable[..., Any], package: str) -> Callable[..., Any]
         return function
 
     @functools.wraps(function)
-    def call(*args: Any, **given: Any) -> Any:
+    def call(*args: Any, **keywords: Any) -> Any:
         __tracebackhide__ = True
         try:
-            return function(*args, **given)
+            return function(*args, **keywords)
         except (TypeError, AttributeError, LookupError, ArithmeticError, AssertionError) as error:
-            wrong = _wrong(function, args, given)
-            if wrong is None:
+            bad_argument = _find_bad_argument(function, args, keywords)
+            if bad_argument is None:
                 raise
-            raise wrong from error
+            raise bad_argument from error
 
     vars(call)[_MARK] = True
     call.__module__ = package  # where pickle finds it
     return call
 
 
-def _wrong(
-    function: Callable[..., Any], args: tuple[Any, ...], given: Mapping[str, Any]
+def _find_bad_argument(
+    function: Callable[..., Any], args: tuple[Any, ...], keywords: Mapping[str, Any]
 ) -> BadArgument | None:
     """Return an error for the first argument of the wrong type; None: all are right, or Python's error suffices."""
-    plain: Any = inspect.unwrap(function)
-    signature = inspect.signature(plain)
+    plain_function: Any = inspect.unwrap(function)
+    signature = inspect.signature(plain_function)
     try:
-        values = signature.bind(*args, **given).arguments
+        values = signature.bind(*args, **keywords).arguments
     except TypeError:  # too few arguments, for instance
         return None
     for name, value in values.items():
-        said = types.SimpleNamespace(__annotations__={name: plain.__annotations__.get(name, Any)})
+        if "VAR_" in signature.parameters[name].kind.name:  # *args or **kwargs
+            continue
+        annotation = plain_function.__annotations__.get(name, Any)
+        annotated = types.SimpleNamespace(__annotations__={name: annotation})
         try:
-            hint = typing.get_type_hints(said, plain.__globals__)[name]
+            hint = typing.get_type_hints(annotated, plain_function.__globals__)[name]
         except NameError:  # a type that exists only for type checkers
             continue
-        is_one = "VAR_" not in signature.parameters[name].kind.name  # not *args or **kwargs
-        if is_one and (wrong := misfit(name, value, hint)) is not None:
-            return wrong
+        bad_argument = misfit(name, value, hint)
+        if bad_argument is not None:
+            return bad_argument
     return None
 
 
@@ -108,38 +109,48 @@ def misfit(name: str, value: object, hint: Any) -> BadArgument | None:
         value: The value given.
         hint: Annotation of the argument.
     """
-    # Resolve a TypeVar to its constraints or bound.
-    any_of: Any = functools.reduce(
-        lambda one, other: one | other, getattr(hint, "__constraints__", ()) or (hint,)
-    )
-    hint = getattr(hint, "__bound__", None) or any_of
-    kind, inner = get_origin(hint) or hint, get_args(hint)
-    if kind in (typing.Union, types.UnionType):
-        is_right = any(misfit(name, value, one) is None for one in inner)
-    elif kind is typing.Literal:
-        is_right = isinstance(value, str) and value in inner
-    elif kind in _NUMBERS:
-        is_right = isinstance(value, _NUMBERS[kind]) and not isinstance(value, bool)
-    elif kind is Any or not isinstance(kind, type) or typing.is_typeddict(kind):
-        is_right = True
-    elif getattr(kind, "_is_protocol", False):
-        is_right = all(hasattr(value, word) for word in dir(kind) if not word.startswith("_"))
-    else:
-        is_right = isinstance(value, kind) and not (
-            inner and isinstance(value, str)
-        )  # a text is not a list of texts
-    if not is_right:
-        wanted = re.sub(r"\b(?:\w+\.)+(?=\w)", "", inspect.formatannotation(hint)).replace(
-            " | ", " or "
-        )
-        return BadArgument(name, f"must be of class {wanted}, got {type(value).__name__}")
-    if (
-        kind not in (list, tuple, Sequence, Iterable)
-        or not inner
-        or not isinstance(value, Sequence)
-    ):
+    hint = _resolve_type_variable(hint)
+    kind = get_origin(hint) or hint
+    inner_hints = get_args(hint)
+    if not _is_of_kind(name, value, kind, inner_hints):
+        text = re.sub(r"\b(?:\w+\.)+(?=\w)", "", inspect.formatannotation(hint))
+        expected = text.replace(" | ", " or ")
+        return BadArgument(name, f"must be of class {expected}, got {type(value).__name__}")
+    is_list = kind in (list, tuple, Sequence, Iterable) and isinstance(value, Sequence)
+    if not is_list or not inner_hints:
         return None
-    items = enumerate(islice(cast("Sequence[object]", value), MOST_SEEN))
-    return next(
-        (wrong for i, one in items if (wrong := misfit(f"{name}[{i}]", one, inner[0]))), None
-    )
+    items = islice(cast("Sequence[object]", value), MOST_ITEMS)
+    for i, item in enumerate(items):
+        bad_item = misfit(f"{name}[{i}]", item, inner_hints[0])
+        if bad_item is not None:
+            return bad_item
+    return None
+
+
+def _resolve_type_variable(hint: Any) -> Any:
+    """Return the bound of a TypeVar, or the union of its constraints; any other hint unchanged."""
+    bound: Any = getattr(hint, "__bound__", None)
+    if bound:
+        return bound
+    union: Any = None
+    for constraint in getattr(hint, "__constraints__", ()):
+        union = constraint if union is None else union | constraint
+    return union or hint
+
+
+def _is_of_kind(name: str, value: object, kind: Any, inner_hints: tuple[Any, ...]) -> bool:
+    """Return whether a value may be of a kind, as far as this can be seen without iterating over it."""
+    if kind in (typing.Union, types.UnionType):
+        return any(misfit(name, value, hint) is None for hint in inner_hints)
+    if kind is typing.Literal:
+        return isinstance(value, str) and value in inner_hints
+    if kind in _NUMBERS:
+        return isinstance(value, _NUMBERS[kind]) and not isinstance(value, bool)
+    if kind is Any or not isinstance(kind, type) or typing.is_typeddict(kind):
+        return True
+    if getattr(kind, "_is_protocol", False):
+        public_names = [member for member in dir(kind) if not member.startswith("_")]
+        return all(hasattr(value, member) for member in public_names)
+    if inner_hints and isinstance(value, str):  # a text is not a list of texts
+        return False
+    return isinstance(value, kind)

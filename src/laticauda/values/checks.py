@@ -8,6 +8,9 @@ from numbers import Integral, Real
 
 from laticauda.values.errors import BadArgument
 
+LONGEST_VALUE = 60
+"""Characters of a value in a message at most."""
+
 
 def check_finite(name: str, value: object, unit: str = "") -> float:
     """Return `value` as a float if it is a single finite number.
@@ -128,19 +131,19 @@ def check_choice(name: str, value: object, choices: Sequence[str]) -> str:
     raise BadArgument(name, f"must be one of {listed}, got {show_value(value)}{hint}")
 
 
-def check_not_empty(name: str, given: Sized, thing: str) -> None:
+def check_not_empty(name: str, items: Sized, item_name: str) -> None:
     """Reject an empty list or mapping.
 
     Args:
         name: Name of the argument, as the user knows it.
-        given: The list or mapping given.
-        thing: What it must hold, in a word.
+        items: The list or mapping given.
+        item_name: What it must hold, in a word.
 
     Raises:
         ValueError: If it is empty.
     """
-    if len(given) == 0:
-        raise BadArgument(name, f"must hold at least one {thing}, got none")
+    if len(items) == 0:
+        raise BadArgument(name, f"must hold at least one {item_name}, got none")
 
 
 def check_instance(name: str, value: object, *kinds: type) -> object:
@@ -155,8 +158,8 @@ def check_instance(name: str, value: object, *kinds: type) -> object:
         ValueError: If it is not.
     """
     if not isinstance(value, kinds):
-        wanted = " or ".join(kind.__name__ for kind in kinds)
-        raise BadArgument(name, f"must be of class {wanted}, got {type(value).__name__}")
+        expected = " or ".join(kind.__name__ for kind in kinds)
+        raise BadArgument(name, f"must be of class {expected}, got {type(value).__name__}")
     return value
 
 
@@ -200,10 +203,10 @@ def check_label(name: str, value: object) -> str:
     Raises:
         ValueError: If it cannot.
     """
-    word = check_text(name, value)
-    if not word.strip() or not word.isprintable():
-        raise BadArgument(name, f"must be a text on one line that is not blank, got {word!r}")
-    return word
+    label = check_text(name, value)
+    if not label.strip() or not label.isprintable():
+        raise BadArgument(name, f"must be a text on one line that is not blank, got {label!r}")
+    return label
 
 
 def check_hostname(name: str, value: object) -> str:
@@ -216,31 +219,33 @@ def check_hostname(name: str, value: object) -> str:
     Raises:
         ValueError: If it cannot.
     """
-    word = check_text(name, value)
+    host = check_text(name, value)
     with suppress(UnicodeError):
-        word.encode("idna")
-        if word and word.isprintable():
-            return word
-    raise BadArgument(name, f"must be the name or address of a host, got {word!r}")
+        host.encode("idna")
+        if host and host.isprintable():
+            return host
+    raise BadArgument(name, f"must be the name or address of a host, got {host!r}")
 
 
-def suggest_nearest(word: str, choices: Sequence[str]) -> str:
-    """Return the end of a message about a mistyped `word`: "; did you mean `x`?", or "" if none of `choices` is close.
+def suggest_nearest(typed: str, choices: Sequence[str]) -> str:
+    """Return the end of a message about a mistyped name: "; did you mean `x`?", or "" if none is close.
 
     Args:
-        word: The word as typed.
-        choices: Known words.
+        typed: The name as typed.
+        choices: Known names.
     """
     import difflib
 
-    by_plain = {_plain(choice): choice for choice in choices}
-    found = difflib.get_close_matches(_plain(word), by_plain, n=1)
-    return f"; did you mean `{by_plain[found[0]]}`?" if found else ""
+    choice_of_simplified = {_simplify(choice): choice for choice in choices}
+    nearest = difflib.get_close_matches(_simplify(typed), choice_of_simplified, n=1)
+    if not nearest:
+        return ""
+    return f"; did you mean `{choice_of_simplified[nearest[0]]}`?"
 
 
-def _plain(word: str) -> str:
-    """Return `word` without differences that people confuse: capitals, hyphens and underscores."""
-    return word.casefold().replace("-", "_")
+def _simplify(name: str) -> str:
+    """Return a name without differences that people confuse: capitals, hyphens and underscores."""
+    return name.casefold().replace("-", "_")
 
 
 def _spaced(unit: str) -> str:
@@ -255,4 +260,6 @@ def show_value(value: object) -> str:
     if isinstance(value, Real):  # NumPy's numbers look like Python's
         return str(value)
     text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
+    if len(text) <= LONGEST_VALUE:
+        return text
+    return f"{text[: LONGEST_VALUE - 3]}..."

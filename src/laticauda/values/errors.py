@@ -81,14 +81,14 @@ class MissingProgram(LaticaudaError, RuntimeError):
 
     Args:
         feature: Requested feature, in words.
-        thing: What it needs.
+        program: What it needs.
         packages: Packages of Debian and Ubuntu that install it.
     """
 
-    def __init__(self, feature: str, thing: str, packages: str) -> None:
-        super().__init__(feature, thing, packages)
+    def __init__(self, feature: str, program: str, packages: str) -> None:
+        super().__init__(feature, program, packages)
 
     def __str__(self) -> str:
         """Return the sentence shown to the user."""
-        feature, thing, packages = self.args
-        return f"{feature} needs {thing}; on Debian and Ubuntu run `apt-get install {packages}`."
+        feature, program, packages = self.args
+        return f"{feature} needs {program}; on Debian and Ubuntu run `apt-get install {packages}`."

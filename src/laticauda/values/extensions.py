@@ -84,24 +84,27 @@ class Extensible:
 
     group: ClassVar[str]
     """Group of entry points, without `ENTRY_POINTS`."""
-    _known: ClassVar[dict[str, type]]
+    _members: ClassVar[dict[str, type]]
+    """Members that are defined or imported, by name."""
     _homes: ClassVar[Mapping[str, str]]
+    """Modules of the members that come with the package, by name."""
 
-    def __init_subclass__(cls, *, group: str | None = None, **rest: Any) -> None:
+    def __init_subclass__(cls, *, group: str | None = None, **base_arguments: Any) -> None:
         """Create a new group, or join the group of the base.
 
         Args:
             group: Name of the group; given by the base of a new group.
-            rest: Arguments for other bases.
+            base_arguments: Arguments for other bases.
         """
-        super().__init_subclass__(**rest)
+        super().__init_subclass__(**base_arguments)
         if group is not None:
-            cls.group, cls._homes = group, HOMES.get(group, {})
-            cls._known = (
-                {name_of(cls): cls} if "called" in vars(cls) else {}
-            )  # a base with a name is itself a member
+            cls.group = group
+            cls._homes = HOMES.get(group, {})
+            cls._members = {}
+            if "called" in vars(cls):  # a base with a name is itself a member
+                cls._members[name_of(cls)] = cls
         elif not cls.__name__.startswith("_"):
-            cls._known[name_of(cls)] = cls
+            cls._members[name_of(cls)] = cls
 
     @classmethod
     def named(cls, name: str) -> type[Self]:
@@ -113,15 +116,15 @@ class Extensible:
         Raises:
             ValueError: If there is no such member; the message lists the known ones.
         """
-        if name in cls._homes and name not in cls._known:
+        if name in cls._homes and name not in cls._members:
             import_module(cls._homes[name])
-        if name not in cls._known and name in _installed(cls.group):
+        if name not in cls._members and name in _installed(cls.group):
             _installed(cls.group)[name].load()
-        if name not in cls._known:
-            listed = ", ".join(f"`{one}`" for one in cls.names())
+        if name not in cls._members:
+            listed = ", ".join(f"`{member}`" for member in cls.names())
             hint = suggest_nearest(name, cls.names())
             raise BadArgument("kind", f"must be one of {listed}, got {name!r}{hint}")
-        return cls._known[name]
+        return cls._members[name]
 
     @classmethod
     def stand_in(cls, name: str, table: Mapping[str, Any]) -> Self:
@@ -131,14 +134,14 @@ class Extensible:
             name: Name of the member in the file.
             table: Everything else that the file states about it.
         """
-        made: Any = object.__new__(_stand_in(cls, name))
-        made.__dict__ |= {"kind": name, "table": dict(table)}
-        return made
+        stand_in: Any = object.__new__(_stand_in(cls, name))
+        stand_in.__dict__ |= {"kind": name, "table": dict(table)}
+        return stand_in
 
     @classmethod
     def names(cls) -> tuple[str, ...]:
         """Return the names of all members of this group, those of the package first."""
-        return tuple(dict.fromkeys([*cls._homes, *cls._known, *_installed(cls.group)]))
+        return tuple(dict.fromkeys([*cls._homes, *cls._members, *_installed(cls.group)]))
 
 
 class Unknown:

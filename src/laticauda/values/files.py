@@ -203,12 +203,15 @@ def to_plain(content: Any) -> Any:
         content: Numbers, texts, lists and mappings.
     """
     if isinstance(content, Mapping):
-        return {key: to_plain(one) for key, one in cast("Mapping[str, Any]", content).items()}
+        table = cast("Mapping[str, Any]", content)
+        return {key: to_plain(value) for key, value in table.items()}
     if isinstance(content, Unknown):
         return to_plain(content.written)
     if isinstance(content, list | tuple):
-        return [to_plain(one) for one in cast("list[Any]", content)]
-    return None if isinstance(content, float) and not math.isfinite(content) else content
+        return [to_plain(item) for item in cast("list[Any]", content)]
+    if isinstance(content, float) and not math.isfinite(content):
+        return None
+    return content
 
 
 def to_json(content: Any, indent: int | None = 2) -> str:

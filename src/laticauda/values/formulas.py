@@ -52,12 +52,12 @@ class Law:
     @property
     def words(self) -> str:
         """Description for people: its name and its numbers with their units."""
-        units = {name: one.unit for name, one in quantities_of(type(self)).items()}  # pyright: ignore[reportArgumentType]
-        told = [
-            f"{name} {float(getattr(self, name)):g} {units.get(name, '')}".rstrip()
-            for name in self.formula.fields
-        ]
-        return ", ".join([name_of(type(self)).replace("-", " "), *told])
+        quantities = quantities_of(type(self))  # pyright: ignore[reportArgumentType]
+        parts = [name_of(type(self)).replace("-", " ")]
+        for name in self.formula.fields:
+            unit = quantities[name].unit if name in quantities else ""
+            parts.append(f"{name} {float(getattr(self, name)):g} {unit}".rstrip())
+        return ", ".join(parts)
 
 
 class OfFunction(Law):
@@ -77,8 +77,8 @@ class OfFunction(Law):
         if not hasattr(function, "__code__"):
             raise BadArgument("function", f"must be a plain Python function, got {function!r}")
 
-        def call(law: Any, *given: Any) -> Any:
-            return function(*given)
+        def call(law: Any, *numbers: Any) -> Any:
+            return function(*numbers)
 
         call.__module__ = function.__module__
         return Formula(name=function.__name__, function=call, fields=())

@@ -138,12 +138,13 @@ class _MovedModules:
         sys.modules[old_name] = import_module(new_name)
 
     def _new_name(self, old_name: str) -> str | None:
-        parent, rest = old_name, ""
+        parent = old_name
+        inner_path = ""
         while parent:
             if parent in self.moved:
-                return self.moved[parent] + rest
+                return self.moved[parent] + inner_path
             parent, dot, last = parent.rpartition(".")
-            rest = f"{dot}{last}{rest}"
+            inner_path = f"{dot}{last}{inner_path}"
         return None
 
 

@@ -86,9 +86,16 @@ class Log:
 
     def series(self) -> dict[str, np.ndarray]:
         """Return every array by its name in tables and messages: `signal_offset` is the signal `offset`."""
-        found = {name: values for name in SERIES if (values := getattr(self, name)) is not None}
-        found |= {LINK_FORCE + name: values for name, values in (self.link_force or {}).items()}
-        return found | {SIGNAL + name: values for name, values in self.signals.items()}
+        arrays: dict[str, np.ndarray] = {}
+        for name in SERIES:
+            values = getattr(self, name)
+            if values is not None:
+                arrays[name] = values
+        for name, values in (self.link_force or {}).items():
+            arrays[LINK_FORCE + name] = values
+        for name, values in self.signals.items():
+            arrays[SIGNAL + name] = values
+        return arrays
 
 
 def as_floats(name: str, values: object) -> Float[np.ndarray, "..."]:
@@ -102,21 +109,22 @@ def as_floats(name: str, values: object) -> Float[np.ndarray, "..."]:
         ValueError: If they are not numbers, are complex, some are masked, or rows differ in length.
     """
     try:
-        given = np.asarray(values)
+        array = np.asarray(values)
     except (ValueError, MemoryError):  # rows of different lengths, or endless input
-        given = np.empty((), dtype=object)
-    if given.dtype.kind not in "iuf" or np.ma.is_masked(values):
+        array = np.empty((), dtype=object)
+    if array.dtype.kind not in "iuf" or np.ma.is_masked(values):
         raise BadArgument(
-            name, f"must be an array of numbers, got {type(values).__name__} of {given.dtype}"
+            name, f"must be an array of numbers, got {type(values).__name__} of {array.dtype}"
         )
-    return np.asarray(given, dtype=np.float64, order="C")
+    return np.asarray(array, dtype=np.float64, order="C")
 
 
 def _series(hint: Any) -> Series:
     """Return the `Series` in a field's annotation, with the axes of its type."""
-    kind, said = get_args(hint)
-    kind = kind if hasattr(kind, "dim_str") else get_args(kind)[0]
-    return said._replace(dimensions=tuple(kind.dim_str.replace("*", "").split()))
+    kind, declared = get_args(hint)
+    if not hasattr(kind, "dim_str"):  # of `Samples | None`, the first
+        kind = get_args(kind)[0]
+    return declared._replace(dimensions=tuple(kind.dim_str.replace("*", "").split()))
 
 
 _HINTS = get_type_hints(Log, include_extras=True)
@@ -130,16 +138,17 @@ def log_of(series: Mapping[str, np.ndarray]) -> Log:
     Args:
         series: Every array by name.
     """
-    forces = {
-        name.removeprefix(LINK_FORCE): one
-        for name, one in series.items()
-        if name.startswith(LINK_FORCE)
-    }
-    signals = {
-        name.removeprefix(SIGNAL): one for name, one in series.items() if name.startswith(SIGNAL)
-    }
-    found: dict[str, Any] = {name: series[name] for name in SERIES if name in series}
-    return Log(**found, link_force=forces or None, signals=signals)
+    fields: dict[str, Any] = {}
+    forces: dict[str, np.ndarray] = {}
+    signals: dict[str, np.ndarray] = {}
+    for name, values in series.items():
+        if name.startswith(LINK_FORCE):
+            forces[name.removeprefix(LINK_FORCE)] = values
+        elif name.startswith(SIGNAL):
+            signals[name.removeprefix(SIGNAL)] = values
+        elif name in SERIES:
+            fields[name] = values
+    return Log(**fields, link_force=forces or None, signals=signals)
 
 
 def concatenated(parts: Sequence[Log]) -> Log:
@@ -151,4 +160,7 @@ def concatenated(parts: Sequence[Log]) -> Log:
     if len(parts) == 1:
         return parts[0]
     series = [log.series() for log in parts]
-    return log_of({name: np.concatenate([one[name] for one in series]) for name in series[0]})
+    joined: dict[str, np.ndarray] = {}
+    for name in series[0]:
+        joined[name] = np.concatenate([part[name] for part in series])
+    return log_of(joined)

@@ -94,7 +94,7 @@ def test_a_kind_is_one_class():
         assert type(envelope_of("carangiform")) is Carangiform
         assert "carangiform" in list_kinds()
     finally:
-        del Envelope._known["carangiform"]
+        del Envelope._members["carangiform"]
 
 
 def test_tables_of_older_files_have_the_kind_beside_the_values():

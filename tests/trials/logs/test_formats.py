@@ -269,7 +269,7 @@ def test_a_format_of_ones_own_is_one_class(full_trial, tmp_path):
     assert ".pickle" in Format.endings()
     full_trial.save(tmp_path / "run.pickle")
     assert load_trial(tmp_path / "run.pickle").equals(full_trial)
-    del Format._known["pickle"]
+    del Format._members["pickle"]
 
 
 # ---- .mat, which a process of its own reads ------------------------------------------------------
