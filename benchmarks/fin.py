@@ -6,7 +6,7 @@ from math import pi, radians, sqrt
 import numpy as np
 
 import laticauda as lc
-from laticauda.paper.measured import efficiency_trials
+from laticauda.paper.measured import read_efficiency_trials
 from laticauda.robot import CaudalFin
 from laticauda.robot.hydrodynamics import bending_frequencies
 
@@ -76,7 +76,7 @@ def speeds() -> None:
 def gains() -> None:
     """By how much the fin makes Mamba faster: in the tank (Table 1) and with fins of several stiffnesses."""
     measured = {
-        (trial.gait, trial.has_fin): trial.forward_velocity for trial in efficiency_trials()
+        (trial.gait, trial.has_fin): trial.forward_velocity for trial in read_efficiency_trials()
     }
     stiffnesses = (3.0, 1.0, 0.5, 0.3)
     print(

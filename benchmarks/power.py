@@ -21,13 +21,13 @@ from dataclasses import replace
 import numpy as np
 
 import laticauda as lc
-from laticauda.paper.measured import efficiency_trials, path_following_trials
-from laticauda.paper.settings import paper_coefficients
+from laticauda.paper.measured import read_efficiency_trials, read_path_following_trials
+from laticauda.paper.settings import load_paper_coefficients
 
 
 def simulated(rows: Sequence, joints: str) -> np.ndarray:
     """Power of all motors at a stall current of 1 A [W]."""
-    water = paper_coefficients().water
+    water = load_paper_coefficients().water
     found = []
     for row in rows:
         robot = lc.load_robot("mamba-fin" if row.has_fin else "mamba")
@@ -56,8 +56,8 @@ def left_out(columns: np.ndarray, power: np.ndarray) -> float:
 
 
 def main() -> None:
-    first = [row for row in efficiency_trials() if row.mean_power is not None]
-    second = path_following_trials()
+    first = [row for row in read_efficiency_trials() if row.mean_power is not None]
+    second = read_path_following_trials()
     of_first, of_second = (np.array([row.mean_power for row in rows]) for rows in (first, second))
     idle = np.array([0.0 if row.has_fin else lc.load_robot("mamba").idle_power for row in second])
     print(

@@ -160,14 +160,14 @@ def do_part(*args: Any) -> Any:
 
 def _cut_reproduce() -> None:
     module: Any = import_module("laticauda.paper.report.reproduce")
-    whole = module.paper_experiments()
+    whole = module.plan_experiments()
     sweeps = tuple(replace(sweep, step=20 * sweep.step) for sweep in whole.efficiency.sweeps)
     small = replace(
         whole,
         efficiency=replace(whole.efficiency, sweeps=sweeps, models=whole.efficiency.models[:1]),
         side=replace(whole.side, phase_shifts=sweeps[2], duration=10.0),
     )
-    module.paper_experiments = lambda parameters: small
+    module.plan_experiments = lambda parameters: small
     # A worker's module has only its own.
     module._run_whole_study = module._run_study
     module._run_study = do_part

@@ -28,9 +28,9 @@ from scipy.optimize import least_squares, nnls
 
 import laticauda as lc
 from laticauda.models.simulate import build_plant, figure_intervals, intervals_of, run
-from laticauda.paper.measured import efficiency_trials, path_following_trials
+from laticauda.paper.measured import read_efficiency_trials, read_path_following_trials
 from laticauda.paper.path_following import figures_of
-from laticauda.paper.settings import path_following_settings
+from laticauda.paper.settings import load_path_following_settings
 from laticauda.robot import PectoralFin, Robot, Tether, Water, textbook_of
 from laticauda.robot.parameters import adjust
 from laticauda.trials import Trial
@@ -40,11 +40,11 @@ from laticauda.water.fluid.laws import PolynomialDrag, TotalSpeedDrag
 Numbers = tuple[float, float]
 """What is fitted: a drag, and the joints' speed [rad/s]."""
 
-ROWS = tuple(row for row in efficiency_trials() if row.forward_velocity is not None)
+ROWS = tuple(row for row in read_efficiency_trials() if row.forward_velocity is not None)
 MEASURED = np.array([row.forward_velocity for row in ROWS])
 GROUP_NAMES = tuple(dict.fromkeys(group_name(row.gait.kind, row.has_fin) for row in ROWS))
 GROUP = np.array([GROUP_NAMES.index(group_name(row.gait.kind, row.has_fin)) for row in ROWS])
-FOLLOWED = path_following_trials()
+FOLLOWED = read_path_following_trials()
 FOLLOWED_SPEED = np.array([row.forward_velocity for row in FOLLOWED])
 FOLLOWED_GROUP = np.array(
     [GROUP_NAMES.index(group_name(row.gait.kind, row.has_fin)) for row in FOLLOWED]
@@ -275,7 +275,7 @@ def gains_in_words(simulated: list[list[float]], measured: list[list[float]]) ->
 
 def follow(model: Model, delay: float) -> list[Trial]:
     """The cases of Table 2, without a steering filter."""
-    settings = path_following_settings()
+    settings = load_path_following_settings()
     found: list[Trial] = []
     for row in FOLLOWED:
         how = {"joints": model.joints, "offset_bandwidth": 1e6, "loop_delay": delay}
@@ -291,7 +291,7 @@ def follow(model: Model, delay: float) -> list[Trial]:
 
 def table_2(trials: Sequence[Trial]) -> dict[str, Any]:
     """How far they are from what was measured, and how many converge."""
-    runs = [figures_of(trial, path_following_settings().distance) for trial in trials]
+    runs = [figures_of(trial, load_path_following_settings().distance) for trial in trials]
     speeds = np.array([one.forward_velocity for one in runs])
     error = speeds / FOLLOWED_SPEED - 1.0
     return {
@@ -309,7 +309,7 @@ def powers(model: Model, followed: Sequence[Trial]) -> list[dict[str, Any]]:
     The hypothesis: only the rows of Table 2 without the fin had the idle 41.3 W taken off, or had
     it twice.
     """
-    first = [row for row in efficiency_trials() if row.mean_power is not None]
+    first = [row for row in read_efficiency_trials() if row.mean_power is not None]
     trials = [
         lc.swim(model.robots[row.has_fin], row.gait, environment=model.water, joints=model.joints)
         for row in first

@@ -23,7 +23,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from laticauda.identify.tasks import load_task, task_from_table
-from laticauda.paper.measured import efficiency_trials
+from laticauda.paper.measured import read_efficiency_trials
 from laticauda.trials.measured import KINDS
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "mamba-identified.toml"
@@ -34,7 +34,7 @@ def write_table1(path: Path) -> None:
     """Table 1 as a file of one's own."""
     short = {kind: name for name, kind in KINDS.items()}
     lines = [HEAD]
-    for row in efficiency_trials():
+    for row in read_efficiency_trials():
         gait = row.gait
         angles = (
             f"{degrees(one):.0f}" for one in (gait.amplitude, gait.frequency, gait.phase_shift)

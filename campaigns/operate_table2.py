@@ -27,7 +27,7 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.paper import TABLE2
-from laticauda.paper.measured import path_following_trials
+from laticauda.paper.measured import read_path_following_trials
 from laticauda.tank.lab import LabSettings, Tank, VirtualRobot
 from laticauda.tank.operate.series import Series, run_series
 from laticauda.tank.operate.session import Result, operate
@@ -97,7 +97,7 @@ def row(number: int, repeats: int, duration: float | None, folder: Path) -> dict
         "convergence_time",
         "steady_error",
     )
-    measured = path_following_trials()[number]
+    measured = read_path_following_trials()[number]
     return {
         "name": done.operation.name,
         "accepted": len(done.accepted),

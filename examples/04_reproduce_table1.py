@@ -12,18 +12,19 @@ from math import degrees
 
 import matplotlib.pyplot as plt
 
-from laticauda.paper import efficiency_settings, fin_gains, run_efficiency
+from laticauda.paper import find_fin_gains, load_efficiency_settings, run_efficiency
 from laticauda.paper.scores import score_study
 
-settings = replace(efficiency_settings(), sweeps=efficiency_settings().sweeps[:1])
+settings = replace(
+    load_efficiency_settings(), sweeps=load_efficiency_settings().sweeps[:1]
+)
 study = run_efficiency(settings)
 
 for case in study.cases:
     row = case.measured
     if row.case == 1:
         print(
-            f"\n{case.group.name}\n case  amplitude  frequency  phase shift  "
-            "measured  simulated"
+            f"\n{case.group.name}\n case  amplitude  frequency  phase shift  measured  simulated"
         )
     setting = [
         degrees(angle)
@@ -40,10 +41,10 @@ for score in score_study(study):
     print(f"  {score.name:28} {score.overall:5.1f} %")
 
 print("\nThe fin makes it faster by (measured, simulated):")
-for gain in fin_gains(study.cases):
+for gain in find_fin_gains(study.cases):
     change = gain.measured
     if change.velocity is not None:
-        simulated = gain.simulated(lambda case: case.forward_velocity[0])
+        simulated = gain.simulated_change(lambda case: case.forward_velocity[0])
         print(
             f"  {change.with_fin.group}, case {change.with_fin.case}: "
             f"{change.velocity:5.1f} %, {simulated:5.1f} %"

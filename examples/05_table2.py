@@ -11,9 +11,9 @@ from dataclasses import replace
 
 import matplotlib.pyplot as plt
 
-from laticauda.paper import path_following_settings, run_path_following
+from laticauda.paper import load_path_following_settings, run_path_following
 
-settings = path_following_settings()
+settings = load_path_following_settings()
 first = replace(settings.groups[0], figures=settings.groups[0].figures[:1])
 study = run_path_following(
     replace(settings, groups=(first,), joint_laws=("prescribed",))

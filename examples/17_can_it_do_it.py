@@ -13,7 +13,7 @@ import math
 import matplotlib.pyplot as plt
 
 import laticauda as lc
-from laticauda.paper.measured import efficiency_trials
+from laticauda.paper.measured import read_efficiency_trials
 from laticauda.robot import load_parameters, parameter_names, robot_names
 from laticauda.trials.feasibility import judge_feasibility
 
@@ -54,7 +54,7 @@ for name in parameter_names():
     model = load_parameters(name)
     print(f"\n{name}: {model.joints or 'prescribed'} joints")
     n_beyond, most = 0, 0.0
-    for row in efficiency_trials():
+    for row in read_efficiency_trials():
         published = lc.load_robot(row.robot)
         robot, water = (
             model.robot(published, row.gait.kind),
@@ -83,6 +83,6 @@ for name in parameter_names():
             f"{'; '.join(found.problems) or 'feasible'}"
         )
     print(
-        f"  {n_beyond} of {len(efficiency_trials())} rows are beyond the servo; "
+        f"  {n_beyond} of {len(read_efficiency_trials())} rows are beyond the servo; "
         f"the largest torque is {most:.1f} N m"
     )

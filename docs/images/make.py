@@ -27,10 +27,10 @@ from laticauda.motion.gaits import envelope_of
 from laticauda.paper.measured import (
     MeasuredPathFollowing,
     MeasuredTrial,
-    efficiency_trials,
-    path_following_trials,
+    read_efficiency_trials,
+    read_path_following_trials,
 )
-from laticauda.paper.settings import path_following_settings
+from laticauda.paper.settings import load_path_following_settings
 from laticauda.show.figures import save_figure, style, swim_sheet
 from laticauda.show.pictures.camera import Film
 from laticauda.show.pictures.render import write_still
@@ -176,7 +176,7 @@ def fronts() -> Figure:
 def identified() -> Figure:
     """Measured speeds of both tables against those of the preset `mamba-identified`."""
     parameters = lc.load_parameters("mamba-identified")
-    settings = path_following_settings()
+    settings = load_path_following_settings()
 
     def body(row: MeasuredTrial | MeasuredPathFollowing) -> lc.Plant[Any]:
         robot = parameters.robot(
@@ -205,8 +205,8 @@ def identified() -> Figure:
         )
         return trial.forward_velocity
 
-    first = [row for row in efficiency_trials() if row.forward_velocity is not None]
-    second = path_following_trials()
+    first = [row for row in read_efficiency_trials() if row.forward_velocity is not None]
+    second = read_path_following_trials()
     swum = [
         lc.run(body(row), lc.OpenLoop(command=lc.Command(gait=row.gait)), 30.0).forward_velocity
         for row in first

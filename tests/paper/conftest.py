@@ -11,8 +11,8 @@ from synthetic_trials import make_trial
 from laticauda.paper import (
     EfficiencyStudy,
     PathFollowingStudy,
-    efficiency_settings,
-    path_following_settings,
+    load_efficiency_settings,
+    load_path_following_settings,
     run_efficiency,
     run_path_following,
 )
@@ -23,7 +23,7 @@ __all__ = ["folder", "make_trial", "run"]
 @pytest.fixture(scope="session")
 def study() -> EfficiencyStudy:
     """The whole Table 1, and sweeps in coarse steps that still meet the ends of their ranges."""
-    settings = efficiency_settings()
+    settings = load_efficiency_settings()
     coarse = tuple(replace(sweep, step=5 * sweep.step) for sweep in settings.sweeps)
     return run_efficiency(replace(settings, sweeps=coarse, models=settings.models[:2]))
 
@@ -32,14 +32,14 @@ def study() -> EfficiencyStudy:
 def following() -> PathFollowingStudy:
     """All 12 trials of Table 2 for 18 s, which takes some of them to the path, with prescribed joints only."""
     return run_path_following(
-        replace(path_following_settings(), duration=18.0, joint_laws=("prescribed",), own=())
+        replace(load_path_following_settings(), duration=18.0, joint_laws=("prescribed",), own=())
     )
 
 
 @pytest.fixture(scope="session")
 def beside() -> tuple[EfficiencyStudy, PathFollowingStudy]:
     """The paper's coefficients with one of our own models beside them: Table 1, and six trials of Table 2 for 16 s."""
-    settings, following = efficiency_settings(), path_following_settings()
+    settings, following = load_efficiency_settings(), load_path_following_settings()
     sweeps = tuple(replace(sweep, step=20 * sweep.step) for sweep in settings.sweeps)
     settings = replace(settings, sweeps=sweeps, models=settings.models[::2])
     short = replace(following, duration=16.0, joint_laws=("prescribed",), offset_bandwidths=(10.0,))
@@ -52,7 +52,7 @@ def short_reproduction(monkeypatch: pytest.MonkeyPatch) -> None:
     """`laticauda reproduce` in seconds: studies cut down, no figures, no workers."""
     from laticauda.paper.report import reproduce
 
-    whole_plan = reproduce.paper_experiments
+    whole_plan = reproduce.plan_experiments
 
     def small(parameters: Any = None) -> reproduce.Experiments:
         whole = whole_plan(parameters)
@@ -69,7 +69,7 @@ def short_reproduction(monkeypatch: pytest.MonkeyPatch) -> None:
         return replace(whole, efficiency=efficiency, path_following=following)
 
     monkeypatch.setattr("os.cpu_count", lambda: 1)
-    monkeypatch.setattr(reproduce, "paper_experiments", small)
+    monkeypatch.setattr(reproduce, "plan_experiments", small)
     chapters = {
         name: chapter._replace(build=_without_figures(chapter.build))
         for name, chapter in reproduce.CHAPTERS.items()

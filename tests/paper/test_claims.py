@@ -7,14 +7,15 @@ import numpy as np
 import pytest
 from campaign_scripts import campaign
 
-from laticauda.paper import Claim, fin_gains, path_following_trials, run_side_trials
+from laticauda.paper import Claim, find_fin_gains, read_path_following_trials, run_side_trials
 from laticauda.paper.claims import Verdict, find_misprints, load_claims
 from laticauda.paper.claims.efficiency_numbers import collect_efficiency_numbers
+from laticauda.paper.claims.following_numbers import collect_following_numbers
 from laticauda.paper.claims.judge import judge_parts
 from laticauda.paper.claims.printed_numbers import MODELS, collect_table_numbers, energy_change
 from laticauda.paper.claims.rules import check_part
 from laticauda.paper.claims.sentences import format_percent, format_spread
-from laticauda.paper.measured import printed_changes
+from laticauda.paper.measured import find_printed_changes
 from laticauda.trials import Trial
 
 CURVES = ("forward_velocity", "steady_velocity", "mechanical_power")
@@ -211,6 +212,12 @@ def test_a_limit_cycle_does_not_pass_as_following_the_path(following):
     assert judged["path-converges"].verdict == "holds in part"
 
 
+def test_a_run_too_short_for_a_last_third_does_not_pass_as_following_the_path(following):
+    cases = [replace(case, run=replace(case.run, last_third_rms=None)) for case in following.cases]
+    numbers = collect_following_numbers(replace(following, cases=tuple(cases)))
+    assert not any(numbers["all"]["stayed"])
+
+
 def test_the_fin_brings_the_robot_to_the_path_sooner_if_it_does(following):
     def within(case, time):
         figures = {**case.run.figures, "convergence_time": time, "convergence_distance": time}
@@ -264,8 +271,8 @@ def test_the_printed_gains_follow_from_table_1(found, study):
         "Recomputed from Table 1: +33.64 to +88.68 % over 5 settings."
         in found["fin-speed-eel"].evidence
     )
-    known = [gain for gain in fin_gains(study.cases) if gain.measured.velocity is not None]
-    simulated = [gain.simulated(lambda case: case.forward_velocity[0]) for gain in known]
+    known = [gain for gain in find_fin_gains(study.cases) if gain.measured.velocity is not None]
+    simulated = [gain.simulated_change(lambda case: case.forward_velocity[0]) for gain in known]
     assert f"{format_spread(simulated)}, median" in found["fin-nearly-double"].evidence
 
 
@@ -285,7 +292,7 @@ def test_the_tables_disagree_about_the_power(found):
 
 
 def test_the_changes_of_table_2_are_those_printed_but_for_two_misprints():
-    changes = printed_changes(path_following_trials())
+    changes = find_printed_changes(read_path_following_trials())
     pairs = [(one.with_fin.printed_velocity, one.velocity) for one in changes]
     pairs += [(one.with_fin.printed_power, one.power) for one in changes]
     assert len(changes) == 6
@@ -334,7 +341,7 @@ def test_each_of_several_numbers_can_be_a_part_of_its_own():
 def test_energy_per_meter_is_power_over_speed(study):
     assert energy_change(10.0, 100.0) == pytest.approx(-45.0)  # 1.1 of the power at twice the speed
     found = collect_efficiency_numbers(study)
-    gain = fin_gains(study.cases)[0]
+    gain = find_fin_gains(study.cases)[0]
     per_meter = [
         case.mechanical_power[0] / case.forward_velocity[0]
         for case in (gain.without, gain.with_fin)
@@ -343,7 +350,7 @@ def test_energy_per_meter_is_power_over_speed(study):
         100.0 * (per_meter[1] / per_meter[0] - 1.0)
     )
     bare, fin = (
-        next(t for t in path_following_trials() if t.has_fin == has_fin)
+        next(t for t in read_path_following_trials() if t.has_fin == has_fin)
         for has_fin in (False, True)
     )
     change = (fin.mean_power / fin.forward_velocity) / (

@@ -3,7 +3,9 @@ from pathlib import Path
 
 import pytest
 
+from laticauda.paper.command import as_text, facts_of
 from laticauda.paper.report import reproduce as MODULE  # noqa: N812
+from laticauda.paper.report.reproduce import Reproduction
 from laticauda.values.errors import SimulationFailed
 
 
@@ -52,6 +54,19 @@ def test_coefficients_and_repeated_measurements_come_from_files(run, folder: Pat
     report = (folder / "reproduction" / "report.html").read_text(encoding="utf-8")
     assert "Coefficients: my fit." in report
     assert "repeats.csv" in json.loads(done.out)["files"]
+
+
+def test_the_summary_of_one_half_leaves_the_other_out(following):
+    half = Reproduction(
+        folder=Path("out"), files=("report.html",), results={"path_following": following}, claims=()
+    )
+    facts = facts_of(half)
+    assert "efficiency" not in facts
+    assert len(facts["path_following"]["trials"]) == 12
+    assert facts["files"] == ("report.html",)
+    text = as_text(half)
+    assert text.startswith("Path following, prescribed joints")
+    assert "rows left out" not in text
 
 
 def test_bad_files_are_refused_before_anything_runs(

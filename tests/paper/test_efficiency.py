@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.paper import efficiency_settings, load_repeats, run_efficiency, runs as module
+from laticauda.paper import load_efficiency_settings, load_repeats, run_efficiency, runs as module
 from laticauda.values.errors import SimulationFailed, TrialFileError
 
 
@@ -44,7 +44,7 @@ def test_rows_that_were_not_measured_are_kept_as_predictions(study):
 
 def test_progress_counts_up_to_all_runs():
     settings = replace(
-        efficiency_settings(), sweeps=efficiency_settings().sweeps[:1], duration=15.0
+        load_efficiency_settings(), sweeps=load_efficiency_settings().sweeps[:1], duration=15.0
     )
     settings = replace(
         settings, sweeps=(replace(settings.sweeps[0], step=1.0),), models=settings.models[:1]
@@ -62,7 +62,9 @@ def test_a_trial_that_blows_up_is_named(monkeypatch):
     monkeypatch.setattr(module, "run_scenario", fail)
     message = r"mamba, lateral_undulation, amplitude 30, frequency 130, phase shift 40 \[deg, deg/s\], paper-lateral: "
     with pytest.raises(SimulationFailed, match=message + "The run blew up at 3 s."):
-        run_efficiency(replace(efficiency_settings(), models=efficiency_settings().models[:1]))
+        run_efficiency(
+            replace(load_efficiency_settings(), models=load_efficiency_settings().models[:1])
+        )
 
 
 def test_a_joint_law_that_does_not_exist_is_refused():
@@ -76,7 +78,7 @@ def test_a_model_that_does_not_exist_is_refused():
 
 
 def test_a_set_of_coefficients_may_bring_its_own_waters(study):
-    settings = efficiency_settings()
+    settings = load_efficiency_settings()
     own = replace(
         settings.models[0],
         waters={kind: settings.models[0].water(kind) for kind in settings.models[0].waters},
@@ -129,6 +131,13 @@ def test_the_power_may_be_left_out_and_columns_come_in_any_order(load):
     assert one.forward_velocity == (0.1,)
     assert one.gait.frequency == radians(130)
     assert one.power is None
+
+
+def test_a_row_without_a_velocity_is_no_trial(load):
+    rows = "LU,nofin,30,130,40,0.15,100\nLU,nofin,30,130,40,,104\n"
+    (repeat,) = load(HEAD + rows)
+    assert repeat.forward_velocity == (0.15,)
+    assert repeat.mean_power == (100.0,)
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import laticauda as lc
-from laticauda.paper.measured import efficiency_trials
+from laticauda.paper.measured import read_efficiency_trials
 from laticauda.robot import load_parameters, robot_names
 from laticauda.trials.feasibility import judge_feasibility
 
@@ -29,7 +29,7 @@ def test_the_docs_say_of_every_preset_whether_it_can_swim_the_gaits_of_the_docs(
 @pytest.mark.parametrize("name", ["paper", "mamba-identified", "mamba-textbook"])
 def test_the_docs_count_the_gaits_of_table_1_that_are_beyond_the_published_servo(name: str):
     model, rows, beyond, most = load_parameters(name), Counter[bool](), Counter[bool](), 0.0
-    for row in efficiency_trials():
+    for row in read_efficiency_trials():
         published, kind = lc.load_robot(row.robot), row.gait.kind
         robot, water = model.robot(published, kind), model.water(kind)
         trial = lc.swim(robot, row.gait, environment=water, joints=model.joints or "prescribed")

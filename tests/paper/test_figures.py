@@ -10,27 +10,27 @@ from matplotlib.text import Text
 
 from laticauda.paper import (
     Repeat,
-    efficiency_settings,
-    path_following_settings,
-    path_following_trials,
+    load_efficiency_settings,
+    load_path_following_settings,
+    read_path_following_trials,
 )
 from laticauda.paper.figures import (
     POWERS,
     VELOCITY,
     Panel,
+    draw_efficiency_sheet,
     draw_panel,
-    efficiency_sheet,
 )
 from laticauda.paper.measured import read_table1
 from laticauda.paper.path_following import FollowingCase
 from laticauda.paper.settings import Group
-from laticauda.paper.speed_figures import LabeledSpeeds, following_speeds, following_speeds_sheet
+from laticauda.paper.speed_figures import LabeledSpeeds, draw_following_speeds, draw_speeds_sheet
 from laticauda.show.figures import new_figure
 
 
 def panel(velocity=(0.1, np.nan), power=(90.0, 95.0)) -> Panel:
     sweep = replace(
-        efficiency_settings().sweeps[0], low=radians(10), high=radians(50), step=radians(20)
+        load_efficiency_settings().sweeps[0], low=radians(10), high=radians(50), step=radians(20)
     )
     rows = [
         replace(row, starred=star)
@@ -72,7 +72,7 @@ def test_lines_are_told_apart_by_dashes_too(ax):
 
 
 def test_mechanical_and_electrical_power_have_axes_of_their_own():
-    figure = efficiency_sheet([panel(), panel()], "title", POWERS)
+    figure = draw_efficiency_sheet([panel(), panel()], "title", POWERS)
     above, below = figure.axes[:2], figure.axes[2:]
     assert above[0].get_ylabel() == "mechanical power,\nsimulated [W]"
     assert below[0].get_ylabel() == "electrical power,\nmeasured [W]"
@@ -89,7 +89,7 @@ def test_power_that_was_not_measured_is_said_to_be_missing(ax):
 @pytest.mark.parametrize("ylabels", [VELOCITY, POWERS], ids=["velocity", "powers"])
 @pytest.mark.parametrize("measured", [(0.1, 0.2), (np.nan, np.nan)], ids=["measured", "missing"])
 def test_a_sheet_shows_everything_on_scales_from_zero(ylabels, measured):
-    figure = efficiency_sheet([panel(measured, measured)] * 3, "Forward velocity", ylabels)
+    figure = draw_efficiency_sheet([panel(measured, measured)] * 3, "Forward velocity", ylabels)
     figure.canvas.draw()  # warnings of the layout are errors
     for ax in figure.axes:
         low, high = ax.get_ylim()
@@ -100,6 +100,16 @@ def test_a_sheet_shows_everything_on_scales_from_zero(ylabels, measured):
     assert labels == ["one", "other", "measured, fastest of its sweep", "measured, another setting"]
     titles = [ax.get_title(loc="left") for ax in figure.axes[:3]]
     assert titles[0] == "(a)  $\\omega$ = 110°/s, $\\delta$ = 40°"
+
+
+def test_a_sweep_of_one_value_is_drawn_too(ax):
+    whole = panel()
+    sweep = replace(whole.sweep, high=whole.sweep.low)
+    single = replace(
+        whole, sweep=sweep, velocity=whole.velocity[:, :1], power=whole.power[:, :1], measured=()
+    )
+    draw_panel(single, ax, *VELOCITY)
+    assert [list(line.get_xdata()) for line in ax.lines] == [[pytest.approx(10.0)]] * 2
 
 
 def scattered() -> Panel:
@@ -133,11 +143,11 @@ def test_repeated_trials_are_dots_beside_their_setting_with_mean_and_deviation(a
 
 
 def test_repeated_trials_stay_on_the_scale_and_get_a_legend():
-    figure = efficiency_sheet([scattered(), panel()], "title", VELOCITY)
+    figure = draw_efficiency_sheet([scattered(), panel()], "title", VELOCITY)
     figure.canvas.draw()
     assert figure.axes[0].get_ylim()[1] > 0.3
     assert len(figure.legends[0].get_texts()) == 6
-    assert len(efficiency_sheet([panel()], "title", VELOCITY).legends[0].get_texts()) == 4
+    assert len(draw_efficiency_sheet([panel()], "title", VELOCITY).legends[0].get_texts()) == 4
 
 
 def test_a_power_that_only_repeated_trials_have_is_shown(ax):
@@ -149,7 +159,7 @@ def test_a_power_that_only_repeated_trials_have_is_shown(ax):
 
 
 def row(group: Group, case: int, measured: float = 0.09) -> FollowingCase:
-    own = replace(path_following_trials()[case - 1], case=case, forward_velocity=measured)
+    own = replace(read_path_following_trials()[case - 1], case=case, forward_velocity=measured)
 
     def run(joints: str, speed: float) -> Any:
         return SimpleNamespace(joints=joints, offset_bandwidth=10.0, forward_velocity=speed)
@@ -166,13 +176,13 @@ def row(group: Group, case: int, measured: float = 0.09) -> FollowingCase:
     )
 
 
-ONE, OTHER = path_following_settings().groups[:2]
+ONE, OTHER = load_path_following_settings().groups[:2]
 ROWS = [row(ONE, 1), row(ONE, 2, measured=0.2), row(OTHER, 1)]
 NULL = (0.1, 0.1, 0.1)
 
 
 def test_every_trial_has_its_row_below_the_one_before_and_every_group_its_name(ax):
-    assert following_speeds(ROWS, NULL, ax) is ax
+    assert draw_following_speeds(ROWS, NULL, ax) is ax
     heights = ax.get_yticks()
     assert [label.get_text() for label in ax.get_yticklabels()] == ["case 1", "case 2", "case 1"]
     assert ax.yaxis_inverted()
@@ -184,7 +194,7 @@ def test_every_trial_has_its_row_below_the_one_before_and_every_group_its_name(a
 
 
 def test_the_bar_spans_the_simulated_speeds_and_every_speed_has_a_mark(ax):
-    following_speeds(ROWS[1:2], NULL[1:2], ax)
+    draw_following_speeds(ROWS[1:2], NULL[1:2], ax)
     bar, *marks = ax.lines
     assert list(bar.get_xdata()) == [0.04, 0.06]
     shown = sorted(float(x) for line in marks for x in line.get_xdata())
@@ -193,7 +203,7 @@ def test_the_bar_spans_the_simulated_speeds_and_every_speed_has_a_mark(ax):
 
 
 def test_what_the_marks_mean_is_in_the_legend_and_shapes_differ_too():
-    figure = following_speeds_sheet(
+    figure = draw_speeds_sheet(
         ROWS, "Speeds", chosen="chosen runs", null=LabeledSpeeds("no physics", NULL)
     )
     (legend,) = figure.legends
@@ -215,7 +225,7 @@ def test_what_the_marks_mean_is_in_the_legend_and_shapes_differ_too():
 
 
 def test_no_text_of_the_sheet_lies_on_another():
-    figure = following_speeds_sheet(
+    figure = draw_speeds_sheet(
         ROWS, "Speeds", chosen="chosen runs", null=LabeledSpeeds("no physics", NULL)
     )
     figure.canvas.draw()

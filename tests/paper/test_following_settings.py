@@ -3,14 +3,18 @@ from dataclasses import replace
 
 import pytest
 
-from laticauda.paper import efficiency_settings, path_following_settings, path_following_trials
+from laticauda.paper import (
+    load_efficiency_settings,
+    load_path_following_settings,
+    read_path_following_trials,
+)
 
-SETTINGS = path_following_settings()
+SETTINGS = load_path_following_settings()
 
 
 def test_the_groups_hold_every_row_of_table_2_in_its_order():
-    assert [row for group in SETTINGS.groups for row in group.followed] == list(
-        path_following_trials()
+    assert [row for group in SETTINGS.groups for row in group.path_following_cases] == list(
+        read_path_following_trials()
     )
     assert SETTINGS.n_cases == 12
 
@@ -20,9 +24,9 @@ def test_every_figure_from_12_to_23_has_one_place():
 
 
 def test_the_groups_are_named_and_made_as_those_of_the_efficiency_study():
-    same = [(group.name, group.robot, group.has_fin) for group in efficiency_settings().groups]
+    same = [(group.name, group.robot, group.has_fin) for group in load_efficiency_settings().groups]
     assert [(group.name, group.robot, group.has_fin) for group in SETTINGS.groups] == same
-    assert SETTINGS.coefficients == efficiency_settings().models[0]
+    assert SETTINGS.coefficients == load_efficiency_settings().models[0]
 
 
 def test_the_gains_are_the_papers():

@@ -9,7 +9,7 @@ import pytest
 from campaign_scripts import FOLDER, campaign
 
 import laticauda as lc
-from laticauda.paper.measured import efficiency_trials
+from laticauda.paper.measured import read_efficiency_trials
 from laticauda.trials.null_models import mape
 
 sys.modules["amphibot"] = campaign("amphibot")  # as the script finds it beside itself
@@ -54,7 +54,7 @@ def test_a_preset_is_the_candidate_that_was_chosen(name: str):
 
 def test_the_campaign_fits_the_measured_rows_of_table_1_only():
     assert len(paper.ROWS) == 20
-    assert set(paper.ROWS) <= set(efficiency_trials())
+    assert set(paper.ROWS) <= set(read_efficiency_trials())
 
 
 def test_every_candidate_has_two_numbers_and_none_of_them_moves_what_is_fixed():

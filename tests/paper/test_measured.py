@@ -4,7 +4,7 @@ import math
 import pytest
 
 from laticauda.motion.gaits import Custom, Gait, envelope_of, lateral_undulation
-from laticauda.paper import efficiency_trials, measured_trial, path_following_trials
+from laticauda.paper import find_measured_trial, read_efficiency_trials, read_path_following_trials
 from laticauda.robot import load_ground, load_parameters, load_robot
 from laticauda.trials import measured_counterpart
 
@@ -28,14 +28,14 @@ def gait_deg(alpha, omega, delta, kind="lateral_undulation"):
     ],
 )
 def test_a_setting_of_the_paper_finds_what_was_measured(gait, has_fin, speed, power):
-    measured = measured_trial(gait, has_fin)
+    measured = find_measured_trial(gait, has_fin)
     assert (measured.forward_velocity, measured.mean_power) == (speed, power)
 
 
 def test_every_measured_trial_finds_itself():
-    assert len(efficiency_trials()) == 20
-    for trial in efficiency_trials():
-        assert measured_trial(trial.gait, trial.has_fin) is trial
+    assert len(read_efficiency_trials()) == 20
+    for trial in read_efficiency_trials():
+        assert find_measured_trial(trial.gait, trial.has_fin) is trial
 
 
 @pytest.mark.parametrize(
@@ -50,12 +50,12 @@ def test_every_measured_trial_finds_itself():
     ],
 )
 def test_another_setting_finds_nothing(gait):
-    assert measured_trial(gait, has_fin=False) is None
+    assert find_measured_trial(gait, has_fin=False) is None
 
 
 def test_a_gait_rounded_to_seven_digits_is_still_the_papers():
     gait = lateral_undulation(amplitude=0.5235988, frequency=2.2689280, phase_shift=0.6981317)
-    assert measured_trial(gait, has_fin=False).forward_velocity == 0.1514
+    assert find_measured_trial(gait, has_fin=False).forward_velocity == 0.1514
 
 
 def test_only_mamba_in_water_has_a_counterpart(make_trial):
@@ -103,7 +103,7 @@ def test_a_robot_is_mamba_by_what_it_is_and_not_by_its_name(make_trial, tmp_path
 
 
 def test_table_2_has_twelve_cases_of_path_following():
-    trials = path_following_trials()
+    trials = read_path_following_trials()
     assert len(trials) == 12
     case = next(t for t in trials if t.has_fin and t.gait.kind == "eel_like" and t.case == 3)
     assert case.initial_heading == pytest.approx(math.radians(49.51))
@@ -116,7 +116,7 @@ def test_table_2_has_twelve_cases_of_path_following():
 
 
 def test_table_1_has_twelve_stars_three_in_each_group():
-    stars = [trial for trial in efficiency_trials() if trial.is_maximum]
+    stars = [trial for trial in read_efficiency_trials() if trial.is_maximum]
     groups = [(trial.gait.kind, trial.has_fin) for trial in stars]
     assert len(stars) == 12 and {groups.count(group) for group in groups} == {3}
 

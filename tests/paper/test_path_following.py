@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.paper import path_following_settings, run_path_following
+from laticauda.paper import load_path_following_settings, run_path_following
 from laticauda.trials import following as figures
 from laticauda.values.errors import SimulationFailed
 
-SETTINGS = replace(path_following_settings(), own=())
+SETTINGS = replace(load_path_following_settings(), own=())
 ONE = replace(
     SETTINGS,
     duration=15.0,
@@ -20,7 +20,7 @@ ONE = replace(
 
 def test_every_case_starts_where_table_2_says_straight_and_at_rest(following):
     assert [case.measured for case in following.cases] == [
-        row for group in following.settings.groups for row in group.followed
+        row for group in following.settings.groups for row in group.path_following_cases
     ]
     for case in following.cases:
         row, trial = case.measured, case.trial
@@ -105,6 +105,7 @@ def test_a_run_too_short_for_a_figure_has_none():
     assert case.run.steady_velocity is None
     assert case.run.last_third_rms is None
     assert not case.run.converged
+    assert case.change_by_the_loop(case.run) is None
 
 
 def test_progress_counts_up_to_all_runs():

@@ -4,7 +4,12 @@ from dataclasses import replace
 from paper.reading import cells, said
 
 from laticauda.paper.claims import find_misprints, load_claims
-from laticauda.paper.report.overview import VERDICTS, claims_chapter, own_verdicts, summary_chapter
+from laticauda.paper.report.overview import (
+    VERDICTS,
+    build_claims_chapter,
+    build_summary_chapter,
+    judge_with_own_models,
+)
 from laticauda.paper.scores import score_study
 
 CURVES = ("forward_velocity", "mechanical_power", "steady_velocity")
@@ -12,7 +17,7 @@ CURVES = ("forward_velocity", "mechanical_power", "steady_velocity")
 
 def test_the_tables_hold_every_claim_and_every_misprint(study):
     found = load_claims(study)
-    chapter = claims_chapter(found)
+    chapter = build_claims_chapter(found)
     rows = cells(chapter, "claims")
     assert [row["verdict"] for row in rows] == [claim.verdict for claim in found]
     assert rows[0]["the paper says"] == found[0].paper
@@ -24,7 +29,7 @@ def test_the_tables_hold_every_claim_and_every_misprint(study):
 
 def test_the_chapter_counts_the_verdicts(study):
     found = load_claims(study)
-    text = said(claims_chapter(found))
+    text = said(build_claims_chapter(found))
     assert text.startswith(f"{len(found)} statements")
     for verdict in {claim.verdict for claim in found}:
         assert f"{verdict} {sum(claim.verdict == verdict for claim in found)}" in text
@@ -33,7 +38,7 @@ def test_the_chapter_counts_the_verdicts(study):
 
 def test_every_row_is_marked_by_its_verdict_and_each_verdict_can_be_shown_alone(study):
     found = load_claims(study)
-    html = claims_chapter(found).html({})
+    html = build_claims_chapter(found).html({})
     assert re.findall(r'<tr data-mark="([^"]*)">', html) == [claim.verdict for claim in found]
     shown = re.findall(r'<input type="radio" name="verdict" value="([^"]*)"', html)
     assert shown == ["", *(name for name in VERDICTS if name in {claim.verdict for claim in found})]
@@ -41,7 +46,7 @@ def test_every_row_is_marked_by_its_verdict_and_each_verdict_can_be_shown_alone(
 
 def test_the_first_screen_says_the_errors_beside_those_of_a_model_without_physics(study, following):
     judged = load_claims(study, following)
-    chapter = summary_chapter({"efficiency": study, "path_following": following}, judged)
+    chapter = build_summary_chapter({"efficiency": study, "path_following": following}, judged)
     ((name, caption, figure),) = chapter.figures()
     assert name == "speeds"
     shown = [len(line.get_xdata()) for line in figure.axes[0].lines if line.get_marker() != "None"]
@@ -68,21 +73,21 @@ def test_the_first_screen_says_whether_the_simulation_beats_the_model_without_ph
     ]
     perfect = replace(study, cases=tuple(cases))
     for one, sentence in ((perfect, "tells more than that does"), (study, "do not bear")):
-        assert sentence in said(summary_chapter({"efficiency": one}, ()))
+        assert sentence in said(build_summary_chapter({"efficiency": one}, ()))
 
 
 def test_long_texts_break_into_lines_on_the_page_and_verdicts_do_not(study):
-    html = claims_chapter(load_claims(study)).html({})
+    html = build_claims_chapter(load_claims(study)).html({})
     assert '<td class="w">At the same setting' in html
     assert "<td>holds in part</td>" in html
 
 
 def test_each_of_our_own_models_has_a_column_of_verdicts_and_the_last_is_the_papers(beside):
     results = {"efficiency": beside[0], "path_following": beside[1]}
-    found, own = load_claims(*beside), own_verdicts(results)
+    found, own = load_claims(*beside), judge_with_own_models(results)
     assert list(own) == ["mamba-identified"]
     assert own["mamba-identified"] == load_claims(replace(beside[0], judged=1), *beside[1].own)
-    rows = cells(claims_chapter(found, own), "claims")
+    rows = cells(build_claims_chapter(found, own), "claims")
     assert [*rows[0]][-2:] == ["with mamba-identified", "verdict"]
     assert [row["verdict"] for row in rows] == [claim.verdict for claim in found]
     assert [row["with mamba-identified"] for row in rows] == [
@@ -105,6 +110,6 @@ def test_each_of_our_own_models_has_a_column_of_verdicts_and_the_last_is_the_pap
 
 def test_the_first_screen_names_our_own_models_apart_from_those_without_physics(beside):
     results = {"efficiency": beside[0], "path_following": beside[1]}
-    text = said(summary_chapter(results, load_claims(*beside)))
+    text = said(build_summary_chapter(results, load_claims(*beside)))
     assert "Our own models, two numbers fitted to Table 1: mamba-identified 5.0 %." in text
     assert "a model that knows no physics (constant per group" in text

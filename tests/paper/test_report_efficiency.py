@@ -7,7 +7,7 @@ from paper.reading import cells, said
 
 import laticauda as lc
 from laticauda.paper import Repeat
-from laticauda.paper.report.efficiency import efficiency_chapter, efficiency_figures
+from laticauda.paper.report.efficiency import build_efficiency_chapter, draw_efficiency_figures
 from laticauda.show.reports.chapter import write_chapter
 
 
@@ -39,7 +39,7 @@ def test_the_chapter_writes_data_tables_and_figures(study, tmp_path):
         small, cases=tuple(case for case in study.cases if case.group in small.settings.groups)
     )
     small = replace(small, sweeps=tuple(first_group(sweep) for sweep in study.sweeps))
-    chapter = efficiency_chapter(small)
+    chapter = build_efficiency_chapter(small)
     assert chapter.n_figures == 2
     files, html = write_chapter(chapter, tmp_path, lambda done: None)
     assert sorted(files) == sorted(path.name for path in tmp_path.iterdir())
@@ -54,7 +54,7 @@ def first_group(sweep):
 
 
 def test_repeated_trials_are_drawn_where_they_belong(study):
-    sheets = {name: figure for name, _, figure in efficiency_figures(study, REPEATS)}
+    sheets = {name: figure for name, _, figure in draw_efficiency_figures(study, REPEATS)}
     assert [greens(ax) for ax in sheets["figure-04"].axes] == [[0.13, 0.14]] * 3
     assert [greens(ax) for ax in sheets["figure-05"].axes] == [[], [0.2, 0.22], []]
     assert [greens(ax) for ax in sheets["figure-06"].axes] == [[]] * 3
@@ -63,7 +63,7 @@ def test_repeated_trials_are_drawn_where_they_belong(study):
         "repeated trials, beside their setting",
         "their mean and standard deviation",
     ]
-    plain = next(efficiency_figures(study))[2]
+    plain = next(draw_efficiency_figures(study))[2]
     assert len(plain.legends[0].get_texts()) == len(labels) - 2
 
 
@@ -80,7 +80,7 @@ def greens(ax) -> list[float]:
 
 
 def test_the_report_counts_repeated_trials_and_tells_their_mean(study):
-    chapter = efficiency_chapter(study, REPEATS)
+    chapter = build_efficiency_chapter(study, REPEATS)
     assert "6 trials of 4 settings were given. 2 of the settings lie on a sweep" in said(chapter)
     first, *_ = cells(chapter, "repeats")
     assert (first["group"], first["trials"]) == ("lateral undulation, without fin", "2")
@@ -90,7 +90,7 @@ def test_the_report_counts_repeated_trials_and_tells_their_mean(study):
     )
     assert float(first["v: mean [m/s]"]) == pytest.approx(0.135)
     assert float(first["v: deviation [m/s]"]) == pytest.approx(np.std([0.13, 0.14], ddof=1))
-    assert "Repeated" not in said(efficiency_chapter(study))
+    assert "Repeated" not in said(build_efficiency_chapter(study))
 
 
 def test_coefficients_that_are_no_preset_are_described_too(study):
@@ -101,14 +101,14 @@ def test_coefficients_that_are_no_preset_are_described_too(study):
     changed = replace(
         study, settings=replace(study.settings, models=(own, study.settings.models[1]))
     )
-    assert "mine (C_f 0.17, C_D 1.75, C_A 1.5" in said(efficiency_chapter(changed))
+    assert "mine (C_f 0.17, C_D 1.75, C_A 1.5" in said(build_efficiency_chapter(changed))
 
 
 def test_errors_maxima_and_the_fin_are_told_from_the_numbers(study):
-    words = said(efficiency_chapter(study))
+    words = said(build_efficiency_chapter(study))
     error = study.cases[0].forward_velocity[0] / study.cases[0].measured.forward_velocity - 1.0
     assert float(
-        cells(efficiency_chapter(study), "table1")[0]["analytical-set: error [%]"]
+        cells(build_efficiency_chapter(study), "table1")[0]["analytical-set: error [%]"]
     ) == pytest.approx(100 * error)
     for text in (
         "Mean error over the 20 measured rows of Table 1: analytical-set 15.7 %",
@@ -121,7 +121,7 @@ def test_errors_maxima_and_the_fin_are_told_from_the_numbers(study):
 
 
 def test_the_tables_of_the_study_have_all_their_rows(study):
-    rows = {name: len(table) for name, table in efficiency_chapter(study).tables.items()}
+    rows = {name: len(table) for name, table in build_efficiency_chapter(study).tables.items()}
     points = sum(sweep.forward_velocity.size for sweep in study.sweeps)
     assert rows == {
         "table1": 22,
@@ -133,7 +133,7 @@ def test_the_tables_of_the_study_have_all_their_rows(study):
 
 
 def test_table_1_as_a_file_is_table_1(study):
-    first, *_ = cells(efficiency_chapter(study), "table1")
+    first, *_ = cells(build_efficiency_chapter(study), "table1")
     assert (first["amplitude [deg]"], first["frequency [deg/s]"], first["phase shift [deg]"]) == (
         "30",
         "130",

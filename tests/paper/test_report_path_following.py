@@ -5,12 +5,12 @@ import pytest
 from paper.reading import cells, said
 
 import laticauda as lc
-from laticauda.paper.report.path_following import path_following_chapter
+from laticauda.paper.report.path_following import build_path_following_chapter
 from laticauda.show.reports.chapter import write_chapter
 
 
 def words_of(study) -> str:
-    return said(path_following_chapter(study))
+    return said(build_path_following_chapter(study))
 
 
 def kept(following, largest: float, *, but: int | None = None):
@@ -34,7 +34,7 @@ def test_the_chapter_writes_tables_data_and_figures(following, tmp_path):
     small = replace(
         following, settings=replace(following.settings, groups=(one,)), cases=following.cases[:3]
     )
-    chapter = path_following_chapter(small)
+    chapter = build_path_following_chapter(small)
     drawn: list[int] = []
     files, html = write_chapter(chapter, tmp_path, drawn.append)
     assert sorted(files) == sorted(file.name for file in tmp_path.iterdir())
@@ -51,7 +51,7 @@ def test_the_chapter_writes_tables_data_and_figures(following, tmp_path):
         assert lc.load_trial(tmp_path / f"{name}.nc").equals(run)
     assert drawn == [1, 2, 3, 4, 5]
     assert chapter.n_figures == 5
-    assert path_following_chapter(following).n_figures == 14
+    assert build_path_following_chapter(following).n_figures == 14
     assert html.count("<img ") == 5 and ">nan<" not in html
 
 
@@ -151,7 +151,7 @@ def test_the_held_out_trial_is_judged_by_the_published_ranges(following):
 
 
 def test_the_tables_hold_the_numbers_of_the_study(following):
-    chapter = path_following_chapter(following)
+    chapter = build_path_following_chapter(following)
     rows = zip(
         cells(chapter, "table2"), cells(chapter, "following-trials"), following.cases, strict=True
     )
@@ -173,7 +173,9 @@ def test_the_tables_hold_the_numbers_of_the_study(following):
 
 def test_the_change_by_the_loop_is_that_of_the_steady_speeds(following):
     for row, case in zip(
-        cells(path_following_chapter(following), "following-loop"), following.cases, strict=True
+        cells(build_path_following_chapter(following), "following-loop"),
+        following.cases,
+        strict=True,
     ):
         free, steady = float(row["unsteered: steady v [m/s]"]), float(row["raw: steady v [m/s]"])
         assert free == pytest.approx(case.free_velocity)
@@ -183,4 +185,4 @@ def test_the_change_by_the_loop_is_that_of_the_steady_speeds(following):
 
 
 def test_energy_per_meter_is_given_for_every_trial_and_group(following):
-    assert len(cells(path_following_chapter(following), "following-joules")) == 16
+    assert len(cells(build_path_following_chapter(following), "following-joules")) == 16

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from laticauda.motion.gaits import eel_like
-from laticauda.paper import Experiments, SideSettings, paper_experiments, reproduce
+from laticauda.paper import Experiments, SideSettings, plan_experiments, reproduce
 from laticauda.paper.report import reproduce as module
-from laticauda.paper.report.chapter import paper_chapter
+from laticauda.paper.report.chapter import build_paper_chapter
 from laticauda.paper.report.reproduce import CHAPTERS, HALVES, RUNS
 from laticauda.robot import Parameters, load_parameters, load_robot, load_water
 from laticauda.show.reports.chapter import Chapter
@@ -22,7 +22,7 @@ from laticauda.show.reports.chapter import Chapter
 @pytest.fixture(scope="session")
 def small() -> Experiments:
     """Every study, cut down to seconds."""
-    whole = paper_experiments()
+    whole = plan_experiments()
     sweeps = tuple(replace(sweep, step=10 * sweep.step) for sweep in whole.efficiency.sweeps)
     return Experiments(
         efficiency=replace(whole.efficiency, sweeps=sweeps, models=whole.efficiency.models[:1]),
@@ -126,8 +126,10 @@ def test_one_half_leaves_the_other_out(small, tmp_path: Path, monkeypatch: pytes
         module, "RUNS", {name: lambda *args, name=name, **how: name for name in RUNS}
     )
     monkeypatch.setattr(module, "CHAPTERS", {})
-    for name in ("claims_chapter", "summary_chapter"):
-        monkeypatch.setattr(module, name, lambda *found: paper_chapter(name="words", values={}))
+    for name in ("build_claims_chapter", "build_summary_chapter"):
+        monkeypatch.setattr(
+            module, name, lambda *found: build_paper_chapter(name="words", values={})
+        )
     done = reproduce(tmp_path, small, only="path-following")
     assert set(done.results) == {"path_following"}
 
@@ -160,24 +162,24 @@ def test_a_folder_that_cannot_be_written_is_refused_before_anything_runs(
 def test_other_coefficients_reach_every_study():
     water = load_water("published-2015")
     changes = {"actuator": {"tracking": 0.5}}
-    mine = paper_experiments(
+    mine = plan_experiments(
         Parameters(name="mine", title="my numbers", every_gait=water, changes=changes)
     )
     mamba, eel = load_robot("mamba"), eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)
-    names = [model.name for model in paper_experiments().efficiency.models]
+    names = [model.name for model in plan_experiments().efficiency.models]
     assert [model.name for model in mine.efficiency.models] == ["mine", *names]
     for coefficients in (mine.side.coefficients, mine.path_following.coefficients):
         assert coefficients.name == "mine"
-        there = coefficients.scenario(mamba, eel)
+        there = coefficients.build_scenario(mamba, eel)
         assert there.robot.joints[0].actuator.tracking == 0.5
         assert there.environment == replace(water, name="mine")
-    same = paper_experiments(load_parameters("mamba-identified")).efficiency.models
+    same = plan_experiments(load_parameters("mamba-identified")).efficiency.models
     assert [model.name for model in same] == [
         "mamba-identified",
         *(one for one in names if one != "mamba-identified"),
     ]
     assert (
-        mine.efficiency.models[1].scenario(mamba, eel).robot is mamba
+        mine.efficiency.models[1].build_scenario(mamba, eel).robot is mamba
     )  # the paper's stays beside it as it is
 
 

@@ -5,20 +5,22 @@ import pytest
 
 import laticauda as lc
 from laticauda.models.simulate.runner import silent
-from laticauda.paper import Coefficients, path_following_settings
-from laticauda.paper.runs import Runs
-from laticauda.paper.settings import paper_coefficients
+from laticauda.paper import Coefficients, load_path_following_settings
+from laticauda.paper.runs import NamedScenario, Runs
+from laticauda.paper.settings import load_paper_coefficients
 from laticauda.scenarios import Planar, model_of
 from laticauda.values.errors import SimulationFailed
 
-LATERAL = path_following_settings().groups[0].followed[0].gait
-EEL = path_following_settings().groups[2].followed[0].gait
+LATERAL = load_path_following_settings().groups[0].path_following_cases[0].gait
+EEL = load_path_following_settings().groups[2].path_following_cases[0].gait
 
 
 def swimmers(coefficients: Coefficients | None = None) -> list[lc.Scenario]:
-    chosen = paper_coefficients() if coefficients is None else coefficients
+    chosen = load_paper_coefficients() if coefficients is None else coefficients
     return [
-        chosen.scenario(robot, gait) for gait in (LATERAL, EEL) for robot in ("mamba", "mamba-fin")
+        chosen.build_scenario(robot, gait)
+        for gait in (LATERAL, EEL)
+        for robot in ("mamba", "mamba-fin")
     ]
 
 
@@ -63,3 +65,17 @@ def test_how_runs_were_made_leaves_the_controller_out_and_all_are_counted():
     }
     assert runs.trial_settings["joints"] == "pd"
     assert told == [(1, 2), (2, 2)]
+
+
+def test_a_run_of_many_that_blows_up_is_named():
+    swimmer = replace(swimmers()[0], duration=20.0)
+    hopeless = replace(swimmer, motion=replace(swimmer.gait, frequency=1e9))
+    tasks = [NamedScenario("this one", swimmer), NamedScenario("that one", hopeless)]
+    with pytest.raises(SimulationFailed, match=r"^that one: "):
+        Runs(model=Planar(), progress=silent).swim_many(tasks)
+
+
+def test_a_run_of_many_that_is_too_short_for_a_steady_part_is_refused():
+    short = replace(swimmers()[0], duration=2.0)
+    with pytest.raises(ValueError, match="`time` must span at least"):
+        Runs(model=Planar(), progress=silent).swim_many([NamedScenario("this one", short)])

@@ -4,18 +4,20 @@ from math import radians
 import numpy as np
 import pytest
 
-from laticauda.paper import PARAMETERS, efficiency_settings
-from laticauda.paper.measured import efficiency_trials, measured_trial
+from laticauda.paper import PARAMETERS, load_efficiency_settings
+from laticauda.paper.measured import find_measured_trial, read_efficiency_trials
 
-SETTINGS = efficiency_settings()
+SETTINGS = load_efficiency_settings()
 
 
 def test_the_groups_hold_every_measured_trial_of_table_1_once():
     found = [
-        measured_trial(row.gait, group.has_fin) for group in SETTINGS.groups for row in group.cases
+        find_measured_trial(row.gait, group.has_fin)
+        for group in SETTINGS.groups
+        for row in group.cases
     ]
     assert len(found) == 22
-    assert [trial for trial in found if trial is not None] == list(efficiency_trials())
+    assert [trial for trial in found if trial is not None] == list(read_efficiency_trials())
 
 
 @pytest.mark.parametrize("group", SETTINGS.groups, ids=lambda group: group.name)

@@ -3,11 +3,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from laticauda.paper import fin_gains, maxima
+from laticauda.paper import find_fin_gains, find_maxima
 
 
 def test_there_are_12_maxima_and_each_is_that_of_its_sweep(study):
-    found = maxima(study)
+    found = find_maxima(study)
     assert len(found) == 12
     for entry in found:
         place = study.settings.groups.index(entry.group)
@@ -27,7 +27,7 @@ def test_the_measured_maxima_are_those_that_the_paper_stars(study):
             round(np.degrees(entry.measured_at)),
             entry.measured_velocity,
         )
-        for entry in maxima(study)
+        for entry in find_maxima(study)
     }
     assert stars["lateral undulation, without fin", "amplitude"] == (36, 0.1361)
     assert stars["lateral undulation, without fin", "frequency"] == (130, 0.1514)
@@ -36,22 +36,22 @@ def test_the_measured_maxima_are_those_that_the_paper_stars(study):
 
 
 def test_the_planar_model_is_faster_the_faster_it_undulates(study):
-    over_frequency = [entry for entry in maxima(study) if entry.parameter == "frequency"]
+    over_frequency = [entry for entry in find_maxima(study) if entry.parameter == "frequency"]
     assert all(all(entry.at_the_end) for entry in over_frequency)
 
 
 def test_the_fin_gains_follow_from_the_speeds_of_the_table(study):
-    gains = fin_gains(study.cases)
+    gains = find_fin_gains(study.cases)
     assert len(gains) == 11
     for gain in gains:
         before, after = gain.without.forward_velocity[0], gain.with_fin.forward_velocity[0]
         assert gain.without.measured.gait == gain.with_fin.measured.gait
-        change = gain.simulated(lambda case: case.forward_velocity[0])
+        change = gain.simulated_change(lambda case: case.forward_velocity[0])
         assert before * (1.0 + change / 100.0) == pytest.approx(after)
 
 
 def test_what_the_paper_prints_follows_from_its_table_but_for_one_misprint(study):
-    changes = [gain.measured for gain in fin_gains(study.cases)]
+    changes = [gain.measured for gain in find_fin_gains(study.cases)]
     ((row, misprints),) = [
         (change.with_fin, change.misprints) for change in changes if change.misprints
     ]
@@ -62,9 +62,9 @@ def test_what_the_paper_prints_follows_from_its_table_but_for_one_misprint(study
 
 def test_a_gain_without_a_measurement_is_missing_but_simulated(study):
     gait = study.cases[3].measured.gait
-    (gain,) = (gain for gain in fin_gains(study.cases) if gain.with_fin.measured.gait == gait)
+    (gain,) = (gain for gain in find_fin_gains(study.cases) if gain.with_fin.measured.gait == gait)
     assert gain.measured.velocity is None
-    assert np.isfinite(gain.simulated(lambda case: case.forward_velocity[0]))
+    assert np.isfinite(gain.simulated_change(lambda case: case.forward_velocity[0]))
 
 
 def test_a_sweep_whose_maximum_was_not_measured_has_no_entry(study):
@@ -72,4 +72,4 @@ def test_a_sweep_whose_maximum_was_not_measured_has_no_entry(study):
         replace(case, measured=replace(case.measured, forward_velocity=None))
         for case in study.cases
     )
-    assert maxima(replace(study, cases=lost)) == ()
+    assert find_maxima(replace(study, cases=lost)) == ()

@@ -3,8 +3,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from laticauda.paper import fin_gains, meter_costs, null_predictions, score_simulations
-from laticauda.paper.fin_effect import band_gains
+from laticauda.paper import (
+    compute_meter_costs,
+    find_fin_gains,
+    score_null_predictions,
+    score_simulations,
+)
+from laticauda.paper.fin_effect import simulate_band_gains
 from laticauda.paper.scores import score_study
 
 
@@ -37,7 +42,9 @@ def test_every_way_is_there_once_and_the_chosen_one_comes_first(following):
 
 
 def test_a_stride_from_table_1_predicts_table_2_to_11_percent_with_4_numbers(following):
-    errors = {score.name: (score.n_fitted, score.overall) for score in null_predictions(following)}
+    errors = {
+        score.name: (score.n_fitted, score.overall) for score in score_null_predictions(following)
+    }
     assert errors["mean stride per group"] == (4, pytest.approx(11.3, abs=0.05))
     assert errors["constant stride per group"] == (4, pytest.approx(11.7, abs=0.05))
     assert errors["constant stride + fin + eel"] == (3, pytest.approx(12.8, abs=0.05))
@@ -52,13 +59,15 @@ def test_nothing_of_table_2_goes_into_the_null_models(following):
             for case in following.cases
         ),
     )
-    for usual, other in zip(null_predictions(following), null_predictions(faster), strict=True):
+    for usual, other in zip(
+        score_null_predictions(following), score_null_predictions(faster), strict=True
+    ):
         assert usual.speeds == other.speeds
         assert usual.overall != other.overall
 
 
 def test_the_fin_changes_follow_from_the_speeds_and_powers(following):
-    gains = fin_gains(following.cases)
+    gains = find_fin_gains(following.cases)
     assert len(gains) == 6
     for gain in gains:
         before, after = gain.without, gain.with_fin
@@ -72,26 +81,26 @@ def test_the_fin_changes_follow_from_the_speeds_and_powers(following):
             ),
             (gain.measured.power, before.measured.mean_power, after.measured.mean_power),
             (
-                gain.simulated(lambda case: case.run.forward_velocity),
+                gain.simulated_change(lambda case: case.run.forward_velocity),
                 before.run.forward_velocity,
                 after.run.forward_velocity,
             ),
             (
-                gain.simulated(lambda case: case.run.mechanical_power),
+                gain.simulated_change(lambda case: case.run.mechanical_power),
                 before.run.mechanical_power,
                 after.run.mechanical_power,
             ),
         ):
             assert old * (1.0 + found / 100.0) == pytest.approx(new)
-        band = band_gains(gain)
+        band = simulate_band_gains(gain)
         assert len(band) == len(before.band)
-        assert gain.simulated(lambda case: case.run.forward_velocity) in band
+        assert gain.simulated_change(lambda case: case.run.forward_velocity) in band
 
 
 def test_the_paper_prints_two_changes_that_do_not_follow_from_its_table(following):
     wrong = [
         (gain.with_fin.figure, gain.measured.misprints)
-        for gain in fin_gains(following.cases)
+        for gain in find_fin_gains(following.cases)
         if gain.measured.misprints
     ]
     assert wrong == [
@@ -101,7 +110,7 @@ def test_the_paper_prints_two_changes_that_do_not_follow_from_its_table(followin
 
 
 def test_a_meter_of_eel_like_motion_costs_no_less_with_the_fin(following):
-    costs = meter_costs(following)
+    costs = compute_meter_costs(following)
     assert np.mean(costs["eel-like motion, without fin"][0]) == pytest.approx(574, abs=0.5)
     assert np.mean(costs["eel-like motion, with fin"][0]) == pytest.approx(590.7, abs=0.5)
     first = following.cases[0]

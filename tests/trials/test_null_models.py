@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from laticauda.paper import efficiency_trials, path_following_trials
+from laticauda.paper import read_efficiency_trials, read_path_following_trials
 from laticauda.trials.null_models import MEAN_STRIDE, PREDICTORS, Row, predict
 
-KNOWN = [trial for trial in efficiency_trials() if trial.forward_velocity is not None]
+KNOWN = [trial for trial in read_efficiency_trials() if trial.forward_velocity is not None]
 ROWS = [Row(gait=trial.gait, has_fin=trial.has_fin) for trial in KNOWN]
 SPEEDS = np.array([trial.forward_velocity for trial in KNOWN], dtype=float)
-OTHERS = [Row(gait=trial.gait, has_fin=trial.has_fin) for trial in path_following_trials()]
+OTHERS = [Row(gait=trial.gait, has_fin=trial.has_fin) for trial in read_path_following_trials()]
 
 
 @pytest.mark.parametrize("name", PREDICTORS)

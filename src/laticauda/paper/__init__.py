@@ -1,4 +1,6 @@
-"""The paper, repeated in simulation and compared with measurements on the robot; it uses all layers below.
+"""The paper, repeated in simulation and compared with measurements on the robot.
+
+It uses all layers below, by their public faces:
 
 - `measured`: what the paper printed, Tables 1 and 2.
 - `settings`: what is run, from `paper.toml`; `runs`: how a study is run, and its coefficients.
@@ -20,14 +22,14 @@ if TYPE_CHECKING:
     from laticauda.paper.claims.judge import Claim as Claim
     from laticauda.paper.efficiency import (
         EfficiencyStudy as EfficiencyStudy,
-        maxima as maxima,
+        find_maxima as find_maxima,
         run_efficiency as run_efficiency,
     )
-    from laticauda.paper.fin_effect import fin_gains as fin_gains
+    from laticauda.paper.fin_effect import find_fin_gains as find_fin_gains
     from laticauda.paper.measured import (
-        efficiency_trials as efficiency_trials,
-        measured_trial as measured_trial,
-        path_following_trials as path_following_trials,
+        read_efficiency_trials as read_efficiency_trials,
+        find_measured_trial as find_measured_trial,
+        read_path_following_trials as read_path_following_trials,
     )
     from laticauda.paper.path_following import (
         PathFollowingStudy as PathFollowingStudy,
@@ -40,19 +42,19 @@ if TYPE_CHECKING:
     )
     from laticauda.paper.report.reproduce import (
         Experiments as Experiments,
-        paper_experiments as paper_experiments,
+        plan_experiments as plan_experiments,
         reproduce as reproduce,
     )
     from laticauda.paper.runs import Coefficients as Coefficients
     from laticauda.paper.scores import (
-        meter_costs as meter_costs,
-        null_predictions as null_predictions,
+        compute_meter_costs as compute_meter_costs,
+        score_null_predictions as score_null_predictions,
         score_simulations as score_simulations,
     )
     from laticauda.paper.settings import (
         PARAMETERS as PARAMETERS,
-        efficiency_settings as efficiency_settings,
-        path_following_settings as path_following_settings,
+        load_efficiency_settings as load_efficiency_settings,
+        load_path_following_settings as load_path_following_settings,
     )
     from laticauda.paper.side_trials import (
         SideSettings as SideSettings,
@@ -63,28 +65,40 @@ __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
     {
         "laticauda.paper.claims.judge": ["Claim"],
-        "laticauda.paper.efficiency": ["EfficiencyStudy", "maxima", "run_efficiency"],
-        "laticauda.paper.fin_effect": ["fin_gains"],
+        "laticauda.paper.efficiency": ["EfficiencyStudy", "find_maxima", "run_efficiency"],
+        "laticauda.paper.fin_effect": ["find_fin_gains"],
         "laticauda.paper.measured": [
-            "efficiency_trials",
-            "measured_trial",
-            "path_following_trials",
+            "read_efficiency_trials",
+            "find_measured_trial",
+            "read_path_following_trials",
         ],
         "laticauda.paper.path_following": ["PathFollowingStudy", "run_path_following"],
         "laticauda.paper.repeats": ["Repeat", "TABLE2", "load_repeats"],
-        "laticauda.paper.report.reproduce": ["Experiments", "paper_experiments", "reproduce"],
+        "laticauda.paper.report.reproduce": ["Experiments", "plan_experiments", "reproduce"],
         "laticauda.paper.runs": ["Coefficients"],
         "laticauda.paper.scores": [
-            "meter_costs",
-            "null_predictions",
+            "compute_meter_costs",
+            "score_null_predictions",
             "score_simulations",
         ],
         "laticauda.paper.settings": [
             "PARAMETERS",
-            "efficiency_settings",
-            "path_following_settings",
+            "load_efficiency_settings",
+            "load_path_following_settings",
         ],
         "laticauda.paper.side_trials": ["SideSettings", "run_side_trials"],
     },
-    renamed={"simulated": "score_simulations"},
+    renamed={
+        "efficiency_settings": "load_efficiency_settings",
+        "efficiency_trials": "read_efficiency_trials",
+        "fin_gains": "find_fin_gains",
+        "maxima": "find_maxima",
+        "measured_trial": "find_measured_trial",
+        "meter_costs": "compute_meter_costs",
+        "null_predictions": "score_null_predictions",
+        "paper_experiments": "plan_experiments",
+        "path_following_settings": "load_path_following_settings",
+        "path_following_trials": "read_path_following_trials",
+        "simulated": "score_simulations",
+    },
 )

@@ -1,4 +1,4 @@
-"""`laticauda reproduce`: the paper's experiments in simulation, as one folder with a report and a printed summary."""
+"""`laticauda reproduce`: the paper's experiments in one folder, with a printed summary."""
 
 import os
 from collections import Counter
@@ -43,12 +43,13 @@ class Reproduce(command.Command):
         "Joint law; that of the parameters, or prescribed, if omitted", default=None
     )
     parameters: str | None = option(
-        "Preset or parameter file: its water and robots replace the paper's, which are still shown for comparison",
+        "Preset or parameter file: its water and robots replace the paper's, which are still shown "
+        "for comparison",
         default=None,
     )
     repeats: File = option(
-        "Repeated measurements (CSV: gait, config, alpha_deg, omega_deg_s, delta_deg, v_m_s, P_avg_W) to show in the "
-        "figures of the efficiency study with their scatter",
+        "Repeated measurements (CSV: gait, config, alpha_deg, omega_deg_s, delta_deg, v_m_s, "
+        "P_avg_W) to show in the figures of the efficiency study with their scatter",
         default=None,
     )
     workers: int | None = quantity(
@@ -61,7 +62,7 @@ class Reproduce(command.Command):
     def run(self) -> command.Outcome:
         """Run, and write the results."""
         from laticauda.paper.repeats import Repeat, load_repeats
-        from laticauda.paper.report.reproduce import paper_experiments, reproduce
+        from laticauda.paper.report.reproduce import plan_experiments, reproduce
         from laticauda.robot import load_parameters, load_water
 
         parameters = None
@@ -79,7 +80,7 @@ class Reproduce(command.Command):
         bar = show_progress(PROGRESS_FORMAT)
         reproduction = reproduce(
             self.output,
-            paper_experiments(parameters),
+            plan_experiments(parameters),
             only=self.only,
             model=self.model,
             joints=joints or "prescribed",
@@ -175,7 +176,7 @@ def _facts_of_case(case: "FollowingCase") -> dict[str, Any]:
 
 
 def as_text(reproduction: "Reproduction") -> str:
-    """Return as text the errors by predictor, the verdicts on the paper's claims, and the location of the report.
+    """Return as text the errors by predictor, the verdicts, and the location of the report.
 
     Args:
         reproduction: What was run and written.

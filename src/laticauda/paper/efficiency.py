@@ -15,7 +15,12 @@ from jaxtyping import Float
 from laticauda.motion import gaits
 from laticauda.paper.measured import MeasuredCase
 from laticauda.paper.runs import NamedScenario, Runs, Study
-from laticauda.paper.settings import EfficiencySettings, Group, SweepSettings, efficiency_settings
+from laticauda.paper.settings import (
+    EfficiencySettings,
+    Group,
+    SweepSettings,
+    load_efficiency_settings,
+)
 
 Curves = Float[np.ndarray, "n_models n_groups n_values"]
 CURVES = ("forward_velocity", "steady_velocity", "mechanical_power")
@@ -81,7 +86,7 @@ class EfficiencyStudy(Study[EfficiencySettings]):
         """The rows with a measured velocity."""
         return tuple(case for case in self.cases if case.measured.forward_velocity is not None)
 
-    default_settings = staticmethod(efficiency_settings)
+    default_settings = staticmethod(load_efficiency_settings)
 
     @classmethod
     def from_runs(cls, settings: EfficiencySettings, runs: Runs) -> "EfficiencyStudy":
@@ -128,7 +133,7 @@ def _run_sweep(settings: EfficiencySettings, runs: Runs, sweep: SweepSettings) -
         for value in sweep.values:
             gait = sweep.gait(group.gait, value)
             tasks += _scenarios_from_last_model(settings, runs, group, gait)
-    figures = runs.figures(tasks)
+    figures = runs.swim_many(tasks)
     shape = (len(settings.groups), sweep.values.size, -1)
     curves: dict[str, Any] = {}
     for name in CURVES:
@@ -149,8 +154,11 @@ def _scenarios_from_last_model(
     setting = "amplitude {:.3g}, frequency {:.3g}, phase shift {:.3g} [deg, deg/s]".format(*angles)
     tasks: list[NamedScenario] = []
     for coefficients in reversed(settings.models):
-        scenario = coefficients.scenario(
-            group.robot, gait, model=coefficients.driven(runs.model), duration=settings.duration
+        scenario = coefficients.build_scenario(
+            group.robot,
+            gait,
+            model=coefficients.give_joints(runs.model),
+            duration=settings.duration,
         )
         name = f"{scenario.robot.name}, {gait.kind}, {setting}, {scenario.environment.name}"
         tasks.append(NamedScenario(name, scenario))
@@ -177,10 +185,12 @@ class Maximum:
     simulated_velocity: tuple[float, ...]
     """By model, velocity of the simulation there [m/s]."""
     at_the_end: tuple[bool, ...]
-    """By model, whether this is the first or last value of the sweep, so that the maximum may lie outside the range."""
+    """By model, whether it is at an end of the sweep, so that the maximum may lie outside."""
 
     def distance(self, model: int) -> float:
-        """Return the distance between measured and simulated maximum; infinite if none is within range [rad, rad/s].
+        """Return the distance between measured and simulated maximum [rad, rad/s].
+
+        It is infinite if the simulated one is at an end of the sweep.
 
         Args:
             model: Index of the model.
@@ -190,20 +200,20 @@ class Maximum:
         return abs(self.simulated_at[model] - self.measured_at)
 
 
-def maxima(study: EfficiencyStudy) -> tuple[Maximum, ...]:
-    """Return the starred entries of Table 1 with the maxima of the simulated sweeps, group by group.
+def find_maxima(study: EfficiencyStudy) -> tuple[Maximum, ...]:
+    """Return the starred entries of Table 1 with the maxima of the simulated sweeps, by group.
 
     Args:
         study: Result of `run_efficiency`.
     """
     stars = {(case.group.name, case.measured.starred): case.measured for case in study.measured}
-    all_maxima: list[Maximum] = []
+    maxima: list[Maximum] = []
     for group_index, group in enumerate(study.settings.groups):
         for sweep in study.sweeps:
             star = stars.get((group.name, sweep.settings.parameter))
             if star is not None:
-                all_maxima.append(_find_maximum(group, sweep, star, group_index))
-    return tuple(all_maxima)
+                maxima.append(_find_maximum(group, sweep, star, group_index))
+    return tuple(maxima)
 
 
 def _find_maximum(

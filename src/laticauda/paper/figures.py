@@ -1,4 +1,4 @@
-"""Figures of the efficiency study: forward velocity and power over the parameters of the gait, as in Figs. 4 to 11.
+"""Figures of the efficiency study: velocity and power over gait parameters, as in Figs. 4 to 11.
 
 A sheet has a column of axes per swept parameter, and a row per quantity.
 """
@@ -115,7 +115,7 @@ class Panel:
         low, high = np.degrees(self.sweep.values[[0, -1]]).tolist()
         return low, high
 
-    def at(self, rows: Sequence[MeasuredCase] | Sequence[Repeat]) -> Values:
+    def find_positions(self, rows: Sequence[MeasuredCase] | Sequence[Repeat]) -> Values:
         """Return the positions of settings on the axis [deg, deg/s].
 
         Args:
@@ -151,7 +151,7 @@ def draw_panel(panel: Panel, ax: Axes, ylabel: str) -> Axes:
     return _style_panel(panel, ax, ylabel)
 
 
-def efficiency_sheet(panels: Sequence[Panel], title: str, ylabels: Sequence[str]) -> Figure:
+def draw_efficiency_sheet(panels: Sequence[Panel], title: str, ylabels: Sequence[str]) -> Figure:
     """Draw one of Figs. 4 to 11: quantities over each parameter side by side, one row per quantity.
 
     The simulated mechanical power and the measured electrical power differ by the losses of motors
@@ -201,7 +201,7 @@ def _draw_settings(panel: Panel, values: Values, ax: Axes) -> None:
         [row.starred == panel.sweep.parameter for row in panel.measured], dtype=bool
     )
     is_known = ~np.isnan(values)
-    positions = panel.at(panel.measured)
+    positions = panel.find_positions(panel.measured)
     for is_shown, look in (
         (is_known & ~is_fastest, SETTING_MARK),
         (is_known & is_fastest, FASTEST_MARK),
@@ -211,10 +211,13 @@ def _draw_settings(panel: Panel, values: Values, ax: Axes) -> None:
 
 
 def _draw_repeats(panel: Panel, values_by_setting: Sequence[Values], ax: Axes) -> None:
-    """Draw repeated trials as dots, and mean and standard deviation of several, shifted right to keep marks visible."""
+    """Draw repeated trials as dots, and the mean and deviation of several.
+
+    They are shifted to the right, so that the marks of settings stay visible.
+    """
     low, high = panel.ends
     step = BESIDE * (high - low)
-    positions = panel.at(panel.repeats).tolist()
+    positions = panel.find_positions(panel.repeats).tolist()
     for setting_at, values in zip(positions, values_by_setting, strict=True):
         known_values = values[~np.isnan(values)]
         dots_at = setting_at + step
@@ -249,7 +252,7 @@ def _style_panel(panel: Panel, ax: Axes, ylabel: str) -> Axes:
     if high > low:
         margin = MARGIN * (high - low)  # keeps a mark at the end away from the next panel
         beside = 2.0 * BESIDE * (high - low)
-        farthest = max([high, *(panel.at(panel.repeats) + beside)])
+        farthest = max([high, *(panel.find_positions(panel.repeats) + beside)])
         ax.set_xlim(low - margin, farthest + margin)
     ax.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2.5, 5, 10]))
     ax.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))

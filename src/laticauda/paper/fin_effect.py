@@ -6,7 +6,7 @@ from typing import Generic, NamedTuple, TypeVar
 
 from laticauda.motion import gaits
 from laticauda.paper.efficiency import Case, EfficiencyStudy
-from laticauda.paper.measured import PrintedChange, percent_change, printed_changes
+from laticauda.paper.measured import PrintedChange, find_printed_changes, percent_change
 from laticauda.paper.path_following import FollowingCase
 
 AnyCase = TypeVar("AnyCase", Case, FollowingCase)
@@ -29,7 +29,7 @@ class FinGain(Generic[AnyCase]):
         """Measured changes: as printed, and from the table's own numbers."""
         return PrintedChange(without=self.without.measured, with_fin=self.with_fin.measured)
 
-    def simulated(self, figure: Callable[[AnyCase], float]) -> float:
+    def simulated_change(self, figure: Callable[[AnyCase], float]) -> float:
         """Return the change of a simulated figure [%].
 
         Args:
@@ -38,14 +38,14 @@ class FinGain(Generic[AnyCase]):
         return percent_change(figure(self.without), figure(self.with_fin))
 
 
-def fin_gains(cases: Sequence[AnyCase]) -> tuple[FinGain[AnyCase], ...]:
-    """Return the changes due to the fin, for every case with the fin that has a counterpart without it.
+def find_fin_gains(cases: Sequence[AnyCase]) -> tuple[FinGain[AnyCase], ...]:
+    """Return the changes due to the fin, for every case that has a counterpart without it.
 
     Args:
         cases: Cases of a study.
     """
     case_of_row = {id(case.measured): case for case in cases}
-    changes = printed_changes([case.measured for case in cases])
+    changes = find_printed_changes([case.measured for case in cases])
     return tuple(
         FinGain(without=case_of_row[id(change.without)], with_fin=case_of_row[id(change.with_fin)])
         for change in changes
@@ -64,7 +64,7 @@ class VelocityGains(NamedTuple):
     """As simulated, by model [%]."""
 
 
-def velocity_gains_by_gait(study: EfficiencyStudy) -> dict[str, VelocityGains]:
+def find_velocity_gains(study: EfficiencyStudy) -> dict[str, VelocityGains]:
     """Return by kind of gait how much faster the fin makes the robot where measured.
 
     Args:
@@ -74,7 +74,7 @@ def velocity_gains_by_gait(study: EfficiencyStudy) -> dict[str, VelocityGains]:
     for kind in gaits.GAIT_WORDS:
         measured: list[float] = []
         gains_of_kind: list[FinGain[Case]] = []
-        for gain in fin_gains(study.cases):
+        for gain in find_fin_gains(study.cases):
             velocity = gain.measured.velocity
             if velocity is not None and gain.with_fin.group.gait == kind:
                 measured.append(velocity)
@@ -94,13 +94,13 @@ def simulate_velocity_gains(gains: Sequence[FinGain[Case]], model: int) -> list[
         gains: Pairs of cases of Table 1.
         model: Index of the model.
     """
-    return [gain.simulated(lambda case: case.forward_velocity[model]) for gain in gains]
+    return [gain.simulated_change(lambda case: case.forward_velocity[model]) for gain in gains]
 
 
 # ---- in Table 2 ----------------------------------------------------------------------------------
 
 
-def band_gains(gain: FinGain[FollowingCase]) -> list[float]:
+def simulate_band_gains(gain: FinGain[FollowingCase]) -> list[float]:
     """Return how much faster the fin makes the robot, for every combination in the band [%].
 
     Args:

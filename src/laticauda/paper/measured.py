@@ -21,7 +21,7 @@ PRINTED_TO = 0.02
 DURATION = 30.0
 """Duration of the trials of Table 1 [s]."""
 _TOLERANCE = 1e-6
-"""Tolerance of amplitude [rad], frequency [rad/s] and phase shift [rad]: the paper's are whole degrees."""
+"""Tolerance of gait parameters, as the paper's are whole degrees [rad, rad/s]."""
 _COMPARED_PARAMETERS = ("amplitude", "frequency", "phase_shift", "offset")
 _MAMBA_PRESETS = ("mamba", "mamba-fin", "mamba-modules", "mamba-modules-fin")
 
@@ -31,7 +31,7 @@ _MAMBA_PRESETS = ("mamba", "mamba-fin", "mamba-modules", "mamba-modules-fin")
 
 @dataclass(frozen=True, kw_only=True)
 class _Row(null_models.Row):
-    """Common fields of the rows of both tables; the gait is what was commanded to the joints, apart from steering."""
+    """Common fields of the rows of both tables; the gait is the commanded one, without steering."""
 
     case: int
     """Number among the cases of the same gait with the same robot, from 1 [-]."""
@@ -43,7 +43,7 @@ class _Row(null_models.Row):
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredCase(_Row, MeasuredTrial):
-    """One case of Table 1: straight and from rest; for the other fields, see `laticauda.MeasuredTrial`."""
+    """One case of Table 1, straight and from rest; more fields in `MeasuredTrial`."""
 
     starred: str | None
     """Parameter of which this is said to be the best value; None for other cases."""
@@ -80,7 +80,7 @@ class PrintedAndRecomputed(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class PrintedChange:
-    """Changes due to the fin between two rows of a table: as printed, and from the table's own numbers."""
+    """Changes due to the fin between two rows: as printed, and from the table's own numbers."""
 
     without: MeasuredRow
     """The row without the fin."""
@@ -99,7 +99,7 @@ class PrintedChange:
 
     @property
     def misprints(self) -> Mapping[str, PrintedAndRecomputed]:
-        """Printed changes of velocity or power that do not follow from the table, with the recomputed changes [%]."""
+        """Printed changes of velocity or power that do not follow from the table [%]."""
         row = self.with_fin
         misprints: dict[str, PrintedAndRecomputed] = {}
         for quantity, printed, recomputed in (
@@ -113,8 +113,8 @@ class PrintedChange:
         return misprints
 
 
-def printed_changes(rows: Sequence[MeasuredRow]) -> tuple[PrintedChange, ...]:
-    """Return the changes due to the fin, for every row with the fin that has a counterpart without it.
+def find_printed_changes(rows: Sequence[MeasuredRow]) -> tuple[PrintedChange, ...]:
+    """Return the changes due to the fin, for every row that has a counterpart without it.
 
     Args:
         rows: Rows of one table.
@@ -172,7 +172,7 @@ def _read_efficiency_row(cells: Mapping[str, str]) -> MeasuredCase:
 
 
 @cache
-def efficiency_trials() -> tuple[MeasuredCase, ...]:
+def read_efficiency_trials() -> tuple[MeasuredCase, ...]:
     """Return Table 1 of the paper, in its order, without settings that were not measured."""
     return tuple(
         row
@@ -182,7 +182,7 @@ def efficiency_trials() -> tuple[MeasuredCase, ...]:
 
 
 @cache
-def path_following_trials() -> tuple[MeasuredPathFollowing, ...]:
+def read_path_following_trials() -> tuple[MeasuredPathFollowing, ...]:
     """Return Table 2 of the paper, in its order."""
     return tuple(_read_path_following_row(cells) for cells in _read_cells("table2.csv"))
 
@@ -252,10 +252,10 @@ class Table1(MeasuredTrials):
             return None
         if not _is_mamba(robot):
             return None
-        return measured_trial(gait, robot.caudal_fin is not None)
+        return find_measured_trial(gait, robot.caudal_fin is not None)
 
 
-def measured_trial(gait: gaits.Gait, has_fin: bool) -> MeasuredCase | None:
+def find_measured_trial(gait: gaits.Gait, has_fin: bool) -> MeasuredCase | None:
     """Return the paper's trial of Mamba with this gait, or None if there is none.
 
     Args:
@@ -263,7 +263,7 @@ def measured_trial(gait: gaits.Gait, has_fin: bool) -> MeasuredCase | None:
             it must not steer.
         has_fin: Whether the robot has the caudal fin.
     """
-    for trial in efficiency_trials():
+    for trial in read_efficiency_trials():
         if trial.has_fin == has_fin and _is_same_gait(trial.gait, gait):
             return trial
     return None
@@ -282,7 +282,7 @@ def _is_mamba(robot: Robot) -> bool:
 
 
 def _as_built(robot: Robot) -> Robot:
-    """Return the robot as a workshop would build it: without name, description and numbers that models assign to it."""
+    """Return the robot as a workshop would build it, without what models assign to it."""
     fin = robot.caudal_fin
     if fin is not None:
         fin = replace(fin, tangential_friction=None, normal_drag=None, added_mass=None, n_strips=1)

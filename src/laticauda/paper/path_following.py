@@ -1,4 +1,4 @@
-"""The path-following study: the 12 trials of Table 2 in all combinations of the band, and one of another publication.
+"""The path-following study: the 12 trials of Table 2, and one of another publication.
 
 It repeats the trials behind the paper's Figs. 12 to 23 and Table 2. The paper does not say how its
 joints follow the gait, nor how fast an offset takes effect; so every case is run with each
@@ -15,7 +15,12 @@ import numpy as np
 import laticauda as lc
 from laticauda.paper.measured import MeasuredPathFollowing, percent_change
 from laticauda.paper.runs import Coefficients, Runs, Study
-from laticauda.paper.settings import Group, HeldOut, PathFollowingSettings, path_following_settings
+from laticauda.paper.settings import (
+    Group,
+    HeldOut,
+    PathFollowingSettings,
+    load_path_following_settings,
+)
 from laticauda.scenarios import Model, loop_in_words
 from laticauda.trials import TRANSIENT, Trial, following
 from laticauda.values import name_of, option, quantity, value_class
@@ -96,7 +101,7 @@ class FollowingCase:
         return min(speeds) <= self.measured.forward_velocity <= max(speeds)
 
     def change_by_the_loop(self, run: FollowingRun) -> float | None:
-        """Return the change of steady velocity caused by closing the loop; None for a run that is too short [%].
+        """Return the change of steady velocity by closing the loop; None for too short a run [%].
 
         Args:
             run: Run of this case.
@@ -126,20 +131,20 @@ class HeldOutRun:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PathFollowingStudy(Study[PathFollowingSettings]):
-    """Settings and results of the path-following study; `trial_settings` describes the chosen runs."""
+    """Settings and results of the study; `trial_settings` describes the chosen runs."""
 
     cases: tuple[FollowingCase, ...]
     """All rows of Table 2, in its order."""
     held_out: HeldOutRun
     """The trial of another publication."""
     own: "tuple[PathFollowingStudy, ...]" = ()
-    """The same study with each of the models that have their own joints, each in a single combination."""
+    """The same study with each of the models that have their own joints, in one way each."""
 
-    default_settings = staticmethod(path_following_settings)
+    default_settings = staticmethod(load_path_following_settings)
 
     @property
     def ways(self) -> "tuple[PathFollowingStudy, ...]":
-        """For each combination of the band, the study as if that were chosen; trials remain those of the chosen one."""
+        """By combination of the band, the study as if that were chosen, with the same trials."""
         studies: list[PathFollowingStudy] = []
         for index in range(len(self.cases[0].band)):
             cases = tuple(replace(case, run=case.band[index]) for case in self.cases)
@@ -160,7 +165,7 @@ class PathFollowingStudy(Study[PathFollowingSettings]):
         study = _run_study(settings, _models_of_band(settings, chosen), runs)
         own_studies: list[PathFollowingStudy] = []
         for coefficients in settings.own:
-            runs = replace(runs, model=coefficients.driven(chosen))
+            runs = replace(runs, model=coefficients.give_joints(chosen))
             own_settings = replace(settings, coefficients=coefficients, own=())
             own_studies.append(_run_study(own_settings, [runs.model], runs))
         return replace(study, own=tuple(own_studies))
@@ -184,7 +189,7 @@ def _models_of_band(settings: PathFollowingSettings, chosen: Model) -> list[Mode
 def _run_study(
     settings: PathFollowingSettings, models: list[Model], runs: Runs
 ) -> PathFollowingStudy:
-    """Run all cases with every model, of which `runs.model` is the chosen one, and the held-out trial."""
+    """Run all cases with every model, one of which is `runs.model`, and the held-out trial."""
     pool = _Pool(settings=settings, models=models, runs=runs)
     cases: list[FollowingCase] = []
     for group in settings.groups:
@@ -288,12 +293,14 @@ class _Pool:
     def run_group(self, group: Group) -> list[FollowingCase]:
         """Run all cases of a group."""
         free = _Task(
-            name=f"{group.name}, unsteered", robot=group.robot, gait=group.followed[0].gait
+            name=f"{group.name}, unsteered",
+            robot=group.robot,
+            gait=group.path_following_cases[0].gait,
         )
         free_velocity = self._swim_unsteered(free).steady_velocity
         return [
             self._run_case(group, row, figure, free_velocity)
-            for row, figure in zip(group.followed, group.figures, strict=True)
+            for row, figure in zip(group.path_following_cases, group.figures, strict=True)
         ]
 
     def _run_case(
@@ -357,7 +364,7 @@ class _Pool:
     def _swim_along_path(
         self, task: _Task, model: Model, start: lc.Start, heading_estimate: str
     ) -> Trial:
-        """Return the trial of a run along the path, which ends early after the distance of the settings."""
+        """Return the trial of a run along the path, which ends at the distance of the settings."""
         scenario = replace(
             self._unsteered_scenario(task, model),
             motion=self.settings.controller(task.gait, heading_estimate),
@@ -372,7 +379,7 @@ class _Pool:
 
     def _unsteered_scenario(self, task: _Task, model: Model) -> lc.Scenario:
         coefficients: Coefficients = self.settings.coefficients
-        return coefficients.scenario(
+        return coefficients.build_scenario(
             task.robot, task.gait, model=model, duration=self.settings.duration
         )
 

@@ -36,7 +36,7 @@ class Repeat(null_models.Row):
 
     @property
     def velocity(self) -> MeanAndDeviation:
-        """Mean and standard deviation of the forward velocity; a single trial has no deviation [m/s]."""
+        """Mean and standard deviation of the forward velocity [m/s]."""
         return MeanAndDeviation(*mean_and_deviation(self.forward_velocity))
 
     @property

@@ -36,9 +36,9 @@ class Coefficients:
     parameters: lc.Parameters | None = None
     """Parameter file from which they come, if any, with its changes to a robot."""
     n_fitted: int | None = None
-    """Number of its values that are fitted to Table 1; None if they are from the paper or another source [-]."""
+    """Number of its values that are fitted to Table 1; None if all are from another source [-]."""
     loop_delay: float | None = None
-    """Delay with the parameters' own joints, without a steering filter; None: joints and loop of the run [s]."""
+    """Delay with the parameters' own joints and no steering filter; None: those of the run [s]."""
 
     @classmethod
     def of(cls, parameters: lc.Parameters, **more: Any) -> Self:
@@ -57,7 +57,7 @@ class Coefficients:
             **more,
         )
 
-    def driven(self, model: Model) -> Model:
+    def give_joints(self, model: Model) -> Model:
         """Return the model with the joints and delay of these coefficients, if they have their own.
 
         Args:
@@ -84,8 +84,8 @@ class Coefficients:
             return water
         return lc.load_water(water)
 
-    def scenario(self, robot: lc.Robot | str, gait: lc.Gait, **more: Any) -> Scenario:
-        """Return the scenario of a robot, as changed by these parameters, in the water for its gait.
+    def build_scenario(self, robot: lc.Robot | str, gait: lc.Gait, **more: Any) -> Scenario:
+        """Return the scenario of a robot, changed by these parameters, in the water for its gait.
 
         Args:
             robot: Robot that swims, or its name (`load_robot`).
@@ -110,7 +110,7 @@ class NamedScenario(NamedTuple):
 
 @dataclass(kw_only=True)
 class Runs:
-    """Runner that swims one scenario after another, counts the runs and records how they were computed."""
+    """Runner that swims scenarios one by one, counts them and records how they were computed."""
 
     model: Model
     """Model, unless a run specifies another."""
@@ -119,7 +119,7 @@ class Runs:
     n_runs: int = 0
     """Total number of runs; a study sets it before the first one [-]."""
     trial_settings: dict[str, Setting] = field(default_factory=dict[str, Setting])
-    """How the runs were computed: model, joints, dt [s], offset_bandwidth [rad/s], ramp [s] and the like."""
+    """How the runs were computed: model, joints, dt, ramp [s], offset_bandwidth [rad/s] ..."""
     n_done: int = 0
     """Number of runs done [-]."""
 
@@ -144,8 +144,8 @@ class Runs:
         self._count_run()
         return trial
 
-    def figures(self, tasks: Sequence[NamedScenario]) -> dict[str, np.ndarray]:
-        """Return the figures of many scenarios with a fixed gait, by `lc.swim_many`; up to rounding, those of `swim`.
+    def swim_many(self, tasks: Sequence[NamedScenario]) -> dict[str, np.ndarray]:
+        """Return the figures of many scenarios with a fixed gait; up to rounding, those of `swim`.
 
         Args:
             tasks: Names and scenarios.
@@ -183,7 +183,7 @@ class Study(Generic[Settings]):
     settings: Settings
     """Settings that were run."""
     trial_settings: Mapping[str, Setting]
-    """How every run was computed: model, joints, dt [s], offset_bandwidth [rad/s], ramp [s] and the like."""
+    """How every run was computed: model, joints, dt, ramp [s], offset_bandwidth [rad/s] ..."""
     version: str = field(default_factory=lambda: packaging.__version__)
     """Version of laticauda that ran it."""
     default_settings: ClassVar[Any]

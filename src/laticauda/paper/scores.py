@@ -1,4 +1,4 @@
-"""Errors of predicted speeds against the measurements of Tables 1 and 2, compared with null models without physics.
+"""Errors of predicted speeds against Tables 1 and 2, also of null models without physics.
 
 The null models are fitted to Table 1 by least squares of the logarithm. There they are scored on
 the same rows to which they are fitted, so their errors are also given for rows that were left out
@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.paper.efficiency import Case, EfficiencyStudy
-from laticauda.paper.measured import efficiency_trials
+from laticauda.paper.measured import read_efficiency_trials
 from laticauda.paper.path_following import FollowingCase, FollowingRun, PathFollowingStudy
 from laticauda.scenarios import loop_in_words
 from laticauda.trials import PREDICTORS, Values, compared, mape, predict
@@ -23,12 +23,12 @@ from laticauda.trials import PREDICTORS, Values, compared, mape, predict
 
 @dataclass(frozen=True, kw_only=True)
 class Score:
-    """Predictions of the measured speeds of a table by one predictor, and mean absolute percentage errors (MAPE)."""
+    """Predictions of the speeds of a table, and mean absolute percentage errors (MAPE)."""
 
     name: str
-    """The predictor: a null model, a set of coefficients, or joint law, bandwidth and heading of a simulation."""
+    """The predictor: a null model, a set of coefficients, or one way to simulate, in words."""
     n_fitted: int | None
-    """Number of values fitted to Table 1; None for a simulation with coefficients from other sources [-]."""
+    """Number of values fitted to Table 1; None if all coefficients are from other sources [-]."""
     measured: tuple[float, ...]
     """Measured speed of the robot, by case that was measured [m/s]."""
     speeds: tuple[float, ...]
@@ -38,7 +38,7 @@ class Score:
     by_group: tuple[float, ...]
     """Error by group of the settings [%]."""
     leave_one_out: float | None = None
-    """Error with each row of Table 1 predicted from all others; None if nothing is fitted to the scored rows [%]."""
+    """Error with each row predicted from all others; None if nothing is fitted to them [%]."""
     leave_one_group_out: float | None = None
     """Error with each group predicted from all others; None if that is impossible [%]."""
     is_null: bool = False
@@ -60,7 +60,7 @@ def score_study(study: EfficiencyStudy | PathFollowingStudy) -> tuple[Score, ...
     """
     if isinstance(study, EfficiencyStudy):
         return _score_models(study) + _score_null_models(study)
-    return score_simulations(study) + null_predictions(study)
+    return score_simulations(study) + score_null_predictions(study)
 
 
 def find_best_null(scores: Sequence[Score]) -> Score:
@@ -151,12 +151,12 @@ class _Simulation(NamedTuple):
 
 
 def score_simulations(study: PathFollowingStudy) -> tuple[Score, ...]:
-    """Return the scores of all ways to simulate Table 2: the chosen one, the rest of the band, cycle mean, own models.
+    """Return the scores of all ways to simulate Table 2: the chosen one is first, our models last.
 
     Args:
         study: Result of `run_path_following`.
     """
-    simulations = [_Simulation(runs[0].name, None, runs) for runs in in_all_ways(study)]
+    simulations = [_Simulation(runs[0].name, None, runs) for runs in list_runs_by_way(study)]
     for own_study in study.own:
         model = own_study.settings.coefficients
         runs = [case.run for case in own_study.cases]
@@ -169,8 +169,8 @@ def score_simulations(study: PathFollowingStudy) -> tuple[Score, ...]:
     return tuple(scores)
 
 
-def in_all_ways(study: PathFollowingStudy) -> list[list[FollowingRun]]:
-    """Return the runs of all cases, way by way: the chosen one first, then the rest of the band, then the cycle mean.
+def list_runs_by_way(study: PathFollowingStudy) -> list[list[FollowingRun]]:
+    """Return the runs of all cases, way by way: the chosen one, the rest of the band, cycle mean.
 
     Args:
         study: Result of `run_path_following`.
@@ -185,13 +185,13 @@ def in_all_ways(study: PathFollowingStudy) -> list[list[FollowingRun]]:
     return ways
 
 
-def null_predictions(study: PathFollowingStudy) -> tuple[Score, ...]:
+def score_null_predictions(study: PathFollowingStudy) -> tuple[Score, ...]:
     """Return the predictions of Table 2 by the null models fitted to Table 1.
 
     Args:
         study: Result of `run_path_following`.
     """
-    fitted_rows = [row for row in efficiency_trials() if row.forward_velocity is not None]
+    fitted_rows = [row for row in read_efficiency_trials() if row.forward_velocity is not None]
     fitted_speeds = np.array([row.forward_velocity for row in fitted_rows], dtype=float)
     predicted_rows = [case.measured for case in study.cases]
     scores: list[Score] = []
@@ -201,8 +201,11 @@ def null_predictions(study: PathFollowingStudy) -> tuple[Score, ...]:
     return tuple(scores)
 
 
-def meter_costs(study: PathFollowingStudy) -> dict[str, Float[np.ndarray, "2 n_cases"]]:
-    """Return energy per meter by group: measured electrical, above idle; simulated mechanical; not comparable [J/m].
+def compute_meter_costs(study: PathFollowingStudy) -> dict[str, Float[np.ndarray, "2 n_cases"]]:
+    """Return the energy per meter of all cases by group [J/m].
+
+    The first row is measured (electrical, above idle), the second simulated (mechanical): not
+    comparable.
 
     Args:
         study: Result of `run_path_following`.

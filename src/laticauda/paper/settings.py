@@ -1,8 +1,8 @@
-"""The settings of the paper's experiments, from `paper.toml`: what is run, and related data printed in the paper.
+"""The settings of the paper's experiments, from `paper.toml`.
 
 A study has groups (one gait with one configuration of the robot), and every group has its cases,
-the rows of Table 1 or 2. `efficiency_settings` and `path_following_settings` return the settings
-that come with laticauda.
+the rows of Table 1 or 2. `load_efficiency_settings` and `load_path_following_settings` return the
+settings that come with laticauda.
 """
 
 import math
@@ -21,7 +21,7 @@ from laticauda.motion import gaits
 from laticauda.paper.measured import (
     MeasuredCase,
     MeasuredPathFollowing,
-    path_following_trials,
+    read_path_following_trials,
     read_table1,
 )
 from laticauda.paper.runs import Coefficients
@@ -42,7 +42,7 @@ PARAMETERS = ("amplitude", "frequency", "phase_shift")
 LEAST_DURATION = 15.0
 """Least duration of a run: a steady part requires 10 s and one gait cycle, 4 s in Table 2 [s]."""
 _ROUNDING = 1e-9
-"""Share of a step by which the last value of a sweep may miss the end of its range, due to rounding [-]."""
+"""Share of a step by which rounding may move the last value beyond its range [-]."""
 _SAME_VALUE = 1e-6
 """Largest difference of parameters that are the same [rad, rad/s]."""
 
@@ -83,7 +83,7 @@ class SweepSettings:
         return lc.Gait(envelope=gaits.envelope_of(kind), **angles)
 
     def contains(self, gait: lc.Gait) -> bool:
-        """Return whether a gait lies on the line of this sweep, whatever its kind and its value of the parameter.
+        """Return whether a gait lies on the line of this sweep, whatever its kind and its value.
 
         Args:
             gait: Any gait.
@@ -119,15 +119,15 @@ class Group:
         return tuple(row for row in read_table1() if row.group == self.name)
 
     @property
-    def followed(self) -> tuple[MeasuredPathFollowing, ...]:
+    def path_following_cases(self) -> tuple[MeasuredPathFollowing, ...]:
         """Its cases in Table 2, one per figure."""
-        rows = [row for row in path_following_trials() if row.group == self.name]
+        rows = [row for row in read_path_following_trials() if row.group == self.name]
         return tuple(rows[: len(self.figures)])
 
 
 @value_class
 class EfficiencySettings:
-    """Settings of the efficiency study: every sweep and every case is run for every group and set of coefficients."""
+    """Settings of the efficiency study: each group swims all sweeps and cases with each model."""
 
     duration: float = quantity("s", "Duration of every trial", gt=0.0)
     models: tuple[Coefficients, ...] = option(
@@ -167,7 +167,7 @@ class HeldOut:
 
 @value_class
 class PathFollowingSettings:
-    """Settings of the path-following study: all cases of Table 2 along the x axis, in every combination of the band."""
+    """Settings of the path-following study: all cases of Table 2, in every way of the band."""
 
     duration: float = quantity("s", "Time after which a run ends", ge=LEAST_DURATION, le=1e5)
     distance: float = quantity("m", "Progress along the path after which it ends earlier", gt=0.0)
@@ -191,7 +191,7 @@ class PathFollowingSettings:
         for name in ("joint_laws", "offset_bandwidths", "groups"):
             check_not_empty(name, getattr(self, name), "entry")
         for group in self.groups:
-            n_cases = len(group.followed)
+            n_cases = len(group.path_following_cases)
             if n_cases != len(group.figures):
                 rule = f"must be at most as many as Table 2 has cases of {group.name}, {n_cases}"
                 raise BadArgument("figures", f"{rule}, got {len(group.figures)}")
@@ -211,7 +211,7 @@ class PathFollowingSettings:
         return replace(self.following, heading_estimate=heading_estimate).controller(gait)
 
     def band(self, joints: str, offset_bandwidth: float) -> tuple[tuple[str, float], ...]:
-        """Return all combinations of joint law and bandwidth [rad/s] in which a case is run, including the chosen one.
+        """Return all combinations of joint law and bandwidth [rad/s] in which a case is run.
 
         Args:
             joints: The chosen joint law.
@@ -224,7 +224,7 @@ class PathFollowingSettings:
         return tuple(combinations)
 
     def n_runs(self, joints: str, offset_bandwidth: float) -> int:
-        """Return the number of runs in the study: bands, cycle means, unsteered runs and the held-out run.
+        """Return the number of runs: bands, cycle means, unsteered runs and the held-out run.
 
         Args:
             joints: The chosen joint law.
@@ -239,18 +239,18 @@ class PathFollowingSettings:
 
 
 @cache
-def efficiency_settings() -> EfficiencySettings:
+def load_efficiency_settings() -> EfficiencySettings:
     """Return the settings that come with laticauda; `dataclasses.replace` makes others."""
     table = _read_table("efficiency")
     for sweep in table["sweeps"]:
         angles = sweep.pop("fixed_deg")
         sweep["fixed"] = {name: math.radians(angle) for name, angle in angles.items()}
     settings = codec.decode(EfficiencySettings, table)
-    return replace(settings, models=(*settings.models, *own_models()))
+    return replace(settings, models=(*settings.models, *load_own_models()))
 
 
 @cache
-def own_models() -> tuple[Coefficients, ...]:
+def load_own_models() -> tuple[Coefficients, ...]:
     """Return the project's own models of Mamba, used in addition to the paper's coefficients."""
     models: list[Coefficients] = []
     for entry in _read_table("own"):
@@ -260,19 +260,19 @@ def own_models() -> tuple[Coefficients, ...]:
 
 
 @cache
-def path_following_settings() -> PathFollowingSettings:
+def load_path_following_settings() -> PathFollowingSettings:
     """Return the settings that come with laticauda; `dataclasses.replace` makes others."""
     table = _read_table("path_following")
     held_out = table["held_out"]
     held_out["offset"] = [math.radians(angle) for angle in held_out.pop("offset_deg")]
-    table["coefficients"] = paper_coefficients()
-    table["own"] = own_models()
+    table["coefficients"] = load_paper_coefficients()
+    table["own"] = load_own_models()
     return codec.decode(PathFollowingSettings, table)
 
 
-def paper_coefficients() -> Coefficients:
+def load_paper_coefficients() -> Coefficients:
     """Return the paper's own coefficients, by gait: the first curve of its figures."""
-    return efficiency_settings().models[0]
+    return load_efficiency_settings().models[0]
 
 
 def _read_table(study: str) -> Any:

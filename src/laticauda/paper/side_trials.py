@@ -16,7 +16,11 @@ from jaxtyping import Float
 import laticauda as lc
 from laticauda.paper.measured import percent_change
 from laticauda.paper.runs import Coefficients, Runs, Study
-from laticauda.paper.settings import SweepSettings, efficiency_settings, paper_coefficients
+from laticauda.paper.settings import (
+    SweepSettings,
+    load_efficiency_settings,
+    load_paper_coefficients,
+)
 from laticauda.scenarios import Model, Scenario
 from laticauda.values import BadArgument, option, quantity, value_class
 
@@ -27,20 +31,18 @@ SHALLOW = 0.06
 SAME_PHASE_SHIFT = "phase shift"
 SAME_WAVES = "number of waves"
 KEPT = (SAME_PHASE_SHIFT, SAME_WAVES)
-"""What the longer robot may have in common with the shorter one, besides amplitude and frequency."""
+"""What a longer robot may have in common with a shorter one, besides amplitude and frequency."""
 
 
 def _paper_phase_shifts() -> SweepSettings:
-    for sweep in efficiency_settings().sweeps:
-        if sweep.parameter == "phase_shift":
-            return sweep
-    raise AssertionError("the settings of the efficiency study have a sweep of the phase shift")
+    sweeps = load_efficiency_settings().sweeps
+    return next(sweep for sweep in sweeps if sweep.parameter == "phase_shift")
 
 
 def _fastest_gaits() -> tuple[lc.Gait, ...]:
     """Return the gaits of the highest frequency in Table 1 without fin."""
     gaits: list[lc.Gait] = []
-    for group in efficiency_settings().groups:
+    for group in load_efficiency_settings().groups:
         if not group.has_fin:
             gaits += [row.gait for row in group.cases]
     highest_frequency = max(gait.frequency for gait in gaits)
@@ -71,7 +73,7 @@ class SideSettings:
     )
     duration: float = quantity("s", "Duration of every trial", gt=0.0, default=30.0)
     coefficients: Coefficients = option(
-        "Water by gait; the paper's if omitted", default_factory=paper_coefficients
+        "Water by gait; the paper's if omitted", default_factory=load_paper_coefficients
     )
 
     def __post_init__(self) -> None:
@@ -109,9 +111,9 @@ class SideTrials(Study[SideSettings]):
     pd_velocity: Float[np.ndarray, " n_values"]
     """Forward velocity of lateral undulation over the phase shifts with pd joints [m/s]."""
     by_added_inertia: Mapping[str, float]
-    """By gait, change of the forward velocity when the added inertia C_M is 0 instead of the water's [%]."""
+    """By gait, change of the forward velocity when the added inertia C_M is 0 [%]."""
     by_depth: Mapping[str, float]
-    """By gait, change of the forward velocity just below the surface, relative to deep water [%]."""
+    """By gait, change of the forward velocity just below the surface [%]."""
     doublings: tuple[Doubling, ...]
     """Doublings, ordered by gait and then by what they have in common."""
 
@@ -201,7 +203,7 @@ class _Pool:
     def _scenario(
         self, gait: lc.Gait, *, model: Model | None = None, n_links: int | None = None
     ) -> Scenario:
-        return self.settings.coefficients.scenario(
+        return self.settings.coefficients.build_scenario(
             lc.load_robot(ROBOT, n_links=n_links),
             gait,
             model=model if model is not None else self.runs.model,

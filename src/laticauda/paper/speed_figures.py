@@ -42,7 +42,7 @@ SPEED_MARKS = {
     ),
     "null": style.marker_style("|", 13.0, style.GRAY, markeredgewidth=2.0, zorder=1),
 }
-"""Marks of other speeds: measured, of the chosen run, with the cycle-mean heading, and without physics."""
+"""Marks of other speeds, among them that of the chosen run and that without physics."""
 RANGE: dict[str, Any] = {
     "color": "#C9DDEA",
     "linewidth": 5.0,
@@ -61,7 +61,7 @@ class LabeledSpeeds(NamedTuple):
     """Speed by trial [m/s]."""
 
 
-def following_speeds_sheet(
+def draw_speeds_sheet(
     rows: Sequence[FollowingCase], title: str, *, chosen: str, null: LabeledSpeeds
 ) -> Figure:
     """Draw the speeds of trials with a title and a legend.
@@ -75,7 +75,7 @@ def following_speeds_sheet(
     n_groups = len({row.group.name for row in rows})
     height = AROUND + ROW_HEIGHT * (len(rows) + GAP * n_groups)
     figure = style.new_figure(style.DOUBLE_COLUMN, height)
-    following_speeds(rows, null.speeds, figure.subplots())
+    draw_following_speeds(rows, null.speeds, figure.subplots())
     labels = {
         "measured": "measured in the tank",
         "chosen": chosen,
@@ -94,8 +94,8 @@ def following_speeds_sheet(
     return figure
 
 
-def following_speeds(rows: Sequence[FollowingCase], null: Sequence[float], ax: Axes) -> Axes:
-    """Draw the speeds of trials, one trial below the other, with a mark per simulation and a line over their range.
+def draw_following_speeds(rows: Sequence[FollowingCase], null: Sequence[float], ax: Axes) -> Axes:
+    """Draw the speeds of trials, one below the other: marks, and a line over the simulated range.
 
     Args:
         rows: Cases from top to bottom; those of a group are consecutive.

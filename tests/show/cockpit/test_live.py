@@ -8,7 +8,7 @@ import laticauda as lc
 from laticauda.control import StraightLine
 from laticauda.motion.gaits import EelLike
 from laticauda.motion.joints.laws import PD
-from laticauda.paper.measured import efficiency_trials
+from laticauda.paper.measured import read_efficiency_trials
 from laticauda.scenarios import Experiment
 from laticauda.show.cockpit import Live, read_figures
 from laticauda.show.cockpit.buffer import RingBuffer
@@ -234,7 +234,7 @@ def test_the_paper_stands_beside_its_own_trials_only(live):
         assert find_measured(adapt_scenario(live.scenario, **change)) is None
 
 
-@pytest.mark.parametrize("case", efficiency_trials())
+@pytest.mark.parametrize("case", read_efficiency_trials())
 def test_every_trial_of_the_paper_is_known_when_its_sliders_are_set(case):
     robot = lc.load_robot("mamba-fin" if case.has_fin else "mamba")
     shown = {

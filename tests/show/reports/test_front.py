@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.paper import efficiency_settings
+from laticauda.paper import load_efficiency_settings
 from laticauda.show.reports.front import front_figure, measured_points, write_front_figure
 from laticauda.studies import Front, Optimization, optimize
 
@@ -47,7 +47,7 @@ def test_the_papers_gaits_are_simulated_like_the_points_of_the_front(found: Fron
     points = measured_points(found)
     group = next(
         one
-        for one in efficiency_settings().groups
+        for one in load_efficiency_settings().groups
         if (one.gait, one.robot) == ("lateral_undulation", "mamba")
     )
     assert len(points) == len(group.cases)

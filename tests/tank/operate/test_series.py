@@ -8,7 +8,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.paper import TABLE2, load_repeats
-from laticauda.paper.measured import path_following_trials
+from laticauda.paper.measured import read_path_following_trials
 from laticauda.tank.operate.series import run_series
 from laticauda.tank.operate.session import Result
 from laticauda.tank.operate.settings import Operation, SeriesFile, load_operation
@@ -49,7 +49,7 @@ def small(**changes) -> SeriesFile:
 
 def test_the_papers_table_2_is_a_series_of_its_twelve_starts():
     series = load_operation(TABLE2)
-    measured = path_following_trials()
+    measured = read_path_following_trials()
     assert len(series.trials) == len(measured) == 12
     for operation, row in zip(series.trials, measured, strict=True):
         assert operation.gait == row.gait

@@ -1,4 +1,4 @@
-"""The paper's claims, judged by the results of the studies, and the paper's misprints and contradictions.
+"""The paper's claims, judged by the results of the studies, and the paper's misprints.
 
 `claims.toml` holds the claims: what the paper says, a rule, the numbers that the rule is about, and
 a template for the sentence that tells them. The modules:

@@ -1,4 +1,4 @@
-"""The numbers of the efficiency study that claims refer to: effect of the fin, agreement, trends."""
+"""Numbers of the efficiency study that claims refer to: effect of the fin, agreement, trends."""
 
 import math
 from collections.abc import Mapping
@@ -13,8 +13,8 @@ from laticauda.paper.claims.printed_numbers import (
     collect_table_numbers,
     energy_change,
 )
-from laticauda.paper.efficiency import EfficiencyStudy, Maximum, SweepResult, maxima
-from laticauda.paper.fin_effect import fin_gains, simulate_velocity_gains, velocity_gains_by_gait
+from laticauda.paper.efficiency import EfficiencyStudy, Maximum, SweepResult, find_maxima
+from laticauda.paper.fin_effect import find_fin_gains, find_velocity_gains, simulate_velocity_gains
 from laticauda.paper.measured import percent_change
 from laticauda.paper.scores import Score, find_best_null, score_study
 
@@ -45,23 +45,23 @@ def collect_efficiency_numbers(study: EfficiencyStudy) -> Numbers:
 
 def _describe_maxima(study: EfficiencyStudy) -> Numbers:
     """Return where the sweeps are fastest [deg, deg/s]."""
-    all_maxima = maxima(study)
-    phase_shift = _find_phase_shift_maximum(study, all_maxima)
-    distances = [maximum.distance(study.judged) - _ROUNDING for maximum in all_maxima]
+    maxima = find_maxima(study)
+    phase_shift = _find_phase_shift_maximum(study, maxima)
+    distances = [maximum.distance(study.judged) - _ROUNDING for maximum in maxima]
     return {
         "optimum": math.degrees(phase_shift.simulated_at[study.judged]),
         "measured_optimum": math.degrees(phase_shift.measured_at),
         "distances": [math.degrees(distance) for distance in distances],
-        "at_the_end": [maximum.at_the_end[study.judged] for maximum in all_maxima],
+        "at_the_end": [maximum.at_the_end[study.judged] for maximum in maxima],
     }
 
 
-def _find_phase_shift_maximum(study: EfficiencyStudy, all_maxima: tuple[Maximum, ...]) -> Maximum:
-    """Return the maximum over the phase shift of the first group, lateral undulation without fin."""
+def _find_phase_shift_maximum(study: EfficiencyStudy, maxima: tuple[Maximum, ...]) -> Maximum:
+    """Return the maximum over the phase shift of the first group."""
     first_group = study.settings.groups[0]
     return next(
         maximum
-        for maximum in all_maxima
+        for maximum in maxima
         if maximum.parameter == "phase_shift" and maximum.group == first_group
     )
 
@@ -82,7 +82,7 @@ class GainRow(NamedTuple):
 
 def _describe_fin(study: EfficiencyStudy) -> Numbers:
     """Return the changes due to the fin [%]."""
-    gains = fin_gains(study.cases)
+    gains = find_fin_gains(study.cases)
     gains_with_velocity = [gain for gain in gains if gain.measured.velocity is not None]
 
     gain_rows: list[GainRow] = []
@@ -102,7 +102,7 @@ def _describe_fin(study: EfficiencyStudy) -> Numbers:
 
     simulated_velocity = simulate_velocity_gains(gains, study.judged)
     simulated_power = [
-        gain.simulated(lambda case: case.mechanical_power[study.judged]) for gain in gains
+        gain.simulated_change(lambda case: case.mechanical_power[study.judged]) for gain in gains
     ]
     simulated_energy = [
         energy_change(power, velocity)
@@ -130,7 +130,7 @@ def _describe_gains_by_gait(study: EfficiencyStudy) -> Numbers:
             "by_model": gains.by_model,
             "simulated": gains.by_model[study.judged_model],
         }
-        for kind, gains in velocity_gains_by_gait(study).items()
+        for kind, gains in find_velocity_gains(study).items()
     }
 
 
@@ -183,7 +183,7 @@ class PaperErrors(NamedTuple):
 
 
 def _find_paper_errors(study: EfficiencyStudy, scores: tuple[Score, ...]) -> dict[str, PaperErrors]:
-    """Return the errors with the paper's coefficients for groups with the fin; none if they were not all run."""
+    """Return by group with the fin the errors with the paper's coefficients, if all were run."""
     score_of_model = dict(zip(study.models, scores, strict=False))
     if ANALYTICAL_SET not in score_of_model or VORTEX_SET not in score_of_model:
         return {}
@@ -243,7 +243,7 @@ def _describe_trends(study: EfficiencyStudy) -> Numbers:
 def _measured_velocities_by_frequency(
     study: EfficiencyStudy, sweep: SweepResult
 ) -> Mapping[str, dict[int, float]]:
-    """Return the measured forward velocity [m/s] by group, then by frequency [deg/s], on the line of a sweep."""
+    """Return measured velocities [m/s] on the line of a sweep by group and frequency [deg/s]."""
     velocities: dict[str, dict[int, float]] = {group.name: {} for group in study.settings.groups}
     for case in study.measured:
         gait = case.measured.gait
@@ -254,7 +254,7 @@ def _measured_velocities_by_frequency(
 
 
 def _rank_power_alike(study: EfficiencyStudy, group: str) -> list[bool]:
-    """Return for each pair of settings of a group whether measured and simulated power rank it alike."""
+    """Return for each pair of settings whether measured and simulated power rank it alike."""
     cases = [
         case
         for case in study.cases

@@ -1,4 +1,4 @@
-"""The numbers of the path-following study that claims refer to: way to the path, headings, speeds."""
+"""Numbers of the path-following study that claims refer to: way to the path, headings, speeds."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -10,7 +10,7 @@ import numpy as np
 from laticauda import scenarios
 from laticauda.motion import gaits
 from laticauda.paper.claims.printed_numbers import Numbers
-from laticauda.paper.fin_effect import band_gains, fin_gains
+from laticauda.paper.fin_effect import find_fin_gains, simulate_band_gains
 from laticauda.paper.path_following import FollowingCase, FollowingRun, PathFollowingStudy
 from laticauda.trials import following as figures_of_path
 
@@ -26,10 +26,10 @@ def collect_following_numbers(study: PathFollowingStudy) -> Numbers:
     ripples = [figure["ripple"] for figure in figures]
     heading_errors = [_measure_heading_errors(case) for case in study.cases]
     convergence = _compare_convergence(study)
-    gains = fin_gains(study.cases)
+    gains = find_fin_gains(study.cases)
     all_band_gains: list[float] = []
     for gain in gains:
-        all_band_gains += band_gains(gain)
+        all_band_gains += simulate_band_gains(gain)
     return {
         "setup": _describe_setup(study),
         "all": _describe_convergence(study, study.cases),
@@ -42,7 +42,7 @@ def collect_following_numbers(study: PathFollowingStudy) -> Numbers:
         "convergence": convergence,
         "later_with_fin": [row.with_fin - row.without for row in convergence],
         "gain": [gain.measured.velocity for gain in gains],
-        "simulated_gain": [gain.simulated(_simulated_velocity) for gain in gains],
+        "simulated_gain": [gain.simulated_change(_simulated_velocity) for gain in gains],
         "band_gain": all_band_gains,
         "spreads": {name: _spread_in_groups(study, figure) for name, figure in FIGURES.items()},
     }
@@ -113,14 +113,14 @@ def _describe_convergence(study: PathFollowingStudy, cases: Sequence[FollowingCa
 
 
 def _late_error(run: FollowingRun) -> float:
-    """Return the root mean square of the cycle-mean error over the last third; infinite if there is none [m]."""
+    """Return the rms of the cycle-mean error over the last third; infinite if there is none [m]."""
     if run.last_third_rms is None:
         return math.inf
     return run.last_third_rms
 
 
 class ConvergenceRow(NamedTuple):
-    """Mean over the cases of a gait until the path is reached, infinite if it is not reached in all of them."""
+    """Mean over a gait's cases until the path is reached; infinite if one does not reach it."""
 
     gait: str
     """The gait, in words."""

@@ -1,4 +1,8 @@
-"""All claims of the paper, judged by the available studies: one procedure for all claims in `claims.toml`."""
+"""All claims of the paper, judged by the available studies.
+
+One procedure serves all claims in `claims.toml`: collect the numbers of the studies, tell those
+that the claim is about in a sentence, and check the parts of its rule.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -36,7 +40,7 @@ class Claim:
     paper: str
     """What the paper says, in our words and with its numbers."""
     evidence: str
-    """Numbers relevant to it, from the paper's tables and from the simulation, with the joint law."""
+    """Numbers relevant to it, from the paper's tables and the simulation, with the joint law."""
     rule: str
     """Condition for it to hold; all parts must be met, and it holds in part if only some are."""
     verdict: Verdict
@@ -90,7 +94,7 @@ def load_claims(*studies: Study[Any]) -> tuple[Claim, ...]:
 
 
 def judge_parts(*parts_met: bool) -> Verdict:
-    """Return the verdict on a claim with these parts: all must be met; a claim without parts is not tested.
+    """Return the verdict on a claim: all parts must be met; without parts it is not tested.
 
     Args:
         parts_met: Whether each part is met.
@@ -154,7 +158,7 @@ def _collect_numbers(*studies: Study[Any]) -> Numbers:
 
 
 def _collect_numbers_of_ways(numbers: Numbers, *studies: Study[Any]) -> list[Numbers]:
-    """Return the same numbers for each way of the path-following study, as if that were the chosen one."""
+    """Return the numbers for each way of the path-following study, as if that were chosen."""
     numbers_of_ways: list[Numbers] = []
     for study in studies:
         if isinstance(study, PathFollowingStudy):

@@ -15,9 +15,9 @@ from laticauda.paper.measured import (
     MeasuredRow,
     PrintedAndRecomputed,
     PrintedChange,
-    efficiency_trials,
-    path_following_trials,
-    printed_changes,
+    find_printed_changes,
+    read_efficiency_trials,
+    read_path_following_trials,
 )
 
 
@@ -34,10 +34,10 @@ class Misprint:
 
 
 def find_misprints() -> tuple[Misprint, ...]:
-    """Return misprints and contradictions of the paper; those in its numbers are recomputed from its tables."""
+    """Return misprints and contradictions of the paper."""
     return (
-        *_find_misprinted_changes(1, efficiency_trials()),
-        *_find_misprinted_changes(2, path_following_trials()),
+        *_find_misprinted_changes(1, read_efficiency_trials()),
+        *_find_misprinted_changes(2, read_path_following_trials()),
         *_find_equal_speeds(),
         *_read_misprints(),
     )
@@ -78,7 +78,7 @@ _COLUMNS = {
 def _find_misprinted_changes(table: int, rows: Sequence[MeasuredRow]) -> list[Misprint]:
     """Return printed changes due to the fin that do not follow from the rows of a table."""
     misprints: list[Misprint] = []
-    for change in printed_changes(rows):
+    for change in find_printed_changes(rows):
         for quantity, values in change.misprints.items():
             misprints.append(_describe_misprinted_change(table, change, quantity, values))
     return misprints
@@ -107,7 +107,7 @@ def _describe_misprinted_change(
 def _find_equal_speeds() -> list[Misprint]:
     """Return pairs of settings of one group with the same speed to four digits."""
     misprints: list[Misprint] = []
-    rows = [row for row in efficiency_trials() if row.forward_velocity is not None]
+    rows = [row for row in read_efficiency_trials() if row.forward_velocity is not None]
     for first, second in combinations(rows, 2):
         if first.group != second.group or first.forward_velocity != second.forward_velocity:
             continue

@@ -1,15 +1,18 @@
-"""Numbers of claims that need no study: from the paper's Table 2, from the robots, and from a campaign."""
+"""Numbers of claims that need no study: from Table 2, from the robots, and from a campaign."""
 
 from typing import Any
 
-from laticauda.paper.measured import path_following_trials, printed_changes
+from laticauda.paper.measured import find_printed_changes, read_path_following_trials
 from laticauda.robot import load_robot, load_water
 
 Numbers = dict[str, Any]
 """Numbers by the names that `claims.toml` uses."""
 
 MODELS: Numbers = {"dt": 0.0005, "path": 1.8e-5}
-"""Difference between planar and spatial model over the distance, at a step [s]; result of campaigns/parity.py."""
+"""Difference between the paths of planar and spatial model over the distance [-], at a step [s].
+
+It is a result of campaigns/parity.py.
+"""
 
 N_PRINTED_LINKS = 20
 """Number of links of the robot, as section 2 of the paper prints it."""
@@ -20,7 +23,7 @@ def collect_table_numbers() -> Numbers:
     velocity_changes: list[float] = []
     power_changes: list[float] = []
     energy_changes: list[float] = []
-    for change in printed_changes(path_following_trials()):
+    for change in find_printed_changes(read_path_following_trials()):
         assert change.velocity is not None and change.power is not None  # Table 2 lacks none
         velocity_changes.append(change.velocity)
         power_changes.append(change.power)
@@ -39,7 +42,7 @@ def energy_change(power_change: float, velocity_change: float) -> float:
 
 
 def collect_robot_numbers() -> Numbers:
-    """Return how much longer the fin makes the robot [%], and the coefficients that the paper identified."""
+    """Return how much longer the fin makes the robot [%], and coefficients that the paper found."""
     robot = load_robot("mamba-fin")
     modular_robot = load_robot("mamba-modules-fin")
     assert robot.caudal_fin is not None

@@ -1,4 +1,4 @@
-"""Rules of claims: a rule has parts, and each part is a condition that the numbers of a study must meet.
+"""Rules of claims: each part of a rule is a condition that numbers of a study must meet.
 
 In `claims.toml` a part is `{ of = "study.number", at_most = 10.0 }`: the path to one or several
 numbers, and one of `RULES` with its limit. With `each` in place of `of`, every number is a part of
@@ -60,7 +60,7 @@ def is_median_at_least(values: Values, limit: float) -> bool:
 
 
 def do_span(values: Values, ends: Ends) -> bool:
-    """Return whether smallest and largest value are the ends of a range, as precisely as the paper prints them."""
+    """Return whether the values span a range, as precisely as the paper prints its ends."""
     extremes = [values.min(), values.max()]
     return bool(np.allclose(extremes, ends, rtol=0.0, atol=PRINTED_TO))
 
@@ -93,7 +93,7 @@ def check_parts(entry: Entry, numbers: Mapping[str, Any]) -> list[bool]:
 
 
 def check_part(part: Mapping[str, Any], numbers: Mapping[str, Any]) -> list[bool]:
-    """Return whether the numbers of a part meet it, all together or, if it says `each`, individually.
+    """Return whether the numbers of a part meet it: together or, if it says `each`, one by one.
 
     Args:
         part: Path to the numbers, and the rule.

@@ -1,4 +1,4 @@
-"""The sentences that tell the numbers of a claim: Jinja2 templates in `claims.toml`, with filters of their own."""
+"""Sentences that tell the numbers of a claim: templates in `claims.toml`, and their filters."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.paper.report.chapter import paper_templates
+from laticauda.paper.report.chapter import load_paper_templates
 from laticauda.show.reports import in_digits
 
 
@@ -24,7 +24,7 @@ def fill_in(template: str, numbers: Mapping[str, Any]) -> str:
 
 @cache
 def _compile_template(template: str) -> Any:
-    environment = paper_templates().overlay(autoescape=False)
+    environment = load_paper_templates().overlay(autoescape=False)
     environment.filters = {**environment.filters, **FILTERS}
     return environment.from_string(template)
 

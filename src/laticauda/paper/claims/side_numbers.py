@@ -27,7 +27,7 @@ class DoublingRow(NamedTuple):
 
 
 def collect_side_numbers(study: SideTrials) -> Numbers:
-    """Return the findings of the side trials: changes in %, and the factor of power for twice the links.
+    """Return the findings of the side trials: changes [%], and factors for twice the links [-].
 
     Args:
         study: Result of `run_side_trials`.

@@ -9,23 +9,23 @@ from laticauda.show.reports import Chapter, load_templates
 
 
 @cache
-def paper_templates() -> Any:
+def load_paper_templates() -> Any:
     """Return the Jinja2 environment that renders the paper's templates.
 
     Raises:
         MissingExtra: If Jinja2 is not installed.
     """
     environment = load_templates("laticauda.paper.report")
-    environment.filters |= {"cm": _format_centimeters, "figs": figure_numbers}
+    environment.filters |= {"cm": _format_centimeters, "figs": format_figure_numbers}
     environment.globals["words"] = GAIT_WORDS
     return environment
 
 
-paper_chapter = partial(Chapter, templates=paper_templates)
+build_paper_chapter = partial(Chapter, templates=load_paper_templates)
 """A chapter of the paper's report."""
 
 
-def figure_numbers(numbers: Sequence[int]) -> str:
+def format_figure_numbers(numbers: Sequence[int]) -> str:
     """Format numbers of figures, consecutive ones as a range: "Figs. 12, 14 to 16 and 18".
 
     Args:

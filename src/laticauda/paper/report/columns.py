@@ -1,4 +1,4 @@
-"""Columns of the report's tables: `columns.toml` says what each shows, and `build_row` fills them in.
+"""Columns of the report's tables: `columns.toml` says what each shows; `build_row` fills them.
 
 There, a column is its title and the path from the object that the row describes to the value that
 the column shows, such as "measured.initial_heading deg". After the path stands what the stored
@@ -35,7 +35,7 @@ def _read_columns() -> Mapping[str, Mapping[str, str]]:
 
 
 def _follow_path(subject: object, path: str) -> Any:
-    """Return what attributes of objects and items of mappings lead to; None if one on the way is None."""
+    """Return what attributes and items lead to; None if one on the way is None."""
     value: Any = subject
     for name in path.split("."):
         if value is None:

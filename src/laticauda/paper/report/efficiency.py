@@ -1,14 +1,14 @@
-"""The efficiency study for readers: its tables, its figures, and the values in its chapter of the report."""
+"""The efficiency study for readers: tables, figures, and values in its chapter of the report."""
 
 import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from laticauda.paper.efficiency import EfficiencyStudy, Maximum, SweepResult, maxima
-from laticauda.paper.fin_effect import fin_gains, velocity_gains_by_gait
+from laticauda.paper.efficiency import EfficiencyStudy, Maximum, SweepResult, find_maxima
+from laticauda.paper.fin_effect import find_fin_gains, find_velocity_gains
 from laticauda.paper.measured import percent_change
 from laticauda.paper.repeats import Repeat
-from laticauda.paper.report.chapter import paper_chapter
+from laticauda.paper.report.chapter import build_paper_chapter
 from laticauda.paper.report.columns import build_row, convert_to_degrees
 from laticauda.paper.report.shared_rows import (
     build_error_rows,
@@ -30,49 +30,49 @@ _ROUNDING = 1e-9
 """Margin for rounding [rad, rad/s]."""
 
 
-def efficiency_chapter(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -> Chapter:
+def build_efficiency_chapter(study: EfficiencyStudy, repeats: Sequence[Repeat] = ()) -> Chapter:
     """Return the study's contribution to the folder and the report.
 
     Args:
         study: Result of `run_efficiency`.
         repeats: Repeated trials to draw next to the paper's (`load_repeats`).
     """
-    return paper_chapter(
+    return build_paper_chapter(
         name="efficiency",
         values={"study": study, "repeats": repeats, **_collect_values(study, repeats)},
         tables=_build_tables(study, repeats),
         n_figures=sum(len(group.figures) for group in study.settings.groups),
-        figures=lambda: efficiency_figures(study, repeats),
+        figures=lambda: draw_efficiency_figures(study, repeats),
     )
 
 
 def _collect_values(study: EfficiencyStudy, repeats: Sequence[Repeat]) -> dict[str, Any]:
     """Return the values used in the sentences of the chapter."""
     scores = score_study(study)
-    all_maxima = maxima(study)
+    maxima = find_maxima(study)
     models = range(len(study.models))
     return {
         "physical": [score for score in scores if not score.is_null],
         "best": find_best_null(scores),
-        "n_maxima": len(all_maxima),
-        "n_near": [_count_near(all_maxima, model) for model in models],
-        "n_at_end": [_count_at_the_end(all_maxima, model) for model in models],
+        "n_maxima": len(maxima),
+        "n_near": [_count_near(maxima, model) for model in models],
+        "n_at_end": [_count_at_the_end(maxima, model) for model in models],
         "fin": {
-            kind: gains for kind, gains in velocity_gains_by_gait(study).items() if gains.measured
+            kind: gains for kind, gains in find_velocity_gains(study).items() if gains.measured
         },
-        "misprinted": list_misprinted_changes(fin_gains(study.cases)),
+        "misprinted": list_misprinted_changes(find_fin_gains(study.cases)),
         "n_repeats_shown": sum(_is_shown_in_any_panel(repeat, study) for repeat in repeats),
     }
 
 
-def _count_near(all_maxima: Sequence[Maximum], model: int) -> int:
+def _count_near(maxima: Sequence[Maximum], model: int) -> int:
     """Return the number of simulated maxima near the measured ones."""
-    return sum(maximum.distance(model) <= NEAR + _ROUNDING for maximum in all_maxima)
+    return sum(maximum.distance(model) <= NEAR + _ROUNDING for maximum in maxima)
 
 
-def _count_at_the_end(all_maxima: Sequence[Maximum], model: int) -> int:
+def _count_at_the_end(maxima: Sequence[Maximum], model: int) -> int:
     """Return the number of simulated maxima at the end of their range."""
-    return sum(maximum.at_the_end[model] for maximum in all_maxima)
+    return sum(maximum.at_the_end[model] for maximum in maxima)
 
 
 # ---- tables --------------------------------------------------------------------------------------
@@ -112,7 +112,7 @@ def _build_table1(study: EfficiencyStudy) -> list[Row]:
 
 def _build_maxima_table(study: EfficiencyStudy) -> list[Row]:
     rows: list[Row] = []
-    for maximum in maxima(study):
+    for maximum in find_maxima(study):
         row = build_row("maxima", maximum)
         for index, model in enumerate(study.models):
             fastest_at = convert_to_degrees(maximum.simulated_at[index])
@@ -125,7 +125,7 @@ def _build_maxima_table(study: EfficiencyStudy) -> list[Row]:
 
 def _build_fin_table(study: EfficiencyStudy) -> list[Row]:
     rows: list[Row] = []
-    for gain in fin_gains(study.cases):
+    for gain in find_fin_gains(study.cases):
         simulated: Row = {}
         for index, model in enumerate(study.models):
             simulated[f"{model}: v [%]"] = percent_change(
@@ -164,7 +164,7 @@ def _build_sweeps_table(study: EfficiencyStudy) -> list[Row]:
 # ---- figures -------------------------------------------------------------------------------------
 
 
-def efficiency_figures(
+def draw_efficiency_figures(
     study: EfficiencyStudy, repeats: Sequence[Repeat] = ()
 ) -> Iterator[tuple[str, str, "Figure"]]:
     """Yield the study's Figs. 4 to 11 one by one: file name, caption and figure.
@@ -173,21 +173,21 @@ def efficiency_figures(
         study: Result of `run_efficiency`.
         repeats: Repeated trials to draw next to the paper's.
     """
-    from laticauda.paper.figures import POWERS, VELOCITY, efficiency_sheet
+    from laticauda.paper.figures import POWERS, VELOCITY, draw_efficiency_sheet
 
     axis_labels = {"Forward velocity": VELOCITY, "Power": POWERS}
     for group_index, group in enumerate(study.settings.groups):
         panels = [_build_panel(study, sweep, group_index, repeats) for sweep in study.sweeps]
         for number, subject in zip(group.figures, axis_labels, strict=True):
             title = f"{subject}: {group.name}"
-            sheet = efficiency_sheet(panels, title, axis_labels[subject])
+            sheet = draw_efficiency_sheet(panels, title, axis_labels[subject])
             yield f"figure-{number:02d}", f"{title} (Fig. {number} of the paper).", sheet
 
 
 def _build_panel(
     study: EfficiencyStudy, sweep: SweepResult, group_index: int, repeats: Sequence[Repeat]
 ) -> "Panel":
-    """Return one panel: the curves of one group, and the rows of Table 1 and repeated trials that lie on this sweep."""
+    """Return one panel: curves of a group, and rows and repeated trials that lie on this sweep."""
     from laticauda.paper.figures import Panel
 
     group = study.settings.groups[group_index]

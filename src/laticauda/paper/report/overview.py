@@ -10,7 +10,7 @@ import numpy as np
 from laticauda.paper.claims import Claim, find_misprints, load_claims
 from laticauda.paper.efficiency import EfficiencyStudy
 from laticauda.paper.path_following import PathFollowingStudy
-from laticauda.paper.report.chapter import paper_chapter
+from laticauda.paper.report.chapter import build_paper_chapter
 from laticauda.paper.report.columns import build_row
 from laticauda.paper.scores import Score, score_study
 from laticauda.show.reports import Chapter, Row
@@ -33,7 +33,7 @@ def _count_verdicts(claims: Sequence[Claim]) -> dict[str, int]:
 # ---- the first screen ----------------------------------------------------------------------------
 
 
-def summary_chapter(results: Mapping[str, Any], claims: Sequence[Claim]) -> Chapter:
+def build_summary_chapter(results: Mapping[str, Any], claims: Sequence[Claim]) -> Chapter:
     """Return the chapter on the first screen of the report.
 
     Args:
@@ -43,7 +43,7 @@ def summary_chapter(results: Mapping[str, Any], claims: Sequence[Claim]) -> Chap
     scores_by_table = {
         table: score_study(results[study]) for study, table in TABLES.items() if study in results
     }
-    return paper_chapter(
+    return build_paper_chapter(
         name="summary",
         values={
             "n_claims": len(claims),
@@ -76,7 +76,7 @@ def _draw_speeds(
 
 
 def _choose_shown(scores: Sequence[Score]) -> list[Score]:
-    """Return the first simulation, and the first model of our own that is fitted to Table 1, if any."""
+    """Return the first simulation, and our first model that is fitted to Table 1, if any."""
     first_simulation, *more_scores = scores
     fitted_models = [score for score in more_scores if score.n_fitted and not score.is_null]
     return [first_simulation, *fitted_models[:1]]
@@ -85,7 +85,7 @@ def _choose_shown(scores: Sequence[Score]) -> list[Score]:
 # ---- claims --------------------------------------------------------------------------------------
 
 
-def own_verdicts(results: Mapping[str, Any]) -> dict[str, tuple[Claim, ...]]:
+def judge_with_own_models(results: Mapping[str, Any]) -> dict[str, tuple[Claim, ...]]:
     """Judge the claims with each of the project's own models in place of the paper's coefficients.
 
     Args:
@@ -95,16 +95,12 @@ def own_verdicts(results: Mapping[str, Any]) -> dict[str, tuple[Claim, ...]]:
     studies_of_model: dict[str, list[Any]] = {}
     for study in results.values():
         for name, own_study in _list_own_studies(study):
-            studies = studies_of_model.setdefault(name, [])
-            if isinstance(own_study, EfficiencyStudy):
-                studies.insert(0, own_study)
-            else:
-                studies.append(own_study)
+            studies_of_model.setdefault(name, []).append(own_study)
     return {name: load_claims(*studies) for name, studies in studies_of_model.items()}
 
 
 def _list_own_studies(study: Any) -> list[tuple[str, Any]]:
-    """Return a study as if each of the project's own models were the one to judge, with the model's name."""
+    """Return a study as if each of our own models were the one to judge, with its name."""
     if isinstance(study, EfficiencyStudy):
         return [
             (model.name, replace(study, judged=index))
@@ -116,7 +112,7 @@ def _list_own_studies(study: Any) -> list[tuple[str, Any]]:
     return []
 
 
-def claims_chapter(
+def build_claims_chapter(
     claims: Sequence[Claim], own: Mapping[str, Sequence[Claim]] | None = None
 ) -> Chapter:
     """Return the claims' contribution to the folder and the report.
@@ -130,7 +126,7 @@ def claims_chapter(
     for model, own_claims in (own or {}).items():
         for row, own_claim in zip(rows, own_claims, strict=True):
             _add_verdict(row, f"with {model}", own_claim)
-    return paper_chapter(
+    return build_paper_chapter(
         name="claims",
         values={"n_claims": len(claims), "counts": _count_verdicts(claims)},
         tables={

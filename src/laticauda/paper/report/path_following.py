@@ -1,4 +1,4 @@
-"""The path-following study for readers: its tables, its figures, and the values in its chapter of the report."""
+"""The path-following study for readers: tables, figures, and values in its chapter."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from laticauda.motion.gaits import GAIT_WORDS
-from laticauda.paper.fin_effect import FinGain, band_gains, fin_gains
+from laticauda.paper.fin_effect import FinGain, find_fin_gains, simulate_band_gains
 from laticauda.paper.measured import percent_change
 from laticauda.paper.path_following import (
     FollowingCase,
@@ -16,7 +16,7 @@ from laticauda.paper.path_following import (
     PathFollowingStudy,
     group_by_law,
 )
-from laticauda.paper.report.chapter import paper_chapter
+from laticauda.paper.report.chapter import build_paper_chapter
 from laticauda.paper.report.columns import build_row
 from laticauda.paper.report.shared_rows import (
     build_error_rows,
@@ -25,9 +25,9 @@ from laticauda.paper.report.shared_rows import (
 )
 from laticauda.paper.scores import (
     Score,
-    in_all_ways,
-    meter_costs,
-    null_predictions,
+    compute_meter_costs,
+    list_runs_by_way,
+    score_null_predictions,
     score_simulations,
 )
 from laticauda.show.reports import Chapter, Row
@@ -41,7 +41,7 @@ HELD_OUT = "held-out"
 """Name of the figure and of the file of the held-out trial."""
 
 
-def path_following_chapter(study: PathFollowingStudy) -> Chapter:
+def build_path_following_chapter(study: PathFollowingStudy) -> Chapter:
     """Return the study's contribution to the folder and the report.
 
     Args:
@@ -49,7 +49,7 @@ def path_following_chapter(study: PathFollowingStudy) -> Chapter:
     """
     trials = {f"figure-{case.figure:02d}": case.trial for case in study.cases}
     trials[HELD_OUT] = study.held_out.trial
-    return paper_chapter(
+    return build_paper_chapter(
         name="path-following",
         values={
             "study": study,
@@ -58,7 +58,7 @@ def path_following_chapter(study: PathFollowingStudy) -> Chapter:
         },
         tables=_build_tables(study),
         n_figures=len(study.cases) + 2,
-        figures=lambda: path_following_figures(study),
+        figures=lambda: draw_path_following_figures(study),
         trials=trials,
     )
 
@@ -72,12 +72,12 @@ def _collect_values(study: PathFollowingStudy) -> dict[str, Any]:
     cases = study.cases
     first_case = cases[0]
     scores = score_simulations(study)
-    gains = fin_gains(cases)
+    gains = find_fin_gains(cases)
     return {
         "n_runs": settings.n_runs(first_case.run.joints, first_case.run.offset_bandwidth),
         "laws": group_by_law(first_case),
         "converged": [case.run.figures for case in cases if case.run.converged],
-        "late_errors": [_summarize_late_errors(study, runs) for runs in in_all_ways(study)],
+        "late_errors": [_summarize_late_errors(study, runs) for runs in list_runs_by_way(study)],
         "scores": scores,
         "best": _find_best_null(study),
         "outside_band": [case.figure for case in cases if not case.is_in_band],
@@ -89,13 +89,13 @@ def _collect_values(study: PathFollowingStudy) -> dict[str, Any]:
 
 
 def _find_best_null(study: PathFollowingStudy) -> Score:
-    return min(null_predictions(study), key=lambda score: score.overall)
+    return min(score_null_predictions(study), key=lambda score: score.overall)
 
 
 def _summarize_late_errors(
     study: PathFollowingStudy, runs: Sequence[FollowingRun]
 ) -> dict[str, Any]:
-    """Return in which trials the cycle-mean error does not stay small in the last third, and how large it is."""
+    """Return in which trials the cycle-mean error is not small in the last third."""
     figures_outside: list[int] = []
     rms_outside: list[float] = []
     for case, run in zip(study.cases, runs, strict=True):
@@ -112,7 +112,7 @@ def _summarize_late_errors(
 
 
 def _describe_groups(study: PathFollowingStudy, score: Score) -> list[dict[str, Any]]:
-    """Return the errors of the speeds of every group, and the changes caused by closing the loop [%]."""
+    """Return the errors of the speeds of every group, and changes by closing the loop [%]."""
     groups: list[dict[str, Any]] = []
     for group, mean_error in zip(study.settings.groups, score.by_group, strict=True):
         cases = [case for case in study.cases if case.group == group]
@@ -140,14 +140,14 @@ def _known(values: Sequence[float | None]) -> list[float]:
 
 
 def _describe_fin(gains: Sequence[FinGain[FollowingCase]]) -> dict[str, Any]:
-    """Return by kind of gait how much faster the fin makes the robot: measured, simulated, and over the band [%]."""
+    """Return by kind of gait how much faster the fin makes the robot [%]."""
     changes_by_kind: dict[str, Any] = {}
     for gain in gains:
         kind = gain.with_fin.group.gait
         changes = changes_by_kind.setdefault(kind, {"measured": [], "simulated": [], "band": []})
         changes["measured"].append(gain.measured.velocity)
-        changes["simulated"].append(gain.simulated(_simulated_velocity))
-        changes["band"] += band_gains(gain)
+        changes["simulated"].append(gain.simulated_change(_simulated_velocity))
+        changes["band"] += simulate_band_gains(gain)
     return changes_by_kind
 
 
@@ -165,7 +165,7 @@ class GaitCosts(NamedTuple):
 def _compare_costs(study: PathFollowingStudy) -> list[GaitCosts]:
     """Return the measured energy per meter without and with the fin, gait by gait."""
     measured_costs: dict[str, float] = {}
-    for group, costs in meter_costs(study).items():
+    for group, costs in compute_meter_costs(study).items():
         measured, _ = np.mean(costs, axis=1).tolist()
         measured_costs[group] = measured
     compared: list[GaitCosts] = []
@@ -178,7 +178,7 @@ def _compare_costs(study: PathFollowingStudy) -> list[GaitCosts]:
 
 
 def _compare_with_published(held_out: HeldOutRun) -> dict[str, Any]:
-    """Return by how much the held-out trial exceeds the published ranges: velocity, mean velocity [m/s] and offset."""
+    """Return by how much the held-out trial exceeds the published ranges [m/s, deg]."""
     published = held_out.settings
     offset = [math.degrees(end) for end in held_out.offset]
     published_offset = [math.degrees(end) for end in published.offset]
@@ -202,8 +202,10 @@ def _measure_excess(ends: Sequence[float], published_ends: Sequence[float]) -> d
 # ---- figures -------------------------------------------------------------------------------------
 
 
-def path_following_figures(study: PathFollowingStudy) -> Iterator[tuple[str, str, "Figure"]]:
-    """Yield the speeds of all trials, Figs. 12 to 23 and the held-out trial one by one: file name, caption and figure.
+def draw_path_following_figures(study: PathFollowingStudy) -> Iterator[tuple[str, str, "Figure"]]:
+    """Yield all figures one by one: file name, caption and figure.
+
+    They are the speeds of all trials, Figs. 12 to 23 and the held-out trial.
 
     Args:
         study: Result of `run_path_following`.
@@ -215,16 +217,17 @@ def path_following_figures(study: PathFollowingStudy) -> Iterator[tuple[str, str
 
 
 def _draw_speeds(study: PathFollowingStudy) -> tuple[str, str, "Figure"]:
-    from laticauda.paper.speed_figures import LabeledSpeeds, following_speeds_sheet
+    from laticauda.paper.speed_figures import LabeledSpeeds, draw_speeds_sheet
 
     best_null = _find_best_null(study)
     title = "Forward velocity in path following (Table 2)"
     chosen = study.cases[0].run.name
     caption = (
-        f"{title}: measured in the tank; simulated with {chosen}, in the other ways of the band, and with the "
-        f"cycle-mean heading; and as the null model “{best_null.name}”, fitted to Table 1, predicts it."
+        f"{title}: measured in the tank; simulated with {chosen}, in the other ways of the band, "
+        "and with the cycle-mean heading; and as the null model "
+        f"“{best_null.name}”, fitted to Table 1, predicts it."
     )
-    sheet = following_speeds_sheet(
+    sheet = draw_speeds_sheet(
         study.cases,
         title,
         chosen=f"simulated, {chosen}",
@@ -276,13 +279,13 @@ def _describe_start(cross_track_error: float, heading: float) -> str:
 
 
 def _build_tables(study: PathFollowingStudy) -> dict[str, list[Row]]:
-    """Return the tables by name: Table 2 row by row, every run, effects of the loop and of the fin, errors, costs."""
+    """Return all tables of the study, by name."""
     return {
         "following-trials": [_build_trial_row(case) for case in study.cases],
         "table2": [_build_table2_row(case) for case in study.cases],
         "following-loop": [_build_loop_row(case) for case in study.cases],
         "following-errors": build_error_rows(study, "numbers fitted to Table 1", {}),
-        "following-fin": [_build_fin_row(gain) for gain in fin_gains(study.cases)],
+        "following-fin": [_build_fin_row(gain) for gain in find_fin_gains(study.cases)],
         "following-joules": _build_joules_table(study),
         "following-runs": _build_runs_table(study),
     }
@@ -315,13 +318,13 @@ def _build_loop_row(case: FollowingCase) -> Row:
 
 
 def _build_fin_row(gain: FinGain[FollowingCase]) -> Row:
-    changes_in_band = band_gains(gain)
+    changes_in_band = simulate_band_gains(gain)
     velocity: Row = {
-        "simulated: v [%]": gain.simulated(_simulated_velocity),
+        "simulated: v [%]": gain.simulated_change(_simulated_velocity),
         "band: lowest [%]": min(changes_in_band),
         "band: highest [%]": max(changes_in_band),
     }
-    power: Row = {"simulated: mechanical power [%]": gain.simulated(_simulated_power)}
+    power: Row = {"simulated: mechanical power [%]": gain.simulated_change(_simulated_power)}
     return build_fin_row(gain.measured, setting={}, velocity=velocity, power=power)
 
 
@@ -335,7 +338,7 @@ def _simulated_power(case: FollowingCase) -> float:
 
 def _build_joules_table(study: PathFollowingStudy) -> list[Row]:
     rows: list[Row] = []
-    for group, costs in meter_costs(study).items():
+    for group, costs in compute_meter_costs(study).items():
         for number, (measured, simulated) in enumerate(costs.T.tolist(), start=1):
             rows.append(_build_joules_row(group, f"case {number}", measured, simulated))
         measured, simulated = np.mean(costs, axis=1).tolist()

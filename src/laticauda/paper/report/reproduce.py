@@ -1,4 +1,4 @@
-"""The paper in one call: run its studies, and write figures, tables, data and a report into one folder."""
+"""The paper in one call: run its studies, and write everything into one folder."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -14,8 +14,12 @@ from laticauda.paper.efficiency import run_efficiency
 from laticauda.paper.path_following import run_path_following
 from laticauda.paper.repeats import Repeat
 from laticauda.paper.report import efficiency, path_following
-from laticauda.paper.report.chapter import paper_templates
-from laticauda.paper.report.overview import claims_chapter, own_verdicts, summary_chapter
+from laticauda.paper.report.chapter import load_paper_templates
+from laticauda.paper.report.overview import (
+    build_claims_chapter,
+    build_summary_chapter,
+    judge_with_own_models,
+)
 from laticauda.paper.report.workers import Progress, run_studies
 from laticauda.show.reports import Chapter, writable_folder, write_chapter
 from laticauda.values import check_choice, check_whole_number, packaging, write
@@ -25,7 +29,10 @@ RUNS: Mapping[str, Callable[..., Any]] = {
     "efficiency": run_efficiency,
     "side": side_trials.run_side_trials,
 }
-"""Functions that run the studies, by name in `Experiments`; the longest is first, which fills workers best."""
+"""Functions that run the studies, by name in `Experiments`.
+
+The longest is first, which fills workers best.
+"""
 HALVES: Mapping[str, tuple[str, ...]] = {
     "efficiency": ("efficiency", "side"),
     "path-following": ("path_following",),
@@ -46,8 +53,8 @@ class StudyChapter(NamedTuple):
 
 
 CHAPTERS: Mapping[str, StudyChapter] = {
-    "efficiency": StudyChapter("Locomotion efficiency", efficiency.efficiency_chapter),
-    "path_following": StudyChapter("Path following", path_following.path_following_chapter),
+    "efficiency": StudyChapter("Locomotion efficiency", efficiency.build_efficiency_chapter),
+    "path_following": StudyChapter("Path following", path_following.build_path_following_chapter),
 }
 """Studies that have their own part of the report, in its order."""
 
@@ -56,17 +63,19 @@ CHAPTERS: Mapping[str, StudyChapter] = {
 class Experiments:
     """Settings of every study; by default the paper's where it has any."""
 
-    efficiency: settings.EfficiencySettings = field(default_factory=settings.efficiency_settings)
+    efficiency: settings.EfficiencySettings = field(
+        default_factory=settings.load_efficiency_settings
+    )
     """Figs. 4 to 11 and Table 1."""
     side: side_trials.SideSettings = field(default_factory=side_trials.SideSettings)
     """Individual facts on which claims of the paper are based."""
     path_following: settings.PathFollowingSettings = field(
-        default_factory=settings.path_following_settings
+        default_factory=settings.load_path_following_settings
     )
     """Figs. 12 to 23 and Table 2."""
 
 
-def paper_experiments(parameters: robot.Parameters | None = None) -> Experiments:
+def plan_experiments(parameters: robot.Parameters | None = None) -> Experiments:
     """Return the settings of a complete reproduction.
 
     Args:
@@ -117,7 +126,7 @@ def reproduce(
         folder: Output folder, created if it does not exist; files of the same names are replaced,
             others left alone.
         settings: Settings of all studies; None uses the paper's. For other coefficients, see
-            `paper_experiments`.
+            `plan_experiments`.
         only: One of `HALVES`; None runs all studies.
         model: Model, or its name.
         repeats: Repeated measurements, shown on the figures of the efficiency study
@@ -141,7 +150,7 @@ def reproduce(
         check_choice("only", only, tuple(HALVES))
     check_whole_number("workers", workers, 1)
     folder = writable_folder(folder)
-    paper_templates()  # raises an error before anything is run if Jinja2 is missing
+    load_paper_templates()  # raises an error before anything is run if Jinja2 is missing
     settings = settings or Experiments()
     chosen_model = scenarios.model_of(model, **changes)
 
@@ -207,10 +216,12 @@ def _write_report(
     outcomes: Mapping[str, _Outcome],
     claims: Sequence[Claim],
 ) -> tuple[str, ...]:
-    """Write the chapters about all studies and the page, and return the names of all files in the folder."""
+    """Write the chapters about all studies and the page; return the names of all files."""
     results = {name: outcome.study for name, outcome in outcomes.items()}
-    summary_files, summary = write_chapter(summary_chapter(results, claims), folder)
-    claims_files, claims_html = write_chapter(claims_chapter(claims, own_verdicts(results)), folder)
+    summary_files, summary = write_chapter(build_summary_chapter(results, claims), folder)
+    claims_files, claims_html = write_chapter(
+        build_claims_chapter(claims, judge_with_own_models(results)), folder
+    )
     chapters = [("claims", "The paper's claims", claims_html)]
     files = [*summary_files, *claims_files]
     for outcome in outcomes.values():
@@ -219,7 +230,7 @@ def _write_report(
         if name in outcomes:
             chapters.append((name.replace("_", "-"), chapter.title, outcomes[name].html))
     model_settings = scenarios.settings_of(model)
-    page = paper_templates().get_template("report.html")
+    page = load_paper_templates().get_template("report.html")
     text = page.render(
         title=TITLE,
         coefficients=coefficients.title,

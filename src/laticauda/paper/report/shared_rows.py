@@ -14,7 +14,7 @@ from laticauda.show.reports import Row
 def build_error_rows(
     study: EfficiencyStudy | PathFollowingStudy, fitted: str, titles: Mapping[str, str]
 ) -> list[Row]:
-    """Return the errors of all predictors of a table, together with those of models without physics.
+    """Return the errors of all predictors of a table, those without physics included.
 
     Args:
         study: Study of that table.

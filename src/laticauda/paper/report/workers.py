@@ -73,7 +73,7 @@ def _run_in_workers(
 
 
 def _start_resource_tracker() -> None:
-    """Start the process that removes what workers share if this one is killed, without a warning to the user."""
+    """Start the process that removes what workers share if this one is killed, silently."""
     # The warning options are passed on to the process.
     sys.warnoptions.append("ignore::UserWarning:multiprocessing.resource_tracker")
     try:
