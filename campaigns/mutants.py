@@ -131,7 +131,8 @@ TARGETS = (
     ),
     Target(
         files=_estimation(
-            "samples", "filter_state", "kinematics", "digital_twin", "motion_model", "filter"
+            *("samples", "filter_state", "kinematics", "digital_twin"),
+            *("state_vector", "motion_model", "filter"),
         ),
         tests=("tests/control/estimation",),
         left_out=(
@@ -153,7 +154,7 @@ TARGETS = (
         warm=_swim,
     ),
     Target(
-        files=_estimation("learning", "stretches"),
+        files=_estimation("learning", "learning_state", "stretches"),
         tests=(
             "tests/control/estimation/test_learning.py",
             "tests/control/estimation/test_stretches.py",

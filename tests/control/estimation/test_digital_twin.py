@@ -10,7 +10,8 @@ from tank.operate.tank import campaign, perfect, swimming
 import laticauda as lc
 from laticauda.control.estimation import Estimator, JointSample, PoseSample, ReferenceSample
 from laticauda.control.estimation.digital_twin import check_plant, start_twin, step_twin
-from laticauda.control.estimation.motion_model import JOINTS
+from laticauda.control.estimation.filter_state import PastStep
+from laticauda.control.estimation.state_vector import JOINTS
 from laticauda.models.planar.model import PlanarPlant
 from laticauda.tank.operate.recording.messages import content_of
 from laticauda.water.fluid.uniform import LinearShear
@@ -360,7 +361,7 @@ def test_references_start_the_twin_once_and_what_explains_the_motion_is_open_the
     after = estimator.step(state, ReferenceSample(time=0.0, angle=held(0.1)))
     first = start_twin(BODY, held(0.1))
     assert after.latest.twin.joint_angle.tolist() == first.joint_angle.tolist()
-    expected = estimator.twin_model.reopened(state.latest.posterior)
+    expected = estimator.twin_model.reset_motion(state.latest.posterior)
     assert np.array_equal(after.latest.posterior.covariance, expected.covariance)
     again = estimator.step(after, ReferenceSample(time=0.0, angle=held(0.3)))
     assert (
@@ -368,7 +369,8 @@ def test_references_start_the_twin_once_and_what_explains_the_motion_is_open_the
     )
     failed = replace(state.latest, twin_failed=True)
     left = estimator.step(
-        replace(state, history=((None, failed),)), ReferenceSample(time=0.0, angle=held(0.3))
+        replace(state, history=(PastStep(None, failed),)),
+        ReferenceSample(time=0.0, angle=held(0.3)),
     )
     assert left.latest.twin is None and left.latest.posterior is failed.posterior
 
@@ -379,10 +381,11 @@ def test_without_its_twin_the_filter_goes_on_as_one_that_never_had_it():
         state.latest, twin=replace(state.latest.twin, astray=0.99, joint_angle=held(2.0))
     )
     after = estimator.step(
-        replace(state, history=((None, gone),)), JointSample(time=0.12, angle=held(math.nan))
+        replace(state, history=(PastStep(None, gone),)),
+        JointSample(time=0.12, angle=held(math.nan)),
     )
     assert after.latest.twin is None and after.latest.twin_failed
-    expected = estimator.model.reopened(gone.posterior)
+    expected = estimator.model.reset_motion(gone.posterior)
     mean, f, q = estimator.model.step(expected.mean, after.latest.lagged, 1.0, 0.02)
     np.testing.assert_allclose(after.latest.posterior.mean, mean, rtol=1e-9, atol=1e-12)
     whole = expected.predict(mean, f, q).covariance

@@ -143,9 +143,9 @@ def test_estimates_in_between_change_nothing_and_are_gone_on_from_where_the_next
     plain = asked = estimator.init()
     for sample in chosen:
         plain = estimator.step(plain, sample)
-    n_predictions, before = [], Estimator._advanced
+    n_predictions, before = [], Estimator._advance
     monkeypatch.setattr(
-        Estimator, "_advanced", lambda *given: n_predictions.append(1) or before(*given)
+        Estimator, "_advance", lambda *given: n_predictions.append(1) or before(*given)
     )
     for sample in chosen:
         estimator.estimate(asked, sample.time)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from laticauda.control.estimation import EstimatorState, FilterState, JointSample, Noise
-from laticauda.control.estimation.filter_state import Gaussian
+from laticauda.control.estimation.filter_state import Gaussian, PastStep
 
 CHANCE = np.random.default_rng(7)
 ROOT = CHANCE.normal(size=(5, 5))
@@ -108,7 +108,7 @@ def test_a_measurement_gives_what_is_known_given_it():
 
 
 def test_what_is_restarted_is_known_by_itself_alone_and_the_rest_is_as_it_was():
-    after = KNOWN.restarted(np.array([1, 3]), np.array([8.0, 9.0]), 0.25)
+    after = KNOWN.reset_entries(np.array([1, 3]), np.array([8.0, 9.0]), 0.25)
     assert after.mean.tolist() == [KNOWN.mean[0], 8.0, KNOWN.mean[2], 9.0, KNOWN.mean[4]]
     assert after.covariance[[1, 3]].tolist() == [
         [0.0, 0.25, 0.0, 0.0, 0.0],
@@ -141,7 +141,7 @@ def test_before_anything_a_filter_has_no_pose_no_gait_and_no_twin():
         (),
         -math.inf,
     )
-    state = EstimatorState(history=((None, first),))
+    state = EstimatorState(history=(PastStep(None, first),))
     assert (state.n_outliers, state.n_late) == (0, 0)
 
 
@@ -157,10 +157,13 @@ def test_before_anything_a_filter_has_no_pose_no_gait_and_no_twin():
 )
 def test_of_the_past_is_kept_what_a_late_sample_may_go_back_to(horizon, kept):
     samples = [
-        (JointSample(time=time, angle=np.zeros(1)), at(time)) for time in (1.0, 2.0, 3.0, 4.0)
+        PastStep(JointSample(time=time, angle=np.zeros(1)), at(time))
+        for time in (1.0, 2.0, 3.0, 4.0)
     ]
     state = replace(
-        EstimatorState(history=((None, samples[0][1]), *samples[1:])), n_late=3, n_outliers=2
+        EstimatorState(history=(PastStep(None, samples[0].state), *samples[1:])),
+        n_late=3,
+        n_outliers=2,
     )
     after = state.within(horizon)
     assert [one.time for _, one in after.history] == kept

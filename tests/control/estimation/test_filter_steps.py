@@ -18,8 +18,8 @@ from laticauda.control.estimation import (
     PoseSample,
     ReferenceSample,
 )
-from laticauda.control.estimation.filter_state import Gaussian
-from laticauda.control.estimation.motion_model import JOINTS, VX, VY, H, R, S, U, X, Y
+from laticauda.control.estimation.filter_state import Gaussian, PastStep
+from laticauda.control.estimation.state_vector import JOINTS, VX, VY, H, R, S, U, X, Y
 from laticauda.robot.kinematics import turn
 
 ROBOT = lc.load_robot("mamba")
@@ -196,7 +196,7 @@ def test_the_current_is_uncertain_along_its_less_certain_direction():
     mean = state.latest.posterior.mean.copy()
     mean[[VX, VY]] = 0.3, -0.1
     tilted = replace(state.latest, posterior=Gaussian(mean=mean, covariance=covariance))
-    found = USUAL.estimate(EstimatorState(history=((None, tilted),)))
+    found = USUAL.estimate(EstimatorState(history=(PastStep(None, tilted),)))
     largest = np.linalg.eigvalsh(covariance[VX : VY + 1, VX : VY + 1]).max()
     assert found.current_std == pytest.approx(math.sqrt(largest))
     assert found.current.tolist() == [0.3, -0.1]
@@ -298,7 +298,9 @@ def test_a_whole_turn_more_is_the_same_angle():
     mean = state.latest.posterior.mean.copy()
     mean[H] += 4.0 * math.pi
     turned = replace(state.latest, posterior=replace(state.latest.posterior, mean=mean))
-    found = USUAL.step(EstimatorState(history=((None, turned),)), frame(1.0, 0.5, -0.2, 0.3))
+    found = USUAL.step(
+        EstimatorState(history=(PastStep(None, turned),)), frame(1.0, 0.5, -0.2, 0.3)
+    )
     assert found.n_outliers == 0
     assert found.latest.posterior.mean[H] == pytest.approx(mean[H], abs=1e-6)
 

@@ -17,7 +17,7 @@ from laticauda.control.estimation import (
     PoseSample,
     ReferenceSample,
 )
-from laticauda.control.estimation.learning import LEAST, MEDIAN
+from laticauda.control.estimation.learning import LEAST_STRETCHES, MEDIAN_OF_SQUARE
 
 GUESS = lc.load_water("paper-lateral")
 TRUE = {"normal_drag": 2.1, "tangential_friction": 0.25, "current_x": 0.006, "current_y": -0.004}
@@ -176,13 +176,19 @@ def test_what_is_known_is_told_with_intervals_of_95_percent():
 
 
 def test_a_cycle_is_odd_beyond_the_doubt_in_deviations_of_noise_and_opening():
-    taught, n_cycles, n_rows = learner(), 2 * LEAST, 12
-    opening = float(taught._opening[0])
+    taught, n_cycles, n_rows = learner(), 2 * LEAST_STRETCHES, 12
+    opening = float(taught._initial_std[0])
     size = 2.0 * n_rows * opening**2  # noise and opening count alike
-    noise = np.tile([1.0, -1.0], (2 * (n_cycles + 1), n_rows // 2)) * math.sqrt(size * MEDIAN)
-    design = np.zeros((*noise.shape, taught._opening.size))
+    noise = np.tile([1.0, -1.0], (2 * (n_cycles + 1), n_rows // 2)) * math.sqrt(
+        size * MEDIAN_OF_SQUARE
+    )
+    design = np.zeros((*noise.shape, taught._initial_std.size))
     design[..., 0] = 1.0
-    usual = LEAST * (2.0 * size * n_rows + size**2 / opening**2) / (n_cycles + LEAST)
+    usual = (
+        LEAST_STRETCHES
+        * (2.0 * size * n_rows + size**2 / opening**2)
+        / (n_cycles + LEAST_STRETCHES)
+    )
     limit = taught.settings.doubt * math.sqrt(usual)
     for share, is_odd in ((0.99, False), (1.01, True)):
         off = noise.copy()
@@ -190,7 +196,9 @@ def test_a_cycle_is_odd_beyond_the_doubt_in_deviations_of_noise_and_opening():
         assert taught._is_odd(off, design) == is_odd
     off = noise.copy()
     off[-2:, :2] += limit
-    assert not taught._is_odd(off[-2 * LEAST :], design[-2 * LEAST :])  # too few before it
+    assert not taught._is_odd(
+        off[-2 * LEAST_STRETCHES :], design[-2 * LEAST_STRETCHES :]
+    )  # too few before it
 
 
 def test_before_the_gait_begins_no_more_than_a_moment_is_remembered(good):

@@ -10,7 +10,8 @@ import laticauda as lc
 from laticauda.control.estimation import Mount
 from laticauda.control.estimation.digital_twin import TwinState
 from laticauda.control.estimation.filter_state import Gaussian
-from laticauda.control.estimation.motion_model import (
+from laticauda.control.estimation.motion_model import MotionModel
+from laticauda.control.estimation.state_vector import (
     ACROSS_GAIN,
     HEADING_GAIN,
     JOINTS,
@@ -21,7 +22,6 @@ from laticauda.control.estimation.motion_model import (
     VX,
     VY,
     H,
-    MotionModel,
     R,
     S,
     U,
@@ -260,7 +260,7 @@ def test_when_models_change_pose_current_and_joints_stay_and_what_explains_the_m
     chance = np.random.default_rng(5)
     root = chance.normal(size=(motion.size, motion.size))
     before = Gaussian(mean=chance.normal(size=motion.size), covariance=root @ root.T)
-    after = motion.reopened(before)
+    after = motion.reset_motion(before)
     opened = np.array([U, S, R, TURN, SLIP, *range(10, JOINTS)])
     kept = np.setdiff1d(np.arange(motion.size), opened)
     assert after.mean[kept].tolist() == before.mean[kept].tolist() and not after.mean[opened].any()

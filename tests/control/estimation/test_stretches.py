@@ -39,7 +39,7 @@ def settled(off):
 
 
 def test_a_robot_that_swims_as_its_twin_is_hardly_off_it(trial):
-    off, way = stretches(trial).off(TWIN, 0.0, STILL)
+    off, way = stretches(trial).compare_with_twin(TWIN, 0.0, STILL)
     assert off.shape == way.shape == (3, 5, TICKS)
     assert np.abs(settled(off)).max() < 1.0  # mm, and 3 mrad
     assert np.abs(way[0]).max() > 10.0
@@ -52,7 +52,11 @@ def test_the_choice_of_world_axes_does_not_matter(trial):
     turned = replace(seen, poses=np.stack((time, c * x - s * y, s * x + c * y, yaw + turn)))
     current = np.array([0.01, -0.02])
     along = np.array([c * current[0] - s * current[1], s * current[0] + c * current[1]])
-    for one, other in zip(seen.off(TWIN, 0.0, current), turned.off(TWIN, 0.0, along), strict=True):
+    for one, other in zip(
+        seen.compare_with_twin(TWIN, 0.0, current),
+        turned.compare_with_twin(TWIN, 0.0, along),
+        strict=True,
+    ):
         assert other[0] + 1j * other[1] == pytest.approx(
             (one[0] + 1j * one[1]) * np.exp(1j * turn), abs=1e-5
         )
@@ -61,13 +65,15 @@ def test_the_choice_of_world_axes_does_not_matter(trial):
 
 def test_water_that_drags_more_puts_it_off(trial):
     other = replace(TWIN, environment=replace(WATER, normal_drag=1.1 * WATER.normal_drag))
-    off, _ = stretches(trial).off(other, 0.0, STILL)
+    off, _ = stretches(trial).compare_with_twin(other, 0.0, STILL)
     assert np.abs(settled(off)).max() > 1.0
 
 
 def test_play_is_taken_off_where_gears_touch(trial):
     seen = stretches(trial, torque=1.0, play=0.02)
-    wrong, right = (np.abs(settled(seen.off(TWIN, play, STILL)[0])).max() for play in (0.0, 0.02))
+    wrong, right = (
+        np.abs(settled(seen.compare_with_twin(TWIN, play, STILL)[0])).max() for play in (0.0, 0.02)
+    )
     assert right < 1.0
     assert wrong > 2.0 * right
 
@@ -75,23 +81,23 @@ def test_play_is_taken_off_where_gears_touch(trial):
 def test_a_current_and_a_robot_that_points_elsewhere_enter_as_they_are_compared(trial):
     seen = stretches(trial)
     (off, way), (drifted, _) = (
-        seen.off(TWIN, 0.0, current) for current in (STILL, np.array([0.01, -0.02]))
+        seen.compare_with_twin(TWIN, 0.0, current) for current in (STILL, np.array([0.01, -0.02]))
     )
-    rows = seen.compared([off, drifted], way)
+    rows = seen.reduce_to_medians([off, drifted], way)
     assert rows.shape == (5, 3 * POINTS, 5)
     crab, x, y = np.moveaxis(rows[..., 2:], -1, 0)
     assert rows[..., 0] - rows[..., 1] == pytest.approx(0.01 * x - 0.02 * y, abs=0.05)
     angle = 1e-4
     turned = np.stack((way[0] - angle * way[1], way[1] + angle * way[0], way[2]))
-    before, after = np.moveaxis(seen.compared([way, turned], way)[..., :2], -1, 0)
+    before, after = np.moveaxis(seen.reduce_to_medians([way, turned], way)[..., :2], -1, 0)
     assert np.abs(after - before - angle * crab).max() < 0.05 * np.abs(angle * crab).max()
 
 
 def test_the_place_and_heading_of_each_stretch_do_not_count(trial):
     seen = stretches(trial)
-    off, way = seen.off(TWIN, 0.0, STILL)
+    off, way = seen.compare_with_twin(TWIN, 0.0, STILL)
     moved = off + np.array([3.0, -2.0, 0.0])[:, np.newaxis, np.newaxis]
-    rows = seen.compared([off, moved], way)
+    rows = seen.reduce_to_medians([off, moved], way)
     assert rows[..., 1] == pytest.approx(rows[..., 0], abs=1e-9)
 
 
@@ -100,7 +106,7 @@ def test_single_wrong_frames_do_not_count(trial):
     poses = seen.poses.copy()
     poses[1, 200] += 0.5
     torn = replace(seen, poses=poses)
-    (off, way), (wrong, _) = (one.off(TWIN, 0.0, STILL) for one in (seen, torn))
+    (off, way), (wrong, _) = (one.compare_with_twin(TWIN, 0.0, STILL) for one in (seen, torn))
     assert np.abs(wrong - off).max() > 0.3 / POSITION
-    rows = seen.compared([off, wrong], way)
+    rows = seen.reduce_to_medians([off, wrong], way)
     assert np.abs(rows[..., 1] - rows[..., 0]).max() < 50.0

@@ -1,4 +1,13 @@
-"""State estimation: position and motion of the robot from joint samples and motion-capture frames."""
+"""State estimation: position and motion of the robot from joint samples and motion-capture frames.
+
+- samples: what comes in, where the markers sit, and what comes out
+- kinematics: the baseline, as in the paper, without a filter
+- filter: the filter; filter_state: its state and noise; state_vector: what it estimates;
+  motion_model: how that moves and what is measured of it
+- digital_twin: a plant that runs beside the filter and predicts the motion
+- learning: a twin that learns the water and names faults; learning_state: its settings, memory and
+  results; stretches: the robot's motion compared with the twin's
+"""
 
 from typing import TYPE_CHECKING
 
@@ -16,9 +25,9 @@ if TYPE_CHECKING:
         KinematicEstimator as KinematicEstimator,
         KinematicState as KinematicState,
     )
-    from laticauda.control.estimation.learning import (
+    from laticauda.control.estimation.learning import Learner as Learner
+    from laticauda.control.estimation.learning_state import (
         Learned as Learned,
-        Learner as Learner,
         LearnerState as LearnerState,
         Learning as Learning,
     )
@@ -42,7 +51,8 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.control.estimation.filter": ["Estimator"],
         "laticauda.control.estimation.filter_state": ["EstimatorState", "FilterState", "Noise"],
         "laticauda.control.estimation.kinematics": ["KinematicEstimator", "KinematicState"],
-        "laticauda.control.estimation.learning": ["Learned", "Learner", "LearnerState", "Learning"],
+        "laticauda.control.estimation.learning": ["Learner"],
+        "laticauda.control.estimation.learning_state": ["Learned", "LearnerState", "Learning"],
         "laticauda.control.estimation.motion_model": ["MotionModel"],
         "laticauda.control.estimation.samples": [
             "Estimate",

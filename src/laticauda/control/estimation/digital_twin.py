@@ -1,4 +1,4 @@
-"""Digital twin: a plant that runs alongside the filter and predicts how the robot moves through still water.
+"""Digital twin: a plant that runs alongside the filter and predicts the motion through still water.
 
 In still water nothing depends on position or heading, so the simulated robot moves in its own axes
 as the real one does, wherever the twin itself is by then. See docs/theory/estimation.md.
@@ -21,14 +21,16 @@ from laticauda.values import BadArgument, check_instance
 
 Vector: TypeAlias = NDArray[np.float64]
 
-# If the joints deviate this far for this long, the robot is not what the twin assumes.
-ASTRAY = 0.5  # rad
-ASTRAY_TIME = 1.0  # s
-# Joint references replace the gait completely.
+ASTRAY = 0.5
+"""Deviation of a joint beyond which the robot may not be what the twin assumes [rad]."""
+ASTRAY_TIME = 1.0
+"""Time for which it must last until the twin is abandoned [s]."""
 STILL = gaits.lateral_undulation(amplitude=0.0, frequency=0.0, phase_shift=0.0)
-# A plant that leaves these bounds has diverged.
-FASTEST = 10.0  # m/s
-FASTEST_TURN = 50.0  # rad/s
+"""Gait of a robot whose joint references replace the gait completely."""
+FASTEST = 10.0
+"""Speed beyond which a plant has diverged [m/s]."""
+FASTEST_TURN = 50.0
+"""Rate of the heading beyond which a plant has diverged [rad/s]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -50,7 +52,8 @@ class TwinState:
     astray: float = 0.0
     """Time for which a joint has deviated by more than `ASTRAY` from the robot's [s]."""
     along: float = 0.0
-    """Displacement of the center of mass through the water in the last step, along its first heading (6) [m]."""
+    """Displacement of the center of mass through the water in the last step, along its first heading
+    (6) [m]."""
     across: float = 0.0
     """Displacement in the last step, to the left of that heading [m]."""
     turn: float = 0.0
@@ -71,14 +74,13 @@ def check_plant(plant: Plant[Any] | None, robot: Robot) -> None:
     if plant is None:
         return
     check_instance("plant", plant, Plant)
-    n, expected = plant.robot.planar().n_joints, robot.planar().n_joints
-    if n != expected or (
-        plant.robot.n_joints != n and isinstance(plant.settings, scenarios.Spatial)
-    ):
-        raise BadArgument(
-            "plant",
-            f"must have {expected} joints, all of them yaw joints, got {plant.robot.n_joints}",
-        )
+    n_yaw_joints = plant.robot.planar().n_joints
+    n_expected = robot.planar().n_joints
+    is_spatial = isinstance(plant.settings, scenarios.Spatial)
+    has_pitch_joints = plant.robot.n_joints != n_yaw_joints
+    if n_yaw_joints != n_expected or (has_pitch_joints and is_spatial):
+        rule = f"must have {n_expected} joints, all of them yaw joints"
+        raise BadArgument("plant", f"{rule}, got {plant.robot.n_joints}")
     if isinstance(plant.settings.joints, Prescribed):
         raise BadArgument(
             "plant", "must have joints that follow references, `pd` or `servo`, got 'prescribed'"
@@ -92,7 +94,7 @@ def start_twin(plant: Plant[Any], reference: Vector) -> TwinState:
         plant: Plant that runs alongside the filter.
         reference: First references [rad].
     """
-    state = plant.init(interfaces.Start(), _held(reference))
+    state = plant.init(interfaces.Start(), _command_references(reference))
     observation = plant.observe(state)
     return TwinState(
         plant=state,
@@ -128,36 +130,48 @@ def step_twin(
         dt: Time step [s].
         fin: phi_ref of a driven fin; empty leaves it straight [rad].
     """
-    fin = fin[: len(plant.robot.driven_joints) - plant.robot.n_joints]
+    n_fin_joints = len(plant.robot.driven_joints) - plant.robot.n_joints
     astray = 0.0
     if joint_angle is not None:
-        apart = joint_angle - state.joint_angle
-        reference = reference + coupling * apart
-        astray = state.astray + dt if float(np.abs(apart).max(initial=0.0)) > ASTRAY else 0.0
-    then, _, trouble = plant.advance(state.plant, _held(reference, fin), dt, dt)
-    seen = plant.observe(then)
+        deviation = joint_angle - state.joint_angle
+        reference = reference + coupling * deviation
+        if float(np.abs(deviation).max(initial=0.0)) > ASTRAY:
+            astray = state.astray + dt
+    command = _command_references(reference, fin[:n_fin_joints])
+    plant_state, _, trouble = plant.advance(state.plant, command, dt, dt)
+    observation = plant.observe(plant_state)
     # The motion of the water is left to the filter.
     drift = np.array(getattr(plant.environment, "uniform", (0.0, 0.0))[:2])
-    velocity, rate = seen.center_of_mass_velocity[:2] - drift, float(seen.heading_rate)
-    is_sane = bool(np.abs(velocity).max() < FASTEST) and abs(rate) < FASTEST_TURN
-    if trouble is not None or not is_sane or astray > ASTRAY_TIME:
+    velocity = observation.center_of_mass_velocity[:2] - drift
+    rate = float(observation.heading_rate)
+    has_diverged = not _is_possible_motion(velocity, rate)
+    if trouble is not None or has_diverged or astray > ASTRAY_TIME:
         return None
-    center_of_mass, heading = seen.center_of_mass[:2], float(seen.heading)
-    way = center_of_mass - state.center_of_mass - dt * drift
-    c, s = math.cos(state.heading), math.sin(state.heading)
+    center_of_mass = observation.center_of_mass[:2]
+    heading = float(observation.heading)
+    displacement = center_of_mass - state.center_of_mass - dt * drift
+    c = math.cos(state.heading)
+    s = math.sin(state.heading)
     return TwinState(
-        plant=then,
+        plant=plant_state,
         center_of_mass=center_of_mass,
         velocity=velocity,
         heading=heading,
         rate=rate,
-        joint_angle=seen.joint_angle,
+        joint_angle=observation.joint_angle,
         astray=astray,
-        along=float(c * way[0] + s * way[1]),
-        across=float(c * way[1] - s * way[0]),
+        along=float(c * displacement[0] + s * displacement[1]),
+        across=float(c * displacement[1] - s * displacement[0]),
         turn=heading - state.heading,
     )
 
 
-def _held(reference: Vector, fin: tuple[float, ...] = ()) -> interfaces.Command:
+def _is_possible_motion(velocity: Vector, heading_rate: float) -> bool:
+    """Return whether a robot can move so; nan cannot."""
+    is_slow = bool(np.abs(velocity).max() < FASTEST)
+    return is_slow and abs(heading_rate) < FASTEST_TURN
+
+
+def _command_references(reference: Vector, fin: tuple[float, ...] = ()) -> interfaces.Command:
+    """Return the command that holds joint references [rad]."""
     return interfaces.Command(gait=STILL, references=(*reference.tolist(), *fin))

@@ -1,5 +1,6 @@
-"""Filter from joint samples and motion-capture frames, with gaps, noise and outliers, to a smooth estimate.
+"""Filter: from joint samples and motion-capture frames to a smooth estimate.
 
+Samples may have gaps, noise and outliers.
 It is an extended Kalman filter with `MotionModel` and, optionally, a digital twin. Its state is a
 value; samples may arrive late and out of order by up to `horizon`: the filter then goes back,
 inserts the sample where it belongs, and repeats everything after it.
@@ -9,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -20,9 +21,10 @@ from laticauda.control.estimation.filter_state import (
     Gaussian,
     Matrix,
     Noise,
+    PastStep,
     Vector,
 )
-from laticauda.control.estimation.motion_model import JOINTS, VX, VY, H, MotionModel, R, S, U, X, Y
+from laticauda.control.estimation.motion_model import MotionModel
 from laticauda.control.estimation.samples import (
     Estimate,
     JointSample,
@@ -31,13 +33,42 @@ from laticauda.control.estimation.samples import (
     Sample,
     StateEstimator,
 )
+from laticauda.control.estimation.state_vector import JOINTS, VX, VY, H, R, S, U, X, Y
 from laticauda.models.dynamics import Plant
 from laticauda.motion.gaits import filter_step
-from laticauda.robot import Water, center_of_mass, heading, link_angles
+from laticauda.robot import Water, kinematics
 from laticauda.values import BadArgument, option, quantity, value_class, wrap_to_pi
 
-PLAY_TORQUE = 0.3  # approximate torque at which a gear touches on one side [N m]
-LONGEST_STEP = 0.05  # longest prediction step over a gap [s]
+PLAY_TORQUE = 0.3
+"""Approximate torque at which a gear touches on one side [N m]."""
+LONGEST_STEP = 0.05
+"""Longest prediction step over a gap [s]."""
+FAULTY_POSE_VARIANCE = 1.0
+"""Variance added to position [m^2], heading [rad^2] and its rate if the filter must be wrong."""
+FAULTY_SPEED_VARIANCE = 0.1
+"""Variance added to both speeds through the water then [m^2/s^2]."""
+FAULTY_JOINT_RATE_VARIANCE = 1.0
+"""Variance of the rate of a joint with which the filter is restarted [rad^2/s^2]."""
+
+
+class _Measurement(NamedTuple):
+    """What a frame says of the marker body."""
+
+    values: Vector
+    """x and y [m], and the yaw of the link [rad] if the frame has a rotation."""
+    covariance: Matrix
+    """Covariance of their noise."""
+
+
+class _PredictionCache:
+    """Last prediction: the next samples often come where an estimate was requested."""
+
+    before: FilterState | None = None
+    """State that was predicted from."""
+    after: FilterState | None = None
+    """State that was predicted."""
+    time: float = math.nan
+    """Time that was predicted to [s]."""
 
 
 @value_class
@@ -81,28 +112,27 @@ class Estimator(StateEstimator):
         """Reject a plant that cannot serve as the robot's twin."""
         super().__post_init__()
         check_plant(self.plant, self.robot)
-        if (
-            self.plant is not None
-            and isinstance(water := self.plant.environment, Water)
-            and water.flow is not None
-        ):
-            object.__setattr__(
-                self, "plant", replace(self.plant, environment=water.still)
-            )  # the filter handles a flow
-        if self.plant is not None and self.swim_speed is not None:
-            raise BadArgument(
-                "swim_speed",
-                f"must be None with a `plant`, which determines it, got {self.swim_speed}",
-            )
+        if self.plant is None:
+            return
+        if self.swim_speed is not None:
+            rule = "must be None with a `plant`, which determines it"
+            raise BadArgument("swim_speed", f"{rule}, got {self.swim_speed}")
+        water = self.plant.environment
+        if isinstance(water, Water) and water.flow is not None:
+            # The filter handles a flow.
+            still_plant = replace(self.plant, environment=water.still)
+            object.__setattr__(self, "plant", still_plant)
 
     @cached_property
     def model(self) -> MotionModel:
         """Motion model given by the settings."""
-        speed: dict[str, Any] = {
-            "swim_speed": self.swim_speed,
-            "swim_speed_std": self.swim_speed_std,
-        }
-        return MotionModel(robot=self.robot, mount=self.mount, noise=self.noise, **speed)
+        return MotionModel(
+            robot=self.robot,
+            mount=self.mount,
+            noise=self.noise,
+            swim_speed=self.swim_speed,
+            swim_speed_std=self.swim_speed_std,
+        )
 
     @cached_property
     def twin_model(self) -> MotionModel:
@@ -112,19 +142,25 @@ class Estimator(StateEstimator):
         )
 
     def init(self, time: float = -math.inf) -> EstimatorState:
-        """Return the state before the first sample. The first call with a plant compiles it, which may take seconds.
+        """Return the state before the first sample.
+
+        The first call with a plant compiles it, which may take seconds.
 
         Args:
             time: Samples before this time are ignored [s].
         """
-        still = np.zeros(self.model.n_joints)
+        zeros = np.zeros(self.model.n_joints)
         if self.plant is not None:
-            step_twin(self.plant, start_twin(self.plant, still), still, None, 0.0, 0.01)
-        none = still.astype(np.int64)
+            twin = start_twin(self.plant, zeros)
+            step_twin(self.plant, twin, reference=zeros, joint_angle=None, coupling=0.0, dt=0.01)
         first = FilterState(
-            time=time, reference=still, lagged=still, lagged_rate=still, n_joint_rejected=none
+            time=time,
+            reference=zeros,
+            lagged=zeros,
+            lagged_rate=zeros,
+            n_joint_rejected=zeros.astype(np.int64),
         )
-        return EstimatorState(history=((None, first),))
+        return EstimatorState(history=(PastStep(sample=None, state=first),))
 
     def step(self, state: EstimatorState, sample: Sample) -> EstimatorState:
         """Return the state after one more sample; samples may come in any order.
@@ -139,7 +175,9 @@ class Estimator(StateEstimator):
         return self.steps(state, (sample,))
 
     def steps(self, state: EstimatorState, samples: Sequence[Sample]) -> EstimatorState:
-        """Return the state after several samples that arrived at once; the filter goes back only once for all of them.
+        """Return the state after several samples that arrived at once.
+
+        The filter goes back only once for all of them.
 
         Args:
             state: State returned by the last call or by `init`.
@@ -148,33 +186,38 @@ class Estimator(StateEstimator):
         Raises:
             ValueError: If a sample does not fit the robot.
         """
-        history, new = list(state.history), list[Sample]()
-        latest = state.latest.time
-        for sample in samples:
-            if sample.time >= max(history[0][1].time, latest - self.horizon):
-                new.append(sample)
-            latest = max(latest, sample.time)
-        n_late = state.n_late + len(samples) - len(new)
-        if not new:
+        in_time = self._select_in_time(state, samples)
+        n_late = state.n_late + len(samples) - len(in_time)
+        if not in_time:
             return replace(state, n_late=n_late)
-        later, begin = list[Sample](), min(sample.time for sample in new)
-        while len(history) > 1 and history[-1][1].time > begin:
-            later.append(cast(Sample, history.pop()[0]))  # only the first has none
-        rejected = 0
-        for item in sorted((*reversed(later), *new), key=lambda sample: sample.time):
-            before = history[-1][1]
-            after = self._after(before, item)
-            history.append((item, after))
-            rejected += after.n_rejected > before.n_rejected and not any(
-                item is old for old in later
-            )
-        after = replace(
-            state, history=tuple(history), n_outliers=state.n_outliers + rejected, n_late=n_late
-        )
-        return after.within(self.horizon)
+        history = list(state.history)
+        repeated = _go_back(history, min(sample.time for sample in in_time))
+        n_outliers = state.n_outliers
+        for sample in sorted((*repeated, *in_time), key=_time_of):
+            before = history[-1].state
+            after = self._process(before, sample)
+            history.append(PastStep(sample, after))
+            is_new = not any(sample is earlier for earlier in repeated)
+            if is_new and after.n_rejected > before.n_rejected:
+                n_outliers += 1
+        after_all = replace(state, history=tuple(history), n_outliers=n_outliers, n_late=n_late)
+        return after_all.within(self.horizon)
+
+    def _select_in_time(self, state: EstimatorState, samples: Sequence[Sample]) -> list[Sample]:
+        """Return the samples that are not too late for the filter to go back to them."""
+        first_time = state.history[0].state.time
+        latest_time = state.latest.time
+        in_time = list[Sample]()
+        for sample in samples:
+            if sample.time >= max(first_time, latest_time - self.horizon):
+                in_time.append(sample)
+            latest_time = max(latest_time, sample.time)
+        return in_time
 
     def estimate(self, state: EstimatorState, time: float | None = None) -> Estimate | None:
-        """Return the estimate, predicted from the last sample on; None before the first frame and joint sample.
+        """Return the estimate, predicted from the last sample on.
+
+        It is None before the first frame and joint sample.
 
         Args:
             state: State of the filter.
@@ -184,207 +227,282 @@ class Estimator(StateEstimator):
         if now.posterior is None:
             return None
         if time is not None and time > now.time:
-            now = self._predicted(now, time)
-        posterior, model = now.posterior, self._model_of(now)
+            now = self._predict(now, time)
+        posterior = now.posterior
         assert posterior is not None  # a prediction keeps it
         mean = posterior.mean
-        place, theta, rows = model.pose(mean, now.lagged)
-        velocity, turning = model.rates(mean, now.lagged, now.lagged_rate, now.frequency, now.twin)
+        model = self._model_of(now)
+        center_of_mass, heading, derivative = model.pose(mean, now.lagged)
+        velocity, heading_rate = model.rates(
+            mean, now.lagged, now.lagged_rate, now.frequency, now.twin
+        )
         joint = now.lagged + mean[JOINTS::2]
-        spread = rows @ posterior.covariance @ rows.T
+        pose_covariance = derivative @ posterior.covariance @ derivative.T
+        current_covariance = posterior.covariance[VX : VY + 1, VX : VY + 1]
         age = now.time - now.frame_time
         return Estimate(
             time=now.time,
             status=self.status_at(age),
             age=age,
-            center_of_mass=place,
+            center_of_mass=center_of_mass,
             center_of_mass_velocity=velocity,
-            heading=theta,
-            heading_rate=turning,
-            link_angle=theta + model.spread @ joint,
+            heading=heading,
+            heading_rate=heading_rate,
+            link_angle=heading + model.spread @ joint,
             joint_angle=joint,
             joint_rate=now.lagged_rate + mean[JOINTS + 1 :: 2],
-            center_of_mass_std=math.sqrt(0.5 * (spread[0, 0] + spread[1, 1])),
-            heading_std=math.sqrt(spread[2, 2]),
+            center_of_mass_std=math.sqrt(0.5 * (pose_covariance[0, 0] + pose_covariance[1, 1])),
+            heading_std=math.sqrt(pose_covariance[2, 2]),
             current=mean[[VX, VY]],
-            current_std=math.sqrt(
-                _larger_eigenvalue(posterior.covariance[VX : VY + 1, VX : VY + 1])
-            ),
+            current_std=math.sqrt(_larger_eigenvalue(current_covariance)),
         )
 
-    # ---- inside ----------------------------------------------------------------------------------
+    # ---- prediction ------------------------------------------------------------------------------
 
-    def _after(self, state: FilterState, sample: Sample) -> FilterState:
-        state = self._predicted(state, sample.time)
+    def _process(self, state: FilterState, sample: Sample) -> FilterState:
+        """Return the filter after a sample that is not older than it."""
+        state = self._predict(state, sample.time)
         if isinstance(sample, ReferenceSample):
-            return self._with_references(state, sample)
+            return self._apply_references(state, sample)
         if isinstance(sample, JointSample):
-            return self._with_joints(state, self._without_play(sample))
-        return self._with_frame(state, sample)
+            return self._apply_joints(state, self._remove_play(sample))
+        return self._apply_frame(state, sample)
 
-    def _predicted(self, state: FilterState, time: float) -> FilterState:
-        """Return the filter at a later time, without further samples.
+    @cached_property
+    def _last_prediction(self) -> _PredictionCache:
+        return _PredictionCache()
 
-        The last prediction is kept: the next samples often come where an estimate was requested.
-        """
-        kept: Any = self.__dict__.get("_kept", (None, math.nan, None))
-        if kept[0] is not state or kept[1] != time:
-            kept = self.__dict__["_kept"] = state, time, self._advanced(state, time)
-        return kept[2]
+    def _predict(self, state: FilterState, time: float) -> FilterState:
+        """Return the filter at a later time, without further samples."""
+        last = self._last_prediction
+        if last.before is state and last.time == time and last.after is not None:
+            return last.after
+        after = self._advance(state, time)
+        last.before = state
+        last.time = time
+        last.after = after
+        return after
 
-    def _advanced(self, state: FilterState, time: float) -> FilterState:
+    def _advance(self, state: FilterState, time: float) -> FilterState:
+        """Advance references, twin and estimate to a later time."""
         dt = time - state.time
         if dt == 0.0 or not math.isfinite(dt):
             return replace(state, time=time)
-        width = self.model.reference_bandwidth
-        decay, lag = (
-            math.exp(-width * dt),
-            cast(Any, filter_step),
-        )  # its formula also holds for arrays
-        lagged, rate, _ = lag(state.lagged, state.lagged_rate, state.reference, width, decay, dt)
-        runs = state.posterior is not None or state.twin is not None
-        n_steps = max(1, math.ceil(dt / LONGEST_STEP)) if runs else 0
-        for _ in range(n_steps):
-            state = self._substep(state, lagged, dt / n_steps)
-        return replace(state, time=time, lagged=lagged, lagged_rate=rate)
+        bandwidth = self.model.reference_bandwidth
+        # The formula of the reference filter also holds for arrays.
+        filter_references = cast(Any, filter_step)
+        lagged, lagged_rate, _ = filter_references(
+            state.lagged,
+            state.lagged_rate,
+            state.reference,
+            bandwidth,
+            math.exp(-bandwidth * dt),
+            dt,
+        )
+        if state.posterior is not None or state.twin is not None:
+            n_steps = max(1, math.ceil(dt / LONGEST_STEP))
+            for _ in range(n_steps):
+                state = self._advance_substep(state, lagged, dt / n_steps)
+        return replace(state, time=time, lagged=lagged, lagged_rate=lagged_rate)
 
-    def _substep(self, state: FilterState, lagged: Vector, dt: float) -> FilterState:
-        """Advance twin and robot by one step; the joints' lagged references are already those at its end."""
-        posterior = state.posterior
+    def _advance_substep(self, state: FilterState, lagged: Vector, dt: float) -> FilterState:
+        """Advance twin and estimate by one step; the lagged references are those at its end."""
         if state.twin is not None and self.plant is not None:
-            joint = None if posterior is None else lagged + posterior.mean[JOINTS::2]
-            twin = step_twin(
-                self.plant,
-                state.twin,
-                state.reference,
-                joint,
-                self.coupling,
-                dt,
-                fin=state.fin_reference,
-            )
-            if twin is None and posterior is not None:
-                posterior = self.model.reopened(posterior)
-            state = replace(state, twin=twin, twin_failed=twin is None)
-        if posterior is not None:
-            mean, f, q = self._model_of(state).step(
-                posterior.mean, lagged, state.frequency, dt, state.twin
-            )
-            posterior = posterior.predict(mean, f, q)
+            state = self._advance_twin(self.plant, state, lagged, dt)
+        if state.posterior is None:
+            return state
+        step = self._model_of(state).step(
+            state.posterior.mean, lagged, state.frequency, dt, state.twin
+        )
+        posterior = state.posterior.predict(step.mean, step.transition, step.noise)
         return replace(state, posterior=posterior)
 
-    def _model_of(self, state: FilterState) -> MotionModel:
-        return self.model if state.twin is None else self.twin_model
-
-    def _with_references(self, state: FilterState, sample: ReferenceSample) -> FilterState:
-        """Apply new references; the first ones start the twin."""
-        reference, twin, posterior = (
-            self.robot.yaw_joints("angle", sample.angle),
+    def _advance_twin(
+        self, plant: Plant[Any], state: FilterState, lagged: Vector, dt: float
+    ) -> FilterState:
+        """Advance the twin; if it must be abandoned, the model without a twin takes over."""
+        assert state.twin is not None
+        posterior = state.posterior
+        joint_angle: Vector | None = None
+        if posterior is not None:
+            joint_angle = lagged + posterior.mean[JOINTS::2]
+        twin = step_twin(
+            plant,
             state.twin,
-            state.posterior,
+            reference=state.reference,
+            joint_angle=joint_angle,
+            coupling=self.coupling,
+            dt=dt,
+            fin=state.fin_reference,
         )
-        if twin is None and self.plant is not None and not state.twin_failed:
-            twin = start_twin(self.plant, reference)
-            posterior = None if posterior is None else self.twin_model.reopened(posterior)
-        fin = tuple(sample.angle[self.robot.n_joints :].tolist())
-        state = replace(state, reference=reference, fin_reference=fin, frequency=sample.frequency)
-        return replace(state, twin=twin, posterior=posterior)
+        if twin is None and posterior is not None:
+            posterior = self.model.reset_motion(posterior)
+        return replace(state, twin=twin, twin_failed=twin is None, posterior=posterior)
 
-    def _without_play(self, sample: JointSample) -> Vector:
-        """Return the joint angles, from the sensors and the side on which the gears touch."""
+    def _model_of(self, state: FilterState) -> MotionModel:
+        if state.twin is None:
+            return self.model
+        return self.twin_model
+
+    # ---- references ------------------------------------------------------------------------------
+
+    def _apply_references(self, state: FilterState, sample: ReferenceSample) -> FilterState:
+        """Apply new references; the first ones start the twin."""
+        reference = self.robot.yaw_joints("angle", sample.angle)
+        if state.twin is None and self.plant is not None and not state.twin_failed:
+            state = self._start_twin(self.plant, state, reference)
+        fin_reference = tuple(sample.angle[self.robot.n_joints :].tolist())
+        return replace(
+            state,
+            reference=reference,
+            fin_reference=fin_reference,
+            frequency=sample.frequency,
+        )
+
+    def _start_twin(self, plant: Plant[Any], state: FilterState, reference: Vector) -> FilterState:
+        """Start the twin, whose model takes over."""
+        posterior = state.posterior
+        if posterior is not None:
+            posterior = self.twin_model.reset_motion(posterior)
+        return replace(state, twin=start_twin(plant, reference), posterior=posterior)
+
+    # ---- joints ----------------------------------------------------------------------------------
+
+    def _remove_play(self, sample: JointSample) -> Vector:
+        """Return the joint angles, from the sensors and the side on which the gears touch [rad]."""
         angle = self.robot.yaw_joints("angle", sample.angle)
         if self.backlash == 0.0 or sample.torque is None:
             return angle
-        pull = np.nan_to_num(self.robot.yaw_joints("torque", sample.torque))
-        return angle - 0.5 * self.backlash * np.tanh(pull / PLAY_TORQUE)
+        torque = np.nan_to_num(self.robot.yaw_joints("torque", sample.torque))
+        return angle - 0.5 * self.backlash * np.tanh(torque / PLAY_TORQUE)
 
-    def _with_joints(self, state: FilterState, angle: Vector) -> FilterState:
-        reported = np.isfinite(angle)
+    def _apply_joints(self, state: FilterState, angle: Vector) -> FilterState:
+        """Correct the filter by joint angles, nan where a module did not answer.
+
+        An angle far off is rejected; one that stays far off is accepted, and the filter restarted
+        with it.
+        """
+        is_reported = np.isfinite(angle)
         if state.posterior is None:
-            before = np.zeros_like(angle) if state.joint_angle is None else state.joint_angle
-            return (
-                replace(state, joint_angle=np.where(reported, angle, before))
-                if reported.any()
-                else state
-            )
+            return _remember_joints(state, angle)
         posterior = state.posterior
-        places = JOINTS + 2 * np.arange(angle.size)
-        residual = angle - state.lagged - posterior.mean[places]
-        spread = np.sqrt(posterior.covariance[places, places] + self.noise.joint**2)
-        rejected = reported & (np.abs(residual) > self.gate * spread)
-        n_rejected = np.where(
-            rejected, state.n_joint_rejected + 1, np.where(reported, 0, state.n_joint_rejected)
-        )
-        insists = n_rejected >= self.joint_patience
-        if insists.any():  # accept these and restart the filter with them
-            at = places[insists]
-            posterior = posterior.restarted(
-                at, posterior.mean[at] + residual[insists], self.noise.joint**2
-            )
-            posterior = posterior.restarted(at + 1, 0.0, 1.0)
-        use = reported & ~rejected
-        if use.any():
-            rows = np.eye(posterior.mean.size)[places[use]]
-            posterior = posterior.update(
-                residual[use], rows, self.noise.joint**2 * np.eye(rows.shape[0])
-            )
-        return replace(
-            state, posterior=posterior, n_joint_rejected=np.where(insists, 0, n_rejected)
-        )
+        variance = self.noise.joint**2
+        entries = JOINTS + 2 * np.arange(angle.size)
+        residual = angle - state.lagged - posterior.mean[entries]
+        spread = np.sqrt(posterior.covariance[entries, entries] + variance)
+        is_rejected = is_reported & (np.abs(residual) > self.gate * spread)
+        n_rejected = np.where(is_reported, 0, state.n_joint_rejected)
+        n_rejected = np.where(is_rejected, state.n_joint_rejected + 1, n_rejected)
+        is_insisting = n_rejected >= self.joint_patience
+        if is_insisting.any():
+            insisting = entries[is_insisting]
+            measured = posterior.mean[insisting] + residual[is_insisting]
+            posterior = posterior.reset_entries(insisting, measured, variance)
+            posterior = posterior.reset_entries(insisting + 1, 0.0, FAULTY_JOINT_RATE_VARIANCE)
+        is_used = is_reported & ~is_rejected
+        if is_used.any():
+            sensitivity = np.eye(posterior.mean.size)[entries[is_used]]
+            noise = variance * np.eye(sensitivity.shape[0])
+            posterior = posterior.update(residual[is_used], sensitivity, noise)
+        n_rejected = np.where(is_insisting, 0, n_rejected)
+        return replace(state, posterior=posterior, n_joint_rejected=n_rejected)
 
-    def _with_frame(self, state: FilterState, frame: PoseSample) -> FilterState:
+    # ---- frames ----------------------------------------------------------------------------------
+
+    def _apply_frame(self, state: FilterState, frame: PoseSample) -> FilterState:
+        """Correct the filter by a frame, or reject it if it is far off.
+
+        If too many were rejected in a row, the filter must be wrong: it opens up and accepts.
+        """
         if frame.is_lost:
             return state
         if frame.residual > self.largest_residual:
             return replace(state, n_rejected=state.n_rejected + 1)
         if state.posterior is None:
-            return self._initialized(state, frame)
+            return self._initialize(state, frame)
         posterior = state.posterior
-        expected, rows = self.model.marker(posterior.mean, state.lagged)
-        measured, noise = self._measurement(frame)
-        n = measured.size
-        residual, rows = measured - expected[:n], rows[:n]
+        expected, sensitivity = self.model.marker(posterior.mean, state.lagged)
+        measurement = self._measure(frame)
+        n = measurement.values.size
+        sensitivity = sensitivity[:n]
+        residual = measurement.values - expected[:n]
         if n == 3:
             residual[2] = wrap_to_pi(float(residual[2]))
-        gate = n + self.gate * math.sqrt(
-            2.0 * n
-        )  # mean and spread of chi-squared are n and sqrt(2 n)
-        if posterior.squared_distance(residual, rows, noise) > gate:
+        # The mean and the spread of chi-squared are n and sqrt(2 n).
+        limit = n + self.gate * math.sqrt(2.0 * n)
+        distance = posterior.squared_distance(residual, sensitivity, measurement.covariance)
+        if distance > limit:
             if state.n_rejected + 1 < self.patience:
                 return replace(state, n_rejected=state.n_rejected + 1)
-            posterior = _inflated(posterior)
-        posterior = posterior.update(residual, rows, noise)
+            posterior = _open_up(posterior)
+        posterior = posterior.update(residual, sensitivity, measurement.covariance)
         return replace(state, posterior=posterior, frame_time=state.time, n_rejected=0)
 
-    def _measurement(self, frame: PoseSample) -> tuple[Vector, Matrix]:
-        variance = [self.noise.position**2, self.noise.position**2, self.noise.yaw**2]
+    def _measure(self, frame: PoseSample) -> _Measurement:
+        """Return what a frame says of the marker body; without a rotation, only its position."""
+        variances = [self.noise.position**2, self.noise.position**2, self.noise.yaw**2]
         if frame.rotation is None or not np.isfinite(frame.rotation).all():
-            return frame.position[:2].copy(), np.diag(variance[:2])
+            return _Measurement(frame.position[:2].copy(), np.diag(variances[:2]))
         yaw = self.mount.link_yaw(frame.rotation)
-        return np.array([frame.position[0], frame.position[1], yaw]), np.diag(variance)
+        values = np.array([frame.position[0], frame.position[1], yaw])
+        return _Measurement(values, np.diag(variances))
 
-    def _initialized(self, state: FilterState, frame: PoseSample) -> FilterState:
+    def _initialize(self, state: FilterState, frame: PoseSample) -> FilterState:
         """Initialize the filter with the pose from the first frame and the joint angles before it."""
-        measured, _ = self._measurement(frame)
+        measured = self._measure(frame).values
         if state.joint_angle is None or measured.size < 3:
             return state
         link, offset = self.on_link
-        theta = link_angles(state.joint_angle, angle=float(measured[2]), link=link)
-        place = center_of_mass(self.model.chain, measured[:2], theta, link=link, offset=offset)
+        theta = kinematics.link_angles(state.joint_angle, angle=float(measured[2]), link=link)
         posterior = self._model_of(state).initial(
-            place, float(heading(theta)), state.joint_angle - state.lagged, -state.lagged_rate
+            center_of_mass=kinematics.center_of_mass(
+                self.model.chain, measured[:2], theta, link=link, offset=offset
+            ),
+            heading=float(kinematics.heading(theta)),
+            deviation=state.joint_angle - state.lagged,
+            deviation_rate=-state.lagged_rate,
         )
         return replace(state, posterior=posterior, frame_time=state.time, joint_angle=None)
 
 
+def _time_of(sample: Sample) -> float:
+    return sample.time
+
+
+def _go_back(history: list[PastStep], time: float) -> list[Sample]:
+    """Take the steps after a time off the history, and return their samples, oldest first."""
+    samples = list[Sample]()
+    while len(history) > 1 and history[-1].state.time > time:
+        sample = history.pop().sample
+        samples.append(cast(Sample, sample))  # only the first step has none
+    samples.reverse()
+    return samples
+
+
+def _remember_joints(state: FilterState, angle: Vector) -> FilterState:
+    """Remember joint angles for the first frame; nan leaves a joint as it was."""
+    is_reported = np.isfinite(angle)
+    if not is_reported.any():
+        return state
+    last_angle = state.joint_angle
+    if last_angle is None:
+        last_angle = np.zeros_like(angle)
+    return replace(state, joint_angle=np.where(is_reported, angle, last_angle))
+
+
 def _larger_eigenvalue(matrix: Matrix) -> float:
     """Return the larger eigenvalue of a symmetric 2 x 2 matrix."""
-    a, b, d = float(matrix[0, 0]), float(matrix[0, 1]), float(matrix[1, 1])
+    a = float(matrix[0, 0])
+    b = float(matrix[0, 1])
+    d = float(matrix[1, 1])
     return 0.5 * (a + d) + math.hypot(0.5 * (a - d), b)
 
 
-def _inflated(posterior: Gaussian) -> Gaussian:
+def _open_up(posterior: Gaussian) -> Gaussian:
     """Increase the uncertainty of pose and speeds, for a filter that no longer fits any frame."""
     covariance = posterior.covariance.copy()
-    for at, variance in ((X, 1.0), (Y, 1.0), (H, 1.0), (U, 0.1), (S, 0.1), (R, 1.0)):
-        covariance[at, at] += variance
+    for entry in (X, Y, H, R):
+        covariance[entry, entry] += FAULTY_POSE_VARIANCE
+    for entry in (U, S):
+        covariance[entry, entry] += FAULTY_SPEED_VARIANCE
     return Gaussian(mean=posterior.mean, covariance=covariance)

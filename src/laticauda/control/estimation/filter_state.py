@@ -1,8 +1,11 @@
-"""State of the filter: errors of sensors and model, a Gaussian estimate, and the past that it may return to."""
+"""State of the filter: errors of sensors and model, a Gaussian estimate, and the recent past.
+
+Late samples take the filter back to that past; see `laticauda.control.estimation.filter`.
+"""
 
 import math
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,10 +71,9 @@ class Noise:
 
     @property
     def beside_twin(self) -> "Noise":
-        """Noise of the same sensors, and of only that part of the motion that a twin does not predict."""
-        return replace(
-            self, **{name: min(getattr(self, name), limit) for name, limit in BESIDE_TWIN.items()}
-        )
+        """Noise of the same sensors, and of the part of the motion that a twin does not predict."""
+        limited = {name: min(getattr(self, name), limit) for name, limit in BESIDE_TWIN.items()}
+        return replace(self, **limited)
 
 
 BESIDE_TWIN = {
@@ -107,9 +109,8 @@ class Gaussian:
             transition: F, derivative of the step with respect to the estimated vector.
             noise: Q, covariance of the process noise.
         """
-        return Gaussian(
-            mean=mean, covariance=_symmetric(transition @ self.covariance @ transition.T + noise)
-        )
+        covariance = transition @ self.covariance @ transition.T + noise
+        return Gaussian(mean=mean, covariance=_symmetrize(covariance))
 
     def update(self, residual: Vector, sensitivity: Matrix, noise: Matrix) -> "Gaussian":
         """Apply a measurement, with the Joseph form of the covariance.
@@ -123,29 +124,34 @@ class Gaussian:
         linear = sensitivity @ self.mean
         spread = sensitivity @ self.covariance @ sensitivity.T + noise
         gain = self.covariance @ sensitivity.T @ np.linalg.inv(spread)
-        rest = np.eye(self.mean.size) - gain @ sensitivity
-        covariance = rest @ self.covariance @ rest.T + gain @ noise @ gain.T
+        remainder = np.eye(self.mean.size) - gain @ sensitivity
+        covariance = remainder @ self.covariance @ remainder.T + gain @ noise @ gain.T
         mean = self.mean + gain @ ((residual + linear) - linear)
-        return Gaussian(mean=mean, covariance=_symmetric(covariance))
+        return Gaussian(mean=mean, covariance=_symmetrize(covariance))
 
-    def restarted(
-        self, at: np.ndarray, mean: Vector | float, variance: Vector | float
+    def reset_entries(
+        self, entries: np.ndarray, mean: Vector | float, variance: Vector | float
     ) -> "Gaussian":
         """Return the same Gaussian with some entries reset and uncorrelated with all others.
 
         Args:
-            at: Indices of the entries.
+            entries: Indices of the entries.
             mean: Their mean.
             variance: Their variance.
         """
-        means, covariance = self.mean.copy(), self.covariance.copy()
-        means[at] = mean
-        covariance[at, :] = covariance[:, at] = 0.0
-        covariance[at, at] = variance
-        return Gaussian(mean=means, covariance=covariance)
+        whole_mean = self.mean.copy()
+        whole_mean[entries] = mean
+        covariance = self.covariance.copy()
+        covariance[entries, :] = 0.0
+        covariance[:, entries] = 0.0
+        covariance[entries, entries] = variance
+        return Gaussian(mean=whole_mean, covariance=covariance)
 
     def squared_distance(self, residual: Vector, sensitivity: Matrix, noise: Matrix) -> float:
-        """Return the squared distance of a measurement in units of its expected spread (chi-squared, m degrees) [-].
+        """Return the squared distance of a measurement in units of its expected spread [-].
+
+        It is distributed as chi-squared, with as many degrees of freedom as the measurement has
+        numbers.
 
         Args:
             residual: Measured minus expected; angles wrapped.
@@ -188,12 +194,21 @@ class FilterState:
     """Whether the twin had to be abandoned [-]."""
 
 
+class PastStep(NamedTuple):
+    """A sample, and the filter right after it."""
+
+    sample: samples.Sample | None
+    """The sample; None if it is so old that the filter never returns to before it."""
+    state: FilterState
+    """State of the filter after it."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class EstimatorState:
-    """State of the estimator: the current filter, and the last few samples with the filter after each."""
+    """State of the estimator: the current filter, and its last few steps."""
 
-    history: tuple[tuple[samples.Sample | None, FilterState], ...]
-    """Samples and filters, oldest first; the first entry has no sample."""
+    history: tuple[PastStep, ...]
+    """Last steps, oldest first; only the first has no sample."""
     n_outliers: int = 0
     """Number of frames rejected so far [-]."""
     n_late: int = 0
@@ -202,19 +217,22 @@ class EstimatorState:
     @property
     def latest(self) -> FilterState:
         """Filter after the last sample."""
-        return self.history[-1][1]
+        return self.history[-1].state
 
     def within(self, horizon: float) -> "EstimatorState":
-        """Return the state without the history that samples late by at most `horizon` [s] cannot reach.
+        """Return the state without the history that samples within a horizon cannot reach.
 
         Args:
             horizon: Largest delay of a sample [s].
         """
-        past, keep = self.history, 0
-        while keep + 1 < len(past) and past[keep + 1][1].time <= self.latest.time - horizon:
-            keep += 1
-        return replace(self, history=((None, past[keep][1]), *past[keep + 1 :]))
+        oldest_time = self.latest.time - horizon
+        steps = self.history
+        first = 0
+        while first + 1 < len(steps) and steps[first + 1].state.time <= oldest_time:
+            first += 1
+        start = PastStep(sample=None, state=steps[first].state)
+        return replace(self, history=(start, *steps[first + 1 :]))
 
 
-def _symmetric(matrix: Matrix) -> Matrix:
+def _symmetrize(matrix: Matrix) -> Matrix:
     return 0.5 * (matrix + matrix.T)

@@ -1,10 +1,11 @@
-"""Kinematics only, as in the paper: one pose of the marker body and the joint angles determine everything.
+"""Kinematics only, as in the paper: a pose of the marker body and the joint angles say everything.
 
 Nothing is filtered; without a frame, the last result is held. This is the baseline for the filter.
 """
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -20,21 +21,47 @@ from laticauda.robot import Robot, center_of_mass, heading, link_angles, module_
 from laticauda.values import option, quantity, value_class, wrap_to_pi
 
 Vector = Float[np.ndarray, " _n"]
+Matrix = Float[np.ndarray, "_m _n"]
+
+_TIME_ROUNDING = 1e-9
+"""Smaller than the time between any two frames [s]."""
+
+
+class JointRecord(NamedTuple):
+    """Joints at one time, of those that the estimator uses."""
+
+    time: float
+    """Time of the sample [s]."""
+    angle: Vector
+    """Angles [rad]."""
+    rate: Vector
+    """Rates, 0 where they are unknown [rad/s]."""
+
+
+class Pose(NamedTuple):
+    """Pose of the whole robot, as it follows from one frame."""
+
+    link_angle: Vector
+    """theta of every link [rad]."""
+    center_of_mass: Vector
+    """p, two or three coordinates [m]."""
+    pitch: float
+    """Mean pitch of the links; 0 in the plane [rad]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class KinematicState:
     """Most recent joint samples, and the estimates from the most recent frames."""
 
-    joints: tuple[tuple[float, Vector, Vector], ...] = ()
-    """Times [s], angles [rad] and rates [rad/s], 0 where they are unknown, oldest first."""
+    joints: tuple[JointRecord, ...] = ()
+    """Joint samples, oldest first."""
     frames: tuple[Estimate, ...] = ()
     """Estimates from frames, oldest first; without velocities."""
 
 
 @value_class
 class KinematicEstimator(StateEstimator):
-    """Estimator of center of mass and link angles from the pose of the marked module and the joint angles.
+    """Estimator of center of mass and link angles from one module's pose and the joint angles.
 
     Joint angles are interpolated to the time of the frame; after the last ones, which are as old as
     a tick, they go on at the joints' rates, for at most `span`. Velocities are differences over
@@ -50,6 +77,7 @@ class KinematicEstimator(StateEstimator):
 
     @cached_property
     def _chain(self) -> Robot:
+        """Planar reduction of the robot."""
         return self.robot.planar()
 
     def init(self) -> KinematicState:
@@ -67,88 +95,96 @@ class KinematicEstimator(StateEstimator):
             ValueError: If the sample does not fit the robot.
         """
         if isinstance(sample, JointSample):
-            angle = self._own(sample.angle)
-            if not np.isfinite(angle).all() or (
-                state.joints and sample.time <= state.joints[-1][0]
-            ):
-                return state
-            rate = (
-                np.zeros_like(angle)
-                if sample.rate is None
-                else np.nan_to_num(self._own(sample.rate))
-            )
-            kept = [item for item in state.joints if item[0] > sample.time - 2.0 * self.span]
-            return replace(state, joints=(*kept, (sample.time, angle, rate)))
-        if (
-            isinstance(sample, PoseSample)
-            and not sample.is_lost
-            and sample.rotation is not None
-            and state.joints
-        ):
+            return self._add_joints(state, sample)
+        if isinstance(sample, PoseSample):
             return self._add_frame(state, sample)
         return state
 
+    def _add_joints(self, state: KinematicState, sample: JointSample) -> KinematicState:
+        """Remember a joint sample, unless a module did not answer or it is not newer than the last."""
+        angle = self._select_joints(sample.angle)
+        if not np.isfinite(angle).all():
+            return state
+        if state.joints and sample.time <= state.joints[-1].time:
+            return state
+        rate = np.zeros_like(angle)
+        if sample.rate is not None:
+            rate = np.nan_to_num(self._select_joints(sample.rate))
+        oldest = sample.time - 2.0 * self.span
+        recent = [record for record in state.joints if record.time > oldest]
+        return replace(state, joints=(*recent, JointRecord(sample.time, angle, rate)))
+
     def _add_frame(self, state: KinematicState, frame: PoseSample) -> KinematicState:
-        assert frame.rotation is not None  # checked by the caller
+        """Estimate from a frame, unless it says too little or is not newer than the last one."""
+        if frame.is_lost or frame.rotation is None or not state.joints:
+            return state
         if state.frames and frame.time <= state.frames[-1].time:
             return state
-        times = np.array([time for time, *_ in state.joints])
-        angles = np.stack([angle for _, angle, _ in state.joints])
-        joint = np.array(
-            [float(np.interp(frame.time, times, angles[:, i])) for i in range(angles.shape[1])]
-        )
-        joint += min(max(frame.time - float(times[-1]), 0.0), self.span) * state.joints[-1][2]
-        theta, place, pitch = self._seen(frame.position, frame.rotation, joint)
+        joint = self._joints_at(state, frame.time)
+        pose = self._pose_of_robot(frame.position, frame.rotation, joint)
+        link_angle = pose.link_angle
         if state.frames:
-            before = state.frames[-1].heading
-            now = float(heading(theta))
-            theta = theta + (before + wrap_to_pi(now - before) - now)
-        said = Estimate(
+            last_heading = state.frames[-1].heading
+            new_heading = float(heading(link_angle))
+            nearest_heading = last_heading + wrap_to_pi(new_heading - last_heading)
+            link_angle = link_angle + (nearest_heading - new_heading)
+        estimate = Estimate(
             time=frame.time,
             status="tracking",
             age=0.0,
-            center_of_mass=place,
-            center_of_mass_velocity=np.zeros_like(place),
-            heading=float(heading(theta)),
-            pitch=pitch,
+            center_of_mass=pose.center_of_mass,
+            center_of_mass_velocity=np.zeros_like(pose.center_of_mass),
+            heading=float(heading(link_angle)),
+            pitch=pose.pitch,
             heading_rate=0.0,
-            link_angle=theta,
+            link_angle=link_angle,
             joint_angle=joint,
             joint_rate=np.zeros_like(joint),
         )
-        kept = [old for old in state.frames if old.time >= frame.time - self.span - 1e-9]
-        return replace(state, frames=(*kept, said))
+        oldest = frame.time - self.span - _TIME_ROUNDING
+        recent = [earlier for earlier in state.frames if earlier.time >= oldest]
+        return replace(state, frames=(*recent, estimate))
 
-    def _own(self, angle: Vector) -> Vector:
+    def _joints_at(self, state: KinematicState, time: float) -> Vector:
+        """Return the joint angles at a time, interpolated or carried on at their last rates [rad]."""
+        times = np.array([record.time for record in state.joints])
+        angles = np.stack([record.angle for record in state.joints])
+        n_joints = angles.shape[1]
+        joint = np.array([float(np.interp(time, times, angles[:, i])) for i in range(n_joints)])
+        time_since_last = max(time - float(times[-1]), 0.0)
+        joint += min(time_since_last, self.span) * state.joints[-1].rate
+        return joint
+
+    def _select_joints(self, angle: Vector) -> Vector:
         """Select the joints that are used."""
-        return (
-            angle[: self.robot.n_joints] if self.in_space else self.robot.yaw_joints("angle", angle)
-        )
+        if self.in_space:
+            return angle[: self.robot.n_joints]
+        return self.robot.yaw_joints("angle", angle)
 
-    def _seen(
-        self, position: Vector, rotation: np.ndarray, joint: Vector
-    ) -> tuple[Vector, Vector, float]:
-        """Return link angles [rad], center of mass [m] and mean pitch [rad] from the pose of the marker body."""
-        if not self.in_space:
-            link, offset = self.on_link
-            theta = link_angles(joint, angle=self.mount.link_yaw(rotation), link=link)
-            return (
-                theta,
-                center_of_mass(self._chain, position[:2], theta, link=link, offset=offset),
-                0.0,
-            )
-        modules = module_poses(
-            self.robot, np.zeros(3), np.eye(3), joint
-        )  # in the axes of the tail module
+    def _pose_of_robot(self, position: Vector, rotation: Matrix, joint: Vector) -> Pose:
+        """Return the pose of the robot that follows from that of the marker body."""
+        if self.in_space:
+            return self._pose_in_space(position, rotation, joint)
+        link, offset = self.on_link
+        theta = link_angles(joint, angle=self.mount.link_yaw(rotation), link=link)
+        place = center_of_mass(self._chain, position[:2], theta, link=link, offset=offset)
+        return Pose(link_angle=theta, center_of_mass=place, pitch=0.0)
+
+    def _pose_in_space(self, position: Vector, rotation: Matrix, joint: Vector) -> Pose:
+        """Return the pose in three dimensions: modules in the axes of the tail, then in the world's."""
+        modules = module_poses(self.robot, np.zeros(3), np.eye(3), joint)
         carrier = modules.rotation[self.mount.module]
-        turned = rotation @ turn("yaw", -self.mount.angle) @ carrier.T
-        marker = modules.position[self.mount.module] + carrier @ np.array(
-            (*self.mount.offset, 0.0)[:3]
-        )
-        ahead = turned @ modules.rotation[:, :, 0].T
+        offset = np.array((*self.mount.offset, 0.0)[:3])
+        marker = modules.position[self.mount.module] + carrier @ offset
+        to_world = rotation @ turn("yaw", -self.mount.angle) @ carrier.T
+        ahead = to_world @ modules.rotation[:, :, 0].T
         theta: Vector = np.unwrap(np.arctan2(ahead[1], ahead[0]))
         pitch: Vector = -np.arctan2(ahead[2], np.hypot(ahead[0], ahead[1]))
-        return theta, position - turned @ marker, float(pitch.mean())
+        return Pose(
+            link_angle=theta,
+            center_of_mass=position - to_world @ marker,
+            pitch=float(pitch.mean()),
+        )
 
     def estimate(self, state: KinematicState, time: float | None = None) -> Estimate | None:
         """Return the estimate from the last frame; None before the first one.
@@ -159,15 +195,21 @@ class KinematicEstimator(StateEstimator):
         """
         if not state.frames:
             return None
-        first, last = state.frames[0], state.frames[-1]
-        now = last.time if time is None else max(time, last.time)
-        pace = 1.0 / (last.time - first.time) if last.time > first.time else 0.0
+        first = state.frames[0]
+        last = state.frames[-1]
+        if time is None:
+            time = last.time
+        time = max(time, last.time)
+        age = time - last.time
+        per_span = 0.0
+        if last.time > first.time:
+            per_span = 1.0 / (last.time - first.time)
         return replace(
             last,
-            time=now,
-            status=self.status_at(now - last.time),
-            age=now - last.time,
-            center_of_mass_velocity=pace * (last.center_of_mass - first.center_of_mass),
-            heading_rate=pace * (last.heading - first.heading),
-            joint_rate=pace * (last.joint_angle - first.joint_angle),
+            time=time,
+            status=self.status_at(age),
+            age=age,
+            center_of_mass_velocity=per_span * (last.center_of_mass - first.center_of_mass),
+            heading_rate=per_span * (last.heading - first.heading),
+            joint_rate=per_span * (last.joint_angle - first.joint_angle),
         )

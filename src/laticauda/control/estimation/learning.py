@@ -1,20 +1,30 @@
-"""A twin that learns while the robot swims: the water's coefficients, its current, and what has changed.
+"""Twin that learns while the robot swims: the water's coefficients, its current, what has changed.
 
-Every half cycle a twin in still water, whose joints do what the robot's report, swims the last
-minute anew; beside it one for each unknown coefficient, which is a little larger there. How far the
-robot's way is off the twin's is nearly linear in what is unknown: least squares do the rest. See
+Every half cycle, a twin in still water whose joints do what the robot's report swims the last minute
+anew; so does one more for each unknown coefficient, which is a little larger there. The robot's
+deviation from the twin is nearly linear in what is unknown: least squares do the rest. See
 docs/theory/learning-twin.md.
+
+The unknowns are kept in one vector: the logarithm of every unknown coefficient, the play of the
+joints, the crab angle, and the current along x and y.
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
-from typing import Any, Literal, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from laticauda.control.estimation.digital_twin import STILL, check_plant
+from laticauda.control.estimation.learning_state import (
+    UNITS,
+    Learned,
+    LearnerState,
+    Learning,
+    NamedFault,
+    SampleRow,
+)
 from laticauda.control.estimation.samples import (
     JointSample,
     Mount,
@@ -22,124 +32,108 @@ from laticauda.control.estimation.samples import (
     ReferenceSample,
     Sample,
 )
-from laticauda.control.estimation.stretches import MARGIN, TICK, Array, Stretches
+from laticauda.control.estimation.stretches import (
+    MARGIN,
+    TICK,
+    Array,
+    Stretches,
+    TwinComparison,
+)
 from laticauda.models.dynamics import Plant
 from laticauda.motion.joints import Prescribed
 from laticauda.robot import Robot, Water
 from laticauda.scenarios import Command, Start
-from laticauda.values import BadArgument, option, quantity, value_class
+from laticauda.values import BadArgument, option, value_class
 
-Row: TypeAlias = tuple[float, ...]
-Coefficient: TypeAlias = Literal[
-    "normal_drag", "tangential_friction", "added_mass", "added_inertia", "tangential_added_mass"
-]
+# Unknowns, and what they may be before anything is known.
+PLAY = -4
+"""Index of the joints' play among the unknowns."""
+CURRENT = slice(-2, None)
+"""Indices of the current among the unknowns."""
+N_WITHOUT_TWIN = 3
+"""Last unknowns, crab angle and current, whose effect is known without a twin of their own."""
+PLAY_SCALE = 0.01
+"""Scale of the play, and its standard deviation in the beginning [rad]."""
+CRAB = 0.005
+"""Standard deviation of the angle between the robot and its markers, in the beginning [rad]."""
+LARGER = 0.02
+"""By which an unknown is larger in its own twin, in its scale [-]."""
 
-LARGER = 0.02  # by which an unknown is larger in its own twin, in its scale
-GAP = 0.2  # between samples at most [s]
-UNTOLD, LEAST = (
-    2,
-    6,
-)  # stretches that a twin needs to swim as the robot does; beyond them, to say anything
-MEDIAN, FINEST = (
-    0.455,
-    0.1**2,
-)  # of the square of a normal number; variance that deviations have at least
-# Standard deviations to either side that hold 95 %; by Student's t 1 + 1.21 / n + 1.44 / n^2 times
-# as many (Cornish and Fisher's expansion).
-WITHIN, STUDENT = 1.96, (1.21, 1.44)
-PLAY, CRAB = (
-    0.01,
-    0.005,
-)  # of joints, and by which the robot points elsewhere than is seen, in the beginning [rad]
-FLOOR, FLOOR_PLAY = 0.02, 0.05  # of deviations: what repeats in every cycle [-]
-FLOOR_AHEAD, FLOOR_ASIDE = (
-    1.2e-3,
-    0.4e-3,
-)  # likewise, of a current along the robot and across it [m/s]
-FINLESS, ODD, WEAK = (
-    0.5,
-    2,
-    3,
-)  # share of the squares that a robot without fin leaves; stretches until it is said
-STILL_SWING = 0.02  # of a joint that is not asked to move [rad]
-UNITS = {"play": "rad", "crab": "rad", "current_x": "m/s", "current_y": "m/s"}
-REST = Command(gait=STILL)
+# What is left of deviations however much is seen: what repeats in every cycle.
+FLOOR = 0.02
+"""Of a coefficient, relative [-]."""
+FLOOR_PLAY = 0.05
+"""Of the play, in its scale [-]."""
+FLOOR_AHEAD = 1.2e-3
+"""Of the current along the robot [m/s]."""
+FLOOR_ASIDE = 0.4e-3
+"""Of the current across the robot [m/s]."""
 
+# When samples say something.
+GAP = 0.2
+"""Longest time between samples [s]."""
+SETTLING_STRETCHES = 2
+"""Stretches that a twin needs to swim as the robot does; they are not compared [-]."""
+LEAST_STRETCHES = 6
+"""Stretches beyond these that are needed to say anything, and cycles that make a usual one [-]."""
+STILL_SWING = 0.02
+"""Swing of a reference below which a joint is not asked to move [rad]."""
 
-@value_class
-class Learning:
-    """What is learnt while a robot swims, and what counts as a change."""
+# Statistics.
+MEDIAN_OF_SQUARE = 0.455
+"""Median of the square of a normal number of variance 1 [-]."""
+SMALLEST_VARIANCE = 0.1**2
+"""Variance that deviations have at least: no sensor is exact [-]."""
+STUDENT_FIRST = 1.21
+"""Student's t holds 95 % within 1 + 1.21 / n + 1.44 / n^2 times as many standard deviations as the
+normal distribution, with n degrees of freedom (Cornish and Fisher's expansion) [-]."""
+STUDENT_SECOND = 1.44
+"""Second coefficient of that expansion [-]."""
 
-    unknown: tuple[Coefficient, ...] = option(
-        "coefficients of the water that are learned", default=("normal_drag", "tangential_friction")
-    )
-    coefficient: float = quantity(
-        "", "their relative uncertainty at the beginning", gt=0.0, default=0.3
-    )
-    current: float = quantity("m/s", "how fast the water may move", gt=0.0, default=0.05)
-    window: float = quantity("s", "how long data are remembered", gt=5.0, default=60.0)
-    doubt: float = quantity(
-        "", "standard deviations beyond which the water has changed", gt=0.0, default=10.0
-    )
-    stuck: float = quantity(
-        "", "share of its usual swing below which a joint is stuck", gt=0.0, default=0.3
-    )
-    weak: float = quantity("", "share of it below which a joint is weak", gt=0.0, default=0.88)
+# When a change is reported.
+FINLESS_SHARE = 0.5
+"""Share of the squares of the last cycle that a robot without its fin may leave [-]."""
+N_ODD_CYCLES = 2
+"""Stretches in a row that do not fit until the water has changed [-]."""
+N_WEAK_CYCLES = 3
+"""Stretches in a row in which a joint is weak until that is reported [-]."""
+
+AT_REST = Command(gait=STILL)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Learned:
-    """What is known at the end of one stretch, half a cycle of the gait."""
+class _Deviations(NamedTuple):
+    """Deviations of the robot from its twin in every stretch that counts."""
 
-    time: float
-    """When it ended [s]."""
-    value: Mapping[str, float]
-    """The coefficients [-], the joints' `play` and the `crab` angle [rad], `current_x` and `current_y` [m/s]."""
-    deviation: Mapping[str, float]
-    """Their standard deviations: 95 % of all intervals of 1.96 to either side are to hold the truth."""
-    changes: tuple[str, ...] = ()
-    """What has just been found to have happened, in sentences."""
-
-    @property
-    def line(self) -> str:
-        """Every value with its interval of 95 %, for people."""
-        return ", ".join(
-            f"{name.replace('_', ' ')} {mean:.4f} ± {WITHIN * self.deviation[name]:.4f} {UNITS.get(name, '')}".rstrip()
-            for name, mean in self.value.items()
-        )
+    values: Array
+    """Deviations, shape (n_stretches, n_rows) [units of `Stretches`]."""
+    design: Array
+    """By how much each unknown brings the robot nearer, shape (n_stretches, n_rows, n_unknowns)."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class LearnerState:
-    """What a learner remembers."""
+class _NormalEquations(NamedTuple):
+    """Least squares of the deviations, with the first guess as a prior."""
 
-    plant: Plant[Any]
-    """The robot and its water as they are thought to be, in still water; what is learnt counts from there."""
-    mean: Array
-    """Logarithms of the coefficients; play in `PLAY`, crab angle [rad] and current [m/s]."""
-    deviation: Array
-    """Of `mean`."""
-    samples: Mapping[type[Any], tuple[Row, ...]]
-    """What the last minute's samples said, by their class."""
-    bounds: tuple[float, ...] = ()
-    """Where stretches begin and the last one ends [s]."""
-    swings: tuple[Array, ...] = ()
-    """Of every joint in each cycle so far, as shares of what it was asked for [-]."""
-    n_weak: int = 0
-    """Cycles in a row in which a joint was weak [-]."""
-    n_odd: int = 0
-    """Cycles in a row that do not fit to those before [-]."""
-    named: frozenset[tuple[int, str]] = frozenset()
-    """Which joints were named, and as what."""
-    changes: tuple[str, ...] = ()
-    """What has happened in this stretch."""
-    learned: Learned | None = None
-    """What is known, if the last sample ended a stretch that said so."""
+    step: Array
+    """Change of the unknowns that minimizes the sum of squares."""
+    matrix: Array
+    """Matrix of the normal equations."""
+    noise_variance: float
+    """Variance of the noise of the deviations."""
+
+
+class _SampleArrays(NamedTuple):
+    """Samples as arrays, with one column per sample, whose first row is the time [s]."""
+
+    poses: Array
+    joints: Array
+    references: Array
 
 
 @value_class
 class Learner:
-    """From samples, one by one, to what they say of robot and water; samples come in the order of their times.
+    """From samples, one by one, to what they say of robot and water.
+
+    Samples come in the order of their times.
 
     Raises:
         ValueError: If the plant cannot be the robot's twin, or is on the ground.
@@ -155,43 +149,47 @@ class Learner:
         check_plant(self.plant, self.robot)
         water = self.plant.environment
         if not isinstance(water, Water):
-            raise BadArgument(
-                "plant",
-                f"must be in water for anything to be learned, got the ground `{water.name}`",
-            )
+            rule = "must be in water for anything to be learned"
+            raise BadArgument("plant", f"{rule}, got the ground `{water.name}`")
         self.mount.on_link(self.robot)
 
     @cached_property
-    def _opening(self) -> Array:
-        """How far off everything unknown may be in the beginning, in its scale."""
-        told, n = self.settings, len(self.settings.unknown)
-        return np.array([told.coefficient] * n + [1.0, CRAB, told.current, told.current])
+    def _initial_std(self) -> Array:
+        """Standard deviations of the unknowns before anything is known, in their scales."""
+        settings = self.settings
+        coefficients = [settings.coefficient] * len(settings.unknown)
+        return np.array([*coefficients, 1.0, CRAB, settings.current, settings.current])
 
-    def _floor(self, seen: Stretches) -> Array:
-        """What is left of deviations however much is seen, likewise."""
-        ahead = np.exp(1j * seen.seen[2]).mean()
-        x, y = abs(ahead.real / ahead), abs(ahead.imag / ahead)
-        current = [
-            math.hypot(FLOOR_AHEAD * x, FLOOR_ASIDE * y),
-            math.hypot(FLOOR_AHEAD * y, FLOOR_ASIDE * x),
-        ]
-        return np.array([FLOOR] * len(self.settings.unknown) + [FLOOR_PLAY, CRAB, *current])
+    def _remaining_std(self, stretches: Stretches) -> Array:
+        """Return what is left of the standard deviations however much is seen."""
+        direction = np.exp(1j * stretches.marker[2]).mean()
+        x = abs(direction.real / direction)
+        y = abs(direction.imag / direction)
+        coefficients = [FLOOR] * len(self.settings.unknown)
+        current_x = math.hypot(FLOOR_AHEAD * x, FLOOR_ASIDE * y)
+        current_y = math.hypot(FLOOR_AHEAD * y, FLOOR_ASIDE * x)
+        return np.array([*coefficients, FLOOR_PLAY, CRAB, current_x, current_y])
 
     def init(self) -> LearnerState:
-        """The state before the first sample. The plant is compiled, which may take seconds."""
+        """Return the state before the first sample.
+
+        The plant is compiled, which may take seconds.
+        """
         water: Any = self.plant.environment
         model = replace(self.plant.settings, joints=Prescribed(), dt=None)
         plant: Plant[Any] = replace(self.plant, environment=water.still, settings=model)
-        none: dict[type[Any], tuple[Row, ...]] = {
-            kind: () for kind in (PoseSample, JointSample, ReferenceSample)
-        }
-        plant.march(plant.init(Start(), REST), REST, TICK, TICK)
+        plant.march(plant.init(Start(), AT_REST), AT_REST, TICK, TICK)
         return LearnerState(
-            plant=plant, mean=0.0 * self._opening, deviation=self._opening, samples=none
+            plant=plant,
+            mean=0.0 * self._initial_std,
+            deviation=self._initial_std,
+            samples={PoseSample: (), JointSample: (), ReferenceSample: ()},
         )
 
     def step(self, state: LearnerState, sample: Sample) -> LearnerState:
-        """The state after one more sample; its `learned` is what is known anew, at the end of a stretch, or None.
+        """Return the state after one more sample.
+
+        Its `learned` is what is known anew, at the end of a stretch, or None.
 
         Args:
             state: As the last call returned it, or `init`.
@@ -200,214 +198,301 @@ class Learner:
         Raises:
             ValueError: If the sample does not fit the robot.
         """
-        state, row = replace(state, learned=None), self._row(sample)
-        if row is not None:
-            kept = state.samples[type(sample)]
-            state = replace(
-                state, samples={**state.samples, type(sample): (*kept, (sample.time, *row))}
-            )
+        state = self._remember(replace(state, learned=None), sample)
         if not isinstance(sample, ReferenceSample):
-            return state if state.bounds else _since(state, sample.time)
+            if state.bounds:
+                return state
+            return state.since(sample.time)
         if sample.frequency == 0.0:
-            return _since(state, math.inf)
+            return state.since(math.inf)
         if not state.bounds:
             return replace(state, bounds=(sample.time + MARGIN,))
-        end = state.bounds[-1] + math.pi / sample.frequency
-        return (
-            state
-            if sample.time <= end + MARGIN
-            else self._learnt(replace(state, bounds=(*state.bounds, end)))
-        )
+        end_of_stretch = state.bounds[-1] + math.pi / sample.frequency
+        if sample.time <= end_of_stretch + MARGIN:
+            return state
+        return self._learn(replace(state, bounds=(*state.bounds, end_of_stretch)))
 
-    def _row(self, sample: Sample) -> Row | None:
-        """What counts of a sample; None: nothing."""
+    # ---- samples ---------------------------------------------------------------------------------
+
+    def _remember(self, state: LearnerState, sample: Sample) -> LearnerState:
+        """Add what counts of a sample."""
+        values = self._values_of(sample)
+        if values is None:
+            return state
+        kind = type(sample)
+        rows = (*state.samples[kind], SampleRow(sample.time, values))
+        return replace(state, samples={**state.samples, kind: rows})
+
+    def _values_of(self, sample: Sample) -> tuple[float, ...] | None:
+        """Return the values that count, see `SampleRow`; None if there are none."""
         if isinstance(sample, PoseSample):
             if sample.is_lost or sample.rotation is None:
                 return None
-            return (*sample.position[:2].tolist(), self.mount.link_yaw(sample.rotation))
+            x, y = sample.position[:2].tolist()
+            return x, y, self.mount.link_yaw(sample.rotation)
         angle = self.robot.yaw_joints("angle", sample.angle)
         if isinstance(sample, ReferenceSample):
             return tuple(angle.tolist())
-        torque = (
-            angle * 0.0 if sample.torque is None else self.robot.yaw_joints("torque", sample.torque)
-        )
-        return (
-            (*angle.tolist(), *np.nan_to_num(torque).tolist()) if np.isfinite(angle).all() else None
-        )
+        if not np.isfinite(angle).all():
+            return None
+        torque = angle * 0.0
+        if sample.torque is not None:
+            torque = self.robot.yaw_joints("torque", sample.torque)
+        return (*angle.tolist(), *np.nan_to_num(torque).tolist())
 
-    def _learnt(self, state: LearnerState) -> LearnerState:
-        """What the stretches say, after one more; nothing as long as they are few, or if samples are missing."""
-        state = _since(state, state.bounds[-1] - self.settings.window)
-        poses, joints, sent = (np.array(one).T for one in state.samples.values())
-        if not all(
-            _covers(one, state.bounds[-2] - MARGIN, state.bounds[-1] + MARGIN)
-            for one in (poses, joints)
-        ):
-            return _since(state, math.inf)
-        state = self._with_swings(replace(state, changes=()), joints, sent)
-        if len(state.bounds) > UNTOLD + LEAST:
-            bounds = np.array(state.bounds)
-            seen = Stretches(
-                robot=self.robot, mount=self.mount, bounds=bounds, poses=poses, joints=joints
+    # ---- results ---------------------------------------------------------------------------------
+
+    def _learn(self, state: LearnerState) -> LearnerState:
+        """Learn from the stretches, after one more.
+
+        Nothing is learnt as long as they are few, or if samples are missing.
+        """
+        state = state.since(state.bounds[-1] - self.settings.window)
+        samples = _SampleArrays(
+            poses=_stack(state.samples[PoseSample]),
+            joints=_stack(state.samples[JointSample]),
+            references=_stack(state.samples[ReferenceSample]),
+        )
+        begin = state.bounds[-2] - MARGIN
+        end = state.bounds[-1] + MARGIN
+        if not (_covers(samples.poses, begin, end) and _covers(samples.joints, begin, end)):
+            return state.since(math.inf)
+        state = self._watch_swings(replace(state, changes=()), samples)
+        if len(state.bounds) > SETTLING_STRETCHES + LEAST_STRETCHES:
+            stretches = Stretches(
+                robot=self.robot,
+                mount=self.mount,
+                bounds=np.array(state.bounds),
+                poses=samples.poses,
+                joints=samples.joints,
             )
-            state = self._fitted(state, seen)
+            state = self._fit(state, stretches)
         elif not state.changes:
             return state
-        return replace(state, learned=self._known(state))
+        return replace(state, learned=self._summarize(state))
 
-    def _known(self, state: LearnerState) -> Learned:
-        """The same with names and units."""
-        names = self.settings.unknown
-        water = [getattr(self._water(state, state.mean), name) for name in names]
-        scale = np.array([*water, PLAY, 1.0, 1.0, 1.0])
-        found = [*water, *(scale * state.mean)[len(names) :].tolist()]
-        named = [
-            dict(zip((*names, *UNITS), one, strict=True))
-            for one in (found, (scale * state.deviation).tolist())
-        ]
+    def _summarize(self, state: LearnerState) -> Learned:
+        """Return what is known, with names and units."""
+        coefficients = self.settings.unknown
+        names = (*coefficients, *UNITS)
+        water = self._water_of(state, state.mean)
+        learned_coefficients = [getattr(water, name) for name in coefficients]
+        scale = np.array([*learned_coefficients, PLAY_SCALE, 1.0, 1.0, 1.0])
+        further_values = (scale * state.mean)[len(coefficients) :].tolist()
+        values = [*learned_coefficients, *further_values]
+        deviations = (scale * state.deviation).tolist()
         return Learned(
-            time=state.bounds[-1], value=named[0], deviation=named[1], changes=state.changes
+            time=state.bounds[-1],
+            value=dict(zip(names, values, strict=True)),
+            deviation=dict(zip(names, deviations, strict=True)),
+            changes=state.changes,
         )
 
-    # ---- what fits -------------------------------------------------------------------------------
+    # ---- fit -------------------------------------------------------------------------------------
 
-    def _fitted(self, state: LearnerState, seen: Stretches) -> LearnerState:
-        """Two steps of Gauss and Newton, with the first guess as a prior; or what the last cycle says has changed."""
-        off, design = self._compared(state, seen)
-        finless = self._without_fin(state, seen, off)
-        state = replace(state, n_odd=state.n_odd + 1 if self._is_odd(off, design) else 0)
+    def _fit(self, state: LearnerState, stretches: Stretches) -> LearnerState:
+        """Fit the unknowns, or find what has changed in the last cycle.
+
+        Two steps of Gauss and Newton, with the first guess as a prior.
+        """
+        deviations = self._compare(state, stretches)
+        finless = self._plant_without_fin(state, stretches, deviations)
+        n_odd = 0
+        if self._is_odd(deviations.values, deviations.design):
+            n_odd = state.n_odd + 1
+        state = replace(state, n_odd=n_odd)
         if finless is not None:
-            return self._reopened(replace(state, plant=finless), "The fin is gone.")
-        if state.n_odd == ODD:
-            return self._reopened(state, "The water is not what it was.")
-        state = replace(state, mean=state.mean + self._step(state, off, design)[0])
-        off, design = self._compared(state, seen)
-        step, told, size = self._step(state, off, design)
-        cycles = _cycles(_pull(off - design @ step, design) / size)
-        free = len(cycles) - 1
-        wider = (1.0 + 1.0 / free) * (1.0 + STUDENT[0] / free + STUDENT[1] / free**2) ** 2
-        spread = wider * cycles.T @ cycles + np.diag(self._opening**-2.0)
-        back = np.linalg.inv(told)
-        deviation = np.sqrt(np.diag(back @ spread @ back) + self._floor(seen) ** 2)
-        return replace(state, mean=state.mean + step, deviation=deviation)
+            return self._start_again(replace(state, plant=finless), "The fin is gone.")
+        if n_odd == N_ODD_CYCLES:
+            return self._start_again(state, "The water is not what it was.")
+        first = self._solve(state, deviations)
+        state = replace(state, mean=state.mean + first.step)
+        deviations = self._compare(state, stretches)
+        second = self._solve(state, deviations)
+        covariance = self._covariance(deviations, second)
+        remaining = self._remaining_std(stretches)
+        deviation = np.sqrt(np.diag(covariance) + remaining**2)
+        return replace(state, mean=state.mean + second.step, deviation=deviation)
 
-    def _step(self, state: LearnerState, off: Array, design: Array) -> tuple[Any, Array, float]:
-        """A step of the mean, the matrix of the normal equations, and the size of the noise, squared."""
-        size, prior = _size(off), self._opening**-2.0
-        told: Array = np.einsum("kij,kil->jl", design, design) / size + np.diag(prior)
-        pull: Array = _pull(off, design).sum(axis=0) / size - prior * state.mean
-        return np.linalg.solve(told, pull), told, size
+    def _solve(self, state: LearnerState, deviations: _Deviations) -> _NormalEquations:
+        """Solve for a step of the unknowns."""
+        design = deviations.design
+        noise_variance = _noise_variance(deviations.values)
+        prior = self._initial_std**-2.0
+        information: Array = np.einsum("kij,kil->jl", design, design)
+        matrix = information / noise_variance + np.diag(prior)
+        pulls = _pull_of_stretches(deviations.values, design)
+        pull: Array = pulls.sum(axis=0) / noise_variance - prior * state.mean
+        step: Any = np.linalg.solve(matrix, pull)
+        return _NormalEquations(step, matrix, noise_variance)
 
-    def _compared(self, state: LearnerState, seen: Stretches) -> tuple[Array, Array]:
-        """How far the robot is off the twin in every stretch, and how much nearer each unknown brings them."""
-        off, way = self._off(state, state.mean, seen)
-        larger = [state.mean + LARGER * one for one in np.eye(state.mean.size)[:-3]]
-        nearer = [(off - self._off(state, mean, seen)[0]) / LARGER for mean in larger]
-        rows = seen.compared([off, *nearer], way)[UNTOLD:]
-        return rows[..., 0], rows[..., 1:]
+    def _covariance(self, deviations: _Deviations, equations: _NormalEquations) -> Array:
+        """Return the covariance of the unknowns, from the scatter of the cycles' pulls.
 
-    def _off(self, state: LearnerState, mean: Array, seen: Stretches) -> tuple[Array, Array]:
-        """See `Stretches.off`, if the unknown is so."""
-        plant = replace(state.plant, environment=self._water(state, mean))
-        return seen.off(plant, PLAY * float(mean[-4]), mean[-2:])
+        Deviations within a cycle depend on each other, so their number says little; the pulls of
+        whole cycles are independent. As these are few, the spread is widened as by Student's t.
+        """
+        residuals = deviations.values - deviations.design @ equations.step
+        pulls = _pull_of_stretches(residuals, deviations.design)
+        cycles = _sum_over_cycles(pulls / equations.noise_variance)
+        n_free = len(cycles) - 1
+        student = 1.0 + STUDENT_FIRST / n_free + STUDENT_SECOND / n_free**2
+        widening = (1.0 + 1.0 / n_free) * student**2
+        spread = widening * cycles.T @ cycles + np.diag(self._initial_std**-2.0)
+        inverse = np.linalg.inv(equations.matrix)
+        return inverse @ spread @ inverse
 
-    def _water(self, state: LearnerState, mean: Array) -> Water:
-        """The water, if the unknown is so."""
-        shares = zip(self.settings.unknown, np.exp(mean).tolist(), strict=False)
+    def _compare(self, state: LearnerState, stretches: Stretches) -> _Deviations:
+        """Compare the robot with its twin, and with a twin for each unknown that needs one."""
+        deviation, twin_motion = self._swim_twin(state, state.mean, stretches)
+        columns = [deviation]
+        unit_vectors = np.eye(state.mean.size)
+        for unit_vector in unit_vectors[:-N_WITHOUT_TWIN]:
+            larger = state.mean + LARGER * unit_vector
+            deviation_of_larger = self._swim_twin(state, larger, stretches).deviation
+            columns.append((deviation - deviation_of_larger) / LARGER)
+        rows = stretches.reduce_to_medians(columns, twin_motion)[SETTLING_STRETCHES:]
+        return _Deviations(values=rows[..., 0], design=rows[..., 1:])
+
+    def _swim_twin(
+        self, state: LearnerState, unknowns: Array, stretches: Stretches
+    ) -> TwinComparison:
+        """Compare the robot with a twin whose unknowns are these."""
+        plant = replace(state.plant, environment=self._water_of(state, unknowns))
+        play = PLAY_SCALE * float(unknowns[PLAY])
+        return stretches.compare_with_twin(plant, play, unknowns[CURRENT])
+
+    def _water_of(self, state: LearnerState, unknowns: Array) -> Water:
+        """Return the water whose unknown coefficients are these."""
         water: Any = state.plant.environment
-        return replace(water, **{name: getattr(water, name) * share for name, share in shares})
+        factors = np.exp(unknowns).tolist()
+        coefficients = {
+            name: getattr(water, name) * factor
+            for name, factor in zip(self.settings.unknown, factors, strict=False)
+        }
+        return replace(water, **coefficients)
 
-    # ---- what has changed ------------------------------------------------------------------------
+    # ---- changes ---------------------------------------------------------------------------------
 
-    def _without_fin(self, state: LearnerState, seen: Stretches, off: Array) -> Plant[Any] | None:
-        """The plant without its fin, if the last cycle is rather that one's."""
-        if state.plant.robot.caudal_fin is None:
+    def _plant_without_fin(
+        self, state: LearnerState, stretches: Stretches, deviations: _Deviations
+    ) -> Plant[Any] | None:
+        """Return the plant without its fin, if that explains the last cycle better; else None."""
+        robot = state.plant.robot
+        if robot.caudal_fin is None:
             return None
-        plant = replace(state.plant, robot=replace(state.plant.robot, caudal_fin=None))
-        without, way = self._off(replace(state, plant=plant), state.mean, seen)
-        rows = seen.compared([without], way)[-2:, :, 0]
-        return plant if np.sum(rows**2) < FINLESS * np.sum(off[-2:] ** 2) else None
+        plant = replace(state.plant, robot=replace(robot, caudal_fin=None))
+        deviation, twin_motion = self._swim_twin(replace(state, plant=plant), state.mean, stretches)
+        of_last_cycle = stretches.reduce_to_medians([deviation], twin_motion)[-2:, :, 0]
+        squares_with_fin = np.sum(deviations.values[-2:] ** 2)
+        if np.sum(of_last_cycle**2) < FINLESS_SHARE * squares_with_fin:
+            return plant
+        return None
 
-    def _is_odd(self, off: Array, design: Array) -> bool:
-        """Whether the last cycle pulls elsewhere than those before it and the noise would."""
-        cycles = _cycles(_pull(off, design))
-        before, last = cycles[:-1], cycles[-1:]
-        if len(before) < LEAST:
+    def _is_odd(self, values: Array, design: Array) -> bool:
+        """Return whether the last cycle pulls elsewhere than those before it and the noise would."""
+        cycles = _sum_over_cycles(_pull_of_stretches(values, design))
+        before = cycles[:-1]
+        last = cycles[-1:]
+        n_before = len(before)
+        if n_before < LEAST_STRETCHES:
             return False
-        size, told = _size(off), np.einsum("kij,kil->jl", design, design) / len(off)
-        noise = 2.0 * size * told + size**2 * np.diag(self._opening**-2.0)
-        usual: Array = (np.einsum("ki,kj->ij", before, before) + LEAST * noise) / (
-            len(before) + LEAST
-        )
-        return (last @ np.linalg.solve(usual, last.T)).item() > self.settings.doubt**2
+        noise_variance = _noise_variance(values)
+        information = np.einsum("kij,kil->jl", design, design) / len(values)
+        initial = noise_variance**2 * np.diag(self._initial_std**-2.0)
+        noise = 2.0 * noise_variance * information + initial
+        of_cycles = np.einsum("ki,kj->ij", before, before)
+        usual: Array = (of_cycles + LEAST_STRETCHES * noise) / (n_before + LEAST_STRETCHES)
+        squared_distance = (last @ np.linalg.solve(usual, last.T)).item()
+        return squared_distance > self.settings.doubt**2
 
-    def _reopened(self, state: LearnerState, change: str) -> LearnerState:
-        """Nothing from before the last cycle is known any more, but what was learnt is the guess."""
-        plant, n = (
-            replace(state.plant, environment=self._water(state, state.mean)),
-            len(self.settings.unknown),
-        )
-        mean = np.append(np.zeros(n), state.mean[n:])
-        changes = (*state.changes, change)
+    def _start_again(self, state: LearnerState, change: str) -> LearnerState:
+        """Forget all but the last cycle; the guess is what was learnt so far."""
+        plant = replace(state.plant, environment=self._water_of(state, state.mean))
+        n_coefficients = len(self.settings.unknown)
+        mean = np.append(np.zeros(n_coefficients), state.mean[n_coefficients:])
         state = replace(
-            state, plant=plant, mean=mean, deviation=self._opening, n_odd=0, changes=changes
+            state,
+            plant=plant,
+            mean=mean,
+            deviation=self._initial_std,
+            n_odd=0,
+            changes=(*state.changes, change),
         )
-        return _since(state, state.bounds[-3])
+        return state.since(state.bounds[-3])
 
-    def _with_swings(self, state: LearnerState, joints: Array, sent: Array) -> LearnerState:
-        """Joints that swing less over the last cycle than they did, as shares of what they are asked for, are named."""
+    def _watch_swings(self, state: LearnerState, samples: _SampleArrays) -> LearnerState:
+        """Add the swings of the last cycle, and report a joint that swings less than it did."""
         bounds = state.bounds[-3:]
         if len(bounds) < 3:
             return state
-        swing, asked = (
-            one[1 : len(sent), (one[0] > bounds[0]) & (one[0] <= bounds[-1])].std(axis=1)
-            for one in (joints, sent)
-        )
-        if asked.min() < STILL_SWING:
+        n_rows = len(samples.references)
+        swing_asked = _measure_swing(samples.references, n_rows, bounds)
+        if swing_asked.min() < STILL_SWING:
             return state
-        swings = (*state.swings, swing / asked)
-        share = swings[-1] / np.median(swings[:-2] or swings, axis=0)
+        swing = _measure_swing(samples.joints, n_rows, bounds)
+        swings = (*state.swings, swing / swing_asked)
+        # The cycle before this one shares a stretch with it; without earlier ones, both have to do.
+        earlier = swings[:-2] or swings
+        share = swings[-1] / np.median(earlier, axis=0)
         worst = int(share.argmin())
-        n_weak = state.n_weak + 1 if share[worst] < self.settings.weak else 0
+        n_weak = 0
+        if share[worst] < self.settings.weak:
+            n_weak = state.n_weak + 1
         state = replace(state, swings=swings, n_weak=n_weak)
-        word = (
-            "is stuck"
-            if share[worst] < self.settings.stuck
-            else "is weak"
-            if n_weak == WEAK
-            else ""
-        )
-        if not word or (worst, word) in state.named or (word == "is weak" and state.named):
+        fault = self._name_fault(float(share[worst]), n_weak)
+        if fault is None:
             return state
-        change = f"Joint {worst + 1} {word}: it swings {100.0 * share[worst]:.0f} % of what it did."
-        return replace(state, named=state.named | {(worst, word)}, changes=(change,))
+        named_fault = NamedFault(worst, fault)
+        is_overshadowed = fault == "is weak" and bool(state.named)
+        if named_fault in state.named or is_overshadowed:
+            return state
+        change = (
+            f"Joint {worst + 1} {fault}: it swings {100.0 * share[worst]:.0f} % of what it did."
+        )
+        return replace(state, named=state.named | {named_fault}, changes=(change,))
+
+    def _name_fault(self, share: float, n_weak: int) -> str | None:
+        """Return what is wrong with a joint that swings by this share; None: not enough."""
+        if share < self.settings.stuck:
+            return "is stuck"
+        if n_weak == N_WEAK_CYCLES:
+            return "is weak"
+        return None
 
 
-def _since(state: LearnerState, begin: float) -> LearnerState:
-    """The state with nothing but what is from `begin` [s] on."""
-    oldest = begin - 2.0 * MARGIN
-    kept = {
-        kind: tuple(row for row in rows if row[0] >= oldest) for kind, rows in state.samples.items()
-    }
-    return replace(state, samples=kept, bounds=tuple(one for one in state.bounds if one >= begin))
+def _stack(rows: tuple[SampleRow, ...]) -> Array:
+    """Return samples as an array with one column per sample; the first row is the time."""
+    return np.array([(row.time, *row.values) for row in rows]).T
 
 
 def _covers(samples: Array, begin: float, end: float) -> bool:
-    """Whether samples reach from one time to another, without a gap that would matter."""
-    time = np.clip(samples[:1].ravel(), begin, end)
-    return bool(np.diff(time, prepend=begin, append=end).max() < GAP)
+    """Return whether samples reach from one time to another, without a gap that would matter."""
+    times = np.clip(samples[:1].ravel(), begin, end)
+    intervals = np.diff(times, prepend=begin, append=end)
+    return bool(intervals.max() < GAP)
 
 
-def _size(off: Array) -> float:
-    """Variance of the noise; single large deviations do not count, and no sensor is exact."""
-    return max(float(np.median(off * off)) / MEDIAN, FINEST)
+def _measure_swing(samples: Array, n_rows: int, bounds: tuple[float, ...]) -> Array:
+    """Return the standard deviation of every joint's angle within bounds [rad]."""
+    times = samples[0]
+    is_inside = (times > bounds[0]) & (times <= bounds[-1])
+    return samples[1:n_rows, is_inside].std(axis=1)
 
 
-def _pull(off: Array, design: Array) -> Array:
-    """What every stretch wants the unknown to be changed by, times how much it knows."""
-    return np.einsum("kij,ki->kj", design, off)
+def _noise_variance(values: Array) -> float:
+    """Return the variance of the noise of deviations; single large ones do not count."""
+    median = float(np.median(values * values))
+    return max(median / MEDIAN_OF_SQUARE, SMALLEST_VARIANCE)
 
 
-def _cycles(pull: Array) -> Array:
-    """Sums over pairs of stretches, the last one with the one before it."""
-    return pull[len(pull) % 2 :].reshape(-1, 2, pull.shape[1]).sum(axis=1)
+def _pull_of_stretches(values: Array, design: Array) -> Array:
+    """Return the gradient of every stretch: where it pulls the unknowns, by how much it knows."""
+    return np.einsum("kij,ki->kj", design, values)
+
+
+def _sum_over_cycles(pulls: Array) -> Array:
+    """Return sums over pairs of stretches, the last one with the one before it."""
+    n_left_out = len(pulls) % 2
+    pairs = pulls[n_left_out:].reshape(-1, 2, pulls.shape[1])
+    return pairs.sum(axis=1)

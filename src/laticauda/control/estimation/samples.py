@@ -1,4 +1,4 @@
-"""Inputs and outputs of state estimation: samples, the mount of the markers on the robot, and estimates.
+"""Inputs and outputs of state estimation: samples, the mount of the markers, and estimates.
 
 Every sample carries the time at which it was taken, on the one clock of the recording. Samples may
 arrive late and out of order.
@@ -8,7 +8,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from jaxtyping import Float
@@ -26,6 +26,7 @@ from laticauda.values import (
 )
 
 Offset: TypeAlias = tuple[float, float] | tuple[float, float, float]
+"""Position from the middle of a module: forward, left, and up, 0 if it is left out [m]."""
 Vector: TypeAlias = Float[np.ndarray, " _"]
 
 
@@ -38,13 +39,13 @@ class PoseSample:
     position: Float[np.ndarray, " 3"]
     """Position of the marker body, world axes [m]."""
     rotation: Float[np.ndarray, "3 3"] | None = None
-    """Rotation from the axes of the marker body to world axes; None if only its position is known [-]."""
+    """Rotation from the axes of the marker body to world axes; None if only its position is known."""
     residual: float = 0.0
     """Residual of the fit of the markers to the body, root mean square distance [m]."""
 
     def __post_init__(self) -> None:
         """Check every field once."""
-        _check(self, position=(3,), rotation=(3, 3))
+        _store_checked(self, position=(3,), rotation=(3, 3))
 
     @property
     def is_lost(self) -> bool:
@@ -67,8 +68,8 @@ class JointSample:
 
     def __post_init__(self) -> None:
         """Check every field once."""
-        _check(self, angle=(None,))
-        _check(self, rate=self.angle.shape, torque=self.angle.shape)
+        _store_checked(self, angle=(None,))
+        _store_checked(self, rate=self.angle.shape, torque=self.angle.shape)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -84,31 +85,45 @@ class ReferenceSample:
 
     def __post_init__(self) -> None:
         """Check every field once."""
-        _check(self, angle=(None,))
-        object.__setattr__(
-            self, "frequency", check_not_negative("frequency", self.frequency, "rad/s")
-        )
+        _store_checked(self, angle=(None,))
+        frequency = check_not_negative("frequency", self.frequency, "rad/s")
+        object.__setattr__(self, "frequency", frequency)
 
 
 Sample: TypeAlias = PoseSample | JointSample | ReferenceSample
 
 
-def _check(sample: Sample, **shapes: tuple[int | None, ...]) -> None:
+Shape: TypeAlias = tuple[int | None, ...]
+"""Size of an array along each axis; None: any."""
+
+
+def _store_checked(sample: Sample, **shapes: Shape) -> None:
     """Check that the time is finite, and store read-only arrays of these shapes; None stays None."""
     object.__setattr__(sample, "time", check_finite("time", sample.time, "s"))
     for name, shape in shapes.items():
-        given: object = getattr(sample, name)
-        if given is None:
+        numbers: object = getattr(sample, name)
+        if numbers is None:
             continue
-        array = np.array(given, dtype=np.float64)
-        have = array.shape
-        if len(have) != len(shape) or any(
-            size not in (None, n) for size, n in zip(shape, have, strict=True)
-        ):
-            expected = " x ".join("n" if size is None else str(size) for size in shape)
-            raise BadArgument(name, f"must hold {expected} numbers, got an array of shape {have}")
+        array = np.array(numbers, dtype=np.float64)
+        if not _fits(array.shape, shape):
+            expected = " x ".join(_describe_size(size) for size in shape)
+            rule = f"must hold {expected} numbers"
+            raise BadArgument(name, f"{rule}, got an array of shape {array.shape}")
         array.flags.writeable = False
         object.__setattr__(sample, name, array)
+
+
+def _fits(actual: tuple[int, ...], shape: Shape) -> bool:
+    """Return whether an array has the required shape."""
+    if len(actual) != len(shape):
+        return False
+    return all(size in (None, n) for size, n in zip(shape, actual, strict=True))
+
+
+def _describe_size(size: int | None) -> str:
+    if size is None:
+        return "n"
+    return str(size)
 
 
 Status: TypeAlias = Literal["tracking", "bridging", "lost"]
@@ -119,7 +134,8 @@ class Estimate(Observation):
     """Estimated observation of the robot with its uncertainty, as input of a controller."""
 
     status: Status
-    """`tracking`: motion capture sees the robot; `bridging`: bridging a drop-out; `lost`: it lasts too long [-]."""
+    """`tracking`: motion capture sees the robot; `bridging`: it does not for a moment; `lost`: it does
+    not for too long [-]."""
     age: float
     """Time since the last accepted frame [s]."""
     center_of_mass_std: float = 0.0
@@ -130,6 +146,15 @@ class Estimate(Observation):
     """Velocity that the water moves to; None if it is not estimated [m/s]."""
     current_std: float = 0.0
     """Standard deviation of the current along its less certain direction [m/s]."""
+
+
+class MarkerPosition(NamedTuple):
+    """Position of the marker body on the planar reduction of a robot."""
+
+    link: int
+    """Link that carries it, from 0 at the tail."""
+    offset: tuple[float, float]
+    """Its position from the middle of that link: forward, left [m]."""
 
 
 @value_class
@@ -148,8 +173,8 @@ class Mount:
         "rad", "from the module's axis to the x axis of the marker body", default=0.0
     )
 
-    def on_link(self, robot: Robot) -> tuple[int, tuple[float, float]]:
-        """Return the link of `robot.planar()` that carries the body, and its position from the link's middle [m].
+    def on_link(self, robot: Robot) -> MarkerPosition:
+        """Return the link of `robot.planar()` that carries the body, and its position on the link.
 
         Args:
             robot: Robot that the module belongs to; its pitch joints are straight.
@@ -158,14 +183,16 @@ class Mount:
             ValueError: If the robot has no such module.
         """
         check_instance("robot", robot, Robot)
-        if self.module >= len(robot.modules):
-            raise BadArgument(
-                "module",
-                f"must be < {len(robot.modules)}, the number of modules, got {self.module}",
-            )
+        n_modules = len(robot.modules)
+        if self.module >= n_modules:
+            rule = f"must be < {n_modules}, the number of modules"
+            raise BadArgument("module", f"{rule}, got {self.module}")
         plane = body.reduce_to_plane(robot.modules, robot.joints)
-        along, across = self.offset[:2]
-        return plane.link[self.module], (plane.shift[self.module] + along, across)
+        forward, left = self.offset[:2]
+        return MarkerPosition(
+            link=plane.link[self.module],
+            offset=(plane.shift[self.module] + forward, left),
+        )
 
     def link_yaw(self, rotation: Float[np.ndarray, "3 3"]) -> float:
         """Return the link angle that follows from a measured `rotation`, to within whole turns [rad].
@@ -173,12 +200,15 @@ class Mount:
         Args:
             rotation: Rotation from the body's axes to world axes.
         """
-        return math.atan2(float(rotation[1, 0]), float(rotation[0, 0])) - self.angle
+        body_yaw = math.atan2(float(rotation[1, 0]), float(rotation[0, 0]))
+        return body_yaw - self.angle
 
 
 @value_class
 class StateEstimator:
-    """Base class of `Estimator` and `KinematicEstimator`, which turn samples into estimates. The state is a value.
+    """Base class of `Estimator` and `KinematicEstimator`: from samples to estimates.
+
+    The state is a value.
 
     Raises:
         ValueError: If a field is out of its range, or the robot has no module that carries the
@@ -196,10 +226,10 @@ class StateEstimator:
 
     def __post_init__(self) -> None:
         """Reject a mount that is not on the robot."""
-        _ = self.on_link
+        self.mount.on_link(self.robot)
 
     @cached_property
-    def on_link(self) -> tuple[int, tuple[float, float]]:
+    def on_link(self) -> MarkerPosition:
         """See `Mount.on_link`."""
         return self.mount.on_link(self.robot)
 
@@ -217,7 +247,7 @@ class StateEstimator:
         raise NotImplementedError
 
     def steps(self, state: Any, samples: Sequence[Sample]) -> Any:
-        """Return the state that follows `state` after several `samples` that arrived at once, in this order.
+        """Return the state after several `samples` that arrived at once, in this order.
 
         Args:
             state: State so far.
@@ -228,7 +258,7 @@ class StateEstimator:
         return state
 
     def estimate(self, state: Any, time: float | None = None) -> Estimate | None:
-        """Return the estimate for `state`, at `time` [s] or at the last sample; None if it is not known yet.
+        """Return the estimate for `state`; None if it is not known yet.
 
         Args:
             state: State so far.
@@ -242,10 +272,8 @@ class StateEstimator:
         Args:
             age: Time since the last accepted frame [s].
         """
-        return (
-            "tracking"
-            if age <= self.bridging_after
-            else "bridging"
-            if age <= self.lost_after
-            else "lost"
-        )
+        if age <= self.bridging_after:
+            return "tracking"
+        if age <= self.lost_after:
+            return "bridging"
+        return "lost"

@@ -1,15 +1,15 @@
-"""Stretches of time in which the motion of a robot is compared with that of its twin, driven by the robot's joints.
+"""Stretches of time in which a robot's motion is compared with that of its twin.
 
-A stretch is half a gait cycle. The twin swims all stretches in one run, in still water; each is
-then compared separately, with its middle and its mean heading unknown. See
-docs/theory/learning-twin.md.
+The twin's joints do what the robot's report. A stretch is half a gait cycle. The twin swims all
+stretches in one run, in still water; each is then compared separately, with its middle and its mean
+heading unknown. See docs/theory/learning-twin.md.
 """
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,16 +24,57 @@ from laticauda.scenarios import Command, Start
 
 Array: TypeAlias = NDArray[np.float64]
 
-TICKS, POINTS = (
-    72,
-    12,
-)  # per stretch: times at which motions are compared; parts whose medians are used
-MARGIN, KNOT = (
-    0.3,
-    0.1,
-)  # margin of samples around the stretches; knot spacing of the joints' spline [s]
-TICK = 0.01  # sampling interval of the twin [s]
-POSITION, HEADING = 1e-3, 3e-3  # units of deviations [m, rad]
+TICKS = 72
+"""Times per stretch at which motions are compared [-]."""
+POINTS = 12
+"""Equal parts per stretch, whose medians are used [-]."""
+MARGIN = 0.3
+"""Margin of samples around the stretches [s]."""
+KNOT = 0.1
+"""Spacing of the knots of the joints' spline [s]."""
+TICK = 0.01
+"""Sampling interval of the twin [s]."""
+POSITION = 1e-3
+"""Unit of deviations of a position [m]."""
+HEADING = 3e-3
+"""Unit of deviations of a heading [rad]."""
+
+
+class JointReports(NamedTuple):
+    """What the joints report, at the knots of a spline."""
+
+    knots: Array
+    """Times [s]."""
+    angles: Array
+    """Angles of the sensors, shape (n_joints, n_knots) [rad]."""
+    sides: Array
+    """Sides on which gears touch, -1 to 1, shape (n_joints, n_knots) [-]."""
+
+
+class TwinRun(NamedTuple):
+    """Motion of the twin at the ticks of all stretches, each of shape (n_stretches, TICKS)."""
+
+    x: Array
+    """First coordinate of the center of mass [m]."""
+    y: Array
+    """Second coordinate of the center of mass [m]."""
+    heading: Array
+    """Heading (6) [rad]."""
+    joint_angle: Array
+    """Joint angles, with the joints along a third axis [rad]."""
+
+
+class TwinComparison(NamedTuple):
+    """A robot beside its twin: two coordinates and the heading, shape (3, n_stretches, TICKS).
+
+    Both are rotated to the robot's heading and relative to the middle of each stretch, in units of
+    `POSITION` and `HEADING`.
+    """
+
+    deviation: Array
+    """Motion of the robot minus that of the twin."""
+    twin_motion: Array
+    """Motion of the twin."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -54,9 +95,9 @@ class Stretches:
     @cached_property
     def ticks(self) -> Array:
         """Times at which motions are compared, shape (n_stretches, TICKS) [s]."""
-        return self.bounds[:-1, np.newaxis] + np.diff(self.bounds)[:, np.newaxis] * np.linspace(
-            0.0, 1.0, TICKS
-        )
+        starts = self.bounds[:-1, np.newaxis]
+        durations = np.diff(self.bounds)[:, np.newaxis]
+        return starts + durations * np.linspace(0.0, 1.0, TICKS)
 
     @cached_property
     def from_middle(self) -> Array:
@@ -64,31 +105,32 @@ class Stretches:
         return self.ticks - self.ticks.mean(axis=1, keepdims=True)
 
     @cached_property
-    def seen(self) -> Array:
+    def marker(self) -> Array:
         """Marker body's x and y [m] and the angle of its link [rad], shape (3, n_stretches, TICKS)."""
         time, x, y, yaw = self.poses
-        return np.stack(_at(self.ticks, time, (x, y, np.unwrap(yaw))))
+        return np.stack(_resample(self.ticks, time, (x, y, np.unwrap(yaw))))
 
     @cached_property
-    def _reported(self) -> tuple[Array, Array]:
-        """Spline knots [s]; joint angles [rad], then the sides on which gears touch [-], at the knots."""
-        time, n = self.joints[0], len(self.joints) // 2
-        both = np.concatenate(
-            (self.joints[1 : 1 + n], np.tanh(self.joints[1 + n :] / PLAY_TORQUE))
-        ).T
+    def _joint_reports(self) -> JointReports:
+        """Joint reports at knots, each from a parabola fitted to the samples around it."""
+        time = self.joints[0]
+        n_joints = len(self.joints) // 2
+        angles = self.joints[1 : 1 + n_joints]
+        torques = self.joints[1 + n_joints :]
+        columns = np.concatenate((angles, np.tanh(torques / PLAY_TORQUE))).T
         knots = np.arange(self.bounds[0] - MARGIN, self.bounds[-1] + MARGIN, KNOT)
-        near = np.searchsorted(time, [knots - 1.5 * KNOT, knots + 1.5 * KNOT]).T.tolist()
-        fits: list[Array] = [
-            np.polyfit(time[i:j] - knot, both[i:j], 2)[-1]
-            for knot, (i, j) in zip(knots, near, strict=True)
+        begins = np.searchsorted(time, knots - 1.5 * KNOT).tolist()
+        ends = np.searchsorted(time, knots + 1.5 * KNOT).tolist()
+        # The lowest coefficient of a parabola around a knot is its value there.
+        values_at_knots: list[Array] = [
+            np.polyfit(time[begin:end] - knot, columns[begin:end], 2)[-1]
+            for knot, begin, end in zip(knots, begins, ends, strict=True)
         ]
-        return knots, np.array(fits).T
+        angles_at_knots, sides_at_knots = np.split(np.array(values_at_knots).T, 2)
+        return JointReports(knots, angles_at_knots, sides_at_knots)
 
-    def off(self, plant: Plant[Any], play: float, current: Array) -> tuple[Array, Array]:
-        """Return the deviation of the robot from the twin, and the twin's motion: two coordinates and the heading.
-
-        Both are rotated to the robot's heading and relative to the middle of each stretch, in units
-        of `POSITION` and `HEADING`; shape (3, n_stretches, TICKS).
+    def compare_with_twin(self, plant: Plant[Any], play: float, current: Array) -> TwinComparison:
+        """Return the deviation of the robot from the twin, and the twin's motion.
 
         Args:
             plant: The twin, in still water, with prescribed joints.
@@ -96,82 +138,94 @@ class Stretches:
             current: Velocity of the water, part of the robot's motion but not of the twin's, shape
                 (2,) [m/s].
         """
-        x, y, yaw = self.seen
-        ahead, aside, turned, joints = self._swum(plant, play)
+        x, y, yaw = self.marker
+        twin = self._swim_twin(plant, play)
         link, offset = self.mount.on_link(self.robot)
-        theta = link_angles(joints, angle=yaw, link=link)
-        place = center_of_mass(
+        theta = link_angles(twin.joint_angle, angle=yaw, link=link)
+        position = center_of_mass(
             self.robot.planar(), np.stack((x, y), axis=-1), theta, link=link, offset=offset
         )
-        place = place - self.from_middle[..., np.newaxis] * current
-        towards = heading(theta)
-        way = _way(ahead + 1j * aside, turned, towards)
-        return _way(place @ np.array([1.0, 1.0j]), towards, towards) - way, way
+        position = position - self.from_middle[..., np.newaxis] * current
+        robot_heading = heading(theta)
+        twin_motion = _center_motion(twin.x + 1j * twin.y, twin.heading, robot_heading)
+        complex_position = position @ np.array([1.0, 1.0j])
+        robot_motion = _center_motion(complex_position, robot_heading, robot_heading)
+        return TwinComparison(robot_motion - twin_motion, twin_motion)
 
-    def _swum(self, plant: Plant[Any], play: float) -> tuple[Array, Array, Array, Array]:
-        """Return the twin's x and y [m], heading and joint angles [rad] at the ticks, for the reported joint motion."""
-        x, y, yaw = self.seen
-        knots, (angles, sides) = self._reported[0], np.split(self._reported[1], 2)
-        angles, begin = angles - 0.5 * play * sides, float(self.bounds[0])
+    def _swim_twin(self, plant: Plant[Any], play: float) -> TwinRun:
+        """Return the motion of a twin whose joints do what the robot's report."""
+        reports = self._joint_reports
+        angles = reports.angles - 0.5 * play * reports.sides
+        begin = float(self.bounds[0])
         motion = JointAngles(
-            time=tuple((knots - begin).tolist()), angle=tuple(map(tuple, angles.tolist()))
+            time=tuple((reports.knots - begin).tolist()),
+            angle=tuple(map(tuple, angles.tolist())),
         )
         command = Command(gait=replace(STILL, recorded=motion))
-        speed = math.hypot(x[1, 0] - x[0, 0], y[1, 0] - y[0, 0]) / float(self.ticks[1, 0] - begin)
-        state = plant.init(Start(heading=float(yaw[0].mean()), velocity=speed), command)
-        log = plant.march(state, command, float(self.bounds[-1]) - begin, TICK)[1]
+        state = plant.init(self._twin_start(), command)
+        _, log, *_ = plant.march(state, command, float(self.bounds[-1]) - begin, TICK)
         columns = (*log.center_of_mass.T[:2], log.heading, *log.joint_angle.T)
-        ahead, aside, turned, *joints = _at(self.ticks - begin, log.time, columns)
-        return ahead, aside, turned, np.stack(joints, axis=-1)
+        x, y, twin_heading, *joints = _resample(self.ticks - begin, log.time, columns)
+        return TwinRun(x, y, twin_heading, np.stack(joints, axis=-1))
 
-    def compared(self, ways: Sequence[Array], way: Array) -> Array:
+    def _twin_start(self) -> Start:
+        """Return the start of the twin: with about the speed and direction of the robot."""
+        x, y, yaw = self.marker
+        distance = math.hypot(x[1, 0] - x[0, 0], y[1, 0] - y[0, 0])
+        duration = float(self.ticks[1, 0] - float(self.bounds[0]))
+        return Start(heading=float(yaw[0].mean()), velocity=distance / duration)
+
+    def reduce_to_medians(self, motions: Sequence[Array], twin_motion: Array) -> Array:
         """Return medians over parts of every stretch, so that single wrong frames have no effect.
 
         Whatever the unknown position and heading of each stretch explain is removed.
 
         Args:
-            ways: Motions as returned by `off`.
-            way: Motion of the twin.
+            motions: Motions or deviations as returned by `compare_with_twin`.
+            twin_motion: Motion of the twin.
 
         Returns:
-            A column for each of the `ways`, then for each change that brings the robot closer to
-                the twin: a heading
-            1 rad off the measured one, and a current of 1 m/s along x and y; shape (n_stretches, 3
-            POINTS, n_ways + 3).
+            A column for each of the `motions`, then for each change that brings the robot closer to
+            the twin: a heading 1 rad off the measured one, and a current of 1 m/s along x and y;
+            shape (n_stretches, 3 POINTS, n_motions + 3).
         """
-        none, one, ahead = (
-            np.zeros_like(self.ticks),
-            np.ones_like(self.ticks),
-            self.from_middle / POSITION,
-        )
-        turned = -way[1], way[0]
-        rows = _binned([*ways, (*turned, none), (ahead, none, none), (none, ahead, none)])
-        base, _ = np.linalg.qr(
-            _binned([(one, none, none), (none, one, none), (*turned, one / HEADING)])
-        )
-        return rows - base @ (base.swapaxes(1, 2) @ rows)
+        zeros = np.zeros_like(self.ticks)
+        ones = np.ones_like(self.ticks)
+        drifted = self.from_middle / POSITION
+        per_heading = (-twin_motion[1], twin_motion[0])
+        off_heading = (*per_heading, zeros)
+        drifted_along_x = (drifted, zeros, zeros)
+        drifted_along_y = (zeros, drifted, zeros)
+        columns = _medians_of_parts([*motions, off_heading, drifted_along_x, drifted_along_y])
+        shifted_along_x = (ones, zeros, zeros)
+        shifted_along_y = (zeros, ones, zeros)
+        turned = (*per_heading, ones / HEADING)
+        unknown = _medians_of_parts([shifted_along_x, shifted_along_y, turned])
+        basis, _ = np.linalg.qr(unknown)
+        return columns - basis @ (basis.swapaxes(1, 2) @ columns)
 
 
-def _at(moments: Array, time: Array, columns: Sequence[Array]) -> list[Array]:
+def _resample(moments: Array, time: Array, columns: Sequence[Array]) -> list[Array]:
     """Interpolate the columns of a log linearly at some moments."""
-    return [np.interp(moments, time, one) for one in columns]
+    return [np.interp(moments, time, column) for column in columns]
 
 
-def _way(place: Any, angle: Array, towards: Array) -> Array:
-    """Center a complex `place` and an `angle`, rotated so that the mean angle is that of `towards`."""
-    turn = np.exp(1j * np.mean(towards - angle, axis=1, keepdims=True))
-    way = turn * (place - place.mean(axis=1, keepdims=True))
-    return np.stack(
-        (
-            way.real / POSITION,
-            way.imag / POSITION,
-            (angle - angle.mean(axis=1, keepdims=True)) / HEADING,
-        )
-    )
+def _center_motion(position: Any, angle: Array, toward: Array) -> Array:
+    """Return a motion relative to its middle, rotated so that the mean angle is that of `toward`.
+
+    `position` is complex; the result has the units `POSITION` and `HEADING`.
+    """
+    rotation = np.exp(1j * np.mean(toward - angle, axis=1, keepdims=True))
+    centered = rotation * (position - position.mean(axis=1, keepdims=True))
+    centered_angle = angle - angle.mean(axis=1, keepdims=True)
+    return np.stack((centered.real / POSITION, centered.imag / POSITION, centered_angle / HEADING))
 
 
-def _binned(ways: Sequence[Any]) -> Array:
-    """Return the medians of `POINTS` equal parts of every stretch, a column for each way."""
-    parts = np.array(ways)
-    middle = np.median(parts.reshape(*parts.shape[:-1], POINTS, -1), axis=-1)
-    return np.moveaxis(middle, 2, 0).reshape(parts.shape[2], len(ways), -1).swapaxes(1, 2)
+def _medians_of_parts(motions: Sequence[Any]) -> Array:
+    """Return the medians of `POINTS` equal parts of every stretch, a column for each motion."""
+    stacked = np.array(motions)
+    n_motions, n_coordinates, n_stretches, _ = stacked.shape
+    parts = stacked.reshape(n_motions, n_coordinates, n_stretches, POINTS, -1)
+    medians = np.median(parts, axis=-1)
+    by_stretch = np.moveaxis(medians, 2, 0).reshape(n_stretches, n_motions, -1)
+    return by_stretch.swapaxes(1, 2)
