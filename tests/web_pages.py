@@ -14,7 +14,7 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.cli.runs import Follow, Swim
-from laticauda.trials.logs.tabular import flat_columns
+from laticauda.trials.logs.tabular import flatten_columns
 
 NODE = shutil.which("node")
 SCRIPT = Path(__file__).parent / "connect" / "web" / "trials.js"
@@ -91,7 +91,9 @@ def difference(csv: str, trial: lc.Trial) -> float:
     """The largest difference between a page's table and a trial, as a share of the largest number, or of 1."""
     head, *lines = csv.splitlines()
     table = np.array([[float(cell) for cell in line.split(",")] for line in lines])
-    there = {f"{name} [{unit}]": values for name, unit, values in flat_columns(trial.to_dataset())}
+    there = {
+        f"{name} [{unit}]": values for name, unit, values in flatten_columns(trial.to_dataset())
+    }
     names = [
         name for name in head.split(",") if not name.startswith("fin_")
     ]  # these the trial calls otherwise

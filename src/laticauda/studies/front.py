@@ -18,7 +18,7 @@ from laticauda.studies.point_trials import (
     scenarios_at,
 )
 from laticauda.studies.sampling import Table
-from laticauda.trials.logs import csv_text
+from laticauda.trials.logs import TableColumn, format_csv
 from laticauda.values import write
 
 if TYPE_CHECKING:
@@ -154,11 +154,13 @@ class Front:
             path: Path of the file; an existing file is replaced.
         """
         dataset: Any = self.to_dataset()
-        rows: list[tuple[str, str, Any]] = []
-        for name, column in {**dataset.coords, **dataset.data_vars}.items():
-            unit = "-" if column.units == "1" else column.units
-            rows.append((name, unit, column.to_numpy()))
-        write(path, csv_text(rows))
+        columns: list[TableColumn] = []
+        for name, variable in {**dataset.coords, **dataset.data_vars}.items():
+            unit = variable.units
+            if unit == "1":
+                unit = "-"
+            columns.append(TableColumn(name=name, unit=unit, values=variable.to_numpy()))
+        write(path, format_csv(columns))
 
 
 def pareto_front(losses: Losses) -> Bool[np.ndarray, " n_points"]:

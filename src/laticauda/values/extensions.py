@@ -49,10 +49,10 @@ HOMES: Mapping[str, Mapping[str, str]] = {
         "gridded": "laticauda.water.fluid.gridded",
     },
     "formats": {
-        "nc": "laticauda.trials.logs.tabular",
+        "nc": "laticauda.trials.logs.netcdf",
         "mcap": "laticauda.trials.logs.mcap_trials",
         "parquet": "laticauda.trials.logs.tabular",
-        "mat": "laticauda.trials.logs.tabular",
+        "mat": "laticauda.trials.logs.mat",
         "csv": "laticauda.trials.logs.tabular",
     },
     "paths": {

@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 from laticauda.robot import load_robot
 from laticauda.trials import Format, Trial
 from laticauda.trials.logs import load_trial
-from laticauda.trials.logs.tabular import mat_columns
+from laticauda.trials.logs.mat import read_mat_columns
 from laticauda.values.errors import StorageFailed, TrialFileError
 
 LIBRARIES = {
@@ -203,7 +203,7 @@ def test_a_mat_file_that_crashes_its_library_is_refused(tmp_path, place):
 
 def test_a_mat_file_that_keeps_its_library_for_ever_is_refused(full_trial, tmp_path, monkeypatch):
     full_trial.save(tmp_path / "run.mat")
-    monkeypatch.setattr("laticauda.trials.logs.tabular._PATIENCE", 0.001)
+    monkeypatch.setattr("laticauda.trials.logs.mat._PATIENCE", 0.001)
     with pytest.raises(
         TrialFileError, match=r"run\.mat: it is damaged: reading it takes longer than 0\.001 s"
     ):
@@ -279,7 +279,7 @@ def test_a_format_of_ones_own_is_one_class(full_trial, tmp_path):
 def test_columns_of_a_mat_file_of_either_version_are_read(version: str, tmp_path: Path):
     scipy_io = pytest.importorskip("scipy.io")
     scipy_io.savemat(tmp_path / "run.mat", {"time": np.arange(3.0)}, format=version)
-    np.testing.assert_array_equal(mat_columns(tmp_path / "run.mat")["time"], [0.0, 1.0, 2.0])
+    np.testing.assert_array_equal(read_mat_columns(tmp_path / "run.mat")["time"], [0.0, 1.0, 2.0])
 
 
 def test_bytes_that_do_not_begin_like_a_mat_file_start_no_process(monkeypatch, tmp_path: Path):
@@ -287,4 +287,4 @@ def test_bytes_that_do_not_begin_like_a_mat_file_start_no_process(monkeypatch, t
     monkeypatch.setattr(subprocess, "run", None)
     (tmp_path / "run.mat").write_bytes(b"time,x\n0.0,1.0\n" * 20)
     with pytest.raises(ValueError, match=r"it is not a \.mat file"):
-        mat_columns(tmp_path / "run.mat")
+        read_mat_columns(tmp_path / "run.mat")

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from laticauda.trials.logs.ros2 import DEFINITIONS, decoder, encode, schema_name, schema_text
+from laticauda.trials.logs.ros2 import DEFINITIONS, build_decoder, encode, schema_name, schema_text
 
 records = pytest.importorskip("mcap.records", reason="the package mcap is not installed")
 pytest.importorskip("mcap_ros2.decoder", reason="the reader of ROS 2 messages is not installed")
@@ -55,7 +55,7 @@ def plain(value: object) -> object:
 def reader(name: str, text: str | None = None):
     """The library's reader of a type."""
     definition = schema_text(name) if text is None else text
-    return decoder(
+    return build_decoder(
         records.Schema(id=1, name=schema_name(name), encoding="ros2msg", data=definition.encode())
     )
 

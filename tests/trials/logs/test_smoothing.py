@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from laticauda.trials.logs.loading import differentiate_signal
-from laticauda.trials.logs.placing import fill_gaps
+from laticauda.trials.logs.measured_log import fill_gaps
+from laticauda.trials.logs.rates import differentiate_signal
 
 coefficients = st.tuples(*[st.floats(-2.0, 2.0)] * 4)
 

@@ -1,4 +1,15 @@
-"""Files of trials and of other programs: formats, recordings of messages, measured tables with column maps."""
+"""Files of trials and of other programs: formats, recordings of messages, measured tables with column maps.
+
+Formats of trials: `tabular` (CSV, Parquet), `netcdf`, `mat` (MATLAB, GNU Octave), `mcap_trials`
+(messages of ROS 2). Messages: `recorder` writes them to an MCAP file, `recording` reads any, even a
+truncated one, from its `mcap_records`; `ros2` encodes and decodes them; `bags` makes a folder for
+rosbag2.
+
+Logs of other programs: `tables` holds columns by name and reads delimited text, `qtm` and `c3d` read
+files of motion capture. `column_maps` says what columns mean, in its `map_sections`. `loading` reads
+any file, `measuring` builds a trial from a table: `row_times` gives its samples, `measured_log`
+its columns without gaps, `placing` the position and shape of the robot, `rates` slopes.
+"""
 
 from typing import TYPE_CHECKING
 
@@ -10,7 +21,8 @@ if TYPE_CHECKING:
         ColumnMap as ColumnMap,
         load_column_map as load_column_map,
     )
-    from laticauda.trials.logs.loading import load_trial as load_trial, interpolated as interpolated
+    from laticauda.trials.logs.loading import load_trial as load_trial
+    from laticauda.trials.logs.rates import interpolate_columns as interpolate_columns
     from laticauda.trials.logs.recorder import Frame as Frame, Recorder as Recorder, CLOCK as CLOCK
     from laticauda.trials.logs.recording import (
         Logged as Logged,
@@ -18,7 +30,7 @@ if TYPE_CHECKING:
         open_recording as open_recording,
         failures_of as failures_of,
     )
-    from laticauda.trials.logs.tabular import csv_text as csv_text
+    from laticauda.trials.logs.tabular import TableColumn as TableColumn, format_csv as format_csv
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
@@ -30,9 +42,9 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.trials.logs.recording": ["Logged", "Recording", "open_recording"],
     },
     plain={
-        "laticauda.trials.logs.loading": ["interpolated"],
+        "laticauda.trials.logs.rates": ["interpolate_columns"],
         "laticauda.trials.logs.recorder": ["CLOCK"],
         "laticauda.trials.logs.recording": ["failures_of"],
-        "laticauda.trials.logs.tabular": ["csv_text"],
+        "laticauda.trials.logs.tabular": ["TableColumn", "format_csv"],
     },
 )

@@ -7,11 +7,13 @@ from pathlib import Path
 from laticauda.trials import Trial
 from laticauda.trials.logs import ros2
 from laticauda.trials.logs.recorder import QUALITY
-from laticauda.trials.logs.recording import Recording, open_recording
+from laticauda.trials.logs.recording import Recording, Topic, open_recording
 from laticauda.values import StorageFailed, TrialFileError, files
 
-VERSION = 5  # version of metadata.yaml: that of ROS 2 Humble, which every later version reads
+VERSION = 5
+"""Version of `metadata.yaml`: that of ROS 2 Humble, which every later version reads."""
 METADATA = "metadata.yaml"
+"""File beside the MCAP file that describes it, required by the tools of ROS 2."""
 
 
 def write_bag(source: Trial | str | Path, folder: str | Path) -> None:
@@ -27,56 +29,68 @@ def write_bag(source: Trial | str | Path, folder: str | Path) -> None:
         TrialFileError: If the source is not an MCAP file, or is incomplete.
         MissingExtra: If the package `mcap` is not installed.
     """
-    place = files.local(folder).absolute()
-    file = place / f"{place.name}_0.mcap"
-    lost = "" if isinstance(source, Trial) else open_recording(source).lost
-    if lost:
-        raise TrialFileError(f"{lost} `laticauda replay --save` makes a trial of what there is.")
-    try:
-        place.mkdir(exist_ok=True)
-    except OSError as error:
-        raise StorageFailed(
-            f"{folder}: cannot be created: {(error.strerror or str(error)).lower()}."
-        ) from error
-    if any(place.iterdir()):
-        raise StorageFailed(f"{folder}: must be a new or an empty folder; name another one.")
+    bag = files.local(folder).absolute()
+    if not isinstance(source, Trial):
+        _check_complete(source)
+    _make_empty_folder(bag, folder)
+    file = bag / f"{bag.name}_0.mcap"
     if isinstance(source, Trial):
         source.save(file)
     else:
-        files.write(file, lambda new: shutil.copyfile(source, new))
-    information = {"rosbag2_bagfile_information": _information(open_recording(file))}
-    files.write(place / METADATA, f"{json.dumps(information, indent=2)}\n")  # JSON is valid YAML
+        files.write(file, lambda new_file: shutil.copyfile(source, new_file))
+    metadata = {"rosbag2_bagfile_information": _describe_bag(open_recording(file))}
+    files.write(bag / METADATA, f"{json.dumps(metadata, indent=2)}\n")  # JSON is valid YAML
 
 
-def _information(recording: Recording) -> dict[str, object]:
+def _check_complete(source: str | Path) -> None:
+    """Reject a recording of which something is lost."""
+    lost = open_recording(source).lost
+    if lost:
+        raise TrialFileError(f"{lost} `laticauda replay --save` makes a trial of what there is.")
+
+
+def _make_empty_folder(bag: Path, name: str | Path) -> None:
+    """Make the folder of the bag unless it exists; `name` is what the user calls it."""
+    try:
+        bag.mkdir(exist_ok=True)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise StorageFailed(f"{name}: cannot be created: {reason}.") from error
+    if any(bag.iterdir()):
+        raise StorageFailed(f"{name}: must be a new or an empty folder; name another one.")
+
+
+def _describe_bag(recording: Recording) -> dict[str, object]:
     """Return the contents of `metadata.yaml` that rosbag2 requires."""
-    topics = [
-        {
-            "topic_metadata": {
-                "name": name,
-                "type": ros2.schema_name(topic.kind),
-                "serialization_format": "cdr",
-                "offered_qos_profiles": QUALITY.get(name, ""),
-            },
-            "message_count": topic.n_messages,
-        }
-        for name, topic in recording.topics.items()
-    ]
-    start, duration = (
-        round(1e9 * one) for one in (recording.start, recording.stop - recording.start)
-    )
+    duration = round(1e9 * (recording.stop - recording.start))
+    start = round(1e9 * recording.start)
+    n_messages = sum(topic.n_messages for topic in recording.topics.values())
     span = {
         "duration": {"nanoseconds": duration},
         "starting_time": {"nanoseconds_since_epoch": recording.epoch + start},
-        "message_count": sum(topic.n_messages for topic in recording.topics.values()),
+        "message_count": n_messages,
     }
     return {
         "version": VERSION,
         "storage_identifier": "mcap",
         "relative_file_paths": [recording.path.name],
         **span,
-        "topics_with_message_count": topics,
+        "topics_with_message_count": [
+            _describe_topic(name, topic) for name, topic in recording.topics.items()
+        ],
         "compression_format": "",
         "compression_mode": "",
         "files": [{"path": recording.path.name, **span}],
+    }
+
+
+def _describe_topic(name: str, topic: Topic) -> dict[str, object]:
+    return {
+        "topic_metadata": {
+            "name": name,
+            "type": ros2.schema_name(topic.kind),
+            "serialization_format": "cdr",
+            "offered_qos_profiles": QUALITY.get(name, ""),
+        },
+        "message_count": topic.n_messages,
     }

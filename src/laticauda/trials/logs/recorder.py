@@ -11,9 +11,8 @@ import math
 import struct
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from itertools import zip_longest
 from pathlib import Path
-from typing import Any, BinaryIO, Self, TypeAlias
+from typing import Any, BinaryIO, NamedTuple, Self, TypeAlias
 
 from laticauda.trials.logs import ros2
 from laticauda.values import (
@@ -27,20 +26,31 @@ from laticauda.values import (
 
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "fatal": 50}
 """Levels of events and their numbers in rcl_interfaces/Log."""
-_CAN_FRAME = struct.Struct(
-    "<4s iI I4s I3x B8s"
-)  # encapsulation; stamp, frame_id ""; identifier, length, data
-CHUNK_BYTES = 1 << 20  # size of the messages at which a chunk is complete
+_CAN_FRAME = struct.Struct("<4s iI I4s I3x B8s")
+"""Message can_msgs/Frame: encapsulation; stamp, length and text of frame_id ""; identifier, length, data."""
+CHUNK_BYTES = 1 << 20
+"""Size of the messages at which a chunk is complete [bytes]."""
 WORLD = "world"
 """The frame of the world axes."""
 CLOCK = "laticauda_clock"
 """Metadata record that states the wall-clock time of time 0, as `epoch`."""
-DESCRIPTION, STATIC = "/robot_description", "/tf_static"
-_ONCE = {"history": 1, "depth": 1, "reliability": 1, "durability": 1, "liveliness": 1}
-_NEVER = {
-    key: {"sec": 0, "nsec": 0} for key in ("deadline", "lifespan", "liveliness_lease_duration")
+DESCRIPTION = "/robot_description"
+"""Topic with the robot's URDF, recorded once."""
+STATIC = "/tf_static"
+"""Topic with the frames that never move, recorded once."""
+_UNLIMITED = {"sec": 0, "nsec": 0}
+_LATCHED_PROFILE = {
+    "history": 1,
+    "depth": 1,
+    "reliability": 1,
+    "durability": 1,
+    "liveliness": 1,
+    "deadline": _UNLIMITED,
+    "lifespan": _UNLIMITED,
+    "liveliness_lease_duration": _UNLIMITED,
+    "avoid_ros_namespace_conventions": False,
 }
-_LATCHED = json.dumps([{**_ONCE, **_NEVER, "avoid_ros_namespace_conventions": False}])
+_LATCHED = json.dumps([_LATCHED_PROFILE])
 QUALITY = {DESCRIPTION: _LATCHED, STATIC: _LATCHED}
 """Quality of service with which a topic is replayed: late subscribers still receive the last message of these. It is
 YAML (JSON is valid YAML) with the numbers of ROS, as every rosbag2 reads them; "", the default, for
@@ -56,6 +66,15 @@ def need_mcap() -> None:
         MissingExtra: If it is not installed.
     """
     optional_import("Reading and writing MCAP", "mcap", "logs")
+
+
+class _Channel(NamedTuple):
+    """A topic in the file."""
+
+    number: int
+    """Its number in the file."""
+    kind: str
+    """Type of its messages."""
 
 
 class Recorder:
@@ -99,18 +118,20 @@ class Recorder:
         self._epoch = check_whole_number("epoch", epoch, 0)
         self.path = Path(path)
         """The file."""
-        mode = "wb" if overwrite else "xb"
-        self._file: BinaryIO = self._guarded(lambda: self.path.open(mode), "name another place")
+        mode = "xb"
+        if overwrite:
+            mode = "wb"
+        self._file: BinaryIO = self._guard(lambda: self.path.open(mode), "name another place")
         # The writer's own limit is disabled: chunks end here, so that each is passed on as soon as
         # it is complete.
         self._writer = Writer(self._file, chunk_size=1 << 40)
         self._schemas: dict[str, int] = {}
-        self._channels: dict[str, tuple[int, str]] = {}
+        self._channels: dict[str, _Channel] = {}
         self._lock = threading.Lock()
-        self._open_since: int | None = None
-        self._open_bytes = 0
-        self._sequence = 0
-        self._guarded(lambda: self._writer.start(profile="ros2", library="laticauda"))
+        self._chunk_begin: int | None = None  # time of its first message [ns]
+        self._chunk_bytes = 0
+        self._n_messages = 0
+        self._guard(lambda: self._writer.start(profile="ros2", library="laticauda"))
         if epoch:
             self.metadata(CLOCK, {"epoch": str(epoch)})
 
@@ -130,7 +151,9 @@ class Recorder:
             ValueError: If the content does not fit the type, or the topic has another type.
             StorageFailed: If the file cannot be written.
         """
-        self._add(topic, kind, unit, self._moment(time), ros2.encode(kind, content))
+        now = self._convert_time(time)
+        data = ros2.encode(kind, content)
+        self._add(topic, kind, unit=unit, now=now, data=data)
 
     def joint_state(
         self,
@@ -151,7 +174,7 @@ class Recorder:
             velocity: Their rates [rad/s]; empty if unknown.
             effort: Their torques [N m]; empty if unknown.
         """
-        content = self._header(time, ""), names, position, velocity, effort
+        content = (self._header(time, frame=""), names, position, velocity, effort)
         self.message(topic, time, "sensor_msgs/JointState", content, unit="rad, rad/s, N m")
 
     def pose(
@@ -171,7 +194,8 @@ class Recorder:
             quaternion: Orientation w, x, y, z [-].
             frame: Frame in whose axes they are given.
         """
-        content = self._header(time, frame), (position, _scalar_last(quaternion))
+        pose = (position, _scalar_last(quaternion))
+        content = (self._header(time, frame), pose)
         self.message(topic, time, "geometry_msgs/PoseStamped", content, unit="m")
 
     def transforms(self, time: float, frames: Mapping[str, Frame], *, topic: str = "/tf") -> None:
@@ -182,10 +206,10 @@ class Recorder:
             frames: Frames by name.
             topic: Topic; `STATIC` for frames that never move.
         """
-        transforms = [
-            (self._header(time, parent), name, (place, _scalar_last(turn)))
-            for name, (parent, place, turn) in frames.items()
-        ]
+        transforms: list[tuple[Any, ...]] = []
+        for name, (parent, position, quaternion) in frames.items():
+            pose = (position, _scalar_last(quaternion))
+            transforms.append((self._header(time, parent), name, pose))
         self.message(topic, time, "tf2_msgs/TFMessage", (transforms,), unit="m")
 
     def robot(self, time: float, description: str, fixed: Mapping[str, Frame]) -> None:
@@ -225,12 +249,17 @@ class Recorder:
         import numpy as np
 
         numbers = np.asarray(values, dtype=np.float64)
-        axes = zip_longest(labels[: numbers.ndim], numbers.shape, fillvalue="")
-        strides = (math.prod(numbers.shape[i:]) for i in range(numbers.ndim))
-        dimensions = [(*axis, stride) for axis, stride in zip(axes, strides, strict=True)]
-        self.message(
-            topic, time, "std_msgs/Float64MultiArray", ((dimensions, 0), numbers.ravel()), unit=unit
-        )
+        dimensions: list[tuple[str, int, int]] = []
+        for i, size in enumerate(numbers.shape):
+            label = ""
+            if i < len(labels):
+                label = labels[i]
+            stride = math.prod(numbers.shape[i:])
+            dimensions.append((label, size, stride))
+        offset = 0
+        layout = (dimensions, offset)
+        content = (layout, numbers.ravel())
+        self.message(topic, time, "std_msgs/Float64MultiArray", content, unit=unit)
 
     def can_frame(self, topic: str, time: float, identifier: int, data: bytes) -> None:
         """Record a raw frame of a CAN bus (can_msgs/Frame).
@@ -246,16 +275,16 @@ class Recorder:
         """
         if len(data) > 8:
             raise BadArgument("data", f"must have at most 8 bytes, got {len(data)}")
-        now = self._moment(time)
+        now = self._convert_time(time)
         if not 0 <= identifier < 1 << 32:
             raise BadArgument("identifier", f"must be from 0 to 2^32 - 1, got {identifier}")
         # The bytes that the codec of can_msgs/Frame writes, in one step: there are thousands of
         # these per second.
-        seconds, rest = divmod(now, 1_000_000_000)
+        seconds, nanoseconds = ros2.to_ros_time(now)
         body = _CAN_FRAME.pack(
-            b"\x00\x01", seconds, rest, 1, b"", identifier, len(data), bytes(data)
+            b"\x00\x01", seconds, nanoseconds, 1, b"", identifier, len(data), bytes(data)
         )
-        self._add(topic, "can_msgs/Frame", "", now, body)
+        self._add(topic, "can_msgs/Frame", unit="", now=now, data=body)
 
     def json(self, topic: str, time: float, content: object) -> None:
         """Record anything that JSON can hold, as text (std_msgs/String).
@@ -281,14 +310,22 @@ class Recorder:
         """
         if level not in LEVELS:
             raise BadArgument("level", f"must be one of {', '.join(LEVELS)}, got {level!r}")
-        try:
-            text = "" if data is None else json.dumps(data)
-        except TypeError as error:
-            raise BadArgument("data", f"must be data that JSON can hold: {error}") from error
-        stamp = ros2.to_ros_time(self._moment(time))
-        self.message(
-            "/events", time, "rcl_interfaces/Log", (stamp, LEVELS[level], name, text, "", "", 0)
-        )
+        text = ""
+        if data is not None:
+            try:
+                text = json.dumps(data)
+            except TypeError as error:
+                raise BadArgument("data", f"must be data that JSON can hold: {error}") from error
+        content = {
+            "stamp": ros2.to_ros_time(self._convert_time(time)),
+            "level": LEVELS[level],
+            "name": name,
+            "msg": text,
+            "file": "",
+            "function": "",
+            "line": 0,
+        }
+        self.message("/events", time, "rcl_interfaces/Log", content)
         self.flush()
 
     def metadata(self, name: str, content: Mapping[str, str]) -> None:
@@ -299,8 +336,8 @@ class Recorder:
             content: The texts by name.
         """
         with self._lock:
-            self._guarded(lambda: self._writer.add_metadata(name, dict(content)))
-            self._guarded(self._writer.flush)
+            self._guard(lambda: self._writer.add_metadata(name, dict(content)))
+            self._guard(self._writer.flush)
 
     def flush(self) -> None:
         """Complete the open chunk and pass it to the operating system."""
@@ -313,9 +350,9 @@ class Recorder:
             if self._file.closed:
                 return
             try:
-                self._guarded(self._writer.finish)
+                self._guard(self._writer.finish)
             finally:
-                self._guarded(self._file.close)
+                self._guard(self._file.close)
 
     def __enter__(self) -> Self:
         return self
@@ -338,57 +375,65 @@ class Recorder:
             StorageFailed: If the file cannot be written.
         """
         with self._lock:
-            channel = self._channel(topic, kind, unit)
+            channel = self._find_channel(topic, kind, unit)
             if self._file.closed:
                 raise StorageFailed(f"Cannot write {self.path}: it is closed.")
-            if self._open_since is None:
-                self._open_since = now
-            self._sequence += 1
-            self._writer.add_message(channel, now, data, now, self._sequence & 0xFFFFFFFF)
-            self._open_bytes += len(data)
+            if self._chunk_begin is None:
+                self._chunk_begin = now
+            self._n_messages += 1
+            sequence = self._n_messages & 0xFFFFFFFF
+            self._writer.add_message(channel.number, now, data, now, sequence)
+            self._chunk_bytes += len(data)
             # Times from several sources need not be in order: an older message does not end a
             # chunk.
-            if self._open_bytes >= CHUNK_BYTES or now - self._open_since >= self._chunk_ns:
+            if self._chunk_bytes >= CHUNK_BYTES or now - self._chunk_begin >= self._chunk_ns:
                 self._end_chunk()
 
-    def _channel(self, topic: str, kind: str, unit: str) -> int:
-        found = self._channels.get(topic)
-        if found is not None:
-            if found[1] != kind:
-                raise BadArgument("topic", f"{topic} must keep its type {found[1]}, got {kind}")
-            return found[0]
+    def _find_channel(self, topic: str, kind: str, unit: str) -> _Channel:
+        """Return the channel of a topic, which is created with the topic's first message."""
+        channel = self._channels.get(topic)
+        if channel is None:
+            channel = self._create_channel(topic, kind, unit)
+            self._channels[topic] = channel
+        elif channel.kind != kind:
+            raise BadArgument("topic", f"{topic} must keep its type {channel.kind}, got {kind}")
+        return channel
+
+    def _create_channel(self, topic: str, kind: str, unit: str) -> _Channel:
         if not topic:
             raise BadArgument("topic", "must be a name such as /joint_states, got ''")
         if kind not in self._schemas:
+            name = ros2.schema_name(kind)
             text = ros2.schema_text(kind).encode()
-            self._schemas[kind] = self._writer.register_schema(
-                ros2.schema_name(kind), "ros2msg", text
-            )
+            self._schemas[kind] = self._writer.register_schema(name, "ros2msg", text)
         # The profile requires the quality of service, which may be empty.
         metadata = {"offered_qos_profiles": QUALITY.get(topic, ""), "unit": unit}
         number = self._writer.register_channel(topic, "cdr", self._schemas[kind], metadata)
-        self._channels[topic] = number, kind
-        return number
+        return _Channel(number=number, kind=kind)
 
     def _end_chunk(self) -> None:
-        self._guarded(self._writer.flush)
-        self._open_since, self._open_bytes = None, 0
+        self._guard(self._writer.flush)
+        self._chunk_begin = None
+        self._chunk_bytes = 0
 
-    def _moment(self, time: float) -> int:
+    def _convert_time(self, time: float) -> int:
         """Convert a time to that of the file and of ROS [ns]; raises ValueError before 1970."""
         now = self._epoch + round(check_finite("time", time, "s") * 1e9)
         if now < 0:
-            raise BadArgument("time", f"must be >= {-1e-9 * self._epoch or 0.0:g} s, got {time}")
+            earliest = -1e-9 * self._epoch or 0.0  # 0 rather than -0
+            raise BadArgument("time", f"must be >= {earliest:g} s, got {time}")
         return now
 
     def _header(self, time: float, frame: str) -> tuple[Any, ...]:
-        return ros2.to_ros_time(self._moment(time)), frame
+        """Return the fields of std_msgs/Header."""
+        return ros2.to_ros_time(self._convert_time(time)), frame
 
-    def _guarded(
-        self, act: Callable[[], Any], advice: str = "what was written before is kept"
+    def _guard(
+        self, write: Callable[[], Any], advice: str = "what was written before is kept"
     ) -> Any:
+        """Call a function that may fail to write the file."""
         try:
-            return act()
+            return write()
         except OSError as error:
             reason = (error.strerror or str(error)).lower()
             raise StorageFailed(f"Cannot write {self.path}: {reason}; {advice}.") from error

@@ -1,6 +1,5 @@
 """Reading of MCAP files of any writer, including files that were never completed because the program was killed."""
 
-import io
 import json
 import math
 from collections import Counter
@@ -8,16 +7,13 @@ from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from laticauda.trials.logs import recorder, ros2
+from laticauda.trials.logs import mcap_records, recorder, ros2
 from laticauda.values import TrialFileError
 
 if TYPE_CHECKING:
     from mcap.records import Channel, Schema
-
-MAGIC = b"\x89MCAP0\r\n"
-_FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK, _METADATA = 0x02, 0x03, 0x04, 0x05, 0x06, 0x0C
 
 
 class Logged(NamedTuple):
@@ -45,6 +41,17 @@ class Topic:
     """Number of complete messages."""
 
 
+class _RawMessage(NamedTuple):
+    """A message as it is in the file."""
+
+    channel: "Channel"
+    """Its topic, its encoding and the number of its schema."""
+    time: int
+    """When it was recorded [ns], on the clock of the file."""
+    data: bytes
+    """Its content, encoded."""
+
+
 class Recording:
     """Contents of an MCAP file, even one that was never completed; created by `open_recording`, see there for details.
 
@@ -59,29 +66,51 @@ class Recording:
         self._schemas: dict[int, Schema] = {}
         self._channels: dict[int, Channel] = {}
         self._decoders: dict[int, Callable[[bytes], Any]] = {}
-        self._end = self._told = 0
-        lost, counts, times = list[str](), Counter[str](), (math.inf, 0)
-        for channel, time, _ in self._contents(lost):
-            counts[channel.topic] += 1
-            times = min(times[0], time), max(times[1], time)
+        self._read_end = 0
+        """Byte offset after the last complete record that was read."""
+        self._reported_end = 0
+        """The same when `more` last ended."""
+        losses = list[str]()
+        counts = Counter[str]()
+        earliest = math.inf
+        latest = 0
+        for message in self._read_messages(losses):
+            counts[message.channel.topic] += 1
+            earliest = min(earliest, message.time)
+            latest = max(latest, message.time)
         self.topics = {
-            one.topic: Topic(
-                kind=self._kind(one),
-                unit=one.metadata.get("unit", ""),
-                n_messages=counts[one.topic],
-            )
-            for one in self._channels.values()
+            channel.topic: self._describe_topic(channel, counts[channel.topic])
+            for channel in self._channels.values()
         }
         """Topics by name."""
-        self.start, self.stop = ((one - self.epoch) / 1e9 if counts else 0.0 for one in times)
-        """Times of the earliest and the latest message [s], 0 if there are no messages."""
-        self.lost = f"{path.name} is not intact: {'; '.join(lost)}." if lost else ""
+        self.start = 0.0
+        """Time of the earliest message [s], 0 if there are no messages."""
+        self.stop = 0.0
+        """Time of the latest message [s], 0 if there are no messages."""
+        if counts:
+            self.start = self._seconds(earliest)
+            self.stop = self._seconds(latest)
+        self.lost = ""
         """What is missing from the file or damaged in it, as a sentence; "" if nothing is."""
+        if losses:
+            self.lost = f"{path.name} is not intact: {'; '.join(losses)}."
 
     @property
     def epoch(self) -> int:
         """Wall-clock time of the file's time 0 [ns since 1970]; 0 if the file does not state it."""
-        return int(self.metadata.get(recorder.CLOCK, {}).get("epoch", "0"))
+        clock = self.metadata.get(recorder.CLOCK, {})
+        return int(clock.get("epoch", "0"))
+
+    def _seconds(self, time: float) -> float:
+        """Return the time since `epoch` [s] of a time in the file [ns]."""
+        return (time - self.epoch) / 1e9
+
+    def _describe_topic(self, channel: "Channel", n_messages: int) -> Topic:
+        return Topic(
+            kind=self._type_of_messages(channel),
+            unit=channel.metadata.get("unit", ""),
+            n_messages=n_messages,
+        )
 
     def messages(self, *topics: str, since: float = -math.inf, begin: int = 0) -> Iterator[Logged]:
         """Yield the complete messages in the order in which they were recorded.
@@ -95,13 +124,17 @@ class Recording:
             TrialFileError: If a message does not fit the definition of its type.
         """
         epoch = self.epoch
-        for channel, time, data in self._contents([], begin):
-            if time - epoch >= 1e9 * since and (not topics or channel.topic in topics):
+        ignored_losses = list[str]()
+        for message in self._read_messages(ignored_losses, begin):
+            channel = message.channel
+            since_epoch = message.time - epoch
+            is_wanted_topic = not topics or channel.topic in topics
+            if is_wanted_topic and since_epoch >= 1e9 * since:
                 yield Logged(
-                    channel.topic,
-                    (time - epoch) / 1e9,
-                    self._kind(channel),
-                    self._decoded(channel, data),
+                    topic=channel.topic,
+                    time=since_epoch / 1e9,
+                    kind=self._type_of_messages(channel),
+                    content=self._decode(message),
                 )
 
     def more(self, *topics: str, since: float = -math.inf) -> Iterator[Logged]:
@@ -111,68 +144,75 @@ class Recording:
             topics: Topics to include; none for all of them.
             since: Earlier messages are left out [s].
         """
-        yield from self.messages(*topics, since=since, begin=self._told)
-        self._told = self._end
+        yield from self.messages(*topics, since=since, begin=self._reported_end)
+        self._reported_end = self._read_end
 
-    def _kind(self, channel: "Channel") -> str:
-        """Return the type of a channel's messages."""
+    def _type_of_messages(self, channel: "Channel") -> str:
+        """Return the type of a channel's messages; "" if the file does not state it."""
         schema = self._schemas.get(channel.schema_id)
-        return "" if schema is None else schema.name.replace("/msg/", "/")
+        if schema is None:
+            return ""
+        return schema.name.replace("/msg/", "/")
 
-    def _decoded(self, channel: "Channel", data: bytes) -> Any:
+    def _decode(self, message: _RawMessage) -> Any:
         """Return the fields of a message."""
+        channel = message.channel
         try:
             if channel.id not in self._decoders:
-                self._decoders[channel.id] = self._decoder(channel)
-            return self._decoders[channel.id](data)
+                self._decoders[channel.id] = self._find_decoder(channel)
+            decode = self._decoders[channel.id]
+            return decode(message.data)
         except ValueError as error:
             raise TrialFileError(
                 f"Cannot load {self.path}: topic {channel.topic}: {error}"
             ) from error
 
-    def _decoder(self, channel: "Channel") -> Callable[[bytes], Any]:
+    def _find_decoder(self, channel: "Channel") -> Callable[[bytes], Any]:
+        """Return the function that decodes the messages of a channel; `bytes` if it is not known."""
         schema = self._schemas.get(channel.schema_id)
-        if (
-            channel.message_encoding == "cdr"
-            and schema is not None
-            and schema.encoding == "ros2msg"
-        ):
-            return ros2.decoder(schema)
-        return json.loads if channel.message_encoding == "json" else bytes
+        if channel.message_encoding == "cdr" and schema is not None:
+            if schema.encoding == "ros2msg":
+                return ros2.build_decoder(schema)
+            return bytes
+        if channel.message_encoding == "json":
+            return json.loads
+        return bytes
 
-    def _contents(self, lost: list[str], begin: int = 0) -> "Iterator[tuple[Channel, int, bytes]]":
-        """Yield all complete messages after a byte, with channel and time [ns]; `lost` receives sentences on losses."""
+    def _read_messages(self, losses: list[str], begin: int = 0) -> Iterator[_RawMessage]:
+        """Yield all complete messages after a byte, and keep schemas, channels and metadata on the way.
+
+        Args:
+            losses: Receives a phrase on every loss.
+            begin: Byte offset in the file after which to start, 0 for all messages.
+        """
         from mcap import records
 
-        size, opcode = self.path.stat().st_size, 0
-        self._end = begin or len(MAGIC)
-        with self.path.open("rb") as file:
-            if file.read(len(MAGIC)) != MAGIC:
-                raise TrialFileError(f"Cannot load {self.path}: it is not an MCAP file.")
-            file.seek(self._end)
-            for opcode, content in _records(file, size):
-                self._end, found = file.tell(), list[Any]()
-                try:
-                    found = _unpacked(opcode, content)
-                except (
-                    Exception
-                ) as error:  # decompressors and parser may raise anything for invalid bytes
-                    lost.append(f"a chunk of {len(content)} bytes is damaged ({error})")
-                for record in found:
-                    if isinstance(record, records.Schema):
-                        self._schemas[record.id] = record
-                    elif isinstance(record, records.Channel):
-                        self._channels[record.id] = record
-                    elif isinstance(record, records.Metadata):
-                        self.metadata[record.name] = record.metadata
-                    elif (
-                        isinstance(record, records.Message) and record.channel_id in self._channels
-                    ):
-                        yield self._channels[record.channel_id], record.log_time, record.data
-        if opcode != _FOOTER:
-            lost.append(
-                f"it is truncated, with {max(size - self._end, 0)} bytes of an incomplete chunk"
-            )
+        size = self.path.stat().st_size
+        self._read_end = begin or len(mcap_records.MAGIC)
+        last_kind = 0
+        for raw_record in mcap_records.iterate_records(self.path, self._read_end):
+            self._read_end = raw_record.end
+            last_kind = raw_record.kind
+            parsed_records = list[Any]()
+            try:
+                parsed_records = mcap_records.parse_record(raw_record)
+            # Decompressors and parser may raise anything for invalid bytes.
+            except Exception as error:
+                n_bytes = len(raw_record.content)
+                losses.append(f"a chunk of {n_bytes} bytes is damaged ({error})")
+            for record in parsed_records:
+                if isinstance(record, records.Schema):
+                    self._schemas[record.id] = record
+                elif isinstance(record, records.Channel):
+                    self._channels[record.id] = record
+                elif isinstance(record, records.Metadata):
+                    self.metadata[record.name] = record.metadata
+                elif isinstance(record, records.Message) and record.channel_id in self._channels:
+                    channel = self._channels[record.channel_id]
+                    yield _RawMessage(channel=channel, time=record.log_time, data=record.data)
+        if last_kind != mcap_records.FOOTER:
+            n_bytes = max(size - self._read_end, 0)
+            losses.append(f"it is truncated, with {n_bytes} bytes of an incomplete chunk")
 
 
 def open_recording(path: str | Path) -> Recording:
@@ -207,41 +247,10 @@ def failures_of(path: object) -> Generator[None]:
     except TrialFileError:
         raise
     except OSError as error:
-        raise TrialFileError(
-            f"Cannot read {path}: {(error.strerror or str(error)).lower()}."
-        ) from error
+        reason = (error.strerror or str(error)).lower()
+        raise TrialFileError(f"Cannot read {path}: {reason}.") from error
     except KeyError as error:
         raise TrialFileError(f"Cannot load {path}: it has no `{error.args[0]}`.") from error
-    except (
-        ValueError,
-        TypeError,
-        IndexError,
-        RecursionError,
-    ) as error:  # content differs from what was written
+    # The content differs from what was written.
+    except (ValueError, TypeError, IndexError, RecursionError) as error:
         raise TrialFileError(f"Cannot load {path}: {error}") from error
-
-
-def _records(file: BinaryIO, size: int) -> Iterator[tuple[int, bytes]]:
-    """Yield kind and content of all complete records, up to the footer; the file is positioned after each record."""
-    while len(start := file.read(9)) == 9:
-        length = int.from_bytes(start[1:], "little")
-        if length > size - file.tell():
-            return
-        yield start[0], file.read(length)
-        if start[0] == _FOOTER:
-            return
-
-
-def _unpacked(opcode: int, content: bytes) -> list[Any]:
-    """Return the records in a record, as far as they matter here: those of a chunk, or the record itself."""
-    from mcap import records
-    from mcap.data_stream import ReadDataStream
-    from mcap.stream_reader import breakup_chunk
-
-    stream = ReadDataStream(io.BytesIO(content))
-    if opcode == _CHUNK:
-        return breakup_chunk(records.Chunk.read(stream), validate_crc=True)
-    if opcode == _MESSAGE:
-        return [records.Message.read(stream, len(content))]
-    kinds = {_SCHEMA: records.Schema, _CHANNEL: records.Channel, _METADATA: records.Metadata}
-    return [kinds[opcode].read(stream)] if opcode in kinds else []

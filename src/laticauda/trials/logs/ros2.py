@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from laticauda.trials.arrays import AnyArray
 from laticauda.values import BadArgument, optional_import
 
 if TYPE_CHECKING:
@@ -27,38 +28,62 @@ Message: TypeAlias = dict[str, Any]
 Content: TypeAlias = Mapping[str, Any] | Sequence[Any]
 """The fields of a message, by name or in the order of its definition."""
 
-_FILE = (Path(__file__).parent / "ros2.msg").read_text(encoding="utf-8")
-DEFINITIONS = dict(one.split("\n", 1) for one in _FILE.split("MSG: ")[1:])
+
+def _read_definitions() -> dict[str, str]:
+    """Return the definitions in `ros2.msg` by type; each begins with a line such as `MSG: std_msgs/String`."""
+    text = (Path(__file__).parent / "ros2.msg").read_text(encoding="utf-8")
+    definitions: dict[str, str] = {}
+    for section in text.split("MSG: ")[1:]:
+        name, definition = section.split("\n", 1)
+        definitions[name] = definition
+    return definitions
+
+
+DEFINITIONS = _read_definitions()
 """The message types used in logs, in ROS syntax: one field per line, types of the same package without its name.
 
 A file contains the complete definition of every type that it uses, so that it can be read without
 ROS installed.
 """
 
-HEADER = b"\x00\x01\x00\x00"  # plain CDR, little-endian
+HEADER = b"\x00\x01\x00\x00"
+"""Begin of every message: plain CDR, little-endian."""
 FORMATS = {"bool": "?", "byte": "B", "uint8": "B", "int32": "i", "uint32": "I", "float64": "d"}
-NUMBERS = {kind: struct.Struct("<" + form) for kind, form in FORMATS.items()}
-RULE = "=" * 80  # separates the definitions in a schema
+"""Numbers of each primitive type, in the language of `struct`."""
+PACKERS = {kind: struct.Struct("<" + letter) for kind, letter in FORMATS.items()}
+RULE = "=" * 80
+"""Line that separates the definitions in a schema."""
+NANOSECONDS_PER_SECOND = 10**9
 
 
 class _Field(NamedTuple):
+    """One field of a definition."""
+
     name: str
-    kind: str  # with its package, unless it is a primitive type
-    size: int | None  # None: a single value; 0: any number of values; otherwise exactly that many
+    kind: str
+    """Its type, with the package unless it is a primitive type."""
+    size: int | None
+    """None: a single value; 0: any number of values; otherwise exactly that many."""
 
 
 @functools.cache
 def _fields(name: str) -> tuple[_Field, ...]:
     """Return the fields of one definition, without its constants."""
-    found: list[_Field] = []
+    package = name.split("/")[0]
+    fields: list[_Field] = []
     for line in DEFINITIONS[name].splitlines():
-        kind, field = line.split()[:2]
-        kind, bracket, size = kind.rstrip("]").partition("[")
-        if kind not in FORMATS and kind != "string" and "/" not in kind:
-            kind = f"{name.split('/')[0]}/{kind}"
-        if "=" not in field:
-            found.append(_Field(field, kind, int(size or 0) if bracket else None))
-    return tuple(found)
+        type_text, field_name = line.split()[:2]
+        if "=" in field_name:
+            continue
+        kind, bracket, size_text = type_text.rstrip("]").partition("[")
+        is_primitive = kind in FORMATS or kind == "string"
+        if not is_primitive and "/" not in kind:
+            kind = f"{package}/{kind}"
+        size = None
+        if bracket:
+            size = int(size_text or 0)
+        fields.append(_Field(name=field_name, kind=kind, size=size))
+    return tuple(fields)
 
 
 def schema_name(name: str) -> str:
@@ -73,21 +98,23 @@ def schema_text(name: str) -> str:
     Args:
         name: Name of the type, one of `DEFINITIONS`.
     """
-    found = [name]
-    for one in found:  # the list grows during the loop
-        found += [
+    kinds = [name]
+    for kind in kinds:  # the list grows during the loop
+        new_kinds = [
             field.kind
-            for field in _fields(one)
-            if field.kind in DEFINITIONS and field.kind not in found
+            for field in _fields(kind)
+            if field.kind in DEFINITIONS and field.kind not in kinds
         ]
-    return DEFINITIONS[name] + "".join(
-        f"{RULE}\nMSG: {one}\n{DEFINITIONS[one]}" for one in found[1:]
-    )
+        kinds += new_kinds
+    text = DEFINITIONS[name]
+    for kind in kinds[1:]:
+        text += f"{RULE}\nMSG: {kind}\n{DEFINITIONS[kind]}"
+    return text
 
 
 def to_ros_time(nanoseconds: int) -> tuple[int, int]:
     """Convert a time to `builtin_interfaces/Time`: seconds and nanoseconds."""
-    return divmod(nanoseconds, 10**9)
+    return divmod(nanoseconds, NANOSECONDS_PER_SECOND)
 
 
 def encode(name: str, message: Content) -> bytes:
@@ -105,7 +132,7 @@ def encode(name: str, message: Content) -> bytes:
     return HEADER + bytes(body)
 
 
-def decoder(schema: "Schema") -> Callable[[bytes], Message]:
+def build_decoder(schema: "Schema") -> Callable[[bytes], Message]:
     """Return a function that decodes messages of any writer; it raises ValueError if the bytes are invalid.
 
     A message is a dict of its fields; a list of numbers is an array, `uint8` lists are bytes.
@@ -122,29 +149,28 @@ def decoder(schema: "Schema") -> Callable[[bytes], Message]:
     )
     name = schema.name.replace("/msg/", "/")
     try:
-        read = package.DecoderFactory().decoder_for("cdr", schema)
+        decode_fields = package.DecoderFactory().decoder_for("cdr", schema)
     except Exception as error:  # its definition parser may raise any exception
         raise ValueError(f"The definition of {name} makes no sense: {error}.") from error
 
     def decode(data: bytes) -> Message:
         try:
-            return _plain(read(data))
-        except (
-            Exception
-        ) as error:  # struct's at the end of the bytes, UnicodeDecodeError, or an undefined type
+            return _simplify(decode_fields(data))
+        # struct's at the end of the bytes, UnicodeDecodeError, or an undefined type
+        except Exception as error:
             raise ValueError(f"A message of {name} is damaged: {error}.") from error
 
     return decode
 
 
-def _plain(value: Any) -> Any:
+def _simplify(value: Any) -> Any:
     """Convert what the library read to dicts, lists, arrays and plain values."""
     if isinstance(value, list):
         if value and isinstance(value[0], int | float):
             return np.array(value)
-        return [_plain(one) for one in value]
+        return [_simplify(element) for element in value]
     if hasattr(value, "_full_text"):
-        return {name: _plain(getattr(value, name)) for name in value.__slots__}
+        return {name: _simplify(getattr(value, name)) for name in value.__slots__}
     return value
 
 
@@ -153,43 +179,63 @@ def _plain(value: Any) -> Any:
 
 def _write(body: bytearray, kind: str, value: Any) -> None:
     """Write a number, a text, or all fields of a message."""
-    if kind in NUMBERS:
-        packer = NUMBERS[kind]
-        body += b"\x00" * (-len(body) % packer.size) + packer.pack(value)
+    if kind in PACKERS:
+        packer = PACKERS[kind]
+        _align(body, packer.size)
+        body += packer.pack(value)
     elif kind == "string":
-        if not isinstance(value, str):
-            raise TypeError(f"a text is needed, got {type(value).__name__}")
-        text = value.encode()
-        _write(body, "uint32", len(text) + 1)
-        body += text + b"\x00"
+        _write_text(body, value)
     else:
-        if not isinstance(value, Mapping):
-            value = dict(zip((field.name for field in _fields(kind)), value, strict=True))
-        for field in _fields(kind):
-            try:
-                if field.size is None:
-                    _write(body, field.kind, value[field.name])
-                else:
-                    _write_array(body, field, value[field.name])
-            except (KeyError, TypeError, struct.error) as error:
-                raise BadArgument(kind, f"must have a valid `{field.name}`: {error}") from error
+        _write_fields(body, kind, value)
 
 
-def _write_array(body: bytearray, field: _Field, value: Any) -> None:
+def _align(body: bytearray, size: int) -> None:
+    """Write zeros up to the next multiple of a size [bytes]."""
+    body += b"\x00" * (-len(body) % size)
+
+
+def _write_text(body: bytearray, text: Any) -> None:
+    if not isinstance(text, str):
+        raise TypeError(f"a text is needed, got {type(text).__name__}")
+    content = text.encode()
+    _write(body, "uint32", len(content) + 1)
+    body += content + b"\x00"
+
+
+def _write_fields(body: bytearray, kind: str, message: Content) -> None:
+    fields = _fields(kind)
+    if isinstance(message, Mapping):
+        values = message
+    else:
+        values = dict(zip((field.name for field in fields), message, strict=True))
+    for field in fields:
+        try:
+            if field.size is None:
+                _write(body, field.kind, values[field.name])
+            else:
+                _write_array(body, field, values[field.name])
+        except (KeyError, TypeError, struct.error) as error:
+            raise BadArgument(kind, f"must have a valid `{field.name}`: {error}") from error
+
+
+def _write_array(body: bytearray, field: _Field, values: Any) -> None:
     """Write an array; numbers are written as one block."""
-    form = FORMATS.get(field.kind)
-    if form is not None:
-        value = (
-            np.frombuffer(value, "<" + form)
-            if isinstance(value, bytes)
-            else np.asarray(value, "<" + form)
-        )
-    if field.size and len(value) != field.size:
-        raise TypeError(f"{field.size} values are needed, got {len(value)}")
+    is_number = field.kind in FORMATS
+    if is_number:
+        values = _as_numbers(values, "<" + FORMATS[field.kind])
+    if field.size and len(values) != field.size:
+        raise TypeError(f"{field.size} values are needed, got {len(values)}")
     if not field.size:
-        _write(body, "uint32", len(value))
-    if form is None:
-        for item in value:
-            _write(body, field.kind, item)
-    elif len(value):  # an empty array needs no alignment
-        body += b"\x00" * (-len(body) % value.itemsize) + value.tobytes()
+        _write(body, "uint32", len(values))
+    if not is_number:
+        for element in values:
+            _write(body, field.kind, element)
+    elif len(values):  # an empty array needs no alignment
+        _align(body, values.itemsize)
+        body += values.tobytes()
+
+
+def _as_numbers(values: Any, dtype: str) -> AnyArray:
+    if isinstance(values, bytes):
+        return np.frombuffer(values, dtype)
+    return np.asarray(values, dtype)

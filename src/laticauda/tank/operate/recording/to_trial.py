@@ -15,7 +15,7 @@ from laticauda.scenarios import Observation
 from laticauda.tank.operate.recording.entries import Decision, Event, PowerReading
 from laticauda.tank.operate.recording.log import OperationLog
 from laticauda.trials import Trial, metrics
-from laticauda.trials.logs import interpolated
+from laticauda.trials.logs import interpolate_columns
 from laticauda.values import SERIES, TrialFileError, check_not_negative
 
 OBSERVED = tuple(
@@ -221,7 +221,7 @@ def _measured_torque(log: OperationLog, time: Column, select_joints: SelectJoint
     robot = log.header.run.robot
     sample_times = np.array([sample.time for sample in samples])
     torque = np.stack([select_joints(robot, "torque", sample.torque) for sample in samples])
-    return np.nan_to_num(interpolated(time, sample_times, torque))
+    return np.nan_to_num(interpolate_columns(time, sample_times, torque))
 
 
 def _fin_signals(log: OperationLog, time: Column) -> dict[str, Column]:

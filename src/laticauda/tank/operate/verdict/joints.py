@@ -10,7 +10,7 @@ from laticauda.control.estimation import JointSample
 from laticauda.tank.operate.verdict.check import Measurement
 from laticauda.tank.operate.verdict.recorded_run import RecordedRun
 from laticauda.tank.operate.verdict.signals import LONGEST_GAP, jumps_of
-from laticauda.trials.logs import interpolated
+from laticauda.trials.logs import interpolate_columns
 
 LATENESS = 0.032
 """Time by which answers are late when a computer pauses [s]; a jump must outlast it."""
@@ -126,7 +126,7 @@ def _answers_while_late(times: Float[np.ndarray, " n_samples"]) -> int:
 
 def _without_gaps(times: Float[np.ndarray, " n_samples"], values: JointSeries) -> JointSeries:
     """Return a series whose gaps are bridged linearly; zero where a module never answered."""
-    return np.nan_to_num(interpolated(times, times, values))
+    return np.nan_to_num(interpolate_columns(times, times, values))
 
 
 def _change_not_explained_by_rate(

@@ -17,7 +17,7 @@ from laticauda.tank.operate.recording.entries import Event
 from laticauda.tank.operate.recording.log import OperationLog
 from laticauda.tank.operate.verdict.model_run import ModelRun, swim_model
 from laticauda.tank.operate.verdict.signals import MEDIAN_LENGTH, running_median
-from laticauda.trials.logs import interpolated
+from laticauda.trials.logs import interpolate_columns
 
 PERIOD_WITHOUT_GAIT = 2.0
 """Length of a cycle if the references have no frequency [s]."""
@@ -52,7 +52,7 @@ class Cycles:
     ) -> Float[np.ndarray, "n_cycles n_points n_columns"]:
         """Interpolate the columns of a series linearly to the points of every cycle."""
         columns = np.array(values, dtype=float).reshape(np.size(times), -1)
-        return interpolated(self.points, np.array(times), columns)
+        return interpolate_columns(self.points, np.array(times), columns)
 
     def resample_scalar(
         self, times: ArrayLike, values: ArrayLike

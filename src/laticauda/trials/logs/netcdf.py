@@ -1,0 +1,100 @@
+"""Trials as netCDF files, which open in any netCDF tool and with `xarray.open_dataset`.
+
+A checksum covers the whole file, so that a damaged file is rejected rather than half read; a file
+edited by another program has lost its checksum, and is accepted as it is.
+"""
+
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
+# pyright: reportMissingTypeStubs=false
+
+import hashlib
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from laticauda import trials as trial
+from laticauda.trials.dataset import MARK, read_epoch
+from laticauda.values import files
+
+if TYPE_CHECKING:
+    import xarray
+
+SEAL = b"\nlaticauda sha256 "
+"""Mark after the HDF5 data, where netCDF does not look; the SHA-256 of everything before it follows.
+
+The check comes first, because HDF5 itself may hang on a single wrong bit. Programs that edit a file
+in place remove both.
+"""
+SEAL_LENGTH = len(SEAL) + 64
+"""Length of the mark and the checksum [bytes]."""
+
+
+class NetCdfFile(trial.Format):
+    """The Dataset, unchanged."""
+
+    called: ClassVar[str] = "nc"
+    title: ClassVar[str] = "netCDF"
+
+    @staticmethod
+    def write(dataset: "xarray.Dataset", path: Path) -> None:
+        """Write the file of a trial with its checksum; see `Format.write`."""
+        encoding = {
+            name: {"_FillValue": None}
+            for name, variable in dataset.variables.items()
+            if variable.dtype == np.float64
+        }
+        # Under the CF conventions no text variable may share its name with a dimension, and time is
+        # a date.
+        dataset = dataset.rename_dims(axis="axes")
+        microseconds = read_epoch(dataset.attrs) // 1000
+        start = str(np.datetime64(microseconds, "us")).replace("T", " ")
+        dataset["time"].attrs |= {
+            "standard_name": "time",
+            "units": f"seconds since {start}",
+        }
+        try:
+            dataset.to_netcdf(path, engine="netcdf4", encoding=encoding)
+        except RuntimeError as error:  # netCDF states no other reason: most likely the disk is full
+            raise OSError(f"{error}; is the disk full?") from error
+        with path.open("rb+") as file:
+            checksum = hashlib.sha256(file.read())
+            file.write(SEAL + checksum.hexdigest().encode())
+
+    @staticmethod
+    def read(path: Path) -> "xarray.Dataset":
+        """Read the trial in a file; see `Format.read`."""
+        content = files.read_bytes(path)
+        try:
+            dataset = _decode(_remove_seal(content))
+        except (OSError, RuntimeError, AttributeError) as error:  # from netCDF, for invalid bytes
+            raise ValueError("it is not a netCDF file, or it is damaged.") from error
+        if MARK not in dataset.attrs:
+            raise ValueError("it is a netCDF file, but not a trial of laticauda.")
+        return dataset
+
+
+def _remove_seal(content: bytes) -> bytes:
+    """Return the content without its seal, if it has one; raises ValueError if the seal is broken."""
+    body = content[:-SEAL_LENGTH]
+    seal = content[-SEAL_LENGTH:]
+    if not seal.startswith(SEAL):
+        return content
+    checksum = hashlib.sha256(body).hexdigest().encode()
+    if seal[len(SEAL) :] != checksum:
+        raise ValueError("it is damaged: its checksum is wrong.")
+    return body
+
+
+def _decode(content: bytes) -> "xarray.Dataset":
+    import netCDF4
+    import xarray
+    from xarray.backends import NetCDF4DataStore
+
+    # Read from memory: errors of the file system were raised when the bytes were read.
+    with netCDF4.Dataset("trial.nc", mode="r", memory=content) as file:
+        store = NetCDF4DataStore(file)
+        dataset = xarray.open_dataset(store, decode_times=False, mask_and_scale=False).load()
+    if "axes" in dataset.dims:  # renamed by `write`
+        return dataset.swap_dims(axes="axis")
+    return dataset
