@@ -80,6 +80,7 @@ pytest: $(DEV)
 
 docs: $(DOCS)  ## Build the documentation into site/
 	@$(BIN)/python docs/make_font.py
+	@$(BIN)/python docs/images/make.py
 	@$(BIN)/python docs/make_gallery.py
 	@$(BIN)/python docs/make_notebooks.py
 	@PYTHONPATH=. $(BIN)/zensical build --clean --strict

@@ -279,3 +279,23 @@ def test_every_unreleased_change_has_a_file_of_a_known_kind():
 
 def test_the_changelog_says_only_what_a_user_notices():
     assert (ROOT / "CHANGELOG.md").stat().st_size <= 8_000
+
+
+LARGEST_PICTURE = 800_000
+"""Size of a picture in the repository at most [bytes]."""
+
+
+def test_only_the_front_pages_have_pictures_in_the_repository_and_no_large_ones():
+    listed = subprocess.run(
+        ["git", "ls-files", "docs/images"], cwd=ROOT, capture_output=True, text=True
+    )
+    if listed.returncode:
+        pytest.skip("not a git checkout")
+    front_pages = [ROOT / "README.md", ROOT / "docs" / "index.md"]
+    text = "".join(page.read_text(encoding="utf-8") for page in front_pages)
+    measured = "operate-timing.png"  # of one computer on one day: it cannot be drawn anew
+    for name in listed.stdout.splitlines():
+        file = ROOT / name
+        if file.suffix in (".png", ".webp") and file.name != measured:
+            assert file.name in text
+            assert file.stat().st_size <= LARGEST_PICTURE

@@ -1,14 +1,21 @@
-"""Draw the pictures of the docs: `python docs/images/make.py`, or some of them, by name: `... make.py cockpit film`.
+"""Draw the pictures of the docs that are not there yet; `make docs` does so.
 
-The same code always gives the same files, apart from the live page's: what a browser draws differs
-by some pixels.
+    python docs/images/make.py                 # those that are missing
+    python docs/images/make.py cockpit film    # these, by name
+
+Pictures are not in the repository, but for those of the front pages (`KEPT_FILES`) and one that
+shows a measurement of one computer on one day. The same code always gives the same files, apart
+from the live page's: what a browser draws differs by some pixels. Where a program is missing that a
+picture needs, a gray one that says so takes its place.
 """
 
+import runpy
+import shutil
 import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import radians
 from pathlib import Path
@@ -18,7 +25,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch
-from PIL import Image
+from PIL import Image, ImageDraw
 
 import laticauda as lc
 from laticauda.cli import main as command
@@ -37,8 +44,10 @@ from laticauda.show.pictures.render import write_still
 from laticauda.show.reports.front import front_figure
 from laticauda.studies import Optimization, optimize
 from laticauda.trials.null_models import mape
+from laticauda.values.errors import LaticaudaError
 
 FOLDER = Path(__file__).parent
+CAMPAIGNS = FOLDER.parent.parent / "campaigns"
 
 # The blocks of path following: center, what it says, its equation or class; sizes in inches.
 BLOCKS = {
@@ -356,21 +365,85 @@ def street(folder: Path) -> None:
     film(folder, "street", f"{STREET} --camera top --from 10")
 
 
-PICTURES: dict[str, Callable[[Path], object]] = {
-    "swim": swim,
-    "path-following": lambda folder: save_figure(
-        control_structure(), folder / "path-following.png"
+def currents(folder: Path) -> None:
+    """The errors of all guidance laws in all waters, from the stored answer of the campaign."""
+    campaign = runpy.run_path(str(CAMPAIGNS / "currents.py"))
+    campaign["figure"](campaign["stored"](), str(folder / "currents.png"))
+
+
+def parity(folder: Path) -> None:
+    """The difference between both models, from the stored answer of the campaign."""
+    campaign = runpy.run_path(str(CAMPAIGNS / "parity.py"))
+    campaign["draw"](campaign["stored"](), str(folder / "parity.png"))
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One or several files that are drawn together."""
+
+    draw: Callable[[Path], object]
+    """Draws them into a folder."""
+    files: tuple[str, ...]
+    """Their names."""
+
+
+PICTURES = {
+    "swim": Picture(swim, ("swim.png",)),
+    "path-following": Picture(
+        lambda folder: save_figure(control_structure(), folder / "path-following.png"),
+        ("path-following.png",),
     ),
-    "swim-3d": lambda folder: swim_3d(folder / "swim-3d.png"),
-    "front": lambda folder: save_figure(fronts(), folder / "front.png"),
-    "three-dimensions": three_dimensions,
-    "identified": lambda folder: save_figure(identified(), folder / "identified.png"),
-    "cockpit": cockpit,
-    "film": film,
-    "street": street,
+    "swim-3d": Picture(lambda folder: swim_3d(folder / "swim-3d.png"), ("swim-3d.png",)),
+    "front": Picture(lambda folder: save_figure(fronts(), folder / "front.png"), ("front.png",)),
+    "three-dimensions": Picture(three_dimensions, ("helix.png", "sidewinding.png", "shore.png")),
+    "identified": Picture(
+        lambda folder: save_figure(identified(), folder / "identified.png"), ("identified.png",)
+    ),
+    "cockpit": Picture(cockpit, ("cockpit-path.png", "cockpit.png", "cockpit-map.png")),
+    "film": Picture(film, ("follow.webp",)),
+    "street": Picture(street, ("street.png", "street.webp")),
+    "currents": Picture(currents, ("currents.png",)),
+    "parity": Picture(parity, ("parity.png",)),
 }
+KEPT_FILES = ("cockpit-path.png", "follow.webp")
+"""Files of the front pages, which are in the repository."""
+MADE_FILES = tuple(
+    file for picture in PICTURES.values() for file in picture.files if file not in KEPT_FILES
+)
+"""Files that are made when the documentation is built."""
+
+
+def draw_missing() -> None:
+    """Draw the pictures of which a file is missing."""
+    for name, picture in PICTURES.items():
+        if all((FOLDER / file).exists() for file in picture.files):
+            continue
+        sys.stderr.write(f"{name} ...\n")
+        with tempfile.TemporaryDirectory() as scratch:
+            try:
+                picture.draw(Path(scratch))
+            except (LaticaudaError, OSError, ImportError, SystemExit) as error:
+                sys.stderr.write(f"{name} cannot be drawn here: {error}\n")
+            for file in picture.files:
+                place_file(Path(scratch) / file)
+
+
+def place_file(drawn: Path) -> None:
+    """Put a drawn file into the folder unless it is there; a gray one if it could not be drawn."""
+    target = FOLDER / drawn.name
+    if target.exists():
+        return
+    if drawn.exists():
+        shutil.copyfile(drawn, target)
+        return
+    gray = Image.new("RGB", (640, 120), "#D8D8D8")
+    ImageDraw.Draw(gray).text((20, 50), f"{drawn.name}: not drawn on this computer", fill="black")
+    gray.save(target)
 
 
 if __name__ == "__main__":
-    for name in sys.argv[1:] or PICTURES:
-        PICTURES[name](FOLDER)
+    if sys.argv[1:]:
+        for name in sys.argv[1:]:
+            PICTURES[name].draw(FOLDER)
+    else:
+        draw_missing()
