@@ -11,7 +11,13 @@ It uses all layers below, by their public faces:
 - `claims`: the paper's claims, judged by the results.
 - `report`: the report in one folder; `command`: `laticauda reproduce`.
 
-Every run looks up the measured tables, so nothing else is imported for them.
+A *case* is a row of a table, and a *group* its cases with one gait and one configuration of the
+robot. A *model* of the efficiency study is a set of fluid coefficients; the claims are *judged* by
+one of them. A *null model* predicts speeds without physics. The *band* is every combination of
+joint law and bandwidth in which a path is followed, and one of these *ways* is the chosen one.
+
+Every trial that is shown looks up the measured tables, so what else is here is imported when first
+used.
 """
 
 from typing import TYPE_CHECKING

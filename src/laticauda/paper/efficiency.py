@@ -134,6 +134,7 @@ def _run_sweep(settings: EfficiencySettings, runs: Runs, sweep: SweepSettings) -
             gait = sweep.gait(group.gait, value)
             tasks += _scenarios_from_last_model(settings, runs, group, gait)
     figures = runs.swim_many(tasks)
+    # The tasks are ordered by group, value and model, and curves by model, group and value.
     shape = (len(settings.groups), sweep.values.size, -1)
     curves: dict[str, Any] = {}
     for name in CURVES:

@@ -249,10 +249,11 @@ def _say_not_available(ax: Axes) -> None:
 def _style_panel(panel: Panel, ax: Axes, ylabel: str) -> Axes:
     """Set limits, ticks and labels."""
     low, high = panel.ends
-    if high > low:
-        margin = MARGIN * (high - low)  # keeps a mark at the end away from the next panel
-        beside = 2.0 * BESIDE * (high - low)
-        farthest = max([high, *(panel.find_positions(panel.repeats) + beside)])
+    span = high - low
+    if span > 0.0:
+        margin = MARGIN * span  # keeps a mark at the end away from the next panel
+        repeats_at = panel.find_positions(panel.repeats) + 2.0 * BESIDE * span
+        farthest = max([high, *repeats_at])
         ax.set_xlim(low - margin, farthest + margin)
     ax.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2.5, 5, 10]))
     ax.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))

@@ -190,15 +190,15 @@ def _run_study(
     settings: PathFollowingSettings, models: list[Model], runs: Runs
 ) -> PathFollowingStudy:
     """Run all cases with every model, one of which is `runs.model`, and the held-out trial."""
-    pool = _Pool(settings=settings, models=models, runs=runs)
+    following_runs = _FollowingRuns(settings=settings, models=models, runs=runs)
     cases: list[FollowingCase] = []
     for group in settings.groups:
-        cases += pool.run_group(group)
+        cases += following_runs.run_group(group)
     return PathFollowingStudy(
         settings=settings,
         trial_settings=cases[0].trial.settings,
         cases=tuple(cases),
-        held_out=pool.run_held_out(),
+        held_out=following_runs.run_held_out(),
     )
 
 
@@ -280,8 +280,8 @@ class _Task:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Pool:
-    """Common settings of all runs."""
+class _FollowingRuns:
+    """Runs all trials of a study."""
 
     settings: PathFollowingSettings
     """Settings of the study."""

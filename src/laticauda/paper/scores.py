@@ -191,7 +191,8 @@ def score_null_predictions(study: PathFollowingStudy) -> tuple[Score, ...]:
     Args:
         study: Result of `run_path_following`.
     """
-    fitted_rows = [row for row in read_efficiency_trials() if row.forward_velocity is not None]
+    table1 = read_efficiency_trials()
+    fitted_rows = [row for row in table1 if row.forward_velocity is not None]
     fitted_speeds = np.array([row.forward_velocity for row in fitted_rows], dtype=float)
     predicted_rows = [case.measured for case in study.cases]
     scores: list[Score] = []

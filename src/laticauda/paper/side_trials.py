@@ -127,20 +127,20 @@ class SideTrials(Study[SideSettings]):
     @classmethod
     def from_runs(cls, settings: SideSettings, runs: Runs) -> "SideTrials":
         """Run the trials of `settings` by `runs`, and return the study."""
-        pool = _Pool(settings=settings, runs=runs)
+        side_runs = _SideRuns(settings=settings, runs=runs)
         n_doublings = len(KEPT) * len(settings.doubled)
-        n_sensitivities = 3 * len(pool.gait_of_kind)
+        n_sensitivities = 3 * len(side_runs.gait_of_kind)
         runs.n_runs = settings.phase_shifts.values.size + n_sensitivities + 2 * n_doublings
 
         # The sweep comes first, so that `runs.trial_settings` are not those of its pd joints.
-        pd_velocity = pool.sweep_with_pd_joints()
-        usual_velocity = pool.measure_velocities()
-        without_added_inertia = pool.measure_velocities(added_inertia=0.0)
-        shallow = pool.measure_velocities(depth=SHALLOW)
+        pd_velocity = side_runs.sweep_with_pd_joints()
+        usual_velocity = side_runs.measure_velocities()
+        without_added_inertia = side_runs.measure_velocities(added_inertia=0.0)
+        shallow = side_runs.measure_velocities(depth=SHALLOW)
         doublings: list[Doubling] = []
         for gait in settings.doubled:
             for in_common in KEPT:
-                doublings.append(pool.double_links(gait, in_common))
+                doublings.append(side_runs.double_links(gait, in_common))
         return SideTrials(
             settings=settings,
             pd_velocity=pd_velocity,
@@ -155,8 +155,8 @@ run_side_trials = SideTrials.run
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Pool:
-    """Common settings of all runs."""
+class _SideRuns:
+    """Runs all side trials."""
 
     settings: SideSettings
     """Settings of the side trials."""

@@ -167,11 +167,19 @@ def _name_groups(rows: Sequence[FollowingCase], heights: Sequence[float], ax: Ax
 
 def _list_handles(row: FollowingCase, labels: dict[str, str]) -> list[Line2D]:
     """Return the handles of the legend: the marks, the joint laws of a row, and the range."""
-    handles = [Line2D([], [], label=label, **SPEED_MARKS[name]) for name, label in labels.items()]
-    for look, (law, runs) in zip(LAWS, group_by_law(row).items(), strict=False):
-        bandwidths = " and ".join(f"{run.offset_bandwidth:g}" for run in runs)
-        label = f"{law} joints, {bandwidths} rad/s, raw heading"
+    handles: list[Line2D] = []
+    for name, label in labels.items():
+        handles.append(Line2D([], [], label=label, **SPEED_MARKS[name]))
+    runs_by_law = group_by_law(row)
+    for look, law in zip(LAWS, runs_by_law, strict=False):
+        label = _describe_law(law, runs_by_law[law])
         handles.append(Line2D([], [], label=label, **look))
     range_look: dict[str, Any] = {**RANGE, "solid_capstyle": "butt"}
     handles.append(Line2D([], [], label="range of these", **range_look))
     return handles
+
+
+def _describe_law(law: str, runs: Sequence[FollowingRun]) -> str:
+    """Return the legend label of the runs with a joint law."""
+    bandwidths = " and ".join(f"{run.offset_bandwidth:g}" for run in runs)
+    return f"{law} joints, {bandwidths} rad/s, raw heading"

@@ -168,13 +168,15 @@ def _compare_costs(study: PathFollowingStudy) -> list[GaitCosts]:
     for group, costs in compute_meter_costs(study).items():
         measured, _ = np.mean(costs, axis=1).tolist()
         measured_costs[group] = measured
-    compared: list[GaitCosts] = []
-    for gait in dict.fromkeys(group.gait for group in study.settings.groups):
-        groups = [group for group in study.settings.groups if group.gait == gait]
-        by_fin = {group.has_fin: measured_costs[group.name] for group in groups}
-        if len(by_fin) == 2:
-            compared.append(GaitCosts(gait, without=by_fin[False], with_fin=by_fin[True]))
-    return compared
+    costs_of_gait: dict[str, dict[bool, float]] = {}
+    for group in study.settings.groups:
+        costs_by_fin = costs_of_gait.setdefault(group.gait, {})
+        costs_by_fin[group.has_fin] = measured_costs[group.name]
+    return [
+        GaitCosts(gait, without=costs_by_fin[False], with_fin=costs_by_fin[True])
+        for gait, costs_by_fin in costs_of_gait.items()
+        if len(costs_by_fin) == 2
+    ]
 
 
 def _compare_with_published(held_out: HeldOutRun) -> dict[str, Any]:

@@ -50,11 +50,20 @@ class StudyChapter(NamedTuple):
     """Title on the page."""
     build: Callable[..., Chapter]
     """Function that returns the chapter from the results of the study."""
+    shows_repeats: bool = False
+    """Whether `build` also takes repeated measurements."""
 
 
 CHAPTERS: Mapping[str, StudyChapter] = {
-    "efficiency": StudyChapter("Locomotion efficiency", efficiency.build_efficiency_chapter),
-    "path_following": StudyChapter("Path following", path_following.build_path_following_chapter),
+    "efficiency": StudyChapter(
+        title="Locomotion efficiency",
+        build=efficiency.build_efficiency_chapter,
+        shows_repeats=True,
+    ),
+    "path_following": StudyChapter(
+        title="Path following",
+        build=path_following.build_path_following_chapter,
+    ),
 }
 """Studies that have their own part of the report, in its order."""
 
@@ -195,11 +204,11 @@ def _run_study(
     study = run(getattr(settings, name), model, progress=partial(progress, activity))
     if name not in CHAPTERS:
         return _Outcome(study, files=[], html="")
-    build_chapter = CHAPTERS[name].build
-    if name == "efficiency":
-        chapter = build_chapter(study, repeats=repeats)
+    study_chapter = CHAPTERS[name]
+    if study_chapter.shows_repeats:
+        chapter = study_chapter.build(study, repeats=repeats)
     else:
-        chapter = build_chapter(study)
+        chapter = study_chapter.build(study)
     files, html = write_chapter(
         chapter,
         folder,
