@@ -256,6 +256,8 @@ class Follow(Run):
         scenario, origin = names.scenario(arguments)
         command_class = cls
         if route.plans_ahead:
+            from laticauda.cli.follow_planned import FollowPlanned  # a guest's command
+
             command_class = FollowPlanned
         if scenario.motion == scenario.gait:  # a file may have a controller
             scenario = _off_the_path(scenario, route)
@@ -292,36 +294,6 @@ def _off_the_path(scenario: lc.Scenario, route: Route) -> lc.Scenario:
         duration=FOLLOWING_DURATION,
         start=lc.Start(center_of_mass=START_BESIDE_PATH),
     )
-
-
-@value_class
-class FollowPlanned(Follow):
-    """Let a robot follow a path by planning ahead, with a model that is first fitted to four trials of the robot.
-
-    For example: laticauda follow --robot mamba-fin --guidance model-predictive --current 0 -0.03
-    --duration 60
-    """
-
-    speed: float | None = quantity(
-        "m/s", "Speed along the path; none: the gait's own", gt=0.0, default=None
-    )
-    plan: control.PlanLimits = option("Model-predictive guidance", default=control.PlanLimits())
-
-    def steered(self, scenario: lc.Scenario) -> lc.Scenario:
-        """Fit a model of the gait, and return the scenario with a controller that uses it; see `Follow.steered`."""
-        gait = scenario.gait
-        model = learn_model(scenario, self.plan.frequency_limits)
-        speed = self.speed
-        if speed is None:
-            speed = model.speed(gait.frequency, 0.0)
-        motion = control.ModelPredictive(
-            gait=gait,
-            path=self.route.following.path,
-            model=model,
-            speed=speed,
-            **vars(self.plan),
-        )
-        return replace(scenario, motion=motion)
 
 
 def learn_model(

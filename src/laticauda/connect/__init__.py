@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from laticauda.connect.schema import message_schema as message_schema
     from laticauda.connect.server import Server as Server, ServerFailed as ServerFailed
     from laticauda.connect.session import Session as Session
+    from laticauda.connect.slider_ranges import LIMITS as LIMITS
 
 
 def clients_folder() -> Path:
@@ -47,4 +48,5 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.connect.session": ["Session"],
     },
     own=["clients_folder"],
+    plain={"laticauda.connect.slider_ranges": ["LIMITS"]},
 )

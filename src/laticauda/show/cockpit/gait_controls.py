@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from laticauda.connect.web.sliders import LIMITS
+from laticauda.connect import LIMITS
 from laticauda.motion.gaits import STRAIGHT, Gait, Wave, envelope_of, list_kinds
 from laticauda.scenarios import Scenario
 from laticauda.show.cockpit.changes import Changes
