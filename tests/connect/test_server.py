@@ -158,7 +158,7 @@ def test_beyond_this_computer_the_first_message_has_the_token_or_nothing_is_done
             assert stranger.is_let_go()
             stranger.close()
         known = Client(server.port)
-        assert "observation" in known.ask("reset", token=server.door.token)
+        assert "observation" in known.ask("reset", token=server.access.token)
         assert "observation" in known.ask("step", duration=0.05)
         known.close()
 
@@ -173,7 +173,7 @@ def test_who_does_not_show_the_token_is_let_go_however_busy(monkeypatch):
         stranger.close()
         until(lambda: not server._clients)
         known = Client(server.port)
-        assert "observation" in known.ask("reset", token=server.door.token)
+        assert "observation" in known.ask("reset", token=server.access.token)
         time.sleep(0.4)
         assert "observation" in known.ask("step", duration=0.05)
         known.close()
