@@ -27,7 +27,7 @@ from laticauda.motion.gaits import Anguilliform, EelLike, Envelope
 from laticauda.paper import Repeat, load_repeats
 from laticauda.robot import load_robot, load_water
 from laticauda.show.figures import save_figure, style
-from laticauda.show.reports.identify_figures import parity
+from laticauda.show.reports.identify_axes import draw_parity
 from laticauda.values.errors import BadArgument
 
 
@@ -97,7 +97,9 @@ def optima_figure(found: Sequence[Optima]) -> Figure:
     quantities = ("forward velocity [m/s]", "net power [W]")
     for i, (ax, what) in enumerate(zip(figure.subplots(1, 2), quantities, strict=True)):
         points = {one.gait: np.stack((one.published[i], one.simulated[i])) for one in found}
-        parity(points, ax, what=what).set(xlabel=f"published {what}", ylabel=f"simulated {what}")
+        draw_parity(points, ax, what=what).set(
+            xlabel=f"published {what}", ylabel=f"simulated {what}"
+        )
     powers = np.concatenate([*points.values()], axis=1)
     ends = 0.8 * np.min(powers), 1.25 * np.max(powers)
     ax.set(xscale="log", yscale="log", xlim=ends, ylim=ends)

@@ -41,7 +41,7 @@ from laticauda.paper.settings import load_path_following_settings
 from laticauda.show.figures import save_figure, style, swim_sheet
 from laticauda.show.pictures.camera import Film
 from laticauda.show.pictures.render import write_still
-from laticauda.show.reports.front import front_figure
+from laticauda.show.reports.front import draw_front_sheet
 from laticauda.studies import Optimization, optimize
 from laticauda.trials.null_models import mape
 from laticauda.values.errors import LaticaudaError
@@ -179,7 +179,7 @@ def fronts() -> Figure:
                 seed=1,
             )
         )
-    return front_figure(found)
+    return draw_front_sheet(found)
 
 
 def identified() -> Figure:

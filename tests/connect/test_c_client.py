@@ -48,7 +48,7 @@ def test_c_steps_the_robot_as_python_does_and_hears_why_it_is_refused(example, s
 def test_c_shows_the_token_and_says_where_nobody_listens(example, server):
     with Server("0.0.0.0", 0) as public:
         port = str(public.port)
-        assert run(example, "127.0.0.1", port, public.door.token).stdout.startswith("2.000 s: ")
+        assert run(example, "127.0.0.1", port, public.access.token).stdout.startswith("2.000 s: ")
         done = run(example, "127.0.0.1", port)
         assert (done.returncode, done.stdout) == (1, "")
         assert done.stderr.startswith("The first message must hold the `token`")

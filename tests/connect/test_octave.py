@@ -159,7 +159,7 @@ def test_octave_shows_the_token_and_a_server_for_others_hears_nobody_without(oct
             end
             disp ('ended well')
         """
-        assert octave(code, f"'{public.door.token}'", port=public.port) == "answered\n"
+        assert octave(code, f"'{public.access.token}'", port=public.port) == "answered\n"
         assert octave(code, "''", port=public.port).startswith(
             "The first message must hold the `token`"
         )

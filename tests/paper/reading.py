@@ -5,7 +5,8 @@ import html
 import io
 import re
 
-from laticauda.show.reports.chapter import Chapter, Pictures, as_csv
+from laticauda.show.reports.cells import write_csv
+from laticauda.show.reports.chapter import Chapter, Pictures
 
 
 def said(chapter: Chapter, pictures: Pictures | None = None) -> str:
@@ -16,4 +17,4 @@ def said(chapter: Chapter, pictures: Pictures | None = None) -> str:
 
 def cells(chapter: Chapter, table: str) -> list[dict[str, str]]:
     """A table as its CSV file has it."""
-    return list(csv.DictReader(io.StringIO(as_csv(chapter.tables[table]))))
+    return list(csv.DictReader(io.StringIO(write_csv(chapter.tables[table]))))

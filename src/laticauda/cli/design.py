@@ -421,12 +421,12 @@ def _numbered(steps: Iterable[Judged]) -> list[_Row]:
 
 def _draw(design: Design, path: str) -> None:
     from laticauda.show.figures import style
-    from laticauda.show.reports import short_names, shrinking
+    from laticauda.show.reports import draw_expected_deviations, shorten_names
 
     figure = figures.new_figure(style.DOUBLE_COLUMN, 3.0)
     ax = figure.subplots()
-    shrinking(
-        short_names(design.names),
+    draw_expected_deviations(
+        shorten_names(design.names),
         design.sigma,
         ax,
         ylabel="expected standard deviation / value [-]",

@@ -25,11 +25,11 @@ from laticauda.identify import fitting, measurements, result, tasks, validation
 from laticauda.models.simulate import UNITS
 from laticauda.robot import load_parameters
 from laticauda.show.reports import (
-    as_dict,
-    errors_of,
-    identification_tables,
+    describe_identification,
+    list_errors,
+    list_identification_tables,
     load_templates,
-    writable_folder,
+    make_writable_folder,
     write_identification,
 )
 from laticauda.values import (
@@ -155,13 +155,13 @@ class Identify(Command):
     def run(self) -> Outcome:
         """Identify, and write the results."""
         task, folder = self._task(), Path(self.output)
-        writable_folder(folder)
+        make_writable_folder(folder)
         load_templates()  # check for the report's requirements before the search
         if self.laws:
             return self._compare_laws(task, folder)
         identification = self._identify(task, folder)
         validated = identification.validated
-        facts = as_dict(validated, self._command)
+        facts = describe_identification(validated, self._command)
         facts |= {"output": str(folder), "files": identification.files}
         return Outcome(
             facts=facts,
@@ -179,11 +179,13 @@ class Identify(Command):
         for base in bases:
             identification = self._identify(task.with_law(base), folder / base.name)
             by_law[base.name] = identification.validated
-        facts_by_law = {name: as_dict(entry, self._command) for name, entry in by_law.items()}
+        facts_by_law = {
+            name: describe_identification(entry, self._command) for name, entry in by_law.items()
+        }
         statuses = [f"{name}: {entry.fit.status}" for name, entry in by_law.items()]
         return Outcome(
             facts={"laws": facts_by_law, "output": str(folder)},
-            text="\n\n".join([*statuses, format_table(errors_of(by_law)), str(folder)]),
+            text="\n\n".join([*statuses, format_table(list_errors(by_law)), str(folder)]),
             succeeded=all(_is_complete(entry.fit) for entry in by_law.values()),
         )
 
@@ -194,7 +196,7 @@ class Identify(Command):
 
     def _identify(self, task: tasks.Task, folder: Path) -> "_Identification":
         """Run a task, and write the results; the best values so far are in a file meanwhile."""
-        best = writable_folder(folder) / "best.json"
+        best = make_writable_folder(folder) / "best.json"
         bar = show_progress(SHARE)
 
         def keep(values: Any, cost: float) -> None:
@@ -329,7 +331,7 @@ def _parse_unknown(text: str) -> dict[str, Any]:
 def _describe(validated: validation.Validation, folder: Path) -> str:
     """Return the parameters, what the data do not determine, the errors, and the location of the files as text."""
     fit = validated.fit
-    tables = identification_tables(validated)
+    tables = list_identification_tables(validated)
     parts = [fit.status, format_table([_without_prior(row) for row in tables["parameters"]])]
     if "began" in tables:
         parts[-1] += f"\nand {len(tables['began'])} numbers for where the trials began."

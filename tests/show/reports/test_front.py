@@ -6,7 +6,8 @@ import pytest
 
 import laticauda as lc
 from laticauda.paper import load_efficiency_settings
-from laticauda.show.reports.front import front_figure, measured_points, write_front_figure
+from laticauda.show.reports.front import draw_front_sheet, write_front_figure
+from laticauda.show.reports.front_axes import simulate_measured_gaits
 from laticauda.studies import Front, Optimization, optimize
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
@@ -34,7 +35,7 @@ def test_without_a_front_there_is_no_figure(tmp_path: Path):
 
 
 def test_the_figure_says_the_numbers_of_the_drawn_gaits(found: Front):
-    figure = front_figure([found])
+    figure = draw_front_sheet([found])
     ax, column = figure.axes
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("mechanical power [W]", "forward velocity [m/s]")
     last = column.texts[-1].get_text()
@@ -44,7 +45,7 @@ def test_the_figure_says_the_numbers_of_the_drawn_gaits(found: Front):
 
 
 def test_the_papers_gaits_are_simulated_like_the_points_of_the_front(found: Front):
-    points = measured_points(found)
+    points = simulate_measured_gaits(found)
     group = next(
         one
         for one in load_efficiency_settings().groups
@@ -58,7 +59,7 @@ def test_the_papers_gaits_are_simulated_like_the_points_of_the_front(found: Fron
 def test_another_robot_has_none_of_them(found: Front):
     eel = replace(SOUGHT.scenario, robot=replace(SOUGHT.scenario.robot, name="eel"))
     other = replace(found, optimization=replace(SOUGHT, scenario=eel))
-    assert measured_points(other).shape == (0, 2)
+    assert simulate_measured_gaits(other).shape == (0, 2)
 
 
 def test_the_figure_says_in_which_water_each_gait_swims(found: Front):
@@ -66,8 +67,10 @@ def test_the_figure_says_in_which_water_each_gait_swims(found: Front):
     other = optimize(
         replace(SOUGHT, scenario=lc.build_scenario("mamba", eel, 2.0)), budget=24, population=12
     )
-    assert front_figure([found]).get_suptitle().endswith("48 trials of 2 s, water paper-lateral")
-    both = front_figure([found, other]).get_suptitle()
+    assert (
+        draw_front_sheet([found]).get_suptitle().endswith("48 trials of 2 s, water paper-lateral")
+    )
+    both = draw_front_sheet([found, other]).get_suptitle()
     assert both.endswith(
         "72 trials of 2 s, each gait with its own water: paper-lateral and paper-eel"
     )

@@ -3,7 +3,8 @@ import pytest
 
 import laticauda as lc
 from laticauda.show.figures import style
-from laticauda.show.reports.front import draw_front, front_figure, marked
+from laticauda.show.reports.front import draw_front_sheet
+from laticauda.show.reports.front_axes import choose_marked_points, draw_fronts
 from laticauda.studies import Front, Optimization
 from laticauda.studies.point_trials import FIGURES
 
@@ -26,17 +27,19 @@ def made(gait: lc.Gait, y: np.ndarray) -> Front:
 
 def test_the_fronts_are_drawn_with_their_marks_and_the_other_points():
     fronts = [made(GAIT, np.sqrt(X)), made(EEL, 2.0 * np.sqrt(X))]
-    ax = draw_front(fronts, style.new_figure(3, 3).add_subplot())
+    ax = draw_fronts(fronts, style.new_figure(3, 3).add_subplot())
     curves = [drawn for drawn in ax.lines if len(drawn.get_xdata()) == 40]
     assert [tuple(curve.get_ydata()) for curve in curves] == [
         tuple(one.figures["forward_velocity"]) for one in fronts
     ]
-    points = [(one, i) for one in fronts for i in marked(one)]
+    points = [(one, i) for one in fronts for i in choose_marked_points(one)]
     assert [text.get_text() for text in ax.texts] == list("ABCDEFGHIJ")
     assert [text.xy for text in ax.texts] == [
         (X[i], one.figures["forward_velocity"][i]) for one, i in points
     ]
-    assert all(marked(one)[0] > 0 and marked(one)[-1] == 39 for one in fronts)
+    assert all(
+        choose_marked_points(one)[0] > 0 and choose_marked_points(one)[-1] == 39 for one in fronts
+    )
     # Letters stand off the fronts: those of the lower one below it.
     assert [text.get_position()[1] > 0 for text in ax.texts] == [False] * 5 + [True] * 5
     words = [text.get_text() for text in ax.get_legend().get_texts()]
@@ -47,13 +50,13 @@ def test_the_fronts_are_drawn_with_their_marks_and_the_other_points():
 
 def test_letters_of_costs_stand_where_less_of_both_would_be():
     falling = made(GAIT, np.linspace(5.0, 1.0, 40))
-    ax = draw_front([falling], style.new_figure(3, 3).add_subplot())
+    ax = draw_fronts([falling], style.new_figure(3, 3).add_subplot())
     assert all(text.get_position()[0] < 0 and text.get_position()[1] < 0 for text in ax.texts)
 
 
 @pytest.mark.parametrize("n_fronts", [1, 2])
 def test_the_sheet_has_a_column_of_bodies_per_front_and_nothing_is_cut_off(n_fronts: int):
-    figure = front_figure([made(GAIT, np.sqrt(X)), made(EEL, 2.0 * np.sqrt(X))][:n_fronts])
+    figure = draw_front_sheet([made(GAIT, np.sqrt(X)), made(EEL, 2.0 * np.sqrt(X))][:n_fronts])
     figure.canvas.draw()
     columns = figure.axes[1:]
     assert len(columns) == n_fronts

@@ -10,12 +10,12 @@ from laticauda.identify import Unknown
 from laticauda.identify.tasks import Task
 from laticauda.identify.validation import validate
 from laticauda.show.reports.identify import (
-    as_dict,
-    identification_chapter,
-    identification_tables,
+    build_identification_chapter,
+    describe_identification,
     write_identification,
 )
-from laticauda.show.reports.identify_figures import short_names
+from laticauda.show.reports.identify_tables import list_identification_tables
+from laticauda.show.reports.parameter_names import shorten_names
 
 WITHOUT_EFFECT = "robot.joint.actuator.servo_gain"  # of prescribed joints
 
@@ -56,7 +56,7 @@ def test_the_page_says_what_was_found_from_what_and_how_well(done, tmp_path):
 
 
 def test_the_sentences_say_what_was_done_and_not_its_opposite(done):
-    text = identification_chapter(done).html({})
+    text = build_identification_chapter(done).html({})
     assert "The data do not see robot.joint.actuator.servo_gain." in text
     assert (
         "predicted by the linearized model, without refits, each group by a refit to the other groups;"
@@ -69,33 +69,33 @@ def test_the_sentences_say_what_was_done_and_not_its_opposite(done):
     found = replace(
         done.fit, method=replace(done.fit.method, noise="known"), warnings=("Look at `this`.",)
     )
-    other = identification_chapter(
+    other = build_identification_chapter(
         replace(done, fit=found, is_linearized=False, by_group=None)
     ).html({})
     assert "predicted by a refit to all others; beside it" in other
     assert "the noise is taken as stated." in other
     assert "<li>Look at this.</li>" in other
     assert "Command:" not in other
-    table = pd.DataFrame(identification_tables(done)["directions"])
+    table = pd.DataFrame(list_identification_tables(done)["directions"])
     assert [bool(seen) for seen in table["seen"]] == [
         one.is_seen for one in done.fit.identifiability.directions
     ]
 
 
 def test_what_is_not_identified_is_no_number_in_table_and_json(done):
-    table = pd.DataFrame(identification_tables(done)["parameters"])
+    table = pd.DataFrame(list_identification_tables(done)["parameters"])
     assert list(table["value"].isna()) == [
         not estimate.is_identified for estimate in done.fit.estimates
     ]
     assert any(table["value"].isna())
     assert table["prior"][0] == "0.3 ± 0.2"
-    found = json.loads(json.dumps(as_dict(done), allow_nan=False))
+    found = json.loads(json.dumps(describe_identification(done), allow_nan=False))
     assert [row["value"] is None for row in found["parameters"]] == list(table["value"].isna())
     assert all(row["best"] is not None for row in found["parameters"])
 
 
 def test_what_is_left_out_stands_beside_the_null_models(done):
-    rows = pd.DataFrame(identification_tables(done)["errors"]).set_index("model")
+    rows = pd.DataFrame(list_identification_tables(done)["errors"]).set_index("model")
     mine = rows.loc["this fit"]
     assert mine["fitted [%]"] == pytest.approx(done.fit.percentage_error())
     assert mine["measurement left out [%]"] > mine["fitted [%]"]
@@ -119,17 +119,17 @@ def test_groups_are_not_left_out_where_the_others_do_not_suffice(done):
 
 
 def test_names_are_short_where_that_leaves_them_different():
-    assert short_names(["water.normal_drag", "robot.caudal_fin.length"]) == [
+    assert shorten_names(["water.normal_drag", "robot.caudal_fin.length"]) == [
         "normal drag",
         "caudal fin.length",
     ]
     both = ["water.normal_drag", "eel_like.water.normal_drag"]
-    assert short_names(both) == ["normal drag", "eel like: normal drag"]
-    assert short_names(["water.mass", "robot.mass"]) == ["water.mass", "robot.mass"]
+    assert shorten_names(both) == ["normal drag", "eel like: normal drag"]
+    assert shorten_names(["water.mass", "robot.mass"]) == ["water.mass", "robot.mass"]
 
 
 def test_every_residual_stands_in_the_table_with_its_prediction_by_the_others(done):
-    table = pd.DataFrame(identification_tables(done)["residuals"])
+    table = pd.DataFrame(list_identification_tables(done)["residuals"])
     assert len(table) == 6
     left_out, predicted = (
         (table[name] - table["measured"]).abs() for name in ("left out", "predicted")
@@ -138,6 +138,6 @@ def test_every_residual_stands_in_the_table_with_its_prediction_by_the_others(do
 
 
 def test_where_the_search_began_and_ended_has_units(done):
-    first = identification_tables(done)["starts"][0]
+    first = list_identification_tables(done)["starts"][0]
     assert f"{FRICTION}, from [-]" in first and f"{FRICTION}, to [-]" in first
     assert f"{WITHOUT_EFFECT}, to [{done.fit.estimates[1].unit}]" in first

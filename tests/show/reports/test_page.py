@@ -3,16 +3,14 @@ from html.parser import HTMLParser
 import pytest
 from jinja2 import ChoiceLoader, DictLoader, UndefinedError
 
-from laticauda.show.reports.chapter import (
-    Chapter,
-    form_of,
+from laticauda.show.reports.cells import (
+    find_form,
     format_cell,
+    format_number,
     format_share,
     format_span,
-    in_digits,
-    load_templates,
-    write_chapter,
 )
+from laticauda.show.reports.chapter import Chapter, load_templates, write_chapter
 
 NASTY = '<script>alert("1 & 2")</script>'
 VOID = {"meta", "img", "br", "wbr"}
@@ -113,8 +111,12 @@ def test_csv_files_have_all_digits_and_pages_are_rounded_and_both_say_what_is_mi
 
 
 def test_negative_numbers_have_a_minus_sign_and_what_is_rounded_to_zero_has_none():
-    assert in_digits(-1.5, ".1f") == "\N{MINUS SIGN}1.5"
-    assert [in_digits(-0.0004, ".2f"), in_digits(0.0, "+.1f"), in_digits(0.06, "+.1f")] == [
+    assert format_number(-1.5, ".1f") == "\N{MINUS SIGN}1.5"
+    assert [
+        format_number(-0.0004, ".2f"),
+        format_number(0.0, "+.1f"),
+        format_number(0.06, "+.1f"),
+    ] == [
         "0.00",
         "0.0",
         "+0.1",
@@ -146,7 +148,7 @@ def test_words_for_shares_and_spans():
 
 def test_the_longest_end_of_a_name_decides_how_its_numbers_are_shown():
     forms = {"[%]": ".1f", "measured: v [%]": "+.2f"}
-    assert [form_of(name, forms) for name in ("measured: v [%]", "b: v [%]", "c")] == [
+    assert [find_form(name, forms) for name in ("measured: v [%]", "b: v [%]", "c")] == [
         "+.2f",
         ".1f",
         "",

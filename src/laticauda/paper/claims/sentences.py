@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from laticauda.paper.report.chapter import load_paper_templates
-from laticauda.show.reports import in_digits
+from laticauda.show.reports import format_number
 
 
 def fill_in(template: str, numbers: Mapping[str, Any]) -> str:
@@ -39,7 +39,7 @@ def format_percent(value: float, form: str = "+.0f") -> str:
         value: Change [%].
         form: Format of the number, as Python's `format` takes it.
     """
-    return f"{in_digits(value, form)} %"
+    return f"{format_number(value, form)} %"
 
 
 def format_spread(values: Sequence[float], form: str = "+.0f", unit: str = "%") -> str:
@@ -50,7 +50,7 @@ def format_spread(values: Sequence[float], form: str = "+.0f", unit: str = "%") 
         form: Format of the numbers, as Python's `format` takes it.
         unit: Unit of the values.
     """
-    return f"{in_digits(min(values), form)} to {in_digits(max(values), form)} {unit}"
+    return f"{format_number(min(values), form)} to {format_number(max(values), form)} {unit}"
 
 
 def format_reached(value: float, unit: str) -> str:

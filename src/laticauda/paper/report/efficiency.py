@@ -17,11 +17,9 @@ from laticauda.paper.report.shared_rows import (
 )
 from laticauda.paper.scores import find_best_null, score_study
 from laticauda.paper.settings import Group, SweepSettings
-from laticauda.show.reports import Chapter, Row
+from laticauda.show.reports import Chapter, ReportFigure, Row
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from laticauda.paper.figures import Panel
 
 NEAR = math.radians(5.0)
@@ -166,8 +164,8 @@ def _build_sweeps_table(study: EfficiencyStudy) -> list[Row]:
 
 def draw_efficiency_figures(
     study: EfficiencyStudy, repeats: Sequence[Repeat] = ()
-) -> Iterator[tuple[str, str, "Figure"]]:
-    """Yield the study's Figs. 4 to 11 one by one: file name, caption and figure.
+) -> Iterator[ReportFigure]:
+    """Yield the study's Figs. 4 to 11 one by one.
 
     Args:
         study: Result of `run_efficiency`.
@@ -181,7 +179,11 @@ def draw_efficiency_figures(
         for number, subject in zip(group.figures, axis_labels, strict=True):
             title = f"{subject}: {group.name}"
             sheet = draw_efficiency_sheet(panels, title, axis_labels[subject])
-            yield f"figure-{number:02d}", f"{title} (Fig. {number} of the paper).", sheet
+            yield ReportFigure(
+                name=f"figure-{number:02d}",
+                caption=f"{title} (Fig. {number} of the paper).",
+                figure=sheet,
+            )
 
 
 def _build_panel(

@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,10 +13,7 @@ from laticauda.paper.path_following import PathFollowingStudy
 from laticauda.paper.report.chapter import build_paper_chapter
 from laticauda.paper.report.columns import build_row
 from laticauda.paper.scores import Score, score_study
-from laticauda.show.reports import Chapter, Row
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from laticauda.show.reports import Chapter, ReportFigure, Row
 
 VERDICTS = ("holds", "holds in part", "does not hold", "not tested here")
 """All verdicts, the best first."""
@@ -57,10 +54,10 @@ def build_summary_chapter(results: Mapping[str, Any], claims: Sequence[Claim]) -
 
 def _draw_speeds(
     scores_by_table: Mapping[str, Sequence[Score]],
-) -> Iterator[tuple[str, str, "Figure"]]:
+) -> Iterator[ReportFigure]:
     """Yield the figure of the first screen: file name, caption and figure."""
     from laticauda.show.figures import style
-    from laticauda.show.reports import parity
+    from laticauda.show.reports import draw_parity
 
     speeds: dict[str, np.ndarray] = {}
     for table, scores in scores_by_table.items():
@@ -69,10 +66,12 @@ def _draw_speeds(
             speeds[f"{table}: {short_name}"] = np.array([score.measured, score.speeds])
     side = 0.55 * style.DOUBLE_COLUMN
     figure = style.new_figure(side, side)
-    ax = parity(speeds, figure.subplots(), what="forward velocity [m/s]")
+    ax = draw_parity(speeds, figure.subplots(), quantity="forward velocity [m/s]")
     ax.set(ylabel="simulated forward velocity [m/s]")
     style.add_legend(ax, loc="upper left")
-    yield "speeds", "Simulated against measured speeds of the robot.", figure
+    yield ReportFigure(
+        name="speeds", caption="Simulated against measured speeds of the robot.", figure=figure
+    )
 
 
 def _choose_shown(scores: Sequence[Score]) -> list[Score]:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,10 +30,7 @@ from laticauda.paper.scores import (
     score_null_predictions,
     score_simulations,
 )
-from laticauda.show.reports import Chapter, Row
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from laticauda.show.reports import Chapter, ReportFigure, Row
 
 SPEEDS = "table2-speeds"
 """Name of the figure of all speeds."""
@@ -204,8 +201,8 @@ def _measure_excess(ends: Sequence[float], published_ends: Sequence[float]) -> d
 # ---- figures -------------------------------------------------------------------------------------
 
 
-def draw_path_following_figures(study: PathFollowingStudy) -> Iterator[tuple[str, str, "Figure"]]:
-    """Yield all figures one by one: file name, caption and figure.
+def draw_path_following_figures(study: PathFollowingStudy) -> Iterator[ReportFigure]:
+    """Yield all figures one by one.
 
     They are the speeds of all trials, Figs. 12 to 23 and the held-out trial.
 
@@ -218,7 +215,7 @@ def draw_path_following_figures(study: PathFollowingStudy) -> Iterator[tuple[str
     yield _draw_held_out(study.held_out)
 
 
-def _draw_speeds(study: PathFollowingStudy) -> tuple[str, str, "Figure"]:
+def _draw_speeds(study: PathFollowingStudy) -> ReportFigure:
     from laticauda.paper.speed_figures import LabeledSpeeds, draw_speeds_sheet
 
     best_null = _find_best_null(study)
@@ -237,10 +234,10 @@ def _draw_speeds(study: PathFollowingStudy) -> tuple[str, str, "Figure"]:
             label=f"null model fitted to Table 1: {best_null.name}", speeds=best_null.speeds
         ),
     )
-    return SPEEDS, caption, sheet
+    return ReportFigure(name=SPEEDS, caption=caption, figure=sheet)
 
 
-def _draw_case(case: FollowingCase) -> tuple[str, str, "Figure"]:
+def _draw_case(case: FollowingCase) -> ReportFigure:
     from laticauda.show.figures import follow_sheet
 
     row = case.measured
@@ -252,10 +249,10 @@ def _draw_case(case: FollowingCase) -> tuple[str, str, "Figure"]:
     )
     sheet = follow_sheet(case.trial, title=f"{title}, {start}", note=speeds)
     caption = f"{title} (Fig. {case.figure} of the paper). {speeds}."
-    return f"figure-{case.figure:02d}", caption, sheet
+    return ReportFigure(name=f"figure-{case.figure:02d}", caption=caption, figure=sheet)
 
 
-def _draw_held_out(held_out: HeldOutRun) -> tuple[str, str, "Figure"]:
+def _draw_held_out(held_out: HeldOutRun) -> ReportFigure:
     from laticauda.show.figures import follow_sheet
 
     published = held_out.settings
@@ -269,7 +266,7 @@ def _draw_held_out(held_out: HeldOutRun) -> tuple[str, str, "Figure"]:
     caption = (
         "Path following: a trial of another publication (2016), on which no choice here rests."
     )
-    return HELD_OUT, caption, sheet
+    return ReportFigure(name=HELD_OUT, caption=caption, figure=sheet)
 
 
 def _describe_start(cross_track_error: float, heading: float) -> str:

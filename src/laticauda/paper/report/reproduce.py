@@ -21,7 +21,7 @@ from laticauda.paper.report.overview import (
     judge_with_own_models,
 )
 from laticauda.paper.report.workers import Progress, run_studies
-from laticauda.show.reports import Chapter, writable_folder, write_chapter
+from laticauda.show.reports import Chapter, make_writable_folder, write_chapter
 from laticauda.values import check_choice, check_whole_number, packaging, write
 
 RUNS: Mapping[str, Callable[..., Any]] = {
@@ -158,7 +158,7 @@ def reproduce(
     if only is not None:
         check_choice("only", only, tuple(HALVES))
     check_whole_number("workers", workers, 1)
-    folder = writable_folder(folder)
+    folder = make_writable_folder(folder)
     load_paper_templates()  # raises an error before anything is run if Jinja2 is missing
     settings = settings or Experiments()
     chosen_model = scenarios.model_of(model, **changes)

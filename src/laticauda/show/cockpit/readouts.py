@@ -9,7 +9,7 @@ from laticauda.robot import Robot
 from laticauda.show.cockpit.changes import find_measured
 from laticauda.show.cockpit.live import Live, read_tilt
 from laticauda.show.cockpit.simulation import TICK, Simulation
-from laticauda.show.reports.chapter import in_digits
+from laticauda.show.reports import format_number
 from laticauda.trials import MeasuredTrial, metrics
 from laticauda.trials.feasibility import judge_feasibility
 from laticauda.values import Log
@@ -104,7 +104,7 @@ class NumberFormat(NamedTuple):
         """Return a number with its unit; a dash if it is not available."""
         if not math.isfinite(value):
             return "\N{EN DASH}"
-        return f"{in_digits(value, f'.{self.digits}f')} {self.unit}".strip()
+        return f"{format_number(value, f'.{self.digits}f')} {self.unit}".strip()
 
 
 VELOCITY = NumberFormat("m/s", 3)
