@@ -21,6 +21,7 @@ from laticauda.cli.progress import (
     stored_trials as stored_trials,
 )
 from laticauda.values import LOCAL as LOCAL, option, to_json, value_class
+from laticauda.values.packaging import renamed_names
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,3 +108,7 @@ def _stop_signals() -> list[signal.Signals]:
         return []
     numbers = (signal.SIGINT, signal.SIGTERM)
     return [number for number in numbers if signal.getsignal(number) != signal.SIG_IGN]
+
+
+# Names of 0.2, for one release.
+__getattr__ = renamed_names(__name__, {"progress": "laticauda.cli.progress:show_progress"})

@@ -55,6 +55,7 @@ from laticauda.cli.flag_types import (
 from laticauda.cli.number_flags import accept_objects as accept_objects, numbers_flag
 from laticauda.cli.wave_flags import wave_flags, with_typed_wave
 from laticauda.values import BadArgument, Field, fields_of, texts_of
+from laticauda.values.packaging import renamed_names
 
 Command = TypeVar("Command")
 
@@ -289,3 +290,7 @@ def _type_of_words(field: Field, name: str) -> Any:
         return None
     metavar = "NAME|PATH" if name in PRESETS else "TEXT"
     return Annotated[Any, words_flag(n_words=1, metavar=metavar, read=read_first)]
+
+
+# Names of 0.2, for one release.
+__getattr__ = renamed_names(__name__, {"read": "parse_command"})

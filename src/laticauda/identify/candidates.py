@@ -44,7 +44,9 @@ _COAST_DOWN_INTERVAL = 0.1
 _ROUNDING = 1e-9
 """By how much the last sample may exceed the duration [-]."""
 
-__getattr__ = renamed_names(__name__, {"from_tow": "laticauda.identify.conversion:from_tow"})
+__getattr__ = renamed_names(
+    __name__, {"swims": "swim_candidates", "from_tow": "laticauda.identify.conversion:from_tow"}
+)
 
 
 def swim_candidates(

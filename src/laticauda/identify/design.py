@@ -29,6 +29,7 @@ from laticauda.identify.selection import CRITERIA, Score, best_of, score_of
 from laticauda.identify.unknowns import ResolvedUnknown
 from laticauda.models.simulate import Progress, silent
 from laticauda.values import check_choice, check_not_empty, check_whole_number
+from laticauda.values.packaging import renamed_names
 
 
 class Judged(NamedTuple):
@@ -166,3 +167,7 @@ def _sigma_of_best_swims(
     added_by_swims = added[swims]
     chosen = best_of(added_by_swims, known, n_trials, score)
     return sigma_of(known + np.sum(added_by_swims[chosen], axis=0))
+
+
+# Names of 0.2, for one release.
+__getattr__ = renamed_names(__name__, {"design": "design_experiment"})

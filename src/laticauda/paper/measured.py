@@ -15,6 +15,7 @@ from laticauda.motion import gaits
 from laticauda.robot import Actuator, Environment, Ground, Robot, load_robot
 from laticauda.trials import MeasuredTrial, MeasuredTrials, measured, null_models
 from laticauda.values import files
+from laticauda.values.packaging import renamed_names
 
 PRINTED_TO = 0.02
 """Tolerance of printed changes, as they come from unrounded speeds [%]."""
@@ -296,3 +297,13 @@ def _as_built(robot: Robot) -> Robot:
         electronics_power=0.0,
         active_power=None,
     )
+
+
+# Names of 0.2, for one release.
+__getattr__ = renamed_names(
+    __name__,
+    {
+        "efficiency_trials": "read_efficiency_trials",
+        "path_following_trials": "read_path_following_trials",
+    },
+)

@@ -19,6 +19,7 @@ from laticauda.paper.measured import read_efficiency_trials
 from laticauda.paper.path_following import FollowingCase, FollowingRun, PathFollowingStudy
 from laticauda.scenarios import loop_in_words
 from laticauda.trials import PREDICTORS, Values, compared, mape, predict
+from laticauda.values.packaging import renamed_names
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -221,3 +222,7 @@ def compute_meter_costs(study: PathFollowingStudy) -> dict[str, Float[np.ndarray
                 simulated.append(case.run.joules_per_meter)
         costs[group.name] = np.array([measured, simulated])
     return costs
+
+
+# Names of 0.2, for one release.
+__getattr__ = renamed_names(__name__, {"scores": "score_study"})

@@ -28,6 +28,7 @@ from laticauda.motion import gaits
 from laticauda.scenarios import choice, stored
 from laticauda.scenarios.scenario import Scenario
 from laticauda.values import RobotFileError, codec, files
+from laticauda.values.packaging import renamed_names
 
 NAMES = ("robot", "n_links", "water", "ground", "parameters")
 """Entries that choose robot and environment by name, see `laticauda.scenarios.Choice`."""
@@ -164,3 +165,9 @@ def _with_recorded(table: codec.Table, folder: Path | None) -> codec.Table:
         if any(key.startswith(name + "_deg") for key in table):
             del defaults[name]
     return {**defaults, **table, "recorded": angles}
+
+
+# Names of 0.2, for one release.
+__getattr__ = renamed_names(
+    __name__, {"run_from_table": "laticauda.scenarios.stored:run_from_table"}
+)

@@ -34,6 +34,7 @@ PLACES = {
     "logs": "trials.logs",
     "mujoco_water": "water.mujoco",
     "operate": "tank.operate",
+    "operate.course": "tank.operate.procedure",
     "packaging": "values.packaging",
     "pictures": "show.pictures",
     "planar": "models.planar",

@@ -44,6 +44,7 @@ from laticauda.values.field_checks import (
     check_one_among as check_one_among,
     checks_of,
 )
+from laticauda.values.packaging import renamed_names
 
 T = TypeVar("T")
 Kind = TypeVar("Kind", bound=type[Any])
@@ -160,3 +161,7 @@ def _in_si_unit(field: Field, key: str, number: Any) -> float | None:
     if number is None or field.quantity is None:
         return None
     return math.radians(field.quantity.in_degrees.checked(key, number))
+
+
+# Names of 0.2, for one release.
+__getattr__ = renamed_names(__name__, {"value": "value_class"})

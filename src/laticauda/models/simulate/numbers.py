@@ -33,6 +33,7 @@ from laticauda.models.simulate.run_figures import (  # where they were found so 
 from laticauda.robot import Current, Environment, Water
 from laticauda.scenarios import Scenario
 from laticauda.values import BadArgument, hints_of, quantities_of, texts_of
+from laticauda.values.packaging import renamed_names
 
 NUMBER_TYPES = (float, float | None)
 """Types of the fields that hold a number other than a count."""
@@ -283,3 +284,9 @@ def _names_with_similar_end(plain: str, known: Collection[str]) -> list[str]:
 
 def _last_step(name: str) -> str:
     return name.rsplit(".", 1)[-1]
+
+
+# Names of 0.2, for one release.
+__getattr__ = renamed_names(
+    __name__, {"changed": "change_parameters", "parameters": "list_parameters"}
+)

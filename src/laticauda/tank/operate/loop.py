@@ -19,6 +19,7 @@ from laticauda.tank.operate.recording.entries import Entry, Event
 from laticauda.tank.operate.recording.recorder import Sink
 from laticauda.tank.operate.recording.timing import Tick, Timing
 from laticauda.tank.operate.recording.writer import Writer
+from laticauda.values.packaging import renamed_names
 
 MOST_TICKS = 200_000
 """Ticks whose times are kept, half an hour at 100 Hz; then the oldest are overwritten."""
@@ -184,3 +185,9 @@ def without_late_enabling(outputs: Outputs, began: float, now: float) -> Outputs
         messages=tuple(message for message in outputs.messages if message != enable),
         entries=(*outputs.entries, refusal),
     )
+
+
+# Names of 0.2, for one release.
+__getattr__ = renamed_names(
+    __name__, {"TankDevices": "laticauda.tank.operate.tank_devices:TankDevices"}
+)

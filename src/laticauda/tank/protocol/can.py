@@ -23,6 +23,7 @@ from laticauda.values import (
     quantity,
     value_class,
 )
+from laticauda.values.packaging import renamed_names
 
 GROUP = "239.74.163.2"
 """Multicast group of our own."""
@@ -215,3 +216,7 @@ def _local_socket(group: str, port: int) -> socket.socket:
         local_socket.close()
         raise
     return local_socket
+
+
+# Names of 0.2, for one release.
+__getattr__ = renamed_names(__name__, {"LAYOUTS": "laticauda.tank.protocol.layouts:LAYOUTS"})

@@ -19,3 +19,7 @@ from laticauda.trials.feasibility.judgment import (
     judge_feasibility as judge_feasibility,
 )
 from laticauda.trials.feasibility.link_overlap import measure_overlap as measure_overlap
+from laticauda.values.packaging import renamed_names
+
+# Names of 0.2, for one release.
+__getattr__ = renamed_names(__name__, {"feasibility": "judge_feasibility"})
