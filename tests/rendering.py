@@ -10,7 +10,7 @@ from laticauda.values.errors import MissingExtra, MissingProgram
 @cache
 def reason_why_not() -> str | None:
     try:
-        from laticauda.show.pictures.render import check_video
+        from laticauda.show.pictures.video import check_video
 
         check_video()
     except (MissingExtra, MissingProgram) as error:

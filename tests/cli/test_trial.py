@@ -10,7 +10,7 @@ import pytest
 from rendering import skip_without_rendering
 
 from laticauda import load_trial
-from laticauda.show.pictures import render, replay
+from laticauda.show.pictures import video, window
 
 
 @pytest.fixture
@@ -186,7 +186,7 @@ def test_a_run_can_be_filmed_at_once(run, folder, screen, command):
 
 
 def test_a_film_that_cannot_be_made_is_refused_before_the_run(run, monkeypatch):
-    monkeypatch.setattr(render.shutil, "which", lambda name: None)
+    monkeypatch.setattr(video.shutil, "which", lambda name: None)
     done = run("swim --duration 50000 --video run.mp4")
     assert done.status == 2
     assert done.err == (
@@ -195,7 +195,7 @@ def test_a_film_that_cannot_be_made_is_refused_before_the_run(run, monkeypatch):
 
 
 def test_without_a_screen_the_message_says_what_to_do_instead(swum, monkeypatch):
-    monkeypatch.setattr(replay.platform, "system", lambda: "Linux")
+    monkeypatch.setattr(window.platform, "system", lambda: "Linux")
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     done = swum("view run.nc")
@@ -245,10 +245,10 @@ def test_the_window_shows_the_trial_from_its_start_until_it_is_closed(swum, monk
     monkeypatch.setitem(
         sys.modules, "mujoco.viewer", types.SimpleNamespace(launch_passive=launch_passive)
     )
-    monkeypatch.setattr(replay.time, "sleep", lambda seconds: None)
+    monkeypatch.setattr(window.time, "sleep", lambda seconds: None)
     ticks = iter([0.0, 0.25, 0.5, 1.25])
-    monkeypatch.setattr(replay.time, "monotonic", lambda: next(ticks))
-    replay.show(load_trial(folder / "run.nc"))
+    monkeypatch.setattr(window.time, "monotonic", lambda: next(ticks))
+    window.show_in_window(load_trial(folder / "run.nc"))
     assert len(shown) == 3
     np.testing.assert_array_equal(shown[0], shown[2])  # after 1 s it begins again
     assert not np.array_equal(shown[0], shown[1])

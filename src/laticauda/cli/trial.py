@@ -77,9 +77,9 @@ class View(Filming):
             write_still(trial, self.still, self.film, time=self.time, beside=beside)
         self.write_film(trial, self.speed, beside)
         if self.video is None and self.still is None:
-            from laticauda.show.pictures import show
+            from laticauda.show.pictures import show_in_window
 
-            show(trial, speed=self.speed)
+            show_in_window(trial, speed=self.speed)
         facts = {"file": self.file, "video": self.video, "still": self.still}
         return command.Outcome(facts=facts, text=self._describe_result(trial))
 

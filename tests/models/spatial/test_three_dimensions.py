@@ -10,7 +10,7 @@ import laticauda as lc
 from laticauda.models.simulate import build_plant, resume, run
 from laticauda.models.spatial.scene import Shore
 from laticauda.scenarios.interfaces import Command, OpenLoop, Start
-from laticauda.show.pictures.replay import path_dashes
+from laticauda.show.pictures.lines import dash_path
 from laticauda.water.fluid.laws import CoulombFriction
 from laticauda.water.mujoco.ground import SINK
 
@@ -182,7 +182,7 @@ def test_it_converges_to_a_line_in_space(profile):
 
 def test_the_path_is_drawn_at_its_own_height():
     trial = follow(lc.StraightLine(point=(0.0, -1.0)), 15.0)
-    dashes = np.array([end for dash in path_dashes(trial, 0.0) for end in dash])
+    dashes = np.array([end for dash in dash_path(trial, 0.0) for end in dash])
     assert len(dashes) > 10
     np.testing.assert_allclose(dashes[:, 2], -1.0 - 1.3 * 0.055, atol=0.01)
 

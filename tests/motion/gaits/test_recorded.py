@@ -16,7 +16,7 @@ from laticauda.models.simulate import compute_sensitivities
 from laticauda.motion.gaits import Generator
 from laticauda.motion.gaits.reference import between_knots
 from laticauda.show.figures import swim_sheet
-from laticauda.show.pictures.render import describe_run
+from laticauda.show.pictures.description import describe_run
 from laticauda.values.errors import TrialFileError
 
 ANGLES = lc.JointAngles(

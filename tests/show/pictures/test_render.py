@@ -14,12 +14,13 @@ import laticauda as lc
 from laticauda.models.spatial.scene import Shore
 from laticauda.robot import kinematics
 from laticauda.scenarios import Experiment
-from laticauda.show.pictures import render, replay, stage
-from laticauda.show.pictures.camera import VIEW_DEG, Film, calm, view
-from laticauda.show.pictures.render import write_words
-from laticauda.show.pictures.replay import posture_at, studio_of
-from laticauda.show.pictures.stage import Studio, posture_of
-from laticauda.show.pictures.surroundings import SUN, draw_shadows, shadow_casters
+from laticauda.show.pictures import lines, render, renderer, video
+from laticauda.show.pictures.camera import VIEW_DEG, Film, aim_at_trial, remove_ripple
+from laticauda.show.pictures.captions import Figure, write_captions
+from laticauda.show.pictures.description import describe_run, measure_speed
+from laticauda.show.pictures.posture import interpolate_posture, read_posture
+from laticauda.show.pictures.shadows import SUN, draw_shadows, find_shadow_casters
+from laticauda.show.pictures.stage import Studio
 from laticauda.values.errors import MissingExtra, MissingProgram
 from laticauda.water.fluid.flow import FunctionFlow
 
@@ -49,7 +50,7 @@ def screen():
 
 
 def go_to(shown, trial, time):
-    shown.take(posture_at(trial, time, shown.height))
+    shown.take(interpolate_posture(trial, time, shown.height))
 
 
 # ---- postures ------------------------------------------------------------------------------------
@@ -58,7 +59,7 @@ def go_to(shown, trial, time):
 @pytest.mark.parametrize("name", ["mamba", "mamba-fin", "mamba-modules-fin"])
 def test_the_replay_is_where_the_trial_was(name):
     trial = swum(name, duration=3.0)
-    replay, planar = studio_of(trial), trial.robot.planar()
+    replay, planar = Studio.of_trial(trial), trial.robot.planar()
     for sample in (0, 17, -1):
         go_to(replay, trial, float(trial.time[sample]))
         center = replay.data.subtree_com[1]
@@ -75,10 +76,10 @@ def test_the_replay_is_where_the_trial_was(name):
 def test_robots_in_one_scene_are_each_where_their_trials_were():
     start = {"center_of_mass": (0.3, 0.6), "heading": 0.4}
     first, second = swum("mamba-modules", duration=1.0), swum("mamba-fin", duration=1.0)
-    studio = studio_of(first, others=[second.robot])
+    studio = Studio.of_trial(first, others=[second.robot])
     postures = [
-        posture_at(first, 1.0, -1.0),
-        posture_at(lc.swim(second.scenario, start=lc.Start(**start)), 1.0, -1.0),
+        interpolate_posture(first, 1.0, -1.0),
+        interpolate_posture(lc.swim(second.scenario, start=lc.Start(**start)), 1.0, -1.0),
     ]
     studio.take(*postures)
     for body, posture in zip(("module_0", "robot_1_module_0"), postures, strict=True):
@@ -97,7 +98,7 @@ def without_gait(trial):
 def test_between_samples_it_is_where_a_finer_log_has_it():
     coarse, fine = swum(sample_interval=0.1), swum(sample_interval=0.01)
     for sample in (1, 55, 234, 599):
-        found = posture_at(coarse, float(fine.time[sample]), 0.0)
+        found = interpolate_posture(coarse, float(fine.time[sample]), 0.0)
         np.testing.assert_allclose(found.joint_angle, fine.joint_angle[sample], atol=1e-4)
         np.testing.assert_allclose(found.center_of_mass[:2], fine.center_of_mass[sample], atol=1e-4)
 
@@ -116,7 +117,7 @@ def test_a_trial_in_space_is_shown_with_its_height_and_its_tilt(trial):
         signals={f"orientation_{part}": np.full(n, value) for part, value in turned.items()},
     )
     assert spatial.joint_angle.shape[1] == robot.n_joints
-    replay = studio_of(spatial)
+    replay = Studio.of_trial(spatial)
     go_to(replay, spatial, float(spatial.time[-1]))
     np.testing.assert_allclose(replay.data.subtree_com[1], spatial.center_of_mass[-1], atol=1e-9)
     up = replay.data.body("module_0").xmat.reshape(3, 3)[:, 2]
@@ -126,19 +127,19 @@ def test_a_trial_in_space_is_shown_with_its_height_and_its_tilt(trial):
 
 def test_the_water_has_its_depth_and_the_ground_its_height(trial):
     assert (
-        studio_of(with_other(trial, environment=replace(trial.environment, depth=0.3))).height
+        Studio.of_trial(with_other(trial, environment=replace(trial.environment, depth=0.3))).height
         == -0.3
     )
     deep = with_other(trial, environment=replace(trial.environment, depth=7.0))
-    assert studio_of(deep).floor < -7.0
-    on_land = studio_of(with_other(trial, environment=lc.load_ground("coulomb")))
+    assert Studio.of_trial(deep).floor < -7.0
+    on_land = Studio.of_trial(with_other(trial, environment=lc.load_ground("coulomb")))
     assert (on_land.height, on_land.floor) == (0.055, 0.0)
     names = {on_land.model.geom(i).name for i in range(on_land.model.ngeom)}
     assert "ground" in names and "floor" not in names  # two planes at one height would flicker
 
 
 def test_on_the_ramp_there_is_one_floor_one_sun_and_one_surface(trial):
-    model = studio_of(
+    model = Studio.of_trial(
         with_other(trial, model=lc.Spatial(scene=Shore(ground=lc.load_ground("coulomb"))))
     ).model
     names = [model.geom(i).name for i in range(model.ngeom)]
@@ -157,7 +158,7 @@ def test_waves_are_the_surface_of_a_picture_and_arrows_the_way_of_the_water(tria
         )
 
     moving = replace(trial.environment, current=FunctionFlow(function=waves), depth=0.5)
-    studio = studio_of(with_other(trial, environment=moving))
+    studio = Studio.of_trial(with_other(trial, environment=moving))
     go_to(studio, trial, 3.0)
     mesh, placed = studio.model.mesh("waves"), studio.data.geom("surface")
     np.testing.assert_allclose(placed.xpos, 0.0, atol=1e-9)
@@ -182,12 +183,12 @@ def test_waves_are_the_surface_of_a_picture_and_arrows_the_way_of_the_water(tria
     np.testing.assert_allclose(
         (long * along)[:, :2], velocity * np.median(ratio), rtol=1e-3, atol=1e-4
     )
-    level = studio_of(trial)
-    assert level.model.nmesh == studio.model.nmesh - 1 and not level.water.words
+    level = Studio.of_trial(trial)
+    assert level.model.nmesh == studio.model.nmesh - 1 and not level.water.captions
     at_surface = replace(
         moving, depth=None
     )  # a robot of which no depth is said feels the water there
-    assert studio_of(with_other(trial, environment=at_surface)).height == 0.0
+    assert Studio.of_trial(with_other(trial, environment=at_surface)).height == 0.0
 
 
 # ---- the camera ----------------------------------------------------------------------------------
@@ -201,7 +202,7 @@ def test_the_whole_robot_is_in_the_picture_all_the_time(name, offset, camera):
     aspect, film = 16.0 / 9.0, Film(camera=camera)
     up_most = math.tan(math.radians(0.5 * VIEW_DEG))
     for k in range(0, trial.time.size, 10):
-        seen = view(trial, float(trial.time[k]), -1.0, film)
+        seen = aim_at_trial(trial, float(trial.time[k]), -1.0, film)
         azimuth, elevation = math.radians(seen.azimuth), math.radians(seen.elevation)
         flat = np.array([math.cos(azimuth), math.sin(azimuth), 0.0])
         forward = math.cos(elevation) * flat + [0.0, 0.0, math.sin(elevation)]
@@ -220,10 +221,12 @@ def test_calm_keeps_straight_lines_and_takes_the_ripple_away():
     time = np.linspace(0.0, 10.0, 201)
     line = np.stack((1.0 + 2.0 * time, -time), axis=1)
     for at in (0.0, 3.3, 10.0):
-        np.testing.assert_allclose(calm(time, line, at, 1.0), [1.0 + 2.0 * at, -at], atol=1e-9)
+        np.testing.assert_allclose(
+            remove_ripple(time, line, at, 1.0), [1.0 + 2.0 * at, -at], atol=1e-9
+        )
     ripple = np.sin(2.0 * np.pi * time)
-    assert abs(float(calm(time, ripple, 5.2, 1.0))) < 1e-3
-    assert float(calm(time[:1], ripple[:1], 0.0, 1.0)) == 0.0
+    assert abs(float(remove_ripple(time, ripple, 5.2, 1.0))) < 1e-3
+    assert float(remove_ripple(time[:1], ripple[:1], 0.0, 1.0)) == 0.0
 
 
 # ---- the place -----------------------------------------------------------------------------------
@@ -233,12 +236,12 @@ def test_calm_keeps_straight_lines_and_takes_the_ripple_away():
 def test_a_shadow_lies_on_the_ground_where_the_sun_puts_it(trial, place):
     mujoco = pytest.importorskip("mujoco")
     shown = with_other(trial, model=lc.Spatial(scene="shore")) if place == "shore" else trial
-    studio = studio_of(shown)
+    studio = Studio.of_trial(shown)
     go_to(studio, shown, 2.0)
     if place == "shore":
         studio.data.qpos[:3] += (3.5, 0.0, 1.5)  # over the slope
         mujoco.mj_kinematics(studio.model, studio.data)
-    scene, found = mujoco.MjvScene(studio.model, 500), shadow_casters(studio.model)
+    scene, found = mujoco.MjvScene(studio.model, 500), find_shadow_casters(studio.model)
     draw_shadows(scene, studio.model, studio.data, found)
     assert scene.ngeom == found.size > trial.robot.n_links
     ramp = studio.model.geom("ramp" if place == "shore" else "floor").id
@@ -264,7 +267,9 @@ def test_the_surface_is_shown_to_those_who_swim_near_it_and_the_air_over_it_is_b
         shown = with_other(trial, environment=replace(trial.environment, depth=depth))
         names = [
             geom.name
-            for geom in map(studio_of(shown).model.geom, range(studio_of(shown).model.ngeom))
+            for geom in map(
+                Studio.of_trial(shown).model.geom, range(Studio.of_trial(shown).model.ngeom)
+            )
         ]
         assert ("surface" in names) is (depth < 0.1)
         render.write_still(
@@ -279,8 +284,8 @@ def test_the_surface_is_shown_to_those_who_swim_near_it_and_the_air_over_it_is_b
 
 def test_the_trail_is_seen_from_the_start(trial):
     mujoco = pytest.importorskip("mujoco")
-    scene = mujoco.MjvScene(studio_of(trial).model, 50)
-    replay.draw_trail(scene, trial, 0.3, -1.0, 3.0)
+    scene = mujoco.MjvScene(Studio.of_trial(trial).model, 50)
+    lines.draw_trail(scene, trial, 0.3, -1.0, 3.0)
     pieces = scene.geoms[: scene.ngeom]
     assert len(pieces) == 2
     assert all(piece.rgba[3] == 1.0 and piece.pos[2] > -0.95 for piece in pieces)
@@ -302,7 +307,7 @@ def test_the_path_that_was_followed_is_seen_as_dashes():
     followed = lc.run(
         lc.build_plant(lc.load_robot("mamba"), lc.load_water("paper-lateral")), controller, 15.0
     )
-    dashes, dash = replay.path_dashes(followed, -1.0), replay.DASH * followed.robot.length
+    dashes, dash = lines.dash_path(followed, -1.0), lines.DASH * followed.robot.length
     ends = np.array(dashes).reshape(-1, 3)
     assert len(dashes) == pytest.approx(
         np.ptp(followed.signals["along_track_distance"]) / (2.0 * dash), abs=1.0
@@ -313,13 +318,13 @@ def test_the_path_that_was_followed_is_seen_as_dashes():
 
 
 def test_a_run_without_a_path_has_none(trial):
-    assert replay.path_dashes(trial, -1.0) == []
+    assert lines.dash_path(trial, -1.0) == []
 
 
 def test_the_trail_keeps_its_corners_where_they_were(trial):
-    early, late = replay.trail_points(trial, 3.03, -1.0), replay.trail_points(trial, 5.98, -1.0)
+    early, late = lines.trace_center(trial, 3.03, -1.0), lines.trace_center(trial, 5.98, -1.0)
     np.testing.assert_array_equal(early[:-1], late[: len(early) - 1])
-    np.testing.assert_allclose(late[-1], [*replay.interpolate_centers(trial, [5.98])[0], -1.0])
+    np.testing.assert_allclose(late[-1], [*lines.interpolate_centers(trial, [5.98])[0], -1.0])
 
 
 # ---- pictures ------------------------------------------------------------------------------------
@@ -327,7 +332,7 @@ def test_the_trail_keeps_its_corners_where_they_were(trial):
 
 def test_words_stand_on_the_picture_and_elsewhere_it_stays_what_it_was():
     empty = np.full((216, 384, 3), 60, dtype=np.uint8)
-    written = write_words(empty, [("12.3", "s")], ["mamba"])
+    written = write_captions(empty, [Figure("12.3", "s")], ["mamba"])
     changed = np.argwhere(np.any(written != empty, axis=2))
     assert changed.size and not np.any(empty != 60)
     middle = written[54:150]
@@ -368,17 +373,17 @@ def test_a_trial_of_one_sample_can_be_shown(trial, tmp_path, screen):
 
 def test_the_speed_in_the_picture_is_the_trials():
     trial = swum("mamba", duration=20.0)
-    assert render.speed_at(trial, 0.0) == 0.0
-    assert render.speed_at(trial, 20.0) == pytest.approx(trial.steady_velocity, rel=0.01)
+    assert measure_speed(trial, 0.0) == 0.0
+    assert measure_speed(trial, 20.0) == pytest.approx(trial.steady_velocity, rel=0.01)
 
 
 def test_the_words_say_who_swims_and_how(trial):
-    assert render.describe_run(trial) == [
+    assert describe_run(trial) == [
         "mamba-fin",
         "lateral undulation, 30°, 130°/s, phase shift 40°",
     ]
-    assert render.describe_run(trial, 2.0)[0] == "mamba-fin  (shown at 2 times its speed)"
-    assert render.describe_run(without_gait(trial)) == ["mamba-fin"]
+    assert describe_run(trial, 2.0)[0] == "mamba-fin  (shown at 2 times its speed)"
+    assert describe_run(without_gait(trial)) == ["mamba-fin"]
 
 
 # ---- films ---------------------------------------------------------------------------------------
@@ -404,14 +409,14 @@ def test_a_film_that_breaks_off_leaves_the_old_file_alone(tmp_path, screen):
 
     (tmp_path / "film.mp4").write_text("old")
     with pytest.raises(ZeroDivisionError):
-        render.write_video(pictures(), tmp_path / "film.mp4", size=(64, 64), frames_per_second=10.0)
+        video.write_video(pictures(), tmp_path / "film.mp4", size=(64, 64), frames_per_second=10.0)
     assert [file.read_text() for file in tmp_path.iterdir()] == ["old"]
 
 
 def test_what_ffmpeg_complains_about_is_passed_on(tmp_path, screen):
     empty = iter([np.zeros((63, 63, 3), dtype=np.uint8)] * 3)
-    with pytest.raises(render.VideoFailed, match=r"ffmpeg could not write .*film\.mp4: "):
-        render.write_video(empty, tmp_path / "film.mp4", size=(63, 63), frames_per_second=10.0)
+    with pytest.raises(video.VideoFailed, match=r"ffmpeg could not write .*film\.mp4: "):
+        video.write_video(empty, tmp_path / "film.mp4", size=(63, 63), frames_per_second=10.0)
     assert not list(tmp_path.iterdir())
 
 
@@ -447,7 +452,7 @@ def test_without_egl_the_message_says_what_to_install(trial, tmp_path, monkeypat
     def fail(name):
         raise error
 
-    monkeypatch.setattr(stage, "import_module", fail)
+    monkeypatch.setattr(renderer, "import_module", fail)
     with pytest.raises(
         MissingProgram, match=r"Rendering without a screen needs EGL .*apt-get install libegl1 "
     ):
@@ -475,7 +480,7 @@ def test_a_spatial_run_says_how_it_was_turned_and_is_shown_so():
     trial = lc.swim(lc.load_robot("mamba-modules-fin"), gait, duration=2.0, model="spatial")
     turned = np.stack([trial.signals[f"orientation_{part}"] for part in "wxyz"], axis=1)
     np.testing.assert_allclose(np.linalg.norm(turned, axis=1), 1.0, atol=1e-6)
-    replay = studio_of(trial)
+    replay = Studio.of_trial(trial)
     go_to(replay, trial, 2.0)
     for i, angle in enumerate(trial.link_angle[-1]):
         forward = replay.data.body(f"module_{i}").xmat.reshape(3, 3)[:, 0]
@@ -491,7 +496,7 @@ def test_a_state_of_a_plant_is_a_picture_without_a_trial(screen, model):
     plant = lc.build_plant(scenario)
     command = lc.Command(gait=scenario.gait)
     state, log, _ = plant.march(plant.init(scenario.start, command), command, 1.0, 0.1)
-    posture = posture_of(plant, state)
+    posture = read_posture(plant, state)
     np.testing.assert_allclose(
         posture.center_of_mass[: log.center_of_mass.shape[1]], log.center_of_mass[-1], atol=1e-9
     )

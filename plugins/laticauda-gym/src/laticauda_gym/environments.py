@@ -126,11 +126,11 @@ class _Tasked:
     def _picture(self, lane: int) -> np.ndarray | None:
         if self.render_mode is None:
             return None
-        from laticauda.show.pictures import Studio, posture_of
+        from laticauda.show.pictures import Studio, read_posture
 
         school = self.episodes.school
         self._studio = self._studio or Studio.of(school.plant)
-        return self._studio.picture(posture_of(school.plant, school.state(lane)))
+        return self._studio.picture(read_posture(school.plant, school.state(lane)))
 
     def close_extras(self, **kwargs: Any) -> None:
         """Release the threads and the resources of the pictures; Gymnasium's `kwargs` have no effect here."""

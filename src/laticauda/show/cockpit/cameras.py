@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from laticauda.show.pictures.camera import lift_to_space
+from laticauda.show.pictures import lift_to_space
 
 AHEAD = 0.35
 """What a camera looks at, along x from the robot: the panel hides the right side of the page [m]."""

@@ -9,8 +9,7 @@ import laticauda as lc
 from laticauda import control
 from laticauda.robot import Current
 from laticauda.scenarios import Model, Planar, Scenario, default_water, model_of
-from laticauda.trials import MeasuredTrial
-from laticauda.trials.measured import measured_setting
+from laticauda.trials import MeasuredTrial, measured_setting
 from laticauda.values import check_instance
 
 N_HINGES = 3

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from laticauda.show.cockpit.shapes import Color
-from laticauda.show.pictures.camera import lift_to_space
+from laticauda.show.pictures import lift_to_space
 
 TRAIL_STEP = 0.02
 """Minimum distance between two points of a trail [m]."""

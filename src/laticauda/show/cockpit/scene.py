@@ -12,7 +12,7 @@ from laticauda.show.cockpit.bodies import Body
 from laticauda.show.cockpit.lines import Line, Trail
 from laticauda.show.cockpit.shapes import Color, Poses
 from laticauda.show.cockpit.water import MovingWater
-from laticauda.show.pictures.camera import lift_to_space
+from laticauda.show.pictures import lift_to_space
 from laticauda.values import series
 
 FLOOR = -0.6

@@ -14,7 +14,7 @@ from jaxtyping import Float
 from laticauda.models.spatial import AXES, Body, appearance, build_bodies
 from laticauda.robot import CaudalFin, Module, Robot, kinematics
 from laticauda.scenarios import interfaces
-from laticauda.show.pictures.camera import lift_to_space
+from laticauda.show.pictures import lift_to_space
 from laticauda.values import series
 
 Color = tuple[int, int, int]

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from laticauda.robot import Environment, Robot, Water
-from laticauda.show.pictures.camera import lift_to_space
+from laticauda.show.pictures import lift_to_space
 from laticauda.water.fluid import MOMENTS, Arrows, Surface, arrows_of, has_waves
 
 SURFACE_REACH = 10.0

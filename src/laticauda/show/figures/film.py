@@ -20,7 +20,7 @@ from laticauda.show.figures import style
 from laticauda.show.figures.posture import draw_posture, outline
 from laticauda.show.figures.swim import title_of
 from laticauda.show.figures.water import draw_water
-from laticauda.show.pictures.render import write_video
+from laticauda.show.pictures import write_video
 from laticauda.trials import Trial, following
 from laticauda.values import check_positive, write
 

@@ -15,7 +15,7 @@ from matplotlib.ticker import MaxNLocator
 
 from laticauda.show.figures import style
 from laticauda.show.figures.path import path_extent, path_strip
-from laticauda.show.pictures.render import describe_run
+from laticauda.show.pictures import describe_run
 from laticauda.trials import Trial, cycles, measured_counterpart
 
 Series = Float[np.ndarray, "n_samples ..."]
