@@ -8,7 +8,8 @@ tank.
 - guidance: laws that give a heading, its estimate, and the offset that turns the robot there
 - path_following, spatial_path_following: the controllers, in plan and in space
 - following: their parameters as in trial files and on the command line
-- averaged: motion from cycle to cycle; current: an observer of the current, built on it
+- averaged: a model of the motion from cycle to cycle; averaged_fit: its fit to trials;
+  offset_steps: a maneuver that identifies it; current: an observer of the current, built on it
 - mpc: guidance that plans ahead; estimation: position and motion of the robot from samples
 """
 
@@ -17,11 +18,9 @@ from typing import TYPE_CHECKING
 from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
-    from laticauda.control.averaged import (
-        AveragedModel as AveragedModel,
-        OffsetSteps as OffsetSteps,
-        fit_averaged as fit_averaged,
-    )
+    from laticauda.control.averaged import AveragedModel as AveragedModel
+    from laticauda.control.averaged_fit import fit_averaged as fit_averaged
+    from laticauda.control.offset_steps import OffsetSteps as OffsetSteps
     from laticauda.control.current import CurrentObserver as CurrentObserver
     from laticauda.control.following import Course as Course, Following as Following
     from laticauda.control.frames import Path as Path, PathFrame as PathFrame
@@ -61,7 +60,9 @@ if TYPE_CHECKING:
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
     {
-        "laticauda.control.averaged": ["AveragedModel", "OffsetSteps", "fit_averaged"],
+        "laticauda.control.averaged": ["AveragedModel"],
+        "laticauda.control.averaged_fit": ["fit_averaged"],
+        "laticauda.control.offset_steps": ["OffsetSteps"],
         "laticauda.control.current": ["CurrentObserver"],
         "laticauda.control.following": ["Course", "Following"],
         "laticauda.control.frames": ["Path", "PathFrame"],

@@ -128,7 +128,10 @@ class IntegralLineOfSight(Guidance[float]):
 
 
 def _approach_path(frame: PathFrame, slope: float, heading: float) -> float:
-    """Return the direction that approaches the path with a slope, within half a turn of `heading` [rad]."""
+    """Return the direction that approaches the path with a slope [rad].
+
+    It is within half a turn of `heading`.
+    """
     return heading + wrap_to_pi(frame.path_tangential_angle - math.atan(slope) - heading)
 
 
@@ -140,7 +143,7 @@ ROUNDING = 1e-9
 
 @value_class
 class HeadingController:
-    """Proportional heading controller: the offset of all joints that turns the robot toward a heading.
+    """Proportional heading controller: the joints' offset that turns the robot toward a heading.
 
         phi_0 = k (theta_ref - theta), within +-max_offset
 

@@ -23,7 +23,7 @@ HOMES: Mapping[str, Mapping[str, str]] = {
         "path-following": "laticauda.control.path_following",
         "spatial-path-following": "laticauda.control.spatial_path_following",
         "model-predictive": "laticauda.control.mpc.predictive",
-        "offset-steps": "laticauda.control.averaged",
+        "offset-steps": "laticauda.control.offset_steps",
     },
     "drivers.bus": {
         "can": "laticauda.tank.operate.drivers.can",

@@ -125,9 +125,8 @@ class LearnerState:
             time: The time; infinite to forget everything [s].
         """
         oldest = time - 2.0 * MARGIN
-        samples = {
-            kind: tuple(row for row in rows if row.time >= oldest)
-            for kind, rows in self.samples.items()
-        }
+        samples: dict[type[Sample], tuple[SampleRow, ...]] = {}
+        for kind, rows in self.samples.items():
+            samples[kind] = tuple(row for row in rows if row.time >= oldest)
         bounds = tuple(bound for bound in self.bounds if bound >= time)
         return replace(self, samples=samples, bounds=bounds)
