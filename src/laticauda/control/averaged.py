@@ -2,12 +2,13 @@
 
     x' = u cos(psi) - w sin(psi)        psi' = r = turning(frequency, b)        heading = psi + bend b
     y' = u sin(psi) + w cos(psi)        b' = (offset - b) / bend_lag
-    u' = (speed(frequency, offset) - u) / speed_lag                w' = (sway turning(frequency, offset) - w) / sway_lag
+    u' = (speed(frequency, offset) - u) / speed_lag
+    w' = (sway turning(frequency, offset) - w) / sway_lag
 
 When a robot bends, its links turn at once, by `bend` per offset, but its direction of motion turns
 slowly; psi is therefore not the heading (6). The model contains neither links nor water. Its
-parameters are fitted to simulated or measured trials (`laticauda.control.averaged_fit`); it is meant for planning in
-guidance and is not a model of the body.
+parameters are fitted to simulated or measured trials (`laticauda.control.averaged_fit`); it is
+meant for planning in guidance and is not a model of the body.
 
 What the model needs but is not measured is estimated by a filter built on it
 (`laticauda.control.current`).

@@ -108,7 +108,7 @@ class _Fit(NamedTuple):
 
 
 def fit_averaged(trials: Sequence[Trial]) -> AveragedModel:
-    """Fit the averaged model to trials of one gait at several frequencies, with offsets that turn it.
+    """Fit the averaged model to trials of one gait at several frequencies, with turns.
 
     The offset of a trial is that of its gait plus its signal ``offset``, which every steered run
     has. `OffsetSteps` produces suitable trials. A current is taken from the trial's water.
@@ -209,7 +209,7 @@ def _current_of(trial: Trial) -> tuple[float, float]:
     return 0.0, 0.0
 
 
-# ---- bases: a column for each parameter that enters linearly, a row for each cycle ----------------
+# ---- bases: a column for each parameter that enters linearly, a row for each cycle ---------------
 
 
 def _frequencies_of(cycles: Sequence[_Cycles]) -> Array:

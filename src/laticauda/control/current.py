@@ -1,4 +1,4 @@
-"""Observer of the current: it compares the robot's actual motion with the motion expected from its gait.
+"""Observer of the current: it compares the robot's motion with that expected from its gait.
 
 An extended Kalman filter built on the averaged model estimates what the model needs but is not
 measured: the direction of motion, the speed and the drift. The gait's ripple in the heading is a
@@ -51,7 +51,7 @@ They are of the same order for any snake that swims a few cm/s with cycles of se
 _INITIAL_STD = np.array([0.02, 0.02, 0.2, 0.01, 0.02, 0.02, 0.05, 0.05, 0.2, 0.2])
 """Standard deviations of the states after the first observation, in their units."""
 _MEASUREMENT_STD = np.array([0.05, 0.05, 0.03])
-"""Swing of the center of mass with the gait, x and y [m], and residual ripple of the heading [rad]."""
+"""Swing of the center of mass with the gait, x and y [m], and ripple left in the heading [rad]."""
 _COMPLEX_STEP = 1e-30
 """Imaginary step whose effect, per step, is an exact derivative: no difference is formed [-]."""
 
@@ -90,7 +90,7 @@ class CurrentObserver:
     )
 
     def init(self, observation: Observation) -> ObserverState:
-        """Return the state after one `observation`: its position and heading, at rest, without drift.
+        """Return the state after one `observation`: its position and heading, at rest.
 
         Args:
             observation: First observation.

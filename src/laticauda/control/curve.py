@@ -22,9 +22,9 @@ Steps = Float[np.ndarray, " n_stretches"]
 Cubics = Float[np.ndarray, "4 n_stretches 2"]
 
 PIECES = 32
-"""Pieces per stretch between two points: each is too short for two nearest points of the curve [-]."""
+"""Pieces per stretch between two points: each is too short for two nearest points [-]."""
 MOST_BISECTIONS = 60
-"""Most steps of the search for a nearest point; halving alone gets below `TOLERANCE` with them [-]."""
+"""Most steps of the search for a nearest point: enough to end by halving alone [-]."""
 TOLERANCE = 1e-14
 """Change of u, per whole range of u, at which that search ends [-]."""
 SLOWEST = 1e-6

@@ -1,4 +1,4 @@
-"""Position of a robot relative to a path: what every path returns, and all that guidance sees of it.
+"""Position of a robot relative to a path: what paths return, and all that guidance sees of it.
 
 `Path` is the interface that guidance needs of a path; `laticauda.control.paths` has the usual ones.
 """
@@ -22,8 +22,8 @@ class PathFrame(NamedTuple):
     """Position relative to the nearest point of the path, along and across the path."""
 
     along_track_distance: float
-    """Path length up to the nearest point; negative before the start, beyond the path's length after
-    its end [m]."""
+    """Path length up to the nearest point; negative before the start, beyond the length after the
+    end [m]."""
     cross_track_error: float
     """Distance from the path, positive to the left of it (p_y of the paper) [m]."""
     path_tangential_angle: float

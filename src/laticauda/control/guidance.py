@@ -1,4 +1,4 @@
-"""Guidance and heading: from the distance to the path to the heading that leads back, and its offset.
+"""Guidance and heading: from the distance to the path to the heading that leads back to it.
 
 Each guidance law consists of `init` and `step` with an explicit state. The reference heading is in
 world axes and within half a turn of the robot's heading, so that no law ever asks for a full turn.
@@ -57,7 +57,11 @@ class LineOfSight(Guidance[None]):
 
     Example:
         >>> frame = PathFrame(
-        ...     along_track_distance=0.0, cross_track_error=1.0, path_tangential_angle=0.0, curvature=0.0, remaining=9.0
+        ...     along_track_distance=0.0,
+        ...     cross_track_error=1.0,
+        ...     path_tangential_angle=0.0,
+        ...     curvature=0.0,
+        ...     remaining=9.0,
         ... )
         >>> law = LineOfSight(look_ahead_distance=1.0)
         >>> round(math.degrees(law.step(law.init(), frame, 0.0, 0.05, False)[1]))
@@ -87,7 +91,7 @@ class LineOfSight(Guidance[None]):
 
 @value_class
 class IntegralLineOfSight(Guidance[float]):
-    """Line-of-sight guidance with integral action, which removes the error caused by a steady current.
+    """Line-of-sight guidance with integral action, which removes the error of a steady current.
 
         theta_ref = path_tangential_angle - atan((e + sigma y) / Delta)
         y' = Delta e / ((e + sigma y)^2 + Delta^2)

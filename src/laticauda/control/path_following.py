@@ -121,7 +121,7 @@ class PathFollowing(Controller[PathFollowingState]):
     def step(
         self, state: PathFollowingState, observation: Observation
     ) -> tuple[PathFollowingState, Command]:
-        """Return the `state` after the `observation`, and the command until the next control instant.
+        """Return the state after the observation, and the command until the next instant.
 
         Args:
             state: State returned by the last control instant or by `init`.

@@ -329,7 +329,7 @@ def _unit_vector(angle: float) -> tuple[float, float]:
 def transform_to_axes(
     origin: tuple[float, float], angle: float, position: Position
 ) -> tuple[float, float]:
-    """Transform a position to axes at `origin`, turned by `angle`: along, and across to the left [m].
+    """Transform a position to axes at `origin`, turned by `angle`: along and left [m].
 
     Args:
         origin: Origin of the axes [m].

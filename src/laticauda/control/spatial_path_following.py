@@ -89,7 +89,7 @@ class SpatialPathFollowing(PathFollowing):
     def step(
         self, state: PathFollowingState, observation: Observation
     ) -> tuple[SpatialPathFollowingState, Command]:
-        """Return the `state` after the `observation`, and the command until the next control instant.
+        """Return the state after the observation, and the command until the next instant.
 
         Args:
             state: State returned by the last control instant or by `init`.

@@ -52,8 +52,8 @@ class TwinState:
     astray: float = 0.0
     """Time for which a joint has deviated by more than `ASTRAY` from the robot's [s]."""
     along: float = 0.0
-    """Displacement of the center of mass through the water in the last step, along its first heading
-    (6) [m]."""
+    """Displacement of the center of mass through the water in the last step, along its first
+    heading (6) [m]."""
     across: float = 0.0
     """Displacement in the last step, to the left of that heading [m]."""
     turn: float = 0.0

@@ -448,7 +448,7 @@ class Estimator(StateEstimator):
         return _Measurement(values, np.diag(variances))
 
     def _initialize(self, state: FilterState, frame: PoseSample) -> FilterState:
-        """Initialize the filter with the pose from the first frame and the joint angles before it."""
+        """Initialize the filter with the first frame and the joint angles before it."""
         measured = self._measure(frame).values
         if state.joint_angle is None or measured.size < 3:
             return state

@@ -101,7 +101,7 @@ class KinematicEstimator(StateEstimator):
         return state
 
     def _add_joints(self, state: KinematicState, sample: JointSample) -> KinematicState:
-        """Remember a joint sample, unless a module did not answer or it is not newer than the last."""
+        """Remember a joint sample, if it is complete and newer than the last."""
         angle = self._select_joints(sample.angle)
         if not np.isfinite(angle).all():
             return state
@@ -146,7 +146,7 @@ class KinematicEstimator(StateEstimator):
         return replace(state, frames=(*recent, estimate))
 
     def _joints_at(self, state: KinematicState, time: float) -> Vector:
-        """Return the joint angles at a time, interpolated or carried on at their last rates [rad]."""
+        """Return the joint angles at a time, interpolated or carried on at the last rates [rad]."""
         times = np.array([record.time for record in state.joints])
         angles = np.stack([record.angle for record in state.joints])
         n_joints = angles.shape[1]
@@ -171,7 +171,7 @@ class KinematicEstimator(StateEstimator):
         return Pose(link_angle=theta, center_of_mass=place, pitch=0.0)
 
     def _pose_in_space(self, position: Vector, rotation: Matrix, joint: Vector) -> Pose:
-        """Return the pose in three dimensions: modules in the axes of the tail, then in the world's."""
+        """Return the pose in three dimensions: first in the axes of the tail, then in the world's."""
         modules = module_poses(self.robot, np.zeros(3), np.eye(3), joint)
         carrier = modules.rotation[self.mount.module]
         offset = np.array((*self.mount.offset, 0.0)[:3])

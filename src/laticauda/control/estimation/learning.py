@@ -1,7 +1,7 @@
 """Twin that learns while the robot swims: the water's coefficients, its current, what has changed.
 
-Every half cycle, a twin in still water whose joints do what the robot's report swims the last minute
-anew; so does one more for each unknown coefficient, which is a little larger there. The robot's
+Every half cycle, a twin in still water whose joints do what the robot's report swims the last
+minute anew; so does one more for each unknown coefficient, which is a little larger there. The robot's
 deviation from the twin is nearly linear in what is unknown: least squares do the rest. See
 docs/theory/learning-twin.md.
 
@@ -390,7 +390,7 @@ class Learner:
         return None
 
     def _is_odd(self, values: Array, design: Array) -> bool:
-        """Return whether the last cycle pulls elsewhere than those before it and the noise would."""
+        """Return whether the last cycle pulls elsewhere than earlier ones and the noise would."""
         cycles = _sum_over_cycles(_pull_of_stretches(values, design))
         before = cycles[:-1]
         last = cycles[-1:]

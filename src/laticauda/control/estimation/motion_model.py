@@ -416,7 +416,7 @@ class MotionModel:
         frequency: float,
         twin: TwinState | None = None,
     ) -> tuple[Vector, float]:
-        """Return the velocity of the center of mass [m/s] and the heading rate [rad/s], ripple included.
+        """Return velocity of the center of mass [m/s] and heading rate [rad/s], ripple included.
 
         Args:
             mean: Mean of the estimated vector.
@@ -478,7 +478,7 @@ def _velocity_through_water(mean: Vector, bend: float, c: float, s: float) -> Ve
 
 
 def _to_world(along: float, across: float, c: float, s: float) -> Vector:
-    """Convert a vector along a heading and to its left to world axes; c, s: cos, sin of the heading."""
+    """Convert a vector along a heading and to its left to world axes; c, s: its cos and sin."""
     return np.array([c * along - s * across, s * along + c * across])
 
 

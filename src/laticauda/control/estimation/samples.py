@@ -32,7 +32,7 @@ Vector: TypeAlias = Float[np.ndarray, " _"]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PoseSample:
-    """Pose of the marker body from motion capture; if the body is lost, its position contains nan."""
+    """Pose of the marker body from motion capture; the position of a lost body contains nan."""
 
     time: float
     """Time at which the cameras took the frame [s]."""
@@ -98,7 +98,7 @@ Shape: TypeAlias = tuple[int | None, ...]
 
 
 def _store_checked(sample: Sample, **shapes: Shape) -> None:
-    """Check that the time is finite, and store read-only arrays of these shapes; None stays None."""
+    """Check the time, and store read-only arrays of these shapes; None stays None."""
     object.__setattr__(sample, "time", check_finite("time", sample.time, "s"))
     for name, shape in shapes.items():
         numbers: object = getattr(sample, name)
@@ -134,8 +134,8 @@ class Estimate(Observation):
     """Estimated observation of the robot with its uncertainty, as input of a controller."""
 
     status: Status
-    """`tracking`: motion capture sees the robot; `bridging`: it does not for a moment; `lost`: it does
-    not for too long [-]."""
+    """`tracking`: motion capture sees the robot; `bridging`: it does not for a moment; `lost`: it
+    does not for too long [-]."""
     age: float
     """Time since the last accepted frame [s]."""
     center_of_mass_std: float = 0.0
@@ -195,7 +195,7 @@ class Mount:
         )
 
     def link_yaw(self, rotation: Float[np.ndarray, "3 3"]) -> float:
-        """Return the link angle that follows from a measured `rotation`, to within whole turns [rad].
+        """Return the link angle that follows from a `rotation`, to within whole turns [rad].
 
         Args:
             rotation: Rotation from the body's axes to world axes.

@@ -1,8 +1,8 @@
 """Estimated vector of the filter: which entry is what.
 
-It begins with the smooth motion (`X` to `SLIP`), goes on with the shares of the body's bending modes
-in heading and position (`HEADING_GAIN`, `ACROSS_GAIN`) and the ripple of the gait (from `RIPPLE`
-on), and ends with a deviation and its rate for every joint (from `JOINTS` on).
+It begins with the smooth motion (`X` to `SLIP`), goes on with the shares of the body's bending
+modes in heading and position (`HEADING_GAIN`, `ACROSS_GAIN`) and the ripple of the gait (from
+`RIPPLE` on), and ends with a deviation and its rate for every joint (from `JOINTS` on).
 """
 
 import numpy as np
@@ -49,7 +49,7 @@ RIPPLES = ((HEADING, 1), (HEADING, 3), (ALONG, 1), (ALONG, 2), (ACROSS, 1), (ACR
 RIPPLE = N_SMOOTH + 2 * N_MODES
 """First entry of the first phasor."""
 JOINTS = RIPPLE + 2 * len(RIPPLES)
-"""First joint's deviation from its reference [rad]; then its rate [rad/s], and so on, tail first."""
+"""First joint's deviation from its reference [rad]; then its rate [rad/s]; then the next joint."""
 
 RIPPLE_KIND = np.array([kind for kind, _ in RIPPLES])
 RIPPLE_HARMONIC = np.array([harmonic for _, harmonic in RIPPLES])

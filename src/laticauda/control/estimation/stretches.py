@@ -88,7 +88,7 @@ class Stretches:
     bounds: Array
     """Start of each stretch, and the end of the last one, shape (n_stretches + 1,) [s]."""
     poses: Array
-    """Time [s], position of the marker body [m, m] and angle of its link [rad], shape (4, n_frames)."""
+    """Time [s], x, y of the marker body [m] and angle of its link [rad], shape (4, n_frames)."""
     joints: Array
     """Time [s], angles [rad] and torques [N m] of the joints, shape (1 + 2 n_joints, n_samples)."""
 
@@ -106,7 +106,7 @@ class Stretches:
 
     @cached_property
     def marker(self) -> Array:
-        """Marker body's x and y [m] and the angle of its link [rad], shape (3, n_stretches, TICKS)."""
+        """Marker body's x, y [m] and the angle of its link [rad], shape (3, n_stretches, TICKS)."""
         time, x, y, yaw = self.poses
         return np.stack(_resample(self.ticks, time, (x, y, np.unwrap(yaw))))
 

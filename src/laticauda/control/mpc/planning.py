@@ -26,7 +26,8 @@ N_COMMANDS = 2
 OFFSET_CHANGE_COST = 30.0
 """Cost of a change of the offset, squared [1/rad^2].
 
-In the model, a wandering offset costs nothing, but it wears the robot: a small cost keeps it steady.
+In the model, a wandering offset costs nothing, but it wears the robot: a small cost keeps it
+steady.
 """
 FREQUENCY_CHANGE_COST = 0.3
 """Likewise of a change of the frequency [s^2/rad^2]."""

@@ -186,7 +186,7 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
     def step(
         self, state: PredictiveState, observation: Observation
     ) -> tuple[PredictiveState, Command]:
-        """Return the `state` after the `observation`, and the command until the next control instant.
+        """Return the state after the observation, and the command until the next instant.
 
         Args:
             state: State returned by the last control instant or by `init`.
@@ -292,7 +292,7 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
         return float(estimate.mean[PSI] + self.model.bend * estimate.mean[BEND])
 
     def _limit_command(self, command: PlannedCommand, last: PlannedCommand) -> PlannedCommand:
-        """Clip a command exactly to its limits, which the solver meets only within its tolerance."""
+        """Clip a command exactly to its limits, which the solver only nearly meets."""
         low, high = self.frequencies
         frequency_step = self.frequency_rate * self.interval
         offset_step = self.offset_rate * self.interval
@@ -316,7 +316,7 @@ class ModelPredictive(PlanLimits, Controller[PredictiveState]):
 
 
 def _clip_change(value: float, last_value: float, largest_change: float) -> float:
-    """Return the value nearest to `value` that differs from the last one by no more than allowed."""
+    """Return the nearest value that differs from the last one by no more than allowed."""
     return min(max(value, last_value - largest_change), last_value + largest_change)
 
 
