@@ -171,7 +171,7 @@ class KinematicEstimator(StateEstimator):
         return Pose(link_angle=theta, center_of_mass=place, pitch=0.0)
 
     def _pose_in_space(self, position: Vector, rotation: Matrix, joint: Vector) -> Pose:
-        """Return the pose in three dimensions: first in the axes of the tail, then in the world's."""
+        """Return the pose in three dimensions: in the axes of the tail, then in the world's."""
         modules = module_poses(self.robot, np.zeros(3), np.eye(3), joint)
         carrier = modules.rotation[self.mount.module]
         offset = np.array((*self.mount.offset, 0.0)[:3])

@@ -1,8 +1,8 @@
 """Twin that learns while the robot swims: the water's coefficients, its current, what has changed.
 
 Every half cycle, a twin in still water whose joints do what the robot's report swims the last
-minute anew; so does one more for each unknown coefficient, which is a little larger there. The robot's
-deviation from the twin is nearly linear in what is unknown: least squares do the rest. See
+minute anew; so does one more for each unknown coefficient, which is a little larger there. The
+robot's deviation from the twin is nearly linear in what is unknown: least squares do the rest. See
 docs/theory/learning-twin.md.
 
 The unknowns are kept in one vector: the logarithm of every unknown coefficient, the play of the
