@@ -9,7 +9,7 @@ from robot.strategies import robots
 import laticauda as lc
 from laticauda.models.spatial import mjcf
 from laticauda.models.spatial.mjcf import write_mjcf
-from laticauda.models.spatial.urdf import urdf, write_urdf
+from laticauda.models.spatial.urdf import build_urdf, write_urdf
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -80,7 +80,7 @@ def test_an_mjcf_file_is_the_model_that_it_was_made_of(tmp_path):
 def test_a_urdf_file_opens_in_a_reader_of_urdf(preset):
     reader = pytest.importorskip("urdf_parser_py.urdf")
     robot = lc.load_robot(preset)
-    found = reader.URDF.from_xml_string(urdf(robot))
+    found = reader.URDF.from_xml_string(build_urdf(robot))
     assert found.get_root() == "module_0"
     assert sum(link.inertial.mass for link in found.links if link.inertial) == pytest.approx(
         robot.mass
@@ -99,7 +99,7 @@ def test_a_urdf_file_opens_in_a_reader_of_urdf(preset):
 @pytest.mark.parametrize("preset", PRESETS)
 def test_ros2_control_is_told_of_every_driven_joint_what_it_takes_and_says(preset):
     robot = lc.load_robot(preset)
-    root = ET.fromstring(urdf(robot))
+    root = ET.fromstring(build_urdf(robot))
     (control,) = root.iter("ros2_control")
     assert (control.get("type"), control.findtext("hardware/plugin")) == (
         "system",
@@ -125,7 +125,7 @@ def test_ros2_control_is_told_of_every_driven_joint_what_it_takes_and_says(prese
 def test_in_any_posture_a_urdf_robot_is_where_the_mjcf_robot_is(robot):
     """Bodies, their centers of mass and their inertia (whose axes MuJoCo sorts when it reads URDF)."""
     models = (
-        mujoco.MjModel.from_xml_string(urdf(robot)),
+        mujoco.MjModel.from_xml_string(build_urdf(robot)),
         mjcf.build_spec(robot, WATER, visuals=False).compile(),
     )
     found = []
@@ -152,7 +152,7 @@ def test_in_any_posture_a_urdf_robot_is_where_the_mjcf_robot_is(robot):
 @given(robots())
 @settings(max_examples=25)
 def test_any_robot_can_be_written_and_read_back(robot):
-    text = urdf(robot)
+    text = build_urdf(robot)
     assert ET.fromstring(text).get("name") == robot.name
     assert mujoco.MjModel.from_xml_string(text).body_subtreemass[0] == pytest.approx(robot.mass)
     model = mjcf.build_spec(robot, WATER)
@@ -192,4 +192,4 @@ def test_meshes_must_be_one_per_module():
     with pytest.raises(
         ValueError, match=r"`meshes` must be one file per module \(9\) or none, got 2\."
     ):
-        urdf(lc.load_robot("mamba"), ["a.stl", "b.stl"])
+        build_urdf(lc.load_robot("mamba"), ["a.stl", "b.stl"])

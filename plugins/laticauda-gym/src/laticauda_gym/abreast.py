@@ -4,14 +4,12 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.models.dynamics import school
 from laticauda.models.spatial import School, Together
 from laticauda.scenarios import Scenario, Spatial
 from laticauda.values import BadArgument, option, quantity, value_class
@@ -26,26 +24,28 @@ class OneScene(School):
 
     usual_threads = 1
 
-    def _begin(self, threads: int) -> Sequence[range]:
-        shares = super()._begin(1)
-        self._together = Together(self._bodies)
+    def _allocate(self, n_threads: int) -> Sequence[range]:
+        shares = super()._allocate(1)
+        self._together = Together(self._plants)
         return shares
 
-    def _place(
-        self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: Any
+    def _restart(
+        self,
+        indices: np.ndarray,
+        center_of_mass: np.ndarray,
+        heading: np.ndarray,
+        currents: Any,
     ) -> None:
-        super()._place(which, center_of_mass, heading, current)
-        self._together.plants = self._bodies  # these know the water of this episode
+        super()._restart(indices, center_of_mass, heading, currents)
+        # These know the water of this episode.
+        self._together.plants = self._plants
         self._together.check(self._states)
 
-    def _swim(self, told: np.ndarray, duration: float) -> np.ndarray:
-        gaits = [
-            replace(self.command.gait, **dict(zip(school.TOLD, one, strict=True)))
-            for one in told.T.tolist()
-        ]
-        commands = [replace(self.command, gait=gait, offset=0.0) for gait in gaits]
-        self._states, _, failure = self._together.march(self._states, commands, duration, duration)
-        return np.full(self.n, failure is None)
+    def _swim(self, gaits: np.ndarray, duration: float) -> np.ndarray:
+        commands = self.commands_of(gaits)
+        advance = self._together.march(self._states, commands, duration, duration)
+        self._states = advance.states
+        return np.full(self.n, advance.failure is None)
 
 
 @value_class

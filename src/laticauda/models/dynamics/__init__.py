@@ -1,18 +1,25 @@
-"""Common parts of both models: the base of their plants, and the joints and time steps of their kernels."""
+"""Common parts of both models.
+
+- `plant`: base of their plants; `samples`: states and samples of plants.
+- `school`: base of their schools, many robots side by side.
+- `joint_table`, `stages`: the joints in their kernels, and the formulas of an implicit time step.
+"""
 
 from typing import TYPE_CHECKING
 
 from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
-    from laticauda.models.dynamics.plant import Plant as Plant, PlantState as PlantState
+    from laticauda.models.dynamics.plant import Plant as Plant
+    from laticauda.models.dynamics.samples import PlantState as PlantState
     from laticauda.models.dynamics.school import Motion as Motion, School as School
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
     {},
     plain={
-        "laticauda.models.dynamics.plant": ["Plant", "PlantState"],
+        "laticauda.models.dynamics.plant": ["Plant"],
+        "laticauda.models.dynamics.samples": ["PlantState"],
         "laticauda.models.dynamics.school": ["Motion", "School"],
     },
 )

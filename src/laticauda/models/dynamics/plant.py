@@ -5,13 +5,24 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar, Generic, NamedTuple, TypeVar, cast
+from typing import ClassVar, Generic, TypeVar, cast
 
 import numpy as np
-from jaxtyping import Float
 
+from laticauda.models.dynamics.joint_table import DRIVE, ENVELOPE, MOTOR, STALL_POWER, has_hinges
+from laticauda.models.dynamics.samples import (
+    Advance,
+    March,
+    PlantState,
+    Samples,
+    Stretch,
+    check_size,
+    count_samples,
+    join_forces,
+    join_samples,
+)
 from laticauda.motion.gaits import WaveState, WaveTarget, first_state
-from laticauda.motion.joints import JOINT, Drive, JointLaw
+from laticauda.motion.joints import JointLaw
 from laticauda.robot import Environment, Robot, check_fits, has_power_model
 from laticauda.scenarios import (
     EFFECTORS,
@@ -28,57 +39,22 @@ ModelType = TypeVar("ModelType", bound=Model)
 Waves = tuple[WaveState, WaveState, WaveState]
 Targets = tuple[WaveTarget, WaveTarget, WaveTarget]
 
-FORCES = ("drag", "added_mass", "effector")
-ELASTIC_DT = 0.005  # s, with a flexible fin
-MOST_SAMPLES = 2_000_000  # a longer log would take gigabytes
-# A wave of amplitude 1 that stands still at its crest, so that the joints' references equal their
-# envelope.
-CREST, STILL = WaveState(0.5 * math.pi, 1.0, *(0.0,) * 7), WaveTarget(1.0, 0.0, 0.0, 0.0, 0.0)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PlantState:
-    """Everything that a run needs to continue, as one vector; its model's `rows` define the layout."""
-
-    values: Float[np.ndarray, " n"]
-
-
-class Samples(NamedTuple):
-    """Logged samples, by quantity; the first axis is time."""
-
-    seen: dict[str, np.ndarray]
-    """Fields of an `Observation`."""
-    reference: np.ndarray
-    """References that the joints followed [rad]."""
-    offset: np.ndarray
-    """phi_0 of every joint, or one for all [rad]."""
-    torque: np.ndarray
-    """Joint torques [N m]."""
-    work: np.ndarray
-    """Absolute, net, positive and electrical work [J]."""
-    fin: tuple[np.ndarray, ...]
-    """Angle, rate, reference and torque of the fin's joints."""
-    signals: Mapping[str, np.ndarray]
-    """Further signals."""
-    link_force: Mapping[str, np.ndarray] | None = None
-    """Forces on every link that are always logged, requested or not [N]."""
-
-
-class Stretch(NamedTuple):
-    """Raw samples of one march; `Plant.log` makes a log of several stretches at once."""
-
-    samples: np.ndarray
-    """Samples as the kernels logged them; the first axis is time."""
-    command: Command
-    """Command, held throughout."""
-    force: np.ndarray | None = None
-    """Force on every link, if requested: component, time, link, axis [N]."""
-
-    def at(self, index: slice) -> "Stretch":
-        """Return the stretch with a slice of its samples."""
-        return Stretch(
-            self.samples[index], self.command, None if self.force is None else self.force[:, index]
-        )
+ELASTIC_DT = 0.005
+"""Time step with a flexible fin [s]."""
+CREST = WaveState(
+    phase=0.5 * math.pi,
+    amplitude=1.0,
+    amplitude_rate=0.0,
+    frequency=0.0,
+    frequency_rate=0.0,
+    phase_shift=0.0,
+    phase_shift_rate=0.0,
+    offset=0.0,
+    offset_rate=0.0,
+)
+"""A wave of amplitude 1 at its crest, so that the joints' references equal their envelope."""
+STILL = WaveTarget(1.0, 0.0, 0.0, 0.0, 0.0)
+"""Target of a wave of amplitude 1 that stands still."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -106,13 +82,21 @@ class Plant(ABC, Generic[ModelType]):
     def __post_init__(self) -> None:
         """Fill in unspecified settings."""
         check_fits(self.robot, self.environment)
-        settings = self.settings
-        dt, ramp = settings.dt, settings.ramp
+        dt = self.settings.dt
+        ramp = self.settings.ramp
         if dt is None:
-            elastic = ELASTIC_DT if has_hinges(self.robot) else math.inf
-            dt = min(self.joints.dt or self.usual_dt, elastic, self._stable_step())
-        closed = replace(settings, dt=dt, ramp=self.joints.ramp if ramp is None else ramp)
-        object.__setattr__(self, "settings", closed)
+            dt = self._choose_dt()
+        if ramp is None:
+            ramp = self.joints.ramp
+        complete_settings = replace(self.settings, dt=dt, ramp=ramp)
+        object.__setattr__(self, "settings", complete_settings)
+
+    def _choose_dt(self) -> float:
+        """Return the largest time step at which joints, fin and loads are resolved [s]."""
+        dt = min(self.joints.dt or self.usual_dt, self._stable_step())
+        if has_hinges(self.robot):
+            dt = min(dt, ELASTIC_DT)
+        return dt
 
     @property
     def joints(self) -> JointLaw:
@@ -148,7 +132,7 @@ class Plant(ABC, Generic[ModelType]):
 
     def step(self, state: PlantState, command: Command, dt: float) -> PlantState:
         """Return the state `dt` [s] after `state`, while `command` is held."""
-        return self.advance(state, command, dt, dt)[0]
+        return self.advance(state, command, dt, dt).state
 
     def march(
         self,
@@ -158,7 +142,7 @@ class Plant(ABC, Generic[ModelType]):
         sample_interval: float,
         *,
         link_forces: bool = False,
-    ) -> tuple[PlantState, Log, str | None]:
+    ) -> March:
         """Run many steps under one command.
 
         Args:
@@ -181,10 +165,9 @@ class Plant(ABC, Generic[ModelType]):
         duration = check_positive("duration", duration, "s")
         sample_interval = check_positive("sample_interval", sample_interval, "s")
         check_size(duration, sample_interval)
-        state, stretch, failure = self.advance(
-            state, command, duration, sample_interval, link_forces=link_forces
-        )
-        return state, self.log([stretch]), failure
+        advance = self.advance(state, command, duration, sample_interval, link_forces=link_forces)
+        log = self.log([advance.stretch])
+        return March(state=advance.state, log=log, failure=advance.failure)
 
     def advance(
         self,
@@ -194,7 +177,7 @@ class Plant(ABC, Generic[ModelType]):
         sample_interval: float,
         *,
         link_forces: bool = False,
-    ) -> tuple[PlantState, Stretch, str | None]:
+    ) -> Advance:
         """Run many steps under one command as `march` does, but return raw samples.
 
         Args:
@@ -210,27 +193,46 @@ class Plant(ABC, Generic[ModelType]):
         dt = duration / n_intervals / every
         end, samples = self._run(state, command, n_intervals, every, dt)
         if len(samples) <= n_intervals:
-            when = state.values[0] + len(samples) * duration / n_intervals
-            if not len(
-                samples
-            ):  # the first evaluation is already out of range; the state itself is kept
+            time = state.values[0] + len(samples) * duration / n_intervals
+            if len(samples) == 0:
+                # The first evaluation is already out of range; the state itself is kept.
                 samples = self._sample_of(state, command)
-            return state, Stretch(samples, command), self.what_went_wrong(when)
-        force = self._link_forces(state, command, samples, every, dt) if link_forces else None
-        return self._ended(state, command, end), Stretch(samples, command, force), None
+            return Advance(
+                state=state,
+                stretch=Stretch(samples, command),
+                failure=self.what_went_wrong(time),
+            )
+        force = None
+        if link_forces:
+            force = self._link_forces(state, command, samples, every, dt)
+        return Advance(
+            state=self._state_after(state, command, end),
+            stretch=Stretch(samples, command, force),
+            failure=None,
+        )
 
-    def _ended(self, state: PlantState, command: Command, end: np.ndarray) -> PlantState:
-        """Return the state after a march; waves that references replaced continue from where they were."""
+    def _state_after(self, state: PlantState, command: Command, end: np.ndarray) -> PlantState:
+        """Return the state after a march; waves that references replaced continue from where they were.
+
+        Args:
+            state: State before the march.
+            command: Command, held throughout.
+            end: State vector as the kernels left it; it is changed.
+        """
         for wave in self._held_waves(command):
             end[wave] = state.values[wave]
         return PlantState(values=end)
 
     def what_went_wrong(self, time: float) -> str:
         """Return the message of a run that diverged at `time` [s]."""
-        limits = getattr(getattr(self.environment, "flow", None), "limits", "")
+        remedy = self.joints.remedy
+        flow = getattr(self.environment, "flow", None)
+        limits = getattr(flow, "limits", "")
+        if limits:
+            remedy += f", unless it left its water: {limits}"
         return (
-            f"The run diverged at t = {time:.3g} s with dt = {self.dt:g} s (a position, angle, rate or torque went "
-            f"beyond all bounds); try {self.joints.remedy}{limits and f', unless it left its water: {limits}'}."
+            f"The run diverged at t = {time:.3g} s with dt = {self.dt:g} s "
+            f"(a position, angle, rate or torque went beyond all bounds); try {remedy}."
         )
 
     def pack(self, state: PlantState) -> dict[str, np.ndarray]:
@@ -245,9 +247,8 @@ class Plant(ABC, Generic[ModelType]):
         """
         values = np.asarray(stored.get(self.name, ()), dtype=float)
         if values.shape != (self._size,):
-            rule = (
-                f"must be that of {self._words} ({self._size} numbers), got {values.size} numbers"
-            )
+            plant = self._description
+            rule = f"must be that of {plant} ({self._size} numbers), got {values.size} numbers"
             raise BadArgument("state", rule)
         return PlantState(values=values)
 
@@ -257,7 +258,7 @@ class Plant(ABC, Generic[ModelType]):
         """Size of a state vector."""
 
     @property
-    def _words(self) -> str:
+    def _description(self) -> str:
         """Description of the plant for messages."""
         return f"a {self.name} run of {self.robot.n_links} links"
 
@@ -291,41 +292,47 @@ class Plant(ABC, Generic[ModelType]):
         Args:
             stretches: Consecutive stretches; each begins with the last sample of the previous one.
         """
-        samples, *more = [one.samples for one in stretches]
-        counts = [len(samples), *(len(one) - 1 for one in more)]
-        found = self._samples(
-            np.concatenate([samples, *(one[1:] for one in more)]) if more else samples
-        )
-        driven: dict[str, np.ndarray] = {}
-        for _, group, number, _ in EFFECTORS:
-            for i, one in enumerate(getattr(self.robot, group)):
-                if getattr(one, f"max_{number}") is not None:
-                    given = [
-                        getattr(getattr(of.command.effectors(self.robot), group)[i], number)
-                        for of in stretches
-                    ]
-                    driven[f"{number}_{i}"] = np.repeat(np.array(given, dtype=float), counts)
-        force = dict(found.link_force or {})
-        if all(one.force is not None for one in stretches):
-            first, *more = [cast(np.ndarray, one.force) for one in stretches]
-            every = np.concatenate([first, *(one[:, 1:] for one in more)], axis=1)
-            force = dict(zip(FORCES, every, strict=True)) | force
+        samples = self._samples(join_samples(stretches))
+        forces = {**join_forces(stretches), **(samples.link_force or {})}
+        electrical_work = None
+        if has_power_model(self.robot, self.joints):
+            electrical_work = samples.work[:, 3]
         return Log(
-            **found.seen,
-            joint_angle_ref=self._commanded(found.reference, found.offset),
-            joint_torque=found.torque,
-            work=found.work[:, :3],
-            electrical_work=found.work[:, 3] if has_power_model(self.robot, self.joints) else None,
-            link_force=force or None,
-            signals={**found.signals, **driven, **fin_signals(self.robot.fin_joints, *found.fin)},
+            **samples.observed,
+            joint_angle_ref=self._references_of_gait(samples.reference, samples.offset),
+            joint_torque=samples.torque,
+            work=samples.work[:, :3],
+            electrical_work=electrical_work,
+            link_force=forces or None,
+            signals={
+                **samples.signals,
+                **self._effector_signals(stretches),
+                **fin_signals(self.robot.fin_joints, *samples.fin),
+            },
         )
 
-    def _commanded(self, done: np.ndarray, offset: np.ndarray) -> np.ndarray:
+    def _effector_signals(self, stretches: Sequence[Stretch]) -> dict[str, np.ndarray]:
+        """Return what the effectors that a command drives did, at every sample of a log."""
+        counts = count_samples(stretches)
+        signals: dict[str, np.ndarray] = {}
+        for _, group, quantity, _ in EFFECTORS:
+            for i, effector in enumerate(getattr(self.robot, group)):
+                if getattr(effector, f"max_{quantity}") is None:
+                    continue
+                values: list[float] = []
+                for stretch in stretches:
+                    robot = stretch.command.effectors(self.robot)
+                    commanded_effector = getattr(robot, group)[i]
+                    values.append(getattr(commanded_effector, quantity))
+                signals[f"{quantity}_{i}"] = np.repeat(np.array(values, dtype=float), counts)
+        return signals
+
+    def _references_of_gait(self, reference: np.ndarray, offset: np.ndarray) -> np.ndarray:
         """Return the gait's reference; the kernels' reference is the share that prescribed joints do (`tracking`)."""
-        share = np.array([joint.actuator.tracking for joint in self.robot.joints])
-        if not self.joints.prescribed or np.all(share == 1.0):
-            return done
-        return offset + (done - offset) / share
+        shares = np.array([joint.actuator.tracking for joint in self.robot.joints])
+        if not self.joints.prescribed or np.all(shares == 1.0):
+            return reference
+        return offset + (reference - offset) / shares
 
     def _first_waves(self, command: Command) -> Waves:
         """Return the initial states of the waves of yaw joints, pitch joints and fin."""
@@ -338,7 +345,9 @@ class Plant(ABC, Generic[ModelType]):
         yaw, pitch, fin = command.gait.targets(command.offset, command.pitch_offset)
         if command.references is None:
             return yaw, pitch, fin
-        return STILL, STILL, STILL if self._holds_fin(command) else fin
+        if self._holds_fin(command):
+            return STILL, STILL, STILL
+        return STILL, STILL, fin
 
     def _recorded(self, command: Command, shares: np.ndarray) -> np.ndarray | None:
         """Return the knots of the recording in a command's gait, if any, with angles scaled by the joints' shares."""
@@ -354,9 +363,11 @@ class Plant(ABC, Generic[ModelType]):
         """Return the waves in a state vector that a command's references replace."""
         if command.references is None:
             return ()
-        return self.generator if self._holds_fin(command) else self.generator[:-1]
+        if self._holds_fin(command):
+            return self.generator
+        return self.generator[:-1]
 
-    def _begun(self, state: PlantState, command: Command) -> np.ndarray:
+    def _start_values(self, state: PlantState, command: Command) -> np.ndarray:
         """Return a copy of the state vector in which waves with held references stand still at their crest."""
         values = state.values.copy()
         for wave in self._held_waves(command):
@@ -367,65 +378,10 @@ class Plant(ABC, Generic[ModelType]):
         """Write external references to the numbers of the driven joints (`joint_table`), and switch motors off."""
         command.check_held(self.robot, self.joints)
         if command.references is not None:
-            joints[: len(command.references), 0] = command.references
+            joints[: len(command.references), ENVELOPE] = command.references
         if command.enabled is not None:
             # No gain, no stall torque and no current: only the friction of the servo's gear remains
             # of both laws.
             off = np.flatnonzero(np.logical_not(command.enabled))
-            joints[off, _DRIVE : _MOTOR + 1] = 0.0
-            joints[off, _STALL_POWER] = 0.0
-
-
-_, _, _, _DRIVE, _MOTOR, _STALL_POWER, _JOINT_ROWS = JOINT
-
-
-def joint_table(robot: Robot, law: JointLaw) -> Float[np.ndarray, "n_joints n_numbers"]:
-    """Return the kernels' numbers of every joint (`laticauda.motion.joints.laws.JOINT`): body, then fin from its root.
-
-    Args:
-        robot: Robot with the joints; the passive hinges of its fin have stiffness and damping only.
-        law: Law by which the driven joints follow their references.
-    """
-    has_power = has_power_model(robot, law)
-    known: dict[int, tuple[float, ...]] = {}
-    for joint in {
-        id(joint): joint for joint in robot.driven_joints
-    }.values():  # most joints are the same object
-        motor, power = joint.actuator, joint.actuator.stall_power if has_power else 0.0
-        drive = (getattr(motor, name) for name in Drive._fields)
-        known[id(joint)] = (
-            motor.tracking if law.prescribed else 1.0,
-            joint.stiffness,
-            joint.damping,
-            *drive,
-            power,
-        )
-    found = [known[id(joint)] for joint in robot.driven_joints]
-    for hinge in robot.caudal_fin.hinges if robot.caudal_fin is not None else ():
-        found.append((0.0, hinge.stiffness, hinge.damping, *(0.0,) * (_JOINT_ROWS - 3)))
-    return np.array(found).reshape(-1, _JOINT_ROWS)
-
-
-def has_hinges(robot: Robot) -> bool:
-    """Return whether a robot has a flexible fin.
-
-    Args:
-        robot: Robot to check.
-    """
-    return robot.caudal_fin is not None and robot.caudal_fin.n_hinges > 0
-
-
-def check_size(duration: float, sample_interval: float) -> None:
-    """Reject a log that is too large for memory.
-
-    Args:
-        duration: Duration of the run [s].
-        sample_interval: Time between two samples [s].
-
-    Raises:
-        ValueError: If there would be more than `MOST_SAMPLES` samples.
-    """
-    longest = MOST_SAMPLES * sample_interval
-    if duration > longest:
-        rule = f"must be <= {longest:g} s at a `sample_interval` of {sample_interval:g} s, got {duration:g}"
-        raise BadArgument("duration", f"{rule}; a longer `sample_interval` allows a longer run")
+            joints[off, DRIVE : MOTOR + 1] = 0.0
+            joints[off, STALL_POWER] = 0.0

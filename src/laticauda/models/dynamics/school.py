@@ -15,7 +15,8 @@ from typing import Any, ClassVar, Generic, TypeAlias, TypeVar
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from laticauda.models.dynamics.plant import Plant, PlantState
+from laticauda.models.dynamics.plant import Plant
+from laticauda.models.dynamics.samples import PlantState
 from laticauda.robot import Current, Water
 from laticauda.scenarios import Command, Observation
 from laticauda.values import BadArgument, check_positive, check_whole_number
@@ -23,8 +24,9 @@ from laticauda.water.fluid import Flow
 
 Currents: TypeAlias = Sequence[Current]
 PlantType = TypeVar("PlantType", bound=Plant[Any])
-CLOSE = 1e-9  # [s]: times that differ by less are equal
-TOLD = ("amplitude", "frequency", "phase_shift", "offset")
+CLOSE = 1e-9
+"""Times that differ by less are equal [s]."""
+GAIT_PARAMETERS = ("amplitude", "frequency", "phase_shift", "offset")
 """Gait parameters that robots of a school are commanded."""
 
 
@@ -62,7 +64,8 @@ class Motion:
     """Full observation of each robot, including contacts and rays; spatial model only."""
 
 
-NAMES = tuple(part.name for part in fields(Motion))[:-1]
+NUMBERS_OF_MOTION = tuple(field.name for field in fields(Motion) if field.name != "observations")
+"""Fields of a `Motion` that are one number per robot."""
 
 
 class School(ABC, Generic[PlantType]):
@@ -94,25 +97,43 @@ class School(ABC, Generic[PlantType]):
     ) -> None:
         if not isinstance(plant.environment, Water):
             raise BadArgument("plant", "must swim in water, got one on the ground")
-        self.plant, self.n, self.command = plant, check_whole_number("n", n, 1), command
+        self.plant = plant
+        self.n = check_whole_number("n", n, 1)
+        self.command = command
         self.interval = check_positive("interval", interval, "s")
-        self._well = np.full(n, True)
+        self._is_well = np.full(n, True)
         gait = command.steered
-        self._first = np.array([gait.amplitude, gait.frequency, gait.phase_shift, gait.offset])
-        # The queue ends with the latest command; a command that acts until the delay is over
-        # precedes the next one.
-        late, part = divmod(plant.settings.loop_delay + CLOSE, self.interval)
-        cut = [part - CLOSE] if part > 2.0 * CLOSE else []
-        self._line = [
-            np.repeat(self._first[:, np.newaxis], n, axis=1)
-            for _ in range(int(late) + 1 + len(cut))
-        ]
-        self._parts = [*cut, self.interval - sum(cut)]
-        self._shares = self._begin(
-            self.usual_threads if threads is None else check_whole_number("threads", threads, 1)
-        )
+        self._first = np.array([getattr(gait, name) for name in GAIT_PARAMETERS])
+        self._durations = self._split_interval()
+        self._waiting_gaits = self._create_queue()
+        if threads is None:
+            threads = self.usual_threads
+        else:
+            threads = check_whole_number("threads", threads, 1)
+        self._shares = self._allocate(threads)
         self._workers = ThreadPoolExecutor(len(self._shares))
-        self._keep_seen()
+        self._update_motion()
+
+    def _split_delay(self) -> tuple[int, float]:
+        """Return the plant's delay as a number of whole intervals, and what is left over [s]."""
+        n_intervals, remainder = divmod(self.plant.settings.loop_delay + CLOSE, self.interval)
+        return int(n_intervals), remainder - CLOSE
+
+    def _split_interval(self) -> list[float]:
+        """Return the durations of the parts of an interval [s]: before a new command takes effect, and after it."""
+        _, remainder = self._split_delay()
+        if remainder <= CLOSE:
+            return [self.interval]
+        return [remainder, self.interval - remainder]
+
+    def _create_queue(self) -> list[np.ndarray]:
+        """Return the gaits of the next parts of intervals, one row per parameter; the last is the latest command.
+
+        A command that acts until the delay is over precedes the next one.
+        """
+        n_late, _ = self._split_delay()
+        n_waiting = n_late + len(self._durations)
+        return [np.repeat(self._first[:, np.newaxis], self.n, axis=1) for _ in range(n_waiting)]
 
     @property
     def motion(self) -> Motion:
@@ -122,11 +143,11 @@ class School(ABC, Generic[PlantType]):
     @property
     def is_well(self) -> Bool[np.ndarray, " n"]:
         """Whether each robot's numbers are still within bounds."""
-        return self._well.copy()
+        return self._is_well.copy()
 
     def place(
         self,
-        which: Int[np.ndarray, " n_placed"],
+        indices: Int[np.ndarray, " n_placed"],
         *,
         center_of_mass: Float[np.ndarray, "n_placed 2"],
         heading: Float[np.ndarray, " n_placed"],
@@ -135,7 +156,7 @@ class School(ABC, Generic[PlantType]):
         """Restart some of the robots: straight, at rest, their generators at the initial command.
 
         Args:
-            which: Indices of the robots.
+            indices: Indices of the robots.
             center_of_mass: Positions of the center of mass [m].
             heading: Headings [rad].
             current: Velocity of the water around each robot, world axes [m/s], or its flow, which
@@ -144,14 +165,17 @@ class School(ABC, Generic[PlantType]):
         Raises:
             ValueError: If a flow has other parts.
         """
-        for told in self._line:
-            told[:, which] = self._first[:, np.newaxis]
-        waters = [
-            one if isinstance(one, Flow) else (float(one[0]), float(one[1])) for one in current
-        ]
-        self._place(which, center_of_mass, heading, waters)
-        self._well[which] = True
-        self._keep_seen()
+        for gaits in self._waiting_gaits:
+            gaits[:, indices] = self._first[:, np.newaxis]
+        currents: list[Current] = []
+        for motion in current:
+            if isinstance(motion, Flow):
+                currents.append(motion)
+            else:
+                currents.append((float(motion[0]), float(motion[1])))
+        self._restart(indices, center_of_mass, heading, currents)
+        self._is_well[indices] = True
+        self._update_motion()
 
     def tell(self, command: Mapping[str, Float[np.ndarray, " n"]]) -> None:
         """Give every robot a new command, which takes effect after the plant's `loop_delay`, if any.
@@ -160,22 +184,25 @@ class School(ABC, Generic[PlantType]):
             command: Any of amplitude [rad], frequency [rad/s], phase_shift [rad] and offset [rad];
                 the last is the gait's own offset plus that of steering.
         """
+        latest_gaits = self._waiting_gaits[-1]
         for name, values in command.items():
-            self._line[-1][TOLD.index(name)] = values
+            latest_gaits[GAIT_PARAMETERS.index(name)] = values
 
     def march(self) -> None:
         """Simulate one interval."""
-        for duration, told in zip(self._parts, self._line, strict=False):
-            self._well &= self._swim(told, duration)
-        self._line = [*self._line[1:], self._line[-1].copy()]
-        self._keep_seen()
+        # More commands than parts of an interval wait if the delay is longer than an interval.
+        for duration, gaits in zip(self._durations, self._waiting_gaits, strict=False):
+            self._is_well &= self._swim(gaits, duration)
+        latest_gaits = self._waiting_gaits[-1]
+        self._waiting_gaits = [*self._waiting_gaits[1:], latest_gaits.copy()]
+        self._update_motion()
 
-    def observe(self, which: int) -> Observation:
+    def observe(self, index: int) -> Observation:
         """Return the observation of one robot."""
-        return self.plant.observe(self.state(which))
+        return self.plant.observe(self.state(index))
 
     @abstractmethod
-    def state(self, which: int) -> PlantState:
+    def state(self, index: int) -> PlantState:
         """Return the state of one robot, for the plant."""
 
     def close(self) -> None:
@@ -183,36 +210,44 @@ class School(ABC, Generic[PlantType]):
         self._workers.shutdown()
 
     @abstractmethod
-    def _begin(self, threads: int) -> Sequence[Any]:
-        """Allocate all robots; return their shares, one per thread and at most `threads`."""
+    def _allocate(self, n_threads: int) -> Sequence[Any]:
+        """Allocate all robots; return their shares, one per thread and at most `n_threads`."""
 
-    def _on_threads(self, work: Callable[[Any], None]) -> None:
-        """Apply `work` to every share."""
+    def _apply_to_shares(self, work: Callable[[Any], None]) -> None:
+        """Apply `work` to every share, each in its thread."""
         if len(self._shares) == 1:
             work(self._shares[0])
         else:
             list(self._workers.map(work, self._shares))
 
     @abstractmethod
-    def _place(
-        self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: Currents
+    def _restart(
+        self,
+        indices: np.ndarray,
+        center_of_mass: np.ndarray,
+        heading: np.ndarray,
+        currents: Currents,
     ) -> None:
         """Restart robots as `place` does."""
 
     @abstractmethod
-    def _swim(self, told: np.ndarray, duration: float) -> np.ndarray:
-        """Simulate all robots with the commands `told` for `duration` [s]; return whether each is within bounds."""
+    def _swim(self, gaits: np.ndarray, duration: float) -> np.ndarray:
+        """Simulate all robots with these gaits for `duration` [s]; return whether each is within bounds."""
 
     @abstractmethod
-    def _look(self) -> tuple[np.ndarray, tuple[Observation, ...]]:
+    def _read_motion(self) -> tuple[np.ndarray, tuple[Observation, ...]]:
         """Return the fields of a `Motion`, one row each, and the observations."""
 
-    def _keep_seen(self) -> None:
-        rows, observations = self._look()
-        if not self._well.all():
-            rows = np.where(self._well, rows, [getattr(self._motion, name) for name in NAMES])
-        rows.flags.writeable = False  # it is handed out
-        self._motion = Motion(**dict(zip(NAMES, rows, strict=True)), observations=observations)
+    def _update_motion(self) -> None:
+        """Read the motion of all robots; a failed robot keeps its last valid one."""
+        rows, observations = self._read_motion()
+        if not self._is_well.all():
+            last_rows = [getattr(self._motion, name) for name in NUMBERS_OF_MOTION]
+            rows = np.where(self._is_well, rows, last_rows)
+        # It is handed out.
+        rows.flags.writeable = False
+        numbers = dict(zip(NUMBERS_OF_MOTION, rows, strict=True))
+        self._motion = Motion(**numbers, observations=observations)
 
 
 def usable_cores() -> int:

@@ -16,8 +16,10 @@ from laticauda.values import magnitude
 GAMMA = 1.0 - 0.5**0.5
 WEIGHTS = (1.5, 0.5)
 """Weights of the slopes of the first and second stage."""
-FARTHEST, STRONGEST = 1e6, 1e12
-"""Bounds of positions and rates, and of torques, of a swimming robot; a run that exceeds them has diverged."""
+FARTHEST = 1e6
+"""Bound of positions [m, rad] and rates [m/s, rad/s]; a run that exceeds it has diverged."""
+STRONGEST = 1e12
+"""Bound of torques [N m]; a run that exceeds it has diverged."""
 
 
 def implicit_inertia(slope_p: float, slope_d: float, gamma_dt: float) -> float:
@@ -51,8 +53,8 @@ def second_torque(
         first: Acceleration in k1 [rad/s^2].
         gamma_dt: gamma h [s].
     """
-    rest = rate - 2.0 * first_rate
-    return torque - gamma_dt * slope_p * rest + 2.0 * inertia * first
+    difference = rate - 2.0 * first_rate
+    return torque - gamma_dt * slope_p * difference + 2.0 * inertia * first
 
 
 def combined(
@@ -69,8 +71,8 @@ def combined(
     """
     second = acceleration - 2.0 * first
     second_rate = rate - 2.0 * first_rate + gamma_dt * second
-    one, two = WEIGHTS
-    return one * first_rate + two * second_rate, one * first + two * second
+    w_1, w_2 = WEIGHTS
+    return w_1 * first_rate + w_2 * second_rate, w_1 * first + w_2 * second
 
 
 def joint_powers(torque: float, rate: float) -> tuple[float, float, float]:

@@ -19,7 +19,7 @@ from jaxtyping import Float, Inexact, Int
 
 from laticauda.compiling.formulas import digest_of
 from laticauda.compiling.lane_types import split
-from laticauda.models.dynamics.school import TOLD, usable_cores
+from laticauda.models.dynamics.school import GAIT_PARAMETERS, usable_cores
 from laticauda.models.planar import rows
 from laticauda.models.planar.layout import Layout
 from laticauda.models.planar.model import PlanarPlant
@@ -32,7 +32,7 @@ WIDTH = 8
 """Runs side by side. They fill an AVX-512 register; other processors use two or four registers for the
 same numbers, and 16 lanes are no faster."""
 COMMAND = slice(rows.AMPLITUDE, rows.OFFSET + 1)
-"""Rows of a wave's parameters (`TOLD`)."""
+"""Rows of a wave's parameters (`GAIT_PARAMETERS`)."""
 FILTERED_COMMAND = [rows.AMPLITUDE_NOW, rows.FREQUENCY_NOW, rows.PHASE_SHIFT_NOW]
 """Rows of the initial state that hold the first of them."""
 MOST_BLOCKS_PER_TASK = 8
@@ -302,15 +302,15 @@ def _columns(runs: Sequence[Run]) -> np.ndarray:
 
 
 def _wave_numbers(run: Run) -> list[float]:
-    return [getattr(run.command.gait, name) for name in TOLD]
+    return [getattr(run.command.gait, name) for name in GAIT_PARAMETERS]
 
 
 def _differ_in_waves(first: Run, run: Run) -> bool:
-    """Return whether two runs of a plant differ only in `TOLD`."""
+    """Return whether two runs of a plant differ only in `GAIT_PARAMETERS`."""
     return (
         first.start == run.start
         and _are_same(first.command, run.command, but=("gait",))
-        and _are_same(first.command.gait, run.command.gait, but=TOLD)
+        and _are_same(first.command.gait, run.command.gait, but=GAIT_PARAMETERS)
     )
 
 

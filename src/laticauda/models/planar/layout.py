@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from laticauda import robot as robots
-from laticauda.models.dynamics.plant import joint_table
+from laticauda.models.dynamics.joint_table import joint_table
 from laticauda.models.planar import rows
 from laticauda.motion.joints import JointLaw, Prescribed
 from laticauda.robot import Coefficients, link_coefficients, wake_mass

@@ -11,7 +11,8 @@ import numpy as np
 
 from laticauda.compiling import Target
 from laticauda.compiling.templates import specialized
-from laticauda.models.dynamics.plant import Plant, PlantState, Samples
+from laticauda.models.dynamics.plant import Plant
+from laticauda.models.dynamics.samples import PlantState, Samples
 from laticauda.models.planar import rows
 from laticauda.models.planar.layout import Layout, build_layout, flow_rows, write_effectors
 from laticauda.motion import gaits
@@ -172,7 +173,7 @@ class PlanarPlant(Plant[Planar]):
             )
         S = self._rows_of_command(command).copy()
         if command.references is not None:
-            S[self._state] = self._begun(state, command)
+            S[self._state] = self._start_values(state, command)
             return S
         S[self._state] = state.values
         S[rows.OFFSET] = gait.offset + command.offset
@@ -353,7 +354,7 @@ class PlanarPlant(Plant[Planar]):
         fields = self._fields_of(samples)
         columns = np.moveaxis(samples[:, rows.LOG_STATE :].reshape(len(samples), 4, joints), 1, 0)
         return Samples(
-            seen=fields | {"link_angle": _links(fields["heading"], fields["joint_angle"])},
+            observed=fields | {"link_angle": _links(fields["heading"], fields["joint_angle"])},
             reference=columns[2, :, tail:],
             offset=samples[:, _at(rows.OFFSET_NOW), np.newaxis],
             torque=columns[3, :, tail:],

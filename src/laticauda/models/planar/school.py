@@ -7,7 +7,7 @@ from typing import Any, cast
 import numpy as np
 
 from laticauda.models.dynamics import school
-from laticauda.models.dynamics.plant import PlantState
+from laticauda.models.dynamics.samples import PlantState
 from laticauda.models.dynamics.school import Currents
 from laticauda.models.planar import rows
 from laticauda.models.planar.batch import COMMAND, WIDTH, aligned
@@ -41,7 +41,7 @@ class School(school.School[PlanarPlant]):
 
     usual_threads = 1
 
-    def _begin(self, threads: int) -> Sequence[np.ndarray]:
+    def _allocate(self, n_threads: int) -> Sequence[np.ndarray]:
         plant = self.plant
         n = self.n
         # One robot is faster in a one-lane kernel, with identical results; not so with a flow,
@@ -57,11 +57,11 @@ class School(school.School[PlanarPlant]):
         self._observed = np.array((*OBSERVED_ROWS, work)) - rows.TIME
         self._kernel: Any = plant.kernels_of(self._width).run
         self._shape = plant.layout.chain
-        return np.array_split(np.arange(n_blocks), min(threads, n_blocks))
+        return np.array_split(np.arange(n_blocks), min(n_threads, n_blocks))
 
-    def state(self, which: int) -> PlantState:
+    def state(self, index: int) -> PlantState:
         """Return the state of one robot, for `PlanarPlant`."""
-        block, lane = divmod(which, self._width)
+        block, lane = divmod(index, self._width)
         values = self._lanes[block, :, lane]
         end = rows.HEADER_ROWS + self.plant.layout.n_bodies * rows.BODY_ROWS
         bodies = values[rows.HEADER_ROWS : end].reshape(-1, rows.BODY_ROWS)
@@ -69,20 +69,20 @@ class School(school.School[PlanarPlant]):
         rates = bodies[1:, rows.RATE]
         return PlantState(values=np.concatenate((values[STATE], angles, rates)))
 
-    def _place(
+    def _restart(
         self,
-        which: np.ndarray,
+        indices: np.ndarray,
         center_of_mass: np.ndarray,
         heading: np.ndarray,
-        current: Currents,
+        currents: Currents,
     ) -> None:
-        blocks, lanes = np.divmod(which, self._width)
+        blocks, lanes = np.divmod(indices, self._width)
         x, y = center_of_mass.T
         self._lanes[blocks, :, lanes] = self._start
         self._lanes[blocks, rows.X, lanes] = x
         self._lanes[blocks, rows.Y, lanes] = y
         self._lanes[blocks, rows.HEADING, lanes] = heading
-        for block, lane, robot_current in zip(blocks, lanes, current, strict=True):
+        for block, lane, robot_current in zip(blocks, lanes, currents, strict=True):
             water = replace(cast(Water, self.plant.environment), current=robot_current)
             self._write_current(self._lanes[block, :, lane], water)
 
@@ -99,15 +99,15 @@ class School(school.School[PlanarPlant]):
         first = int(S[rows.FLOW])
         S[first:][: flow.numbers.size] = flow.numbers
 
-    def _swim(self, told: np.ndarray, duration: float) -> np.ndarray:
+    def _swim(self, gaits: np.ndarray, duration: float) -> np.ndarray:
         n_lanes = self._lanes.shape[0] * self._width
-        commands_of_lanes = np.empty((len(told), n_lanes))
-        commands_of_lanes[:, : self.n] = told
+        commands_of_lanes = np.empty((len(gaits), n_lanes))
+        commands_of_lanes[:, : self.n] = gaits
         commands_of_lanes[:, self.n :] = self._first[:, np.newaxis]  # of lanes without a robot
-        in_blocks = commands_of_lanes.reshape(len(told), -1, self._width)
+        in_blocks = commands_of_lanes.reshape(len(gaits), -1, self._width)
         self._lanes[:, COMMAND] = in_blocks.transpose(1, 0, 2)
         n_steps = self.plant.steps_in(duration)
-        self._on_threads(lambda blocks: self._run(blocks, n_steps, duration / n_steps))
+        self._apply_to_shares(lambda blocks: self._run(blocks, n_steps, duration / n_steps))
         return self._of_each(self._lanes[:, rows.WELL : rows.WELL + 1])[0] > 0.0
 
     def _run(self, blocks: np.ndarray, n_steps: int, dt: float) -> None:
@@ -117,7 +117,7 @@ class School(school.School[PlanarPlant]):
             lanes = self._lanes[block] if self._width > 1 else self._lanes[block, :, 0]
             self._kernel(lanes, *self._shape, self.plant.is_implicit, n_steps, dt, n_steps, log)
 
-    def _look(self) -> tuple[np.ndarray, tuple[Observation, ...]]:
+    def _read_motion(self) -> tuple[np.ndarray, tuple[Observation, ...]]:
         return self._of_each(self._lanes[:, STATE])[self._observed], ()
 
     def _of_each(self, part: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 from jaxtyping import Bool, Float, Inexact
 
-from laticauda.models.dynamics.plant import check_size
+from laticauda.models.dynamics.samples import check_size
 from laticauda.models.planar.batch import Block, Device, Run, march_many
 from laticauda.models.simulate import batch_figures
 from laticauda.models.simulate.runner import Progress, silent

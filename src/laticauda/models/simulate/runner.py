@@ -14,7 +14,8 @@ from typing import Any, NamedTuple, TypedDict, Unpack, cast
 
 import numpy as np
 
-from laticauda.models.dynamics.plant import Plant, Stretch, check_size
+from laticauda.models.dynamics.plant import Plant
+from laticauda.models.dynamics.samples import Stretch, check_size
 from laticauda.models.simulate.plants import build_plant
 from laticauda.motion import gaits
 from laticauda.robot import Robot

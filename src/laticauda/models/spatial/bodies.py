@@ -1,4 +1,4 @@
-"""The bodies of a robot, as used in all models and pictures: frames, joints, masses and mounted effectors.
+"""The bodies of a robot, as used in all models and pictures: frames, joints and masses.
 
 Bodies are `module_0` (tail) to `module_{n-1}` (head). A module's frame has its origin at the tail
 end, with x toward the head, y to the left and z up. `joint_i` is at the head end of module i and
@@ -12,24 +12,15 @@ convention as those of the body: positive angles turn the part behind the hinge 
 
 from typing import NamedTuple
 
-from laticauda.robot import (
-    CaudalFin,
-    Hinge,
-    Joint,
-    Module,
-    PectoralFin,
-    Piece,
-    Robot,
-    Thruster,
-    levers,
-    to_quaternion,
-    turn,
-)
+from laticauda.robot import CaudalFin, Hinge, Joint, Module, Piece, Robot, levers
 from laticauda.scenarios import Model, Spatial
 
 Three = tuple[float, float, float]
+
 AXES: dict[str, Three] = {"yaw": (0.0, 0.0, 1.0), "pitch": (0.0, 1.0, 0.0)}
-FIN_AXIS = (0.0, 0.0, -1.0)  # fin bodies lie behind their hinges, modules ahead of theirs
+"""Axis of rotation of a joint of the body, by its kind."""
+FIN_AXIS = (0.0, 0.0, -1.0)
+"""Axis of rotation of a joint of the fin: fin bodies lie behind their hinges, modules ahead of theirs."""
 
 
 class Body(NamedTuple):
@@ -57,83 +48,69 @@ class Body(NamedTuple):
     """Axis of rotation of the joint."""
 
 
-class Mount(NamedTuple):
-    """Mounting pose of a thruster or a pectoral fin."""
-
-    name: str
-    """Name: `thruster_k` or `pectoral_fin_k`."""
-    body: str
-    """Body on which it is mounted."""
-    position: Three
-    """Position in the body's frame [m]."""
-    orientation: tuple[float, float, float, float]
-    """Orientation of its axes in the body's frame, as a quaternion (w, x, y, z) [-]."""
-
-
 def build_bodies(robot: Robot) -> list[Body]:
     """Return all bodies, parents first: the modules from the tail, then the fin from its root."""
-    found: list[Body] = []
-    for i, module in enumerate(robot.modules):
-        joint = robot.joints[i - 1] if i else None
-        found.append(
-            Body(
-                name=f"module_{i}",
-                parent=f"module_{i - 1}" if i else "",
-                position=(robot.modules[i - 1].length if i else 0.0, 0.0, 0.0),
-                part=module,
-                mass=module.mass,
-                center=module.half_length + module.center,
-                inertia=_module_inertia(module),
-                joint_name=f"joint_{i - 1}" if i else "",
-                joint=joint,
-                axis=AXES["yaw" if joint is None else joint.axis],
-            )
-        )
-    return found if robot.caudal_fin is None else found + fin_bodies(robot.caudal_fin)
+    bodies = [_build_module(robot, i) for i in range(robot.n_links)]
+    if robot.caudal_fin is not None:
+        bodies += build_fin_bodies(robot.caudal_fin)
+    return bodies
 
 
-def fin_bodies(fin: CaudalFin) -> list[Body]:
+def _build_module(robot: Robot, i: int) -> Body:
+    """Return the body of module i."""
+    module = robot.modules[i]
+    body = Body(
+        name=f"module_{i}",
+        parent="",
+        position=(0.0, 0.0, 0.0),
+        part=module,
+        mass=module.mass,
+        center=module.half_length + module.center,
+        inertia=_module_inertia(module),
+        axis=AXES["yaw"],
+    )
+    if i == 0:
+        return body
+    joint = robot.joints[i - 1]
+    return body._replace(
+        parent=f"module_{i - 1}",
+        position=(robot.modules[i - 1].length, 0.0, 0.0),
+        joint_name=f"joint_{i - 1}",
+        joint=joint,
+        axis=AXES[joint.axis],
+    )
+
+
+def build_fin_bodies(fin: CaudalFin) -> list[Body]:
     """Return the bodies of a fin, starting at its root."""
-    found: list[Body] = []
-    parent, behind = "module_0", 0.0
+    bodies: list[Body] = []
+    parent = "module_0"
+    length_of_parent = 0.0
     for k, piece in enumerate(fin.pieces):
-        joint = fin.joint if piece.hinge is None else piece.hinge
-        joint_name = "fin_joint" if piece.hinge is None else f"fin_hinge_{k}"
-        found.append(
-            Body(
-                name=f"caudal_fin_{k}" if k else "caudal_fin",
-                parent=parent,
-                position=(-behind, 0.0, 0.0),
-                part=piece,
-                mass=piece.mass,
-                center=-0.5 * piece.length,
-                inertia=_piece_inertia(fin, piece),
-                joint_name="" if joint is None else joint_name,
-                joint=joint,
-            )
+        body = Body(
+            name=_fin_body_name(k),
+            parent=parent,
+            position=(-length_of_parent, 0.0, 0.0),
+            part=piece,
+            mass=piece.mass,
+            center=-0.5 * piece.length,
+            inertia=_piece_inertia(fin, piece),
         )
-        parent, behind = found[-1].name, piece.length
-    return found
+        if piece.hinge is not None:
+            body = body._replace(joint_name=f"fin_hinge_{k}", joint=piece.hinge)
+        elif fin.joint is not None:
+            body = body._replace(joint_name="fin_joint", joint=fin.joint)
+        bodies.append(body)
+        parent = body.name
+        length_of_parent = piece.length
+    return bodies
 
 
-def mounts(robot: Robot) -> list[Mount]:
-    """Return the mounts of the robot's thrusters and pectoral fins."""
-    return [
-        Mount(
-            f"{kind}_{k}",
-            f"module_{one.link}",
-            (robot.modules[one.link].half_length + one.x, one.y, one.z),
-            _orientation(one),
-        )
-        for kind, several in (("thruster", robot.thrusters), ("pectoral_fin", robot.pectoral_fins))
-        for k, one in enumerate(several)
-    ]
-
-
-def _orientation(one: Thruster | PectoralFin) -> tuple[float, float, float, float]:
-    """Return the orientation: rotation about z, tilt, roll about x and, for a fin, deflection about its own z."""
-    turned = turn("yaw", one.angle) @ turn("pitch", -one.elevation) @ turn("roll", one.roll)
-    return to_quaternion(turned @ turn("yaw", getattr(one, "deflection", 0.0)))
+def _fin_body_name(k: int) -> str:
+    """Return the name of the body of piece k of the fin."""
+    if k == 0:
+        return "caudal_fin"
+    return f"caudal_fin_{k}"
 
 
 def straight_center_of_mass(robot: Robot) -> float:
@@ -150,10 +127,11 @@ def ballast_of(robot: Robot, model: Model | None) -> float:
     """
     if not isinstance(model, Spatial) or not model.gravity:
         return 0.0
-    is_free = model.root == "free" or (
-        model.root is None and any(joint.axis == "pitch" for joint in robot.joints)
-    )
-    return model.ballast_depth if is_free else 0.0
+    has_pitch_joints = any(joint.axis == "pitch" for joint in robot.joints)
+    is_free = model.root == "free" or (model.root is None and has_pitch_joints)
+    if not is_free:
+        return 0.0
+    return model.ballast_depth
 
 
 def moments_of_inertia(vertical: float, across: float, above: float) -> Three:
@@ -174,11 +152,20 @@ def moments_of_inertia(vertical: float, across: float, above: float) -> Three:
 
 
 def _module_inertia(module: Module) -> Three:
-    m, a, b = module.mass, module.section.half_height, module.section.half_width
-    return moments_of_inertia(module.moment_of_inertia, 0.25 * m * b**2, 0.25 * m * a**2)
+    """Return the moments of inertia of a module, an elliptic cylinder."""
+    mass = module.mass
+    a = module.section.half_height
+    b = module.section.half_width
+    return moments_of_inertia(
+        vertical=module.moment_of_inertia, across=0.25 * mass * b**2, above=0.25 * mass * a**2
+    )
 
 
 def _piece_inertia(fin: CaudalFin, piece: Piece) -> Three:
-    m = piece.mass
-    rod = m * piece.length**2 / 12.0  # as in the planar model
-    return moments_of_inertia(rod, m * fin.thickness**2 / 12.0, m * fin.height**2 / 12.0)
+    """Return the moments of inertia of a piece of the fin: a thin rod about z, as in the planar model."""
+    mass = piece.mass
+    return moments_of_inertia(
+        vertical=mass * piece.length**2 / 12.0,
+        across=mass * fin.thickness**2 / 12.0,
+        above=mass * fin.height**2 / 12.0,
+    )

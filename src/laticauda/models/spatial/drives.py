@@ -29,11 +29,11 @@ wave_of = rows_from(PHASE, len(reference.WaveState._fields))
 target_of = rows_from(AMPLITUDE, 4)
 joint_powers = compile_scalar(stages.joint_powers)
 motor_power = compile_scalar(laws.motor_power)
-_own = bindings(__name__)["joint_law"]
-by_law = actuator_of(_own)
+_own_law = bindings(__name__)["joint_law"]
+follow_law = actuator_of(_own_law)
 drive_of = rows_from(DRIVE, len(laws.Drive._fields))
 motor_of = rows_from(MOTOR, 5)
-law_numbers = rows_from(JOINT_LAW, 0 if _own is None else len(_own.fields))
+law_numbers = rows_from(JOINT_LAW, 0 if _own_law is None else len(_own_law.fields))
 
 
 @kernel
@@ -41,15 +41,19 @@ def advance_reference(X, C, J, R, dt):
     """Advance the generator by dt and set the reference."""
     w = C[BANDWIDTH]
     decay = np.exp(-w * dt)
-    for G, A in (
-        (X[:PITCH], C[:PITCH_COMMAND]),
-        (X[SECOND:], C[PITCH_COMMAND:]),
-        (X[THIRD:], C[FIN_COMMAND:]),
-    ):
-        for row, value in enumerate(advance_wave(wave_of(G), target_of(A), w, decay, dt)):
-            G[PHASE + row] = value
+    advance_rows(X[:PITCH], C[:PITCH_COMMAND], w, decay, dt)
+    advance_rows(X[SECOND:], C[PITCH_COMMAND:], w, decay, dt)
+    advance_rows(X[THIRD:], C[FIN_COMMAND:], w, decay, dt)
     X[TIME], X[TIME_REST] = advance_time(X[TIME], X[TIME_REST], dt)
     set_reference(X, C, J, R)
+
+
+@kernel
+def advance_rows(X, C, w, decay, dt):
+    """Advance one wave, whose rows begin those of X and whose target begins C."""
+    wave = advance_wave(wave_of(X), target_of(C), w, decay, dt)
+    for row, value in enumerate(wave):
+        X[PHASE + row] = value
 
 
 @kernel
@@ -74,7 +78,8 @@ def add_recorded(time, C, T, J, R):
     while k > 0 and time < T[k * width]:
         k -= 1
     C[KNOT] = k
-    a, b = T[k * width :], T[(k + 1) * width :]
+    a = T[k * width :]
+    b = T[(k + 1) * width :]
     j = 1
     for i in range(J.shape[0]):
         if J[i, WAVE] == YAW_WAVE:
@@ -99,23 +104,26 @@ def set_wave(X, C, w, ramp, wave, J, R):
 
 
 @kernel
-def actuator(C, J, i, angle, rate, R):
+def drive_joint(C, J, i, angle, rate, R):
     """Return the torque of a free joint's actuator and its slopes."""
     motion = angle, rate, R[0, i], R[1, i], R[2, i]
-    return by_law(J[i, LAW], motion, drive_of(J[i]), law_numbers(C))
+    return follow_law(J[i, LAW], motion, drive_of(J[i]), law_numbers(C))
 
 
 @kernel
 def count_work(N, X, C, J, U, P, qvel, dt):
     """Add the work since the last step by the trapezoidal rule; P stores the powers."""
     nv = N[N_BASE_QVEL]
-    absolute, net, positive, electrical = 0.0, 0.0, 0.0, C[ACTIVE_POWER]
+    absolute = 0.0
+    net = 0.0
+    positive = 0.0
+    electrical = C[ACTIVE_POWER]
     for i in range(J.shape[0]):
         rate = qvel[nv + i]
-        size, signed, given = joint_powers(U[i], rate)
-        absolute += size
+        magnitude, signed, delivered = joint_powers(U[i], rate)
+        absolute += magnitude
         net += signed
-        positive += given
+        positive += delivered
         if J[i, STALL_POWER] > 0.0:
             electrical += motor_power(U[i], rate, *motor_of(J[i]))
     for k, power in enumerate((absolute, net, positive, electrical)):

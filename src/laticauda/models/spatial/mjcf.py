@@ -1,4 +1,4 @@
-"""A Robot as a MuJoCo model: modules as bodies, joints, sensors, servos, and the surroundings.
+"""A robot as a MuJoCo model: modules as bodies, joints, sensors, servos, and the surroundings.
 
 Bodies and joints are those of `spatial.bodies`, with exactly the masses and parameters of the
 robot.
@@ -11,17 +11,22 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Literal
 
-from laticauda.models.spatial import appearance, scene as scenes
-from laticauda.models.spatial.bodies import build_bodies, mounts
-from laticauda.robot import Environment, Joint, Module, Robot, Scene, Water, check_fits
+from laticauda.models.spatial.appearance import add_materials, add_shapes
+from laticauda.models.spatial.mesh_files import check_meshes, copy_meshes
+from laticauda.models.spatial.mjcf_parts import add_bodies, add_sensors, add_servos
+from laticauda.models.spatial.surroundings import add_surroundings
+from laticauda.robot import Environment, Robot, Scene, Water, check_fits
 from laticauda.scenarios import Spatial
 from laticauda.values import check_choice, check_instance, load_mujoco, write
 
 ROOTS = ("free", "planar")
+"""How module 0 can be held."""
 ACTUATORS = ("none", "servo")
-TIMESTEP = 2e-3  # [s]
-# Initial depth of a robot if its water specifies none: far from surface and floor [m].
+"""What can drive the joints of a model."""
+TIMESTEP = 2e-3
+"""Time step of a model for plain MuJoCo [s]."""
 DEPTH = 0.5
+"""Initial depth of a robot if its water specifies none: far from surface and floor [m]."""
 
 
 def build_spec(
@@ -71,22 +76,26 @@ def build_spec(
     check_choice("root", root, ROOTS)
     check_choice("actuators", actuators, ACTUATORS)
     check_fits(robot, environment)
-    files, around = appearance.check_meshes(meshes, robot.n_links), Scene.of(scene)
-    model = _empty(robot)
-    if visuals:
-        appearance.add_materials(model)
+    files = check_meshes(meshes, robot.n_links)
+    surroundings = Scene.of(scene)
     if ballast_depth is None:
-        ballast_depth = Spatial().ballast_depth if root == "free" else 0.0
-    _add_bodies(model, robot, start_height(robot, environment, around, root), root, ballast_depth)
-    appearance.add_shapes(model, robot, files, visuals=visuals)
+        ballast_depth = _usual_ballast_depth(root)
+    model = _create_empty_model(robot)
+    if visuals:
+        add_materials(model)
+    add_bodies(
+        model,
+        robot,
+        height=start_height(robot, environment, surroundings, root),
+        root=root,
+        ballast_depth=ballast_depth,
+    )
+    add_shapes(model, robot, files, visuals=visuals)
     if sensors:
-        _add_sensors(model, robot)
+        add_sensors(model, robot)
     if actuators == "servo":
-        for i, joint in enumerate(robot.joints):
-            _add_servo(model, f"servo_{i}", f"joint_{i}", joint)
-        for joint in robot.driven_joints[robot.n_joints :]:
-            _add_servo(model, "fin_servo", "fin_joint", joint)
-    scenes.add_scene(model, environment, around, visuals=visuals)
+        add_servos(model, robot)
+    add_surroundings(model, environment, surroundings, visuals=visuals)
     return model
 
 
@@ -106,7 +115,7 @@ def write_mjcf(
         environment: The water it swims in or the ground it crawls on.
         meshes: One file (STL or OBJ) per module, tail first, in the module's frame and in meters;
             if empty, the shapes provided by laticauda are used.
-        options: Further arguments of `spec`.
+        options: Further arguments of `build_spec`.
 
     Raises:
         MissingExtra: If MuJoCo is not installed.
@@ -114,23 +123,30 @@ def write_mjcf(
         StorageFailed: If the file cannot be written.
     """
     path = Path(path)
-    model = build_spec(
-        robot, environment, meshes=appearance.check_meshes(meshes, robot.n_links), **options
-    )
-    files = [Path(mesh.file) for mesh in model.meshes if mesh.file]
-    if files:
-        names = dict(zip(files, appearance.copied(files, path), strict=True))
-        model.modelfiledir = str(path.parent.resolve())
-        for mesh in model.meshes:
-            if mesh.file:
-                mesh.file = names[Path(mesh.file)]
-    model.compile()  # MuJoCo writes compiled models only
+    files = check_meshes(meshes, robot.n_links)
+    model = build_spec(robot, environment, meshes=files, **options)
+    _copy_meshes_of_model(model, path)
+    # MuJoCo writes compiled models only.
+    model.compile()
     write(path, model.to_xml())
+
+
+def _copy_meshes_of_model(model: Any, path: Path) -> None:
+    """Copy the mesh files of a model next to its file `path`, and let the model refer to the copies."""
+    meshes = [mesh for mesh in model.meshes if mesh.file]
+    if not meshes:
+        return
+    copies = copy_meshes([Path(mesh.file) for mesh in meshes], path)
+    model.modelfiledir = str(path.parent.resolve())
+    for mesh, copy in zip(meshes, copies, strict=True):
+        mesh.file = copy
 
 
 def robot_prefix(k: int) -> str:
     """Return the prefix of names of the k-th robot in a model; it is empty for the first robot, k = 0."""
-    return f"robot_{k}_" if k else ""
+    if k == 0:
+        return ""
+    return f"robot_{k}_"
 
 
 def add_robot(model: Any, alone: Any, k: int) -> None:
@@ -139,9 +155,10 @@ def add_robot(model: Any, alone: Any, k: int) -> None:
     Args:
         model: A `MjSpec`.
         alone: The `MjSpec` of that robot alone.
-        k: Number of that robot, starting at 1; see `prefix`.
+        k: Number of that robot, starting at 1; see `robot_prefix`.
     """
-    model.worldbody.add_frame().attach_body(alone.body("module_0"), robot_prefix(k), "")
+    frame = model.worldbody.add_frame()
+    frame.attach_body(alone.body("module_0"), robot_prefix(k), "")
 
 
 def start_height(
@@ -158,111 +175,41 @@ def start_height(
         scene: Surroundings of the robot.
         root: How module 0 is held.
     """
-    if isinstance(environment, Water) and (scene is None or scene.ground is None):
-        deep = 0.0 if root == "planar" and environment.flow else DEPTH
-        return (0.0 if scene is None else scene.level) - (
-            deep if environment.depth is None else environment.depth
-        )
-    heights = [module.section.half_height for module in robot.modules]
-    fin = robot.caudal_fin
-    highest = max([*heights, 0.5 * fin.height] if fin else heights)
-    terrain = None if scene is None else scene.terrain
-    return highest + (0.0 if terrain is None else terrain.at(0.0, 0.0)[0])
+    has_ground = scene is not None and scene.ground is not None
+    if isinstance(environment, Water) and not has_ground:
+        level = 0.0 if scene is None else scene.level
+        return level - _swimming_depth(environment, root)
+    half_heights = [module.section.half_height for module in robot.modules]
+    if robot.caudal_fin is not None:
+        half_heights.append(0.5 * robot.caudal_fin.height)
+    if scene is None or scene.terrain is None:
+        return max(half_heights)
+    height_of_ground, _, _ = scene.terrain.at(0.0, 0.0)
+    return max(half_heights) + height_of_ground
 
 
-def _empty(robot: Robot) -> Any:
+def _swimming_depth(water: Water, root: str) -> float:
+    """Return the initial depth of a robot that swims [m]."""
+    if water.depth is not None:
+        return water.depth
+    if root == "planar" and water.flow:
+        return 0.0
+    return DEPTH
+
+
+def _usual_ballast_depth(root: str) -> float:
+    """Return the depth of the modules' centers of mass in a simulation [m]."""
+    if root == "free":
+        return Spatial().ballast_depth
+    return 0.0
+
+
+def _create_empty_model(robot: Robot) -> Any:
     """Return an empty model in SI units and radians, without MuJoCo's own fluid."""
     model = load_mujoco().MjSpec()
     model.modelname = robot.name
     model.compiler.degree = False
     model.option.timestep = TIMESTEP
-    model.option.density = model.option.viscosity = 0.0
+    model.option.density = 0.0
+    model.option.viscosity = 0.0
     return model
-
-
-def _add_bodies(model: Any, robot: Robot, height: float, root: str, ballast: float) -> None:
-    """Add all bodies with their masses, joints and sites; module 0 has its tail end at x = y = 0."""
-    kind = load_mujoco().mjtJoint
-    for one in build_bodies(robot):
-        parent = model.body(one.parent) if one.parent else model.worldbody
-        body = parent.add_body(
-            name=one.name, pos=one.position if one.parent else (0.0, 0.0, height)
-        )
-        body.mass, body.inertia, body.explicitinertial = one.mass, one.inertia, True
-        body.ipos = (one.center, 0.0, -ballast if isinstance(one.part, Module) else 0.0)
-        if not one.parent:
-            _add_root(body, root)
-        if one.joint is not None:
-            limit = one.joint.limit if isinstance(one.joint, Joint) else None
-            body.add_joint(
-                name=one.joint_name,
-                type=kind.mjJNT_HINGE,
-                axis=one.axis,
-                stiffness=_linear(one.joint.stiffness),
-                damping=_linear(one.joint.damping),
-                **({} if limit is None else {"range": (-limit, limit), "limited": True}),
-            )
-        if isinstance(one.part, Module):
-            body.add_site(name=f"{one.name}_center", pos=(one.part.half_length, 0.0, 0.0))
-            body.add_site(name=f"{one.name}_tail")
-    for mount in mounts(robot):
-        model.body(mount.body).add_site(name=mount.name, pos=mount.position, quat=mount.orientation)
-
-
-def _add_root(body: Any, root: str) -> None:
-    if root == "free":
-        body.add_freejoint(name="root")
-        return
-    kind = load_mujoco().mjtJoint
-    body.add_joint(name="root_x", type=kind.mjJNT_SLIDE, axis=(1.0, 0.0, 0.0))
-    body.add_joint(name="root_y", type=kind.mjJNT_SLIDE, axis=(0.0, 1.0, 0.0))
-    body.add_joint(name="root_yaw", type=kind.mjJNT_HINGE, axis=(0.0, 0.0, 1.0))
-
-
-def _add_sensors(model: Any, robot: Robot) -> None:
-    sensor, thing = load_mujoco().mjtSensor, load_mujoco().mjtObj
-    found = [(f"joint_angle_{i}", f"joint_rate_{i}", f"joint_{i}") for i in range(robot.n_joints)]
-    if 0 in robot.fin_joints:
-        found.append(("fin_angle", "fin_rate", "fin_joint"))
-    for angle, rate, joint in found:
-        for name, kind in ((angle, sensor.mjSENS_JOINTPOS), (rate, sensor.mjSENS_JOINTVEL)):
-            model.add_sensor(name=name, type=kind, objtype=thing.mjOBJ_JOINT, objname=joint)
-    for i in range(robot.n_links):
-        found = [("acceleration", sensor.mjSENS_ACCELEROMETER, "center")]
-        if i:
-            found += [
-                ("force", sensor.mjSENS_FORCE, "tail"),
-                ("torque", sensor.mjSENS_TORQUE, "tail"),
-            ]
-        for name, kind, site in found:
-            model.add_sensor(
-                name=f"{name}_{i}",
-                type=kind,
-                objtype=thing.mjOBJ_SITE,
-                objname=f"module_{i}_{site}",
-            )
-
-
-def _add_servo(model: Any, name: str, target: str, joint: Joint) -> None:
-    """Add the law `joints.laws.servo`: its clipped duty in the actuator, its other terms in the joint.
-
-    Dry friction is MuJoCo's own, a constraint instead of a steep function of the rate.
-    """
-    motor = joint.actuator
-    actuator = model.add_actuator(name=name, target=target)
-    actuator.trntype = load_mujoco().mjtTrn.mjTRN_JOINT
-    actuator.set_to_position(kp=motor.servo_gain * motor.stall_torque)
-    actuator.forcelimited = True
-    actuator.forcerange = (-motor.stall_torque, motor.stall_torque)
-    actuator.ctrllimited = True
-    actuator.ctrlrange = (-joint.limit, joint.limit)
-    hinge = model.joint(target)
-    hinge.damping = _linear(
-        joint.damping + motor.stall_torque / motor.no_load_speed + motor.viscous_friction
-    )
-    hinge.frictionloss = motor.friction_torque
-
-
-def _linear(coefficient: float) -> tuple[float, float, float]:
-    """Return a stiffness or damping as the polynomial coefficients that MuJoCo expects."""
-    return coefficient, 0.0, 0.0

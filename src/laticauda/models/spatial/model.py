@@ -5,26 +5,32 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from laticauda.models.dynamics.plant import ELASTIC_DT, Plant, PlantState, Samples
+from laticauda.models.dynamics.plant import ELASTIC_DT, Plant
+from laticauda.models.dynamics.samples import PlantState, Samples
 from laticauda.models.spatial import rows, water_robot
-from laticauda.models.spatial.scene import check_free
-from laticauda.models.spatial.twin import Twin, land_of
+from laticauda.models.spatial.columns import HEADER, SampleColumns, columns_of
+from laticauda.models.spatial.settings import land_of, numbers_per_link
+from laticauda.models.spatial.surroundings import check_free
+from laticauda.models.spatial.twin import KernelInputs, Twin
 from laticauda.robot import Ground, Scene, Water, to_quaternion, turn
 from laticauda.scenarios import ORIENTATION, Command, Observation, Spatial, Start, check_waves
 from laticauda.values import BadArgument, check_instance
 from laticauda.water import mujoco as water
 from laticauda.water.fluid import Flow
-from laticauda.water.mujoco import Element, ground
+from laticauda.water.mujoco import ground
 
-CONTACT_SHARE = (
-    2.0  # step in settling times of the stiffest contact; Runge-Kutta is stable up to 2.8
-)
-Given = tuple[np.ndarray, np.ndarray, list[Element]]
-NO_STEP = 1e-9  # s; at so small a step the joint laws are not implicit
+CONTACT_SHARE = 2.0
+"""Step in settling times of the stiffest contact; Runge-Kutta is stable up to 2.8 [-]."""
+DRAG_SHARE = 0.5
+"""Step relative to the largest stable one, so that the drag is resolved well and not merely stable [-]."""
+NO_STEP = 1e-9
+"""A step so small that the joint laws are not implicit [s]."""
+TERRAIN_SAMPLES = 21
+"""Places along a robot at which the ground under it is looked up."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -51,22 +57,25 @@ class SpatialPlant(Plant[Spatial]):
 
     def __post_init__(self) -> None:
         """Choose a root, reject incompatible settings, and fill in those left open."""
-        settings, on_ground = self.settings, isinstance(self.environment, Ground)
-        if settings.root is None:
-            root = "free" if any(joint.axis == "pitch" for joint in self.robot.joints) else "planar"
-            settings = replace(settings, root=root)
-            object.__setattr__(self, "settings", settings)
-        if on_ground and settings.root == "free" and not settings.gravity:
-            raise BadArgument(
-                "root", "must be `planar` on the ground without `gravity`, got 'free'"
-            )
+        if self.settings.root is None:
+            has_pitch_joints = any(joint.axis == "pitch" for joint in self.robot.joints)
+            root = "free" if has_pitch_joints else "planar"
+            object.__setattr__(self, "settings", replace(self.settings, root=root))
+        self._check_root()
+        super().__post_init__()
+
+    def _check_root(self) -> None:
+        """Reject a root that does not go with the ground."""
+        settings = self.settings
+        is_on_ground = isinstance(self.environment, Ground)
+        if is_on_ground and settings.root == "free" and not settings.gravity:
+            rule = "must be `planar` on the ground without `gravity`, got 'free'"
+            raise BadArgument("root", rule)
         scene = settings.scene or Scene()
         scene.check(self.environment)
         if scene.ground is not None and not (settings.root == "free" and settings.gravity):
-            raise BadArgument(
-                "root", "must be `free`, with `gravity`, for a robot that lies on a scene's ground"
-            )
-        super().__post_init__()
+            rule = "must be `free`, with `gravity`, for a robot that lies on a scene's ground"
+            raise BadArgument("root", rule)
 
     @property
     def model(self) -> Any:
@@ -83,56 +92,88 @@ class SpatialPlant(Plant[Spatial]):
         check_instance("command", command, Command)
         twin = self._twin
         self._check(command)
-        if self.settings.root == "planar":
-            start.check_planar()
         values = np.zeros(self._size)
-        values[rows.STATE_ROWS : rows.STATE_ROWS + twin.n_qpos] = twin.model.qpos0
+        parts = self._split(values)
         yaw, pitch, fin = self._first_waves(command)
         values[rows.PHASE : rows.WORK_ABSOLUTE] = yaw
         values[rows.PITCH : rows.STATE_ROWS] = pitch + fin
-        qpos = values[rows.STATE_ROWS : rows.STATE_ROWS + twin.n_qpos]
-        axes = turn("yaw", start.heading) @ turn("pitch", start.pitch) @ turn("roll", start.roll)
-        # The first two velocities of either root are those along x and y.
-        speed = values[rows.STATE_ROWS + twin.n_qpos :]
-        x, y, _ = axes @ twin.center
+        parts.qpos[:] = twin.model.qpos0
         if self.settings.root == "planar":
-            qpos[:3] = start.center_of_mass[0] - x, start.center_of_mass[1] - y, start.heading
-            speed[:2] = start.velocity * axes[:2, 0]
+            start.check_planar()
+            self._place_in_plane(parts, start)
         else:
-            qpos[:2] = start.center_of_mass[0] - x, start.center_of_mass[1] - y
-            qpos[2:7] = (
-                self._level(start, *qpos[:2]) - axes[2, 0] * twin.center[0],
-                *to_quaternion(axes),
-            )
-            speed[:3] = start.velocity * axes[:, 0]
-        values[rows.STATE_ROWS + twin.n_qpos + twin.n_qvel :][: self.robot.n_links] = start.heading
+            self._place_in_space(parts, start)
+        parts.link_angle[:] = start.heading
         state = PlantState(values=values)
         if self.settings.scene is not None:
             check_free(self.model, self.data(state), set(twin.order.tolist()))
         return state
 
-    def _level(self, start: Start, x: float, y: float) -> float:
+    def _split(self, values: np.ndarray) -> "_StateParts":
+        """Return the parts of a state vector, as views on it."""
+        end_of_qpos = rows.STATE_ROWS + self._twin.n_qpos
+        end_of_qvel = end_of_qpos + self._twin.n_qvel
+        return _StateParts(
+            qpos=values[rows.STATE_ROWS : end_of_qpos],
+            qvel=values[end_of_qpos:end_of_qvel],
+            link_angle=values[end_of_qvel : end_of_qvel + self.robot.n_links],
+        )
+
+    def _place_in_plane(self, parts: "_StateParts", start: Start) -> None:
+        """Set position, heading and velocity of a planar root."""
+        axes = _axes_at(start)
+        x, y, _ = axes @ self._twin.center
+        parts.qpos[0] = start.center_of_mass[0] - x
+        parts.qpos[1] = start.center_of_mass[1] - y
+        parts.qpos[2] = start.heading
+        parts.qvel[:2] = start.velocity * axes[:2, 0]
+
+    def _place_in_space(self, parts: "_StateParts", start: Start) -> None:
+        """Set position, orientation and velocity of a free root."""
+        axes = _axes_at(start)
+        x, y, _ = axes @ self._twin.center
+        parts.qpos[0] = start.center_of_mass[0] - x
+        parts.qpos[1] = start.center_of_mass[1] - y
+        height = self._height_at(start, x=float(parts.qpos[0]), y=float(parts.qpos[1]))
+        parts.qpos[2] = height - axes[2, 0] * self._twin.center[0]
+        parts.qpos[3:7] = to_quaternion(axes)
+        parts.qvel[:3] = start.velocity * axes[:, 0]
+
+    def _height_at(self, start: Start, *, x: float, y: float) -> float:
         """Return the axis height of a robot with its tail end at x, y [m]: at its depth, or on the highest ground."""
-        scene, twin = self.settings.scene or Scene(), self._twin
+        scene = self.settings.scene or Scene()
+        height = self._twin.height
         if start.depth is not None:
             return scene.level - start.depth
-        if scene.terrain is None or land_of(self.environment, self.settings) is None:
-            return twin.height
-        c, s = math.cos(start.heading), math.sin(start.heading)
-        along = [0.05 * self.robot.length * k for k in range(21)]
-        highest = max(scene.terrain.at(x + a * c, y + a * s)[0] for a in along)
-        return twin.height - scene.terrain.at(0.0, 0.0)[0] + highest
+        terrain = scene.terrain
+        if terrain is None or land_of(self.environment, self.settings) is None:
+            return height
+        cos = math.cos(start.heading)
+        sin = math.sin(start.heading)
+        heights_of_ground: list[float] = []
+        for k in range(TERRAIN_SAMPLES):
+            distance = 0.05 * self.robot.length * k
+            height_of_ground, _, _ = terrain.at(x + distance * cos, y + distance * sin)
+            heights_of_ground.append(height_of_ground)
+        height_at_origin, _, _ = terrain.at(0.0, 0.0)
+        return height - height_at_origin + max(heights_of_ground)
 
     def observe(self, state: PlantState) -> Observation:
         """Return the observation of a state."""
-        sample = self._as_it_is(state)
-        pitch = float(sample[0, rows.STATE_ROWS + rows.MEAN_PITCH])
-        seen = {name: value[0] for name, value in self._seen(sample).items()}
-        contact = None if self.settings.scene is None else self._contact(sample)[0]
-        ranges = (
-            self._twin.ranges(self.data(state), self.settings.rays) if self.settings.rays else None
+        sample = self._sample_at(state)
+        observed = {name: values[0] for name, values in self._observed(sample).items()}
+        contact_force = None
+        if self.settings.scene is not None:
+            contact_force = self._contact_forces(sample)[0]
+        ranges = None
+        if self.settings.rays:
+            ranges = self._twin.ranges(self.data(state), self.settings.rays)
+        return Observation(
+            **observed,
+            pitch=float(sample[0, HEADER + rows.MEAN_PITCH]),
+            contact_force=contact_force,
+            ranges=ranges,
         )
-        return Observation(**seen, pitch=pitch, contact_force=contact, ranges=ranges)
 
     def in_current(self, current: Sequence[float] | Flow) -> "SpatialPlant":
         """Return this plant in other water; both share a MuJoCo model, so only one of them advances at a time.
@@ -140,16 +181,17 @@ class SpatialPlant(Plant[Spatial]):
         Args:
             current: Velocity of the water along x and y [m/s], or a flow.
         """
-        before = self.environment
-        if not isinstance(before, Water):
+        environment = self.environment
+        if not isinstance(environment, Water):
             raise BadArgument("environment", "must be a Water to have a current, got a Ground")
         if not isinstance(current, Flow):
-            current = current[0], current[1], before.uniform[2]
-        now = replace(before, current=current)
-        other = replace(self, environment=now)
-        if bool(now.flow) == bool(before.flow):  # otherwise the robot may be at another height
-            vars(other)["_twin"] = self._twin
-        return other
+            current = current[0], current[1], environment.uniform[2]
+        water_now = replace(environment, current=current)
+        plant = replace(self, environment=water_now)
+        # With a flow, the robot may be at another height than without.
+        if bool(water_now.flow) == bool(environment.flow):
+            vars(plant)["_twin"] = self._twin
+        return plant
 
     @cached_property
     def _twin(self) -> Twin:
@@ -157,71 +199,76 @@ class SpatialPlant(Plant[Spatial]):
 
     @property
     def _size(self) -> int:
-        per_link = 1 if self.settings.scene is None else 4
-        return (
-            rows.STATE_ROWS + self._twin.n_qpos + self._twin.n_qvel + per_link * self.robot.n_links
-        )
+        twin = self._twin
+        n_link_numbers = self.robot.n_links * numbers_per_link(self.settings)
+        return rows.STATE_ROWS + twin.n_qpos + twin.n_qvel + n_link_numbers
 
     @property
-    def _words(self) -> str:
-        return f"{super()._words} with a {self.settings.root} root"
+    def _description(self) -> str:
+        return f"{super()._description} with a {self.settings.root} root"
 
     def _stable_step(self) -> float:
+        elements = self._twin.water.elements
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            # A step that resolves the drag well and is not merely stable.
-            limit = 0.5 * water.stable_step(self._twin.model, self._twin.water.elements, 0.5)
-        contacts = [e.contact for e in self._twin.water.elements if e.contact is not None]
+            dt = DRAG_SHARE * water.stable_step(self._twin.model, elements, 0.5)
+        contacts = [element.contact for element in elements if element.contact is not None]
         if contacts:
-            limit = min(
-                limit,
-                CONTACT_SHARE * ground.stable_step(contacts, -float(self.model.opt.gravity[2])),
-            )
+            gravity = -float(self.model.opt.gravity[2])
+            dt = min(dt, CONTACT_SHARE * ground.stable_step(contacts, gravity))
         if self.settings.scene is not None:
-            limit = min(limit, self.settings.scene.dt)
-        return min(limit, ELASTIC_DT) if self.is_implicit else limit
+            dt = min(dt, self.settings.scene.dt)
+        if self.is_implicit:
+            dt = min(dt, ELASTIC_DT)
+        return dt
 
-    def _rows(self, command: Command) -> Given:
+    def _inputs(self, command: Command) -> KernelInputs:
         """Return the command, the joint parameters and the effectors for the kernel."""
         self._check(command)
-        given, joints, effectors = self._let_go()
-        if (robot := command.effectors(self.robot)) is not self.robot:
-            effectors = water_robot.mounted_elements(robot, self.environment)
-        given[rows.IS_LED] = 1.0
-        given[rows.ACTIVE_POWER] = self.robot.active_power or 0.0
+        inputs = self._inputs_without_command()
+        numbers = inputs.command
+        joints = inputs.joints
         yaw, pitch, fin = self._targets(command)
-        given[: rows.BANDWIDTH] = yaw + pitch + fin
+        numbers[: rows.BANDWIDTH] = yaw + pitch + fin
+        numbers[rows.IS_LED] = 1.0
+        numbers[rows.ACTIVE_POWER] = self.robot.active_power or 0.0
         if command.references is not None:
-            given[rows.RAMP] = 0.0
-        turned = joints[:, rows.WAVE] == rows.YAW_WAVE
-        table = self._recorded(command, joints[turned, rows.ENVELOPE])
-        joints[turned, rows.ENVELOPE] *= command.gait.joint_envelope(int(turned.sum()) + 1)
+            numbers[rows.RAMP] = 0.0
+        is_yaw = joints[:, rows.WAVE] == rows.YAW_WAVE
+        recording = self._recorded(command, joints[is_yaw, rows.ENVELOPE])
+        joints[is_yaw, rows.ENVELOPE] *= command.gait.joint_envelope(int(is_yaw.sum()) + 1)
         if command.gait.pitch is not None:
-            turned = joints[:, rows.WAVE] == rows.PITCH_WAVE
-            joints[turned, rows.ENVELOPE] *= command.gait.pitch.envelope.joints(
-                int(turned.sum()) + 1
-            )
+            is_pitch = joints[:, rows.WAVE] == rows.PITCH_WAVE
+            envelope = command.gait.pitch.envelope
+            joints[is_pitch, rows.ENVELOPE] *= envelope.joints(int(is_pitch.sum()) + 1)
         self._hold(joints, command)
-        if table is not None:
-            given[rows.N_KNOTS] = len(table)
-            given = np.concatenate((given, table.ravel()))
-        return given, joints, effectors
+        if recording is not None:
+            numbers[rows.N_KNOTS] = len(recording)
+            numbers = np.concatenate((numbers, recording.ravel()))
+        effectors = inputs.effectors
+        robot = command.effectors(self.robot)
+        if robot is not self.robot:
+            effectors = water_robot.mounted_elements(robot, self.environment)
+        return KernelInputs(command=numbers, joints=joints, effectors=effectors)
 
-    def _let_go(self) -> Given:
+    def _inputs_without_command(self) -> KernelInputs:
         """Return the kernel's inputs without a command, so that no reference moves the joints."""
-        given = np.zeros(rows.COMMAND_ROWS)
-        given[rows.BANDWIDTH], given[rows.RAMP] = self.settings.offset_bandwidth, self.ramp
-        numbers = self.joints.numbers
-        given[rows.JOINT_LAW : rows.JOINT_LAW + len(numbers)] = numbers
-        return (
-            given,
-            self._twin.joints.copy(),
-            water_robot.mounted_elements(self.robot, self.environment),
+        numbers = np.zeros(rows.COMMAND_ROWS)
+        numbers[rows.BANDWIDTH] = self.settings.offset_bandwidth
+        numbers[rows.RAMP] = self.ramp
+        numbers_of_law = self.joints.numbers
+        numbers[rows.JOINT_LAW : rows.JOINT_LAW + len(numbers_of_law)] = numbers_of_law
+        return KernelInputs(
+            command=numbers,
+            joints=self._twin.joints.copy(),
+            effectors=water_robot.mounted_elements(self.robot, self.environment),
         )
 
     def _check(self, command: Command) -> None:
         """Reject a command that the robot cannot follow."""
-        gait = command.gait if command.pitch_offset == 0.0 else command.steered
+        gait = command.gait
+        if command.pitch_offset != 0.0:
+            gait = command.steered
         check_waves(self.robot, gait)
         if gait.pitch is not None and self.settings.root == "planar":
             raise BadArgument("gait.pitch", f"must be None with a planar root, got {gait.pitch}")
@@ -229,73 +276,110 @@ class SpatialPlant(Plant[Spatial]):
     def _run(
         self, state: PlantState, command: Command, n_intervals: int, every: int, dt: float
     ) -> tuple[np.ndarray, np.ndarray]:
-        return self._go(
-            self._begun(state, command), self._rows(command), n_intervals * every, dt, every
-        )
+        values = self._start_values(state, command)
+        inputs = self._inputs(command)
+        return self._run_kernels(values, inputs, steps=n_intervals * every, dt=dt, every=every)
 
-    def _go(
-        self, values: np.ndarray, given: Given, steps: int, dt: float, every: int
+    def _run_kernels(
+        self, values: np.ndarray, inputs: KernelInputs, *, steps: int, dt: float, every: int
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Advance a copy of a state vector and log it."""
+        """Advance a copy of a state vector; return it with the samples."""
         values = values.copy()
-        return values, self._twin.run([values], [given], steps, dt, every, self.environment)
+        samples = self._twin.run(
+            [values], [inputs], steps=steps, dt=dt, every=every, environment=self.environment
+        )
+        return values, samples
 
-    def _as_it_is(self, state: PlantState) -> np.ndarray:
-        return self._go(state.values, self._let_go(), 0, 1.0, 1)[1]
+    def _sample_at(self, state: PlantState) -> np.ndarray:
+        """Return the single sample of a state, without a command."""
+        inputs = self._inputs_without_command()
+        _, samples = self._run_kernels(state.values, inputs, steps=0, dt=1.0, every=1)
+        return samples
 
     def _sample_of(self, state: PlantState, command: Command) -> np.ndarray:
-        return self._as_it_is(state)
+        return self._sample_at(state)
 
     def _link_forces(
         self, state: PlantState, command: Command, samples: np.ndarray, every: int, dt: float
     ) -> np.ndarray:
         """Return forces without buoyancy, by repeating the run sample by sample and evaluating the forces at each."""
         force = np.zeros((3, len(samples), self.robot.n_links, 3))
-        values, given = self._begun(state, command), self._rows(command)
-        for sample in range(len(samples)):
-            if sample:
-                values, _ = self._go(values, given, every, dt, every)
-            with self._twin.lock:  # a run in another thread would change the twin's state
-                self._go(values, given, 0, NO_STEP, 1)
-                force[:, sample] = self._twin.forces()
+        values = self._start_values(state, command)
+        inputs = self._inputs(command)
+        for k in range(len(samples)):
+            if k > 0:
+                values, _ = self._run_kernels(values, inputs, steps=every, dt=dt, every=every)
+            # A run in another thread would change the twin's state.
+            with self._twin.lock:
+                self._run_kernels(values, inputs, steps=0, dt=NO_STEP, every=1)
+                force[:, k] = self._twin.forces()
         return force
 
-    def _seen(self, samples: np.ndarray) -> dict[str, np.ndarray]:
-        n, o = self.robot.n_links, rows.STATE_ROWS
-        first = o + rows.SAMPLE_HEADER
+    @cached_property
+    def _columns(self) -> SampleColumns:
+        """Columns of a sample."""
+        n_fin_joints = len(self._twin.joints) - self.robot.n_joints
+        return columns_of(self.robot.n_links, n_fin_joints)
+
+    def _observed(self, samples: np.ndarray) -> dict[str, np.ndarray]:
+        """Return an observation's fields at every sample."""
+        center_of_mass = slice(HEADER + rows.COM, HEADER + rows.COM_RATE)
+        velocity = slice(HEADER + rows.COM_RATE, HEADER + rows.HEADING)
         return {
             "time": samples[:, rows.TIME],
-            "center_of_mass": samples[:, o + rows.COM : o + rows.COM_RATE],
-            "center_of_mass_velocity": samples[:, o + rows.COM_RATE : o + rows.HEADING],
-            "heading": samples[:, o + rows.HEADING],
-            "heading_rate": samples[:, o + rows.HEADING_RATE],
-            "link_angle": samples[:, first : first + n],
-            "joint_angle": samples[:, first + n : first + 2 * n - 1],
-            "joint_rate": samples[:, first + 2 * n - 1 : first + 3 * n - 2],
+            "center_of_mass": samples[:, center_of_mass],
+            "center_of_mass_velocity": samples[:, velocity],
+            "heading": samples[:, HEADER + rows.HEADING],
+            "heading_rate": samples[:, HEADER + rows.HEADING_RATE],
+            "link_angle": samples[:, self._columns.link_angle],
+            "joint_angle": samples[:, self._columns.joint_angle],
+            "joint_rate": samples[:, self._columns.joint_rate],
         }
 
-    def _contact(self, samples: np.ndarray) -> np.ndarray:
+    def _contact_forces(self, samples: np.ndarray) -> np.ndarray:
         """Return the total contact force on every link at every sample, in a scene [N]."""
-        n = self.robot.n_links
-        return samples[:, -3 * n :].reshape(len(samples), n, 3)
+        forces = samples[:, self._columns.contact_force]
+        return forces.reshape(len(samples), self.robot.n_links, 3)
 
     def _samples(self, samples: np.ndarray) -> Samples:
-        n, o = self.robot.n_links, rows.STATE_ROWS
-        first = o + rows.SAMPLE_HEADER + 3 * n - 2
-        last = rows.STATE_ROWS + rows.SAMPLE_HEADER + n + 4 * len(self._twin.joints)
-        waves = [rows.SECOND if joint.axis == "pitch" else 0 for joint in self.robot.joints]
+        n_samples = len(samples)
+        offset_rows: list[int] = []
+        for joint in self.robot.joints:
+            wave = rows.SECOND if joint.axis == "pitch" else 0
+            offset_rows.append(wave + rows.OFFSET_NOW)
+        # Angle, rate, reference and torque, each of all of the fin's joints.
+        fin = samples[:, self._columns.fin].reshape(n_samples, 4, -1)
+        link_force = None
+        if self.settings.scene is not None:
+            link_force = {"contact": self._contact_forces(samples)}
+        signals: dict[str, np.ndarray] = {}
+        for k, name in enumerate(ORIENTATION):
+            signals[name] = samples[:, HEADER + rows.ORIENTATION + k]
+        signals["pitch"] = samples[:, HEADER + rows.MEAN_PITCH]
         return Samples(
-            seen=self._seen(samples),
-            reference=samples[:, first : first + n - 1],
-            offset=samples[:, [wave + rows.OFFSET_NOW for wave in waves]],
-            torque=samples[:, first + n - 1 : first + 2 * n - 2],
+            observed=self._observed(samples),
+            reference=samples[:, self._columns.joint_reference],
+            offset=samples[:, offset_rows],
+            torque=samples[:, self._columns.joint_torque],
             work=samples[:, rows.WORK_ABSOLUTE : rows.PITCH],
-            fin=tuple(
-                np.moveaxis(samples[:, first + 2 * n - 2 : last].reshape(len(samples), 4, -1), 1, 0)
-            ),
-            link_force=None if self.settings.scene is None else {"contact": self._contact(samples)},
-            signals={
-                name: samples[:, o + rows.ORIENTATION + k]
-                for k, name in enumerate((*ORIENTATION, "pitch"))
-            },
+            fin=tuple(np.moveaxis(fin, 1, 0)),
+            link_force=link_force,
+            signals=signals,
         )
+
+
+class _StateParts(NamedTuple):
+    """Parts of a state vector that a start determines, as views on it."""
+
+    qpos: np.ndarray
+    """Position and orientation of the root, then the joint angles [m, rad]."""
+    qvel: np.ndarray
+    """Velocity of the root, of which the first entries are those along x and y, then the joint rates [m/s, rad/s]."""
+    link_angle: np.ndarray
+    """Angles of the links about the vertical [rad]."""
+
+
+def _axes_at(start: Start) -> np.ndarray:
+    """Return the axes of a straight robot at a start, as the columns of a rotation matrix [-]."""
+    turned = turn("yaw", start.heading) @ turn("pitch", start.pitch)
+    return turned @ turn("roll", start.roll)

@@ -10,75 +10,93 @@ from laticauda.values import MOST_NUMBERS
 from laticauda.water.mujoco import AT
 
 # --- Rows of a state
-TIME, TIME_REST, PHASE = range(
-    3
-)  # wave of the yaw joints, with the other fields of gaits.reference.WaveState
-PHASE_SHIFT_NOW, OFFSET_NOW = PHASE + 5, PHASE + 7
-WORK_ABSOLUTE = PHASE + len(WaveState._fields)  # followed by the net, positive and electrical work
-PITCH = WORK_ABSOLUTE + 4  # wave of the pitch joints
-FIN = PITCH + len(WaveState._fields)  # wave of a driven fin
-SECOND, THIRD, STATE_ROWS = PITCH - PHASE, FIN - PHASE, FIN + len(WaveState._fields)
+TIME = 0
+TIME_REST = 1
+"""What rounding took from the time."""
+PHASE = 2
+"""Wave of the yaw joints: the fields of `gaits.reference.WaveState`, from its phase on."""
+PHASE_SHIFT_NOW = PHASE + WaveState._fields.index("phase_shift")
+OFFSET_NOW = PHASE + WaveState._fields.index("offset")
+WORK_ABSOLUTE = PHASE + len(WaveState._fields)
+"""Work of the joints, followed by the net, positive and electrical work."""
+PITCH = WORK_ABSOLUTE + 4
+"""Wave of the pitch joints."""
+FIN = PITCH + len(WaveState._fields)
+"""Wave of a driven fin."""
+STATE_ROWS = FIN + len(WaveState._fields)
+
+SECOND = PITCH - PHASE
+"""Rows from the wave of the yaw joints to that of the pitch joints."""
+THIRD = FIN - PHASE
+"""Rows from the wave of the yaw joints to that of a driven fin."""
 
 # --- The command and the generator's settings
-(
-    AMPLITUDE,  # of the yaw joints, the first field of gaits.reference.WaveTarget
-    AHEAD,  # its last field
-    PITCH_COMMAND,
-    FIN_COMMAND,
-    BANDWIDTH,
-    RAMP,
-    IS_LED,
-    ACTIVE_POWER,  # of the electronics [W]
-    N_KNOTS,  # of a recording, which is stored after all rows: time, then angle and rate of every yaw joint; 0: none
-    KNOT,  # last knot before the current time
-    JOINT_LAW,  # parameters of a user-defined joint law
-) = (0, 4, 5, 10, *range(15, 22))
+AMPLITUDE = 0
+"""Target of the yaw joints' wave: the fields of `gaits.reference.WaveTarget`."""
+AHEAD = 4
+"""Last field of that target."""
+PITCH_COMMAND = 5
+"""Target of the pitch joints' wave."""
+FIN_COMMAND = 10
+"""Target of the wave of a driven fin."""
+BANDWIDTH = 15
+RAMP = 16
+IS_LED = 17
+"""Whether there is a command at all; without one, no reference moves the joints."""
+ACTIVE_POWER = 18
+"""Power of the electronics [W]."""
+N_KNOTS = 19
+"""Knots of a recording, 0: none. It is stored after all rows: time, then angle and rate of every yaw joint."""
+KNOT = 20
+"""Last knot before the current time."""
+JOINT_LAW = 21
+"""Parameters of a user-defined joint law."""
 COMMAND_ROWS = JOINT_LAW + MOST_NUMBERS
 
 # --- Integers that the kernels need, after the offsets of MuJoCo's data
-(
-    MODEL,
-    DATA,
-    N_QPOS,
-    N_QVEL,
-    N_BASE_QPOS,  # of the root, before the joints
-    N_BASE_QVEL,
-    N_LINKS,
-    N_BODIES,
-    IS_IMPLICIT,  # whether any joint is free
-    IS_PLANAR,
-    HAS_SCENE,  # contact forces are then part of the state
-    N_FIN_BODIES,  # their contacts count toward the tail link
-    SETUP_SIZE,
-) = range(len(AT), len(AT) + 13)
+MODEL = len(AT)
+DATA = MODEL + 1
+N_QPOS = MODEL + 2
+N_QVEL = MODEL + 3
+N_BASE_QPOS = MODEL + 4
+"""Size of the root's qpos, which come before those of the joints."""
+N_BASE_QVEL = MODEL + 5
+N_LINKS = MODEL + 6
+N_BODIES = MODEL + 7
+IS_IMPLICIT = MODEL + 8
+"""Whether any joint is free."""
+IS_PLANAR = MODEL + 9
+HAS_SCENE = MODEL + 10
+"""Whether there is a scene: contact forces are then part of the state."""
+N_FIN_BODIES = MODEL + 11
+"""Bodies of the fin, whose contacts count toward the tail link."""
+SETUP_SIZE = MODEL + 12
 
 # --- Start of each robot's part in the arrays of all robots in one scene; a last row holds the ends
-(
-    FIRST_STATE,
-    FIRST_GIVEN,
-    FIRST_JOINT,
-    FIRST_BODY,
-    FIRST_COLUMN,
-    FIRST_QPOS,
-    FIRST_QVEL,
-    PLACES,
-) = range(8)
+FIRST_STATE = 0
+FIRST_COMMAND = 1
+FIRST_JOINT = 2
+FIRST_BODY = 3
+FIRST_COLUMN = 4
+FIRST_QPOS = 5
+FIRST_QVEL = 6
+PLACES = 7
 
 # --- One row of joint parameters: the joint's numbers, its law, and the wave that moves it
 ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, LAW = JOINT
 WAVE = LAW + 1
-YAW_WAVE, PITCH_WAVE, FIN_WAVE, NO_WAVE = range(4)
+YAW_WAVE = 0
+PITCH_WAVE = 1
+FIN_WAVE = 2
+NO_WAVE = 3
 
-# --- One sample of the log: the state's rows, then these, then links, then angle, rate, reference,
-# torque of the
-# --- body's joints, then the same for the fin's joints and, in a scene, the contact forces on every
-# link
-(COM, COM_RATE, HEADING, HEADING_RATE, ORIENTATION, MEAN_PITCH, SAMPLE_HEADER) = (
-    0,
-    3,
-    6,
-    7,
-    8,
-    12,
-    13,
-)
+# --- One sample of the log: the state's rows, then these, then links, then angle, rate, reference
+# and torque of the body's joints, then the same for the fin's joints and, in a scene, the contact
+# forces on every link
+COM = 0
+COM_RATE = 3
+HEADING = 6
+HEADING_RATE = 7
+ORIENTATION = 8
+MEAN_PITCH = 12
+SAMPLE_HEADER = 13

@@ -1,46 +1,49 @@
-"""Surroundings of the robot: the scenes provided by the package, and how a scene is added to a model.
+"""Scenes provided by the package: obstacles, walls and terrain around the robot.
 
-A scene is a value (`laticauda.robot.Scene`) that edits a MuJoCo model. The robot touches its
-objects through MuJoCo's contacts. Only the ground acts on the robot's elements instead
-(`laticauda.water.mujoco.ground`) where a `Ground`, that of the scene or the environment, defines
-the friction along and across the robot. The ground of a scene consists of its geoms with the names
-in `GROUNDS`.
+A scene is a value (`laticauda.robot.Scene`) that edits a MuJoCo model; `spatial.surroundings` adds
+it to the model of a robot.
 """
 
 import math
-from collections.abc import Callable, Collection, Generator
-from contextlib import contextmanager
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
 
-from laticauda.models.spatial.bodies import Three
+from laticauda.models.spatial.mounts import Quaternion
+from laticauda.models.spatial.solids import add_solid
 from laticauda.robot import Environment, Ground, Scene
 from laticauda.values import BadArgument, load_mujoco, option, quantity, value_class
 from laticauda.water.fluid import CoulombFriction
 from laticauda.water.mujoco import Terrain
 
-Quaternion = tuple[float, float, float, float]
-
-# Size of the tank in Trondheim in which the paper's robot swam [m].
-TANK_LENGTH, TANK_WIDTH, TANK_DEPTH = 40.0, 6.45, 1.5
-WALL = 0.1  # half thickness [m]
-DEEPEST = 2e-3  # maximum initial penetration of a robot [m]
-THICK = 0.2  # half thickness of the ground's boxes [m]
-FAR = 12.0  # length of ground that is not bounded otherwise [m]
-STAVES = 24  # number of staves of a pipe
-SURFACE = "water"  # visual only
-GROUNDS = ("ground", "shore", "ramp", "floor", "terrain")
+TANK_LENGTH = 40.0
+"""Length of the tank in Trondheim in which the paper's robot swam [m]."""
+TANK_WIDTH = 6.45
+"""Width of that tank [m]."""
+TANK_DEPTH = 1.5
+"""Depth of that tank [m]."""
+WALL_HALF_THICKNESS = 0.1
+"""Half thickness of the tank's walls [m]."""
+GROUND_HALF_THICKNESS = 0.2
+"""Half thickness of the ground's boxes [m]."""
+GROUND_LENGTH = 12.0
+"""Length of ground that is not bounded otherwise [m]."""
+PIPE_HALF_THICKNESS = 0.01
+"""Half thickness of a pipe's wall [m]."""
+N_STAVES = 24
+"""Number of staves of a pipe."""
+LEAST_RISE = 1e-3
+"""Least difference between the heights of a terrain that MuJoCo accepts [m]."""
 SKIN = Ground(
     name="skin", friction=CoulombFriction(regularization_speed=1e-2), tangential=0.1, normal=0.5
 )
-# Red, green, blue and opacity, by prefix of the name.
-COLORS = {
-    "water": (0.30, 0.65, 0.75, 0.22),
-    "wall": (0.80, 0.88, 0.90, 0.25),
-    "peg": (0.85, 0.78, 0.35, 1.0),
-}
-SAND = (0.66, 0.60, 0.48, 1.0)
+"""Friction of a robot with a skin on a shore."""
+
+
+def _pitch_up(angle: float) -> Quaternion:
+    """Return the orientation after a rotation about y that turns x upward by an angle [rad]."""
+    return (math.cos(0.5 * angle), 0.0, -math.sin(0.5 * angle), 0.0)
 
 
 @value_class
@@ -59,13 +62,22 @@ class Pegs(Scene):
 
     def __call__(self, spec: Any) -> None:
         """See `Scene`."""
-        first, last = self.field
+        begin, end = self.field
+        size = (self.radius, 0.5 * TANK_DEPTH + 0.25, 0.0)
         for row in range(self.rows):
             y = (row + 0.5 - 0.5 * self.rows) * self.gap
-            for k, x in enumerate(np.arange(first + self.stagger * (row % 2), last, self.spacing)):
-                size = (self.radius, 0.5 * TANK_DEPTH + 0.25, 0.0)
-                peg = solid(spec, f"peg_{row}_{k}", "CYLINDER", size, (float(x), y, -0.5))
-                peg.friction, peg.priority = (self.slip, 0.0, 0.0), 1
+            shift = self.stagger * (row % 2)
+            for k, x in enumerate(np.arange(begin + shift, end, self.spacing)):
+                peg = add_solid(
+                    spec,
+                    name=f"peg_{row}_{k}",
+                    kind="CYLINDER",
+                    size=size,
+                    position=(float(x), y, -0.5),
+                )
+                peg.friction = (self.slip, 0.0, 0.0)
+                # The pegs' friction counts, not that of the robot.
+                peg.priority = 1
 
 
 @value_class
@@ -84,9 +96,8 @@ class Slope(Scene):
     def __post_init__(self) -> None:
         """Reject a floor that is not below the ground from which the slope leads down."""
         if self.angle < 0.0 and self.bottom >= self.height:
-            raise BadArgument(
-                "bottom", f"must be < `height` = {self.height:g} m, got {self.bottom:g}"
-            )
+            rule = f"must be < `height` = {self.height:g} m, got {self.bottom:g}"
+            raise BadArgument("bottom", rule)
 
     @property
     def terrain(self) -> Terrain:
@@ -97,19 +108,39 @@ class Slope(Scene):
 
     def __call__(self, spec: Any) -> None:
         """See `Scene`."""
-        sin, cos, width = math.sin(self.angle), math.cos(self.angle), 0.5 * FAR
-        length = (self.bottom - self.height) / sin if sin < 0.0 else FAR
-        flat = (self.edge - 0.5 * FAR, 0.0, self.height - THICK)
-        # From the middle of the slope's face, half a thickness into the ground.
-        x, z = (
-            self.edge + 0.5 * length * cos + THICK * sin,
-            self.height + 0.5 * length * sin - THICK * cos,
+        self._add_flat_ground(spec)
+        self._add_ramp(spec)
+        if self.angle < 0.0:
+            floor = (0.0, 0.0, self.bottom)
+            add_solid(spec, name="floor", kind="PLANE", size=(0.0, 0.0, 1.0), position=floor)
+
+    def _add_flat_ground(self, spec: Any) -> None:
+        half_length = 0.5 * GROUND_LENGTH
+        add_solid(
+            spec,
+            name="shore",
+            kind="BOX",
+            size=(half_length, 0.5 * GROUND_LENGTH, GROUND_HALF_THICKNESS),
+            position=(self.edge - half_length, 0.0, self.height - GROUND_HALF_THICKNESS),
         )
-        turned = (math.cos(0.5 * self.angle), 0.0, -math.sin(0.5 * self.angle), 0.0)
-        solid(spec, "shore", "BOX", (0.5 * FAR, width, THICK), flat)
-        solid(spec, "ramp", "BOX", (0.5 * length, width, THICK), (x, 0.0, z), turned)
+
+    def _add_ramp(self, spec: Any) -> None:
+        """Add the slope; the middle of its box is half its thickness below the middle of its face."""
+        sin = math.sin(self.angle)
+        cos = math.cos(self.angle)
+        length = GROUND_LENGTH
         if sin < 0.0:
-            solid(spec, "floor", "PLANE", (0.0, 0.0, 1.0), (0.0, 0.0, self.bottom))
+            length = (self.bottom - self.height) / sin
+        x = self.edge + 0.5 * length * cos + GROUND_HALF_THICKNESS * sin
+        z = self.height + 0.5 * length * sin - GROUND_HALF_THICKNESS * cos
+        add_solid(
+            spec,
+            name="ramp",
+            kind="BOX",
+            size=(0.5 * length, 0.5 * GROUND_LENGTH, GROUND_HALF_THICKNESS),
+            position=(x, 0.0, z),
+            orientation=_pitch_up(self.angle),
+        )
 
 
 @value_class
@@ -144,45 +175,62 @@ class HeightField(Scene):
 
     def __post_init__(self) -> None:
         """Reject heights that do not form a grid."""
-        rows = self.heights or ((0.0, 0.0),) * 2
-        if len(rows) < 2 or len({len(row) for row in rows} - {0, 1}) != 1:
-            raise BadArgument(
-                "heights",
-                "must have at least two rows of at least two numbers, all of the same length",
-            )
+        if not self.heights:
+            return
+        sizes = {len(row) for row in self.heights}
+        if len(self.heights) < 2 or len(sizes) > 1 or min(sizes) < 2:
+            rule = "must have at least two rows of at least two numbers, all of the same length"
+            raise BadArgument("heights", rule)
 
     @property
     def terrain(self) -> Terrain:
         """See `Scene`."""
-        grid = self._nodes()
-        cell = [size / (n - 1) for size, n in zip(self.extent, grid.shape, strict=True)]
-        corner = [at - 0.5 * size for at, size in zip(self.middle, self.extent, strict=True)]
-        return Terrain(grid=grid, corner=(corner[0], corner[1]), cell=(cell[0], cell[1]))
+        grid = self._heights_of_nodes()
+        length, width = self.extent
+        x, y = self.middle
+        n_x, n_y = grid.shape
+        return Terrain(
+            grid=grid,
+            corner=(x - 0.5 * length, y - 0.5 * width),
+            cell=(length / (n_x - 1), width / (n_y - 1)),
+        )
 
-    def _nodes(self) -> np.ndarray:
+    def _heights_of_nodes(self) -> np.ndarray:
+        """Return the heights at the nodes of a grid, along x and y [m]."""
         if self.heights is not None:
             return np.array(self.heights)
-        x, y = (
-            np.linspace(-0.5 * one, 0.5 * one, round(16.0 * one / self.wavelength) + 1)
-            for one in self.extent
-        )
-        k = 2.0 * math.pi / self.wavelength
-        return self.amplitude * np.outer(np.cos(k * x), np.cos(k * y))
+        length, width = self.extent
+        wavenumber = 2.0 * math.pi / self.wavelength
+        along = np.cos(wavenumber * self._positions_of_nodes(length))
+        across = np.cos(wavenumber * self._positions_of_nodes(width))
+        return self.amplitude * np.outer(along, across)
+
+    def _positions_of_nodes(self, size: float) -> np.ndarray:
+        """Return the positions of 16 nodes per wavelength, from the middle [m]."""
+        n_nodes = round(16.0 * size / self.wavelength) + 1
+        return np.linspace(-0.5 * size, 0.5 * size, n_nodes)
 
     def __call__(self, spec: Any) -> None:
         """See `Scene`."""
-        nodes = self._nodes()
-        low, rise = float(nodes.min()), max(float(np.ptp(nodes)), 1e-3)
-        size = (0.5 * self.extent[0], 0.5 * self.extent[1], rise, THICK)
-        rows, columns = nodes.T.shape
+        heights = self._heights_of_nodes().T
+        lowest = float(heights.min())
+        rise = max(float(np.ptp(heights)), LEAST_RISE)
+        length, width = self.extent
+        n_rows, n_columns = heights.shape
         spec.add_hfield(
             name="terrain",
-            nrow=rows,
-            ncol=columns,
-            size=size,
-            userdata=(nodes.T - low).ravel().tolist(),
+            nrow=n_rows,
+            ncol=n_columns,
+            size=(0.5 * length, 0.5 * width, rise, GROUND_HALF_THICKNESS),
+            userdata=(heights - lowest).ravel().tolist(),
         )
-        ground = solid(spec, "terrain", "HFIELD", (0.0, 0.0, 0.0), (*self.middle, low))
+        ground = add_solid(
+            spec,
+            name="terrain",
+            kind="HFIELD",
+            size=(0.0, 0.0, 0.0),
+            position=(*self.middle, lowest),
+        )
         ground.hfieldname = "terrain"
 
 
@@ -198,16 +246,20 @@ class Pipe(Scene):
     )
 
     def __call__(self, spec: Any) -> None:
-        """See `Scene`."""
-        thick = 0.01
-        turned = (math.cos(0.5 * self.tilt), 0.0, -math.sin(0.5 * self.tilt), 0.0)
-        pipe = spec.worldbody.add_body(name="pipe", pos=self.center, quat=turned)
-        size = (0.5 * self.length, (self.bore + 2.0 * thick) * math.tan(math.pi / STAVES), thick)
-        for k in range(STAVES):
-            angle = 2.0 * math.pi * k / STAVES
-            y, z = math.sin(angle) * (self.bore + thick), math.cos(angle) * (self.bore + thick)
-            about = (math.cos(0.5 * angle), -math.sin(0.5 * angle), 0.0, 0.0)
-            solid(pipe, f"wall_{k}", "BOX", size, (0.0, y, z), about)
+        """Add the staves of which its wall consists."""
+        pipe = spec.worldbody.add_body(name="pipe", pos=self.center, quat=_pitch_up(self.tilt))
+        half_width = (self.bore + 2.0 * PIPE_HALF_THICKNESS) * math.tan(math.pi / N_STAVES)
+        radius = self.bore + PIPE_HALF_THICKNESS
+        for k in range(N_STAVES):
+            angle = 2.0 * math.pi * k / N_STAVES
+            add_solid(
+                pipe,
+                name=f"wall_{k}",
+                kind="BOX",
+                size=(0.5 * self.length, half_width, PIPE_HALF_THICKNESS),
+                position=(0.0, math.sin(angle) * radius, math.cos(angle) * radius),
+                orientation=(math.cos(0.5 * angle), -math.sin(0.5 * angle), 0.0, 0.0),
+            )
 
 
 @value_class
@@ -219,12 +271,18 @@ class Tank(Scene):
 
     def __call__(self, spec: Any) -> None:
         """Add floor and walls around the middle of the world, with the water surface at z = 0."""
-        x, y, z = 0.5 * TANK_LENGTH, 0.5 * TANK_WIDTH, 0.5 * TANK_DEPTH
-        solid(spec, "floor", "PLANE", (x, y, 1.0), (0.0, 0.0, -TANK_DEPTH))
-        solid(spec, "wall_left", "BOX", (x, WALL, z), (0.0, y + WALL, -z))
-        solid(spec, "wall_right", "BOX", (x, WALL, z), (0.0, -y - WALL, -z))
-        solid(spec, "wall_front", "BOX", (WALL, y, z), (x + WALL, 0.0, -z))
-        solid(spec, "wall_back", "BOX", (WALL, y, z), (-x - WALL, 0.0, -z))
+        x = 0.5 * TANK_LENGTH
+        y = 0.5 * TANK_WIDTH
+        z = 0.5 * TANK_DEPTH
+        wall = WALL_HALF_THICKNESS
+        floor = (0.0, 0.0, -TANK_DEPTH)
+        side = (x, wall, z)
+        end = (wall, y, z)
+        add_solid(spec, name="floor", kind="PLANE", size=(x, y, 1.0), position=floor)
+        add_solid(spec, name="wall_left", kind="BOX", size=side, position=(0.0, y + wall, -z))
+        add_solid(spec, name="wall_right", kind="BOX", size=side, position=(0.0, -y - wall, -z))
+        add_solid(spec, name="wall_front", kind="BOX", size=end, position=(x + wall, 0.0, -z))
+        add_solid(spec, name="wall_back", kind="BOX", size=end, position=(-x - wall, 0.0, -z))
 
 
 @value_class
@@ -235,9 +293,8 @@ class Mjcf(Scene):
 
     def __call__(self, spec: Any) -> None:
         """See `Scene`."""
-        spec.attach(
-            load_mujoco().MjSpec.from_file(self.file), frame=spec.worldbody.add_frame(), prefix=""
-        )
+        contents = load_mujoco().MjSpec.from_file(self.file)
+        spec.attach(contents, frame=spec.worldbody.add_frame(), prefix="")
 
 
 @value_class
@@ -249,91 +306,9 @@ class Edited(Scene):
     def check(self, environment: Environment) -> None:
         """See `Scene`."""
         if not callable(self.edit):
-            raise BadArgument(
-                "scene", "must be given again: a file stores only the name of a function"
-            )
+            rule = "must be given again: a file stores only the name of a function"
+            raise BadArgument("scene", rule)
 
     def __call__(self, spec: Any) -> None:
         """See `Scene`."""
         self.edit(spec)
-
-
-def add_scene(model: Any, environment: Environment, scene: Scene | None, *, visuals: bool) -> None:
-    """Add the surroundings to a model that already has its robots; arguments as for `mjcf.spec`.
-
-    Raises:
-        ValueError: If the scene is incompatible with the environment, or MuJoCo rejects it.
-    """
-    if isinstance(environment, Ground) and (scene is None or scene.terrain is None):
-        solid(model, "ground", "PLANE", (0.0, 0.0, 1.0))
-    if scene is None:
-        return
-    scene.check(environment)
-    with reporting_scene_errors():
-        scene(model)
-    if visuals and not isinstance(environment, Ground):
-        size = (
-            0.5 * TANK_LENGTH,
-            0.5 * (TANK_WIDTH if isinstance(scene, Tank) else TANK_LENGTH),
-            1.0,
-        )
-        solid(model, SURFACE, "PLANE", size, (0.0, 0.0, scene.level)).conaffinity = 0
-
-
-def solid(
-    where: Any,
-    name: str,
-    kind: str,
-    size: Three,
-    pos: Three = (0.0, 0.0, 0.0),
-    quat: Quaternion = (1.0, 0.0, 0.0, 0.0),
-) -> Any:
-    """Add a geom that the robot can touch.
-
-    Args:
-        where: A `mujoco.MjSpec`, or a body of one.
-        name: Its name in messages and pictures.
-        kind: Its type in MuJoCo, such as BOX or PLANE.
-        size: Its size as defined by MuJoCo [m].
-        pos: Position of its center [m].
-        quat: Its orientation, as a quaternion [-].
-    """
-    body = getattr(where, "worldbody", where)
-    shape = getattr(load_mujoco().mjtGeom, f"mjGEOM_{kind}")
-    color = COLORS.get(name.partition("_")[0], SAND)
-    return body.add_geom(
-        name=name, type=shape, size=size, pos=pos, quat=quat, rgba=color, contype=0, conaffinity=1
-    )
-
-
-@contextmanager
-def reporting_scene_errors() -> Generator[None]:
-    """Turn errors of MuJoCo within this context into errors about the scene; the robot alone causes none."""
-    try:
-        yield
-    except ValueError as error:
-        said = " ".join(str(error).removeprefix("Error: ").split())
-        raise BadArgument(
-            "scene", f"must compile in MuJoCo together with the robot; MuJoCo says: {said}"
-        ) from error
-
-
-def check_free(model: Any, data: Any, robots: Collection[int]) -> None:
-    """Reject a start at which a robot is inside another object.
-
-    Args:
-        model: A `mujoco.MjModel` with a scene.
-        data: A `mujoco.MjData` at the start, with computed kinematics.
-        robots: IDs of the robots' bodies.
-    """
-    load_mujoco().mj_collision(model, data)
-    for touch in data.contact[: data.ncon]:
-        link, other = sorted(
-            map(int, touch.geom), key=lambda geom: int(model.geom_bodyid[geom]) not in robots
-        )
-        if touch.dist < -DEEPEST and int(model.geom_bodyid[link]) in robots:
-            depth = f"{model.geom(link).name.removesuffix('_hull')} is {-1e3 * touch.dist:.0f} mm deep in it"
-            name = model.geom(other).name or model.body(int(model.geom_bodyid[other])).name
-            raise BadArgument(
-                "start", f"must not put the robot into `{name}` of the scene, but {depth}"
-            )

@@ -4,81 +4,118 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
-from laticauda import robot
 from laticauda.models.dynamics import school
-from laticauda.models.dynamics.plant import PlantState, Stretch
+from laticauda.models.dynamics.samples import PlantState, Stretch
 from laticauda.models.dynamics.school import Currents
-from laticauda.models.spatial import model, rows, scene, twin
-from laticauda.scenarios import Command, interfaces
+from laticauda.models.spatial import rows
+from laticauda.models.spatial.model import SpatialPlant
+from laticauda.models.spatial.surroundings import check_free
+from laticauda.models.spatial.twin import Twin
+from laticauda.motion.gaits import WaveState
+from laticauda.robot import has_power_model
+from laticauda.scenarios import Command, Observation, Start
 
-WAVE = rows.PHASE + np.array((0, 1, 3, 5, 7))  # phase, amplitude, frequency, phase shift, offset
+WAVE = [
+    rows.PHASE + WaveState._fields.index(name)
+    for name in ("phase", "amplitude", "frequency", "phase_shift", "offset")
+]
+"""Rows of a state that a `Motion` has of the gait, in its order."""
+ELECTRICAL_WORK = rows.WORK_ABSOLUTE + 3
 
 
-class School(school.School[model.SpatialPlant]):
+class School(school.School[SpatialPlant]):
     """Robots in space, whose runs release the interpreter lock. Arguments are those of the base class."""
 
     usual_threads = school.usable_cores()
 
-    def _begin(self, threads: int) -> Sequence[range]:
-        plant, n = self.plant, self.n
-        own: list[model.SpatialPlant] = [plant] + [
-            replace(plant) for _ in range(1, min(threads, n))
-        ]
-        self._bodies = [own[i % len(own)] for i in range(n)]
-        self._states = [plant.init(interfaces.Start(), self.command)] * n
-        self._work = rows.WORK_ABSOLUTE + (
-            3 if robot.has_power_model(plant.robot, plant.joints) else 0
-        )
-        return [range(first, n, len(own)) for first in range(len(own))]
+    def _allocate(self, n_threads: int) -> Sequence[range]:
+        plant = self.plant
+        n_plants = min(n_threads, self.n)
+        plants: list[SpatialPlant] = [plant] + [replace(plant) for _ in range(1, n_plants)]
+        self._plants: list[SpatialPlant] = [plants[i % n_plants] for i in range(self.n)]
+        self._states = [plant.init(Start(), self.command)] * self.n
+        self._work_row = rows.WORK_ABSOLUTE
+        if has_power_model(plant.robot, plant.joints):
+            self._work_row = ELECTRICAL_WORK
+        return [range(first, self.n, n_plants) for first in range(n_plants)]
 
-    def state(self, which: int) -> PlantState:
+    def state(self, index: int) -> PlantState:
         """Return the state of one robot, for `SpatialPlant`."""
-        return self._states[which]
+        return self._states[index]
 
-    def _place(
-        self, which: np.ndarray, center_of_mass: np.ndarray, heading: np.ndarray, current: Currents
+    def _restart(
+        self,
+        indices: np.ndarray,
+        center_of_mass: np.ndarray,
+        heading: np.ndarray,
+        currents: Currents,
     ) -> None:
-        for k, i in enumerate(map(int, which)):
-            start = interfaces.Start(
+        for k, i in enumerate(map(int, indices)):
+            start = Start(
                 center_of_mass=tuple(center_of_mass[k].tolist()), heading=float(heading[k])
             )
-            self._bodies[i] = self._bodies[i].in_current(cast(Any, current[k]))
-            self._states[i] = self._bodies[i].init(start, self.command)
+            self._plants[i] = self._plants[i].in_current(cast(Any, currents[k]))
+            self._states[i] = self._plants[i].init(start, self.command)
 
-    def _swim(self, told: np.ndarray, duration: float) -> np.ndarray:
-        gaits = [
-            replace(self.command.gait, **dict(zip(school.TOLD, one, strict=True)))
-            for one in told.T.tolist()
-        ]
-        well = self._well.copy()
+    def commands_of(self, gaits: np.ndarray) -> list[Command]:
+        """Return the command of each robot.
 
-        def march(share: range) -> None:
+        Args:
+            gaits: Gait parameters, one row each and one column per robot; their offset includes
+                that of steering.
+        """
+        commands: list[Command] = []
+        for parameters in gaits.T.tolist():
+            named_parameters = dict(zip(school.GAIT_PARAMETERS, parameters, strict=True))
+            gait = replace(self.command.gait, **named_parameters)
+            commands.append(replace(self.command, gait=gait, offset=0.0))
+        return commands
+
+    def _swim(self, gaits: np.ndarray, duration: float) -> np.ndarray:
+        commands = self.commands_of(gaits)
+        is_well = self._is_well.copy()
+
+        def march_share(share: range) -> None:
             for i in share:
-                command = replace(self.command, gait=gaits[i], offset=0.0)
-                self._states[i], _, failure = self._bodies[i].march(
-                    self._states[i], command, duration, duration
-                )
-                well[i] &= failure is None
+                march = self._plants[i].march(self._states[i], commands[i], duration, duration)
+                self._states[i] = march.state
+                is_well[i] &= march.failure is None
 
-        self._on_threads(march)
-        return well
+        self._apply_to_shares(march_share)
+        return is_well
 
-    def _look(self) -> tuple[np.ndarray, tuple[interfaces.Observation, ...]]:
-        found: list[np.ndarray] = []
-        seen = tuple(
-            body.observe(state) for body, state in zip(self._bodies, self._states, strict=True)
-        )
-        for one, state in zip(seen, self._states, strict=True):
-            place, velocity = one.center_of_mass[:2], one.center_of_mass_velocity[:2]
-            waves = state.values[[*WAVE, self._work]]
-            found.append(
-                np.array([one.time, *place, *velocity, one.heading, one.heading_rate, *waves])
-            )
-        return np.stack(found, axis=1), seen
+    def _read_motion(self) -> tuple[np.ndarray, tuple[Observation, ...]]:
+        columns: list[np.ndarray] = []
+        observations: list[Observation] = []
+        for plant, state in zip(self._plants, self._states, strict=True):
+            observation = plant.observe(state)
+            column = [
+                observation.time,
+                *observation.center_of_mass[:2],
+                *observation.center_of_mass_velocity[:2],
+                observation.heading,
+                observation.heading_rate,
+                *state.values[WAVE],
+                state.values[self._work_row],
+            ]
+            columns.append(np.array(column))
+            observations.append(observation)
+        return np.stack(columns, axis=1), tuple(observations)
+
+
+class JointAdvance(NamedTuple):
+    """Several robots after a number of time steps in one scene."""
+
+    states: list[PlantState]
+    """State of each robot at the end, or at the start if the run diverged."""
+    stretches: list[Stretch]
+    """Samples of each robot, up to the failure if the run diverged."""
+    failure: str | None
+    """What went wrong, in a sentence; None if nothing did."""
 
 
 class Together:
@@ -88,44 +125,61 @@ class Together:
         plants: One plant per robot, with the robot's own settings and the same scene for all.
     """
 
-    def __init__(self, plants: Sequence[model.SpatialPlant]) -> None:
-        self.plants, first = plants, plants[0]
-        others = [(plant.robot, plant.settings) for plant in plants[1:]]
-        self.twin = twin.Twin(first.robot, first.environment, first.settings, others)
+    def __init__(self, plants: Sequence[SpatialPlant]) -> None:
+        self.plants = plants
+        first = plants[0]
+        neighbors = [(plant.robot, plant.settings) for plant in plants[1:]]
+        self.twin = Twin(first.robot, first.environment, first.settings, neighbors)
 
-    def check(self, each: Sequence[PlantState]) -> None:
+    def check(self, states: Sequence[PlantState]) -> None:
         """Raise a ValueError if robots penetrate one another, or another object, in the initial states."""
-        data = self.twin.data([state.values for state in each])
-        scene.check_free(self.twin.model, data, self.twin.order.tolist())
+        data = self.twin.data([state.values for state in states])
+        check_free(self.twin.model, data, self.twin.order.tolist())
 
     def march(
         self,
-        each: Sequence[PlantState],
+        states: Sequence[PlantState],
         commands: Sequence[Command],
         duration: float,
         sample_interval: float,
-    ) -> tuple[list[PlantState], list[Stretch], str | None]:
+    ) -> JointAdvance:
         """Advance by many steps at once; see `Plant.advance`.
 
         Args:
-            each: Initial state of each robot.
+            states: Initial state of each robot.
             commands: One command per robot, held throughout.
             duration: Duration [s].
             sample_interval: Interval between two samples of the logs [s].
         """
         n_intervals = max(1, round(duration / sample_interval))
         every = max(plant.steps_in(duration / n_intervals) for plant in self.plants)
-        known = list(zip(self.plants, commands, strict=True))
-        given = [plant._rows(command) for plant, command in known]
-        ends = [plant._begun(a, b) for plant, a, b in zip(self.plants, each, commands, strict=True)]
-        dt = duration / n_intervals / every
-        log = self.twin.run(ends, given, n_intervals * every, dt, every, self.plants[0].environment)
-        parts = np.split(log, self.twin.places[1:-1, rows.FIRST_COLUMN], axis=1)
-        logs = [Stretch(part, command) for command, part in zip(commands, parts, strict=True)]
-        if len(log) <= n_intervals:
-            when = each[0].values[0] + len(log) * duration / n_intervals
-            return list(each), logs, self.plants[0].what_went_wrong(when)
-        found = [
-            plant._ended(at, c, end) for (plant, c), at, end in zip(known, each, ends, strict=True)
+        vectors: list[np.ndarray] = []
+        inputs = [plant._inputs(command) for plant, command in self._with(commands)]
+        for (plant, command), state in zip(self._with(commands), states, strict=True):
+            vectors.append(plant._start_values(state, command))
+        samples = self.twin.run(
+            vectors,
+            inputs,
+            steps=n_intervals * every,
+            dt=duration / n_intervals / every,
+            every=every,
+            environment=self.plants[0].environment,
+        )
+        first_columns = self.twin.places[1:-1, rows.FIRST_COLUMN]
+        samples_of_robots = np.split(samples, first_columns, axis=1)
+        stretches = [
+            Stretch(part, command)
+            for command, part in zip(commands, samples_of_robots, strict=True)
         ]
-        return found, logs, None
+        if len(samples) <= n_intervals:
+            time = states[0].values[rows.TIME] + len(samples) * duration / n_intervals
+            failure = self.plants[0].what_went_wrong(time)
+            return JointAdvance(list(states), stretches, failure)
+        ends: list[PlantState] = []
+        for (plant, command), state, end in zip(self._with(commands), states, vectors, strict=True):
+            ends.append(plant._state_after(state, command, end))
+        return JointAdvance(ends, stretches, failure=None)
+
+    def _with(self, commands: Sequence[Command]) -> list[tuple[SpatialPlant, Command]]:
+        """Return the plants, each with its command."""
+        return list(zip(self.plants, commands, strict=True))

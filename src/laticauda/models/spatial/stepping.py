@@ -27,17 +27,21 @@ from laticauda.models.spatial.rows import *
 from laticauda.water.mujoco import field, forces_after, forward_skip, integrate_positions, numbers
 
 _drives = bindings(__name__)["drives"]
-actuator, count_work = _drives.actuator, _drives.count_work
-advance_reference, set_reference = _drives.advance_reference, _drives.set_reference
+drive_joint = _drives.drive_joint
+count_work = _drives.count_work
+advance_reference = _drives.advance_reference
+set_reference = _drives.set_reference
 
 implicit_inertia = compile_scalar(stages.implicit_inertia)
 second_torque = compile_scalar(stages.second_torque)
-W_1, W_2 = stages.WEIGHTS
-HOLD = 1e8  # kg m^2
+W_1 = stages.WEIGHTS[0]
+W_2 = stages.WEIGHTS[1]
+HOLD = 1e8
+"""Inertia by which a prescribed joint is held to its reference [kg m^2]."""
 
 
 @kernel
-def copy(values, target):
+def copy_numbers(values, target):
     """Copy numbers one by one: with slices, a third of the compiled code would be Numba's messages on unequal sizes."""
     for i in range(len(target)):
         target[i] = values[i]
@@ -52,39 +56,47 @@ def evaluate(N):
 @kernel
 def put_on_reference(N, qpos, qvel, J, R, hold):
     """Put prescribed joints on the reference and hold them to its acceleration."""
-    nq, nv = N[N_BASE_QPOS], N[N_BASE_QVEL]
+    nq = N[N_BASE_QPOS]
+    nv = N[N_BASE_QVEL]
     for i in range(J.shape[0]):
         if J[i, LAW] == PRESCRIBED:
-            qpos[nq + i], qvel[nv + i] = R[0, i], R[1, i]
+            qpos[nq + i] = R[0, i]
+            qvel[nv + i] = R[1, i]
             hold[nv + i] = HOLD
             hold[N[N_QVEL] + nv + i] = HOLD * R[2, i]
 
 
 @kernel
-def first_stage(N, qpos, qvel, C, J, R, hold, U, K, gamma_dt):
+def set_first_stage(N, qpos, qvel, C, J, R, hold, U, K, gamma_dt):
     """Set torques and implicit terms of the first stage; K stores the slope over angle and the implicit inertia."""
-    nq, nv, total = N[N_BASE_QPOS], N[N_BASE_QVEL], N[N_QVEL]
+    nq = N[N_BASE_QPOS]
+    nv = N[N_BASE_QVEL]
+    total = N[N_QVEL]
     for i in range(J.shape[0]):
         if J[i, LAW] == PRESCRIBED:
             continue
         rate = qvel[nv + i]
-        torque, slope_p, slope_d = actuator(C, J, i, qpos[nq + i], rate, R)
+        torque, slope_p, slope_d = drive_joint(C, J, i, qpos[nq + i], rate, R)
         slope_p += J[i, STIFFNESS]
         slope_d += J[i, DAMPING]
-        U[i], K[0, i], K[1, i] = torque, slope_p, implicit_inertia(slope_p, slope_d, gamma_dt)
+        U[i] = torque
+        K[0, i] = slope_p
+        K[1, i] = implicit_inertia(slope_p, slope_d, gamma_dt)
         hold[nv + i] = K[1, i]
         hold[total + nv + i] = torque - gamma_dt * slope_p * rate
 
 
 @kernel
-def second_stage(N, qpos, qvel, C, J, R, hold, K, first, slope, gamma_dt):
+def set_second_stage(N, qpos, qvel, C, J, R, hold, K, first, slope, gamma_dt):
     """Set the torques of the second stage, which is solved for a = k2 + 2 k1."""
-    nq, nv, total = N[N_BASE_QPOS], N[N_BASE_QVEL], N[N_QVEL]
+    nq = N[N_BASE_QPOS]
+    nv = N[N_BASE_QVEL]
+    total = N[N_QVEL]
     put_on_reference(N, qpos, qvel, J, R, hold)
     for i in range(J.shape[0]):
         if J[i, LAW] == PRESCRIBED:
             continue
-        torque, _, _ = actuator(C, J, i, qpos[nq + i], qvel[nv + i], R)
+        torque, _, _ = drive_joint(C, J, i, qpos[nq + i], qvel[nv + i], R)
         k = nv + i
         hold[total + k] = second_torque(
             torque, K[0, i], K[1, i], qvel[k], slope[k], first[k], gamma_dt
@@ -94,18 +106,21 @@ def second_stage(N, qpos, qvel, C, J, R, hold, K, first, slope, gamma_dt):
 @kernel
 def move(N, qpos, start, velocity, dt):
     """Set qpos to `start` moved with a velocity for dt."""
-    copy(start, qpos)
+    copy_numbers(start, qpos)
     integrate_positions(N[MODEL], qpos.ctypes.data, velocity.ctypes.data, dt)
 
 
 @kernel
-def of_robot(W, r):
+def select_robot(W, r):
     """Return one robot's arguments for the functions above; W holds the arguments of `run` for all, and R, U and K."""
     N, S, Y, C, J, R, U, K = W
-    s, e = S[r], S[r + 1]
-    a, b = s[FIRST_JOINT], e[FIRST_JOINT]
-    state, given = Y[s[FIRST_STATE] : e[FIRST_STATE]], C[s[FIRST_GIVEN] : e[FIRST_GIVEN]]
-    return N[r], state, given, J[a:b], R[:, a:b], U[a:b], K[:, a:b], s[FIRST_QPOS], s[FIRST_QVEL]
+    s = S[r]
+    e = S[r + 1]
+    a = s[FIRST_JOINT]
+    b = e[FIRST_JOINT]
+    state = Y[s[FIRST_STATE] : e[FIRST_STATE]]
+    command = C[s[FIRST_COMMAND] : e[FIRST_COMMAND]]
+    return N[r], state, command, J[a:b], R[:, a:b], U[a:b], K[:, a:b], s[FIRST_QPOS], s[FIRST_QVEL]
 
 
 @kernel
@@ -116,33 +131,38 @@ def advance(N, X, C, J, R, dt):
 
 
 @kernel
-def put_all(W, qpos, qvel, hold, dt):
+def put_all_on_reference(W, qpos, qvel, hold, dt):
     """Apply `put_on_reference` to all robots, after advancing their generators by dt."""
     for r in range(len(W[0])):
-        N, X, C, J, R, _, _, q, v = of_robot(W, r)
+        N, X, C, J, R, _, _, q, v = select_robot(W, r)
         if dt > 0.0:
             advance(N, X, C, J, R, dt)
         put_on_reference(N, qpos[q:], qvel[v:], J, R, hold[v:])
 
 
 @kernel
-def first_of_all(W, qpos, qvel, hold, gamma_dt):
-    """Apply `first_stage` to all robots."""
+def set_first_stage_of_all(W, qpos, qvel, hold, gamma_dt):
+    """Apply `set_first_stage` to all robots."""
     for r in range(len(W[0])):
-        N, _, C, J, R, U, K, q, v = of_robot(W, r)
-        first_stage(N, qpos[q:], qvel[v:], C, J, R, hold[v:], U, K, gamma_dt)
+        N, _, C, J, R, U, K, q, v = select_robot(W, r)
+        set_first_stage(N, qpos[q:], qvel[v:], C, J, R, hold[v:], U, K, gamma_dt)
 
 
 @kernel
 def finish_rk4(W, hold, qpos, qvel, qacc, B, dt):
     """Finish the step with stages 2 to 4; the accelerations of the first are already in the data. B: scratch rows."""
     N = W[0][0]
-    q0, v0, sum_v, sum_a, now = B[0], B[1], B[2], B[3], B[4]
+    q0 = B[0]
+    v0 = B[1]
+    sum_v = B[2]
+    sum_a = B[3]
+    now = B[4]
     n = N[N_QVEL]
-    copy(qpos, q0)
+    copy_numbers(qpos, q0)
     for i in range(n):
         v0[i] = qvel[i]
-        sum_v[i], sum_a[i] = 0.0, 0.0
+        sum_v[i] = 0.0
+        sum_a[i] = 0.0
     for stage in range(4):
         weight = dt / 6.0 if stage == 0 or stage == 3 else dt / 3.0
         ahead = 0.5 * dt if stage < 2 else dt
@@ -155,31 +175,39 @@ def finish_rk4(W, hold, qpos, qvel, qacc, B, dt):
         move(N, qpos, q0, now, ahead)
         for i in range(n):
             qvel[i] = v0[i] + ahead * qacc[i]
-        put_all(W, qpos, qvel, hold, 0.5 * dt if stage != 1 else 0.0)
+        put_all_on_reference(W, qpos, qvel, hold, 0.5 * dt if stage != 1 else 0.0)
         evaluate(N)
     move(N, qpos, q0, sum_v, 1.0)
     for i in range(n):
         qvel[i] = v0[i] + sum_a[i]
-    put_all(W, qpos, qvel, hold, 0.0)
+    put_all_on_reference(W, qpos, qvel, hold, 0.0)
 
 
 @kernel
 def finish_ros2(W, hold, qpos, qvel, qacc, B, dt):
     """Finish the step, y + h (3/2 k1 + 1/2 k2), from both stages; the accelerations of k1 are already in the data."""
     N = W[0][0]
-    q0, v0, slope, first, total = B[0], B[1], B[2], B[3], B[4]
-    n, gamma_dt = N[N_QVEL], GAMMA * dt
-    copy(qpos, q0)
+    q0 = B[0]
+    v0 = B[1]
+    slope = B[2]
+    first = B[3]
+    total = B[4]
+    n = N[N_QVEL]
+    gamma_dt = GAMMA * dt
+    copy_numbers(qpos, q0)
     for i in range(n):
-        v0[i], first[i] = qvel[i], qacc[i]
+        v0[i] = qvel[i]
+        first[i] = qacc[i]
         slope[i] = qvel[i] + gamma_dt * qacc[i]
     move(N, qpos, q0, slope, dt)
     for i in range(n):
         qvel[i] = v0[i] + dt * first[i]
     for r in range(len(W[0])):
-        M, X, C, J, R, _, K, q, v = of_robot(W, r)
+        M, X, C, J, R, _, K, q, v = select_robot(W, r)
         advance(M, X, C, J, R, dt)
-        second_stage(M, qpos[q:], qvel[v:], C, J, R, hold[v:], K, first[v:], slope[v:], gamma_dt)
+        set_second_stage(
+            M, qpos[q:], qvel[v:], C, J, R, hold[v:], K, first[v:], slope[v:], gamma_dt
+        )
     evaluate(N)
     for i in range(n):
         # As `stages.combined`; a call to it would be contracted differently here and change the
@@ -189,8 +217,8 @@ def finish_ros2(W, hold, qpos, qvel, qacc, B, dt):
         total[i] = W_1 * slope[i] + W_2 * second_slope
         v0[i] += dt * (W_1 * first[i] + W_2 * second)
     move(N, qpos, q0, total, dt)
-    copy(v0, qvel)
-    put_all(W, qpos, qvel, hold, 0.0)
+    copy_numbers(v0, qvel)
+    put_all_on_reference(W, qpos, qvel, hold, 0.0)
 
 
 @kernel
@@ -238,37 +266,44 @@ def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, forces, sample):
     `mass` is that of every body, 0 for those that are not the robot's; `order` holds the body of
     each link.
     """
-    n, bodies = N[N_LINKS], N[N_BODIES]
-    com, cvel = (
-        field(N[DATA], N[AT.subtree_com], 3 * bodies),
-        field(N[DATA], N[AT.cvel], 6 * bodies),
-    )
-    xipos, xmat = field(N[DATA], N[AT.xipos], 3 * bodies), field(N[DATA], N[AT.xmat], 9 * bodies)
-    copy(X, sample[:STATE_ROWS])
-    o, c = STATE_ROWS, 3 * order[0]
+    n = N[N_LINKS]
+    bodies = N[N_BODIES]
+    com = field(N[DATA], N[AT.subtree_com], 3 * bodies)
+    cvel = field(N[DATA], N[AT.cvel], 6 * bodies)
+    xipos = field(N[DATA], N[AT.xipos], 3 * bodies)
+    xmat = field(N[DATA], N[AT.xmat], 9 * bodies)
+    copy_numbers(X, sample[:STATE_ROWS])
+    o = STATE_ROWS
+    c = 3 * order[0]
     total = 0.0
     for k in range(3):
         sample[o + COM + k] = com[c + k]
         sample[o + COM_RATE + k] = 0.0
     for b in range(1, bodies):
-        rx, ry, rz = (
-            xipos[3 * b] - com[c],
-            xipos[3 * b + 1] - com[c + 1],
-            xipos[3 * b + 2] - com[c + 2],
-        )
-        wx, wy, wz = cvel[6 * b], cvel[6 * b + 1], cvel[6 * b + 2]
+        rx = xipos[3 * b] - com[c]
+        ry = xipos[3 * b + 1] - com[c + 1]
+        rz = xipos[3 * b + 2] - com[c + 2]
+        wx = cvel[6 * b]
+        wy = cvel[6 * b + 1]
+        wz = cvel[6 * b + 2]
         sample[o + COM_RATE] += mass[b] * (cvel[6 * b + 3] + wy * rz - wz * ry)
         sample[o + COM_RATE + 1] += mass[b] * (cvel[6 * b + 4] + wz * rx - wx * rz)
         sample[o + COM_RATE + 2] += mass[b] * (cvel[6 * b + 5] + wx * ry - wy * rx)
         total += mass[b]
     for k in range(3):
         sample[o + COM_RATE + k] /= total
-    heading, heading_rate, pitch = 0.0, 0.0, 0.0
+    heading = 0.0
+    heading_rate = 0.0
+    pitch = 0.0
     at = o + SAMPLE_HEADER
     for i in range(n):
         b = order[i]
-        x, y, z = xmat[9 * b], xmat[9 * b + 3], xmat[9 * b + 6]
-        wx, wy, wz = cvel[6 * b], cvel[6 * b + 1], cvel[6 * b + 2]
+        x = xmat[9 * b]
+        y = xmat[9 * b + 3]
+        z = xmat[9 * b + 6]
+        wx = cvel[6 * b]
+        wy = cvel[6 * b + 1]
+        wz = cvel[6 * b + 2]
         heading += links[i]
         pitch -= np.arctan2(z, (x * x + y * y) ** 0.5)
         heading_rate += (x * (wz * x - wx * z) - y * (wy * z - wz * y)) / (x * x + y * y)
@@ -277,11 +312,10 @@ def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, forces, sample):
     sample[o + HEADING_RATE] = heading_rate / n
     sample[o + MEAN_PITCH] = pitch / n
     if N[IS_PLANAR]:
-        sample[o + ORIENTATION], sample[o + ORIENTATION + 3] = (
-            np.cos(0.5 * links[0]),
-            np.sin(0.5 * links[0]),
-        )
-        sample[o + ORIENTATION + 1], sample[o + ORIENTATION + 2] = 0.0, 0.0
+        sample[o + ORIENTATION] = np.cos(0.5 * links[0])
+        sample[o + ORIENTATION + 1] = 0.0
+        sample[o + ORIENTATION + 2] = 0.0
+        sample[o + ORIENTATION + 3] = np.sin(0.5 * links[0])
     else:
         for k in range(4):
             sample[o + ORIENTATION + k] = qpos[3 + k]
@@ -293,16 +327,18 @@ def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, forces, sample):
             sample[at + 2 * count + i] = R[0, first + i]
             sample[at + 3 * count + i] = U[first + i]
         at += 4 * count
-    copy(forces, sample[at:])
+    copy_numbers(forces, sample[at:])
 
 
 @kernel
 def log_robot(W, r, mass, order, qpos, qvel, qacc, P, dt, sample):
     """Count one robot's work and write its sample (empty between samples); return whether its numbers are in bounds."""
-    n, y, C, J, R, U, _, q, v = of_robot(W, r)
-    led, nv, links = C[IS_LED] != 0.0, v + n[N_BASE_QVEL], y[STATE_ROWS : STATE_ROWS + n[N_LINKS]]
+    n, y, C, J, R, U, _, q, v = select_robot(W, r)
+    is_led = C[IS_LED] != 0.0
+    nv = v + n[N_BASE_QVEL]
+    links = y[STATE_ROWS : STATE_ROWS + n[N_LINKS]]
     for i in range(J.shape[0]):
-        if led and J[i, LAW] == PRESCRIBED:
+        if is_led and J[i, LAW] == PRESCRIBED:
             # The resistance of the joint's skin is in MuJoCo's passive forces, so the actuator has
             # to overcome it.
             U[i] = HOLD * (R[2, i] - qacc[nv + i])
@@ -311,7 +347,7 @@ def log_robot(W, r, mass, order, qpos, qvel, qacc, P, dt, sample):
     if not sample.size:
         return True
     forces = y[STATE_ROWS + n[N_LINKS] :]
-    if n[HAS_SCENE] != 0 and led:
+    if n[HAS_SCENE] != 0 and is_led:
         sum_contacts(n, order, forces)
     write_sample(n, y, J, R, U, mass, order, qpos[q:], qvel[v:], links, forces, sample)
     return are_within(qpos, FARTHEST) and are_within(qvel, FARTHEST) and are_within(U, STRONGEST)
@@ -326,38 +362,45 @@ def run(N, S, Y, moving, C, J, mass, order, hold, steps, dt, every, log):
     the number of samples written: fewer than requested if numbers left the finite range. The
     trapezoidal rule for the work starts from the powers at the start.
     """
-    M, n_robots = N[0], len(N)
-    n_q, n_v = M[N_QPOS], M[N_QVEL]
-    qpos, qvel = field(M[DATA], M[AT.qpos], n_q), field(M[DATA], M[AT.qvel], n_v)
+    M = N[0]
+    n_robots = len(N)
+    n_q = M[N_QPOS]
+    n_v = M[N_QVEL]
+    qpos = field(M[DATA], M[AT.qpos], n_q)
+    qvel = field(M[DATA], M[AT.qvel], n_v)
     qacc = field(M[DATA], M[AT.qacc], n_v)
-    copy(moving[:n_q], qpos)
-    copy(moving[n_q:], qvel)
-    U, P, B = np.zeros(len(J)), np.zeros((n_robots, 4)), np.zeros((5, n_q))
-    W = (N, S, Y, C, J, np.zeros((3, len(J))), U, np.zeros((2, len(J))))
+    copy_numbers(moving[:n_q], qpos)
+    copy_numbers(moving[n_q:], qvel)
+    R = np.zeros((3, len(J)))
+    U = np.zeros(len(J))
+    K = np.zeros((2, len(J)))
+    P = np.zeros((n_robots, 4))
+    B = np.zeros((5, n_q))
+    W = (N, S, Y, C, J, R, U, K)
     hold[:] = 0.0
-    implicit, led = False, C[IS_LED] != 0.0
+    is_led = C[IS_LED] != 0.0
+    implicit = False
     for r in range(n_robots):
         implicit = implicit or N[r, IS_IMPLICIT] != 0
-        _, X, C_r, J_r, R, _, _, _, _ = of_robot(W, r)
-        set_reference(X, C_r, J_r, R)
+        _, X, C_r, J_r, R_r, _, _, _, _ = select_robot(W, r)
+        set_reference(X, C_r, J_r, R_r)
         numbers(M[DATA] + M[AT.time], 1)[0] = X[TIME]
     two_ways = implicit and np.any(J[:, LAW] == PRESCRIBED)
-    if led:
-        put_all(W, qpos, qvel, hold, 0.0)
+    if is_led:
+        put_all_on_reference(W, qpos, qvel, hold, 0.0)
     written = 0
     for step in range(steps + 1):
-        if led:
-            first_of_all(W, qpos, qvel, hold, GAMMA * dt if implicit and not two_ways else 0.0)
+        if is_led:
+            gamma_dt = GAMMA * dt if implicit and not two_ways else 0.0
+            set_first_stage_of_all(W, qpos, qvel, hold, gamma_dt)
         evaluate(M)
         for r in range(n_robots):
-            a, b = (
-                S[r, FIRST_COLUMN],
-                S[r + 1, FIRST_COLUMN] if step % every == 0 else S[r, FIRST_COLUMN],
-            )
-            bodies, sample = order[S[r, FIRST_BODY] : S[r + 1, FIRST_BODY]], log[step // every, a:b]
-            if not log_robot(
-                W, r, mass[r], bodies, qpos, qvel, qacc, P[r], dt if step > 0 else 0.0, sample
-            ):
+            a = S[r, FIRST_COLUMN]
+            b = S[r + 1, FIRST_COLUMN] if step % every == 0 else a
+            bodies = order[S[r, FIRST_BODY] : S[r + 1, FIRST_BODY]]
+            sample = log[step // every, a:b]
+            past = dt if step > 0 else 0.0
+            if not log_robot(W, r, mass[r], bodies, qpos, qvel, qacc, P[r], past, sample):
                 return written
         written += step % every == 0
         if step == steps:
@@ -365,10 +408,12 @@ def run(N, S, Y, moving, C, J, mass, order, hold, steps, dt, every, log):
         if not implicit:
             finish_rk4(W, hold, qpos, qvel, qacc, B, dt)
         else:
-            if two_ways:  # the torques above follow from accelerations, which must not be those of an implicit step
-                first_of_all(W, qpos, qvel, hold, GAMMA * dt)
+            if two_ways:
+                # The torques above follow from accelerations, which must not be those of an
+                # implicit step.
+                set_first_stage_of_all(W, qpos, qvel, hold, GAMMA * dt)
                 evaluate(M)
             finish_ros2(W, hold, qpos, qvel, qacc, B, dt)
-    copy(qpos, moving[:n_q])
-    copy(qvel, moving[n_q:])
+    copy_numbers(qpos, moving[:n_q])
+    copy_numbers(qvel, moving[n_q:])
     return written

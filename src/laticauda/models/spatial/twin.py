@@ -4,22 +4,62 @@ from collections.abc import Sequence
 from dataclasses import replace
 from threading import RLock
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from jaxtyping import Float
 
 from laticauda.compiling.templates import specialized
-from laticauda.models.dynamics.plant import FORCES, has_hinges, joint_table
-from laticauda.models.spatial import mjcf, rows, scene, water_robot
-from laticauda.models.spatial.bodies import fin_bodies, straight_center_of_mass
+from laticauda.models.dynamics.samples import FORCES
+from laticauda.models.spatial import mjcf, rows
+from laticauda.models.spatial.bodies import straight_center_of_mass
+from laticauda.models.spatial.places import (
+    Located,
+    Member,
+    build_joint_rows,
+    build_places,
+    build_setup,
+    index_motion,
+    locate,
+)
+from laticauda.models.spatial.settings import (
+    build_plant_elements,
+    build_plant_spec,
+    is_floating,
+    used_ballast_depth,
+)
+from laticauda.models.spatial.surroundings import reporting_scene_errors
 from laticauda.motion.joints import JointLaw
 from laticauda.robot import Environment, Ground, Robot, Scene, Water
 from laticauda.scenarios import Spatial
 from laticauda.values import load_mujoco
 from laticauda.water import mujoco as water
-from laticauda.water.mujoco import callback, native, table
+from laticauda.water.mujoco import callback, table
 
 TEMPLATES = {"drives": ("joint_law",), "stepping": ("joint_law",)}
+"""Templates of the kernels, and what each is specialized for; see `laticauda.compiling.templates`."""
+
+
+class KernelInputs(NamedTuple):
+    """What the kernels need to know of one robot's command."""
+
+    command: Float[np.ndarray, " n_numbers"]
+    """The command's numbers, then the table of a recording, if any; see `rows`."""
+    joints: Float[np.ndarray, "n_joints n_numbers"]
+    """Parameters of the joints."""
+    effectors: list[water.Element]
+    """Thrusters and pectoral fins with their current settings."""
+
+
+class _StateParts(NamedTuple):
+    """The parts of a state vector, as views on it."""
+
+    rows: np.ndarray
+    """The rows of `rows`."""
+    motion: np.ndarray
+    """qpos and qvel."""
+    links: np.ndarray
+    """Angles of the links and, in a scene, the contact forces on them."""
 
 
 class Twin:
@@ -30,7 +70,7 @@ class Twin:
             have no prefix.
         environment: Environment of the robots.
         setup: Model settings of the first robot, with the scene.
-        others: Further robots with their settings; names of the k-th begin with `robot_k_`.
+        neighbors: Further robots with their settings; names of the k-th begin with `robot_k_`.
     """
 
     def __init__(
@@ -38,214 +78,175 @@ class Twin:
         robot: Robot,
         environment: Environment,
         setup: Spatial,
-        others: Sequence[tuple[Robot, Spatial]] = (),
+        neighbors: Sequence[tuple[Robot, Spatial]] = (),
     ) -> None:
         self.lock = RLock()
-        ballast = setup.ballast_depth if is_floating(setup) else 0.0
-        spec = spec_of(robot, environment, setup)
-        members = [(*one, mjcf.robot_prefix(k)) for k, one in enumerate(((robot, setup), *others))]
-        with scene.reporting_scene_errors():
-            for k, (other, own) in enumerate(others, 1):
-                mjcf.add_robot(spec, spec_of(other, environment, replace(own, scene=Scene())), k)
-            self.model = water.compile_spec(spec)
-        if setup.dt is not None:
-            self.model.opt.timestep = setup.dt
-        self._data, self._n_links = load_mujoco().MjData(self.model), robot.n_links
-        self.n_qpos, self.n_qvel = self.model.nq, self.model.nv
+        members = [Member(robot, setup, mjcf.robot_prefix(0))]
+        for k, (neighbor, settings) in enumerate(neighbors, 1):
+            members.append(Member(neighbor, settings, mjcf.robot_prefix(k)))
+        self.model = _compile_model(members, environment)
+        self.n_qpos = self.model.nq
+        self.n_qvel = self.model.nv
         self.height = float(self.model.body("module_0").pos[2])
-        self.center = np.array(
-            (
-                straight_center_of_mass(robot),
-                0.0,
-                -ballast * sum(m.mass for m in robot.modules) / robot.mass,
-            )
+        """Initial height of the first robot [m]."""
+        self.center = _center_of_mass(robot, used_ballast_depth(setup))
+        """Center of mass of the straight first robot, from its tail end, in its axes [m]."""
+        self.joints = build_joint_rows(robot, setup.joints)
+        """Parameters of the joints of the first robot."""
+        self._n_links = robot.n_links
+        self._data = load_mujoco().MjData(self.model)
+        robots = [locate(self.model, member) for member in members]
+        _set_contacts(self.model, robots)
+        self.places = build_places(self.model, robots)
+        """Where each robot's part of the arrays of all robots begins."""
+        self.order = np.concatenate([located.bodies for located in robots])
+        """Bodies of all robots, in the order of their links."""
+        self._masses = np.array([_masses_of(self.model, located) for located in robots])
+        self._setups = np.array(
+            [build_setup(self.model, self._data, located) for located in robots]
         )
-        self.joints = _joint_rows(robot, setup.joints)
-        self._lay_out(members)
-        found = [
-            [replace(e, body=p + e.body) for e in _elements(r, environment, s)]
-            for r, s, p in members
-        ]
-        self._ends = np.cumsum([len(one) for one in found]).tolist()
-        self.water = self._attach([e for one in found for e in one], environment, setup)
+        self._motion_of_robots = index_motion(self.model, robots)
+        self.water = self._attach_water(members, environment)
         # Stored with the water's own numbers, so that it lives as long as the compiled code may
         # read it.
-        self._hold = self.water.numbers["hold"] = np.zeros(2 * int(self.model.nv))
+        self._hold = np.zeros(2 * int(self.model.nv))
+        self.water.numbers["hold"] = self._hold
         self.water.table[table.HOLD] = self._hold.ctypes.data
-        self.water.table[table.HAS_INERTIA], self.water.table[table.FIRST_ORDER] = (
-            1,
-            0,
-        )  # it uses its own integrators
-        self.water.numbers["water"][table.LEVEL] = (
-            setup.scene or Scene()
-        ).level  # height from which a flow measures z
+        # The kernels use their own integrators.
+        self.water.table[table.HAS_INERTIA] = 1
+        self.water.table[table.FIRST_ORDER] = 0
+        # Height from which a flow measures z.
+        self.water.numbers["water"][table.LEVEL] = (setup.scene or Scene()).level
         self._stepping = stepping(setup.joints)
 
-    def _attach(
-        self, elements: Sequence[water.Element], environment: Environment, setup: Spatial
-    ) -> water.Water:
-        around = setup.scene or Scene()
+    def _attach_water(self, members: Sequence[Member], environment: Environment) -> water.Water:
+        """Attach water and ground to the elements of all robots, one robot after the other."""
+        elements: list[water.Element] = []
+        self._ends_of_elements: list[int] = []
+        for member in members:
+            for element in build_plant_elements(member.robot, environment, member.setup):
+                elements.append(replace(element, body=member.prefix + element.body))
+            self._ends_of_elements.append(len(elements))
+        setup = members[0].setup
+        scene = setup.scene or Scene()
         if isinstance(environment, Ground):
-            return water.attach(self.model, elements, terrain=around.terrain)
+            return water.attach(self.model, elements, terrain=scene.terrain)
         return water.attach(
             self.model,
             elements,
             density=environment.density,
             current=environment.flow or environment.uniform,
-            surface=around.level if is_floating(setup) else None,
+            surface=scene.level if is_floating(setup) else None,
             form=environment.added_mass_form,
-            terrain=around.terrain,
-        )
-
-    def _lay_out(self, members: Sequence[tuple[Robot, Spatial, str]]) -> None:
-        """Set the layout of each robot's arrays, its setup for the kernels, and what its shapes can touch."""
-        model, n_all = self.model, len(members)
-        self.places, self._masses = (
-            np.zeros((n_all + 1, rows.PLACES), dtype=np.int64),
-            np.zeros((n_all, model.nbody)),
-        )
-        setups: list[np.ndarray] = []
-        order: list[int] = []
-        for k, (robot, setup, prefix) in enumerate(members):
-            fin = fin_bodies(robot.caudal_fin) if robot.caudal_fin is not None else []
-            names = [*(f"module_{i}" for i in range(robot.n_links)), *(body.name for body in fin)]
-            bodies = [int(model.body(prefix + name).id) for name in names]
-            mine, root = model.body_rootid == bodies[0], int(model.body_jntadr[bodies[0]])
-            self._masses[k] = np.where(mine, model.body_mass, 0.0)
-            if (
-                setup.joints.prescribed
-            ):  # they follow the gait; a stop would only push the rest of the body
-                model.jnt_limited[mine[model.jnt_bodyid]] = 0
-            if n_all > 1:  # its shapes touch those of the others but not each other
-                touching, others = (
-                    mine[model.geom_bodyid] & (model.geom_contype == 1),
-                    (2 << n_all) - 2 - (2 << k),
-                )
-                model.geom_contype[touching], model.geom_conaffinity[touching] = 1 | 2 << k, others
-                model.body_contype[mine], model.body_conaffinity[mine] = (
-                    1 | 2 << k,
-                    others,
-                )  # checked first
-            n_joints = len(_joint_rows(robot, setup.joints))
-            of_links = robot.n_links * (1 if setup.scene is None else 4)
-            columns = rows.STATE_ROWS + rows.SAMPLE_HEADER + of_links + 4 * n_joints
-            sizes = rows.STATE_ROWS + of_links, 0, n_joints, len(bodies), columns
-            self.places[k + 1, : len(sizes)] = self.places[k, : len(sizes)] + sizes
-            self.places[k, [rows.FIRST_QPOS, rows.FIRST_QVEL]] = (
-                model.jnt_qposadr[root],
-                model.jnt_dofadr[root],
-            )
-            setups.append(self._numbers(robot, setup, len(bodies)))
-            order += bodies
-        self._setups, self.order = np.array(setups), np.array(order)
-        of_q, robots = (
-            np.repeat(model.jnt_bodyid, np.diff([*model.jnt_qposadr, model.nq])),
-            self._masses > 0.0,
-        )
-        # Indices of each robot's qpos and qvel, and of those of other moving parts of the scene,
-        # among those of all.
-        seen = [own | ~robots.any(axis=0) for own in robots]
-        self._here = [np.flatnonzero(np.r_[one[of_q], one[model.dof_bodyid]]) for one in seen]
-
-    def _numbers(self, robot: Robot, setup: Spatial, n_bodies: int) -> np.ndarray:
-        base = (3, 3) if setup.root == "planar" else (7, 6)
-        return np.array(
-            [
-                *native.offsets(),
-                self.model._address,
-                self._data._address,
-                self.n_qpos,
-                self.n_qvel,
-                *base,
-                robot.n_links,
-                self.model.nbody,
-                not setup.joints.prescribed or has_hinges(robot),
-                setup.root == "planar",
-                setup.scene is not None,
-                n_bodies - robot.n_links,
-            ],
-            dtype=np.int64,
+            terrain=scene.terrain,
         )
 
     def run(
         self,
-        each: Sequence[np.ndarray],
-        given: Sequence[tuple[np.ndarray, np.ndarray, list[water.Element]]],
+        states: Sequence[np.ndarray],
+        inputs: Sequence[KernelInputs],
+        *,
         steps: int,
         dt: float,
         every: int,
         environment: Environment,
     ) -> np.ndarray:
-        """Advance the states `each` in place and return all samples; `environment` has the water's current motion."""
+        """Advance the state vectors of all robots in place, and return all samples.
+
+        Args:
+            states: State vector of each robot.
+            inputs: Inputs of each robot.
+            steps: Number of time steps.
+            dt: Time step [s].
+            every: Time steps from one sample to the next.
+            environment: The water with its current motion, or the ground.
+        """
         with self.lock:
             load_mujoco().mj_resetData(self.model, self._data)
             self.model.opt.timestep = dt
-            callback.install()  # another package may have replaced the callback since
+            # Another package may have replaced the callback since.
+            callback.install()
             if isinstance(environment, Water):
                 self.water.set_current(environment.flow or environment.uniform)
-            records = self.water.numbers["elements"].reshape(-1, table.ELEMENT_SIZE)
-            for end, (_, _, effectors) in zip(self._ends, given, strict=True):
-                for record, element in zip(
-                    records[end - len(effectors) : end], effectors, strict=True
-                ):
-                    record[table.THRUST : table.THRUST + 3] = element.thrust
-                    record[table.ROTATION : table.ROTATION + 9] = element.rotation.ravel()
-            at, (parts, moving) = rows.STATE_ROWS, self._parts(each)
-            states = np.concatenate([part for head, _, tail in parts for part in (head, tail)])
-            places, log = (
-                self.places.copy(),
-                np.empty((1 + steps // every, self.places[-1, rows.FIRST_COLUMN])),
-            )
-            places[1:, rows.FIRST_GIVEN] = np.cumsum([one[0].size for one in given])
-            told = (
-                np.concatenate([one[0] for one in given]),
-                np.concatenate([one[1] for one in given]),
-            )
-            robots = self._masses, self.order, self._hold
+            self._set_effectors(inputs)
+            places = self.places.copy()
+            places[1:, rows.FIRST_COMMAND] = np.cumsum([robot.command.size for robot in inputs])
+            parts = self._split_states(states)
+            motion = self._gather_motion(parts)
+            numbers = np.concatenate([np.concatenate((part.rows, part.links)) for part in parts])
+            log = np.empty((1 + steps // every, places[-1, rows.FIRST_COLUMN]))
             written = self._stepping.run(
-                self._setups, places, states, moving, *told, *robots, steps, dt, every, log
+                self._setups,
+                places,
+                numbers,
+                motion,
+                np.concatenate([robot.command for robot in inputs]),
+                np.concatenate([robot.joints for robot in inputs]),
+                self._masses,
+                self.order,
+                self._hold,
+                steps,
+                dt,
+                every,
+                log,
             )
-            for (head, own, tail), here, a in zip(
-                parts, self._here, places[:, rows.FIRST_STATE], strict=False
-            ):
-                own[:], head[:] = moving[here], states[a : a + at]
-                tail[:] = states[a + at :][: tail.size]
+            begins = places[:-1, rows.FIRST_STATE]
+            for part, begin, indices in zip(parts, begins, self._motion_of_robots, strict=True):
+                end_of_rows = begin + rows.STATE_ROWS
+                part.rows[:] = numbers[begin:end_of_rows]
+                part.motion[:] = motion[indices]
+                part.links[:] = numbers[end_of_rows : end_of_rows + part.links.size]
             return log[:written]
 
-    def _parts(self, each: Sequence[np.ndarray]) -> tuple[list[list[np.ndarray]], np.ndarray]:
-        """Split each state into its rows, qpos with qvel, and the rest; also return qpos and qvel of all."""
-        at, moving = rows.STATE_ROWS, np.empty(self.n_qpos + self.n_qvel)
-        parts = [
-            np.split(values, [at, at + here.size])
-            for values, here in zip(each, self._here, strict=True)
-        ]
-        for (_, own, _), here in zip(parts, self._here, strict=True):
-            moving[here] = own
-        return parts, moving
+    def _set_effectors(self, inputs: Sequence[KernelInputs]) -> None:
+        """Write the effectors' settings to their records, the last ones of each robot."""
+        records = self.water.numbers["elements"].reshape(-1, table.ELEMENT_SIZE)
+        for end, robot in zip(self._ends_of_elements, inputs, strict=True):
+            own_records = records[end - len(robot.effectors) : end]
+            for record, element in zip(own_records, robot.effectors, strict=True):
+                record[table.THRUST : table.THRUST + 3] = element.thrust
+                record[table.ROTATION : table.ROTATION + 9] = element.rotation.ravel()
 
-    def data(self, each: Sequence[np.ndarray]) -> Any:
-        """Return a new `mujoco.MjData` at the robots' states `each`, with kinematics, separate from the runs' own."""
-        data, (_, moving) = load_mujoco().MjData(self.model), self._parts(each)
-        data.time, (data.qpos[:], data.qvel[:]) = (
-            each[0][rows.TIME],
-            np.split(moving, [self.n_qpos]),
-        )
-        load_mujoco().mj_kinematics(self.model, data)
-        load_mujoco().mj_comPos(self.model, data)
+    def _split_states(self, states: Sequence[np.ndarray]) -> list[_StateParts]:
+        """Split the state vector of each robot into its parts."""
+        parts: list[_StateParts] = []
+        for values, indices in zip(states, self._motion_of_robots, strict=True):
+            end_of_motion = rows.STATE_ROWS + indices.size
+            part = _StateParts(
+                rows=values[: rows.STATE_ROWS],
+                motion=values[rows.STATE_ROWS : end_of_motion],
+                links=values[end_of_motion:],
+            )
+            parts.append(part)
+        return parts
+
+    def _gather_motion(self, parts: Sequence[_StateParts]) -> np.ndarray:
+        """Return qpos and qvel of the whole model."""
+        motion = np.empty(self.n_qpos + self.n_qvel)
+        for part, indices in zip(parts, self._motion_of_robots, strict=True):
+            motion[indices] = part.motion
+        return motion
+
+    def data(self, states: Sequence[np.ndarray]) -> Any:
+        """Return a new `mujoco.MjData` at the robots' states, with kinematics, separate from the runs' own."""
+        mujoco = load_mujoco()
+        motion = self._gather_motion(self._split_states(states))
+        data = mujoco.MjData(self.model)
+        data.time = states[0][rows.TIME]
+        data.qpos[:] = motion[: self.n_qpos]
+        data.qvel[:] = motion[self.n_qpos :]
+        mujoco.mj_kinematics(self.model, data)
+        mujoco.mj_comPos(self.model, data)
         return data
 
     def forces(self) -> np.ndarray:
         """Return forces on every link after the last run, (3, n_links, 3) [N]; the tail link's include the fin's."""
-        loads_on = self.water.forces(self._data)
+        loads = self.water.forces(self._data)
         total = np.zeros((len(FORCES), self._n_links, 3))
         for i, element in enumerate(self.water.elements):
-            link = (
-                int(str(element.body).removeprefix("module_"))
-                if str(element.body).startswith("module_")
-                else 0
-            )
+            link = _link_of_body(str(element.body))
             for k, name in enumerate(FORCES):
-                total[k, link] += loads_on[name][i]
+                total[k, link] += loads[name][i]
         return total
 
     def ranges(self, data: Any, rays: tuple[float, ...]) -> np.ndarray:
@@ -255,15 +256,21 @@ class Twin:
             data: A `mujoco.MjData` with computed kinematics.
             rays: Directions in the head's plane, from its x axis to its left [rad].
         """
-        mujoco, n = load_mujoco(), self._n_links
-        head, geom = int(self.order[n - 1]), np.zeros(1, dtype=np.int32)
-        turned, tip = data.xmat[head].reshape(3, 3), data.site(f"module_{n - 1}_center").xpos
-        tip = data.xpos[head] + 2.0 * (tip - data.xpos[head])
-        ways = [turned @ (np.cos(angle), np.sin(angle), 0.0) for angle in rays]
-        found = np.array(
-            [mujoco.mj_ray(self.model, data, tip, way, None, 1, head, geom) for way in ways]
-        )
-        return np.where(found < 0.0, np.inf, found)
+        head = int(self.order[self._n_links - 1])
+        rotation = data.xmat[head].reshape(3, 3)
+        tail_end = data.xpos[head]
+        middle = data.site(f"module_{self._n_links - 1}_center").xpos
+        tip = tail_end + 2.0 * (middle - tail_end)
+        mujoco = load_mujoco()
+        hit_geom = np.zeros(1, dtype=np.int32)
+        distances: list[float] = []
+        for angle in rays:
+            direction = rotation @ (np.cos(angle), np.sin(angle), 0.0)
+            # All geom groups, static geoms included, but not the head.
+            distance = mujoco.mj_ray(self.model, data, tip, direction, None, 1, head, hit_geom)
+            distances.append(distance)
+        measured = np.array(distances)
+        return np.where(measured < 0.0, np.inf, measured)
 
 
 def stepping(joints: JointLaw) -> ModuleType:
@@ -276,71 +283,59 @@ def stepping(joints: JointLaw) -> ModuleType:
     return specialized("laticauda.models.spatial", TEMPLATES, {"joint_law": joints.own})
 
 
-def _elements(robot: Robot, environment: Environment, setup: Spatial) -> tuple[water.Element, ...]:
-    """Return the elements of a robot on which the water and the ground act."""
-    found = water_robot.robot_elements(robot, environment, floats=is_floating(setup))
-    land = land_of(environment, setup)
-    return (
-        found
-        if land is None
-        else water_robot.lay_on_ground(found, robot, land, wet=not isinstance(environment, Ground))
-    )
+def _compile_model(members: Sequence[Member], environment: Environment) -> Any:
+    """Return the `mujoco.MjModel` of all robots in the surroundings of the first one."""
+    first = members[0]
+    spec = build_plant_spec(first.robot, environment, first.setup)
+    with reporting_scene_errors():
+        for k, member in enumerate(members[1:], 1):
+            alone = replace(member.setup, scene=Scene())
+            mjcf.add_robot(spec, build_plant_spec(member.robot, environment, alone), k)
+        model = water.compile_spec(spec)
+    if first.setup.dt is not None:
+        model.opt.timestep = first.setup.dt
+    return model
 
 
-def spec_of(robot: Robot, environment: Environment, setup: Spatial) -> Any:
-    """Return the `mujoco.MjSpec` of a robot in its surroundings.
+def _set_contacts(model: Any, robots: Sequence[Located]) -> None:
+    """Set which joints have stops, and which robots touch one another."""
+    for k, robot in enumerate(robots):
+        if robot.member.setup.joints.prescribed:
+            # They follow the gait; a stop would only push the rest of the body.
+            model.jnt_limited[robot.is_own[model.jnt_bodyid]] = 0
+        if len(robots) > 1:
+            _let_touch_other_robots(model, robot, k, len(robots))
 
-    Args:
-        robot: The robot.
-        environment: The water it swims in, or the ground.
-        setup: The model's settings.
+
+def _let_touch_other_robots(model: Any, robot: Located, k: int, n_robots: int) -> None:
+    """Let the shapes of robot k touch those of the others, but not each other.
+
+    Bit 0 is that of the world, bit 1 + k that of robot k.
     """
-    mujoco, land = load_mujoco(), land_of(environment, setup)
-    spec = mjcf.build_spec(
-        robot,
-        environment,
-        root=setup.root or "free",
-        sensors=False,
-        visuals=False,
-        scene=setup.scene,
-        ballast_depth=setup.ballast_depth if is_floating(setup) else 0.0,
-    )
-    if setup.scene is not None:  # the solver's initial guess must not depend on earlier runs
-        spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_WARMSTART
-        # At low friction, MuJoCo's pyramidal cones make contacts hundreds of times stiffer than
-        # intended.
-        spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    if land is not None:
-        for geom in spec.geoms:
-            if geom.name in scene.GROUNDS:  # it acts through the loads
-                geom.contype = geom.conaffinity = 0
-        spec.option.gravity = (0.0, 0.0, -land.gravity)
-    if not setup.gravity or setup.root == "planar":
-        spec.option.gravity = (0.0, 0.0, 0.0)
-    return spec
+    contype = 1 | 2 << k
+    bits_of_others = (2 << n_robots) - 2 - (2 << k)
+    is_touching = robot.is_own[model.geom_bodyid] & (model.geom_contype == 1)
+    model.geom_contype[is_touching] = contype
+    model.geom_conaffinity[is_touching] = bits_of_others
+    # Those of bodies are checked first.
+    model.body_contype[robot.is_own] = contype
+    model.body_conaffinity[robot.is_own] = bits_of_others
 
 
-def is_floating(setup: Spatial) -> bool:
-    """Return whether `setup` has weight and buoyancy, and a root that they can move."""
-    return setup.gravity and setup.root == "free"
+def _masses_of(model: Any, robot: Located) -> np.ndarray:
+    """Return the mass of every body of the model, 0 for those that are not the robot's [kg]."""
+    return np.where(robot.is_own, model.body_mass, 0.0)
 
 
-def land_of(environment: Environment, setup: Spatial) -> Ground | None:
-    """Return the ground on which the robot lies with its weight; None if there is none, or if it slides in the plane.
-
-    Args:
-        environment: The water it swims in, or the ground.
-        setup: The model's settings.
-    """
-    own = None if setup.scene is None else setup.scene.ground
-    if isinstance(environment, Ground):
-        return (own or environment) if setup.root == "free" and setup.gravity else None
-    return own
+def _center_of_mass(robot: Robot, ballast_depth: float) -> np.ndarray:
+    """Return the center of mass of the straight robot, from its tail end [m]."""
+    mass_of_modules = sum(module.mass for module in robot.modules)
+    z = -ballast_depth * mass_of_modules / robot.mass
+    return np.array((straight_center_of_mass(robot), 0.0, z))
 
 
-def _joint_rows(robot: Robot, law: JointLaw) -> np.ndarray:
-    """Return the joint parameters for the kernels in MuJoCo's order: the body's, then the fin's from its root."""
-    waves = [rows.YAW_WAVE if joint.axis == "yaw" else rows.PITCH_WAVE for joint in robot.joints]
-    waves += [rows.NO_WAVE if k else rows.FIN_WAVE for k in robot.fin_joints]
-    laws = [rows.PASSIVE if wave == rows.NO_WAVE else law.code for wave in waves]
-    return np.column_stack((joint_table(robot, law), laws, waves))
+def _link_of_body(body: str) -> int:
+    """Return the link to which the loads on a body count; those on the fin count to the tail link."""
+    if body.startswith("module_"):
+        return int(body.removeprefix("module_"))
+    return 0

@@ -1,4 +1,4 @@
-"""A Robot as URDF, for ROS and any other tool that reads it.
+"""A robot as URDF, for ROS and any other tool that reads it.
 
 Links and joints have the names, frames and parameters of `spatial.bodies`; URDF has no ellipses, so
 links are shown as round cylinders of the same volume. The water is not included: URDF cannot
@@ -12,18 +12,29 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from laticauda import scenarios
-from laticauda.models.spatial.appearance import MATERIALS, build_fin_plate, check_meshes, copied
-from laticauda.models.spatial.bodies import Body, build_bodies, mounts
-from laticauda.robot import Joint, Module, Robot
-from laticauda.values import BadArgument, angles, files
+from laticauda.models.spatial.appearance import MATERIALS
+from laticauda.models.spatial.bodies import Body, Three, build_bodies
+from laticauda.models.spatial.fin_shapes import build_fin_plate
+from laticauda.models.spatial.mesh_files import check_count, check_meshes, copy_meshes
+from laticauda.models.spatial.mounts import Mount, Quaternion, build_mounts
+from laticauda.robot import CaudalFin, Joint, Module, Piece, Robot
+from laticauda.values import angles, files
 
-# Otherwise MuJoCo would merge links that are fixed to each other, and discard visual shapes.
 MUJOCO = {"fusestatic": "false", "discardvisual": "false", "strippath": "false"}
-Given = str | float | tuple[float, ...]
+"""Options without which MuJoCo would merge links that are fixed to each other, and discard visual shapes."""
 SHOWN = ("housing", "head", "fin")
+"""Materials of the links."""
+NO_ROTATION = (0.0, 0.0, 0.0)
+"""Roll, pitch and yaw of a frame that is parallel to its parent's [rad]."""
+ALONG_X = (0.0, 0.5 * math.pi, 0.0)
+"""Roll, pitch and yaw of a cylinder along x; the axis of URDF's cylinders is z [rad]."""
+STATES = ("position", "velocity", "effort")
+"""What a driven joint reports."""
+
+Attribute = str | float | tuple[float, ...]
 
 
-def urdf(robot: Robot, meshes: Sequence[str] = ()) -> str:
+def build_urdf(robot: Robot, meshes: Sequence[str] = ()) -> str:
     """Return the text of a URDF file.
 
     Args:
@@ -34,48 +45,27 @@ def urdf(robot: Robot, meshes: Sequence[str] = ()) -> str:
     Raises:
         ValueError: If there are meshes, but not one per module.
     """
-    if meshes and len(meshes) != robot.n_links:
-        raise BadArgument(
-            "meshes", f"must be one file per module ({robot.n_links}) or none, got {len(meshes)}"
-        )
+    if meshes:
+        check_count(len(meshes), robot.n_links)
     root = ET.Element("robot", name=robot.name)
-    _add(_add(root, "mujoco"), "compiler", **MUJOCO)
-    for name in SHOWN:
-        _add(_add(root, "material", name=name), "color", rgba=MATERIALS[name][0])
+    _add_materials(root)
     for body in build_bodies(robot):
         link = _add(root, "link", name=body.name)
-        inertial, (ixx, iyy, izz) = _add(link, "inertial"), body.inertia
-        below = scenarios.Spatial().ballast_depth if isinstance(body.part, Module) else 0.0
-        _add(inertial, "origin", xyz=(body.center, 0.0, -below))
-        _add(inertial, "mass", value=body.mass)
-        _add(inertial, "inertia", ixx=ixx, iyy=iyy, izz=izz, ixy=0.0, ixz=0.0, iyz=0.0)
+        _add_inertia(link, body)
         if isinstance(body.part, Module):
             i = int(body.name.removeprefix("module_"))
-            _add_module(
-                link,
-                body.part,
-                meshes[i] if meshes else None,
-                "head" if i == robot.n_links - 1 else "housing",
-            )
-        elif (
-            robot.caudal_fin is not None
-            and (box := build_fin_plate(robot.caudal_fin, body.part)) is not None
-        ):
-            size = tuple(2.0 * half for half in box.half_size)
-            _add_shape(link, "fin", {"xyz": box.position}, "box", size=size)
+            mesh = meshes[i] if meshes else None
+            _add_module(link, body.part, mesh, is_head=i == robot.n_links - 1)
+        elif robot.caudal_fin is not None:
+            _add_fin_plate(link, robot.caudal_fin, body.part)
         if body.parent:
             _add_joint(root, body)
-    for mount in mounts(robot):
-        _add(root, "link", name=mount.name)
-        element = _connect(root, f"{mount.name}_mount", "fixed", mount.body, mount.name)
-        (ahead, _, _), (left, _, _), (up, y, z) = angles.from_quaternion(
-            *mount.orientation
-        ).tolist()
-        rpy = math.atan2(y, z), math.atan2(-up, math.hypot(ahead, left)), math.atan2(left, ahead)
-        _add(element, "origin", xyz=mount.position, rpy=rpy)
+    for mount in build_mounts(robot):
+        _add_mount(root, mount)
     _add_control(root, robot)
     ET.indent(root)
-    return f'<?xml version="1.0"?>\n{ET.tostring(root, encoding="unicode")}\n'
+    text = ET.tostring(root, encoding="unicode")
+    return f'<?xml version="1.0"?>\n{text}\n'
 
 
 def write_urdf(path: str | Path, robot: Robot, *, meshes: Iterable[str | Path] = ()) -> None:
@@ -92,29 +82,62 @@ def write_urdf(path: str | Path, robot: Robot, *, meshes: Iterable[str | Path] =
         StorageFailed: If the file cannot be written.
     """
     path = Path(path)
-    files.write(path, urdf(robot, copied(check_meshes(meshes, robot.n_links), path)))
+    mesh_files = check_meshes(meshes, robot.n_links)
+    copies = copy_meshes(mesh_files, path)
+    files.write(path, build_urdf(robot, copies))
 
 
-def _add_module(link: ET.Element, module: Module, mesh: str | None, material: str) -> None:
+def _add_materials(root: ET.Element) -> None:
+    options = _add(root, "mujoco")
+    _add(options, "compiler", **MUJOCO)
+    for name in SHOWN:
+        material = _add(root, "material", name=name)
+        _add(material, "color", rgba=MATERIALS[name].color)
+
+
+def _add_inertia(link: ET.Element, body: Body) -> None:
+    """Add center of mass, mass and moments of inertia of a link."""
+    inertial = _add(link, "inertial")
+    depth = 0.0
+    if isinstance(body.part, Module):
+        depth = scenarios.Spatial().ballast_depth
+    ixx, iyy, izz = body.inertia
+    _add(inertial, "origin", xyz=(body.center, 0.0, -depth))
+    _add(inertial, "mass", value=body.mass)
+    _add(inertial, "inertia", ixx=ixx, iyy=iyy, izz=izz, ixy=0.0, ixz=0.0, iyz=0.0)
+
+
+def _add_module(link: ET.Element, module: Module, mesh: str | None, *, is_head: bool) -> None:
+    """Show a module by its mesh or, without one, as a cylinder of the same volume."""
+    material = "housing"
+    if is_head:
+        material = "head"
     if mesh is not None:
         _add_shape(link, material, {}, "mesh", filename=mesh)
         return
-    origin = {"xyz": (module.half_length, 0.0, 0.0), "rpy": (0.0, 0.5 * math.pi, 0.0)}
-    radius = math.sqrt(
-        module.section.half_height * module.section.half_width
-    )  # the axis of URDF's cylinders is z
+    origin = {"xyz": (module.half_length, 0.0, 0.0), "rpy": ALONG_X}
+    radius = math.sqrt(module.section.half_height * module.section.half_width)
     _add_shape(link, material, origin, "cylinder", radius=radius, length=module.length)
 
 
+def _add_fin_plate(link: ET.Element, fin: CaudalFin, piece: Piece) -> None:
+    plate = build_fin_plate(fin, piece)
+    if plate is None:
+        return
+    size = tuple(2.0 * half for half in plate.half_size)
+    _add_shape(link, "fin", {"xyz": plate.position}, "box", size=size)
+
+
 def _add_shape(
-    link: ET.Element, material: str, origin: Mapping[str, Given], kind: str, **size: Given
+    link: ET.Element, material: str, origin: Mapping[str, Attribute], kind: str, **size: Attribute
 ) -> None:
     """Add the same shape for display and for collision."""
     for use in ("visual", "collision"):
         shape = _add(link, use)
         if origin:
             _add(shape, "origin", **origin)
-        _add(_add(shape, "geometry"), kind, **size)
+        geometry = _add(shape, "geometry")
+        _add(geometry, kind, **size)
         if use == "visual":
             _add(shape, "material", name=material)
 
@@ -123,33 +146,44 @@ def _add_joint(root: ET.Element, body: Body) -> None:
     """Add a joint with its actuator's limits; hinges that represent bending have no springs, as URDF has none."""
     joint = body.joint
     if joint is None:
-        element = _connect(root, f"{body.name}_mount", "fixed", body.parent, body.name)
-        _add(element, "origin", xyz=body.position, rpy=(0.0, 0.0, 0.0))
+        fixed = _connect(root, f"{body.name}_mount", "fixed", parent=body.parent, child=body.name)
+        _add(fixed, "origin", xyz=body.position, rpy=NO_ROTATION)
         return
     is_driven = isinstance(joint, Joint)
-    element = _connect(
-        root, body.joint_name, "revolute" if is_driven else "continuous", body.parent, body.name
-    )
+    kind = "revolute" if is_driven else "continuous"
+    element = _connect(root, body.joint_name, kind, parent=body.parent, child=body.name)
     _add(element, "origin", xyz=body.position)
     _add(element, "axis", xyz=body.axis)
     if not is_driven:
         _add(element, "dynamics", damping=joint.damping)
         return
-    motor, most = joint.actuator, joint.limit
+    motor = joint.actuator
+    damping = joint.damping + motor.viscous_friction
     _add(
         element,
         "limit",
-        lower=-most,
-        upper=most,
+        lower=-joint.limit,
+        upper=joint.limit,
         effort=motor.stall_torque,
         velocity=motor.no_load_speed,
     )
-    _add(
-        element,
-        "dynamics",
-        damping=joint.damping + motor.viscous_friction,
-        friction=motor.friction_torque,
-    )
+    _add(element, "dynamics", damping=damping, friction=motor.friction_torque)
+
+
+def _add_mount(root: ET.Element, mount: Mount) -> None:
+    """Add a link for a thruster or a pectoral fin, fixed to its module."""
+    _add(root, "link", name=mount.name)
+    fixed = _connect(root, f"{mount.name}_mount", "fixed", parent=mount.body, child=mount.name)
+    _add(fixed, "origin", xyz=mount.position, rpy=_roll_pitch_yaw(mount.orientation))
+
+
+def _roll_pitch_yaw(orientation: Quaternion) -> Three:
+    """Return an orientation as URDF has it, from its rotation matrix [rad]."""
+    x_row, y_row, z_row = angles.from_quaternion(*orientation).tolist()
+    roll = math.atan2(z_row[1], z_row[2])
+    pitch = math.atan2(-z_row[0], math.hypot(x_row[0], y_row[0]))
+    yaw = math.atan2(y_row[0], x_row[0])
+    return roll, pitch, yaw
 
 
 def _add_control(root: ET.Element, robot: Robot) -> None:
@@ -159,31 +193,37 @@ def _add_control(root: ET.Element, robot: Robot) -> None:
     another one.
     """
     control = _add(root, "ros2_control", name=robot.name, type="system")
-    _add(_add(control, "hardware"), "plugin").text = "mock_components/GenericSystem"
+    hardware = _add(control, "hardware")
+    _add(hardware, "plugin").text = "mock_components/GenericSystem"
     for body in build_bodies(robot):
         if not isinstance(body.joint, Joint):
             continue
-        joint, most = _add(control, "joint", name=body.joint_name), _text(body.joint.limit)
-        told = _add(joint, "command_interface", name="position")
-        for end, angle in (("min", f"-{most}"), ("max", most)):
-            _add(told, "param", name=end).text = angle
-        for name in ("position", "velocity", "effort"):
+        joint = _add(control, "joint", name=body.joint_name)
+        command = _add(joint, "command_interface", name="position")
+        limit = _format_attribute(body.joint.limit)
+        _add(command, "param", name="min").text = f"-{limit}"
+        _add(command, "param", name="max").text = limit
+        for name in STATES:
             _add(joint, "state_interface", name=name)
 
 
-def _connect(root: ET.Element, name: str, kind: str, parent: str, child: str) -> ET.Element:
+def _connect(root: ET.Element, name: str, kind: str, *, parent: str, child: str) -> ET.Element:
+    """Add a joint between two links, and return it."""
     element = _add(root, "joint", name=name, type=kind)
     _add(element, "parent", link=parent)
     _add(element, "child", link=child)
     return element
 
 
-def _add(parent: ET.Element, tag: str, /, **given: Given) -> ET.Element:
-    """Add a child element with strings, numbers and tuples of numbers as its attributes."""
-    return ET.SubElement(parent, tag, {name: _text(one) for name, one in given.items()})
+def _add(parent: ET.Element, tag: str, /, **attributes: Attribute) -> ET.Element:
+    """Add a child element with strings, numbers and tuples of numbers as its attributes, and return it."""
+    texts = {name: _format_attribute(value) for name, value in attributes.items()}
+    return ET.SubElement(parent, tag, texts)
 
 
-def _text(given: Given) -> str:
-    if isinstance(given, tuple):
-        return " ".join(map(_text, given))
-    return given if isinstance(given, str) else f"{given:.12g}"
+def _format_attribute(value: Attribute) -> str:
+    if isinstance(value, tuple):
+        return " ".join(map(_format_attribute, value))
+    if isinstance(value, str):
+        return value
+    return f"{value:.12g}"

@@ -14,18 +14,14 @@ about x the normal drag is spread over its height, c_n (h/2)^2 / 3 and c_n (h/2)
 added inertia rho pi C_A (h/2)^4 / 8 d.
 """
 
-import math
-from dataclasses import replace
-from typing import Any
-
 import numpy as np
 
-from laticauda.models.spatial.bodies import fin_bodies, mounts
+from laticauda.models.spatial.bodies import Three, build_fin_bodies
+from laticauda.models.spatial.mounts import build_mounts
 from laticauda.robot import (
     CaudalFin,
     Coefficients,
     Environment,
-    Ground,
     Module,
     Robot,
     Water,
@@ -35,9 +31,7 @@ from laticauda.robot import (
     override_or_default,
     wake_mass,
 )
-from laticauda.values import BadArgument
-from laticauda.water.fluid import CoulombFriction, ViscousFriction
-from laticauda.water.mujoco import SINK, Contact, Element
+from laticauda.water.mujoco import Element
 
 
 def robot_elements(
@@ -51,101 +45,58 @@ def robot_elements(
         floats: Whether it has weight and buoyancy. Otherwise the volumes, which accelerating water
             carries along, are distributed as in the planar model.
     """
-    c = link_coefficients(robot, environment)
-    found = [_module(i, module, c, environment) for i, module in enumerate(robot.modules)]
-    if robot.caudal_fin is not None and c.fin is not None:
-        found += _fin(robot.caudal_fin, c.fin, environment, floats)
-    found += _ends(robot, environment) if isinstance(environment, Water) else []
-    found += mounted_elements(robot, environment)  # last, where the twin expects them
-    return tuple(found)
+    coefficients = link_coefficients(robot, environment)
+    elements: list[Element] = []
+    for i, module in enumerate(robot.modules):
+        elements.append(_build_module(i, module, coefficients, environment))
+    if robot.caudal_fin is not None and coefficients.fin is not None:
+        elements += _build_strips(robot.caudal_fin, coefficients.fin, environment, floats=floats)
+        elements += _build_plates(robot.caudal_fin, environment, floats=floats)
+    if isinstance(environment, Water):
+        elements += _build_tether(robot)
+        elements += _build_trailing_edge(robot, environment)
+    # Last, where the twin expects them.
+    elements += mounted_elements(robot, environment)
+    return tuple(elements)
 
 
-def lay_on_ground(
-    elements: tuple[Element, ...], robot: Robot, ground: Ground, *, wet: bool
-) -> tuple[Element, ...]:
-    """Return the elements of a robot that lies on the ground with its weight.
-
-    Args:
-        elements: Elements from `robot_elements`.
-        robot: The robot.
-        ground: The ground with its friction.
-        wet: Whether there may be water above the ground; if not, drag and volume are set to zero.
-    """
-    found: list[Element] = []
-    plates = [
-        k for k, e in enumerate(elements) if e.shape == "box" and e.volume > 0.0
-    ]  # a strip has no volume
-    for k, e in enumerate(elements):
-        if not wet:
-            e = replace(
-                e,
-                drag=(0.0, 0.0, 0.0),
-                torque_linear=(0.0,) * 3,
-                torque_quadratic=(0.0,) * 3,
-                volume=0.0,
-            )
-        if e.body.startswith("module_") and e.shape == "cylinder":
-            e = replace(
-                e,
-                contact=ground_contact(
-                    robot.modules[int(e.body.removeprefix("module_"))].mass, ground
-                ),
-            )
-        elif k in plates and robot.caudal_fin is not None:
-            fin = robot.caudal_fin
-            e = replace(
-                e, contact=ground_contact(fin.mass * 2.0 * e.half_size[0] / fin.length, ground)
-            )
-        found.append(e)
-    return tuple(found)
-
-
-def ground_contact(mass: float, ground: Ground) -> Contact:
-    """Return the ground contact of a piece of a robot.
-
-    Args:
-        mass: Mass of the piece [kg].
-        ground: The ground with its friction; viscous coefficients hold for a piece that lies flat
-            under its own weight.
-    """
-    weight = mass * ground.gravity
-    law = ground.friction
-    if not isinstance(law, CoulombFriction | ViscousFriction):
-        raise BadArgument(
-            "friction",
-            f"must be coulomb or viscous if the robot's weight rests on it, got {law.words}",
-        )
-    dry = law.of_weight
-    return Contact(
-        stiffness=0.5 * weight / SINK,
-        damping=2.0 / math.sqrt(ground.gravity * SINK),
-        along=ground.tangential if dry else ground.tangential / weight,
-        across=ground.normal if dry else ground.normal / weight,
-        regularization_speed=law.regularization_speed if isinstance(law, CoulombFriction) else 0.0,
-    )
-
-
-def _module(i: int, module: Module, c: Coefficients, environment: Environment) -> Element:
-    l, a, b = module.half_length, module.section.half_height, module.section.half_width  # noqa: E741
-    c_t, c_n, mu_t, mu_n = (float(x[i]) for x in (c.c_t, c.c_n, c.mu_t, c.mu_n))
-    lambda_1, lambda_2, lambda_3 = (float(x[i]) for x in (c.lambda_1, c.lambda_2, c.lambda_3))
-    c_z, mu_z, about_y, roll = c_n, 0.0, (lambda_1, lambda_2, lambda_3), 0.0
+def _build_module(i: int, module: Module, c: Coefficients, environment: Environment) -> Element:
+    """Return the element of module i; its symbols are those of the module's docstring."""
+    l = module.half_length  # noqa: E741
+    a = module.section.half_height
+    b = module.section.half_width
+    c_t = float(c.c_t[i])
+    c_n = float(c.c_n[i])
+    mu_t = float(c.mu_t[i])
+    mu_n = float(c.mu_n[i])
+    lambda_1 = float(c.lambda_1[i])
+    lambda_2 = float(c.lambda_2[i])
+    lambda_3 = float(c.lambda_3[i])
+    # About y, `paper`: as about z.
+    inertia_y = lambda_1
+    linear_y = lambda_2
+    quadratic_y = lambda_3
+    c_z = c_n
+    mu_z = 0.0
+    roll_inertia = 0.0
     if isinstance(environment, Water):
         c_z = c_n * b / a
         mu_z = mass_across(module.added_mass, b, environment) * 2.0 * l
         if environment.rotational == "strip":
-            about_y = (mu_z * l**2 / 3.0, c_z * l**2 / 3.0, c_z * l**3 / 4.0)
-        share = override_or_default(module.added_inertia, environment.added_inertia)
-        roll = environment.density * np.pi * share * (a**2 - b**2) ** 2 / 8.0 * 2.0 * l
+            inertia_y = mu_z * l**2 / 3.0
+            linear_y = c_z * l**2 / 3.0
+            quadratic_y = c_z * l**3 / 4.0
+        c_m = override_or_default(module.added_inertia, environment.added_inertia)
+        roll_inertia = environment.density * np.pi * c_m * (a**2 - b**2) ** 2 / 8.0 * 2.0 * l
     r = 0.5 * (a + b)
     return Element(
         body=f"module_{i}",
         position=(l, 0.0, 0.0),
         drag=(c_t, c_n, c_z),
-        torque_linear=(c_t * r**2, about_y[1], lambda_2),
-        torque_quadratic=(c_t * r**3, about_y[2], lambda_3),
+        torque_linear=(c_t * r**2, linear_y, lambda_2),
+        torque_quadratic=(c_t * r**3, quadratic_y, lambda_3),
         added_mass=(mu_t, mu_n, mu_z),
-        added_inertia=(roll, about_y[0], lambda_1),
+        added_inertia=(roll_inertia, inertia_y, lambda_1),
         volume=module.volume,
         shape="cylinder",
         half_size=(l, b, a),
@@ -153,65 +104,86 @@ def _module(i: int, module: Module, c: Coefficients, environment: Environment) -
     )
 
 
-def _fin(fin: CaudalFin, c: Coefficients, environment: Environment, floats: bool) -> list[Element]:
-    h, density = 0.5 * fin.height, environment.density if isinstance(environment, Water) else 1.0
-    found: list[Element] = []
-    bodies = [(body.name, piece) for body, piece in zip(fin_bodies(fin), fin.pieces, strict=True)]
+def _build_strips(
+    fin: CaudalFin, c: Coefficients, environment: Environment, *, floats: bool
+) -> list[Element]:
+    """Return the elements of a fin's strips, which bear its drag and its added mass."""
+    h = 0.5 * fin.height
+    density = environment.density if isinstance(environment, Water) else 1.0
+    bodies = build_fin_bodies(fin)
+    strips: list[Element] = []
     for k in range(c.mass.size):
-        body, piece = next(
-            (body, piece) for body, piece in bodies if -float(c.position[k]) < piece.end
+        position = float(c.position[k])
+        k_piece = _find_piece(fin, -position)
+        c_t = float(c.c_t[k])
+        c_n = float(c.c_n[k])
+        mu_n = float(c.mu_n[k])
+        d = 2.0 * float(c.half_length[k])
+        volume = 0.0 if floats else float(c.displaced[k]) / density
+        strip = Element(
+            body=bodies[k_piece].name,
+            position=(position + fin.pieces[k_piece].begin, 0.0, 0.0),
+            drag=(c_t, c_n, c_t),
+            torque_linear=(c_n * h**2 / 3.0, 0.0, float(c.lambda_2[k])),
+            torque_quadratic=(c_n * h**3 / 4.0, 0.0, float(c.lambda_3[k])),
+            added_mass=(float(c.mu_t[k]), mu_n, 0.0),
+            added_inertia=(mu_n * h**2 / 8.0, 0.0, float(c.lambda_1[k])),
+            volume=volume,
+            shape="box",
+            half_size=(0.5 * d, 0.5 * fin.thickness, h),
+            law=law_of(environment),
         )
-        c_t, c_n, mu_n, d = (
-            float(c.c_t[k]),
-            float(c.c_n[k]),
-            float(c.mu_n[k]),
-            2.0 * float(c.half_length[k]),
-        )
-        found.append(
-            Element(
-                body=body,
-                position=(float(c.position[k]) + piece.begin, 0.0, 0.0),
-                drag=(c_t, c_n, c_t),
-                torque_linear=(c_n * h**2 / 3.0, 0.0, float(c.lambda_2[k])),
-                torque_quadratic=(c_n * h**3 / 4.0, 0.0, float(c.lambda_3[k])),
-                added_mass=(float(c.mu_t[k]), mu_n, 0.0),
-                added_inertia=(mu_n * h**2 / 8.0, 0.0, float(c.lambda_1[k])),
-                volume=0.0 if floats else float(c.displaced[k]) / density,
-                shape="box",
-                half_size=(0.5 * d, 0.5 * fin.thickness, h),
-                law=law_of(environment),
-            )
-        )
-    # The whole plate floats, its opening included, because the mass is that of the whole plate.
-    for body, piece in bodies:
-        half = (0.5 * piece.length, 0.5 * fin.thickness, h)
+        strips.append(strip)
+    return strips
+
+
+def _find_piece(fin: CaudalFin, distance: float) -> int:
+    """Return the number of the piece of a fin at a distance behind the root [m]."""
+    return next(k for k, piece in enumerate(fin.pieces) if distance < piece.end)
+
+
+def _build_plates(fin: CaudalFin, environment: Environment, *, floats: bool) -> list[Element]:
+    """Return the elements by which the pieces of a fin float.
+
+    The whole plate floats, its opening included, because the mass is that of the whole plate.
+    """
+    plates: list[Element] = []
+    for body, piece in zip(build_fin_bodies(fin), fin.pieces, strict=True):
+        half_size: Three = (0.5 * piece.length, 0.5 * fin.thickness, 0.5 * fin.height)
         volume = fin.volume * piece.length / fin.length if floats else 0.0
-        place: dict[str, Any] = {
-            "body": body,
-            "position": (-half[0], 0.0, 0.0),
-            "shape": "box",
-            "half_size": half,
-        }
-        found.append(Element(**place, volume=volume, law=law_of(environment)))
-    return found
-
-
-def _ends(robot: Robot, environment: Water) -> list[Element]:
-    """Return the elements of tether and trailing edge, as in the planar model."""
-    found: list[Element] = []
-    if robot.tether.drag > 0.0 or any(robot.tether.force):
-        x, y = robot.tether.force
-        found.append(Element(body="module_0", tether_drag=robot.tether.drag, pull=(x, y, 0.0)))
-    if environment.trailing_edge == "elongated":
-        body, behind = "module_0", 0.0
-        if fin := robot.caudal_fin:
-            body, behind = fin_bodies(fin)[-1].name, fin.pieces[-1].length
-        found.append(
-            Element(
-                body=body, position=(-behind, 0.0, 0.0), wake_mass=wake_mass(robot, environment)
-            )
+        plate = Element(
+            body=body.name,
+            position=(-0.5 * piece.length, 0.0, 0.0),
+            volume=volume,
+            shape="box",
+            half_size=half_size,
+            law=law_of(environment),
         )
-    return found
+        plates.append(plate)
+    return plates
+
+
+def _build_tether(robot: Robot) -> list[Element]:
+    """Return the element of a tether that pulls or drags, as in the planar model."""
+    tether = robot.tether
+    if tether.drag <= 0.0 and not any(tether.force):
+        return []
+    x, y = tether.force
+    return [Element(body="module_0", tether_drag=tether.drag, pull=(x, y, 0.0))]
+
+
+def _build_trailing_edge(robot: Robot, water: Water) -> list[Element]:
+    """Return the element of the trailing edge of fin or tail, as in the planar model."""
+    if water.trailing_edge != "elongated":
+        return []
+    fin = robot.caudal_fin
+    body = "module_0"
+    distance = 0.0
+    if fin is not None:
+        body = build_fin_bodies(fin)[-1].name
+        distance = fin.pieces[-1].length
+    edge = (-distance, 0.0, 0.0)
+    return [Element(body=body, position=edge, wake_mass=wake_mass(robot, water))]
 
 
 def mounted_elements(robot: Robot, environment: Environment) -> list[Element]:
@@ -221,12 +193,32 @@ def mounted_elements(robot: Robot, environment: Environment) -> list[Element]:
         robot: The robot, with the current settings of its effectors.
         environment: The water it swims in, or the ground.
     """
-    loads: list[dict[str, Any]] = [{"thrust": (one.thrust, 0.0, 0.0)} for one in robot.thrusters]
-    if isinstance(environment, Water):
-        for fin in robot.pectoral_fins:
-            law = fin.lift_slope, fin.stall_angle, fin.stall_sharpness, fin.parasitic_drag
-            loads.append({"plate": (0.5 * environment.density * fin.area, *law)})
-    return [
-        Element(body=mount.body, position=mount.position, orientation=mount.orientation, **load)
-        for mount, load in zip(mounts(robot), loads)  # noqa: B905 - fins come last
-    ]
+    mounts = build_mounts(robot)
+    elements: list[Element] = []
+    for thruster, mount in zip(robot.thrusters, mounts, strict=False):
+        element = Element(
+            body=mount.body,
+            position=mount.position,
+            orientation=mount.orientation,
+            thrust=(thruster.thrust, 0.0, 0.0),
+        )
+        elements.append(element)
+    if not isinstance(environment, Water):
+        return elements
+    mounts_of_fins = mounts[len(robot.thrusters) :]
+    for fin, mount in zip(robot.pectoral_fins, mounts_of_fins, strict=True):
+        plate = (
+            0.5 * environment.density * fin.area,
+            fin.lift_slope,
+            fin.stall_angle,
+            fin.stall_sharpness,
+            fin.parasitic_drag,
+        )
+        element = Element(
+            body=mount.body,
+            position=mount.position,
+            orientation=mount.orientation,
+            plate=plate,
+        )
+        elements.append(element)
+    return elements

@@ -11,7 +11,18 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.models.spatial import AXES, Body, appearance, build_bodies
+from laticauda.models.spatial import (
+    AXES,
+    MATERIALS,
+    Body,
+    Box,
+    Mesh,
+    build_bodies,
+    build_fin_plate,
+    build_fin_rods,
+    choose_builders,
+    join_meshes,
+)
 from laticauda.robot import CaudalFin, Module, Robot, kinematics
 from laticauda.scenarios import interfaces
 from laticauda.show.pictures import lift_to_space
@@ -26,7 +37,7 @@ class Shape(NamedTuple):
 
     part: int
     """Index of the part."""
-    mesh: appearance.Mesh
+    mesh: Mesh
     color: Color
 
 
@@ -60,24 +71,24 @@ def build_shapes(robot: Robot) -> list[Shape]:
 
 
 def _module_shapes(part: int, module: Module, *, is_head: bool) -> list[Shape]:
-    builders = appearance.mesh_builders(is_head=is_head)
+    builders = choose_builders(is_head=is_head)
     return [Shape(part, build(module), _color_of(name)) for name, build in builders.items()]
 
 
 def _fin_shapes(first_part: int, fin: CaudalFin) -> list[Shape]:
     shapes: list[Shape] = []
     for part, piece in enumerate(fin.pieces, first_part):
-        plate = appearance.build_fin_plate(fin, piece)
-        boxes = appearance.rods(fin, piece)
+        plate = build_fin_plate(fin, piece)
+        boxes = build_fin_rods(fin, piece)
         if plate is not None:
             boxes = [plate, *boxes]
-        mesh = appearance.joined(*map(_box_mesh, boxes))
+        mesh = join_meshes(*map(_box_mesh, boxes))
         shapes.append(Shape(part, mesh, _color_of("fin")))
     return shapes
 
 
 def _color_of(material_name: str) -> Color:
-    red, green, blue, _ = appearance.MATERIALS[material_name][0]
+    red, green, blue, _ = MATERIALS[material_name][0]
     return round(255 * red), round(255 * green), round(255 * blue)
 
 
@@ -105,14 +116,14 @@ BOX_SIDES = (
 """Corners of every side, counterclockwise when seen from outside."""
 
 
-def _box_mesh(box: appearance.Box) -> appearance.Mesh:
+def _box_mesh(box: Box) -> Mesh:
     """Return the mesh of a box; each triangle has its own corners, so that edges stay sharp."""
     corners = BOX_CORNERS * box.half_size + box.position
     triangles: list[tuple[int, int, int]] = []
     for a, b, c, d in BOX_SIDES:
         triangles += [(a, b, c), (a, c, d)]
     n_vertices = 3 * len(triangles)
-    return appearance.Mesh(
+    return Mesh(
         vertices=corners[np.array(triangles).ravel()],
         faces=np.arange(n_vertices).reshape(-1, 3),
     )

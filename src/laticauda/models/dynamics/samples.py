@@ -1,0 +1,129 @@
+"""State and samples of a plant: as its kernels log them, and by quantity."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.scenarios import Command
+from laticauda.values import BadArgument, Log
+
+FORCES = ("drag", "added_mass", "effector")
+"""Kinds of forces on a link, in the order of the first axis of an array of them."""
+MOST_SAMPLES = 2_000_000
+"""Largest number of samples; a longer log would take gigabytes."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PlantState:
+    """Everything that a run needs to continue, as one vector; its model's `rows` define the layout."""
+
+    values: Float[np.ndarray, " n"]
+
+
+class Samples(NamedTuple):
+    """Logged samples, by quantity; the first axis is time."""
+
+    observed: dict[str, np.ndarray]
+    """Fields of an `Observation`."""
+    reference: np.ndarray
+    """References that the joints followed [rad]."""
+    offset: np.ndarray
+    """phi_0 of every joint, or one for all [rad]."""
+    torque: np.ndarray
+    """Joint torques [N m]."""
+    work: np.ndarray
+    """Absolute, net, positive and electrical work [J]."""
+    fin: tuple[np.ndarray, ...]
+    """Angle, rate, reference and torque of the fin's joints."""
+    signals: Mapping[str, np.ndarray]
+    """Further signals."""
+    link_force: Mapping[str, np.ndarray] | None = None
+    """Forces on every link that are always logged, requested or not [N]."""
+
+
+class Stretch(NamedTuple):
+    """Raw samples of one march; `Plant.log` makes a log of several stretches at once."""
+
+    samples: np.ndarray
+    """Samples as the kernels logged them; the first axis is time."""
+    command: Command
+    """Command, held throughout."""
+    force: np.ndarray | None = None
+    """Force on every link, if requested: component, time, link, axis [N]."""
+
+    def at(self, index: slice) -> "Stretch":
+        """Return the stretch with a slice of its samples."""
+        force = None
+        if self.force is not None:
+            force = self.force[:, index]
+        return Stretch(samples=self.samples[index], command=self.command, force=force)
+
+
+class Advance(NamedTuple):
+    """A plant after a number of time steps under one command."""
+
+    state: PlantState
+    """The state at the end, or that at the start if the run diverged."""
+    stretch: Stretch
+    """Samples, up to the failure if the run diverged."""
+    failure: str | None
+    """What went wrong, in a sentence; None if nothing did."""
+
+
+class March(NamedTuple):
+    """A plant after a number of time steps under one command, with a log of them."""
+
+    state: PlantState
+    """The state at the end, or that at the start if the run diverged."""
+    log: Log
+    """Log of the steps, up to the failure if the run diverged."""
+    failure: str | None
+    """What went wrong, in a sentence; None if nothing did."""
+
+
+def join_samples(stretches: Sequence[Stretch]) -> np.ndarray:
+    """Return the samples of consecutive stretches, each of which begins with the last sample of the one before."""
+    samples = [stretches[0].samples]
+    for stretch in stretches[1:]:
+        samples.append(stretch.samples[1:])
+    if len(samples) == 1:
+        return samples[0]
+    return np.concatenate(samples)
+
+
+def join_forces(stretches: Sequence[Stretch]) -> dict[str, np.ndarray]:
+    """Return the forces on every link by kind, as `join_samples` does; empty unless all stretches have them [N]."""
+    forces: list[np.ndarray] = []
+    for stretch in stretches:
+        if stretch.force is None:
+            return {}
+        begin = 1 if forces else 0
+        forces.append(stretch.force[:, begin:])
+    by_kind: np.ndarray = np.concatenate(forces, axis=1)
+    return dict(zip(FORCES, by_kind, strict=True))
+
+
+def count_samples(stretches: Sequence[Stretch]) -> list[int]:
+    """Return how many samples of each stretch remain in `join_samples`."""
+    counts = [len(stretch.samples) - 1 for stretch in stretches]
+    counts[0] += 1
+    return counts
+
+
+def check_size(duration: float, sample_interval: float) -> None:
+    """Reject a log that is too large for memory.
+
+    Args:
+        duration: Duration of the run [s].
+        sample_interval: Time between two samples [s].
+
+    Raises:
+        ValueError: If there would be more than `MOST_SAMPLES` samples.
+    """
+    longest = MOST_SAMPLES * sample_interval
+    if duration > longest:
+        rule = f"must be <= {longest:g} s at a `sample_interval` of {sample_interval:g} s, got {duration:g}"
+        raise BadArgument("duration", f"{rule}; a longer `sample_interval` allows a longer run")

@@ -1,0 +1,159 @@
+"""How the arrays of all robots in one MuJoCo model are laid out for the kernels; see `rows`."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from laticauda.models.dynamics.joint_table import has_hinges, joint_table
+from laticauda.models.spatial import rows
+from laticauda.models.spatial.bodies import build_fin_bodies
+from laticauda.models.spatial.settings import numbers_per_link
+from laticauda.motion.joints import JointLaw
+from laticauda.robot import Robot
+from laticauda.scenarios import Spatial
+from laticauda.water.mujoco import native
+
+FIN_JOINT_NUMBERS = 4
+"""Numbers of a sample per joint: angle, rate, reference and torque."""
+
+
+class Member(NamedTuple):
+    """One of the robots in a model."""
+
+    robot: Robot
+    """The robot."""
+    setup: Spatial
+    """Its settings."""
+    prefix: str
+    """What its names in the model begin with."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Located:
+    """A robot, located in a compiled model."""
+
+    member: Member
+    """The robot with its settings."""
+    bodies: list[int]
+    """Number of the body of every module and every piece of the fin."""
+    is_own: Bool[np.ndarray, " n_bodies"]
+    """Whether each body of the model is part of the robot."""
+    n_joints: int
+    """Joints of body and fin."""
+
+    @property
+    def n_state(self) -> int:
+        """Numbers of its state, without qpos and qvel."""
+        return rows.STATE_ROWS + self._n_link_numbers
+
+    @property
+    def n_columns(self) -> int:
+        """Columns of its part of a sample."""
+        header = rows.STATE_ROWS + rows.SAMPLE_HEADER
+        return header + self._n_link_numbers + FIN_JOINT_NUMBERS * self.n_joints
+
+    @property
+    def _n_link_numbers(self) -> int:
+        return self.member.robot.n_links * numbers_per_link(self.member.setup)
+
+
+def locate(model: Any, member: Member) -> Located:
+    """Locate a robot in a compiled model.
+
+    Args:
+        model: A `mujoco.MjModel`.
+        member: The robot with its settings.
+    """
+    robot = member.robot
+    names = [f"module_{i}" for i in range(robot.n_links)]
+    if robot.caudal_fin is not None:
+        names += [body.name for body in build_fin_bodies(robot.caudal_fin)]
+    bodies = [int(model.body(member.prefix + name).id) for name in names]
+    return Located(
+        member=member,
+        bodies=bodies,
+        is_own=model.body_rootid == bodies[0],
+        n_joints=len(build_joint_rows(robot, member.setup.joints)),
+    )
+
+
+def build_places(model: Any, robots: Sequence[Located]) -> Int[np.ndarray, "n_rows n_places"]:
+    """Return where each robot's part of the arrays of all robots begins; a last row holds the ends.
+
+    The parts of the commands are not yet known, because a command may hold a recording.
+    """
+    places = np.zeros((len(robots) + 1, rows.PLACES), dtype=np.int64)
+    for k, robot in enumerate(robots):
+        begin = places[k]
+        end = places[k + 1]
+        root_joint = int(model.body_jntadr[robot.bodies[0]])
+        begin[rows.FIRST_QPOS] = model.jnt_qposadr[root_joint]
+        begin[rows.FIRST_QVEL] = model.jnt_dofadr[root_joint]
+        end[rows.FIRST_STATE] = begin[rows.FIRST_STATE] + robot.n_state
+        end[rows.FIRST_JOINT] = begin[rows.FIRST_JOINT] + robot.n_joints
+        end[rows.FIRST_BODY] = begin[rows.FIRST_BODY] + len(robot.bodies)
+        end[rows.FIRST_COLUMN] = begin[rows.FIRST_COLUMN] + robot.n_columns
+    return places
+
+
+def build_setup(model: Any, data: Any, robot: Located) -> Int[np.ndarray, " n_integers"]:
+    """Return the integers that the kernels need to know of a robot.
+
+    Args:
+        model: A `mujoco.MjModel`.
+        data: Its `mujoco.MjData`, in which the kernels work.
+        robot: The robot.
+    """
+    settings = robot.member.setup
+    n_links = robot.member.robot.n_links
+    is_planar = settings.root == "planar"
+    setup = np.zeros(rows.SETUP_SIZE, dtype=np.int64)
+    setup[: rows.MODEL] = native.offsets()
+    setup[rows.MODEL] = model._address
+    setup[rows.DATA] = data._address
+    setup[rows.N_QPOS] = model.nq
+    setup[rows.N_QVEL] = model.nv
+    # A planar root has two slides and a hinge; a free one a position, a quaternion, and six rates.
+    setup[rows.N_BASE_QPOS] = 3 if is_planar else 7
+    setup[rows.N_BASE_QVEL] = 3 if is_planar else 6
+    setup[rows.N_LINKS] = n_links
+    setup[rows.N_BODIES] = model.nbody
+    setup[rows.IS_IMPLICIT] = not settings.joints.prescribed or has_hinges(robot.member.robot)
+    setup[rows.IS_PLANAR] = is_planar
+    setup[rows.HAS_SCENE] = settings.scene is not None
+    setup[rows.N_FIN_BODIES] = len(robot.bodies) - n_links
+    return setup
+
+
+def index_motion(model: Any, robots: Sequence[Located]) -> list[Int[np.ndarray, " n_own"]]:
+    """Return the indices of each robot's qpos and qvel among those of all.
+
+    They include those of the moving parts of the scene, which belong to no robot.
+    """
+    is_of_robots = np.any([robot.is_own for robot in robots], axis=0)
+    body_of_qpos = np.repeat(model.jnt_bodyid, np.diff([*model.jnt_qposadr, model.nq]))
+    body_of_motion = np.concatenate((body_of_qpos, model.dof_bodyid))
+    indices: list[np.ndarray] = []
+    for robot in robots:
+        is_moved = robot.is_own | ~is_of_robots
+        indices.append(np.flatnonzero(is_moved[body_of_motion]))
+    return indices
+
+
+def build_joint_rows(robot: Robot, law: JointLaw) -> Float[np.ndarray, "n_joints n_numbers"]:
+    """Return the joint parameters for the kernels in MuJoCo's order: the body's, then the fin's from its root.
+
+    Args:
+        robot: The robot.
+        law: Law by which its driven joints follow their references.
+    """
+    waves: list[int] = []
+    for joint in robot.joints:
+        waves.append(rows.YAW_WAVE if joint.axis == "yaw" else rows.PITCH_WAVE)
+    for k in robot.fin_joints:
+        waves.append(rows.FIN_WAVE if k == 0 else rows.NO_WAVE)
+    laws = [rows.PASSIVE if wave == rows.NO_WAVE else law.code for wave in waves]
+    return np.column_stack((joint_table(robot, law), laws, waves))
