@@ -97,7 +97,7 @@ def optima_figure(found: Sequence[Optima]) -> Figure:
     quantities = ("forward velocity [m/s]", "net power [W]")
     for i, (ax, what) in enumerate(zip(figure.subplots(1, 2), quantities, strict=True)):
         points = {one.gait: np.stack((one.published[i], one.simulated[i])) for one in found}
-        draw_parity(points, ax, what=what).set(
+        draw_parity(points, ax, quantity=what).set(
             xlabel=f"published {what}", ylabel=f"simulated {what}"
         )
     powers = np.concatenate([*points.values()], axis=1)

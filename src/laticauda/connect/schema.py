@@ -67,8 +67,8 @@ ROBOT_FIELDS: Mapping[str, Schema] = {
 def message_schema() -> Schema:
     """Return the schema of all messages, with `$defs` for each kind of request and its answer."""
     definitions = {request: _request_schema(request) for request in messages.REQUEST_FIELDS}
-    for request, answer in _answer_schemas().items():
-        definitions[f"{request}_answer"] = answer
+    for request, answer_schema in _answer_schemas().items():
+        definitions[f"{request}_answer"] = answer_schema
     definitions["refusal"] = _object_schema({"error": TEXT}, required=["error"])
     return {
         "$schema": DIALECT,

@@ -140,13 +140,13 @@ class Session:
         n_values = check_work(world, scenario.duration, scenario.sample_interval)
         with self._budget.lock_for(n_values):
             trial = simulate.swim(scenario)
-        answer: dict[str, Any] = {"figures": trial.summary()}
+        results: dict[str, Any] = {"figures": trial.summary()}
         if names:
             all_values = {name: getattr(trial, name) for name in names}
-            answer["series"] = {
+            results["series"] = {
                 name: values for name, values in all_values.items() if values is not None
             }
-        return answer
+        return results
 
     def _require_world(self) -> World:
         if self._world is None:
@@ -171,14 +171,14 @@ def _describe_state(world: World) -> dict[str, Any]:
     """Return the observation of a world's robot, and the loads of the last sample."""
     observation = world.plant.observe(world.state)
     fields = dataclasses.fields(observation)
-    answer: dict[str, Any] = {
+    state: dict[str, Any] = {
         "observation": {field.name: getattr(observation, field.name) for field in fields}
     }
     last_sample = world.log.last
     for name in messages.LOAD_FIELDS:
         if name in last_sample:
-            answer[name] = last_sample[name]
-    return answer
+            state[name] = last_sample[name]
+    return state
 
 
 def _describe_command(world: World) -> dict[str, Any]:

@@ -34,6 +34,12 @@ def test_without_a_front_there_is_no_figure(tmp_path: Path):
     assert not list(tmp_path.iterdir())
 
 
+def test_the_old_name_of_the_figure_leads_to_its_new_one():
+    with pytest.deprecated_call(match="front_figure is now laticauda.show.reports.front.draw"):
+        from laticauda.show.reports.front import front_figure
+    assert front_figure is draw_front_sheet
+
+
 def test_the_figure_says_the_numbers_of_the_drawn_gaits(found: Front):
     figure = draw_front_sheet([found])
     ax, column = figure.axes

@@ -36,9 +36,9 @@ ENTRY_FUNCTION = "laticauda_move"
 N_BODIES = 0
 """Position of the number of bodies."""
 TAIL_LINK = 1
-"""Position of the index of the link at the tail."""
+"""Position of the index of the tail-most link among the bodies; those before it are pieces of the fin."""
 HAS_EXTRAS = 2
-"""Position of whether bodies have more than strips: plates and so on."""
+"""Position of whether any body has loads in addition to its own drag."""
 IS_IMPLICIT = 3
 """Position of whether joints are integrated implicitly."""
 N_ROWS = 4
@@ -191,13 +191,13 @@ def _log_at(typingctx, numbers):
 
     def codegen(context, builder, sig, args):
         array = context.make_array(_LOG)(context, builder)
-        one = context.get_constant(types.intp, 1)
-        two = context.get_constant(types.intp, 2)
+        single = context.get_constant(types.intp, 1)
+        n_samples = context.get_constant(types.intp, 2)
         size = context.get_constant(types.intp, 8)
         populate_array(
             array,
             data=args[0],
-            shape=[two, one, one],
+            shape=[n_samples, single, single],
             strides=[size, size, size],
             itemsize=size,
             meminfo=None,

@@ -13,6 +13,9 @@ from laticauda.show.figures import style
 from laticauda.show.reports.front_axes import FRONT_MARKS, choose_marked_points, draw_fronts
 from laticauda.show.reports.front_bodies import describe_point, draw_bodies, name_in_words
 from laticauda.studies import Front
+from laticauda.values import renamed_names
+
+__getattr__ = renamed_names(__name__, {"front_figure": ":draw_front_sheet"})
 
 SHEET_HEIGHT = 3.9
 """Height of the figure, without further lines of text below bodies [in]."""

@@ -174,12 +174,13 @@ def _add_measured_label(ax: Axes, front: Front) -> None:
 
 def _set_limits(ax: Axes, curves: Sequence[Curve], measured_points: Sequence[np.ndarray]) -> None:
     """Set the limits of the axes, so that all points and the letters of the first ones are within."""
-    xs = np.concatenate(
-        [*(curve.x for curve in curves), *(points[:, 0] for points in measured_points)]
-    )
-    ys = np.concatenate(
-        [*(curve.y for curve in curves), *(points[:, 1] for points in measured_points)]
-    )
+    x_parts = [curve.x for curve in curves]
+    y_parts = [curve.y for curve in curves]
+    for points in measured_points:
+        x_parts.append(points[:, 0])
+        y_parts.append(points[:, 1])
+    xs = np.concatenate(x_parts)
+    ys = np.concatenate(y_parts)
     left = min(0.0, float(xs.min())) - SPACE_FOR_LETTERS * float(np.ptp(xs))
     ax.set_xlim(left, END_OF_AXIS * float(xs.max()))
     ax.set_ylim(min(0.0, float(ys.min())), END_OF_AXIS * float(ys.max()))

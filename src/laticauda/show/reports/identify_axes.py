@@ -22,6 +22,15 @@ Ends = Float[np.ndarray, "2"]
 DASHED = (0, (5, 2))
 """Dash pattern of lines at limits [pt]."""
 
+MANY_POINTS = 200
+"""Points of a panel above which they are drawn small [-]."""
+SMALL_MARKER = 1.5
+"""Size of a small marker [pt]."""
+LARGE_MARKER = 4.0
+"""Size of a marker [pt]."""
+STRONG_CORRELATION = 0.6
+"""Correlation above which the text on its color is white [-]."""
+
 
 class Mark(NamedTuple):
     """Color and marker of a group."""
@@ -69,10 +78,13 @@ def draw_parity(groups: Mapping[str, Float[np.ndarray, "2 n"]], ax: Axes, *, qua
             ends, 0.9 * ends, 1.1 * ends, color=style.GRAY, alpha=0.15, linewidth=0, label="±10 %"
         )
     ax.plot(ends, ends, color=style.GRAY, linewidth=style.THIN)
-    size = 1.5 if all_pairs.shape[1] > 200 else 4.0
+    n_pairs = all_pairs.shape[1]
+    marker_size = SMALL_MARKER if n_pairs > MANY_POINTS else LARGE_MARKER
     for (label, pairs), mark in zip(groups.items(), cycle(MARKS), strict=False):
         measured, predicted = pairs
-        ax.plot(measured, predicted, mark.marker, color=mark.color, markersize=size, label=label)
+        ax.plot(
+            measured, predicted, mark.marker, color=mark.color, markersize=marker_size, label=label
+        )
     style.style_axes(ax, xlabel=f"measured {quantity}", ylabel=f"predicted {quantity}")
     ax.set(xlim=ends, ylim=ends)
     ax.set_aspect("equal")
@@ -155,7 +167,7 @@ def _write_correlation(ax: Axes, value: float, *, row: int, column: int) -> None
     color = style.INK
     if np.isfinite(value):
         text = f"{value:.2f}".replace("-", "\N{MINUS SIGN}")
-        if abs(value) > 0.6:
+        if abs(value) > STRONG_CORRELATION:
             color = "white"
     ax.text(column, row, text, ha="center", va="center", fontsize=style.TICK, color=color)
 
