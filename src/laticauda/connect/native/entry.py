@@ -36,7 +36,7 @@ ENTRY_FUNCTION = "laticauda_move"
 N_BODIES = 0
 """Position of the number of bodies."""
 TAIL_LINK = 1
-"""Position of the index of the tail-most link among the bodies; those before it are pieces of the fin."""
+"""Position of the index of the tail-most link; bodies before it are pieces of the fin."""
 HAS_EXTRAS = 2
 """Position of whether any body has loads in addition to its own drag."""
 IS_IMPLICIT = 3
