@@ -1,9 +1,9 @@
 """Interface between plants and controllers: commands, observations, starts, and the controller base class."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from jaxtyping import Float
@@ -22,12 +22,29 @@ from laticauda.values import (
 )
 
 State = TypeVar("State")
-FAR = 1e5  # beyond this, digits of the motion are lost
+FAR = 1e5
+"""Largest coordinate [m] and angle [rad] of a start; beyond it, digits of the motion are lost."""
+
+
+class EffectorKind(NamedTuple):
+    """How a command sets the effectors of one kind."""
+
+    command_field: str
+    """Field of the command with their values."""
+    robot_field: str
+    """Field of the robot with the effectors."""
+    quantity: str
+    """Field of an effector that is set; `max_` and this name is the field of its limit."""
+    unit: str
+
+
 EFFECTORS = (
-    ("thrusts", "thrusters", "thrust", "N"),
-    ("deflections", "pectoral_fins", "deflection", "rad"),
+    EffectorKind(command_field="thrusts", robot_field="thrusters", quantity="thrust", unit="N"),
+    EffectorKind(
+        command_field="deflections", robot_field="pectoral_fins", quantity="deflection", unit="rad"
+    ),
 )
-"""Effectors in a command: field of the command, field of the robot, the effector's quantity, and its unit."""
+"""Kinds of effectors that a command may set."""
 ORIENTATION = tuple(f"orientation_{part}" for part in "wxyz")
 """Signals of a spatial trial: orientation of module 0 as a quaternion. A measured trial may lack them."""
 
@@ -58,11 +75,11 @@ class Command:
     @property
     def steered(self) -> Gait:
         """The gait with both offsets included, as required by a `laticauda.motion.gaits.Generator`."""
-        pitch, gait = self.gait.pitch, self.gait
+        pitch = self.gait.pitch
         if self.pitch_offset != 0.0:
             pitch = pitch or STRAIGHT
             pitch = replace(pitch, offset=pitch.offset + self.pitch_offset)
-        return replace(gait, offset=gait.offset + self.offset, pitch=pitch)
+        return replace(self.gait, offset=self.gait.offset + self.offset, pitch=pitch)
 
     def effectors(self, robot: Robot) -> Robot:
         """Return the robot with its thrusters and pectoral fins set as commanded, each within its limit.
@@ -75,20 +92,14 @@ class Command:
                 finite.
         """
         changes: dict[str, Any] = {}
-        for name, group, number, unit in EFFECTORS:
-            built, asked = getattr(robot, group), getattr(self, name)
-            driven = [i for i, one in enumerate(built) if getattr(one, f"max_{number}") is not None]
-            if asked is None:
-                continue
-            if len(asked) != len(driven):
-                rule = f"must have one entry per effector with a `max_{number}`, {len(driven)} in all, got {len(asked)}"
-                raise BadArgument(name, rule)
-            changes[group] = list(built)
-            for i, one in zip(driven, asked, strict=True):
-                most = getattr(built[i], f"max_{number}")
-                given = min(max(check_finite(f"{name}[{i}]", one, unit), -most), most)
-                changes[group][i] = replace(built[i], **{number: given})
-        return replace(robot, **changes) if changes else robot
+        for kind in EFFECTORS:
+            values = getattr(self, kind.command_field)
+            if values is not None:
+                effectors = getattr(robot, kind.robot_field)
+                changes[kind.robot_field] = _set_effectors(kind, effectors, values)
+        if not changes:
+            return robot
+        return replace(robot, **changes)
 
     def check_held(self, robot: Robot, joints: JointLaw) -> None:
         """Reject references and switches that do not fit a plant.
@@ -107,21 +118,47 @@ class Command:
                 continue
             if joints.prescribed:
                 rule = "must be None for prescribed joints, which can neither jump nor go limp"
-                raise BadArgument(
-                    name, f"{rule}; use `joints` = `servo` or `pd`, got {len(values)} of them"
-                )
-            n, most = robot.n_joints, len(robot.driven_joints)
-            if len(values) not in (n, most):
-                rule = f"must have one entry per joint, {n} of them{', or one more for the fin' if most > n else ''}"
+                advice = "use `joints` = `servo` or `pd`"
+                raise BadArgument(name, f"{rule}; {advice}, got {len(values)} of them")
+            n_joints = robot.n_joints
+            n_driven_joints = len(robot.driven_joints)
+            if len(values) not in (n_joints, n_driven_joints):
+                rule = f"must have one entry per joint, {n_joints} of them"
+                if n_driven_joints > n_joints:
+                    rule += ", or one more for the fin"
                 raise BadArgument(name, f"{rule}, got {len(values)}")
-        # A single sum checks all of them, a hundred times per second; the faulty one is located
-        # only if the sum fails.
-        held = self.references or ()
-        if not (
-            all(type(angle) is float for angle in held) and math.isfinite(math.fsum(map(abs, held)))
-        ):
-            for i, angle in enumerate(held):
-                check_finite(f"references[{i}]", angle, "rad")
+        if self.references:
+            _check_references(self.references)
+
+
+def _set_effectors(kind: EffectorKind, effectors: Sequence[Any], values: Sequence[float]) -> Any:
+    """Return effectors of which those with a limit have the commanded values, each within its limit."""
+    limit_field = f"max_{kind.quantity}"
+    limits = {
+        i: getattr(effector, limit_field)
+        for i, effector in enumerate(effectors)
+        if getattr(effector, limit_field) is not None
+    }
+    if len(values) != len(limits):
+        rule = f"must have one entry per effector with a `{limit_field}`, {len(limits)} in all"
+        raise BadArgument(kind.command_field, f"{rule}, got {len(values)}")
+    commanded = list(effectors)
+    for (i, limit), value in zip(limits.items(), values, strict=True):
+        finite_value = check_finite(f"{kind.command_field}[{i}]", value, kind.unit)
+        limited_value = min(max(finite_value, -limit), limit)
+        commanded[i] = replace(effectors[i], **{kind.quantity: limited_value})
+    return commanded
+
+
+def _check_references(angles: Sequence[float]) -> None:
+    """Reject references that are not finite numbers [rad]."""
+    # A single sum checks all of them, a hundred times per second; the faulty one is located only if
+    # the sum fails.
+    are_floats = all(type(angle) is float for angle in angles)
+    if are_floats and math.isfinite(math.fsum(map(abs, angles))):
+        return
+    for i, angle in enumerate(angles):
+        check_finite(f"references[{i}]", angle, "rad")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -281,14 +318,11 @@ def check_waves(robot: Robot, gait: Gait) -> None:
     """
     check_instance("gait", gait, Gait)
     if gait.fin is not None and 0 not in robot.fin_joints:
-        raise BadArgument(
-            "gait.fin",
-            f"must be None unless the fin is driven (`caudal_fin.joint`), got {gait.fin}",
-        )
+        rule = "must be None unless the fin is driven (`caudal_fin.joint`)"
+        raise BadArgument("gait.fin", f"{rule}, got {gait.fin}")
     if gait.pitch is not None and all(joint.axis == "yaw" for joint in robot.joints):
-        raise BadArgument(
-            "gait.pitch", f"must be None for a robot without pitch joints, got {gait.pitch}"
-        )
+        rule = "must be None for a robot without pitch joints"
+        raise BadArgument("gait.pitch", f"{rule}, got {gait.pitch}")
 
 
 def fin_signals(
@@ -308,9 +342,11 @@ def fin_signals(
         reference: Reference angle of a driven joint [rad].
         torque: Torque of its actuator [N m].
     """
-    found: dict[str, np.ndarray] = {}
-    for i, k in enumerate(joints):
-        found |= {f"fin_angle_{k}": angle[:, i], f"fin_rate_{k}": rate[:, i]}
-        if k == 0:
-            found |= {"fin_angle_ref": reference[:, i], "fin_torque": torque[:, i]}
-    return found
+    signals: dict[str, np.ndarray] = {}
+    for column, joint in enumerate(joints):
+        signals[f"fin_angle_{joint}"] = angle[:, column]
+        signals[f"fin_rate_{joint}"] = rate[:, column]
+        if joint == 0:
+            signals["fin_angle_ref"] = reference[:, column]
+            signals["fin_torque"] = torque[:, column]
+    return signals

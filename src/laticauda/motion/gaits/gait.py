@@ -137,13 +137,11 @@ def envelope_of(kind: str) -> Envelope:
     """
     if not isinstance(kind, str):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise BadArgument("kind", f"must be the name of an envelope, got {show_value(kind)}")
-    found = Envelope.named(kind.replace("_", "-"))
-    if found is Custom:
-        raise BadArgument(
-            "kind",
-            f"must be an envelope that needs no values, got `{kind}`; use `Custom(values=...)`",
-        )
-    return found()
+    envelope_class = Envelope.named(kind.replace("_", "-"))
+    if envelope_class is Custom:
+        rule = f"must be an envelope that needs no values, got `{kind}`"
+        raise BadArgument("kind", f"{rule}; use `Custom(values=...)`")
+    return envelope_class()
 
 
 def list_kinds() -> tuple[str, ...]:
@@ -288,12 +286,18 @@ class Gait:
             table: Table from the file.
         """
         new = dict(table)
-        kind, values = new.pop("kind", None), new.get("envelope")
-        if kind is not None or values is None or isinstance(values, list | tuple):
-            new.pop("envelope", None)
-            own: dict[str, Any] = {} if values is None else {"values": values}
-            if kind is not None or own:
-                new["envelope"] = {"kind": str(kind or "custom").replace("_", "-"), **own}
+        kind = new.pop("kind", None)
+        values = new.get("envelope")
+        is_older = kind is not None or values is None or isinstance(values, list | tuple)
+        if not is_older:
+            return new
+        new.pop("envelope", None)
+        if kind is None and values is None:
+            return new
+        envelope: dict[str, Any] = {"kind": str(kind or "custom").replace("_", "-")}
+        if values is not None:
+            envelope["values"] = values
+        new["envelope"] = envelope
         return new
 
     def targets(
@@ -401,9 +405,8 @@ def custom_gait(
     """
     if callable(envelope):
         if n_links is None:
-            raise BadArgument(
-                "n_links", "must be given when `envelope` is a function g(i, n), got None"
-            )
+            rule = "must be given when `envelope` is a function g(i, n), got None"
+            raise BadArgument("n_links", rule)
         n = check_whole_number("n_links", n_links, 1)
         shape = envelope
         envelope = [shape(i, n) for i in range(1, n)]
@@ -428,5 +431,10 @@ def recorded_gait(angles: JointAngles, **fields: Any) -> Gait:
         >>> gait.amplitude, gait.words
         (0.0, 'recorded motion')
     """
-    given: dict[str, Any] = {"amplitude": 0.0, "frequency": angles.frequency, "phase_shift": 0.0}
-    return Gait(**given | fields, recorded=angles)
+    values: dict[str, Any] = {
+        "amplitude": 0.0,
+        "frequency": angles.frequency,
+        "phase_shift": 0.0,
+        **fields,
+    }
+    return Gait(**values, recorded=angles)

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from jaxtyping import Float
@@ -11,7 +12,8 @@ from laticauda.motion.gaits.gait import STRAIGHT, Gait
 from laticauda.motion.gaits.reference import WaveState
 from laticauda.values import BadArgument, option, quantity, value_class
 
-Reference = tuple[float, float, float]
+Reference: TypeAlias = tuple[float, float, float]
+"""Angle [rad], rate [rad/s] and acceleration [rad/s^2] of one joint."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,9 +64,9 @@ class Generator:
     def __post_init__(self) -> None:
         """Check the consistency of the fields."""
         if self.axes is not None and len(self.axes) != self.n_links - 1:
-            raise BadArgument(
-                "axes", f"must have one entry per joint, {self.n_links - 1}, got {len(self.axes)}"
-            )
+            n_joints = self.n_links - 1
+            rule = f"must have one entry per joint, {n_joints}, got {len(self.axes)}"
+            raise BadArgument("axes", rule)
 
     def init(self, gait: Gait) -> GeneratorState:
         """Return the initial state: the gait's amplitudes, frequencies and phase shifts; offsets build up from zero.
@@ -72,8 +74,13 @@ class Generator:
         Args:
             gait: Gait at the start.
         """
-        yaw, pitch, fin = map(reference.first_state, gait.targets())
-        return GeneratorState(time=0.0, yaw=yaw, pitch=pitch, fin=fin)
+        yaw_target, pitch_target, fin_target = gait.targets()
+        return GeneratorState(
+            time=0.0,
+            yaw=reference.first_state(yaw_target),
+            pitch=reference.first_state(pitch_target),
+            fin=reference.first_state(fin_target),
+        )
 
     def step(self, state: GeneratorState, gait: Gait, dt: float) -> GeneratorState:
         """Return the state after a time step during which one gait is held; exact for steps of any size.
@@ -84,12 +91,19 @@ class Generator:
             dt: Time step [s].
         """
         decay = math.exp(-self.bandwidth * dt)
-        waves = zip((state.yaw, state.pitch, state.fin), gait.targets(), strict=True)
-        yaw, pitch, fin = (
-            reference.advance_wave(wave, aim[:4], self.bandwidth, decay, dt) for wave, aim in waves
+        yaw_target, pitch_target, fin_target = gait.targets()
+
+        def advance_wave(wave: WaveState, target: reference.WaveTarget) -> WaveState:
+            return reference.advance_wave(wave, target[:4], self.bandwidth, decay, dt)
+
+        time, time_rest = reference.advance_time(state.time, state.time_rest, dt)
+        return GeneratorState(
+            time=time,
+            time_rest=time_rest,
+            yaw=advance_wave(state.yaw, yaw_target),
+            pitch=advance_wave(state.pitch, pitch_target),
+            fin=advance_wave(state.fin, fin_target),
         )
-        time, rest = reference.advance_time(state.time, state.time_rest, dt)
-        return GeneratorState(time=time, time_rest=rest, yaw=yaw, pitch=pitch, fin=fin)
 
     def joints(self, state: GeneratorState, gait: Gait) -> Float[np.ndarray, "3 n_joints"]:
         """Return the references of every joint, tail first.
@@ -105,17 +119,19 @@ class Generator:
             ValueError: If the gait has a custom envelope for a different number of joints.
         """
         axes = self.axes or ("yaw",) * (self.n_links - 1)
-        yaw, pitch, _ = gait.targets()
-        n_yaw = axes.count("yaw")
-        of_pitch = (gait.pitch or STRAIGHT).envelope.joints(len(axes) - n_yaw + 1)
-        found = {
-            "yaw": self._wave(state.yaw, yaw, state.time, gait.joint_envelope(n_yaw + 1)),
-            "pitch": self._wave(state.pitch, pitch, state.time, of_pitch),
+        yaw_target, pitch_target, _ = gait.targets()
+        n_yaw_joints = axes.count("yaw")
+        n_pitch_joints = len(axes) - n_yaw_joints
+        pitch_envelope = (gait.pitch or STRAIGHT).envelope.joints(n_pitch_joints + 1)
+        yaw_envelope = gait.joint_envelope(n_yaw_joints + 1)
+        next_reference = {
+            "yaw": iter(self._wave(state.yaw, yaw_target, state.time, yaw_envelope)),
+            "pitch": iter(self._wave(state.pitch, pitch_target, state.time, pitch_envelope)),
         }
-        each = {axis: iter(some) for axis, some in found.items()}
-        references = np.array([next(each[axis]) for axis in axes]).reshape(-1, 3).T
+        references = np.array([next(next_reference[axis]) for axis in axes]).reshape(-1, 3).T
         if gait.recorded is not None:
-            references[:, [axis == "yaw" for axis in axes]] += gait.recorded.at(state.time)
+            is_yaw = [axis == "yaw" for axis in axes]
+            references[:, is_yaw] += gait.recorded.at(state.time)
         return references
 
     def fin(self, state: GeneratorState, gait: Gait) -> Reference:
@@ -125,7 +141,9 @@ class Generator:
             state: State of the generator.
             gait: Gait at that instant.
         """
-        return self._wave(state.fin, gait.targets()[2], state.time, (1.0,))[0]
+        _, _, fin_target = gait.targets()
+        (fin_reference,) = self._wave(state.fin, fin_target, state.time, envelope=(1.0,))
+        return fin_reference
 
     def _wave(
         self,

@@ -1,11 +1,12 @@
 """Measured or computed joint angles over time: a motion not described by a wave."""
 
+import itertools
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -15,6 +16,8 @@ from laticauda.values import BadArgument, Log, TrialFileError, quantity, read_co
 
 JOINT = re.compile(r"joint_(\d+)(_deg|_rad)?")
 """Pattern for the names of angle columns; 1 is the tail-most joint."""
+ZERO_PADDING = 32
+"""Factor by which zeros lengthen the angles, for frequencies between those of whole cycles."""
 
 
 @value_class
@@ -36,13 +39,12 @@ class JointAngles:
 
     def __post_init__(self) -> None:
         """Check the consistency of the fields."""
-        if len(self.time) < 2 or any(
-            b <= a for a, b in zip(self.time, self.time[1:], strict=False)
-        ):
+        increases = all(later > earlier for earlier, later in itertools.pairwise(self.time))
+        if len(self.time) < 2 or not increases:
             raise BadArgument("time", "must be at least two increasing times")
-        for i, one in enumerate(self.angle):
-            if len(one) != len(self.time):
-                rule = f"must have one angle per time, {len(self.time)}, got {len(one)}"
+        for i, angles in enumerate(self.angle):
+            if len(angles) != len(self.time):
+                rule = f"must have one angle per time, {len(self.time)}, got {len(angles)}"
                 raise BadArgument(f"angle[{i}]", rule)
 
     @staticmethod
@@ -71,22 +73,19 @@ class JointAngles:
             TrialFileError: If the file cannot be read or is invalid.
         """
         columns = read_columns(path, TrialFileError)
-        joints = sorted(
-            (int(found[1]), name) for name in columns if (found := JOINT.fullmatch(name))
-        )
-        if "time_s" not in columns or [k for k, _ in joints] != list(
-            range(1, max(len(joints), 1) + 1)
-        ):
+        joint_columns = _find_joint_columns(columns)
+        numbers = [joint_column.number for joint_column in joint_columns]
+        expected_numbers = list(range(1, max(len(numbers), 1) + 1))
+        if "time_s" not in columns or numbers != expected_numbers:
             rule = "a column `time_s` and columns `joint_1_deg`, `joint_2_deg`, ... starting at the tail"
             raise TrialFileError(f"{path}: must have {rule}, got {', '.join(columns)}")
-        units = np.array(
-            [[math.radians(1.0) if name.endswith("_deg") else 1.0] for _, name in joints]
-        )
+        units = np.array([[joint_column.unit] for joint_column in joint_columns])
         try:
-            time, *angles = (
-                [float(cell) for cell in columns[name]]
-                for name in ("time_s", *(j for _, j in joints))
-            )
+            time = [float(cell) for cell in columns["time_s"]]
+            angles: list[list[float]] = []
+            for joint_column in joint_columns:
+                cells = columns[joint_column.name]
+                angles.append([float(cell) for cell in cells])
             return cls(time=tuple(time), angle=_rows(np.array(angles) * units))
         except ValueError as error:
             raise TrialFileError(f"{path}: {error}") from None
@@ -98,34 +97,32 @@ class JointAngles:
         Args:
             log: The trial.
         """
-        return cls(time=tuple((log.time - log.time[0]).tolist()), angle=_rows(log.joint_angle.T))
+        time = log.time - log.time[0]
+        return cls(time=tuple(time.tolist()), angle=_rows(log.joint_angle.T))
 
     @property
     def frequency(self) -> float:
         """Angular frequency of the strongest oscillation of all joints together; 0 if none moves [rad/s]."""
-        n = 2 * len(self.time)
-        even = np.linspace(self.time[0], self.time[-1], n)
+        start = self.time[0]
+        stop = self.time[-1]
+        n_samples = 2 * len(self.time)
+        n_padded = ZERO_PADDING * n_samples
+        even_time = np.linspace(start, stop, n_samples)
         swings = np.array(
-            [np.interp(even, self.time, one) - np.mean(one) for one in self.angle]
-        ) * np.hanning(n)
-        power = np.sum(np.abs(np.fft.rfft(swings, 32 * n)) ** 2, axis=0)
-        return (
-            2.0
-            * math.pi
-            * int(np.argmax(power))
-            * (n - 1)
-            / (self.time[-1] - self.time[0])
-            / (32 * n)
+            [np.interp(even_time, self.time, angles) - np.mean(angles) for angles in self.angle]
         )
+        spectrum = np.fft.rfft(swings * np.hanning(n_samples), n_padded)
+        power = np.sum(np.abs(spectrum) ** 2, axis=0)
+        strongest = int(np.argmax(power))
+        return 2.0 * math.pi * strongest * (n_samples - 1) / (stop - start) / n_padded
 
     @cached_property
     def knots(self) -> Float[np.ndarray, "n_knots n_numbers"]:
         """Input of the kernels: time [s], then angle [rad] and rate [rad/s] of every joint."""
         angle = np.array(self.angle).T
         rates = _clamped_rates(np.array(self.time), angle)
-        return np.column_stack(
-            (self.time, np.stack((angle, rates), axis=2).reshape(len(angle), -1))
-        )
+        angle_beside_rate = np.stack((angle, rates), axis=2).reshape(len(angle), -1)
+        return np.column_stack((self.time, angle_beside_rate))
 
     def scaled(
         self, shares: Float[np.ndarray, " n_joints"]
@@ -139,10 +136,8 @@ class JointAngles:
             ValueError: If the number of joints differs.
         """
         if len(self.angle) != shares.size:
-            raise BadArgument(
-                "recorded",
-                f"must have angles of all {shares.size} yaw joints, got {len(self.angle)}",
-            )
+            rule = f"must have angles of all {shares.size} yaw joints, got {len(self.angle)}"
+            raise BadArgument("recorded", rule)
         return self.knots * np.concatenate(([1.0], np.repeat(shares, 2)))
 
     def at(self, time: float) -> Float[np.ndarray, "3 n_joints"]:
@@ -151,10 +146,40 @@ class JointAngles:
         Args:
             time: Time since the start of the run [s].
         """
-        k = int(np.clip(np.searchsorted(self.time, time, side="right") - 1, 0, len(self.time) - 2))
-        (t, *a), (end, *b) = self.knots[k : k + 2].tolist()
-        joints = zip(a[::2], a[1::2], b[::2], b[1::2], strict=True)
-        return np.array([between_knots(time, t, end, *numbers) for numbers in joints]).T
+        last_knot = int(np.searchsorted(self.time, time, side="right")) - 1
+        knot = min(max(last_knot, 0), len(self.time) - 2)
+        (begin, *numbers_at_begin), (end, *numbers_at_end) = self.knots[knot : knot + 2].tolist()
+        joints = zip(
+            numbers_at_begin[::2],
+            numbers_at_begin[1::2],
+            numbers_at_end[::2],
+            numbers_at_end[1::2],
+            strict=True,
+        )
+        return np.array([between_knots(time, begin, end, *numbers) for numbers in joints]).T
+
+
+class _JointColumn(NamedTuple):
+    """A column with the angles of a joint."""
+
+    number: int
+    """Number of the joint; 1 is the tail-most."""
+    name: str
+    unit: float
+    """Size of its unit [rad]."""
+
+
+def _find_joint_columns(names: Iterable[str]) -> list[_JointColumn]:
+    """Return the columns of joints among all columns, tail first."""
+    joint_columns: list[_JointColumn] = []
+    for name in names:
+        match = JOINT.fullmatch(name)
+        if match is not None:
+            unit = 1.0
+            if name.endswith("_deg"):
+                unit = math.radians(1.0)
+            joint_columns.append(_JointColumn(number=int(match[1]), name=name, unit=unit))
+    return sorted(joint_columns)
 
 
 def _rows(table: np.ndarray) -> tuple[tuple[float, ...], ...]:
@@ -167,9 +192,11 @@ def _clamped_rates(
     """Solve the tridiagonal system for the rates at the knots of the cubic spline that starts and ends at rest."""
     step = np.diff(time)[:, np.newaxis]
     pull = 3.0 * np.diff(angle, axis=0) / step**2
-    rate, passed = np.zeros_like(angle), np.zeros_like(time)
+    rate = np.zeros_like(angle)
+    passed = np.zeros_like(time)
     for i in range(1, time.size - 1):
-        before, after = 1.0 / step[i - 1, 0], 1.0 / step[i, 0]
+        before = 1.0 / step[i - 1, 0]
+        after = 1.0 / step[i, 0]
         pivot = 2.0 * (before + after) - before * passed[i - 1]
         passed[i] = after / pivot
         rate[i] = (pull[i - 1] + pull[i] - before * rate[i - 1]) / pivot

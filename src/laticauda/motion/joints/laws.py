@@ -117,22 +117,25 @@ class JointLaw(Law, Extensible, group="joint_laws"):
     @property
     def own(self) -> Formula | None:
         """Formula that kernels are compiled for; None: one that all kernels include."""
-        return self.formula if self.code == OWN_DRIVEN else None
+        if self.code != OWN_DRIVEN:
+            return None
+        return self.formula
 
     @classmethod
-    def of(cls, given: "JointLaw | str") -> "JointLaw":
-        """Return a law, which may be `given` by its name.
+    def of(cls, law: "JointLaw | str") -> "JointLaw":
+        """Return a law, which may be stated by its name.
 
         Args:
-            given: Law, or its name: prescribed, pd, servo, or one that an installed package
+            law: Law, or its name: prescribed, pd, servo, or one that an installed package
                 provides.
 
         Raises:
             ValueError: If there is no law of that name.
         """
-        if isinstance(given, str):
-            return cls.named(check_choice("joints", given, cls.names()))()
-        return given
+        if isinstance(law, str):
+            law_class = cls.named(check_choice("joints", law, cls.names()))
+            return law_class()
+        return law
 
 
 @value_class
