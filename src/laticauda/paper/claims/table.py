@@ -15,9 +15,10 @@ Entry = Mapping[str, Any]
 def read_claims_table() -> Mapping[str, Sequence[Entry]]:
     """Return the content of `claims.toml`; white space in texts is reduced to single spaces."""
     table = read_toml(Path(__file__).with_name("claims.toml"))
-    return {
-        section: [_join_lines(entry) for entry in entries] for section, entries in table.items()
-    }
+    joined: dict[str, Sequence[Entry]] = {}
+    for section, entries in table.items():
+        joined[section] = [_join_lines(entry) for entry in entries]
+    return joined
 
 
 def _join_lines(entry: Entry) -> Entry:
