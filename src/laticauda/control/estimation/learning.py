@@ -94,9 +94,9 @@ STUDENT_SECOND = 1.44
 FINLESS_SHARE = 0.5
 """Share of the squares of the last cycle that a robot without its fin may leave [-]."""
 N_ODD_CYCLES = 2
-"""Stretches in a row that do not fit until the water has changed [-]."""
+"""Cycles in a row, ending half a cycle apart, that do not fit until the water has changed [-]."""
 N_WEAK_CYCLES = 3
-"""Stretches in a row in which a joint is weak until that is reported [-]."""
+"""Cycles in a row, ending half a cycle apart, in which a joint is weak until that is reported [-]."""
 
 AT_REST = Command(gait=STILL)
 
