@@ -33,7 +33,7 @@ def test_every_frame_is_where_the_body_of_its_name_is_and_the_center_of_mass_as_
     one = [values[np.newaxis] for values in (data.subtree_com[1], data.qpos[3:7], joints, fin)]
     moving = {
         name: (parent, place[0], turn[0])
-        for name, (parent, place, turn) in frames.moving(*one).items()
+        for name, (parent, place, turn) in frames.compute_moving_frames(*one).items()
     }
     assert not moving.keys() & frames.fixed.keys()
     tree = moving | frames.fixed  # in any order: a fin without a joint may carry hinges
@@ -56,7 +56,7 @@ def test_every_frame_is_where_the_body_of_its_name_is_and_the_center_of_mass_as_
 def test_a_robot_with_pitch_joints_that_swims_in_the_plane_is_straight_about_them():
     robot = lc.load_robot("mamba-modules")
     yaw = [f"module_{i + 1}" for i, joint in enumerate(robot.joints) if joint.axis == "yaw"]
-    found = Frames(robot, Planar()).moving(
+    found = Frames(robot, Planar()).compute_moving_frames(
         np.zeros((2, 2)),
         np.tile([1.0, 0.0, 0.0, 0.0], (2, 1)),
         np.full((2, len(yaw)), 0.3),

@@ -200,7 +200,7 @@ class Plant(ABC, Generic[ModelType]):
             return Advance(
                 state=state,
                 stretch=Stretch(samples, command),
-                failure=self.what_went_wrong(time),
+                failure=self.describe_divergence(time),
             )
         force = None
         if link_forces:
@@ -223,7 +223,7 @@ class Plant(ABC, Generic[ModelType]):
             end[wave] = state.values[wave]
         return PlantState(values=end)
 
-    def what_went_wrong(self, time: float) -> str:
+    def describe_divergence(self, time: float) -> str:
         """Return the message of a run that diverged at `time` [s]."""
         remedy = self.joints.remedy
         flow = getattr(self.environment, "flow", None)

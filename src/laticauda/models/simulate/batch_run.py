@@ -125,7 +125,7 @@ class _KeptRuns:
         self.succeeded[block.index] = reached_end
         failed_runs = block.index[~reached_end]
         for i, n_samples in zip(failed_runs, block.n_samples[~reached_end], strict=True):
-            self.status[i] = self.runs[int(i)].plant.what_went_wrong(
+            self.status[i] = self.runs[int(i)].plant.describe_divergence(
                 self._time_after(int(n_samples))
             )
 

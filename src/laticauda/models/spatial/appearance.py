@@ -75,7 +75,7 @@ def add_shapes(model: Any, robot: Robot, files: list[Path], *, visuals: bool) ->
             hull = library.add_built("hull", module, build_hull)
         _add_hull(body, f"module_{i}_hull", hull)
         if visuals and files:
-            _add_visible_mesh(body, hull, _body_material(is_head))
+            _add_visible_mesh(body, hull, choose_material(is_head=is_head))
         elif visuals:
             for material, build in choose_builders(is_head=is_head).items():
                 mesh = library.add_built(material, module, build)
@@ -86,8 +86,8 @@ def add_shapes(model: Any, robot: Robot, files: list[Path], *, visuals: bool) ->
         _add_fin(model, robot.caudal_fin, visuals=visuals)
 
 
-def _body_material(is_head: bool) -> str:
-    """Return the material of a module that is shown by a mesh file."""
+def choose_material(*, is_head: bool) -> str:
+    """Return the material of a module that is shown in one piece."""
     if is_head:
         return "head"
     return "housing"

@@ -79,7 +79,7 @@ class Frames:
         for mount in build_mounts(robot):
             self.fixed[mount.name] = FixedFrame(mount.body, mount.position, mount.orientation)
 
-    def moving(
+    def compute_moving_frames(
         self,
         center_of_mass: Float[np.ndarray, "n_samples n_axes"],
         orientation: Orientations,

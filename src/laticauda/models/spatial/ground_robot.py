@@ -26,10 +26,11 @@ def lay_on_ground(
     lying: list[Element] = []
     for element in elements:
         mass = _supported_mass(element, robot)
-        changed = element if wet else _without_water(element)
+        if not wet:
+            element = _remove_water(element)
         if mass is not None:
-            changed = replace(changed, contact=ground_contact(mass, ground))
-        lying.append(changed)
+            element = replace(element, contact=ground_contact(mass, ground))
+        lying.append(element)
     return tuple(lying)
 
 
@@ -52,7 +53,7 @@ def _mass_of_plate(fin: CaudalFin, plate: Element) -> float:
     return fin.mass * 2.0 * half_length / fin.length
 
 
-def _without_water(element: Element) -> Element:
+def _remove_water(element: Element) -> Element:
     """Return an element on dry ground."""
     return replace(
         element,

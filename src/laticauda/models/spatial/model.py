@@ -59,7 +59,9 @@ class SpatialPlant(Plant[Spatial]):
         """Choose a root, reject incompatible settings, and fill in those left open."""
         if self.settings.root is None:
             has_pitch_joints = any(joint.axis == "pitch" for joint in self.robot.joints)
-            root = "free" if has_pitch_joints else "planar"
+            root = "planar"
+            if has_pitch_joints:
+                root = "free"
             object.__setattr__(self, "settings", replace(self.settings, root=root))
         self._check_root()
         super().__post_init__()
@@ -343,10 +345,8 @@ class SpatialPlant(Plant[Spatial]):
 
     def _samples(self, samples: np.ndarray) -> Samples:
         n_samples = len(samples)
-        offset_rows: list[int] = []
-        for joint in self.robot.joints:
-            wave = rows.SECOND if joint.axis == "pitch" else 0
-            offset_rows.append(wave + rows.OFFSET_NOW)
+        offset_of_axis = {"yaw": rows.OFFSET_NOW, "pitch": rows.SECOND + rows.OFFSET_NOW}
+        offset_rows = [offset_of_axis[joint.axis] for joint in self.robot.joints]
         # Angle, rate, reference and torque, each of all of the fin's joints.
         fin = samples[:, self._columns.fin].reshape(n_samples, 4, -1)
         link_force = None

@@ -16,8 +16,14 @@ from laticauda.robot import Robot
 from laticauda.scenarios import Spatial
 from laticauda.water.mujoco import native
 
-FIN_JOINT_NUMBERS = 4
-"""Numbers of a sample per joint: angle, rate, reference and torque."""
+NUMBERS_PER_JOINT = 4
+"""Numbers of a sample for each joint of body and fin: angle, rate, reference and torque."""
+PLANAR_ROOT_SIZE = 3
+"""Size of qpos and of qvel of a planar root: two slides and a hinge."""
+FREE_ROOT_POSITIONS = 7
+"""Size of qpos of a free root: a position and a quaternion."""
+FREE_ROOT_RATES = 6
+"""Size of qvel of a free root: a velocity and an angular velocity."""
 
 
 class Member(NamedTuple):
@@ -32,7 +38,7 @@ class Member(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Located:
+class LocatedRobot:
     """A robot, located in a compiled model."""
 
     member: Member
@@ -53,14 +59,14 @@ class Located:
     def n_columns(self) -> int:
         """Columns of its part of a sample."""
         header = rows.STATE_ROWS + rows.SAMPLE_HEADER
-        return header + self._n_link_numbers + FIN_JOINT_NUMBERS * self.n_joints
+        return header + self._n_link_numbers + NUMBERS_PER_JOINT * self.n_joints
 
     @property
     def _n_link_numbers(self) -> int:
         return self.member.robot.n_links * numbers_per_link(self.member.setup)
 
 
-def locate(model: Any, member: Member) -> Located:
+def locate_robot(model: Any, member: Member) -> LocatedRobot:
     """Locate a robot in a compiled model.
 
     Args:
@@ -72,7 +78,7 @@ def locate(model: Any, member: Member) -> Located:
     if robot.caudal_fin is not None:
         names += [body.name for body in build_fin_bodies(robot.caudal_fin)]
     bodies = [int(model.body(member.prefix + name).id) for name in names]
-    return Located(
+    return LocatedRobot(
         member=member,
         bodies=bodies,
         is_own=model.body_rootid == bodies[0],
@@ -80,7 +86,7 @@ def locate(model: Any, member: Member) -> Located:
     )
 
 
-def build_places(model: Any, robots: Sequence[Located]) -> Int[np.ndarray, "n_rows n_places"]:
+def build_places(model: Any, robots: Sequence[LocatedRobot]) -> Int[np.ndarray, "n_rows n_places"]:
     """Return where each robot's part of the arrays of all robots begins; a last row holds the ends.
 
     The parts of the commands are not yet known, because a command may hold a recording.
@@ -99,7 +105,7 @@ def build_places(model: Any, robots: Sequence[Located]) -> Int[np.ndarray, "n_ro
     return places
 
 
-def build_setup(model: Any, data: Any, robot: Located) -> Int[np.ndarray, " n_integers"]:
+def build_setup(model: Any, data: Any, robot: LocatedRobot) -> Int[np.ndarray, " n_integers"]:
     """Return the integers that the kernels need to know of a robot.
 
     Args:
@@ -116,9 +122,11 @@ def build_setup(model: Any, data: Any, robot: Located) -> Int[np.ndarray, " n_in
     setup[rows.DATA] = data._address
     setup[rows.N_QPOS] = model.nq
     setup[rows.N_QVEL] = model.nv
-    # A planar root has two slides and a hinge; a free one a position, a quaternion, and six rates.
-    setup[rows.N_BASE_QPOS] = 3 if is_planar else 7
-    setup[rows.N_BASE_QVEL] = 3 if is_planar else 6
+    setup[rows.N_BASE_QPOS] = FREE_ROOT_POSITIONS
+    setup[rows.N_BASE_QVEL] = FREE_ROOT_RATES
+    if is_planar:
+        setup[rows.N_BASE_QPOS] = PLANAR_ROOT_SIZE
+        setup[rows.N_BASE_QVEL] = PLANAR_ROOT_SIZE
     setup[rows.N_LINKS] = n_links
     setup[rows.N_BODIES] = model.nbody
     setup[rows.IS_IMPLICIT] = not settings.joints.prescribed or has_hinges(robot.member.robot)
@@ -128,7 +136,7 @@ def build_setup(model: Any, data: Any, robot: Located) -> Int[np.ndarray, " n_in
     return setup
 
 
-def index_motion(model: Any, robots: Sequence[Located]) -> list[Int[np.ndarray, " n_own"]]:
+def index_motion(model: Any, robots: Sequence[LocatedRobot]) -> list[Int[np.ndarray, " n_own"]]:
     """Return the indices of each robot's qpos and qvel among those of all.
 
     They include those of the moving parts of the scene, which belong to no robot.
@@ -150,10 +158,15 @@ def build_joint_rows(robot: Robot, law: JointLaw) -> Float[np.ndarray, "n_joints
         robot: The robot.
         law: Law by which its driven joints follow their references.
     """
-    waves: list[int] = []
-    for joint in robot.joints:
-        waves.append(rows.YAW_WAVE if joint.axis == "yaw" else rows.PITCH_WAVE)
+    wave_of_axis = {"yaw": rows.YAW_WAVE, "pitch": rows.PITCH_WAVE}
+    waves = [wave_of_axis[joint.axis] for joint in robot.joints]
+    laws = [law.code] * robot.n_joints
     for k in robot.fin_joints:
-        waves.append(rows.FIN_WAVE if k == 0 else rows.NO_WAVE)
-    laws = [rows.PASSIVE if wave == rows.NO_WAVE else law.code for wave in waves]
+        is_driven = k == 0
+        if is_driven:
+            waves.append(rows.FIN_WAVE)
+            laws.append(law.code)
+        else:
+            waves.append(rows.NO_WAVE)
+            laws.append(rows.PASSIVE)
     return np.column_stack((joint_table(robot, law), laws, waves))

@@ -154,8 +154,8 @@ class Together:
         n_intervals = max(1, round(duration / sample_interval))
         every = max(plant.steps_in(duration / n_intervals) for plant in self.plants)
         vectors: list[np.ndarray] = []
-        inputs = [plant._inputs(command) for plant, command in self._with(commands)]
-        for (plant, command), state in zip(self._with(commands), states, strict=True):
+        inputs = [plant._inputs(command) for plant, command in self._pair_with(commands)]
+        for (plant, command), state in zip(self._pair_with(commands), states, strict=True):
             vectors.append(plant._start_values(state, command))
         samples = self.twin.run(
             vectors,
@@ -173,13 +173,15 @@ class Together:
         ]
         if len(samples) <= n_intervals:
             time = states[0].values[rows.TIME] + len(samples) * duration / n_intervals
-            failure = self.plants[0].what_went_wrong(time)
+            failure = self.plants[0].describe_divergence(time)
             return JointAdvance(list(states), stretches, failure)
         ends: list[PlantState] = []
-        for (plant, command), state, end in zip(self._with(commands), states, vectors, strict=True):
+        for (plant, command), state, end in zip(
+            self._pair_with(commands), states, vectors, strict=True
+        ):
             ends.append(plant._state_after(state, command, end))
         return JointAdvance(ends, stretches, failure=None)
 
-    def _with(self, commands: Sequence[Command]) -> list[tuple[SpatialPlant, Command]]:
+    def _pair_with(self, commands: Sequence[Command]) -> list[tuple[SpatialPlant, Command]]:
         """Return the plants, each with its command."""
         return list(zip(self.plants, commands, strict=True))

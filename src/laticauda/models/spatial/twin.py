@@ -14,13 +14,13 @@ from laticauda.models.dynamics.samples import FORCES
 from laticauda.models.spatial import mjcf, rows
 from laticauda.models.spatial.bodies import straight_center_of_mass
 from laticauda.models.spatial.places import (
-    Located,
+    LocatedRobot,
     Member,
     build_joint_rows,
     build_places,
     build_setup,
     index_motion,
-    locate,
+    locate_robot,
 )
 from laticauda.models.spatial.settings import (
     build_plant_elements,
@@ -95,7 +95,7 @@ class Twin:
         """Parameters of the joints of the first robot."""
         self._n_links = robot.n_links
         self._data = load_mujoco().MjData(self.model)
-        robots = [locate(self.model, member) for member in members]
+        robots = [locate_robot(self.model, member) for member in members]
         _set_contacts(self.model, robots)
         self.places = build_places(self.model, robots)
         """Where each robot's part of the arrays of all robots begins."""
@@ -297,7 +297,7 @@ def _compile_model(members: Sequence[Member], environment: Environment) -> Any:
     return model
 
 
-def _set_contacts(model: Any, robots: Sequence[Located]) -> None:
+def _set_contacts(model: Any, robots: Sequence[LocatedRobot]) -> None:
     """Set which joints have stops, and which robots touch one another."""
     for k, robot in enumerate(robots):
         if robot.member.setup.joints.prescribed:
@@ -307,7 +307,7 @@ def _set_contacts(model: Any, robots: Sequence[Located]) -> None:
             _let_touch_other_robots(model, robot, k, len(robots))
 
 
-def _let_touch_other_robots(model: Any, robot: Located, k: int, n_robots: int) -> None:
+def _let_touch_other_robots(model: Any, robot: LocatedRobot, k: int, n_robots: int) -> None:
     """Let the shapes of robot k touch those of the others, but not each other.
 
     Bit 0 is that of the world, bit 1 + k that of robot k.
@@ -322,7 +322,7 @@ def _let_touch_other_robots(model: Any, robot: Located, k: int, n_robots: int) -
     model.body_conaffinity[robot.is_own] = bits_of_others
 
 
-def _masses_of(model: Any, robot: Located) -> np.ndarray:
+def _masses_of(model: Any, robot: LocatedRobot) -> np.ndarray:
     """Return the mass of every body of the model, 0 for those that are not the robot's [kg]."""
     return np.where(robot.is_own, model.body_mass, 0.0)
 

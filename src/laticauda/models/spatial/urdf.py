@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from laticauda import scenarios
-from laticauda.models.spatial.appearance import MATERIALS
+from laticauda.models.spatial.appearance import MATERIALS, choose_material
 from laticauda.models.spatial.bodies import Body, Three, build_bodies
 from laticauda.models.spatial.fin_shapes import build_fin_plate
 from laticauda.models.spatial.mesh_files import check_count, check_meshes, copy_meshes
@@ -54,8 +54,11 @@ def build_urdf(robot: Robot, meshes: Sequence[str] = ()) -> str:
         _add_inertia(link, body)
         if isinstance(body.part, Module):
             i = int(body.name.removeprefix("module_"))
-            mesh = meshes[i] if meshes else None
-            _add_module(link, body.part, mesh, is_head=i == robot.n_links - 1)
+            is_head = i == robot.n_links - 1
+            if meshes:
+                _add_mesh(link, meshes[i], is_head=is_head)
+            else:
+                _add_cylinder(link, body.part, is_head=is_head)
         elif robot.caudal_fin is not None:
             _add_fin_plate(link, robot.caudal_fin, body.part)
         if body.parent:
@@ -107,14 +110,14 @@ def _add_inertia(link: ET.Element, body: Body) -> None:
     _add(inertial, "inertia", ixx=ixx, iyy=iyy, izz=izz, ixy=0.0, ixz=0.0, iyz=0.0)
 
 
-def _add_module(link: ET.Element, module: Module, mesh: str | None, *, is_head: bool) -> None:
-    """Show a module by its mesh or, without one, as a cylinder of the same volume."""
-    material = "housing"
-    if is_head:
-        material = "head"
-    if mesh is not None:
-        _add_shape(link, material, {}, "mesh", filename=mesh)
-        return
+def _add_mesh(link: ET.Element, mesh: str, *, is_head: bool) -> None:
+    """Show a module by its mesh."""
+    _add_shape(link, choose_material(is_head=is_head), {}, "mesh", filename=mesh)
+
+
+def _add_cylinder(link: ET.Element, module: Module, *, is_head: bool) -> None:
+    """Show a module as a cylinder of the same volume."""
+    material = choose_material(is_head=is_head)
     origin = {"xyz": (module.half_length, 0.0, 0.0), "rpy": ALONG_X}
     radius = math.sqrt(module.section.half_height * module.section.half_width)
     _add_shape(link, material, origin, "cylinder", radius=radius, length=module.length)
@@ -149,14 +152,20 @@ def _add_joint(root: ET.Element, body: Body) -> None:
         fixed = _connect(root, f"{body.name}_mount", "fixed", parent=body.parent, child=body.name)
         _add(fixed, "origin", xyz=body.position, rpy=NO_ROTATION)
         return
-    is_driven = isinstance(joint, Joint)
-    kind = "revolute" if is_driven else "continuous"
+    kind = "continuous"
+    if isinstance(joint, Joint):
+        kind = "revolute"
     element = _connect(root, body.joint_name, kind, parent=body.parent, child=body.name)
     _add(element, "origin", xyz=body.position)
     _add(element, "axis", xyz=body.axis)
-    if not is_driven:
+    if isinstance(joint, Joint):
+        _add_limits(element, joint)
+    else:
         _add(element, "dynamics", damping=joint.damping)
-        return
+
+
+def _add_limits(element: ET.Element, joint: Joint) -> None:
+    """Add the limits and the friction of a driven joint and its actuator."""
     motor = joint.actuator
     damping = joint.damping + motor.viscous_friction
     _add(

@@ -199,7 +199,7 @@ def _frames_of_links(trial: Trial, link_frames: Frames) -> dict[str, _MovingFram
     orientation = _rotate_upright(trial.link_angle[:, 0])
     if all(name in trial.signals for name in ORIENTATION):
         orientation = np.stack([trial.signals[name] for name in ORIENTATION], axis=1)
-    frames = link_frames.moving(
+    frames = link_frames.compute_moving_frames(
         trial.center_of_mass, orientation, trial.joint_angle, trial.fin_angle
     )
     return {name: _MovingFrame(*frame) for name, frame in frames.items()}

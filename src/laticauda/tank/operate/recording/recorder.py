@@ -166,7 +166,7 @@ class OperationRecorder(logs.Recorder):
     def _posture(self, estimate: Estimate) -> dict[str, logs.Frame]:
         """Return the estimated frames of the links; the mean pitch is used for the tail."""
         tail = to_quaternion(turn("yaw", estimate.link_angle[0]) @ turn("pitch", estimate.pitch))
-        moving_frames = self._link_frames.moving(
+        moving_frames = self._link_frames.compute_moving_frames(
             estimate.center_of_mass[np.newaxis],
             np.array([tail]),
             estimate.joint_angle[np.newaxis],
