@@ -280,7 +280,7 @@ class Recorder:
             raise BadArgument("identifier", f"must be from 0 to 2^32 - 1, got {identifier}")
         # The bytes that the codec of can_msgs/Frame writes, in one step: there are thousands of
         # these per second.
-        seconds, nanoseconds = ros2.to_ros_time(now)
+        seconds, nanoseconds = divmod(now, ros2.NANOSECONDS_PER_SECOND)
         body = _CAN_FRAME.pack(
             b"\x00\x01", seconds, nanoseconds, 1, b"", identifier, len(data), bytes(data)
         )

@@ -13,7 +13,7 @@ from laticauda.trials.logs import mcap_records, recorder, ros2
 from laticauda.values import TrialFileError
 
 if TYPE_CHECKING:
-    from mcap.records import Channel, Schema
+    from mcap.records import Channel, Message, Schema
 
 
 class Logged(NamedTuple):
@@ -41,17 +41,6 @@ class Topic:
     """Number of complete messages."""
 
 
-class _RawMessage(NamedTuple):
-    """A message as it is in the file."""
-
-    channel: "Channel"
-    """Its topic, its encoding and the number of its schema."""
-    time: int
-    """When it was recorded [ns], on the clock of the file."""
-    data: bytes
-    """Its content, encoded."""
-
-
 class Recording:
     """Contents of an MCAP file, even one that was never completed; created by `open_recording`, see there for details.
 
@@ -74,10 +63,10 @@ class Recording:
         counts = Counter[str]()
         earliest = math.inf
         latest = 0
-        for message in self._read_messages(losses):
-            counts[message.channel.topic] += 1
-            earliest = min(earliest, message.time)
-            latest = max(latest, message.time)
+        for channel, message in self._read_messages(losses):
+            counts[channel.topic] += 1
+            earliest = min(earliest, message.log_time)
+            latest = max(latest, message.log_time)
         self.topics = {
             channel.topic: self._describe_topic(channel, counts[channel.topic])
             for channel in self._channels.values()
@@ -125,16 +114,15 @@ class Recording:
         """
         epoch = self.epoch
         ignored_losses = list[str]()
-        for message in self._read_messages(ignored_losses, begin):
-            channel = message.channel
-            since_epoch = message.time - epoch
+        for channel, message in self._read_messages(ignored_losses, begin):
+            since_epoch = message.log_time - epoch
             is_wanted_topic = not topics or channel.topic in topics
             if is_wanted_topic and since_epoch >= 1e9 * since:
                 yield Logged(
                     topic=channel.topic,
                     time=since_epoch / 1e9,
                     kind=self._type_of_messages(channel),
-                    content=self._decode(message),
+                    content=self._decode(channel, message.data),
                 )
 
     def more(self, *topics: str, since: float = -math.inf) -> Iterator[Logged]:
@@ -154,14 +142,13 @@ class Recording:
             return ""
         return schema.name.replace("/msg/", "/")
 
-    def _decode(self, message: _RawMessage) -> Any:
+    def _decode(self, channel: "Channel", data: bytes) -> Any:
         """Return the fields of a message."""
-        channel = message.channel
         try:
             if channel.id not in self._decoders:
                 self._decoders[channel.id] = self._find_decoder(channel)
             decode = self._decoders[channel.id]
-            return decode(message.data)
+            return decode(data)
         except ValueError as error:
             raise TrialFileError(
                 f"Cannot load {self.path}: topic {channel.topic}: {error}"
@@ -178,8 +165,12 @@ class Recording:
             return json.loads
         return bytes
 
-    def _read_messages(self, losses: list[str], begin: int = 0) -> Iterator[_RawMessage]:
+    def _read_messages(
+        self, losses: list[str], begin: int = 0
+    ) -> "Iterator[tuple[Channel, Message]]":
         """Yield all complete messages after a byte, and keep schemas, channels and metadata on the way.
+
+        A message is as it is in the file: its `data` encoded, its `log_time` in ns.
 
         Args:
             losses: Receives a phrase on every loss.
@@ -208,8 +199,7 @@ class Recording:
                 elif isinstance(record, records.Metadata):
                     self.metadata[record.name] = record.metadata
                 elif isinstance(record, records.Message) and record.channel_id in self._channels:
-                    channel = self._channels[record.channel_id]
-                    yield _RawMessage(channel=channel, time=record.log_time, data=record.data)
+                    yield self._channels[record.channel_id], record
         if last_kind != mcap_records.FOOTER:
             n_bytes = max(size - self._read_end, 0)
             losses.append(f"it is truncated, with {n_bytes} bytes of an incomplete chunk")

@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from laticauda.trials.arrays import AnyArray
 from laticauda.values import BadArgument, optional_import
 
 if TYPE_CHECKING:
@@ -181,17 +180,12 @@ def _write(body: bytearray, kind: str, value: Any) -> None:
     """Write a number, a text, or all fields of a message."""
     if kind in PACKERS:
         packer = PACKERS[kind]
-        _align(body, packer.size)
-        body += packer.pack(value)
+        padding = b"\x00" * (-len(body) % packer.size)
+        body += padding + packer.pack(value)
     elif kind == "string":
         _write_text(body, value)
     else:
         _write_fields(body, kind, value)
-
-
-def _align(body: bytearray, size: int) -> None:
-    """Write zeros up to the next multiple of a size [bytes]."""
-    body += b"\x00" * (-len(body) % size)
 
 
 def _write_text(body: bytearray, text: Any) -> None:
@@ -222,7 +216,11 @@ def _write_array(body: bytearray, field: _Field, values: Any) -> None:
     """Write an array; numbers are written as one block."""
     is_number = field.kind in FORMATS
     if is_number:
-        values = _as_numbers(values, "<" + FORMATS[field.kind])
+        dtype = "<" + FORMATS[field.kind]
+        if isinstance(values, bytes):
+            values = np.frombuffer(values, dtype)
+        else:
+            values = np.asarray(values, dtype)
     if field.size and len(values) != field.size:
         raise TypeError(f"{field.size} values are needed, got {len(values)}")
     if not field.size:
@@ -231,11 +229,5 @@ def _write_array(body: bytearray, field: _Field, values: Any) -> None:
         for element in values:
             _write(body, field.kind, element)
     elif len(values):  # an empty array needs no alignment
-        _align(body, values.itemsize)
-        body += values.tobytes()
-
-
-def _as_numbers(values: Any, dtype: str) -> AnyArray:
-    if isinstance(values, bytes):
-        return np.frombuffer(values, dtype)
-    return np.asarray(values, dtype)
+        padding = b"\x00" * (-len(body) % values.itemsize)
+        body += padding + values.tobytes()
