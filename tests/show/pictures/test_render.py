@@ -76,7 +76,7 @@ def test_the_replay_is_where_the_trial_was(name):
 def test_robots_in_one_scene_are_each_where_their_trials_were():
     start = {"center_of_mass": (0.3, 0.6), "heading": 0.4}
     first, second = swum("mamba-modules", duration=1.0), swum("mamba-fin", duration=1.0)
-    studio = Studio.of_trial(first, others=[second.robot])
+    studio = Studio.of_trial(first, more_robots=[second.robot])
     postures = [
         interpolate_posture(first, 1.0, -1.0),
         interpolate_posture(lc.swim(second.scenario, start=lc.Start(**start)), 1.0, -1.0),

@@ -13,7 +13,7 @@ from laticauda.show.pictures.camera import Film, aim_at_trial
 from laticauda.show.pictures.captions import Figure, write_captions
 from laticauda.show.pictures.description import describe_run, measure_speed
 from laticauda.show.pictures.lines import Dash, dash_path, draw_path, draw_trail
-from laticauda.show.pictures.posture import interpolate_posture
+from laticauda.show.pictures.posture import Posture, interpolate_posture
 from laticauda.show.pictures.stage import Picture, Studio
 from laticauda.show.pictures.video import check_video, write_video
 from laticauda.trials import Trial
@@ -127,8 +127,8 @@ def draw_pictures(
         speed: Playback speed as stated in the text [-].
         beside: Trials of other robots in the same scene.
     """
-    other_robots = [other.robot for other in beside]
-    with closing(Studio.of_trial(trial, others=other_robots, size=film.size)) as studio:
+    more_robots = [trial_beside.robot for trial_beside in beside]
+    with closing(Studio.of_trial(trial, more_robots=more_robots, size=film.size)) as studio:
         height = studio.height
         path = dash_path(trial, height)
         lines = [*describe_run(trial, speed), *studio.water.captions]
@@ -137,9 +137,14 @@ def draw_pictures(
                 posture=interpolate_posture(trial, time, height),
                 camera=aim_at_trial(trial, time, height, film),
                 decorate=partial(_draw_lines, trial, film, path, time, height),
-                others=[interpolate_posture(other, time, height) for other in beside],
+                more_postures=_interpolate_all(beside, time, height),
             )
             yield write_captions(picture, _figures_at(trial, time), lines)
+
+
+def _interpolate_all(trials: Sequence[Trial], time: float, height: float) -> list[Posture]:
+    """Return the postures of the robots of several trials at some time [s]."""
+    return [interpolate_posture(trial, time, height) for trial in trials]
 
 
 def _draw_lines(

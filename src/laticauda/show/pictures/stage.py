@@ -45,7 +45,7 @@ class Studio:
         robot: The robot to show.
         environment: Environment of the robot.
         model: Model whose settings define what else is there; None: nothing.
-        others: Further robots in the same surroundings.
+        more_robots: Further robots in the same surroundings.
         region: Two corners of the region of its center of mass, in space or, for a planar run, in
             the plane [m].
         times: Some of the times at which it will be shown [s].
@@ -62,7 +62,7 @@ class Studio:
         environment: Environment,
         model: Model | None = None,
         *,
-        others: Sequence[Robot] = (),
+        more_robots: Sequence[Robot] = (),
         region: Float[np.ndarray, "2 n_axes"] = NEARBY,
         times: Sequence[float] = MOMENTS,
         size: tuple[int, int] = SIZE,
@@ -77,7 +77,7 @@ class Studio:
             self.floor = min(-LEAST_FLOOR, lowest - CLEARANCE)
         self.water = MovingWater(environment, robot.reach, region, times)
         """Motion of the water."""
-        spec = _build_spec(robot, others, environment, model)
+        spec = _build_spec(robot, more_robots, environment, model)
         waves = self.water.add_mesh(spec)
         add_surroundings(
             spec,
@@ -108,13 +108,13 @@ class Studio:
 
     @classmethod
     def of_trial(
-        cls, trial: Trial, *, others: Sequence[Robot] = (), size: tuple[int, int] = SIZE
+        cls, trial: Trial, *, more_robots: Sequence[Robot] = (), size: tuple[int, int] = SIZE
     ) -> "Studio":
         """Return the studio that shows a trial.
 
         Args:
             trial: Any trial, simulated or real.
-            others: Further robots in the same surroundings.
+            more_robots: Further robots in the same surroundings.
             size: Width and height of the pictures [pixels].
         """
         center = trial.center_of_mass
@@ -123,20 +123,20 @@ class Studio:
             trial.robot,
             trial.environment,
             trial.scenario.model,
-            others=others,
+            more_robots=more_robots,
             region=np.array((center.min(axis=0), center.max(axis=0))),
             times=trial.time[::step].tolist(),
             size=size,
         )
 
-    def take(self, posture: Posture, *others: Posture) -> int | None:
-        """Set the postures of the robot and of the others; return the mesh to be sent to a renderer, if any.
+    def take(self, posture: Posture, *more_postures: Posture) -> int | None:
+        """Set the postures of the robot and of more robots; return the mesh to be sent to a renderer, if any.
 
         Args:
             posture: Posture of the robot.
-            others: Postures of the other robots.
+            more_postures: Postures of the other robots.
         """
-        for index, robot_posture in enumerate((posture, *others)):
+        for index, robot_posture in enumerate((posture, *more_postures)):
             self._set_posture(index, robot_posture)
         self._update_kinematics()
         load_mujoco().mj_camlight(self.model, self.data)
@@ -169,7 +169,7 @@ class Studio:
         posture: Posture,
         camera: Any = None,
         decorate: Callable[[Any], None] | None = None,
-        others: Sequence[Posture] = (),
+        more_postures: Sequence[Posture] = (),
     ) -> Picture:
         """Return the picture seen by a camera.
 
@@ -178,9 +178,9 @@ class Studio:
             camera: A `MjvCamera`; None: beside the robot, always in the same direction.
             decorate: Called with the `MjvScene` before it is drawn, to add what is not in the
                 model.
-            others: Postures of the other robots.
+            more_postures: Postures of the other robots.
         """
-        changed_mesh = self.take(posture, *others)
+        changed_mesh = self.take(posture, *more_postures)
         renderer = self._renderer
         if changed_mesh is not None:
             renderer._gl_context.make_current()
@@ -237,7 +237,7 @@ def _height_range(region: np.ndarray, planar_height: float) -> tuple[float, floa
 
 
 def _build_spec(
-    robot: Robot, others: Sequence[Robot], environment: Environment, model: Model | None
+    robot: Robot, more_robots: Sequence[Robot], environment: Environment, model: Model | None
 ) -> Any:
     """Return the `MjSpec` of robots in a scene, without floor, light and water."""
     spec = mjcf.build_spec(
@@ -247,11 +247,11 @@ def _build_spec(
         scene=_scene_of(model),
         ballast_depth=ballast_of(robot, model),
     )
-    for index, other in enumerate(others, 1):
-        spec_of_other = mjcf.build_spec(
-            other, environment, sensors=False, ballast_depth=ballast_of(other, model)
+    for index, next_robot in enumerate(more_robots, 1):
+        next_spec = mjcf.build_spec(
+            next_robot, environment, sensors=False, ballast_depth=ballast_of(next_robot, model)
         )
-        mjcf.add_robot(spec, spec_of_other, index)
+        mjcf.add_robot(spec, next_spec, index)
     return spec
 
 
