@@ -3,16 +3,13 @@ import pytest
 from hypothesis import given, strategies as st
 
 from laticauda.water.fluid.arrows import (
-    AROUND,
-    LONGEST,
-    MOMENTS,
-    Surface,
+    LONGEST_IN_SPACINGS,
+    REACH_IN_LENGTHS,
     arrows_of,
-    has_waves,
     round_down,
-    surface_elevation,
 )
 from laticauda.water.fluid.flow import FunctionFlow
+from laticauda.water.fluid.surface import MOMENTS, Surface, has_waves, surface_elevation
 
 VORTEX = FunctionFlow(function=lambda x, y, z, t: (-0.3 * y + 0.0 * t, 0.3 * x, 0.1 * z))
 WAVE = FunctionFlow(
@@ -32,12 +29,12 @@ def test_an_arrow_stands_around_its_place_in_the_world_and_is_the_way_of_the_wat
     assert np.allclose(
         places[:, :2] / arrows.spacing, np.round(places[:, :2] / arrows.spacing), atol=1e-9
     )
-    assert np.all(np.hypot(*(places[:, :2] - (x, y)).T) <= AROUND * r)
+    assert np.all(np.hypot(*(places[:, :2] - (x, y)).T) <= REACH_IN_LENGTHS * r)
     way, drawn = VORTEX.velocity(places, 0.0) * arrows.time, tips - tails
     length = np.linalg.norm(way, axis=1)
-    whole = length <= LONGEST * arrows.spacing
+    whole = length <= LONGEST_IN_SPACINGS * arrows.spacing
     assert np.allclose(drawn[whole], way[whole])
-    assert np.allclose(np.linalg.norm(drawn[~whole], axis=1), LONGEST * arrows.spacing)
+    assert np.allclose(np.linalg.norm(drawn[~whole], axis=1), LONGEST_IN_SPACINGS * arrows.spacing)
     assert np.allclose(np.cross(drawn, way), 0.0, atol=1e-9)
 
 

@@ -85,7 +85,7 @@ def test_a_water_keeps_the_last_flows_and_refuses_a_copy_whose_flow_is_gone():
     swells = [Swell(along=0.01 * k) for k in range(table.MOST_FLOWS)]
     for one in (*swells, *swells):  # those that it has are not new
         handle.set_current(one)
-    assert len(handle.numbers["given"]) == table.MOST_FLOWS
+    assert len(handle.flows) == table.MOST_FLOWS
     assert np.array_equal(acceleration(model), in_water(swells[-1]))
     with pytest.raises(mujoco.FatalError, match="this model has lost the flow of its water"):
         acceleration(twin)

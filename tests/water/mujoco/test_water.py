@@ -19,9 +19,15 @@ from scipy.integrate import solve_ivp
 
 from laticauda.water import mujoco as water
 from laticauda.water.fluid.laws import PolynomialDrag
-from laticauda.water.mujoco import Element, GeomCoefficients, callback, hydrostatics, native
-from laticauda.water.mujoco.checks import metacentric_height
-from laticauda.water.mujoco.elements import lamb
+from laticauda.water.mujoco import (
+    Element,
+    GeomCoefficients,
+    hydrostatics,
+    native,
+    registry,
+)
+from laticauda.water.mujoco.floating import metacentric_height
+from laticauda.water.mujoco.lamb import lamb
 
 RK4_ORDER = (
     4 if mujoco.mj_version() >= 4_000_000 else 2
@@ -855,7 +861,7 @@ def test_more_models_than_the_registry_began_with_keep_their_water():
     (first, _) = pair(n=2)
     handle = water.attach(first, oracle.elements(2), current=(0.1, 0.0, 0.0), usual_speed=0.01)
     before, models = speeds_after_a_step(first), []
-    for _ in range(2 * len(callback._rows[-1])):
+    for _ in range(2 * len(registry._rows[-1])):
         models.append(copy.deepcopy(first))
         water.attach(models[-1], handle.elements, current=(0.1, 0.0, 0.0), usual_speed=0.01)
     for model in (first, models[0], models[-1]):
@@ -868,10 +874,10 @@ def test_a_pickled_model_brings_its_water_along_and_its_current():
         wet, oracle.elements(3), density=1025.0, surface=0.1, usual_speed=0.01
     ).set_current((0.1, 0.2, 0.3))
     before, stored = speeds_after_a_step(wet), pickle.dumps(wet)
-    mark = callback._mark(wet)
+    mark = registry._mark(wet)
     del wet
     gc.collect()
-    callback._forget(mark)  # as in another process
+    registry._forget(mark)  # as in another process
     np.testing.assert_array_equal(speeds_after_a_step(pickle.loads(stored)), before)
     _, dry = pair()
     assert water.attached(pickle.loads(pickle.dumps(dry))) is None
@@ -883,7 +889,7 @@ def test_a_model_from_an_mjb_file_says_that_it_has_lost_its_water(tmp_path):
     mujoco.mj_saveModel(wet, str(tmp_path / "wet.mjb"), None)
     loaded = mujoco.MjModel.from_binary_path(str(tmp_path / "wet.mjb"))
     np.testing.assert_array_equal(speeds_after_a_step(loaded), speeds_after_a_step(wet))
-    callback._forget(callback._mark(wet))  # as in another process
+    registry._forget(registry._mark(wet))  # as in another process
     with pytest.raises(mujoco.FatalError, match="this model has lost its water: an MJB file"):
         mujoco.mj_forward(loaded, mujoco.MjData(loaded))
     water.attach(loaded, oracle.elements(2), usual_speed=0.01)

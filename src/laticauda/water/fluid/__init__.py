@@ -1,4 +1,9 @@
-"""Loads of water or ground on one element: drag laws as values, and the plate of a pectoral fin."""
+"""Loads of water or ground on one element, and the motion of the water.
+
+`laws` has drag laws as values and the plate of a pectoral fin, `inertia` the loads of added mass.
+`flow` says what a flow is; `uniform`, `eddies`, `waves` and `gridded` have the flows, the last one with
+`grids` (reading them) and `cells` (interpolation). `arrows` and `surface` draw moving water.
+"""
 
 from typing import TYPE_CHECKING
 
@@ -16,17 +21,16 @@ if TYPE_CHECKING:
         plate as plate,
         MOTION as MOTION,
     )
-    from laticauda.water.fluid.arrows import (
-        Arrows as Arrows,
+    from laticauda.water.fluid.arrows import Arrows as Arrows, arrows_of as arrows_of
+    from laticauda.water.fluid.surface import (
         MOMENTS as MOMENTS,
         Surface as Surface,
-        arrows_of as arrows_of,
         grid_points as grid_points,
         has_waves as has_waves,
         surface_elevation as surface_elevation,
     )
     from laticauda.water.fluid.flow import Flow as Flow, Rows as Rows, rows_of as rows_of
-    from laticauda.water.fluid.gridded import Grid as Grid
+    from laticauda.water.fluid.grids import Grid as Grid
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
@@ -43,17 +47,16 @@ __getattr__, __dir__, __all__ = lazy_exports(
         ],
     },
     plain={
-        "laticauda.water.fluid.arrows": [
-            "Arrows",
+        "laticauda.water.fluid.arrows": ["Arrows", "arrows_of"],
+        "laticauda.water.fluid.flow": ["Flow", "Rows", "rows_of"],
+        "laticauda.water.fluid.grids": ["Grid"],
+        "laticauda.water.fluid.laws": ["MOTION"],
+        "laticauda.water.fluid.surface": [
             "MOMENTS",
             "Surface",
-            "arrows_of",
             "grid_points",
             "has_waves",
             "surface_elevation",
         ],
-        "laticauda.water.fluid.flow": ["Flow", "Rows", "rows_of"],
-        "laticauda.water.fluid.gridded": ["Grid"],
-        "laticauda.water.fluid.laws": ["MOTION"],
     },
 )

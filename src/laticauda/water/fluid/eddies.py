@@ -36,9 +36,12 @@ from laticauda.values import BadArgument, quantity, value_class, where
 from laticauda.water.fluid.flow import Flow
 from laticauda.water.fluid.uniform import Uniform
 
-ROWS_APART = math.asinh(1.0) / math.pi  # of the spacing, .281
-SMALL = 0.02  # value of r^2 / r_c^2 below which series are used
-FADE = 0.06  # share of a street over which a vortex grows, and over which it fades at the end
+ROWS_APART = math.asinh(1.0) / math.pi
+"""Distance of the rows of a stable street, .281 of the spacing of its vortices [-]."""
+SMALL = 0.02
+"""Value of r^2 / r_c^2 below which series are used [-]."""
+FADE = 0.06
+"""Share of a street over which a vortex grows, and over which it fades at the end [-]."""
 
 
 def lamb_oseen(q: float) -> tuple[float, float, float]:
@@ -72,10 +75,15 @@ def around(
         c_x: Velocity of the axis along x [m/s].
         c_y: Velocity of the axis along y [m/s].
     """
-    u_x, u_y = -2.0 * slope * x * y, -g - 2.0 * slope * y * y
-    v_x, v_y = g + 2.0 * slope * x * x, 2.0 * slope * x * y
-    u_t, v_t = -g_t * y - c_x * u_x - c_y * u_y, g_t * x - c_x * v_x - c_y * v_y
-    return -g * y, g * x, 0.0, u_t, v_t, 0.0, u_x, u_y, 0.0, v_x, v_y, 0.0, 0.0, 0.0, 0.0, 0.0
+    u = -g * y
+    v = g * x
+    u_x = -2.0 * slope * x * y
+    u_y = -g - 2.0 * slope * y * y
+    v_x = g + 2.0 * slope * x * x
+    v_y = 2.0 * slope * x * y
+    u_t = -g_t * y - c_x * u_x - c_y * u_y
+    v_t = g_t * x - c_x * v_x - c_y * v_y
+    return u, v, 0.0, u_t, v_t, 0.0, u_x, u_y, 0.0, v_x, v_y, 0.0, 0.0, 0.0, 0.0, 0.0
 
 
 @value_class
@@ -94,14 +102,15 @@ class LambOseen(Flow):
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
         """Return the motion of the water, see `Flow.__call__`."""
-        dx, dy = x - self.x - self.velocity_x * t, y - self.y - self.velocity_y * t
-        wide = self.core * self.core + 4.0 * self.viscosity * t
-        h, slope, fall = lamb_oseen((dx * dx + dy * dy) / wide)
-        strength = 0.5 * self.circulation / (math.pi * wide)
-        g_t = -4.0 * self.viscosity * strength * fall / wide
-        return around(
-            dx, dy, strength * h, strength * slope / wide, g_t, self.velocity_x, self.velocity_y
-        )
+        dx = x - self.x - self.velocity_x * t
+        dy = y - self.y - self.velocity_y * t
+        core_2 = self.core * self.core + 4.0 * self.viscosity * t
+        h, slope, fall = lamb_oseen((dx * dx + dy * dy) / core_2)
+        strength = 0.5 * self.circulation / (math.pi * core_2)
+        g = strength * h
+        g_slope = strength * slope / core_2
+        g_t = -4.0 * self.viscosity * strength * fall / core_2
+        return around(dx, dy, g, g_slope, g_t, self.velocity_x, self.velocity_y)
 
 
 @value_class
@@ -115,26 +124,26 @@ class _Shed(LambOseen):
         """Return the motion of the water, see `Flow.__call__`."""
         share = (t - self.born) / self.life
         share = share - np.floor(share.real)
-        dx, dy = (
-            x - self.x - self.velocity_x * self.life * share,
-            y - self.y - self.velocity_y * self.life * share,
-        )
-        begun, left = share / FADE, (1.0 - share) / FADE
-        begun, left = (
-            where(begun.real < 1.0, begun, 1.0 + 0.0 * begun),
-            where(left.real < 1.0, left, 1.0 + 0.0 * left),
-        )
-        grown, whole = begun * begun * (3.0 - 2.0 * begun), left * left * (3.0 - 2.0 * left)
-        rate = (
-            6.0 / (FADE * self.life) * (begun * (1.0 - begun) * whole - left * (1.0 - left) * grown)
-        )
-        wide = self.core * self.core
-        h, slope, _ = lamb_oseen((dx * dx + dy * dy) / wide)
-        strength = 0.5 * self.circulation / (math.pi * wide)
-        g, g_slope = strength * grown * whole, strength * grown * whole / wide
-        return around(
-            dx, dy, g * h, g_slope * slope, strength * rate * h, self.velocity_x, self.velocity_y
-        )
+        dx = x - self.x - self.velocity_x * self.life * share
+        dy = y - self.y - self.velocity_y * self.life * share
+
+        # Smooth steps from 0 to 1 at the beginning of a life, and from 1 to 0 at its end.
+        begun = share / FADE
+        left = (1.0 - share) / FADE
+        begun = where(begun.real < 1.0, begun, 1.0 + 0.0 * begun)
+        left = where(left.real < 1.0, left, 1.0 + 0.0 * left)
+        growth = begun * begun * (3.0 - 2.0 * begun)
+        fading = left * left * (3.0 - 2.0 * left)
+        steepness = 6.0 / (FADE * self.life)
+        rate = steepness * (begun * (1.0 - begun) * fading - left * (1.0 - left) * growth)
+
+        core_2 = self.core * self.core
+        h, slope, _ = lamb_oseen((dx * dx + dy * dy) / core_2)
+        strength = 0.5 * self.circulation / (math.pi * core_2)
+        g = strength * growth * fading
+        g_slope = strength * growth * fading / core_2
+        g_t = strength * rate * h
+        return around(dx, dy, g * h, g_slope * slope, g_t, self.velocity_x, self.velocity_y)
 
 
 @value_class
@@ -189,13 +198,20 @@ class KarmanStreet(Flow):
     @cached_property
     def parts(self) -> tuple[Flow, ...]:  # pyright: ignore[reportIncompatibleMethodOverride]
         """The stream and both rows of vortices."""
-        c, s, pace = (
-            math.cos(self.direction),
-            math.sin(self.direction),
-            self.street_speed * self.speed,
-        )
-        aside, life = 0.5 * ROWS_APART * self.spacing, self.pairs / self.frequency
-        rows = [
+        cosine = math.cos(self.direction)
+        sine = math.sin(self.direction)
+        stream = Uniform(u=self.speed * cosine, v=self.speed * sine)
+        left_row = self._row_of_vortices(1)
+        right_row = self._row_of_vortices(-1)
+        return (stream, *left_row, *right_row)
+
+    def _row_of_vortices(self, side: int) -> list[_Shed]:
+        """Return the vortices to the left (1) or to the right (-1) of the cylinder's wake."""
+        c = math.cos(self.direction)
+        s = math.sin(self.direction)
+        pace = self.street_speed * self.speed
+        aside = 0.5 * ROWS_APART * self.spacing
+        return [
             _Shed(
                 x=self.x - side * aside * s,
                 y=self.y + side * aside * c,
@@ -203,13 +219,11 @@ class KarmanStreet(Flow):
                 velocity_y=pace * s,
                 circulation=-side * self.circulation,
                 core=self.core * self.diameter,
-                life=life,
+                life=self.pairs / self.frequency,
                 born=(k + 0.25 * (1 - side) - self.phase / (2.0 * math.pi)) / self.frequency,
             )
-            for side in (1, -1)
             for k in range(self.pairs)
         ]
-        return (Uniform(u=self.speed * c, v=self.speed * s), *rows)
 
 
 @value_class
@@ -228,13 +242,17 @@ class _Mode(Flow):
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
         """Return the motion of the water, see `Flow.__call__`."""
         angle = self.k_x * x + self.k_y * y + self.k_z * z - self.omega * t + self.phase
-        c, s = np.cos(angle), np.sin(angle)
-        s_x, s_y, s_z = self.a_x * s, self.a_y * s, self.a_z * s
-        along_x = -self.k_x * s_x, -self.k_y * s_x, -self.k_z * s_x
-        along_y = -self.k_x * s_y, -self.k_y * s_y, -self.k_z * s_y
-        along_z = -self.k_x * s_z, -self.k_y * s_z, -self.k_z * s_z
+        c = np.cos(angle)
+        s = np.sin(angle)
+        velocity = self.a_x * c, self.a_y * c, self.a_z * c
+        s_x = self.a_x * s
+        s_y = self.a_y * s
+        s_z = self.a_z * s
         rates = self.omega * s_x, self.omega * s_y, self.omega * s_z
-        return self.a_x * c, self.a_y * c, self.a_z * c, *rates, *along_x, *along_y, *along_z, 0.0
+        slopes_of_u = -self.k_x * s_x, -self.k_y * s_x, -self.k_z * s_x
+        slopes_of_v = -self.k_x * s_y, -self.k_y * s_y, -self.k_z * s_y
+        slopes_of_w = -self.k_x * s_z, -self.k_y * s_z, -self.k_z * s_z
+        return *velocity, *rates, *slopes_of_u, *slopes_of_v, *slopes_of_w, 0.0
 
 
 @value_class
@@ -263,24 +281,40 @@ class Turbulence(Flow):
     @cached_property
     def parts(self) -> tuple[Flow, ...]:  # pyright: ignore[reportIncompatibleMethodOverride]
         """The modes, and the mean flow if there is one."""
-        random, n = np.random.default_rng(self.seed), self.modes
-        edges = (
-            2.0 * math.pi / self.largest * (self.largest / self.smallest) ** (np.arange(n + 1) / n)
-        )
-        energy = -np.diff(edges ** (-2.0 / 3.0))
-        energy *= 1.5 * self.intensity**2 / energy.sum()
-        k = np.exp(random.uniform(np.log(edges[:-1]), np.log(edges[1:])))
-        direction, other = random.standard_normal((2, n, 3))
-        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-        across = np.cross(direction, other)
-        amplitude = (2.0 * np.sqrt(energy) / np.linalg.norm(across, axis=1))[:, np.newaxis] * across
-        waves, density = k[:, np.newaxis] * direction, energy / np.diff(edges)
-        omega = waves @ np.array(self.mean) + self.evolution * np.sqrt(
-            k**3 * density
-        ) * random.standard_normal(n)
-        phase = random.uniform(0.0, 2.0 * math.pi, n)
-        table = np.column_stack((amplitude, waves, omega, phase)).tolist()
-        names = [field.name for field in fields(_Mode)]
-        found = tuple(_Mode(**dict(zip(names, row, strict=True))) for row in table)
+        modes = self._draw_modes()
+        if not any(self.mean):
+            return modes
         u, v, w = self.mean
-        return (Uniform(u=u, v=v, w=w), *found) if any(self.mean) else found
+        return (Uniform(u=u, v=v, w=w), *modes)
+
+    def _draw_modes(self) -> tuple[_Mode, ...]:
+        """Draw wave vectors, directions and phases from the seed; the order of draws decides the result."""
+        random = np.random.default_rng(self.seed)
+        n = self.modes
+        edges = self._edges_of_bands()
+        energy = -np.diff(edges ** (-2.0 / 3.0))  # of each band: the integral of k^(-5/3)
+        energy *= 1.5 * self.intensity**2 / energy.sum()
+
+        k = np.exp(random.uniform(np.log(edges[:-1]), np.log(edges[1:])))
+        direction, auxiliary = random.standard_normal((2, n, 3))
+        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+        wave_vector = k[:, np.newaxis] * direction
+
+        across = np.cross(direction, auxiliary)
+        size = 2.0 * np.sqrt(energy) / np.linalg.norm(across, axis=1)
+        amplitude = size[:, np.newaxis] * across
+
+        density = energy / np.diff(edges)  # E(k)
+        own_rate = self.evolution * np.sqrt(k**3 * density)
+        omega = wave_vector @ np.array(self.mean) + own_rate * random.standard_normal(n)
+        phase = random.uniform(0.0, 2.0 * math.pi, n)
+
+        names = [field.name for field in fields(_Mode)]
+        table = np.column_stack((amplitude, wave_vector, omega, phase)).tolist()
+        return tuple(_Mode(**dict(zip(names, row, strict=True))) for row in table)
+
+    def _edges_of_bands(self) -> np.ndarray:
+        """Return the wave numbers between the bands, from the largest to the smallest eddies [1/m]."""
+        n = self.modes
+        ratio = self.largest / self.smallest
+        return 2.0 * math.pi / self.largest * ratio ** (np.arange(n + 1) / n)

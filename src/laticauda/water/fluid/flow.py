@@ -36,6 +36,8 @@ from laticauda.values import (
 
 STEP = 1e-4
 """Step of differences, in m and s; errors: (k STEP)^2 / 6 for waves of number k, and 1e-12 / STEP of the velocity."""
+EXAMPLE = (0.1, 0.2, -0.3, 0.4)
+"""x, y, z [m] and t [s] at which a formula is called to see what it returns."""
 
 
 class Motion(NamedTuple):
@@ -94,9 +96,10 @@ def local_flow(motion: Motion) -> LocalFlow:
     a_x = u_t + u * u_x + v * u_y + w * u_z
     a_y = v_t + u * v_x + v * v_y + w * v_z
     a_z = w_t + u * w_x + v * w_y + w * w_z
-    return LocalFlow(
-        u, v, w, a_x, a_y, a_z, 0.5 * (w_y - v_z), 0.5 * (u_z - w_x), 0.5 * (v_x - u_y), elevation
-    )
+    s_x = 0.5 * (w_y - v_z)
+    s_y = 0.5 * (u_z - w_x)
+    s_z = 0.5 * (v_x - u_y)
+    return LocalFlow(u, v, w, a_x, a_y, a_z, s_x, s_y, s_z, elevation)
 
 
 class Flow(Law, Extensible, group="flows"):
@@ -120,8 +123,7 @@ class Flow(Law, Extensible, group="flows"):
 
         Returns:
             The 16 numbers of a `Motion`, or only u, v and w: the others are then central
-                differences, and the surface
-            stays level.
+                differences, and the surface stays level.
         """
         return self.motion(x, y, z, t)
 
@@ -139,9 +141,11 @@ class Flow(Law, Extensible, group="flows"):
         """Return an equivalent flow for use at one height only [m], where a part may be cheaper."""
         return self
 
-    def __add__(self, other: "Flow") -> "Sum":
+    def __add__(self, addend: "Flow") -> "Sum":
         """Return the sum of both flows."""
-        return Sum(flows=(*getattr(self, "flows", (self,)), *getattr(other, "flows", (other,))))
+        own_flows: tuple[Flow, ...] = getattr(self, "flows", (self,))
+        added_flows: tuple[Flow, ...] = getattr(addend, "flows", (addend,))
+        return Sum(flows=(*own_flows, *added_flows))
 
     def motion(self, x: Any, y: Any, z: Any, t: Any) -> Motion:
         """Return the full motion of the water at a point or at arrays of points, in plain Python.
@@ -152,13 +156,13 @@ class Flow(Law, Extensible, group="flows"):
             z: Height above the mean surface [m].
             t: Time since the start of the run [s].
         """
-        found: Any = (0.0,) * len(Motion._fields)
+        total: Any = (0.0,) * len(Motion._fields)
         for part in self.parts:
             own: Any = part.formula.function(part, x, y, z, t)
-            if type(own) not in (tuple, Motion) or len(own) != len(Motion._fields):
+            if _count_numbers(own) != len(Motion._fields):
                 own = part.moving.function(part, x, y, z, t)
-            found = tuple(a + b for a, b in zip(found, own, strict=True))
-        return Motion(*found)
+            total = tuple(a + b for a, b in zip(total, own, strict=True))
+        return Motion(*total)
 
     def felt(self, x: Any, y: Any, z: Any, t: Any) -> LocalFlow:
         """Return the motion of the water as it acts on a small body, see `motion`."""
@@ -175,7 +179,9 @@ class Flow(Law, Extensible, group="flows"):
             Velocities, in the shape of `points` [m/s].
         """
         x, y, z = np.moveaxis(np.asarray(points, dtype=float), -1, 0)
-        return np.stack(np.broadcast_arrays(*self.motion(x, y, z, t)[:3], x)[:3], axis=-1)
+        motion = self.motion(x, y, z, t)
+        u, v, w, _ = np.broadcast_arrays(motion.u, motion.v, motion.w, x)
+        return np.stack((u, v, w), axis=-1)
 
     @property
     def moving(self) -> Formula:
@@ -185,13 +191,13 @@ class Flow(Law, Extensible, group="flows"):
             ValueError: If the formula returns neither 3 nor 16 numbers.
         """
         formula = self.formula
-        found: Any = formula.function(self, 0.1, 0.2, -0.3, 0.4)
-        count = len(found) if type(found) in (tuple, Motion) else 1
+        example: Any = formula.function(self, *EXAMPLE)
+        count = _count_numbers(example)
         if count == len(Motion._fields):
             return formula
         if count != 3:
             rule = f"must return 3 numbers (u, v, w) or the {len(Motion._fields)} of a `Motion`"
-            raise ValueError(f"`{formula.name}` {rule}, got {found!r}.")
+            raise ValueError(f"`{formula.name}` {rule}, got {example!r}.")
         return Formula(
             name=formula.name, function=differentiated(formula.function), fields=formula.fields
         )
@@ -204,12 +210,13 @@ class Flow(Law, Extensible, group="flows"):
         """
         from laticauda.compiling.formulas import check  # Numba is slow to import
 
-        for part in {type(part): part for part in self.parts}.values():
+        part_of_each_class = {type(part): part for part in self.parts}
+        for part in part_of_each_class.values():
             check(
                 part.moving,
                 part.numbers,
                 None,
-                (0.1, 0.2, -0.3, 0.4),
+                EXAMPLE,
                 len(Motion._fields),
                 "those of a `Motion`",
             )
@@ -217,13 +224,18 @@ class Flow(Law, Extensible, group="flows"):
     @property
     def limits(self) -> str:
         """Description of the places and times to which the flow is limited; "": unlimited."""
-        return " and ".join(filter(None, (flow.limits for flow in getattr(self, "flows", ()))))
+        flows: tuple[Flow, ...] = getattr(self, "flows", ())
+        return " and ".join(flow.limits for flow in flows if flow.limits)
 
     @property
     def words(self) -> str:
         """Description of the flow: its name and its nonzero numbers, with their units, angles in degrees."""
-        parts = [f"{name.replace('_', ' ')} {one}" for name, one in describe_fields(self).items()]
-        return ", ".join([name_of(type(self)).replace("-", " "), *parts])
+        numbers = [
+            f"{name.replace('_', ' ')} {description}"
+            for name, description in describe_fields(self).items()
+        ]
+        own_name = name_of(type(self)).replace("-", " ")
+        return ", ".join([own_name, *numbers])
 
 
 @value_class
@@ -240,10 +252,11 @@ class Sum(Flow):
     @property
     def constant(self) -> tuple[float, float, float] | None:
         """Sum of the velocities if all flows are constant."""
-        found = [flow.constant for flow in self.flows]
-        if any(one is None for one in found):
+        velocities = [flow.constant for flow in self.flows]
+        if any(velocity is None for velocity in velocities):
             return None
-        x, y, z = np.sum(np.array(found, dtype=float).reshape(-1, 3), axis=0).tolist()
+        table = np.array(velocities, dtype=float).reshape(-1, 3)
+        x, y, z = np.sum(table, axis=0).tolist()
         return x, y, z
 
     @property
@@ -262,13 +275,24 @@ class FunctionFlow(OfFunction, Flow):
     function: Callable[..., tuple[float, ...]] = option("f(x, y, z, t)")
 
 
+class PartKind(NamedTuple):
+    """What distinguishes parts of a flow that need different kernels."""
+
+    flow_class: type[Flow]
+    """Class of the part."""
+    function: Any = None
+    """Its plain function, if it is one."""
+    shape: tuple[int, ...] | None = None
+    """Numbers of nodes along the axes of its table, if it reads one."""
+
+
 class Rows(NamedTuple):
     """A flow in the form that the kernels take."""
 
     kinds: tuple[Formula, ...] = ()
     """Formulas of the parts, once each."""
-    parts: tuple[Any, ...] = ()
-    """Keys that distinguish the kinds: class and, if any, function and shape of the table that is read."""
+    parts: tuple[PartKind, ...] = ()
+    """What distinguishes the kinds."""
     counts: tuple[int, ...] = ()
     """Number of parts of each kind."""
     numbers: np.ndarray = np.zeros(0)
@@ -283,7 +307,7 @@ class Rows(NamedTuple):
         Raises:
             ValueError: If a part is a flow on a grid.
         """
-        if any(shape is not None for *_, shape in self.parts):
+        if any(part.shape is not None for part in self.parts):
             raise BadArgument(
                 "current", f"must not be a gridded flow: {reader} cannot read its table; got one"
             )
@@ -296,20 +320,39 @@ def rows_of(flow: Flow, height: float | None = None) -> Rows:
         flow: Flow to convert.
         height: Only height at which the flow is evaluated [m]; None: any.
     """
-    kinds: dict[Any, list[Flow]] = {}
+    parts_by_kind: dict[PartKind, list[Flow]] = {}
     for part in flow.parts:
-        part = part if height is None else part.at_height(height)
-        own = (getattr(part, name, None) for name in ("function", "shape"))
-        kinds.setdefault((type(part), *own), []).append(part)
-    numbers = [
-        one
-        for parts in kinds.values()
-        for one in (len(parts), *chain(*(part.numbers for part in parts)))
-    ]
-    formulas = tuple(parts[0].moving for parts in kinds.values())
+        if height is not None:
+            part = part.at_height(height)
+        parts_by_kind.setdefault(_kind_of(part), []).append(part)
+
+    numbers: list[float] = []
+    for parts in parts_by_kind.values():
+        numbers.append(len(parts))
+        for part in parts:
+            numbers.extend(part.numbers)
+
     return Rows(
-        formulas, (*kinds,), tuple(map(len, kinds.values())), np.array(numbers, dtype=float)
+        kinds=tuple(parts[0].moving for parts in parts_by_kind.values()),
+        parts=tuple(parts_by_kind),
+        counts=tuple(len(parts) for parts in parts_by_kind.values()),
+        numbers=np.array(numbers, dtype=float),
     )
+
+
+def _kind_of(part: Flow) -> PartKind:
+    return PartKind(
+        flow_class=type(part),
+        function=getattr(part, "function", None),
+        shape=getattr(part, "shape", None),
+    )
+
+
+def _count_numbers(result: Any) -> int:
+    """Return how many numbers a formula returned."""
+    if type(result) in (tuple, Motion):
+        return len(result)
+    return 1
 
 
 def differentiated(flow: Callable[..., Any]) -> Callable[..., Any]:

@@ -20,10 +20,11 @@ import numpy as np
 
 from laticauda.values import Extensible, Law, OfFunction, magnitude, option, quantity, value_class
 
-# Keeps the direction of a velocity defined at rest; far below any relevant speed [m^2/s^2].
 _AT_REST = 1e-30
+"""Keeps the direction of a velocity defined at rest; far below any relevant speed [m^2/s^2]."""
 
 Loads: TypeAlias = tuple[float, float, float]
+"""f_t [N], f_n [N] and tau [N m]."""
 MOTION = 4
 """Count of the arguments of a law before the element: v_t, v_n, across, rate."""
 
@@ -91,8 +92,13 @@ class DragLaw(Law, Extensible, group="drag_laws"):
             speed: Speed both along and across [m/s].
         """
         unit = Element(1.0, 1.0, 0.0, 0.0)
-        loads = [(v, self(v, v, v, 0.0, unit)) for v in (1e-12, speed)]
-        return max(-f_t / v for v, (f_t, _, _) in loads), max(-f_n / v for v, (_, f_n, _) in loads)
+        along: list[float] = []
+        across: list[float] = []
+        for v in (1e-12, speed):
+            f_t, f_n, _ = self(v, v, v, 0.0, unit)
+            along.append(-f_t / v)
+            across.append(-f_n / v)
+        return max(along), max(across)
 
 
 @value_class
@@ -138,27 +144,30 @@ class PolynomialDrag(DragLaw):
     ) -> Loads:
         """Return the loads; the directions are independent, except for the sway friction."""
         base = self.reference_speed * self.linear
-        f_t = (
-            -element.c_t
-            * v_t
-            * (base + self.quadratic * magnitude(v_t) + self.sway_friction * across)
-        )
-        f_n = -element.c_n * v_n * (base + self.quadratic * magnitude(v_n))
-        tau = (
-            -(base * element.lambda_2 + self.quadratic * element.lambda_3 * magnitude(rate)) * rate
-        )
-        return f_t, f_n, tau
+        speed_t = base + self.quadratic * magnitude(v_t) + self.sway_friction * across
+        speed_n = base + self.quadratic * magnitude(v_n)
+        f_t = -element.c_t * v_t * speed_t
+        f_n = -element.c_n * v_n * speed_n
+        slope = base * element.lambda_2 + self.quadratic * element.lambda_3 * magnitude(rate)
+        return f_t, f_n, -slope * rate
 
     @property
     def words(self) -> str:
         """Parts of the law, with the reference speed where it matters."""
-        parts = {
-            (True, True): f"linear and quadratic, equal at {self.reference_speed:g} m/s",
-            (True, False): f"linear only, reference speed {self.reference_speed:g} m/s",
-            (False, True): "quadratic only",
-            (False, False): "none",
-        }[self.linear, self.quadratic]
-        return f"{parts}, sway_friction {self.sway_friction:g}" if self.sway_friction else parts
+        parts = self._describe_parts()
+        if self.sway_friction:
+            return f"{parts}, sway_friction {self.sway_friction:g}"
+        return parts
+
+    def _describe_parts(self) -> str:
+        """Return which of the linear and the quadratic part there are."""
+        if self.linear and self.quadratic:
+            return f"linear and quadratic, equal at {self.reference_speed:g} m/s"
+        if self.linear:
+            return f"linear only, reference speed {self.reference_speed:g} m/s"
+        if self.quadratic:
+            return "quadratic only"
+        return "none"
 
 
 @value_class
@@ -192,9 +201,12 @@ class TotalSpeedDrag(DragLaw):
         self, v_t: float, v_n: float, across: float, rate: float, element: Element
     ) -> Loads:
         """Return the loads; each force opposes its own velocity, scaled by a speed that combines both."""
-        along_2, across_2 = v_t * v_t, across * across
-        f_t = -element.c_t * v_t * (along_2 + self.gamma * self.gamma * across_2 + _AT_REST) ** 0.5
-        f_n = -element.c_n * v_n * (across_2 + self.beta * self.beta * along_2 + _AT_REST) ** 0.5
+        along_2 = v_t * v_t
+        across_2 = across * across
+        speed_t = (along_2 + self.gamma * self.gamma * across_2 + _AT_REST) ** 0.5
+        speed_n = (across_2 + self.beta * self.beta * along_2 + _AT_REST) ** 0.5
+        f_t = -element.c_t * v_t * speed_t
+        f_n = -element.c_n * v_n * speed_n
         return f_t, f_n, -element.lambda_3 * magnitude(rate) * rate
 
 
@@ -311,15 +323,19 @@ def plate(
         University Press, 2012, ch. 4; the equations as in published implementations of the book.
     """
     speed = (v_t * v_t + v_n * v_n + _AT_REST) ** 0.5
-    sine, cosine = -v_n / speed, v_t / speed  # alpha is positive when the flow comes from the right
+    sine = -v_n / speed  # alpha is positive when the flow comes from the right
+    cosine = v_t / speed
     size = magnitude(sine)
+    half = 0.5 * sharpness
+    stall = np.sin(stall_angle)
     # A logistic function is (1 + tanh) / 2, which cannot overflow however sharp the stall.
-    half, stall = 0.5 * sharpness, np.sin(stall_angle)
-    attached = (
-        0.25 * (1.0 + np.tanh(half * (stall - sine))) * (1.0 + np.tanh(half * (stall + sine)))
-    )
+    below = 1.0 + np.tanh(half * (stall - sine))
+    above = 1.0 + np.tanh(half * (stall + sine))
+    attached = 0.25 * below * above
     lift = (attached * lift_slope + (1.0 - attached) * 2.0 * size) * sine * cosine
     drag = parasitic_drag + 2.0 * size * size * size
     scale = half_density_area * speed
     # Drag acts against v, lift a quarter turn to the left of v.
-    return scale * (-drag * v_t - lift * v_n), scale * (-drag * v_n + lift * v_t)
+    along = scale * (-drag * v_t - lift * v_n)
+    across = scale * (-drag * v_n + lift * v_t)
+    return along, across

@@ -33,19 +33,24 @@ class Uniform(Flow):
         pace = math.pi / where(begins, self.ramp + zero, 1.0 + zero)
         share = where(begins, 0.5 - 0.5 * np.cos(pace * t), 1.0 + zero)
         rate = where(begins, 0.5 * pace * np.sin(pace * t), zero)
-        c, s = np.cos(self.turning * t), np.sin(self.turning * t)
-        u, v = c * self.u - s * self.v, s * self.u + c * self.v
+        c = np.cos(self.turning * t)
+        s = np.sin(self.turning * t)
+        u = c * self.u - s * self.v
+        v = s * self.u + c * self.v
         rates = (
             rate * u - share * self.turning * v,
             rate * v + share * self.turning * u,
             rate * self.w,
         )
-        return share * u, share * v, share * self.w, *rates, *(0.0,) * 10
+        velocity = share * u, share * v, share * self.w
+        return *velocity, *rates, *(0.0,) * 10
 
     @property
     def constant(self) -> tuple[float, float, float] | None:
         """Velocity of the flow if it neither turns nor has a ramp."""
-        return None if self.turning or self.ramp else (self.u, self.v, self.w)
+        if self.turning or self.ramp:
+            return None
+        return self.u, self.v, self.w
 
 
 @value_class
@@ -63,7 +68,8 @@ class LinearShear(Flow):
 
     def __call__(self, x: float, y: float, z: float, t: float) -> tuple[float, ...]:
         """Return the motion, whose gradient is the same everywhere."""
-        c, s = np.cos(self.direction), np.sin(self.direction)
+        c = np.cos(self.direction)
+        s = np.sin(self.direction)
         speed = self.speed + self.across * (c * y - s * x) + self.upward * z
         return layer(c, s, speed, self.across, self.upward)
 
@@ -83,14 +89,16 @@ class PowerLawShear(Flow):
         """Return the motion, which is zero below the bed."""
         zero = 0.0 * (x + y + z + t)
         h = 1.0 + z / self.depth
-        outer, inside = h.real > BED_LAYER, (h.real > 0.0) & (h.real < 1.0)
+        outer = h.real > BED_LAYER
+        inside = (h.real > 0.0) & (h.real < 1.0)
         h = where(inside, h + zero, where(h.real > 0.0, 1.0 + zero, zero))
         bound = where(outer, h, BED_LAYER + zero)
         scale = self.speed * bound**self.exponent / bound
-        slope = where(
-            inside, where(outer, self.exponent + zero, 1.0 + zero) * scale / self.depth, zero
-        )
-        return layer(np.cos(self.direction), np.sin(self.direction), scale * h, zero, slope)
+        power = where(outer, self.exponent + zero, 1.0 + zero)
+        slope = where(inside, power * scale / self.depth, zero)
+        c = np.cos(self.direction)
+        s = np.sin(self.direction)
+        return layer(c, s, scale * h, zero, slope)
 
 
 def layer(c: float, s: float, speed: float, across: float, upward: float) -> tuple[float, ...]:

@@ -16,12 +16,20 @@ import numpy as np
 from laticauda.values import BadArgument, hints_of, option, quantity, value_class, where
 from laticauda.water.fluid.flow import Flow
 
-GRAVITY = 9.81  # m/s^2
-STEEPEST = (
-    0.142  # height per length at which waves break, to be multiplied by tanh kd (Miche's limit)
-)
-DEEP = 300.0  # k d beyond which water counts as infinitely deep, and up to which exp(k d) does not overflow
-BAND = (0.5, 3.0)  # frequencies of a sea relative to that of its peak
+GRAVITY = 9.81
+"""Standard gravity [m/s^2]."""
+STEEPEST = 0.142
+"""Height per length at which waves break, to be multiplied by tanh kd (Miche's limit) [-]."""
+DEEP = 300.0
+"""k d beyond which water counts as infinitely deep, and up to which exp(k d) does not overflow [-]."""
+BAND = (0.5, 3.0)
+"""Lowest and highest frequency of a sea, relative to that of its peak [-]."""
+N_FREQUENCIES = 4001
+"""Frequencies at which the spectrum of a sea is summed."""
+LENGTH_TOLERANCE = 1e-3
+"""Share by which the length of waves may differ from the one that follows from their period [-]."""
+NEWTON_STEPS = 6
+"""Steps to the wave number: from an error of 5 % to rounding."""
 
 
 @value_class
@@ -57,10 +65,9 @@ class _Wave(_Level):
     def at_height(self, z: float) -> Flow:
         """Return the wave with its amplitudes at height z as numbers."""
         along, upward = amplitude_shares(self, z)
-        share = {"along_x": along, "along_y": along, "upward": upward}
-        return _Level(
-            **{name: getattr(self, name) * share.get(name, 1.0) for name in hints_of(_Level)}
-        )
+        factors = {"along_x": along, "along_y": along, "upward": upward}
+        numbers = {name: getattr(self, name) * factors.get(name, 1.0) for name in hints_of(_Level)}
+        return _Level(**numbers)
 
 
 def amplitude_shares(wave: _Wave, z: float) -> tuple[float, float]:
@@ -73,7 +80,9 @@ def amplitude_shares(wave: _Wave, z: float) -> tuple[float, float]:
     depth = wave.k * where(z.real < 0.0, -z, 0.0 * z)
     growing = np.exp(-where(depth.real < wave.bed.real, depth, wave.bed + 0.0 * z))
     falling = wave.echo / growing
-    return (growing + falling) / (1.0 + wave.echo), (growing - falling) / (1.0 - wave.echo)
+    along = (growing + falling) / (1.0 + wave.echo)
+    upward = (growing - falling) / (1.0 - wave.echo)
+    return along, upward
 
 
 def wave_motion(
@@ -89,11 +98,20 @@ def wave_motion(
         along: Factor on the wave's amplitudes of u and v.
         upward: Factor on the wave's amplitude of w.
     """
-    k_x, k_y, omega = wave.k_x, wave.k_y, wave.omega
+    k_x = wave.k_x
+    k_y = wave.k_y
+    omega = wave.omega
     theta = k_x * x + (k_y * y + (wave.phase - omega * t))
-    c, s = np.cos(theta), np.sin(theta)
-    along_x, along_y, upward = along * wave.along_x, along * wave.along_y, upward * wave.upward
-    p, q, r = along_x * s, along_y * s, upward * c
+    c = np.cos(theta)
+    s = np.sin(theta)
+    along_x = along * wave.along_x
+    along_y = along * wave.along_y
+    upward = upward * wave.upward
+    p = along_x * s
+    q = along_y * s
+    r = upward * c
+    velocity = along_x * c, along_y * c, upward * s
+    rates = omega * p, omega * q, -omega * r
     slopes = (
         -k_x * p,
         -k_y * p,
@@ -105,16 +123,7 @@ def wave_motion(
         k_y * r,
         k_x * p + k_y * q,
     )
-    return (
-        along_x * c,
-        along_y * c,
-        upward * s,
-        omega * p,
-        omega * q,
-        -omega * r,
-        *slopes,
-        wave.amplitude * c,
-    )
+    return *velocity, *rates, *slopes, wave.amplitude * c
 
 
 def wave_component(
@@ -130,15 +139,24 @@ def wave_component(
         depth: Depth of the water, infinite for deep water [m].
     """
     k = wave_number(omega, depth)
-    bed, (x, y), speed = (
-        min(k * depth, DEEP),
-        (math.cos(direction), math.sin(direction)),
-        amplitude * omega,
-    )
+    bed = min(k * depth, DEEP)
+    x = math.cos(direction)
+    y = math.sin(direction)
+    speed = amplitude * omega
     along = speed / math.tanh(bed)
-    waves = {"omega": omega, "phase": phase, "amplitude": amplitude, "k_x": k * x, "k_y": k * y}
-    speeds = {"along_x": along * x, "along_y": along * y, "upward": speed}
-    return _Wave(**waves, **speeds, k=k, bed=bed, echo=math.exp(-2.0 * bed))
+    return _Wave(
+        k_x=k * x,
+        k_y=k * y,
+        omega=omega,
+        phase=phase,
+        amplitude=amplitude,
+        along_x=along * x,
+        along_y=along * y,
+        upward=speed,
+        k=k,
+        bed=bed,
+        echo=math.exp(-2.0 * bed),
+    )
 
 
 def wave_number(omega: float, depth: float) -> float:
@@ -149,10 +167,11 @@ def wave_number(omega: float, depth: float) -> float:
         depth: Depth of the water, infinite for deep water [m].
     """
     deep = omega**2 / GRAVITY
-    if (a := deep * depth) > DEEP:
+    a = deep * depth
+    if a > DEEP:
         return deep
     kd = a / math.sqrt(math.tanh(a))  # Eckart's approximation, within 5 %
-    for _ in range(6):
+    for _ in range(NEWTON_STEPS):
         tanh = math.tanh(kd)
         kd -= (kd * tanh - a) / (tanh + kd * (1.0 - tanh**2))
     return kd / depth
@@ -168,11 +187,11 @@ def check_unbroken(name: str, height: float, omega: float, depth: float) -> None
         depth: Depth of the water, infinite for deep water [m].
     """
     k = wave_number(omega, depth)
-    most = STEEPEST * (length := 2.0 * math.pi / k) * math.tanh(k * depth)
-    if height > most:
-        raise BadArgument(
-            name, f"must be <= {most:.4g} m, where waves {length:.4g} m long break, got {height:g}"
-        )
+    length = 2.0 * math.pi / k
+    highest = STEEPEST * length * math.tanh(k * depth)
+    if height > highest:
+        limit = f"must be <= {highest:.4g} m, where waves {length:.4g} m long break"
+        raise BadArgument(name, f"{limit}, got {height:g}")
 
 
 @value_class
@@ -196,12 +215,10 @@ class Waves(Flow):
 
     def __post_init__(self) -> None:
         if self.period is not None and self.length is not None:
-            found = 2.0 * math.pi / wave_number(self.omega, self.depth)
-            if abs(self.length - found) > 1e-3 * found:
-                raise BadArgument(
-                    "length",
-                    f"must be {found:.4g} m, as follows from the period, got {self.length:g}",
-                )
+            length_of_period = 2.0 * math.pi / wave_number(self.omega, self.depth)
+            if abs(self.length - length_of_period) > LENGTH_TOLERANCE * length_of_period:
+                rule = f"must be {length_of_period:.4g} m, as follows from the period"
+                raise BadArgument("length", f"{rule}, got {self.length:g}")
         check_unbroken("height", self.height, self.omega, self.depth)
 
     @property
@@ -215,9 +232,14 @@ class Waves(Flow):
     @cached_property
     def parts(self) -> tuple[Flow, ...]:  # pyright: ignore[reportIncompatibleMethodOverride]
         """The single wave."""
-        return (
-            wave_component(0.5 * self.height, self.omega, self.direction, self.phase, self.depth),
+        wave = wave_component(
+            amplitude=0.5 * self.height,
+            omega=self.omega,
+            direction=self.direction,
+            phase=self.phase,
+            depth=self.depth,
         )
+        return (wave,)
 
 
 @value_class
@@ -252,18 +274,40 @@ class Sea(Flow):
     @cached_property
     def parts(self) -> tuple[Flow, ...]:  # pyright: ignore[reportIncompatibleMethodOverride]
         """The waves: one from each of `components` bands of equal energy, which together have H_s."""
-        n, random = self.components, np.random.default_rng(self.seed)
-        grid = np.linspace(*BAND, 4001)
-        peak = np.exp(-((grid - 1.0) ** 2) / (2.0 * np.where(grid > 1.0, 0.09, 0.07) ** 2))
-        gamma = self.peakedness if self.spectrum == "jonswap" else 1.0
-        energy = np.cumsum(grid**-5.0 * np.exp(-1.25 * grid**-4.0) * gamma**peak)
+        n = self.components
+        random = np.random.default_rng(self.seed)
+        grid = np.linspace(*BAND, N_FREQUENCIES)
+        energy = self._energy_below(grid)
         share = (np.arange(n) + random.random(n)) / n
-        omega = np.interp(share, energy / energy[-1], grid) * 2.0 * math.pi / self.peak_period
-        square = random.beta(
-            2.0 / max(self.spread, 1e-9) ** 2 - 0.5, 0.5, n
-        )  # cos^2 of half the angle
-        side = 2.0 * np.arccos(np.sqrt(square)) * random.choice((-1.0, 1.0), n)
+        relative = np.interp(share, energy / energy[-1], grid)
+        omega = relative * 2.0 * math.pi / self.peak_period
+
+        side = self._draw_sides(random)
         amplitude = self.significant_height / math.sqrt(8.0 * n)
         phase = random.uniform(0.0, 2.0 * math.pi, n)
-        waves = zip(omega.tolist(), (self.direction + side).tolist(), phase.tolist(), strict=True)
-        return tuple(wave_component(amplitude, *wave, self.depth) for wave in waves)
+        columns = (omega.tolist(), (self.direction + side).tolist(), phase.tolist())
+        return tuple(
+            wave_component(
+                amplitude=amplitude,
+                omega=omega_of_wave,
+                direction=direction,
+                phase=phase_of_wave,
+                depth=self.depth,
+            )
+            for omega_of_wave, direction, phase_of_wave in zip(*columns, strict=True)
+        )
+
+    def _energy_below(self, grid: np.ndarray) -> np.ndarray:
+        """Return the energy up to each of some frequencies over that of the peak, in an arbitrary unit."""
+        width = np.where(grid > 1.0, 0.09, 0.07)
+        peak = np.exp(-((grid - 1.0) ** 2) / (2.0 * width**2))
+        gamma = 1.0
+        if self.spectrum == "jonswap":
+            gamma = self.peakedness
+        return np.cumsum(grid**-5.0 * np.exp(-1.25 * grid**-4.0) * gamma**peak)
+
+    def _draw_sides(self, random: np.random.Generator) -> np.ndarray:
+        """Draw the waves' directions relative to the mean one [rad]."""
+        n = self.components
+        cos_2 = random.beta(2.0 / max(self.spread, 1e-9) ** 2 - 0.5, 0.5, n)  # of half the angle
+        return 2.0 * np.arccos(np.sqrt(cos_2)) * random.choice((-1.0, 1.0), n)

@@ -7,6 +7,14 @@
     mujoco.mj_step(model, data)           # with drag, exact added mass, buoyancy
 
 Independent of laticauda's robots. Requires the extra `spatial`.
+
+What the user calls: `water` (attach water to a model), `elements` (pieces of bodies), `geoms`
+(elements fitted to shapes), `ground` (contacts), `specs` (models with room for added mass), `steps`
+(the largest step), with `lamb`, `bodies`, `checks`, `advice` and `floating` behind them.
+What steps: `callback` and `sensors` (MuJoCo calls them), `element_loads`, `hydrostatics` and
+`vectors` (compiled formulas), `law_entry` and `law_functions` (laws and flows by their address).
+What both share: `table` (its layout) and `filling`, `currents` (how the water moves), `registry`
+(which models have water), `native` (MuJoCo's memory and functions).
 """
 
 from typing import TYPE_CHECKING
@@ -14,40 +22,37 @@ from typing import TYPE_CHECKING
 from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
-    from laticauda.water.mujoco.checks import stable_step as stable_step
-    from laticauda.water.mujoco.elements import (
-        Element as Element,
+    from laticauda.water.mujoco.elements import Element as Element
+    from laticauda.water.mujoco.geoms import (
         GeomCoefficients as GeomCoefficients,
         geom_element as geom_element,
         geom_elements as geom_elements,
     )
     from laticauda.water.mujoco.ground import Contact as Contact, Terrain as Terrain, SINK as SINK
-    from laticauda.water.mujoco.water import (
-        Water as Water,
-        attach as attach,
-        attached as attached,
-        compile_spec as compile_spec,
-    )
     from laticauda.water.mujoco.native import (
         forces_after as forces_after,
         forward_skip as forward_skip,
         integrate_positions as integrate_positions,
     )
+    from laticauda.water.mujoco.specs import compile_spec as compile_spec
+    from laticauda.water.mujoco.steps import stable_step as stable_step
     from laticauda.water.mujoco.table import AT as AT
     from laticauda.water.mujoco.vectors import field as field, numbers as numbers
+    from laticauda.water.mujoco.water import (
+        Water as Water,
+        attach as attach,
+        attached as attached,
+    )
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
     {
-        "laticauda.water.mujoco.checks": ["stable_step"],
-        "laticauda.water.mujoco.elements": [
-            "Element",
-            "GeomCoefficients",
-            "geom_element",
-            "geom_elements",
-        ],
+        "laticauda.water.mujoco.elements": ["Element"],
+        "laticauda.water.mujoco.geoms": ["GeomCoefficients", "geom_element", "geom_elements"],
         "laticauda.water.mujoco.ground": ["Contact", "Terrain"],
-        "laticauda.water.mujoco.water": ["Water", "attach", "attached", "compile_spec"],
+        "laticauda.water.mujoco.specs": ["compile_spec"],
+        "laticauda.water.mujoco.steps": ["stable_step"],
+        "laticauda.water.mujoco.water": ["Water", "attach", "attached"],
     },
     plain={
         "laticauda.water.mujoco.ground": ["SINK"],

@@ -44,7 +44,10 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
     """
     R, place, arm = pose(E, o, T, body, data)
     V, flow, spin, elevation = flow_at(T, P, place, 0.0, model, data, law_io)
-    wet, center, covered, whole = 1.0, (0.0, 0.0, 0.0), 0.0, 0.0
+    wet = 1.0
+    center = (0.0, 0.0, 0.0)
+    covered = 0.0
+    whole = 0.0
     if T[HAS_SURFACE]:
         depth = P[LEVEL] + elevation - place[2]
         wet, c_x, c_y, c_z = wetted(E[o + SHAPE], three(E, o + HALF), three(R, 6), depth)
@@ -55,28 +58,35 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
         if wet == 0.0 and covered == 0.0 and E[o + CONTACT] == 0.0:
             return
     u, w, a, alpha = motion(T, P, S, R, arm, body, data, V, flow, spin)
-    m, i = scaled(wet, three(E, o + MASS)), scaled(wet, three(E, o + INERTIA))
+    m = scaled(wet, three(E, o + MASS))
+    i = scaled(wet, three(E, o + INERTIA))
     added, added_torque = added_mass(P[KIRCHHOFF], m, i, u, w, a, alpha)
     if covered > 0.0:
-        own_m, own_i, ahead = E[o + OWN_MASS], E[o + OWN_INERTIA], whole * covered * step
-        added = plus(added, taken(three(E, o + MASS), own_m, u, wet, covered, ahead))
-        added_torque = plus(
-            added_torque, taken(three(E, o + INERTIA), own_i, w, wet, covered, ahead)
-        )
+        own_m = E[o + OWN_MASS]
+        own_i = E[o + OWN_INERTIA]
+        ahead = whole * covered * step
+        slowing = momentum_of_new_water(three(E, o + MASS), own_m, u, wet, covered, ahead)
+        slowing_turn = momentum_of_new_water(three(E, o + INERTIA), own_i, w, wet, covered, ahead)
+        added = plus(added, slowing)
+        added_torque = plus(added_torque, slowing_turn)
     dragged, dragged_torque = drag(T, E, o, law_io, u, w, wet)
     own = effector(E, o, u)
     displaced = P[DENSITY] * wet * E[o + VOLUME]
-    buoyancy, carried_along = scaled(-displaced, gravity(T, model)), scaled(displaced, flow)
-    lift, pull = plus(buoyancy, carried_along), three(E, o + PULL)
+    buoyancy = scaled(-displaced, gravity(T, model))
+    carried_along = scaled(displaced, flow)
+    lift = plus(buoyancy, carried_along)
+    pull = three(E, o + PULL)
     if T[OUT] != 0:
-        write_loads(
-            T, o, R, dragged, plus(added, to_own(R, carried_along)), buoyancy, own, pull, wet
-        )
-    force = plus(to_world(R, plus(plus(added, dragged), own)), plus(lift, pull))
-    torque = plus(to_world(R, plus(added_torque, dragged_torque)), cross(to_world(R, center), lift))
+        added_in_all = plus(added, to_own(R, carried_along))
+        write_loads(T, o, R, dragged, added_in_all, buoyancy, own, pull, wet)
+    own_force = plus(plus(added, dragged), own)
+    own_torque = plus(added_torque, dragged_torque)
+    force = plus(to_world(R, own_force), plus(lift, pull))
+    torque = plus(to_world(R, own_torque), cross(to_world(R, center), lift))
     if E[o + CONTACT] != 0.0:
         pushed, pushed_torque = ground_load(T, E, o, P, R, place, arm, body, data)
-        force, torque = plus(force, pushed), plus(torque, pushed_torque)
+        force = plus(force, pushed)
+        torque = plus(torque, pushed_torque)
     torque = plus(torque, cross(arm, force))
     F = 6 * (T[N_BODIES] + body)
     for k in range(3):
@@ -84,7 +94,8 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
         S[F + 3 + k] += force[k]
     if T[HAS_INERTIA]:
         if T[IMPLICIT_DRAG]:
-            m, i = plus(m, implicit(dragged, u, step)), plus(i, implicit(dragged_torque, w, step))
+            m = plus(m, implicit(dragged, u, step))
+            i = plus(i, implicit(dragged_torque, w, step))
         add_inertia(S, 12 * T[N_BODIES] + 21 * body, R, arm, m, i)
 
 
@@ -92,14 +103,15 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
 def pose(E, o, T, body, data):
     """Return the rotation from element to world axes, the center, and its offset from the tree's center of mass."""
     n_bodies = T[N_BODIES]
-    xpos, xmat = field(data, T[AT.xpos], 3 * n_bodies), field(data, T[AT.xmat], 9 * n_bodies)
-    com = three(field(data, T[AT.subtree_com], 3 * n_bodies), 3 * integers(T[ROOT], n_bodies)[body])
-    B, Q = nine(xmat, 9 * body), nine(E, o + ROTATION)
-    x, y, z = (
-        to_world(B, (Q[0], Q[3], Q[6])),
-        to_world(B, (Q[1], Q[4], Q[7])),
-        to_world(B, (Q[2], Q[5], Q[8])),
-    )
+    xpos = field(data, T[AT.xpos], 3 * n_bodies)
+    xmat = field(data, T[AT.xmat], 9 * n_bodies)
+    root = integers(T[ROOT], n_bodies)[body]
+    com = three(field(data, T[AT.subtree_com], 3 * n_bodies), 3 * root)
+    B = nine(xmat, 9 * body)
+    Q = nine(E, o + ROTATION)
+    x = to_world(B, (Q[0], Q[3], Q[6]))
+    y = to_world(B, (Q[1], Q[4], Q[7]))
+    z = to_world(B, (Q[2], Q[5], Q[8]))
     R = (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
     place = plus(three(xpos, 3 * body), to_world(B, three(E, o + POSITION)))
     return R, place, plus(place, scaled(-1.0, com))
@@ -109,14 +121,19 @@ def pose(E, o, T, body, data):
 def motion(T, P, S, R, arm, body, data, V, flow, spin):
     """Return u, w, a (with the turning of the axes) and alpha in element axes, given the water's V, Du/Dt and spin."""
     cvel = field(data, T[AT.cvel], 6 * T[N_BODIES])
-    w, alpha = three(cvel, 6 * body), three(S, 6 * body)
+    w = three(cvel, 6 * body)
+    alpha = three(S, 6 * body)
     v = plus(three(cvel, 6 * body + 3), cross(w, arm))
     a = plus(three(S, 6 * body + 3), cross(alpha, arm))
     u = plus(v, scaled(-1.0, V))
     a = plus(a, cross(w, plus(V, scaled(1.0 - P[OWN_VELOCITY], v))))
-    (f_x, f_y, f_z), (s_x, s_y, s_z), (u_x, u_y, u_z) = flow, spin, u
-    with_x, with_y = carried(f_x, s_y, s_z, u_y, u_z), carried(f_y, s_z, s_x, u_z, u_x)
-    a = plus(a, scaled(-1.0, (with_x, with_y, carried(f_z, s_x, s_y, u_x, u_y))))
+    f_x, f_y, f_z = flow
+    s_x, s_y, s_z = spin
+    u_x, u_y, u_z = u
+    with_x = carried(f_x, s_y, s_z, u_y, u_z)
+    with_y = carried(f_y, s_z, s_x, u_z, u_x)
+    with_z = carried(f_z, s_x, s_y, u_x, u_y)
+    a = plus(a, scaled(-1.0, (with_x, with_y, with_z)))
     alpha = plus(alpha, cross(w, spin))
     w = plus(w, scaled(-1.0, spin))
     return to_own(R, u), to_own(R, w), to_own(R, a), to_own(R, alpha)
@@ -137,18 +154,18 @@ def flow_at(T, P, place, ahead, model, data, io):
     """
     own = numbers(model + T[IN_MODEL.o_friction], 4)
     number = int(own[3])
-    if number == 0:
+    if number == 0:  # a constant velocity, see `currents`
         return three(own, 0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
-    row = T[FLOWS] + 24 * (number % MOST_FLOWS)
+    row = T[FLOWS] + FLOW_COLUMNS * WORD * (number % MOST_FLOWS)
     if word_at(row) != number:
         stop(T[FLOW_LOST])
-    io[0], io[1], io[2], io[3] = (
-        place[0],
-        place[1],
-        place[2] - P[LEVEL],
-        number_at(data + T[AT.time]) + ahead,
-    )
-    call_2(word_at(row + 8), io.ctypes.data, word_at(row + 16))
+    io[0] = place[0]
+    io[1] = place[1]
+    io[2] = place[2] - P[LEVEL]
+    io[3] = number_at(data + T[AT.time]) + ahead
+    function = word_at(row + WORD)
+    numbers_of_parts = word_at(row + 2 * WORD)
+    call_2(function, io.ctypes.data, numbers_of_parts)
     return three(io, PLACE), three(io, PLACE + 3), three(io, PLACE + 6), io[PLACE + 9]
 
 
@@ -164,15 +181,20 @@ def gravity(T, model):
 def added_mass(keep, m, i, u, w, a, alpha):
     """Return force and torque of the added mass for zero joint accelerations; keep: 1 for kirchhoff, else 0."""
     momentum = times(m, u)
-    turned, twisted = cross(w, momentum), plus(cross(w, times(i, w)), cross(u, momentum))
-    return added_load(keep, m, a, turned), added_load(keep, i, alpha, twisted)
+    turned = cross(w, momentum)
+    twisted = plus(cross(w, times(i, w)), cross(u, momentum))
+    force = added_load(keep, m, a, turned)
+    torque = added_load(keep, i, alpha, twisted)
+    return force, torque
 
 
 @kernel
 def added_load(keep, m, rate, turned):
     """Return the added mass's force or torque along all three axes."""
-    x, y = load(keep, m[0], rate[0], turned[0]), load(keep, m[1], rate[1], turned[1])
-    return x, y, load(keep, m[2], rate[2], turned[2])
+    x = load(keep, m[0], rate[0], turned[0])
+    y = load(keep, m[1], rate[1], turned[1])
+    z = load(keep, m[2], rate[2], turned[2])
+    return x, y, z
 
 
 @kernel
@@ -182,9 +204,11 @@ def covering(T, E, o, R, wet, depth, arm, body, data, step, surface):
     That is the case for steps of first order, and for those in which the moving mass grows by more
     than half.
     """
-    rate, whole = 0.0, 1.0
+    rate = 0.0
+    whole = 1.0
     for share in (1.0, 1e-3):
-        rate = wetting_in(T, E, o, R, wet, depth, arm, body, data, max(share * step, 1e-6), surface)
+        ahead = max(share * step, 1e-6)
+        rate = wetting_in(T, E, o, R, wet, depth, arm, body, data, ahead, surface)
         x = added_share(rate * step, max(three(E, o + MASS)), E[o + OWN_MASS], wet)
         if T[FIRST_ORDER] or x > 0.5:
             break
@@ -197,11 +221,15 @@ def wetting_in(T, E, o, R, wet, depth, arm, body, data, ahead, surface):
     """Return the growth rate of the submerged share over the time ahead, at constant motion of body and surface."""
     P, place, elevation, model, io = surface
     cvel = field(data, T[AT.cvel], 6 * T[N_BODIES])
-    w, half, up = three(cvel, 6 * body), three(E, o + HALF), three(R, 6)
+    w = three(cvel, 6 * body)
+    half = three(E, o + HALF)
+    up = three(R, 6)
     v = plus(three(cvel, 6 * body + 3), cross(w, arm))
-    _, _, _, later = flow_at(T, P, plus(place, scaled(ahead, v)), ahead, model, data, io)
-    rising = (later - elevation) / ahead
-    return max(0.0, wetting(wet, E[o + SHAPE], half, up, depth, to_own(R, w), rising - v[2], ahead))
+    later_place = plus(place, scaled(ahead, v))
+    _, _, _, later_elevation = flow_at(T, P, later_place, ahead, model, data, io)
+    rising = (later_elevation - elevation) / ahead
+    rate = wetting(wet, E[o + SHAPE], half, up, depth, to_own(R, w), rising - v[2], ahead)
+    return max(0.0, rate)
 
 
 @kernel
@@ -211,13 +239,11 @@ def added_share(grown, m, own, wet):
 
 
 @kernel
-def taken(m, own, u, wet, rate, ahead):
+def momentum_of_new_water(m, own, u, wet, rate, ahead):
     """Return minus the momentum per time that new water takes; with 1 / (1 + x) a step `ahead` conserves momentum."""
-    x, y, z = (
-        added_share(ahead, m[0], own, wet),
-        added_share(ahead, m[1], own, wet),
-        added_share(ahead, m[2], own, wet),
-    )
+    x = added_share(ahead, m[0], own, wet)
+    y = added_share(ahead, m[1], own, wet)
+    z = added_share(ahead, m[2], own, wet)
     return (
         -rate * m[0] * u[0] / (1.0 + x),
         -rate * m[1] * u[1] / (1.0 + y),
@@ -228,24 +254,20 @@ def taken(m, own, u, wet, rate, ahead):
 @kernel
 def drag(T, E, o, law_io, u, w, wet):
     """Return force and torque by the law: with y across and about z, with z across and about y, then roll about x."""
-    c, linear, quadratic = (
-        three(E, o + DRAG),
-        three(E, o + TORQUE_LINEAR),
-        three(E, o + TORQUE_QUADRATIC),
-    )
-    law, own = integers(T[LAWS], T[N_ELEMENTS])[o // ELEMENT_SIZE], E[o + LAW_NUMBERS :].ctypes.data
+    c = three(E, o + DRAG)
+    linear = three(E, o + TORQUE_LINEAR)
+    quadratic = three(E, o + TORQUE_QUADRATIC)
+    law = integers(T[LAWS], T[N_ELEMENTS])[o // ELEMENT_SIZE]
+    own = E[o + LAW_NUMBERS :].ctypes.data
     across = (u[1] * u[1] + u[2] * u[2]) ** 0.5
-    f_x, f_y, t_z = by_law(
-        law, own, law_io, (u[0], u[1], across, w[2]), (c[0], c[1], linear[2], quadratic[2])
-    )
-    _, f_z, t_y = by_law(
-        law, own, law_io, (u[0], u[2], across, w[1]), (c[0], c[2], linear[1], quadratic[1])
-    )
+    in_plane = (u[0], u[1], across, w[2])
+    f_x, f_y, t_z = by_law(law, own, law_io, in_plane, (c[0], c[1], linear[2], quadratic[2]))
+    upright = (u[0], u[2], across, w[1])
+    _, f_z, t_y = by_law(law, own, law_io, upright, (c[0], c[2], linear[1], quadratic[1]))
     t_x = 0.0
     if linear[0] != 0.0 or quadratic[0] != 0.0:
-        _, _, t_x = by_law(
-            law, own, law_io, (0.0, 0.0, 0.0, w[0]), (0.0, 0.0, linear[0], quadratic[0])
-        )
+        rolling = (0.0, 0.0, 0.0, w[0])
+        _, _, t_x = by_law(law, own, law_io, rolling, (0.0, 0.0, linear[0], quadratic[0]))
     return scaled(wet, (f_x, f_y, f_z)), scaled(wet, (t_x, t_y, t_z))
 
 
@@ -253,7 +275,8 @@ def drag(T, E, o, law_io, u, w, wet):
 def by_law(law, own, law_io, motion, element):
     """Return the loads of the law at the address `law`, whose parameters are at the address `own`."""
     for k in range(MOTION):
-        law_io[k], law_io[MOTION + k] = motion[k], element[k]
+        law_io[k] = motion[k]
+        law_io[MOTION + k] = element[k]
     call_2(law, law_io.ctypes.data, own)
     return three(law_io, LOADS)
 
@@ -266,7 +289,8 @@ def effector(E, o, u):
         speed = (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]) ** 0.5
         force = plus(force, scaled(-E[o + TETHER_DRAG] * speed, u))
     if E[o + WAKE_MASS] != 0.0 and u[0] > 0.0:
-        force = plus(force, scaled(E[o + WAKE_MASS], (0.5 * u[1] * u[1], -u[0] * u[1], 0.0)))
+        direction = (0.5 * u[1] * u[1], -u[0] * u[1], 0.0)
+        force = plus(force, scaled(E[o + WAKE_MASS], direction))
     if E[o + PLATE] != 0.0:
         k = o + PLATE
         along, across = plate_law(u[0], u[1], E[k], E[k + 1], E[k + 2], E[k + 3], E[k + 4])
@@ -287,28 +311,34 @@ def implicit(load, velocity, step):
 @kernel
 def secant(load, velocity, step):
     """Return the secant slope times the step along one axis."""
-    return -step * load / velocity if abs(velocity) > 1e-12 else 0.0
+    if abs(velocity) > 1e-12:
+        return -step * load / velocity
+    return 0.0
 
 
 @kernel
 def write_loads(T, o, R, dragged, added, lift, own, pull, wet):
     """Write the loads that `Water.forces` returns, in world axes."""
-    out = numbers(T[OUT] + 8 * OUT_SIZE * (o // ELEMENT_SIZE), OUT_SIZE)
-    dragged, added, own = to_world(R, dragged), to_world(R, added), plus(to_world(R, own), pull)
+    out = numbers(T[OUT] + WORD * OUT_SIZE * (o // ELEMENT_SIZE), OUT_SIZE)
+    dragged = to_world(R, dragged)
+    added = to_world(R, added)
+    own = plus(to_world(R, own), pull)
     for k in range(3):
-        out[k], out[3 + k], out[6 + k], out[9 + k] = dragged[k], added[k], lift[k], own[k]
+        out[k] = dragged[k]
+        out[3 + k] = added[k]
+        out[6 + k] = lift[k]
+        out[9 + k] = own[k]
     out[12] = wet
 
 
 @kernel
 def add_inertia(S, A, R, arm, m, i):
     """Add an element's inertia about the center of mass, world axes: [[K, B], [B^T, N]], B = [r] N, K = I - B [r]."""
-    N, k = symmetric(R, m), symmetric(R, i)
-    x, y, z = (
-        cross(arm, (N[0], N[1], N[2])),
-        cross(arm, (N[1], N[3], N[4])),
-        cross(arm, (N[2], N[4], N[5])),
-    )
+    N = symmetric(R, m)
+    k = symmetric(R, i)
+    x = cross(arm, (N[0], N[1], N[2]))
+    y = cross(arm, (N[1], N[3], N[4]))
+    z = cross(arm, (N[2], N[4], N[5]))
     rx, ry, rz = arm
     S[A] += k[0] - y[0] * rz + z[0] * ry
     S[A + 1] += k[1] + x[0] * rz - z[0] * rx
@@ -326,7 +356,9 @@ def add_inertia(S, A, R, arm, m, i):
 @kernel
 def symmetric(R, d):
     """Return the upper triangle of R diag(d) R^T, row by row."""
-    x, y, z = times(d, three(R, 0)), times(d, three(R, 3)), times(d, three(R, 6))
+    x = times(d, three(R, 0))
+    y = times(d, three(R, 3))
+    z = times(d, three(R, 6))
     return (
         x[0] * R[0] + x[1] * R[1] + x[2] * R[2],
         x[0] * R[3] + x[1] * R[4] + x[2] * R[5],

@@ -36,8 +36,10 @@ from laticauda.water.mujoco.vectors import (
     to_world,
 )
 
-SINK = 1e-3  # [m]
-ROLL = 3.5  # how much faster friction stops the lowest point of a section than its center, as it may also roll [-]
+SINK = 1e-3
+"""Depth to which an element that lies flat should sink in under its own weight [m]."""
+ROLL = 3.5
+"""How much faster friction stops the lowest point of a section than its center, as it may also roll [-]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,16 +97,20 @@ class Terrain:
             y: World y coordinate [m].
         """
         height, fall = terrain(x, *self.profile)
-        more = (0.0, 0.0, 0.0) if self.grid is None else uneven(x, y, self.nodes)
-        return height + more[0], fall + more[1], more[2]
+        if self.grid is None:
+            return height, fall, 0.0
+        more, fall_x, fall_y = uneven(x, y, self.nodes)
+        return height + more, fall + fall_x, fall_y
 
 
 def stable_step(contacts: list[Contact], gravity: float) -> float:
     """Return a step [s] that resolves contacts well: spring and friction of a piece that carries its own weight."""
     rate = math.sqrt(gravity / SINK)
-    for c in contacts:
-        share = ROLL * max(c.along, c.across) * gravity
-        rate = max(rate, share / c.regularization_speed if c.regularization_speed > 0.0 else share)
+    for contact in contacts:
+        friction_rate = ROLL * max(contact.along, contact.across) * gravity
+        if contact.regularization_speed > 0.0:
+            friction_rate = friction_rate / contact.regularization_speed
+        rate = max(rate, friction_rate)
     return 1.0 / rate
 
 
@@ -114,8 +120,10 @@ def terrain(
     """Return the height of the ground at x [m] and its downward slope along x [-]; arguments as in `Terrain`."""
     if slope == 0.0 or x <= edge:
         return height, 0.0
-    here = height - slope * (x - edge)
-    return (here, slope) if here > floor else (floor, 0.0)
+    on_slope = height - slope * (x - edge)
+    if on_slope > floor:
+        return on_slope, slope
+    return floor, 0.0
 
 
 def uneven(x: float, y: float, nodes: np.ndarray) -> tuple[float, float, float]:
@@ -127,22 +135,29 @@ def uneven(x: float, y: float, nodes: np.ndarray) -> tuple[float, float, float]:
         nodes: Corner, cell and numbers of nodes of the grid along x and y, then their heights, as
             in `Terrain.nodes`.
     """
-    n, m = int(nodes[4]), int(nodes[5])
-    u, v = (x - nodes[0]) / nodes[2], (y - nodes[1]) / nodes[3]
-    in_x, in_y = 0.0 <= u <= n - 1.0, 0.0 <= v <= m - 1.0
-    u, v = min(max(u, 0.0), n - 1.0), min(max(v, 0.0), m - 1.0)
-    i, j = min(int(u), n - 2), min(int(v), m - 2)
-    a, b, k = u - i, v - j, 6 + i * m + j
-    low, high = (
-        nodes[k] + b * (nodes[k + 1] - nodes[k]),
-        nodes[k + m] + b * (nodes[k + m + 1] - nodes[k + m]),
-    )
-    left, right = (
-        nodes[k] + a * (nodes[k + m] - nodes[k]),
-        nodes[k + 1] + a * (nodes[k + m + 1] - nodes[k + 1]),
-    )
-    fall_x = (low - high) / nodes[2] if in_x else 0.0
-    fall_y = (left - right) / nodes[3] if in_y else 0.0
+    n = int(nodes[4])
+    m = int(nodes[5])
+    u = (x - nodes[0]) / nodes[2]
+    v = (y - nodes[1]) / nodes[3]
+    in_x = 0.0 <= u <= n - 1.0
+    in_y = 0.0 <= v <= m - 1.0
+    u = min(max(u, 0.0), n - 1.0)
+    v = min(max(v, 0.0), m - 1.0)
+    i = min(int(u), n - 2)
+    j = min(int(v), m - 2)
+    a = u - i
+    b = v - j
+    k = 6 + i * m + j
+    low = nodes[k] + b * (nodes[k + 1] - nodes[k])
+    high = nodes[k + m] + b * (nodes[k + m + 1] - nodes[k + m])
+    left = nodes[k] + a * (nodes[k + m] - nodes[k])
+    right = nodes[k + 1] + a * (nodes[k + m + 1] - nodes[k + 1])
+    fall_x = 0.0
+    if in_x:
+        fall_x = (low - high) / nodes[2]
+    fall_y = 0.0
+    if in_y:
+        fall_y = (left - right) / nodes[3]
     return low + a * (high - low), fall_x, fall_y
 
 
@@ -173,13 +188,16 @@ def touch(
     normal = k * depth * (1.0 + beta * rate)
     if depth <= 0.0 or normal <= 0.0:
         return 0.0, 0.0, 0.0
-    c_t, c_n = along * normal, across * normal
+    c_t = along * normal
+    c_n = across * normal
     if eps > 0.0:
         return dry(v_t, c_t, eps), dry(v_n, c_n, eps), normal
     return -c_t * v_t, -c_n * v_n, normal
 
 
-_terrain, _uneven, _touch = compile_scalar(terrain), compile_scalar(uneven), compile_scalar(touch)
+_terrain = compile_scalar(terrain)
+_uneven = compile_scalar(uneven)
+_touch = compile_scalar(touch)
 
 
 @kernel
@@ -200,16 +218,19 @@ def ground_load(T, E, o, P, R, place, arm, body, data):
     cvel = field(data, T[AT.cvel], 6 * T[N_BODIES])
     w = three(cvel, 6 * body)
     v = plus(three(cvel, 6 * body + 3), cross(w, arm))
-    force, torque = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    force = (0.0, 0.0, 0.0)
+    torque = (0.0, 0.0, 0.0)
     for sign in (-1.0, 1.0):
         to_point, normal = lowest_point(T, E, o, P, R, place, sign)
         at = plus(place, to_point)
         depth = (ground_at(T, P, at[0], at[1])[0] - at[2]) * normal[2]
         if depth > 0.0:
-            push = push_of(E, o, R, depth, plus(v, cross(w, to_point)), normal)
-            force, torque = plus(force, push), plus(torque, cross(to_point, push))
+            velocity = plus(v, cross(w, to_point))
+            push = push_of(E, o, R, depth, velocity, normal)
+            force = plus(force, push)
+            torque = plus(torque, cross(to_point, push))
     if T[OUT] != 0:
-        out = numbers(T[OUT] + 8 * OUT_SIZE * (o // ELEMENT_SIZE), OUT_SIZE)
+        out = numbers(T[OUT] + WORD * OUT_SIZE * (o // ELEMENT_SIZE), OUT_SIZE)
         for k in range(3):
             out[k] += force[k]
     return force, torque
@@ -229,9 +250,9 @@ def ground_at(T, P, x, y):
 def lowest_point(T, E, o, P, R, place, sign):
     """Return the lowest point of one end section, relative to the element's center, and the ground's normal there."""
     half = three(E, o + HALF)
-    _, fall, aside = ground_at(
-        T, P, place[0] + sign * half[0] * R[0], place[1] + sign * half[0] * R[3]
-    )
+    x = place[0] + sign * half[0] * R[0]
+    y = place[1] + sign * half[0] * R[3]
+    _, fall, aside = ground_at(T, P, x, y)
     steep = (1.0 + fall * fall + aside * aside) ** -0.5
     normal = (fall * steep, aside * steep, steep)
     up = to_own(R, normal)
@@ -249,9 +270,10 @@ def push_of(E, o, R, depth, v, normal):
     aside = scaled(1.0 / (length(aside) + 1e-12), aside)
     ahead = cross(aside, normal)
     c = o + CONTACT
-    f_t, f_n, f_z = _touch(
-        depth, -dot(v, normal), dot(v, ahead), dot(v, aside), *three(E, c), E[c + 3], E[c + 4]
-    )
+    rate = -dot(v, normal)
+    v_t = dot(v, ahead)
+    v_n = dot(v, aside)
+    f_t, f_n, f_z = _touch(depth, rate, v_t, v_n, *three(E, c), E[c + 3], E[c + 4])
     return plus(plus(scaled(f_t, ahead), scaled(f_n, aside)), scaled(f_z, normal))
 
 

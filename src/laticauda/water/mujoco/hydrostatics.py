@@ -16,9 +16,13 @@ from typing import TypeAlias
 
 Three: TypeAlias = tuple[float, float, float]
 Four: TypeAlias = tuple[float, float, float, float]
-ELLIPSOID, CYLINDER, BOX = range(3)
+ELLIPSOID = 0
+CYLINDER = 1
+BOX = 2
 _LEVEL = 3e-3
+"""Rise of a side over that of the body, below which a side counts as level [-]."""
 _TINY = 1e-12
+"""Share of the volume, and size [m], that count as none."""
 
 
 def wetted(shape: float, half: Three, up: Three, depth: float) -> Four:
@@ -59,19 +63,24 @@ def wetting(
         sinking: Rate of change of the depth [m/s].
         t: Time ahead [s].
     """
-    (z_x, z_y, z_z), (w_x, w_y, w_z) = up, turning
+    z_x, z_y, z_z = up
+    w_x, w_y, w_z = turning
     later = (
         z_x + t * (z_y * w_z - z_z * w_y),
         z_y + t * (z_z * w_x - z_x * w_z),
         z_z + t * (z_x * w_y - z_y * w_x),
     )
-    return (wetted(shape, half, later, depth + t * sinking)[0] - share) / t
+    later_share, _, _, _ = wetted(shape, half, later, depth + t * sinking)
+    return (later_share - share) / t
 
 
 def _ellipsoid(half: Three, up: Three, depth: float) -> Four:
     """Cut an ellipsoid: the cap of a sphere, stretched."""
-    (half_x, half_y, half_z), (z_x, z_y, z_z) = half, up
-    p_x, p_y, p_z = half_x * z_x, half_y * z_y, half_z * z_z
+    half_x, half_y, half_z = half
+    z_x, z_y, z_z = up
+    p_x = half_x * z_x
+    p_y = half_y * z_y
+    p_z = half_z * z_z
     height = math.sqrt(p_x * p_x + p_y * p_y + p_z * p_z)
     s = depth / height
     if s >= 1.0:
@@ -89,10 +98,13 @@ def _ellipsoid(half: Three, up: Three, depth: float) -> Four:
 
 def _cylinder(half: Three, up: Three, depth: float) -> Four:
     """Cut a cylinder: the mean over its length of a stretched circular segment, from s - reach to s + reach."""
-    (half_x, half_y, half_z), (z_x, z_y, z_z) = half, up
-    p_y, p_z = half_y * z_y, half_z * z_z
+    half_x, half_y, half_z = half
+    z_x, z_y, z_z = up
+    p_y = half_y * z_y
+    p_z = half_z * z_z
     height = math.sqrt(p_y * p_y + p_z * p_z) + _TINY
-    s, slope = depth / height, half_x * z_x / height
+    s = depth / height
+    slope = half_x * z_x / height
     reach = math.sqrt(slope * slope + _LEVEL * _LEVEL)
     if s >= 1.0 + reach:
         return 1.0, 0.0, 0.0, 0.0
@@ -114,39 +126,50 @@ def _segments(s: float) -> tuple[float, float, float]:
         return 0.0, 0.0, 0.0
     if s >= 1.0:
         return s, 0.5 * s * s - 0.125, 0.25
-    root, angle = math.sqrt(1.0 - s * s), math.asin(s) + 0.5 * math.pi
+    root = math.sqrt(1.0 - s * s)
+    angle = math.asin(s) + 0.5 * math.pi
     area = (s * angle + root - root * root * root / 3.0) / math.pi
     first = ((0.5 * s * s - 0.125) * angle + (0.125 + 0.25 * s * s) * s * root) / math.pi
-    return area, first, (s * root * root * root / 6.0 + 0.25 * (s * root + angle)) / math.pi
+    down = (s * root * root * root / 6.0 + 0.25 * (s * root + angle)) / math.pi
+    return area, first, down
 
 
 def _box(half: Three, up: Three, depth: float) -> Four:
     """Cut a box: its height is the sum of three uniform variables, distributed as a sum over the eight corners."""
-    (half_x, half_y, half_z), (z_x, z_y, z_z) = half, up
-    p_x, p_y, p_z = half_x * z_x, half_y * z_y, half_z * z_z
+    half_x, half_y, half_z = half
+    z_x, z_y, z_z = up
+    p_x = half_x * z_x
+    p_y = half_y * z_y
+    p_z = half_z * z_z
     least = _LEVEL * math.sqrt(p_x * p_x + p_y * p_y + p_z * p_z)
-    a_x, a_y = math.sqrt(p_x * p_x + least * least), math.sqrt(p_y * p_y + least * least)
+    a_x = math.sqrt(p_x * p_x + least * least)
+    a_y = math.sqrt(p_y * p_y + least * least)
     a_z = math.sqrt(p_z * p_z + least * least)
     if abs(depth) >= a_x + a_y + a_z:
-        return (1.0 if depth > 0.0 else 0.0), 0.0, 0.0, 0.0
-    share, x, y, z = 0.0, 0.0, 0.0, 0.0
+        if depth > 0.0:
+            return 1.0, 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 0.0
+    # The dry part, if at least half of the box is submerged, else the wet one.
+    share = 0.0
+    x = 0.0
+    y = 0.0
+    z = 0.0
     for corner in range(8):
-        e_x, e_y, e_z = 2 * (corner & 1) - 1, (corner & 2) - 1, (corner & 4) // 2 - 1
-        under = (
-            e_x * a_x + e_y * a_y + e_z * a_z - abs(depth)
-        )  # the dry part if at least half of the box is submerged
+        e_x = 2 * (corner & 1) - 1
+        e_y = (corner & 2) - 1
+        e_z = (corner & 4) // 2 - 1
+        under = e_x * a_x + e_y * a_y + e_z * a_z - abs(depth)
         if under > 0.0:
             cube = e_x * e_y * e_z * under * under * under / (48.0 * a_x * a_y * a_z)
             share += cube
             x += cube * (0.25 * under - e_x * a_x)
             y += cube * (0.25 * under - e_y * a_y)
             z += cube * (0.25 * under - e_z * a_z)
-    share = share if depth < 0.0 else 1.0 - share
+    if depth >= 0.0:
+        share = 1.0 - share
     if share < _TINY:
         return 0.0, 0.0, 0.0, 0.0
-    x, y, z = (
-        x * half_x * p_x / (a_x * a_x),
-        y * half_y * p_y / (a_y * a_y),
-        z * half_z * p_z / (a_z * a_z),
-    )
+    x = x * half_x * p_x / (a_x * a_x)
+    y = y * half_y * p_y / (a_y * a_y)
+    z = z * half_z * p_z / (a_z * a_z)
     return share, x / share, y / share, z / share

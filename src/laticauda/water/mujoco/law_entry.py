@@ -19,30 +19,36 @@ from laticauda.water.fluid.flow import Motion, local_flow
 from laticauda.water.fluid.laws import MOTION, Element
 from laticauda.water.mujoco.table import LOADS
 
+ANY_SIZE = 1 << 40
+"""Size of an array of as many numbers at an address as needed."""
+
 _names = bindings(__name__)
-_formula, _flow = _names.get("law"), summed(_names.get("flow", ()), len(Motion._fields))
-_felt, _any = compile_scalar(local_flow), 1 << 40  # as many numbers at an address as needed
+_formula = _names.get("law")
+_flow = summed(_names.get("flow", ()), len(Motion._fields))
+_local_flow = compile_scalar(local_flow)
 if _formula is not None:
-    _law, _given, _own = (
-        in_numbers(_formula, Element, MOTION),
-        rows_from(0, LOADS),
-        rows_from(0, len(_formula.fields)),
-    )
+    _law = in_numbers(_formula, Element, MOTION)
+    _arguments = rows_from(0, LOADS)
+    _own = rows_from(0, len(_formula.fields))
 
 
 def _load(moving, numbers):
-    a, own = carray(moving, (LOADS + 3,), np.float64), carray(numbers, (MOST_NUMBERS,), np.float64)
-    a[LOADS], a[LOADS + 1], a[LOADS + 2] = _law(*_given(a), *_own(own))
+    a = carray(moving, (LOADS + 3,), np.float64)
+    own = carray(numbers, (MOST_NUMBERS,), np.float64)
+    a[LOADS], a[LOADS + 1], a[LOADS + 2] = _law(*_arguments(a), *_own(own))
 
 
 def _motion(place, numbers):
-    a = carray(place, (_any,), np.float64)
-    for k, one in enumerate(
-        _felt(_flow(carray(numbers, (_any,), np.float64), 0, a[0], a[1], a[2], a[3]))
-    ):
-        a[PLACE + k] = one
+    a = carray(place, (ANY_SIZE,), np.float64)
+    own = carray(numbers, (ANY_SIZE,), np.float64)
+    motion = _flow(own, 0, a[0], a[1], a[2], a[3])
+    for k, component in enumerate(_local_flow(motion)):
+        a[PLACE + k] = component
 
 
 _numbers = types.CPointer(types.float64)
-_named = named_after(__name__[__name__.rindex("_") + 1 :], _motion if _formula is None else _load)
-call = for_c(types.void(_numbers, _numbers), _named)
+_digest = __name__[__name__.rindex("_") + 1 :]
+_function = _load
+if _formula is None:
+    _function = _motion
+call = for_c(types.void(_numbers, _numbers), named_after(_digest, _function))

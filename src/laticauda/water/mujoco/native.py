@@ -32,8 +32,16 @@ _PROBE = """
 <body pos="1 0 0"><joint/><geom size=".1" pos=".2 0 0"/><site name="s"/></body></body></worldbody>
 <sensor><force site="s"/></sensor></mujoco>
 """
-_RARE = 0.7310585786300049  # a number that occurs nowhere else
-_RARE_FLAGS = 0x2A5C39D6  # flags that occur nowhere else
+_RARE = 0.7310585786300049
+"""A number that occurs nowhere else."""
+_RARE_FLAGS = 0x2A5C39D6
+"""Flags that occur nowhere else."""
+_PAGE = 1024
+"""Bytes by which the search for the end of a structure goes on."""
+_LARGEST = 1 << 20
+"""Size that no structure reaches [bytes]."""
+_LIBRARIES = ("libmujoco*.so*", "libmujoco*.dylib", "mujoco*.dll")
+"""Files that may be MuJoCo's library, on Linux, macOS and Windows."""
 
 
 def _function(name: str, result: Any, *arguments: Any) -> Any:
@@ -41,15 +49,18 @@ def _function(name: str, result: Any, *arguments: Any) -> Any:
     return types.ExternalFunction(name, result(*arguments))
 
 
-_word, _flag = types.int64, types.int32
-factor_inertia = _function("mj_factorM", types.void, _word, _word)
-mark_stack = _function("mj_markStack", types.void, _word)
-free_stack = _function("mj_freeStack", types.void, _word)
-allocate = _function("mj_stackAllocNum", _word, _word, _word)
-forward_skip = _function("mj_forwardSkip", types.void, _word, _word, _flag, _flag)
-integrate_positions = _function("mj_integratePos", types.void, _word, _word, _word, types.float64)
-forces_after = _function("mj_rnePostConstraint", types.void, _word, _word)
-stop = _function("mju_error", types.void, _word)
+_integer = types.int64
+_flag = types.int32
+factor_inertia = _function("mj_factorM", types.void, _integer, _integer)
+mark_stack = _function("mj_markStack", types.void, _integer)
+free_stack = _function("mj_freeStack", types.void, _integer)
+allocate = _function("mj_stackAllocNum", _integer, _integer, _integer)
+forward_skip = _function("mj_forwardSkip", types.void, _integer, _integer, _flag, _flag)
+integrate_positions = _function(
+    "mj_integratePos", types.void, _integer, _integer, _integer, types.float64
+)
+forces_after = _function("mj_rnePostConstraint", types.void, _integer, _integer)
+stop = _function("mju_error", types.void, _integer)
 _FUNCTIONS = (
     factor_inertia,
     mark_stack,
@@ -71,23 +82,9 @@ def library() -> ctypes.CDLL:
             other.
     """
     mujoco = load_mujoco()
-    folder, running = (
-        Path(mujoco.__file__).parent,
-        getattr(os, "RTLD_NOLOAD", 0),
-    )  # Windows opens it only once anyway
-    for path in (
-        p
-        for pattern in ("libmujoco*.so*", "libmujoco*.dylib", "mujoco*.dll")
-        for p in folder.glob(pattern)
-    ):
-        try:
-            opened = ctypes.CDLL(str(path), mode=ctypes.DEFAULT_MODE | running)
-        except OSError:
-            continue  # another version's, which is not loaded
-        opened.mj_versionString.restype = ctypes.c_char_p
-        if opened.mj_versionString().decode() == mujoco.__version__:
-            break
-    else:
+    folder = Path(mujoco.__file__).parent
+    opened = _open_running(folder, mujoco.__version__)
+    if opened is None:
         raise OSError(
             f"no library of MuJoCo {mujoco.__version__} is running from {folder}: two packages may have been installed "
             "into it; uninstall `mujoco` and `mujoco-core`, and install `mujoco` again"
@@ -98,60 +95,82 @@ def library() -> ctypes.CDLL:
     return opened
 
 
+def _open_running(folder: Path, version: str) -> ctypes.CDLL | None:
+    """Return the library in a folder that is already loaded and has a version; None: there is none."""
+    only_if_loaded = getattr(os, "RTLD_NOLOAD", 0)  # Windows opens a library only once anyway
+    for pattern in _LIBRARIES:
+        for path in folder.glob(pattern):
+            try:
+                opened = ctypes.CDLL(str(path), mode=ctypes.DEFAULT_MODE | only_if_loaded)
+            except OSError:
+                continue  # another version's, which is not loaded
+            opened.mj_versionString.restype = ctypes.c_char_p
+            if opened.mj_versionString().decode() == version:
+                return opened
+    return None
+
+
 @cache
 def offsets() -> list[int]:
     """Return the offsets of the fields `AT` from the start of `mjData` [bytes]."""
     mujoco = load_mujoco()
     data = mujoco.MjData(mujoco.MjModel.from_xml_string(_PROBE))
     data.time = _RARE
-    words = _words(data._address, np.uint64(data.signature), "data")  # located after all pointers
-    found: list[int] = []
+    signature = np.uint64(data.signature)  # located after all pointers
+    content = _words(data._address, signature, "data")
+    offsets_of_fields: list[int] = []
     for name in AT._fields:
-        value = (
-            np.float64(_RARE).view(np.uint64)
-            if name == "time"
-            else np.uint64(getattr(data, name).ctypes.data)
-        )
-        found.append(_last(words, value, name))
-    return found
+        if name == "time":
+            value = np.float64(_RARE).view(np.uint64)
+        else:
+            value = np.uint64(getattr(data, name).ctypes.data)
+        offsets_of_fields.append(_last(content, value, name))
+    return offsets_of_fields
 
 
 @cache
 def model_offsets() -> dict[str, int]:
     """Return offsets in `mjModel` [bytes]: of options, two of them contact overrides, and of the armature's address."""
     model = load_mujoco().MjModel.from_xml_string(_PROBE)
-    model.opt.timestep, model.opt.o_margin, model.opt.disableflags = _RARE, 2.0 * _RARE, _RARE_FLAGS
-    words = _words(model._address, np.uint64(model.dof_armature.ctypes.data), "model")
+    margin = 2.0 * _RARE
+    model.opt.timestep = _RARE
+    model.opt.o_margin = margin
+    model.opt.disableflags = _RARE_FLAGS
+    armature = np.uint64(model.dof_armature.ctypes.data)
+    content = _words(model._address, armature, "model")
+    flags = content.view(np.int32)
     return {
         "gravity": model.opt.gravity.ctypes.data - model._address,
         "o_friction": model.opt.o_friction.ctypes.data - model._address,
-        "disableflags": _last(words.view(np.int32), _RARE_FLAGS, "disableflags", 4),
-        "timestep": _last(words, np.float64(_RARE).view(np.uint64), "timestep"),
-        "o_margin": _last(words, np.float64(2.0 * _RARE).view(np.uint64), "o_margin"),
-        "dof_armature": _last(words, np.uint64(model.dof_armature.ctypes.data), "dof_armature"),
+        "disableflags": _last(flags, _RARE_FLAGS, "disableflags", size=4),
+        "timestep": _last(content, np.float64(_RARE).view(np.uint64), "timestep"),
+        "o_margin": _last(content, np.float64(margin).view(np.uint64), "o_margin"),
+        "dof_armature": _last(content, armature, "dof_armature"),
     }
 
 
-def _words(start: int, target: np.uint64, what: str) -> np.ndarray:
+def _words(start: int, target: np.uint64, structure: str) -> np.ndarray:
     """Return the words of a structure from its start to the first that holds `target`, which is near its end.
 
     Memory beyond the end may hold what is left of another structure, with the same addresses.
     """
-    page, limit = 1024, 1 << 20
-    for length in range(page, limit, page):
-        words = np.ctypeslib.as_array((ctypes.c_uint64 * (length // 8)).from_address(start))
-        if target in words[-page // 8 :]:
-            return words[: int(np.argmax(words == target)) + 1]
-    raise OSError(f"the {what} of this build of MuJoCo is not laid out as expected")
+    for length in range(_PAGE, _LARGEST, _PAGE):
+        memory = (ctypes.c_uint64 * (length // 8)).from_address(start)
+        content = np.ctypeslib.as_array(memory)
+        if target in content[-_PAGE // 8 :]:
+            return content[: int(np.argmax(content == target)) + 1]
+    raise OSError(f"the {structure} of this build of MuJoCo is not laid out as expected")
 
 
-def _last(words: np.ndarray, value: Any, name: str, size: int = 8) -> int:
-    places = np.flatnonzero(words == value)
+def _last(content: np.ndarray, value: Any, name: str, size: int = 8) -> int:
+    """Return the offset of the last place of a value [bytes].
+
+    Empty arrays before a field, and the buffer's own pointer, may have the same address.
+    """
+    places = np.flatnonzero(content == value)
     if places.size == 0:
         raise OSError(f"`{name}` was not found in this build of MuJoCo")
-    return (
-        int(places[-1]) * size
-    )  # empty arrays before it, and the buffer's own pointer, have the same address
+    return int(places[-1]) * size
 
 
 @intrinsic
@@ -165,51 +184,53 @@ def pointer(typingctx, number):
     return types.voidptr(types.int64), codegen
 
 
-def _loaded(kind, stored):
+def _load_at(result_type, stored_type):
     """Return the type and the code for reading the value at an address."""
 
     def codegen(context, builder, signature, arguments):
-        return builder.load(builder.inttoptr(arguments[0], stored.as_pointer()))
+        place = builder.inttoptr(arguments[0], stored_type.as_pointer())
+        return builder.load(place)
 
-    return kind(types.int64), codegen
+    return result_type(types.int64), codegen
 
 
 @intrinsic
 def word_at(typingctx, number):
     """Return the 64-bit integer at an address."""
-    return _loaded(types.int64, ir.IntType(64))
+    return _load_at(types.int64, ir.IntType(64))
 
 
 @intrinsic
 def flags_at(typingctx, number):
     """Return the 32-bit integer at an address."""
-    return _loaded(types.int32, ir.IntType(32))
+    return _load_at(types.int32, ir.IntType(32))
 
 
 @intrinsic
 def number_at(typingctx, number):
     """Return the 64-bit floating-point number at an address."""
-    return _loaded(types.float64, ir.DoubleType())
+    return _load_at(types.float64, ir.DoubleType())
 
 
-def _call(where, *arguments):
+def _call(*arguments):
     """Return type and code of a call to the function at an address; it takes 64-bit integers and returns nothing."""
 
-    def codegen(context, builder, signature, given):
-        kind = ir.FunctionType(ir.VoidType(), [ir.IntType(64)] * len(arguments))
-        builder.call(builder.inttoptr(given[0], kind.as_pointer()), given[1:])
+    def codegen(context, builder, signature, values):
+        function_type = ir.FunctionType(ir.VoidType(), [ir.IntType(64)] * len(arguments))
+        function = builder.inttoptr(values[0], function_type.as_pointer())
+        builder.call(function, values[1:])
         return context.get_dummy_value()
 
     return types.void(types.int64, *arguments), codegen
 
 
 @intrinsic
-def call_3(typingctx, where, a, b, c):
-    """Call the function f(a, b, c) at the address `where`."""
-    return _call(where, a, b, c)
+def call_3(typingctx, address, a, b, c):
+    """Call the function f(a, b, c) at an address."""
+    return _call(a, b, c)
 
 
 @intrinsic
-def call_2(typingctx, where, a, b):
-    """Call the function f(a, b) at the address `where`."""
-    return _call(where, a, b)
+def call_2(typingctx, address, a, b):
+    """Call the function f(a, b) at an address."""
+    return _call(a, b)

@@ -26,15 +26,15 @@ from numba import types
 from laticauda.compiling import for_c, kernel
 from laticauda.compiling.templates import named_after, sources_digest
 from laticauda.values import load_mujoco
-from laticauda.water.mujoco.callback import (
+from laticauda.water.mujoco.callback import LAW_SCRATCH, SCRATCH, collect
+from laticauda.water.mujoco.native import allocate, call_3, free_stack, library, mark_stack
+from laticauda.water.mujoco.registry import (
+    PREVIOUS_SENSOR,
     REGISTRY_SIZE,
-    SCRATCH,
-    collect,
     registry,
     registry_address,
     table_of,
 )
-from laticauda.water.mujoco.native import allocate, call_3, free_stack, library, mark_stack
 from laticauda.water.mujoco.table import *
 from laticauda.water.mujoco.vectors import (
     cross,
@@ -48,8 +48,12 @@ from laticauda.water.mujoco.vectors import (
     to_own,
 )
 
-ACCELERATIONS = 3  # MuJoCo's stage, mjSTAGE_ACC
-_KINDS = {"FORCE": -2, "TORQUE": -3}  # by type name: `refid` of the user sensor that replaces it
+ACCELERATIONS = 3
+"""MuJoCo's stage at which accelerations are known, mjSTAGE_ACC."""
+COLUMNS = 4
+"""Numbers per sensor, see `take_over`."""
+_CODES = {"FORCE": -2, "TORQUE": -3}
+"""By the name of a sensor's type: `refid` of the user sensor that replaces it."""
 
 
 def take_over(model: Any) -> np.ndarray:
@@ -61,29 +65,31 @@ def take_over(model: Any) -> np.ndarray:
     Returns:
         Per sensor: index of its data, its site, the site's body, and 1 if it senses force, else 0.
     """
-    kinds, found = load_mujoco().mjtSensor, np.zeros((0, 4), dtype=np.int64)
-    history = np.reshape(getattr(model, "sensor_history", np.zeros(2 * model.nsensor)), (-1, 2))[
-        :, 0
-    ]
-    for name, sign in _KINDS.items():
-        plain = (model.sensor_type == int(getattr(kinds, f"mjSENS_{name}"))) & (history == 0)
-        own = np.flatnonzero(plain | _taken(model, sign))
-        model.sensor_type[own], model.sensor_refid[own] = int(kinds.mjSENS_USER), sign
-        site = model.sensor_objid[own]
-        rows = (
-            model.sensor_adr[own],
-            site,
-            model.site_bodyid[site],
-            np.full(own.size, name == "FORCE"),
-        )
-        found = np.vstack([found, np.column_stack(rows)])
-    return found.ravel()
+    types_of_sensors = load_mujoco().mjtSensor
+    tables: list[np.ndarray] = []
+    for name, code in _CODES.items():
+        type_number = int(getattr(types_of_sensors, f"mjSENS_{name}"))
+        is_plain = (model.sensor_type == type_number) & ~_has_history(model)
+        sensors = np.flatnonzero(is_plain | _is_taken_over(model, code))
+        model.sensor_type[sensors] = int(types_of_sensors.mjSENS_USER)
+        model.sensor_refid[sensors] = code
+        site = model.sensor_objid[sensors]
+        body = model.site_bodyid[site]
+        is_force = np.full(sensors.size, name == "FORCE")
+        tables.append(np.column_stack((model.sensor_adr[sensors], site, body, is_force)))
+    return np.vstack(tables).astype(np.int64).ravel()
 
 
-def _taken(model: Any, sign: int) -> np.ndarray:
-    return (model.sensor_type == int(load_mujoco().mjtSensor.mjSENS_USER)) & (
-        model.sensor_refid == sign
-    )
+def _has_history(model: Any) -> np.ndarray:
+    """Return which sensors MuJoCo delays or keeps the past of; versions without such sensors have none."""
+    without = np.zeros(2 * model.nsensor)
+    history = np.reshape(getattr(model, "sensor_history", without), (-1, 2))
+    return history[:, 0] != 0
+
+
+def _is_taken_over(model: Any, code: int) -> np.ndarray:
+    user_type = int(load_mujoco().mjtSensor.mjSENS_USER)
+    return (model.sensor_type == user_type) & (model.sensor_refid == code)
 
 
 def give_back(model: Any) -> None:
@@ -92,45 +98,50 @@ def give_back(model: Any) -> None:
     Args:
         model: The `mujoco.MjModel`.
     """
-    for name, sign in _KINDS.items():
-        own = _taken(model, sign)
-        model.sensor_type[own], model.sensor_refid[own] = (
-            int(getattr(load_mujoco().mjtSensor, f"mjSENS_{name}")),
-            -1,
-        )
+    for name, code in _CODES.items():
+        sensors = _is_taken_over(model, code)
+        model.sensor_type[sensors] = int(getattr(load_mujoco().mjtSensor, f"mjSENS_{name}"))
+        model.sensor_refid[sensors] = -1
 
 
 def install() -> None:
     """Install the sensor callback, chaining to an existing one."""
-    there, own = ctypes.c_void_p.in_dll(library(), "mjcb_sensor"), int(callback().address)
-    if there.value != own:
-        registry[REGISTRY_SIZE - 1] = there.value or 0
-        there.value = own
+    current = ctypes.c_void_p.in_dll(library(), "mjcb_sensor")
+    address = int(callback().address)
+    if current.value != address:
+        registry[PREVIOUS_SENSOR] = current.value or 0
+        current.value = address
+
+
+@kernel
+def triangle_index(row, column):
+    """Return the index of an element of a symmetric 3 x 3 matrix whose upper triangle is stored row by row."""
+    if row <= column:
+        return (row * (5 - row)) // 2 + column
+    return (column * (5 - column)) // 2 + row
 
 
 @kernel
 def water_below(T, data, S):
     """Replace every body's load with the total on it and its descendants, at the accelerations found."""
     n = T[N_BODIES]
-    parent, cacc = integers(T[PARENT], n), field(data, T[AT.cacc], 6 * n)
+    parent = integers(T[PARENT], n)
+    cacc = field(data, T[AT.cacc], 6 * n)
     for b in range(n - 1, 0, -1):
-        F, A = 6 * (n + b), 12 * n + 21 * b
+        F = 6 * (n + b)
+        A = 12 * n + 21 * b
         a = S[6 * b : 6 * b + 6]
-        for k in range(
-            6
-        ):  # the part due to joint accelerations; MuJoCo's start from the world's, which is -g
+        # The part due to joint accelerations; MuJoCo's start from the world's, which is -g.
+        for k in range(6):
             a[k] = cacc[6 * b + k] - cacc[k] - a[k]
         for row in range(3):
             for column in range(3):
-                K = (
-                    A + (row * (5 - row)) // 2 + column
-                    if row <= column
-                    else A + (column * (5 - column)) // 2 + row
-                )
-                S[F + row] -= S[K] * a[column] + S[A + 6 + 3 * row + column] * a[3 + column]
-                S[F + 3 + row] -= (
-                    S[A + 6 + 3 * column + row] * a[column] + S[K + 15] * a[3 + column]
-                )
+                K = A + triangle_index(row, column)
+                B = A + 6 + 3 * row + column
+                B_T = A + 6 + 3 * column + row
+                N = K + 15
+                S[F + row] -= S[K] * a[column] + S[B] * a[3 + column]
+                S[F + 3 + row] -= S[B_T] * a[column] + S[N] * a[3 + column]
         if parent[b] > 0:
             for k in range(6):
                 S[6 * (n + parent[b]) + k] += S[F + k]
@@ -144,25 +155,33 @@ def sense(model, data, table):
     if T[N_SENSORS] == 0:
         return
     mark_stack(data)
-    S = numbers(allocate(data, SCRATCH * n + 16), SCRATCH * n + 16)
+    n_scratch = SCRATCH * n + LAW_SCRATCH
+    S = numbers(allocate(data, n_scratch), n_scratch)
     collect(T, model, data, S)
     water_below(T, data, S)
-    com, inner = field(data, T[AT.subtree_com], 3 * n), field(data, T[AT.cfrc_int], 6 * n)
-    sensors, root = integers(T[SENSORS], 4 * T[N_SENSORS]), integers(T[ROOT], n)
+    com = field(data, T[AT.subtree_com], 3 * n)
+    inner = field(data, T[AT.cfrc_int], 6 * n)
+    sensors = integers(T[SENSORS], COLUMNS * T[N_SENSORS])
+    root = integers(T[ROOT], n)
     for i in range(T[N_SENSORS]):
-        at, site, body = sensors[4 * i], sensors[4 * i + 1], sensors[4 * i + 2]
+        first = COLUMNS * i
+        at = sensors[first]
+        site = sensors[first + 1]
+        body = sensors[first + 2]
+        is_force = sensors[first + 3]
         place = three(field(data, T[AT.site_xpos], 3 * site + 3), 3 * site)
         R = field(data, T[AT.site_xmat], 9 * site + 9)
         force = plus(three(inner, 6 * body + 3), scaled(-1.0, three(S, 6 * (n + body) + 3)))
-        found = force
-        if sensors[4 * i + 3] == 0:
+        load = force
+        if is_force == 0:
             torque = plus(three(inner, 6 * body), scaled(-1.0, three(S, 6 * (n + body))))
-            found = plus(
-                torque, cross(force, plus(place, scaled(-1.0, three(com, 3 * root[body]))))
-            )
-        x, y, z = to_own(nine(R, 9 * site), found)
+            arm = plus(place, scaled(-1.0, three(com, 3 * root[body])))
+            load = plus(torque, cross(force, arm))
+        x, y, z = to_own(nine(R, 9 * site), load)
         readings = field(data, T[AT.sensordata], at + 3)
-        readings[at], readings[at + 1], readings[at + 2] = x, y, z
+        readings[at] = x
+        readings[at + 1] = y
+        readings[at + 2] = z
     free_stack(data)
 
 
@@ -170,9 +189,9 @@ def _sensors(model, data, stage):
     table = table_of(model)
     if stage == ACCELERATIONS and table != 0:
         sense(model, data, table)
-    before = integers(registry_address(), REGISTRY_SIZE)[REGISTRY_SIZE - 1]
-    if before != 0:
-        call_3(before, model, data, np.int64(stage))
+    previous = integers(registry_address(), REGISTRY_SIZE)[PREVIOUS_SENSOR]
+    if previous != 0:
+        call_3(previous, model, data, np.int64(stage))
 
 
 @cache

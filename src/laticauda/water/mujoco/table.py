@@ -9,8 +9,7 @@ from laticauda.water.fluid.laws import MOTION, Element
 
 # --- The table of one model: 64-bit integers ------------------------------------------------------
 # It begins with the offsets of MuJoCo's fields [bytes]: in the data, as in all setups of kernels
-# that read it, and in the model, where `o_friction` holds four numbers of our own: velocity of the
-# water [m/s], or 0 and its flow's number.
+# that read it, and in the model, where `o_friction` holds the motion of the water, see `currents`.
 AT = namedtuple(
     "AT",
     "qpos qvel qacc xpos xmat xipos subtree_com cdof cdof_dot cvel crb M qfrc_passive qfrc_fluid time cacc cfrc_int "
@@ -52,7 +51,18 @@ IN_MODEL = namedtuple("IN_MODEL", "gravity disableflags o_friction timestep dof_
 ) = range(len(AT) + len(IN_MODEL), 54)
 
 # --- Numbers of the water
-(DENSITY, LEVEL, OWN_VELOCITY, KIRCHHOFF, TERRAIN, WATER_SIZE) = (*range(5), 8)
+DENSITY = 0
+"""Density rho, for the buoyancy [kg/m^3]."""
+LEVEL = 1
+"""Mean height of the surface [m]."""
+OWN_VELOCITY = 2
+"""1 if the added mass's velocity terms contain the element's own velocity, 0 in the form `classic`."""
+KIRCHHOFF = 3
+"""1 for the complete velocity terms of the added mass."""
+TERRAIN = 4
+"""The four numbers of `ground.Terrain.profile`."""
+WATER_SIZE = 8
+"""Number of numbers of the water."""
 
 # --- One record of numbers per element
 RECORD = {
@@ -78,31 +88,38 @@ RECORD = {
 """Fields of a record, and how many numbers each holds."""
 PLACES = (*accumulate(RECORD.values(), initial=0),)
 """Start of each field in a record, then the end of them all."""
-_start = dict(zip(RECORD, PLACES, strict=False))
-POSITION = _start["position"]
-ROTATION = _start["rotation"]
-DRAG = _start["drag"]
-TORQUE_LINEAR = _start["torque_linear"]
-TORQUE_QUADRATIC = _start["torque_quadratic"]
-MASS = _start["added_mass"]
-INERTIA = _start["added_inertia"]
-HALF = _start["half_size"]
-THRUST = _start["thrust"]
-PULL = _start["pull"]
-VOLUME = _start["volume"]
-TETHER_DRAG = _start["tether_drag"]
-WAKE_MASS = _start["wake_mass"]
-SHAPE = _start["shape"]
-PLATE = _start["plate"]
-CONTACT = _start["contact"]
-OWN_MASS = _start["own_mass"]
-OWN_INERTIA = _start["own_inertia"]
+STARTS = dict(zip(RECORD, PLACES[:-1], strict=True))
+"""Start of each field in a record."""
+POSITION = STARTS["position"]
+ROTATION = STARTS["rotation"]
+DRAG = STARTS["drag"]
+TORQUE_LINEAR = STARTS["torque_linear"]
+TORQUE_QUADRATIC = STARTS["torque_quadratic"]
+MASS = STARTS["added_mass"]
+INERTIA = STARTS["added_inertia"]
+HALF = STARTS["half_size"]
+THRUST = STARTS["thrust"]
+PULL = STARTS["pull"]
+VOLUME = STARTS["volume"]
+TETHER_DRAG = STARTS["tether_drag"]
+WAKE_MASS = STARTS["wake_mass"]
+SHAPE = STARTS["shape"]
+PLATE = STARTS["plate"]
+CONTACT = STARTS["contact"]
+OWN_MASS = STARTS["own_mass"]
+OWN_INERTIA = STARTS["own_inertia"]
 LAW_NUMBERS = PLACES[-1]
 """The record ends with the drag law's own numbers, in the order of its fields."""
 ELEMENT_SIZE = LAW_NUMBERS + MOST_NUMBERS
-OUT_SIZE = 13  # drag, added mass (its velocity part), buoyancy, effectors [N] in world axes, submerged share [-]
+OUT_SIZE = 13
+"""Loads of an element: drag, added mass (its velocity part), buoyancy, effectors [N] in world axes, wet share [-]."""
 
-# --- Arguments of a drag law: velocities and the element's coefficients, followed by its loads
 LOADS = MOTION + len(Element._fields)
+"""Number of arguments of a drag law: velocities and the element's coefficients; its loads follow."""
 
 MOST_FLOWS = 64
+"""Number of flows that a water keeps."""
+FLOW_COLUMNS = 3
+"""Numbers per flow: its number, the address of its cfunc, and that of its own numbers."""
+WORD = 8
+"""Size of a 64-bit number [bytes]."""

@@ -12,15 +12,15 @@ from laticauda.water.mujoco.native import pointer, word_at
 
 
 @kernel
-def integers(where, n):
+def integers(address, n):
     """Return the `n` integers at an address."""
-    return carray(pointer(where), (n,), np.int64)
+    return carray(pointer(address), (n,), np.int64)
 
 
 @kernel
-def numbers(where, n):
+def numbers(address, n):
     """Return the `n` numbers at an address."""
-    return carray(pointer(where), (n,), np.float64)
+    return carray(pointer(address), (n,), np.float64)
 
 
 @kernel

@@ -1,0 +1,77 @@
+"""Warnings of likely mistakes in a model with water: nothing floats, nothing is stable, or something turns over."""
+
+import warnings
+from typing import Any
+
+import numpy as np
+
+from laticauda.values import load_mujoco
+from laticauda.water.mujoco.bodies import body_of, dofs_above, name_of
+from laticauda.water.mujoco.floating import metacentric_height
+from laticauda.water.mujoco.steps import stable_step
+
+OVERTURNING = -1e-5
+"""Metacentric height below which a body counts as one that turns over [m]."""
+
+
+def warn_of_mistakes(model: Any, water: Any, speed: float | None, fitted: bool) -> None:
+    """Warn of likely mistakes.
+
+    Args:
+        model: The `mujoco.MjModel`.
+        water: Water attached to it.
+        speed: Speed at which the step is checked against the drag [m/s]; None: no check.
+        fitted: Whether the elements are those of all geoms, whose volume does not imply that
+            anything should float.
+    """
+    bodies = [body_of(model, element.body) for element in water.elements]
+    roots = {int(model.body_rootid[body]) for body in bodies}
+    messages: list[str] = []
+    for root in sorted(roots):
+        bodies_of_tree = [body for body in bodies if model.body_rootid[body] == root]
+        problem = _problem_of_tree(model, root, bodies_of_tree, water, fitted)
+        if problem:
+            messages.append(f"body {name_of(model, root)} {problem}")
+    if speed is not None:
+        limit = stable_step(model, water.elements, speed)
+        if model.opt.timestep > limit:
+            messages.append(
+                f"`timestep` {model.opt.timestep:g} s is too large for the drag: at {speed:g} m/s, steps are stable up "
+                f"to {limit:.2g} s; use a smaller one, or `implicit_drag`"
+            )
+    for message in messages:
+        warnings.warn(message, stacklevel=3)
+
+
+def _problem_of_tree(
+    model: Any, root: int, bodies: list[int], water: Any, fitted: bool
+) -> str | None:
+    """Return what is likely wrong with a tree of bodies in water; None: nothing."""
+    is_heavy = _has_gravity(model)
+    if _is_free(model, root):
+        if not is_heavy:
+            return None
+        height = metacentric_height(model, root, water)
+        if height >= OVERTURNING:
+            return None
+        return (
+            f"turns over: as modeled, its metacenter (if submerged, its center of buoyancy) is "
+            f"{-height:.2g} m below its center of mass"
+        )
+    if not any(dofs_above(model, body) for body in bodies):
+        return "is in the water but cannot move: it has no joint"
+    has_volume = any(element.volume > 0.0 for element in water.elements)
+    if is_heavy and not fitted and has_volume:
+        return "has buoyancy but no free joint, so it does not float freely"
+    return None
+
+
+def _has_gravity(model: Any) -> bool:
+    is_disabled = model.opt.disableflags & load_mujoco().mjtDisableBit.mjDSBL_GRAVITY
+    return bool(np.any(model.opt.gravity)) and not is_disabled
+
+
+def _is_free(model: Any, body: int) -> bool:
+    """Return whether a body has a free joint."""
+    joints = np.flatnonzero(model.jnt_bodyid == body)
+    return bool(np.any(model.jnt_type[joints] == load_mujoco().mjtJoint.mjJNT_FREE))
