@@ -75,7 +75,7 @@ if TYPE_CHECKING:
     from laticauda.identify.tables import from_table as from_table, from_table1 as from_table1
     from laticauda.identify.tasks import compare_laws as compare_laws, Task as Task
     from laticauda.identify.trial_files import TrialFile as TrialFile
-    from laticauda.identify.unknowns import Unknown as Unknown
+    from laticauda.identify.unknowns import Unknown as Unknown, ResolvedUnknown as ResolvedUnknown
     from laticauda.identify.validation import (
         compared_with_null_models as compared_with_null_models,
         Validation as Validation,
@@ -135,6 +135,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.identify.tasks": ["Task"],
         "laticauda.identify.towing": ["Tow"],
         "laticauda.identify.validation": ["Validation"],
+        "laticauda.identify.unknowns": ["ResolvedUnknown"],
     },
     renamed={"posterior": "sample_posterior", "profile": "profile_interval"},
 )

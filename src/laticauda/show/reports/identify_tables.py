@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.identify import ParameterEstimate, Validation
-from laticauda.identify.unknowns import ResolvedUnknown
+from laticauda.identify import ParameterEstimate, ResolvedUnknown, Validation
 from laticauda.show.reports.cells import Row, format_number
 
 LEAST_WEIGHT = 0.3
