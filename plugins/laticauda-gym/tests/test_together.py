@@ -11,6 +11,7 @@ import pytest
 from gymnasium.error import ResetNeeded
 
 import laticauda as lc
+from laticauda.models.spatial.school import JointAdvance
 from laticauda_gym import Abreast, Step, SwimmingVectorEnv, swimmer
 from laticauda_gym.packages import NotInstalled
 
@@ -128,7 +129,9 @@ def test_one_that_diverges_ends_it_for_all(monkeypatch: pytest.MonkeyPatch):
     env.reset(seed=2)
     # Nothing that can be asked for does it; this is what a march says then.
     monkeypatch.setattr(
-        env.episodes.school._together, "march", lambda each, *_: (list(each), [], "It diverged.")
+        env.episodes.school._together,
+        "march",
+        lambda states, *_: JointAdvance(list(states), [], "It diverged."),
     )
     seen, rewards, terminated, _, _ = both(env, [0.0, 0.0], [0.0, 0.0])
     assert terminated == {"robot_0": True, "robot_1": True}

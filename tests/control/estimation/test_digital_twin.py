@@ -96,8 +96,8 @@ class Exploding(PlanarPlant):
     """A plant that diverges after 3 s."""
 
     def advance(self, *of, **how):
-        then, stretch, trouble = super().advance(*of, **how)
-        return then, stretch, "diverged" if self.observe(then).time > 3.0 else trouble
+        end = super().advance(*of, **how)
+        return end._replace(failure="diverged") if self.observe(end.state).time > 3.0 else end
 
 
 def test_a_twin_that_diverges_is_given_up_and_the_filter_goes_on_without_it():
