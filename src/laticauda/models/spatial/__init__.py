@@ -20,6 +20,12 @@ from typing import TYPE_CHECKING
 from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
+    from laticauda.models.spatial.ground_robot import (
+        ground_contact as ground_contact,
+        lay_on_ground as lay_on_ground,
+    )
+    from laticauda.models.spatial.mjcf import build_spec as build_spec, write_mjcf as write_mjcf
+    from laticauda.models.spatial.water_robot import robot_elements as robot_elements
     from laticauda.models.spatial.appearance import HULL as HULL, MATERIALS as MATERIALS
     from laticauda.models.spatial.bodies import (
         AXES as AXES,
@@ -34,17 +40,11 @@ if TYPE_CHECKING:
         build_fin_rods as build_fin_rods,
     )
     from laticauda.models.spatial.frames import Frames as Frames
-    from laticauda.models.spatial.ground_robot import (
-        ground_contact as ground_contact,
-        lay_on_ground as lay_on_ground,
-    )
     from laticauda.models.spatial.meshes import Mesh as Mesh, join_meshes as join_meshes
-    from laticauda.models.spatial.mjcf import build_spec as build_spec, write_mjcf as write_mjcf
     from laticauda.models.spatial.model import SpatialPlant as SpatialPlant
     from laticauda.models.spatial.module_shapes import choose_builders as choose_builders
     from laticauda.models.spatial.school import School as School, Together as Together
     from laticauda.models.spatial.urdf import write_urdf as write_urdf
-    from laticauda.models.spatial.water_robot import robot_elements as robot_elements
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,

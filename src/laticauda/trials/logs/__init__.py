@@ -22,7 +22,6 @@ if TYPE_CHECKING:
         load_column_map as load_column_map,
     )
     from laticauda.trials.logs.loading import load_trial as load_trial
-    from laticauda.trials.logs.rates import interpolate_columns as interpolate_columns
     from laticauda.trials.logs.recorder import Frame as Frame, Recorder as Recorder, CLOCK as CLOCK
     from laticauda.trials.logs.recording import (
         Logged as Logged,
@@ -30,6 +29,7 @@ if TYPE_CHECKING:
         open_recording as open_recording,
         failures_of as failures_of,
     )
+    from laticauda.trials.logs.rates import interpolate_columns as interpolate_columns
     from laticauda.trials.logs.tabular import TableColumn as TableColumn, format_csv as format_csv
 
 __getattr__, __dir__, __all__ = lazy_exports(

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
         MOTION as MOTION,
     )
     from laticauda.water.fluid.arrows import Arrows as Arrows, arrows_of as arrows_of
+    from laticauda.water.fluid.flow import Flow as Flow, Rows as Rows, rows_of as rows_of
+    from laticauda.water.fluid.grids import Grid as Grid
     from laticauda.water.fluid.surface import (
         MOMENTS as MOMENTS,
         Surface as Surface,
@@ -29,8 +31,6 @@ if TYPE_CHECKING:
         has_waves as has_waves,
         surface_elevation as surface_elevation,
     )
-    from laticauda.water.fluid.flow import Flow as Flow, Rows as Rows, rows_of as rows_of
-    from laticauda.water.fluid.grids import Grid as Grid
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,

@@ -29,20 +29,16 @@ if TYPE_CHECKING:
         geom_elements as geom_elements,
     )
     from laticauda.water.mujoco.ground import Contact as Contact, Terrain as Terrain, SINK as SINK
+    from laticauda.water.mujoco.specs import compile_spec as compile_spec
+    from laticauda.water.mujoco.steps import stable_step as stable_step
+    from laticauda.water.mujoco.water import Water as Water, attach as attach, attached as attached
     from laticauda.water.mujoco.native import (
         forces_after as forces_after,
         forward_skip as forward_skip,
         integrate_positions as integrate_positions,
     )
-    from laticauda.water.mujoco.specs import compile_spec as compile_spec
-    from laticauda.water.mujoco.steps import stable_step as stable_step
     from laticauda.water.mujoco.table import AT as AT
     from laticauda.water.mujoco.vectors import field as field, numbers as numbers
-    from laticauda.water.mujoco.water import (
-        Water as Water,
-        attach as attach,
-        attached as attached,
-    )
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
