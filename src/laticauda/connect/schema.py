@@ -177,9 +177,9 @@ def _class_fields(declaring_class: type) -> dict[str, Schema]:
     fields: dict[str, Schema] = {}
     for name, hint in hints.items():
         fields[name] = _field_schema(hint, texts[name], declared_quantities.get(name))
-    for name, field in quantities.degrees_of(declaring_class).items():
-        in_degrees = declared_quantities[field].in_degrees
-        fields[name] = _field_schema(hints[field], texts[field], in_degrees)
+    for name, field in quantities.display_names_of(declaring_class).items():
+        in_display_unit = declared_quantities[field].in_display_unit
+        fields[name] = _field_schema(hints[field], texts[field], in_display_unit)
     return fields
 
 

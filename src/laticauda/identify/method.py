@@ -1,6 +1,7 @@
 """Settings of a fit, and the losses among which it can choose.
 
-A new loss is one more entry of `LOSSES`.
+The losses are those that SciPy's search knows by name. Another one is an entry of `LOSSES` and, in
+`local_search`, a function that also returns its first two derivatives, which the search needs.
 """
 
 from collections.abc import Callable

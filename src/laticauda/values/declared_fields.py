@@ -88,21 +88,22 @@ class Quantity:
         has_largest = math.isfinite(self.le)
         if self.unit != "rad" or not has_largest or abs(number) <= math.pi:
             return ""
-        lowest, highest = self.in_degrees.ends
+        lowest, highest = self.in_display_unit.ends
         if not lowest <= number <= highest:
             return ""
         degrees = math.degrees(number)
         return f": {number:g} rad is {degrees:.4g} deg; did you mean {name}_deg={number:g}?"
 
     @property
-    def in_degrees(self) -> "Quantity":
-        """The same quantity of unit rad or rad/s, given in degrees."""
+    def in_display_unit(self) -> "Quantity":
+        """The same quantity in the unit in which people read and type it."""
+        display = self.display
         return dataclasses.replace(
             self,
-            unit=self.display.name,
-            ge=math.degrees(self.ge),
-            gt=math.degrees(self.gt),
-            le=math.degrees(self.le),
+            unit=display.name,
+            ge=display.from_si(self.ge),
+            gt=display.from_si(self.gt),
+            le=display.from_si(self.le),
         )
 
     @property
@@ -113,8 +114,8 @@ class Quantity:
     @property
     def as_typed(self) -> "Quantity":
         """The quantity as people type it: angles in degrees."""
-        if self.display.is_in_degrees:
-            return self.in_degrees
+        if self.display.differs_from_si:
+            return self.in_display_unit
         return self
 
     @property
@@ -188,9 +189,9 @@ class Field:
         return display_unit(self.unit)
 
     @property
-    def name_in_degrees(self) -> str | None:
+    def display_name(self) -> str | None:
         """Name that gives it in degrees, if it is an angle or the rate of one."""
-        if not self.display.is_in_degrees:
+        if not self.display.differs_from_si:
             return None
         return self.name + self.display.ending
 
@@ -251,12 +252,12 @@ def quantities_of(kind: type) -> Mapping[str, Quantity]:
 
 
 @functools.cache
-def degrees_of(kind: type) -> Mapping[str, str]:
+def display_names_of(kind: type) -> Mapping[str, str]:
     """Return the names that give a class's angles and their rates in degrees, with the fields that they stand for."""
     names: dict[str, str] = {}
     for name, field in fields_of(kind).items():
-        if field.name_in_degrees is not None:
-            names[field.name_in_degrees] = name
+        if field.display_name is not None:
+            names[field.display_name] = name
     return types.MappingProxyType(names)
 
 

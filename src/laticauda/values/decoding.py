@@ -12,7 +12,7 @@ from laticauda.values.class_choice import ClassChoice, class_choice_of, class_of
 from laticauda.values.extensions import Extensible, Unknown, name_of
 from laticauda.values.file_tables import BadKey, Table, arguments_of, check_keys, path_to, table_of
 from laticauda.values.former_keys import with_new_names
-from laticauda.values.quantities import degrees_of, fields_of
+from laticauda.values.quantities import display_names_of, fields_of
 
 T = TypeVar("T")
 
@@ -176,7 +176,7 @@ def updated(original: T, table: object, at: str = "") -> T:
 def _decode_object(kind: type[Any], table: Table, at: str, original: Any = None) -> Any:
     """Make an object of this class; fields missing from the table are those of the original, if given."""
     table = with_new_names(kind, table)
-    fields, names_in_degrees = fields_of(kind), degrees_of(kind)
+    fields, names_in_degrees = fields_of(kind), display_names_of(kind)
     check_keys(table, [*fields, *names_in_degrees], at)
     degrees = {key: number for key, number in table.items() if key in names_in_degrees}
     fields_in_degrees = {names_in_degrees[key] for key in degrees}

@@ -24,7 +24,7 @@ class DisplayUnit:
     """What one of this unit is in the SI unit."""
 
     @property
-    def is_in_degrees(self) -> bool:
+    def differs_from_si(self) -> bool:
         """Whether it differs from the unit of calculations."""
         return bool(self.ending)
 
@@ -46,7 +46,7 @@ def _in_degrees(name: str, ending: str) -> DisplayUnit:
     )
 
 
-ANGLE_UNITS: Mapping[str, DisplayUnit] = MappingProxyType(
+DISPLAY_UNITS: Mapping[str, DisplayUnit] = MappingProxyType(
     {
         "rad": _in_degrees("deg", "_deg"),
         "rad/s": _in_degrees("deg/s", "_deg_s"),
@@ -61,4 +61,4 @@ def display_unit(unit: str) -> DisplayUnit:
     Args:
         unit: Its unit in calculations; "" for a pure number.
     """
-    return ANGLE_UNITS.get(unit, DisplayUnit(unit))
+    return DISPLAY_UNITS.get(unit, DisplayUnit(unit))

@@ -75,8 +75,8 @@ def _table_of_fields(value: Any) -> Table:
         if _is_omitted(content, field):
             continue
         degrees = _exact_degrees(content, field)
-        if degrees is not None and field.name_in_degrees is not None:
-            table[field.name_in_degrees] = degrees
+        if degrees is not None and field.display_name is not None:
+            table[field.display_name] = degrees
             continue
         encoded = encode(content, field.hint)
         if encoded != {} or field.default_factory is MISSING:
@@ -94,7 +94,7 @@ def _is_omitted(content: Any, field: Field) -> bool:
 
 def _exact_degrees(content: Any, field: Field) -> float | None:
     """Return an angle in degrees if that converts back to exactly the same number, otherwise None."""
-    if field.name_in_degrees is None or not isinstance(content, float):
+    if field.display_name is None or not isinstance(content, float):
         return None
     degrees = round(math.degrees(content), DEGREES_DIGITS)
     if math.radians(degrees) != content:

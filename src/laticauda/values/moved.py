@@ -34,7 +34,6 @@ PLACES = {
     "logs": "trials.logs",
     "mujoco_water": "water.mujoco",
     "operate": "tank.operate",
-    "operate.course": "tank.operate.procedure",
     "packaging": "values.packaging",
     "pictures": "show.pictures",
     "planar": "models.planar",
@@ -48,6 +47,8 @@ PLACES = {
     "trial": "trials",
 }
 """Where the packages and modules of 0.2 are now, both without `laticauda.`; what was inside moved with them."""
+RENAMED_INSIDE = {"operate.course": "tank.operate.procedure"}
+"""Packages inside moved ones that have another name now, likewise."""
 FORMER_PACKAGES = {old: f"laticauda.{new}:" for old, new in PLACES.items() if "." not in old}
 """Those that were attributes of laticauda, `lc.logs`, for `packaging.renamed_names`."""
 NOT_ERRORS = {
@@ -74,6 +75,8 @@ NOT_ERRORS = {
 
 def accept_former_paths() -> None:
     """Let modules be imported by their names of 0.2, too."""
-    moved_modules({f"laticauda.{old}": f"laticauda.{new}" for old, new in PLACES.items()})
+    moved_modules(
+        {f"laticauda.{old}": f"laticauda.{new}" for old, new in (PLACES | RENAMED_INSIDE).items()}
+    )
     elsewhere = {old: f"laticauda.values.{new}" for old, new in NOT_ERRORS.items()}
     cast(Any, errors).__getattr__ = renamed_names(errors.__name__, elsewhere)

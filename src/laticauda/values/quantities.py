@@ -7,7 +7,7 @@
 
 Such a value is a frozen, keyword-only dataclass that checks each of its fields once, by type and
 declared range. Files, flags, sweeps, FMUs, pages, the reference and help read the declarations
-with `fields_of`, a `Field` by name; `quantities_of`, `texts_of`, `hints_of` and `degrees_of` give
+with `fields_of`, a `Field` by name; `quantities_of`, `texts_of`, `hints_of` and `display_names_of` give
 single parts of these.
 """
 
@@ -24,7 +24,7 @@ from laticauda.values.declared_fields import (
     Check,
     Field as Field,
     Quantity as Quantity,
-    degrees_of as degrees_of,
+    display_names_of as display_names_of,
     fields_of as fields_of,
     hints_of as hints_of,
     quantities_of as quantities_of,
@@ -132,20 +132,20 @@ def value_class(kind: Kind) -> Kind:
 
     kind.__post_init__ = check_fields  # type: ignore[attr-defined]
     checked_class: Any = dataclass(frozen=True, kw_only=True)(kind)
-    if degrees_of(checked_class):
-        checked_class.__init__ = _accepting_degrees(checked_class.__init__)
+    if display_names_of(checked_class):
+        checked_class.__init__ = _accepting_display_units(checked_class.__init__)
     checked_class.__doc__ = docstring_with_fields(checked_class)
     checked_class._repr_html_ = value_as_table
     return checked_class
 
 
-def _accepting_degrees(init: Callable[..., None]) -> Callable[..., None]:
-    """Return an ``__init__`` that also takes angles in degrees."""
+def _accepting_display_units(init: Callable[..., None]) -> Callable[..., None]:
+    """Return an ``__init__`` that also takes numbers in display units, such as angles in degrees."""
 
     @functools.wraps(init)
-    def init_from_degrees(self: Any, **arguments: Any) -> None:
+    def init_from_display_units(self: Any, **arguments: Any) -> None:
         kind: type = self.__class__
-        names = degrees_of(kind)
+        names = display_names_of(kind)
         for key in names.keys() & arguments.keys():
             field = fields_of(kind)[names[key]]
             if field.name in arguments:
@@ -154,13 +154,14 @@ def _accepting_degrees(init: Callable[..., None]) -> Callable[..., None]:
             arguments[field.name] = _in_si_unit(field, key, arguments.pop(key))
         init(self, **arguments)
 
-    return init_from_degrees
+    return init_from_display_units
 
 
 def _in_si_unit(field: Field, key: str, number: Any) -> float | None:
     if number is None or field.quantity is None:
         return None
-    return math.radians(field.quantity.in_degrees.checked(key, number))
+    quantity = field.quantity
+    return quantity.display.to_si(quantity.in_display_unit.checked(key, number))
 
 
 # Names of 0.2, for one release.

@@ -35,7 +35,7 @@ def _make_slider(group: str, owner: object, name: str, slider_range: SliderRange
     """Return the slider of a field; the owner holds its initial value."""
     field = fields_of(type(owner))[name]
     initial_value = getattr(owner, name)
-    if field.display.is_in_degrees:
+    if field.display.differs_from_si:
         initial_value = round(field.display.from_si(initial_value), 9)
     variable = f"{group}.{name}"
     if group == "path":
