@@ -72,7 +72,7 @@ MODULES = [
     .replace("/", ".")
     .removesuffix(".__init__")
     for path in sorted(SOURCES.rglob("*.py"))
-    if "quantities import" in path.read_text()
+    if "value_class" in path.read_text()
 ]
 ENDLESS = {
     ("ModelPredictive", "power_limit"): "the gait may take any power",
