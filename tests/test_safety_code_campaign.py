@@ -32,6 +32,6 @@ def test_what_no_test_runs_is_listed_by_line_and_branch():
         row for row in rows if row[0].endswith("meter.py")
     )
     not_run = [lines[int(line)].strip() for line in missing.split()]
-    assert 'return word.encode("ascii") + END' in not_run
+    assert 'return question.encode("ascii") + END' in not_run
     assert 'return f"{current:.6E},ADC,NORMAL,NONE"' not in not_run
-    assert 80 < statements and branches == 14 and "->" in ways
+    assert 80 < statements and branches > 10 and "->" in ways
