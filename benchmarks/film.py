@@ -16,22 +16,21 @@ from _timing import print_load
 FILM = """
 import math, resource, sys, time
 import laticauda as lc
-from laticauda.show.pictures import render
 
 gait = lc.eel_like(amplitude=math.radians(30), frequency=math.radians(110), phase_shift=math.radians(40))
 trial = lc.swim(lc.load_robot("mamba-modules-fin"), gait, duration=float(sys.argv[2]))
 try:
-    from laticauda.show.pictures.camera import Film
-    settings = {"film": Film(size=(640, 360))}
-except ImportError:  # as it was
-    settings = {"width": 640, "height": 360}
+    from laticauda.show.pictures import Film, render_film
+except ImportError:  # as it was in 0.2
+    from laticauda.pictures.camera import Film
+    from laticauda.pictures.render import video as render_film
 
 def processor():
     who = resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN
     return sum(used.ru_utime + used.ru_stime for used in map(resource.getrusage, who))
 
 began = time.perf_counter(), processor()
-render.video(trial, sys.argv[1], **settings)
+render_film(trial, sys.argv[1], Film(size=(640, 360)))
 print(time.perf_counter() - began[0], processor() - began[1])
 """
 

@@ -47,7 +47,8 @@ HUGE = 10**9
 PACKAGES = tuple(
     one.name for one in pkgutil.iter_modules(lc.__path__) if one.ispkg and one.name != "cli"
 )
-MODULES = ("hydrodynamics", "interfaces", "kinematics")  # that users import as they are
+MODULES = ("robot.hydrodynamics", "robot.kinematics", "scenarios.interfaces")
+"""Modules that users import as they are."""
 
 
 class Case(NamedTuple):

@@ -12,6 +12,9 @@ FORMER_NAMES = [
     ("laticauda.paper.scores", "scores", "score_study"),
     ("laticauda.models.simulate.numbers", "changed", "change_parameters"),
     ("laticauda.models.simulate.numbers", "parameters", "list_parameters"),
+    ("laticauda.show.pictures.render", "video", "render_film"),
+    ("laticauda.show.pictures.render", "still", "write_still"),
+    ("laticauda.models.spatial.mjcf", "spec", "build_spec"),
     ("laticauda.trials.feasibility", "feasibility", "judge_feasibility"),
 ]
 

@@ -105,8 +105,8 @@ def test_where_nothing_can_be_written_kernels_are_kept_until_the_program_ends_an
 def test_an_archive_is_refused_by_name(tmp_path):
     with zipfile.ZipFile(tmp_path / "swim.pyz", "w") as archive:
         archive.writestr("__main__.py", "import laticauda")
-        for file in PACKAGE.glob("*.py"):
-            archive.write(file, f"laticauda/{file.name}")
+        for file in PACKAGE.rglob("*.py"):
+            archive.write(file, Path("laticauda") / file.relative_to(PACKAGE))
     environment = {**os.environ, "PYTHONPATH": ""}
     done = subprocess.run(
         [sys.executable, tmp_path / "swim.pyz"], capture_output=True, text=True, env=environment

@@ -10,7 +10,8 @@ import pytest
 
 import laticauda as lc
 from laticauda.cli.studies import _text
-from laticauda.studies import Front, Optimization, optimization, optimize, sweep
+from laticauda.studies import Front, Optimization, optimization, optimize
+from laticauda.studies.point_trials import QUANTITIES
 
 SHORT = "--duration 1 --budget 24 --population 12 --output a"
 
@@ -172,7 +173,7 @@ def test_a_front_at_an_end_of_a_range_says_how_many_points_lie_there(
 ):
     sought = sought_at_an_end()
     values = np.array([[np.radians(20.0), 1.0], [np.radians(20.0), 2.0], [np.radians(15.0), 2.0]])
-    figures = {name: np.arange(3.0) for name in sweep.QUANTITIES}
+    figures = {name: np.arange(3.0) for name in QUANTITIES}
     front = Front(
         optimization=sought, values=values, figures=figures, n_trials=9, n_infeasible=0, seed=0
     )

@@ -172,6 +172,16 @@ def test_memory_that_cannot_be_kept_in_place_is_said(monkeypatch):
     assert granted.endswith("and memory that may be swapped out.")
 
 
+def test_a_system_without_a_way_to_keep_memory_in_place_is_said_too(monkeypatch):
+    def refuse_to_load(name: None) -> None:
+        raise OSError("no such library")
+
+    monkeypatch.setattr("ctypes.CDLL", refuse_to_load)
+    with urgent() as granted:
+        pass
+    assert granted.endswith("and memory that may be swapped out.")
+
+
 def test_a_driver_written_before_may_use_the_former_name_of_what_it_received():
     worker = Idle()
     with pytest.warns(DeprecationWarning, match="_received"):

@@ -17,7 +17,7 @@ from laticauda.models.spatial.mjcf_parts import add_bodies, add_sensors, add_ser
 from laticauda.models.spatial.surroundings import add_surroundings
 from laticauda.robot import Environment, Robot, Scene, Water, check_fits
 from laticauda.scenarios import Spatial
-from laticauda.values import check_choice, check_instance, load_mujoco, write
+from laticauda.values import check_choice, check_instance, load_mujoco, renamed_names, write
 
 ROOTS = ("free", "planar")
 """How module 0 can be held."""
@@ -27,6 +27,8 @@ TIMESTEP = 2e-3
 """Time step of a model for plain MuJoCo [s]."""
 DEPTH = 0.5
 """Initial depth of a robot if its water specifies none: far from surface and floor [m]."""
+
+__getattr__ = renamed_names(__name__, {"spec": "build_spec"})
 
 
 def build_spec(

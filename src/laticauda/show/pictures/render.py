@@ -17,12 +17,14 @@ from laticauda.show.pictures.posture import Posture, interpolate_posture
 from laticauda.show.pictures.stage import Picture, Studio
 from laticauda.show.pictures.video import check_video, write_video
 from laticauda.trials import Trial
-from laticauda.values import BadArgument, check_positive, check_within, write
+from laticauda.values import BadArgument, check_positive, check_within, renamed_names, write
 
 LINE_WIDTH = 0.0045
 """Width of the lines, in widths of the picture."""
 Progress = Callable[[float], None]
 """Called with the filmed duration of a trial [s]."""
+
+__getattr__ = renamed_names(__name__, {"video": "render_film", "still": "write_still"})
 
 
 def ignore_progress(duration: float) -> None:

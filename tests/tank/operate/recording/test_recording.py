@@ -89,6 +89,14 @@ def test_a_viewer_is_shown_the_joint_of_a_driven_fin(tmp_path):
     assert shown.content["position"][-1] == 0.4
 
 
+def test_a_viewer_is_shown_a_single_marker_without_a_turn(tmp_path):
+    with OperationRecorder(tmp_path / "a.mcap", Header(run=RUN)) as recorder:
+        recorder.record(PoseSample(time=0.1, position=np.array([0.1, 0.2, 0.3])))
+    (shown,) = open_recording(tmp_path / "a.mcap").messages("/mocap/body")
+    assert shown.content["pose"]["position"] == {"x": 0.1, "y": 0.2, "z": 0.3}
+    assert shown.content["pose"]["orientation"] == {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
+
+
 def test_samples_come_back_bit_for_bit_in_the_order_of_their_arrival(tmp_path):
     samples = [
         JointSample(time=0.1, angle=np.full(8, 1.0 / 3.0), rate=np.arange(8.0), torque=None),

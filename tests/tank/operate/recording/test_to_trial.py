@@ -1,5 +1,6 @@
 """What a trial has of a recording that was put together by hand, so that every number in it is known."""
 
+import datetime
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +13,7 @@ from laticauda.control.estimation import (
     Estimate,
     JointSample,
     KinematicEstimator,
+    Learned,
     PoseSample,
     ReferenceSample,
 )
@@ -84,6 +86,18 @@ def test_what_a_driven_fin_does_are_signals_and_its_work_counts():
     assert alone.work[-1] == pytest.approx(N * 2.0 * 0.5 * 0.3)
     assert trial.work[-1] == pytest.approx((N + 1) * 2.0 * 0.5 * 0.3)
     assert "fin_angle_0" not in alone.signals and "fin_angle_ref" not in alone.signals
+
+
+def test_a_trial_says_when_it_was_recorded_and_what_was_learned_last():
+    learned = [
+        Learned(time=time, value={"c_n": c_n}, deviation={"c_n": 0.5})
+        for time, c_n in ((0.1, 7.0), (0.2, 8.0))
+    ]
+    log = log_of(FINNED, *estimates(FINNED), *learned)
+    noon = datetime.datetime(2026, 7, 1, 12, tzinfo=datetime.UTC)
+    trial = trial_of(replace(log, epoch=int(noon.timestamp()) * 10**9))
+    assert datetime.datetime.fromisoformat(trial.created) == noon
+    assert trial.settings["learned"] == "c n 8.0000 ± 0.9800"
 
 
 def replace_fin(sample: JointSample) -> JointSample:
