@@ -261,24 +261,33 @@ def sum_contacts(N, order, forces):
 
 @kernel
 def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, forces, sample):
-    """Write one sample of the log.
+    """Write one sample of the log: the state's rows, the motion of mass and body, the joints, the forces.
 
     `mass` is that of every body, 0 for those that are not the robot's; `order` holds the body of
     each link.
     """
-    n = N[N_LINKS]
+    copy_numbers(X, sample[:STATE_ROWS])
+    write_center_of_mass(N, mass, order[0], sample[STATE_ROWS:])
+    write_attitude(N, order, qpos, links, sample[STATE_ROWS:])
+    first_joint = STATE_ROWS + SAMPLE_HEADER + N[N_LINKS]
+    copy_numbers(links[: N[N_LINKS]], sample[STATE_ROWS + SAMPLE_HEADER : first_joint])
+    first_force = first_joint + 4 * J.shape[0]
+    write_joints(N, R, U, qpos, qvel, sample[first_joint:first_force])
+    copy_numbers(forces, sample[first_force:])
+
+
+@kernel
+def write_center_of_mass(N, mass, root, motion):
+    """Write the center of mass of the robot, whose first body is `root`, and its velocity."""
     bodies = N[N_BODIES]
     com = field(N[DATA], N[AT.subtree_com], 3 * bodies)
     cvel = field(N[DATA], N[AT.cvel], 6 * bodies)
     xipos = field(N[DATA], N[AT.xipos], 3 * bodies)
-    xmat = field(N[DATA], N[AT.xmat], 9 * bodies)
-    copy_numbers(X, sample[:STATE_ROWS])
-    o = STATE_ROWS
-    c = 3 * order[0]
+    c = 3 * root
     total = 0.0
     for k in range(3):
-        sample[o + COM + k] = com[c + k]
-        sample[o + COM_RATE + k] = 0.0
+        motion[COM + k] = com[c + k]
+        motion[COM_RATE + k] = 0.0
     for b in range(1, bodies):
         rx = xipos[3 * b] - com[c]
         ry = xipos[3 * b + 1] - com[c + 1]
@@ -286,16 +295,23 @@ def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, forces, sample):
         wx = cvel[6 * b]
         wy = cvel[6 * b + 1]
         wz = cvel[6 * b + 2]
-        sample[o + COM_RATE] += mass[b] * (cvel[6 * b + 3] + wy * rz - wz * ry)
-        sample[o + COM_RATE + 1] += mass[b] * (cvel[6 * b + 4] + wz * rx - wx * rz)
-        sample[o + COM_RATE + 2] += mass[b] * (cvel[6 * b + 5] + wx * ry - wy * rx)
+        motion[COM_RATE] += mass[b] * (cvel[6 * b + 3] + wy * rz - wz * ry)
+        motion[COM_RATE + 1] += mass[b] * (cvel[6 * b + 4] + wz * rx - wx * rz)
+        motion[COM_RATE + 2] += mass[b] * (cvel[6 * b + 5] + wx * ry - wy * rx)
         total += mass[b]
     for k in range(3):
-        sample[o + COM_RATE + k] /= total
+        motion[COM_RATE + k] /= total
+
+
+@kernel
+def write_attitude(N, order, qpos, links, motion):
+    """Write heading, its rate and pitch, which are means over the links, and the orientation of module 0."""
+    n = N[N_LINKS]
+    cvel = field(N[DATA], N[AT.cvel], 6 * N[N_BODIES])
+    xmat = field(N[DATA], N[AT.xmat], 9 * N[N_BODIES])
     heading = 0.0
     heading_rate = 0.0
     pitch = 0.0
-    at = o + SAMPLE_HEADER
     for i in range(n):
         b = order[i]
         x = xmat[9 * b]
@@ -307,27 +323,31 @@ def write_sample(N, X, J, R, U, mass, order, qpos, qvel, links, forces, sample):
         heading += links[i]
         pitch -= np.arctan2(z, (x * x + y * y) ** 0.5)
         heading_rate += (x * (wz * x - wx * z) - y * (wy * z - wz * y)) / (x * x + y * y)
-        sample[at + i] = links[i]
-    sample[o + HEADING] = heading / n
-    sample[o + HEADING_RATE] = heading_rate / n
-    sample[o + MEAN_PITCH] = pitch / n
+    motion[HEADING] = heading / n
+    motion[HEADING_RATE] = heading_rate / n
+    motion[MEAN_PITCH] = pitch / n
     if N[IS_PLANAR]:
-        sample[o + ORIENTATION] = np.cos(0.5 * links[0])
-        sample[o + ORIENTATION + 1] = 0.0
-        sample[o + ORIENTATION + 2] = 0.0
-        sample[o + ORIENTATION + 3] = np.sin(0.5 * links[0])
+        motion[ORIENTATION] = np.cos(0.5 * links[0])
+        motion[ORIENTATION + 1] = 0.0
+        motion[ORIENTATION + 2] = 0.0
+        motion[ORIENTATION + 3] = np.sin(0.5 * links[0])
     else:
         for k in range(4):
-            sample[o + ORIENTATION + k] = qpos[3 + k]
-    at += n
-    for first, count in ((0, n - 1), (n - 1, J.shape[0] - (n - 1))):
+            motion[ORIENTATION + k] = qpos[3 + k]
+
+
+@kernel
+def write_joints(N, R, U, qpos, qvel, joints):
+    """Write angle, rate, reference and torque: of all joints between links, then of all others."""
+    between_links = N[N_LINKS] - 1
+    at = 0
+    for first, count in ((0, between_links), (between_links, R.shape[1] - between_links)):
         for i in range(count):
-            sample[at + i] = qpos[N[N_BASE_QPOS] + first + i]
-            sample[at + count + i] = qvel[N[N_BASE_QVEL] + first + i]
-            sample[at + 2 * count + i] = R[0, first + i]
-            sample[at + 3 * count + i] = U[first + i]
+            joints[at + i] = qpos[N[N_BASE_QPOS] + first + i]
+            joints[at + count + i] = qvel[N[N_BASE_QVEL] + first + i]
+            joints[at + 2 * count + i] = R[0, first + i]
+            joints[at + 3 * count + i] = U[first + i]
         at += 4 * count
-    copy_numbers(forces, sample[at:])
 
 
 @kernel
