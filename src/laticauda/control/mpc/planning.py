@@ -244,14 +244,20 @@ def _cost_rate(
     problem: PlanProblem, casadi: Any, state: Any, f: Any, offset: Any, drift: Any, path: Any
 ) -> Any:
     """Return the cost per second. Far from the path, the distance counts linearly."""
-    x, y, psi, _, u, w = (state[i] for i in range(N_MOTION))
+    x, y, heading, _, forward_velocity, sideways_velocity = (state[i] for i in range(N_MOTION))
     path_x, path_y, path_angle = path[0], path[1], path[2]
-    c, s = casadi.cos(psi - path_angle), casadi.sin(psi - path_angle)
-    cp, sp = casadi.cos(path_angle), casadi.sin(path_angle)
-    error = cp * (y - path_y) - sp * (x - path_x)
-    along = u * c - w * s + drift[0] * cp + drift[1] * sp
-    across = u * s + w * c + drift[1] * cp - drift[0] * sp
-    cost = 2.0 * (casadi.sqrt(1.0 + (error / problem.cross_track_tolerance) ** 2) - 1.0)
+    cos_path, sin_path = casadi.cos(path_angle), casadi.sin(path_angle)
+    cross_track_error = cos_path * (y - path_y) - sin_path * (x - path_x)
+
+    # The velocity over ground, drift included, along the path and across it.
+    c, s = casadi.cos(heading - path_angle), casadi.sin(heading - path_angle)
+    swum_along = forward_velocity * c - sideways_velocity * s
+    swum_across = forward_velocity * s + sideways_velocity * c
+    along = swum_along + drift[0] * cos_path + drift[1] * sin_path
+    across = swum_across + drift[1] * cos_path - drift[0] * sin_path
+
+    distance_share = cross_track_error / problem.cross_track_tolerance
+    cost = 2.0 * (casadi.sqrt(1.0 + distance_share**2) - 1.0)
     cost += (across / problem.speed / problem.course_tolerance) ** 2
     cost += ((problem.speed - along) / problem.speed_tolerance) ** 2
     return cost + problem.model.power(f, offset) / problem.power_tolerance

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from laticauda import trials as trial
+from laticauda.trials import Format, Trial
 from laticauda.trials.logs import c3d, column_maps, mat, qtm, tables, tabular
 from laticauda.trials.logs.measuring import build_measured_trial
 from laticauda.trials.logs.recording import failures_of
@@ -11,7 +11,7 @@ from laticauda.values import TrialFileError, files
 
 def load_trial(
     path: str | Path, columns: str | Path | column_maps.ColumnMap | None = None
-) -> trial.Trial:
+) -> Trial:
     """Read a trial from a file that `Trial.save` wrote, or build one from an external log.
 
     A log is CSV, TSV, Parquet, .mat, C3D, or a TSV export of Qualisys Track Manager; the how-to
@@ -45,16 +45,16 @@ def load_trial(
         return build_measured_trial(table, column_map, source=path.name)
 
 
-def _load_own_file(path: Path) -> trial.Trial:
+def _load_own_file(path: Path) -> Trial:
     """Read a trial from a file that laticauda wrote."""
-    file_format = trial.Format.of(path)
+    file_format = Format.of(path)
     if not file_format.is_whole:
         raise TrialFileError(
             f"Cannot load {path}: a {path.suffix} file does not state the robot; give a column map "
             "(`columns`, on the command line --columns). Measured speeds are for `laticauda identify --table`."
         )
     with failures_of(path):
-        return trial.Trial.from_dataset(file_format.read(path))
+        return Trial.from_dataset(file_format.read(path))
 
 
 def read_table(path: Path, separator: str | None = None, decimal: str = ".") -> tables.Table:

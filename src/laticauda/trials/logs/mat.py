@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from laticauda import trials as trial
+from laticauda.trials import Format
 from laticauda.trials.arrays import Samples
 from laticauda.trials.dataset import assembled, describe_series
 from laticauda.values import files, optional_import
@@ -31,7 +31,7 @@ TEXTS = ("scenario", "status")
 """Texts of a trial that also are variables of their own, for people to read."""
 
 
-class MatFile(trial.Format):
+class MatFile(Format):
     """After ``load run.mat`` there is one variable per time series, with time along its rows.
 
     For example, ``joint_angle(:, 1)`` is the angle of the tail-most joint and ``units.joint_angle``

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from laticauda import robot, scenarios, trials as trial
+from laticauda import robot, scenarios
 from laticauda.robot import kinematics
-from laticauda.trials import dataset, metrics
+from laticauda.trials import Trial, dataset, metrics
 from laticauda.trials.arrays import Samples
 from laticauda.trials.logs import tabular
 from laticauda.trials.logs.column_maps import ColumnMap
@@ -33,7 +33,7 @@ RATES = {
 """Time series whose rate is part of a trial, with the name of the rate."""
 
 
-def build_measured_trial(table: Table, column_map: ColumnMap, source: str) -> trial.Trial:
+def build_measured_trial(table: Table, column_map: ColumnMap, source: str) -> Trial:
     """Build a trial from an external log.
 
     What was not measured is listed in the trial's `not_measured`, and figures that need it raise an
@@ -69,7 +69,7 @@ def build_measured_trial(table: Table, column_map: ColumnMap, source: str) -> tr
         name: log.fill(column, log.read(column)) for name, column in column_map.signals.items()
     }
     notes["filled_samples"] = int(np.count_nonzero(log.has_gap))
-    return trial.Trial.measured(
+    return Trial.measured(
         arrays,
         signals=signals,
         scenario=_describe_experiment(column_map, notes),
@@ -164,7 +164,7 @@ def _describe_gaps(log: MeasuredLog) -> str:
 # ---- tables that laticauda wrote -----------------------------------------------------------------
 
 
-def _read_own_table(table: Table, experiment: scenarios.Experiment) -> trial.Trial:
+def _read_own_table(table: Table, experiment: scenarios.Experiment) -> Trial:
     """Read a CSV file that laticauda wrote: every number unchanged, with robot and gait from the map."""
     columns: dict[str, Samples] = {}
     for name_and_unit, values in table.columns.items():
@@ -184,4 +184,4 @@ def _read_own_table(table: Table, experiment: scenarios.Experiment) -> trial.Tri
         if name == dataset.ELECTRICAL or name.startswith(series.SIGNAL):
             arrays[name] = values
     log = series.log_of(arrays)
-    return trial.Trial(**vars(log), scenario=experiment, version=version("laticauda"))
+    return Trial(**vars(log), scenario=experiment, version=version("laticauda"))

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from laticauda import trials as trial
+from laticauda.trials import Format
 from laticauda.trials.dataset import MARK, read_epoch
 from laticauda.values import files
 
@@ -30,7 +30,7 @@ SEAL_LENGTH = len(SEAL) + 64
 """Length of the mark and the checksum [bytes]."""
 
 
-class NetCdfFile(trial.Format):
+class NetCdfFile(Format):
     """The Dataset, unchanged."""
 
     called: ClassVar[str] = "nc"

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from laticauda import trials as trial
+from laticauda.trials import Format
 from laticauda.trials.arrays import Samples
 from laticauda.trials.dataset import AXES, assembled, describe_series
 from laticauda.values import files, optional_import
@@ -36,7 +36,7 @@ class TableColumn(NamedTuple):
     values: Samples
 
 
-class CsvFile(trial.Format):
+class CsvFile(Format):
     """Columns are named like `joint_angle_0 [rad]`; 0 is the tail."""
 
     called: ClassVar[str] = "csv"
@@ -50,7 +50,7 @@ class CsvFile(trial.Format):
         path.write_bytes(text.encode())
 
 
-class ParquetFile(trial.Format):
+class ParquetFile(Format):
     """Pandas, Polars and DuckDB read its columns; `load_trial` reads everything."""
 
     called: ClassVar[str] = "parquet"
