@@ -111,6 +111,24 @@ class FollowingCase:
         return percent_change(self.free_velocity, run.steady_velocity)
 
 
+def read_simulated_velocity(case: FollowingCase) -> float:
+    """Return the forward velocity of the run that is shown [m/s].
+
+    Args:
+        case: Row of Table 2.
+    """
+    return case.run.forward_velocity
+
+
+def read_simulated_power(case: FollowingCase) -> float:
+    """Return the mechanical power of the run that is shown [W].
+
+    Args:
+        case: Row of Table 2.
+    """
+    return case.run.mechanical_power
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class HeldOutRun:
     """The trial of another publication, with the chosen joints and bandwidth and raw heading."""

@@ -11,7 +11,13 @@ from laticauda import scenarios
 from laticauda.motion import gaits
 from laticauda.paper.claims.printed_numbers import Numbers
 from laticauda.paper.fin_effect import find_fin_gains, simulate_band_gains
-from laticauda.paper.path_following import FollowingCase, FollowingRun, PathFollowingStudy
+from laticauda.paper.path_following import (
+    FollowingCase,
+    FollowingRun,
+    PathFollowingStudy,
+    read_simulated_power,
+    read_simulated_velocity,
+)
 from laticauda.trials import following as figures_of_path
 
 
@@ -42,7 +48,7 @@ def collect_following_numbers(study: PathFollowingStudy) -> Numbers:
         "convergence": convergence,
         "later_with_fin": [row.with_fin - row.without for row in convergence],
         "gain": [gain.measured.velocity for gain in gains],
-        "simulated_gain": [gain.simulated_change(_simulated_velocity) for gain in gains],
+        "simulated_gain": [gain.simulated_change(read_simulated_velocity) for gain in gains],
         "band_gain": all_band_gains,
         "spreads": {name: _spread_in_groups(study, figure) for name, figure in FIGURES.items()},
     }
@@ -66,19 +72,11 @@ def _measured_power(case: FollowingCase) -> float:
     return case.measured.mean_power
 
 
-def _simulated_velocity(case: FollowingCase) -> float:
-    return case.run.forward_velocity
-
-
-def _simulated_power(case: FollowingCase) -> float:
-    return case.run.mechanical_power
-
-
 FIGURES: dict[str, Callable[[FollowingCase], float]] = {
     "measured velocity": _measured_velocity,
     "measured power": _measured_power,
-    "simulated velocity": _simulated_velocity,
-    "simulated power": _simulated_power,
+    "simulated velocity": read_simulated_velocity,
+    "simulated power": read_simulated_power,
 }
 """Velocities [m/s] and powers [W] of a case, by the names that `claims.toml` uses."""
 

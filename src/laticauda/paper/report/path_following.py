@@ -15,6 +15,8 @@ from laticauda.paper.path_following import (
     HeldOutRun,
     PathFollowingStudy,
     group_by_law,
+    read_simulated_power,
+    read_simulated_velocity,
 )
 from laticauda.paper.report.chapter import build_paper_chapter
 from laticauda.paper.report.columns import build_row
@@ -143,7 +145,7 @@ def _describe_fin(gains: Sequence[FinGain[FollowingCase]]) -> dict[str, Any]:
         kind = gain.with_fin.group.gait
         changes = changes_by_kind.setdefault(kind, {"measured": [], "simulated": [], "band": []})
         changes["measured"].append(gain.measured.velocity)
-        changes["simulated"].append(gain.simulated_change(_simulated_velocity))
+        changes["simulated"].append(gain.simulated_change(read_simulated_velocity))
         changes["band"] += simulate_band_gains(gain)
     return changes_by_kind
 
@@ -319,20 +321,12 @@ def _build_loop_row(case: FollowingCase) -> Row:
 def _build_fin_row(gain: FinGain[FollowingCase]) -> Row:
     changes_in_band = simulate_band_gains(gain)
     velocity: Row = {
-        "simulated: v [%]": gain.simulated_change(_simulated_velocity),
+        "simulated: v [%]": gain.simulated_change(read_simulated_velocity),
         "band: lowest [%]": min(changes_in_band),
         "band: highest [%]": max(changes_in_band),
     }
-    power: Row = {"simulated: mechanical power [%]": gain.simulated_change(_simulated_power)}
+    power: Row = {"simulated: mechanical power [%]": gain.simulated_change(read_simulated_power)}
     return build_fin_row(gain.measured, setting={}, velocity=velocity, power=power)
-
-
-def _simulated_velocity(case: FollowingCase) -> float:
-    return case.run.forward_velocity
-
-
-def _simulated_power(case: FollowingCase) -> float:
-    return case.run.mechanical_power
 
 
 def _build_joules_table(study: PathFollowingStudy) -> list[Row]:
