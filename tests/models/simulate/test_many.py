@@ -138,6 +138,14 @@ def test_runs_of_many_samples_are_marched_in_parts_without_a_seam():
         check(swims, i, lc.swim(MAMBA, gait, 15.0, sample_interval=0.006))
 
 
+def test_a_long_run_whose_whole_block_diverges_early_has_no_figures():
+    water = replace(load_water("paper-lateral"), normal_drag=1e4)
+    choices = {"dt": 0.05, "sample_interval": 0.005}
+    swims = lc.swim_many(MAMBA, [GAIT], 30.0, environments=water, **choices)
+    assert swims.status[0] == lc.swim(MAMBA, GAIT, 30.0, environment=water, **choices).status
+    assert np.isnan(swims.forward_velocity[0])
+
+
 def test_a_law_that_branches_works_in_a_batch():
     def make_law(factor):  # that of the docs, so that its kernel for single runs is compiled once
         def law(v_t, v_n, across, rate, element):

@@ -124,6 +124,41 @@ def test_a_run_in_chunks_is_the_same_run(monkeypatch):
     np.testing.assert_array_equal(chunks.center_of_mass, whole.center_of_mass)
 
 
+@pytest.mark.parametrize(("interval", "instants"), [(5.0, [0.0, 5.0]), (np.inf, [0.0])])
+def test_nobody_decides_at_the_seams_of_a_run_in_chunks(monkeypatch, interval, instants):
+    whole = run(Counting(GAIT, interval, 1))
+    monkeypatch.setattr(runner, "LONGEST_SPAN", 50)
+    asked = []
+
+    @dataclass(frozen=True)
+    class Spy(Counting):
+        def step(self, state, observation):
+            asked.append(observation.time)
+            return super().step(state, observation)
+
+    trial = run(Spy(GAIT, interval, 1))
+    assert asked == pytest.approx(instants)
+    np.testing.assert_array_equal(trial.signals["asked"], whole.signals["asked"])
+    np.testing.assert_array_equal(trial.center_of_mass, whole.center_of_mass)
+
+
+def test_a_run_in_chunks_may_only_end_at_a_control_instant(monkeypatch):
+    monkeypatch.setattr(runner, "LONGEST_SPAN", 50)
+    assert run(TurnAfter(GAIT, np.inf, 1000), until=lambda seen: True).time[-1] == 10.0
+    cut = run(TurnAfter(GAIT, 5.0, 1000), until=lambda seen: True)
+    assert cut.scenario.duration == cut.time[-1] == 5.0
+
+
+@pytest.mark.parametrize("delay", [1.2, 3.2])
+def test_a_late_command_acts_once_in_a_run_in_chunks(monkeypatch, delay):
+    plant = lc.build_plant(load_robot("mamba"), load_water("paper-lateral"), loop_delay=delay)
+    whole = lc.run(plant, TurnAfter(GAIT, 5.0, 1), 15.0)
+    monkeypatch.setattr(runner, "LONGEST_SPAN", 50)
+    chunks = lc.run(plant, TurnAfter(GAIT, 5.0, 1), 15.0)
+    np.testing.assert_allclose(chunks.time, whole.time, atol=1e-12)
+    np.testing.assert_allclose(chunks.center_of_mass, whole.center_of_mass, atol=1e-12)
+
+
 def test_a_trial_without_a_gait_needs_a_controller_to_go_on():
     trial = lc.swim(load_robot("mamba"), GAIT, duration=1.0)
     unknown = Experiment(robot=trial.robot, environment=trial.environment)

@@ -225,30 +225,45 @@ def _march(
     n_intervals: int,
     log: np.ndarray,
 ) -> Block:
-    """Simulate up to WIDTH runs of one kind side by side, starting from their rows."""
+    """Simulate up to WIDTH runs of one kind side by side, starting from their rows.
+
+    A long run takes several calls of the kernel, one after the other, which all write to the same `log`.
+    """
     every = plant.steps_in(duration / n_intervals)
     dt = duration / n_intervals / every
-    paths: list[np.ndarray] = []
+    march = plant.kernels_of(WIDTH).run
+    path: np.ndarray | None = None
+    if n_intervals > SAMPLES_PER_CALL:
+        path = _path_without_samples(log, duration, n_intervals)
     is_well = np.full(WIDTH, True)
     n_samples = np.zeros(WIDTH, dtype=int)
     for first in range(0, n_intervals, SAMPLES_PER_CALL):
         count = min(SAMPLES_PER_CALL, n_intervals - first)
         part = log[: count + 1]
-        plant.kernels_of(WIDTH).run(
-            S, *plant.layout.chain, plant.is_implicit, count * every, dt, every, part
-        )
+        n_logged = march(S, *plant.layout.chain, plant.is_implicit, count * every, dt, every, part)
         n_written = np.real(_numbers(S[rows.SAMPLES])).astype(int)
         # The first sample of a further part is the last one of the part before.
-        n_new = n_written if first == 0 else np.maximum(n_written - 1, 0)
-        n_samples += is_well * n_new
+        n_repeated = 0 if first == 0 else 1
+        n_samples += is_well * np.maximum(n_written - n_repeated, 0)
         is_well &= n_written == count + 1
-        if n_intervals > SAMPLES_PER_CALL:
-            paths.append(_numbers(part[0 if first == 0 else 1 :]).copy())
+        if path is not None:
+            path[first + n_repeated : first + n_logged] = _numbers(part[n_repeated:n_logged])
         if not is_well.any():
             break
-    path = np.concatenate(paths) if paths else _numbers(log)
+    if path is None:
+        path = _numbers(log)
     n = index.size
     return block_of(index, path[..., :n], _numbers(S)[:, :n], n_samples[:n])
+
+
+def _path_without_samples(log: np.ndarray, duration: float, n_intervals: int) -> np.ndarray:
+    """Return the path of a block of long runs before it is known: times only, all else nan.
+
+    It keeps its length when all runs of the block diverge, and the rest is never computed.
+    """
+    path = np.full((1 + n_intervals, *log.shape[1:]), np.nan, dtype=_numbers(log[:1]).dtype)
+    path[:, 0] = np.linspace(0.0, duration, 1 + n_intervals)[:, np.newaxis]
+    return path
 
 
 def block_of(index: np.ndarray, path: np.ndarray, end: np.ndarray, n_samples: np.ndarray) -> Block:

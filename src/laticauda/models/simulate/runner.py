@@ -1,7 +1,9 @@
 """Simulation of plants over time, with their logs.
 
 A run is split into spans at the control instants, where controllers see their robots and decide. A
-command may take effect later, inside a span, which is then split into legs with one command each.
+long time between two control instants becomes several spans, only to report progress between them;
+nobody decides there. A command may take effect later, inside a span, which is then split into legs
+with one command each.
 `run_all` is the loop; `run`, `run_scenario`, `resume` and `swim` lead to it.
 """
 
@@ -49,7 +51,7 @@ March = Callable[[States, Sequence[Command], float, float], Marched]
 CLOSE = 1e-9
 """Times closer than this are equal [s]."""
 LONGEST_SPAN = 2000
-"""Samples between two calls of `progress`: some tens of milliseconds of work."""
+"""Samples in a span, at most, so that `progress` is called every some tens of milliseconds of work."""
 
 
 def silent(*_: object) -> None:
@@ -205,19 +207,20 @@ def run_all(
     check([swimmer.state for swimmer in swimmers])
     control_interval = min(swimmer.controller.interval for swimmer in swimmers)
     failure: str | None = None
-    n_finished = 0
+    n_instants = 0
     now = 0.0
     for span in _spans(duration, sample_interval, control_interval):
-        observations = [swimmer.plant.observe(swimmer.state) for swimmer in swimmers]
-        if until is not None and n_finished and until(observations[0]):
-            duration = _cut(duration, control_interval, n_finished)
-            break
-        for swimmer, observation in zip(swimmers, observations):  # noqa: B905 - many times a second
-            swimmer.decide(observation, now, control_interval)
+        if span.begins_at_control_instant:
+            observations = [swimmer.plant.observe(swimmer.state) for swimmer in swimmers]
+            if until is not None and n_instants and until(observations[0]):
+                duration = _cut(duration, control_interval, n_instants)
+                break
+            for swimmer, observation in zip(swimmers, observations):  # noqa: B905 - many times a second
+                swimmer.decide(observation, now, control_interval)
+            n_instants += 1
         failure = _advance(swimmers, march, now, span)
         if failure is not None:
             break
-        n_finished += 1
         now = span.end
         progress(now)
     return [swimmer.trial(duration, failure) for swimmer in swimmers]
@@ -355,6 +358,8 @@ class _Span(NamedTuple):
     """Number of samples, the one at its end included."""
     end: float
     """Time reached at its end [s]."""
+    begins_at_control_instant: bool
+    """Whether the controllers decide at its begin."""
 
 
 def _spans(duration: float, sample_interval: float, control_interval: float) -> Iterator[_Span]:
@@ -369,11 +374,12 @@ def _spans(duration: float, sample_interval: float, control_interval: float) -> 
                 length=length * count / n_samples,
                 n_samples=count,
                 end=length * (i + (first + count) / n_samples),
+                begins_at_control_instant=first == 0,
             )
 
 
 def _cut(duration: float, control_interval: float, n_finished: int) -> float:
-    """Return the shortened duration of a run that ends after `n_finished` control instants [s].
+    """Return the shortened duration of a run that ends after `n_finished` control intervals [s].
 
     Repeated with this duration, the run has control instants at the same times to the last bit,
     if one of the neighboring floating-point numbers allows it.
@@ -444,7 +450,7 @@ def _changes_of_command(swimmers: Sequence[_Swimmer], now: float, length: float)
     changes: list[float] = []
     for swimmer in swimmers:
         for due, _ in swimmer.commands[1:]:
-            if due < now + length - CLOSE:
+            if now + CLOSE < due < now + length - CLOSE:
                 changes.append(due - now)
     return changes
 
