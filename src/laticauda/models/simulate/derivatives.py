@@ -8,6 +8,7 @@ in `laticauda.models.simulate.row_derivatives`.
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -81,6 +82,42 @@ def compute_slopes(
     return replace(result, figures=figures)
 
 
+class _DerivativeKey(NamedTuple):
+    """What decides how a number of the plant enters the rows of a run.
+
+    The waves of the gait and the offsets do not: they are rows of their own.
+    """
+
+    plant: int
+    """`id` of the plant."""
+    number: str
+    """Name of the number."""
+    recording: int
+    """`id` of the recorded motion, whose knots are rows; that of None without one."""
+    references: tuple[float, ...] | None
+    """Held references of the joints, see `Command`."""
+    enabled: tuple[bool, ...] | None
+    """Motors that are on, see `Command`."""
+    thrusts: tuple[float, ...] | None
+    """Commanded thrusts, see `Command`."""
+    deflections: tuple[float, ...] | None
+    """Commanded deflections, see `Command`."""
+
+    @classmethod
+    def of(cls, run: batch.Run, number: Number) -> "_DerivativeKey":
+        """Return that of a run and a number."""
+        command = run.command
+        return cls(
+            plant=id(run.plant),
+            number=number.name,
+            recording=id(command.gait.recorded),
+            references=command.references,
+            enabled=command.enabled,
+            thrusts=command.thrusts,
+            deflections=command.deflections,
+        )
+
+
 class _SharedWork:
     """What runs of a batch have in common, computed once.
 
@@ -90,14 +127,13 @@ class _SharedWork:
     """
 
     def __init__(self) -> None:
-        self._derivatives: dict[tuple[int, str, int], RowDerivative] = {}
-        """By plant, number and recorded motion."""
+        self._derivatives: dict[_DerivativeKey, RowDerivative] = {}
         self._plants: dict[int, model.PlanarPlant] = {}
         """Plants with extras, by the plant without."""
 
     def derivative_of(self, run: batch.Run, number: Number) -> RowDerivative:
         """Return how a number enters a run."""
-        key = id(run.plant), number.name, id(run.command.gait.recorded)
+        key = _DerivativeKey.of(run, number)
         if key in self._derivatives:
             return self._derivatives[key]
         if number.is_of_motion:

@@ -15,7 +15,7 @@ from jaxtyping import Float
 
 from laticauda.models.planar.batch import Run
 from laticauda.models.planar.model import PlanarPlant
-from laticauda.scenarios import Command, Scenario, Start
+from laticauda.scenarios import Scenario, Start
 from laticauda.trials import metrics
 
 Weights = Mapping[int, float]
@@ -137,7 +137,9 @@ def _input_after(run: Run, number: Number, change: float) -> _RunInput:
     if number.start is not None:
         start = number.start(number.value + change)
     plant = _plant_after(run.plant, before=number.scenario, after=scenario)
-    changed_run = replace(run, plant=plant, command=Command(gait=scenario.gait), start=start)
+    # All else of the command stays: thrusts, held references, switched-off motors.
+    command = replace(run.command, gait=scenario.gait)
+    changed_run = replace(run, plant=plant, command=command, start=start)
     return _RunInput(
         rows=changed_run.rows,
         weight=metrics.carried_weight(plant.robot, plant.environment),
