@@ -7,6 +7,7 @@ import laticauda as lc
 from laticauda.models.simulate import compute_sensitivities
 from laticauda.models.simulate.numbers import UNITS, change_parameters
 from laticauda.robot import Tether, load_robot, load_water
+from laticauda.scenarios import Command, OpenLoop
 from laticauda.water.fluid.laws import PolynomialDrag, TotalSpeedDrag
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.31, phase_shift=0.7, offset=0.03)
@@ -234,3 +235,38 @@ def test_modules_that_differ_have_no_common_number():
     odd = replace(robot, modules=(replace(robot.modules[0], mass=2.0), *robot.modules[1:]))
     with pytest.raises(ValueError, match=r"the same in all parts, got `robot\.module\.mass`"):
         compute_sensitivities(odd, GAIT, 1.0, names=["robot.module.mass"])
+
+
+def test_runs_of_a_held_command_are_differentiated_at_that_command():
+    """Commanded thrusts, held references and steering are part of the scenario that was run."""
+    robot = load_robot("mamba-thruster")
+    driven = replace(robot, thrusters=(replace(robot.thrusters[0], max_thrust=6.0),))
+    held = tuple(0.2 * np.sin(np.arange(driven.n_links - 1)))
+    commands = [
+        Command(gait=GAIT, thrusts=(2.0,)),
+        Command(gait=GAIT, thrusts=(4.0,)),  # on the same plant: nothing of the first is shared
+        Command(gait=GAIT, references=held, offset=0.05),
+    ]
+    scenario = lc.build_scenario(driven, GAIT, 2.0, joints="pd")
+    scenarios = [replace(scenario, motion=OpenLoop(command=command)) for command in commands]
+    names = ["robot.thruster.angle", "water.normal_drag"]
+    found = compute_sensitivities(scenarios, None, names=names)
+    step = 1e-5
+    for name, value in zip(names, found.point[0], strict=True):
+        after, before = (
+            lc.swim_many([change_parameters(each, {name: value + h}) for each in scenarios]).heading
+            for h in (step, -step)
+        )
+        np.testing.assert_allclose(
+            found.of("heading", name), (after - before) / (2.0 * step), rtol=1e-5
+        )
+
+
+def test_runs_of_one_plant_with_held_references_do_not_follow_the_gait():
+    robot = load_robot("mamba")
+    held = Command(gait=GAIT, references=tuple(0.2 * np.sin(np.arange(robot.n_links - 1))))
+    scenario = replace(
+        lc.build_scenario(robot, GAIT, 1.0, joints="pd"), motion=OpenLoop(command=held)
+    )
+    (alone,) = lc.swim_many([scenario]).heading
+    np.testing.assert_array_equal(lc.swim_many([scenario, scenario]).heading, [alone, alone])

@@ -321,9 +321,13 @@ def _wave_numbers(run: Run) -> list[float]:
 
 
 def _differ_in_waves(first: Run, run: Run) -> bool:
-    """Return whether two runs of a plant differ only in `GAIT_PARAMETERS`."""
+    """Return whether two runs of a plant differ only in the rows of `GAIT_PARAMETERS`.
+
+    Held references stand in other rows, and the gait is ignored.
+    """
     return (
-        first.start == run.start
+        first.command.references is None
+        and first.start == run.start
         and _are_same(first.command, run.command, but=("gait",))
         and _are_same(first.command.gait, run.command.gait, but=GAIT_PARAMETERS)
     )
