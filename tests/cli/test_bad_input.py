@@ -103,6 +103,9 @@ BAD = {
     "swim --resume text.toml": "Cannot load text.toml: it is not a netCDF file",
     "swim --resume a.nc --robot mamba": "--robot must not be given with --resume",
     "swim --resume a.nc --offset-deg 0": "--offset-deg must not be given with --resume",
+    "swim --resume a.nc --fps 0": "--fps must be > 0 1/s, got 0.",
+    "swim --resume a.nc --sample_interval -1": "--sample-interval must be > 0 s, got -1.",
+    "swim --resume a.nc --frames-per-second 3": "--frames-per-second must not be given with --resume",
     "swim --resume a.nc --link-forces": "--link-forces must not be given with --resume",
     # words
     "swim --amplitud-deg 3": "--amplitude-deg deg",

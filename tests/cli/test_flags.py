@@ -2,10 +2,22 @@ from dataclasses import fields, replace
 
 import pytest
 
-from laticauda.cli.flags import BadFlag, options_of, parse_command, spell_field, spell_flag
+from laticauda.cli.flags import (
+    BadFlag,
+    options_of,
+    parse_command,
+    spell_field,
+    spell_flag,
+    spell_option,
+    was_typed,
+)
+from laticauda.cli.identify import IdentificationTarget
+from laticauda.cli.runs import SwimOn
+from laticauda.cli.trial import Show
 from laticauda.motion.gaits import Gait, Wave, lateral_undulation
 from laticauda.robot import Water, load_water
-from laticauda.values.quantities import option, quantity, texts_of, value_class
+from laticauda.scenarios import Start
+from laticauda.values.quantities import fields_of, option, quantity, texts_of, value_class
 from laticauda.water.fluid.laws import PolynomialDrag
 
 
@@ -85,7 +97,38 @@ def test_an_argument_is_told_by_its_option():
     assert spell_field("angle", Draw()) == "--angle-deg"
     assert spell_field("at[1]", Draw()) == "--at"
     assert spell_field("sigma", Draw()) == "`sigma`"
-    assert set(options_of(Draw())) == {"angle", "sides", "is_open", "at", "label"}
+    names = {field.name for field in options_of(Draw())}
+    assert names == {"angle", "sides", "is_open", "at", "label"}
+
+
+def test_an_option_is_spelled_in_one_way_wherever_it_is_named():
+    names_in_messages = {
+        "interval": IdentificationTarget(),  # a scenario's has another flag
+        "frames_per_second": SwimOn(),
+        "file": Show(file="a.nc"),
+        "depth": Wiggle(gait=lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)),
+    }
+    spelled = [spell_field(name, command) for name, command in names_in_messages.items()]
+    assert spelled == ["--interval", "--fps", "FILE", "`depth`"]
+    start = fields_of(Start)
+    assert spell_option(start["pitch"]) == "--start-pitch-deg"
+    assert spell_option(start["center_of_mass"]) == "--position"
+
+
+@pytest.mark.parametrize(
+    ("words", "is_typed"),
+    [
+        ("--free-start", True),
+        ("--no-free-start", True),
+        ("--free_start", True),
+        ("--interval=2", True),
+        ("--columns a.toml", False),
+    ],
+)
+def test_an_option_counts_as_typed_however_it_is_written(words, is_typed):
+    options = fields_of(IdentificationTarget)
+    typed = [was_typed(options[name], words.split()) for name in ("free_start", "interval")]
+    assert any(typed) == is_typed
 
 
 @value_class

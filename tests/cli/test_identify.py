@@ -117,6 +117,8 @@ def test_bad_input_is_named(run, folder: Path, trials: Path):
     (folder / "bad.toml").write_text('kind = "identification"\nparameter = []\n')
     one, other = trials / "run-0.nc", trials / "other.nc"
     cases = {
+        "identify all.toml --no-free-start": "--free-start must not be given with all.toml",
+        "identify all.toml --free_start": "--free-start must not be given with all.toml",
         "identify all.toml --table1": "--table1 must not be given with all.toml, which defines all, got True.",
         "identify": "FILE must be one TOML task file, or at least one trial, got none.",
         f"identify {one}": "--parameters must name at least one parameter",

@@ -1,6 +1,12 @@
-"""How fields are called where people type them, and which fields of a command are options.
+"""Which fields of a command are options, and how each is spelled: help, messages and checks all ask here.
 
-``flag_names.toml`` lists the fields that have no flag or are called otherwise. An angle has the
+A command is a value, and its fields are options; if a field holds another declared value, such as
+a gait, the fields of that value are options, too. The classes of such values exist apart from
+commands: ``flag_names.toml`` lists those of their fields that have no flag, or one of another name.
+The fields of a class that is made for the command line (`Options`) all have flags of their own
+names.
+
+`spell_option` is the only place where a field gets the name that people type. An angle has the
 ending of its unit in degrees, see `laticauda.values.display_units`.
 """
 
@@ -10,11 +16,18 @@ from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, cast
+from typing import Any, ClassVar, cast
 
 import tyro
 
 from laticauda.values import Field, fields_of, read_toml, texts_of
+
+
+class Options:
+    """Base of commands and of groups of options: each of their fields is a flag of its own name."""
+
+    heading: ClassVar[str] = ""
+    """Heading of the group in the help; "" for the name of the class."""
 
 
 @dataclass(frozen=True)
@@ -31,15 +44,19 @@ class FlagNames:
     """What the flags of some fields of nested values are called."""
 
     def is_hidden(self, field: Field) -> bool:
-        """Return whether a field of a nested value has no flag."""
+        """Return whether a field has no flag although it could have one."""
+        if issubclass(field.owner, Options):
+            return False
         return field.name in self.hidden or name_with_class(field) in self.hidden
 
     def is_optional_wave(self, field: Field) -> bool:
         """Return whether a field holds a wave or None."""
         return name_with_class(field) in self.optional_waves
 
-    def spell(self, field: Field) -> str:
-        """Return what the flag of a field of a nested value is called, with underscores."""
+    def name_flag(self, field: Field) -> str:
+        """Return the name of a field's flag, with underscores and without the ending of a unit."""
+        if issubclass(field.owner, Options):
+            return field.name
         in_any_class = self.spelling.get(field.name, field.name)
         return self.spelling.get(name_with_class(field), in_any_class)
 
@@ -63,18 +80,44 @@ FLAG_NAMES = _read_flag_names()
 
 
 def spell_flag(name: str) -> str:
-    """Return an option as it is typed."""
+    """Return the flag of a name as it is typed: ``--sample-interval`` for ``sample_interval``."""
     return "--" + name.replace("_", "-")
 
 
-def was_typed(name: str, arguments: Sequence[str]) -> bool:
+def spell_option(field: Field) -> str:
+    """Return how an option is typed: its flag, or the word in the help that stands for a file without a flag.
+
+    Args:
+        field: Field of a command or a part of it.
+    """
+    if tyro.conf.Positional in marks_of(field.owner).get(field.name, ()):
+        return field.name.upper()
+    return spell_flag(FLAG_NAMES.name_flag(field) + field.display.ending)
+
+
+def spell_typed_flag(argument: str) -> str:
+    """Return the flag in an argument as `spell_option` spells it.
+
+    Args:
+        argument: Such as ``--sample_interval=0.1``: a value may follow, and underscores are
+            accepted like hyphens.
+    """
+    flag, _, _ = argument.partition("=")
+    return flag.replace("_", "-")
+
+
+def was_typed(field: Field, arguments: Sequence[str]) -> bool:
     """Return whether an option is among the arguments.
 
     Args:
-        name: Name of its field.
+        field: Field of a command or a part of it.
         arguments: What was typed.
     """
-    return any(argument.split("=")[0] == spell_flag(name) for argument in arguments)
+    flag = spell_option(field)
+    accepted_flags = [flag]
+    if field.hint is bool:
+        accepted_flags.append(flag.replace("--", "--no-", 1))
+    return any(spell_typed_flag(argument) in accepted_flags for argument in arguments)
 
 
 def is_declared(value: object) -> bool:
@@ -97,15 +140,20 @@ def parts_of(command: object) -> Iterator[Any]:
             yield from parts_of(content)
 
 
-def options_of(command: object) -> dict[str, Any]:
-    """Return the options of a command and its parts, by field name."""
-    options: dict[str, Any] = {}
+def options_of(command: object) -> tuple[Field, ...]:
+    """Return the fields of a command and its parts that can be typed.
+
+    Args:
+        command: Any command, or a part of one.
+    """
+    options: list[Field] = []
     for part in parts_of(command):
-        for field in fields(part):
-            content = getattr(part, field.name)
-            if not is_declared(content):
-                options[field.name] = content
-    return options
+        for field in fields_of(part.__class__).values():
+            is_internal = field.hint is Any
+            is_part = is_declared(getattr(part, field.name))
+            if not (is_internal or is_part or FLAG_NAMES.is_hidden(field)):
+                options.append(field)
+    return tuple(options)
 
 
 @cache
@@ -129,21 +177,12 @@ def spell_field(name: str, command: object) -> str:
         name: Name of an argument, with an index in brackets if it is one of several.
         command: Command that was running; None if the flags that are read first were at fault.
     """
-    option = FLAG_NAMES.option_of_argument.get(name, name).split("[")[0]
+    option_name = FLAG_NAMES.option_of_argument.get(name, name).split("[")[0]
     if command is None:
-        return spell_flag(option)
-    options = options_of(command)
-    for part in parts_of(command):
-        field = fields_of(part.__class__).get(option)
-        if field is not None and option in options:
-            return _spell_option(field)
-    if option in FLAG_NAMES.spelling:
-        return spell_flag(FLAG_NAMES.spelling[option])
+        return spell_flag(option_name)
+    for field in options_of(command):
+        if field.name == option_name:
+            return spell_option(field)
+    if option_name in FLAG_NAMES.spelling:
+        return spell_flag(FLAG_NAMES.spelling[option_name])
     return f"`{name}`"
-
-
-def _spell_option(field: Field) -> str:
-    if tyro.conf.Positional in marks_of(field.owner)[field.name]:
-        return field.name.upper()
-    name = FLAG_NAMES.spelling.get(field.name, field.name)
-    return spell_flag(name + field.display.ending)

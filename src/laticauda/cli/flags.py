@@ -13,13 +13,14 @@ import shutil
 import textwrap
 from collections.abc import Sequence
 from dataclasses import MISSING, dataclass, is_dataclass, replace
-from typing import Annotated, Any, ClassVar, TypeVar, get_origin
+from typing import Annotated, Any, TypeVar, get_origin
 
 import tyro
 from tyro.constructors import ConstructorRegistry, StructConstructorSpec, StructFieldSpec
 
 from laticauda.cli.flag_names import (
     FLAG_NAMES,
+    Options as Options,
     is_declared as is_declared,
     marked_types_of,
     marks_of as marks_of,
@@ -27,6 +28,8 @@ from laticauda.cli.flag_names import (
     parts_of as parts_of,
     spell_field as spell_field,
     spell_flag as spell_flag,
+    spell_option as spell_option,
+    spell_typed_flag as spell_typed_flag,
     was_typed as was_typed,
 )
 from laticauda.cli.flag_types import (
@@ -65,17 +68,6 @@ LISTED_LAST = "scenario"
 """Field whose many numbers, meant for specialists, are listed last in the help."""
 WIDTH = 110
 """Width of the help on a wide terminal [characters]."""
-
-
-class Options:
-    """Base of commands and of groups of options: each of their fields is a flag of its own name.
-
-    Fields of all other values, which exist apart from commands, may be hidden or called otherwise,
-    see `laticauda.cli.flag_names`.
-    """
-
-    heading: ClassVar[str] = ""
-    """Heading of the group in the help; "" for the name of the class."""
 
 
 def parse_command(
@@ -222,11 +214,9 @@ class _ValueMaker:
 
 def _flag_of(field: Field, default: Any) -> StructFieldSpec | None:
     """Return the flag of a field; None: it has none."""
-    name = field.name
-    if not issubclass(field.owner, Options):
-        if FLAG_NAMES.is_hidden(field):
-            return None
-        name = FLAG_NAMES.spell(field)
+    if FLAG_NAMES.is_hidden(field):
+        return None
+    name = FLAG_NAMES.name_flag(field)
     value = field.make_default()
     if default is not None:
         value = getattr(default, field.name)

@@ -17,7 +17,7 @@ from laticauda.cli.flags import (
     Options,
     Words,
     options_of,
-    spell_flag,
+    spell_option,
     was_typed,
 )
 from laticauda.cli.tables import format_table, parse_numbers
@@ -35,6 +35,7 @@ from laticauda.show.reports import (
 from laticauda.values import (
     BadArgument,
     check_choice,
+    fields_of,
     keys_of,
     option,
     quantity,
@@ -232,15 +233,16 @@ class Identify(Command):
 
     def _task_of_file(self, file: str) -> tasks.Task:
         """Return the task of a file, with the method as typed."""
-        defined_by_file = options_of(self.what) | options_of(self.fixed)
-        for name, value in defined_by_file.items():
-            if was_typed(name, self.arguments):
-                rule = f"must not be given with {file}, which defines all"
-                raise BadFlag(f"{spell_flag(name)} {rule}, got {value!r}.")
+        for part in (self.what, self.fixed):
+            for field in options_of(part):
+                if was_typed(field, self.arguments):
+                    rule = f"must not be given with {file}, which defines all"
+                    value = getattr(part, field.name)
+                    raise BadFlag(f"{spell_option(field)} {rule}, got {value!r}.")
         task = tasks.load_task(file)
         options = dict(task.options)
         for name in METHOD_OF_TASK:
-            if was_typed(name, self.arguments):
+            if was_typed(fields_of(Method)[name], self.arguments):
                 options[tasks.OPTIONS[name]] = getattr(self.method, name)
         return replace(task, options=options, name=self.name or task.name)
 

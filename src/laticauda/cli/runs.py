@@ -114,7 +114,7 @@ class Swim(Run):
     @classmethod
     def read(cls, arguments: Sequence[str], prog: str) -> Any:
         """Return the command that was typed; see `OfScenario.read`."""
-        if flags.was_typed("resume", arguments):
+        if flags.was_typed(fields_of(cls)["resume"], arguments):
             return SwimOn.read(arguments, prog)
         return super().read(arguments, prog)
 
@@ -161,12 +161,12 @@ class SwimOn(Recording):
         Raises:
             BadFlag: If an option sets what the stored trial already defines.
         """
-        allowed = {flags.spell_flag(name) for name in flags.options_of(cls())} | {"--help", "-h"}
+        allowed = {flags.spell_option(field) for field in flags.options_of(cls())} | {"--help"}
         for argument in arguments:
-            option_name = argument.split("=")[0]
-            if argument.startswith("--") and option_name not in allowed:
+            flag = flags.spell_typed_flag(argument)
+            if flag.startswith("--") and flag not in allowed:
                 rule = "must not be given with --resume: the stored trial has its own"
-                raise BadFlag(f"{option_name} {rule}.")
+                raise BadFlag(f"{flag} {rule}.")
         return flags.parse_command(cls, arguments, prog)
 
     def run(self) -> command.Outcome:

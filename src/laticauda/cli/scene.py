@@ -7,7 +7,7 @@ the scenario that they stand for, everything.
 
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple, Self, cast
 
@@ -27,7 +27,7 @@ from laticauda.scenarios import (
     model_of,
     named_after,
 )
-from laticauda.values import BadArgument, name_of, option, quantity, value_class
+from laticauda.values import BadArgument, fields_of, name_of, option, quantity, value_class
 
 IMPORTED_NAMES = ("gait", "law", "joints", "scene")
 """Names that may be MODULE:CLASS."""
@@ -120,7 +120,9 @@ class Names(Choice, Options):
         for field_name in IMPORTED_NAMES:  # a file imports nothing: its classes must be typed, too
             import_law(getattr(self, field_name) or "", field_name)
         path = arguments[0]
-        typed_names = frozenset(name for name in NAMES if was_typed(name, arguments))
+        typed_names = frozenset(
+            field.name for field in fields_of(Names).values() if was_typed(field, arguments)
+        )
         change = _ChangeOfScenario(names=self, typed_names=typed_names)
         return NamedScenario(change.of(load_scenario(path)), f"as {path} says")
 
@@ -150,9 +152,6 @@ class Names(Choice, Options):
         name = f"{environment.name} with {name_of(type(law))}"
         changes: Any = {field_name: law, "name": name}
         return replace(environment, **changes)
-
-
-NAMES = tuple(field.name for field in fields(Names))
 
 
 @dataclass(frozen=True)

@@ -165,4 +165,4 @@ def _check_same_scene(scenarios: Sequence[Scenario], bodies: Sequence[Plant[Any]
             raise BadArgument(name, "must be the same for all robots in one scene")
     intervals = {scenario.controller.interval for scenario in scenarios} - {math.inf}
     if len(intervals) > 1:
-        raise BadArgument("interval", "must be the same for all controllers in one scene")
+        raise BadArgument("scenarios", "must have controllers of the same `interval` in one scene")
