@@ -511,6 +511,9 @@ def test_trajectories_of_qtm_with_and_without_the_row_of_names(swum, tmp_path):
     path.write_text("\n".join([*head, *rows])[:-40] + "\n")
     with pytest.raises(TrialFileError, match=r"row 3007 must have 30 cells"):
         load_trial(path, mapped(tmp_path, MAP + ENDS))
+    path.write_text("\n".join([*head, *rows]).replace("FREQUENCY\t100", "FREQUENCY\t0") + "\n")
+    with pytest.raises(TrialFileError, match=r"`time.rate`: the file states a rate of 0 Hz"):
+        load_trial(path, mapped(tmp_path, MAP + ENDS))
 
 
 # ---- what is refused -----------------------------------------------------------------------------

@@ -76,8 +76,12 @@ def _read_times(table: Table, column_map: ColumnMap) -> _NamedTimes:
         raise ValueError(
             "The map must say `time.column` or `time.rate`: the file does not state times of its rows."
         )
-    # A file may state a rate of 0.
-    return _NamedTimes(name="time", values=np.arange(table.n_rows) / (rate or 1.0))
+    if not rate > 0.0:
+        raise ValueError(
+            "The map must say `time.column` or `time.rate`: "
+            f"the file states a rate of {rate:g} Hz, which gives its rows no times."
+        )
+    return _NamedTimes(name="time", values=np.arange(table.n_rows) / rate)
 
 
 def _check_count(name: str, times: Samples, n_included: int) -> None:
