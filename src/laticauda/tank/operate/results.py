@@ -44,7 +44,7 @@ class Result:
     supply_voltage: float | None = None
     """V of (4) [V]; None without a power meter."""
     lost_meter: bool = False
-    """Whether the power meter fell silent during the run, so that its power is not known."""
+    """Whether the power meter was silent during the run, so that its power is not known."""
     notes: tuple[str, ...] = ()
     """Problems that did not stop the run."""
     recording: Path | None = None

@@ -391,6 +391,16 @@ def test_a_silent_meter_lets_the_run_end_and_is_noted():
     assert run.state.notes and run.state.notes[0].startswith("lost_meter")
 
 
+def test_a_meter_that_is_silent_since_before_the_run_gives_it_no_power_either():
+    run = run_of(Operator(operation=operation(duration=8.0, countdown=6.0)))
+    run.until("countdown")
+    run.rig.measures = False
+    run.until("done")
+    assert run.state.supervisor.state == "idle"
+    assert run.state.lost_meter
+    assert [note.split(":")[0] for note in run.state.notes] == ["lost_meter"]
+
+
 def test_an_error_of_the_controller_or_of_the_estimation_stops_the_robot_and_not_the_program(
     monkeypatch,
 ):

@@ -180,6 +180,29 @@ def test_the_charge_is_that_of_the_averages_where_one_record_goes_on_else_of_the
     assert told == {"supply_voltage": 10.0, "idle_current": 0.5}
 
 
+@pytest.mark.parametrize(
+    ("silent_at", "start", "is_known"),
+    [
+        (None, 1.0, True),
+        (1.5, 1.0, False),  # during the run
+        (0.5, 0.6, False),  # before the run, and not back at its start
+        (0.5, 1.0, True),  # before the run, and back at its start
+        (2.5, 1.0, True),  # after the run
+    ],
+)
+def test_a_run_has_no_electrical_work_if_its_meter_was_silent(silent_at, start, is_known):
+    events = [
+        Event(time=time, kind=kind, message="") for time, kind in ((start, "start"), (2.0, "stop"))
+    ]
+    if silent_at is not None:
+        lost = {"event": "lost_meter"}
+        events.append(Event(time=silent_at, kind="state", message="silent", data=lost))
+    log = log_of(FINNED, *readings(average=False), *events, supply_voltage=10.0)
+    work, parameters = measure_electrical_work(log, np.array([start, 2.0]))
+    assert (work is not None) == is_known
+    assert parameters["supply_voltage"] == 10.0
+
+
 def test_one_reading_is_no_work_and_a_noted_current_is_not_negative():
     log = log_of(FINNED, readings(average=True)[0], supply_voltage=10.0)
     assert measure_electrical_work(log, np.array(TIMES)) == (None, {})

@@ -155,10 +155,8 @@ class Operator:
             problems = {}  # the checks report it better
         if reports.references is None:
             problems.pop("late_loop", None)
-        has_just_lost_meter = (
-            "lost_meter" in problems and "lost_meter" not in state.supervisor.present
-        )
-        if state.phase == "running" and has_just_lost_meter:
+        is_without_power = state.phase == "running" and "lost_meter" in problems
+        if is_without_power and not state.lost_meter:
             note = f"lost_meter: {problems['lost_meter']}"
             state = replace(state, lost_meter=True, notes=(*state.notes, note))
         problems |= inputs.events

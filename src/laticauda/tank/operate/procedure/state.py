@@ -137,7 +137,7 @@ class OperatorState:
     notes: tuple[str, ...] = ()
     """Events of the run that did not stop it."""
     lost_meter: bool = False
-    """Whether the power meter fell silent during the run."""
+    """Whether the power meter was silent during the run, whenever it fell silent."""
     ordered: float = -1e9
     """Time at which the last order was sent that is waiting to be obeyed [s]."""
     sync: int = 0

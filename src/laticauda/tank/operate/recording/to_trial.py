@@ -126,10 +126,11 @@ def measure_electrical_work(
 ) -> tuple[Column | None, Mapping[str, float | str]]:
     """Return the electrical work above idle at some times [J], and its parameters.
 
-    It is None without at least two readings. W(t) = V (Q(t) - Q(0)) - V I_0 t, with the charge Q
-    from the meter's own average if it keeps one (Q is that average times the duration of its
-    record, so nothing between two readings is missed), else from its readings. The slope of W over
-    a run is (4): P = V I_avg - V I_0. V is taken from the recording.
+    It is None without at least two readings, and if the meter was silent during the run.
+    W(t) = V (Q(t) - Q(0)) - V I_0 t, with the charge Q from the meter's own average if it keeps one
+    (Q is that average times the duration of its record, so nothing between two readings is missed),
+    else from its readings. The slope of W over a run is (4): P = V I_avg - V I_0. V is taken from
+    the recording.
 
     Args:
         log: The recording.
@@ -147,10 +148,13 @@ def measure_electrical_work(
             f"Cannot replay {log.path}: it holds power readings, but no `supply_voltage`."
         )
     idle_current = find_idle_current(log, voltage)
+    parameters = {"supply_voltage": voltage, "idle_current": idle_current}
+    if _was_meter_silent(log, readings):
+        return None, parameters
     reading_times = np.array([reading.time for reading in readings])
     charge = np.interp(time, reading_times, _charge_at(readings))
     work = voltage * (charge - charge[0] - idle_current * (time - time[0]))
-    return work, {"supply_voltage": voltage, "idle_current": idle_current}
+    return work, parameters
 
 
 def find_idle_current(log: OperationLog, supply_voltage: float) -> float:
@@ -167,6 +171,22 @@ def find_idle_current(log: OperationLog, supply_voltage: float) -> float:
 
 
 # ---- power ---------------------------------------------------------------------------------------
+
+
+def _was_meter_silent(log: OperationLog, readings: Sequence[PowerReading]) -> bool:
+    """Return whether the meter fell silent during the run, or before it and did not come back in time.
+
+    Between its last reading and the next one, the charge would be a guess.
+    """
+    begin, end = log.span
+    for event in log.of(Event):
+        if event.data.get("event") != "lost_meter" or event.time > end:
+            continue
+        if event.time >= begin:
+            return True
+        if not any(event.time < reading.time <= begin for reading in readings):
+            return True
+    return False
 
 
 def _charge_at(readings: Sequence[PowerReading]) -> Column:
