@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from identify.trials import DRAG, FRICTION, speeds
@@ -35,6 +37,53 @@ def test_where_the_noise_is_estimated_the_profile_has_the_quantile_of_student_to
     )
     assert ends == pytest.approx(estimate.interval, rel=1e-3)
     assert ends[1] - ends[0] == pytest.approx(2 * 4.302653 * estimate.sigma, rel=2e-3)
+
+
+def offset_with(prior, **settings):
+    unknown = Unknown(name="measured.power_offset", prior=prior, size=10.0)
+    return fit(OFFSET, parameters=[unknown], n_starts=1, threads=1, noise="estimated", **settings)
+
+
+def test_a_prior_that_says_nothing_changes_neither_the_estimated_noise_nor_an_interval():
+    """An unknown with such a prior is fitted to the data, and counts so."""
+    without, found = offset_with(None), offset_with((0.0, 1e6))
+    assert found.degrees_of_freedom == pytest.approx(without.degrees_of_freedom, rel=1e-6)
+    assert without.degrees_of_freedom == 2
+    assert found.noise_factor == pytest.approx(without.noise_factor, rel=1e-6)
+    names = ["measured.power_offset"]
+    assert found[names[0]].interval == pytest.approx(without[names[0]].interval, rel=1e-5)
+    ends = [profile_interval(one, names[0]) for one in (without, found)]
+    assert ends[1] == pytest.approx(ends[0], rel=1e-3)
+
+
+def test_profiles_apply_the_noise_factor_that_is_reported():
+    """A prior as strong as the data: of the three degrees of freedom, half a one is fitted."""
+    alone = offset_with(None)["measured.power_offset"]
+    found = offset_with((alone.value + alone.sigma, alone.sigma))
+    estimate = found["measured.power_offset"]
+    assert 2.0 < found.degrees_of_freedom < 3.0
+    assert found.used_noise_factor == pytest.approx(found.noise_factor, rel=1e-5)
+    ends = profile_interval(found, "measured.power_offset")
+    assert ends == pytest.approx(estimate.interval, rel=1e-3)
+
+
+def test_a_robust_loss_tells_outliers_by_the_estimated_noise_and_not_by_the_stated_one():
+    measured = speeds(9, noise=SIGMA, sigma=SIGMA, duration=1.0, figure="mean_power")
+    value, sigma = measured[0].figures["mean_power"]
+    measured[0] = replace(measured[0], figures={"mean_power": (value + 8.0 * SIGMA, sigma)})
+    settings = {"loss": "huber", "noise": "estimated", "n_starts": 1, "threads": 1}
+    found = []
+    for share in (1.0, 0.1):
+        stated = []
+        for one in measured:
+            value, sigma = one.figures["mean_power"]
+            stated.append(replace(one, figures={"mean_power": (value, share * sigma)}))
+        found.append(fit(stated, parameters=["measured.power_offset"], **settings))
+    plain, less = (one["measured.power_offset"] for one in found)
+    assert less.value == pytest.approx(plain.value, rel=1e-4)
+    assert less.interval == pytest.approx(plain.interval, rel=1e-4)
+    ends = profile_interval(found[0], "measured.power_offset")
+    assert ends == pytest.approx(plain.interval, abs=0.2 * plain.sigma)
 
 
 def test_a_profile_does_not_close_where_nothing_is_seen():

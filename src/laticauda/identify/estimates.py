@@ -13,7 +13,7 @@ from laticauda.identify.local_search import LocalSearch
 from laticauda.identify.method import Method
 from laticauda.identify.model import predict
 from laticauda.identify.noise import noise_widening
-from laticauda.identify.noise_factor import reported_degrees_of_freedom, reported_noise_factor
+from laticauda.identify.noise_factor import measure_noise_factor
 from laticauda.identify.problem import Problem
 from laticauda.identify.result import Fit, ParameterEstimate
 from laticauda.identify.unknowns import ResolvedUnknown
@@ -45,11 +45,13 @@ class Optimum:
 
     The rows of the priors come last.
     """
+    noise_factor: float
+    """Factor on the stated noise that gives this noise; 1 if the noise is known [-]."""
 
     @classmethod
-    def of_search(cls, search: LocalSearch) -> "Optimum":
-        """Return the end of a search, in the noise that it was made with."""
-        return cls(coordinates=search.end, jacobian=search.jacobian)
+    def of_search(cls, search: LocalSearch, *, noise_factor: float) -> "Optimum":
+        """Return the end of a search, and the factor on the noise with which it was made."""
+        return cls(coordinates=search.end, jacobian=search.jacobian, noise_factor=noise_factor)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -83,7 +85,7 @@ def assemble_fit(
     residuals = (predictions - problem.observed) / problem.sigma
     chi2 = float(np.sum(residuals**2))
     chi2_with_priors = chi2 + float(np.sum(problem.prior_residuals(values) ** 2))
-    degrees = reported_degrees_of_freedom(problem)
+    noise_factor, degrees = measure_noise_factor(problem, method, jacobian, residuals)
     by_data = analyze_identifiability(
         problem.information(jacobian), problem.unknowns, limit=method.limit
     )
@@ -117,7 +119,8 @@ def assemble_fit(
         identifiability=by_data,
         predictions=predictions,
         chi2=chi2,
-        noise_factor=reported_noise_factor(chi2, degrees),
+        noise_factor=noise_factor,
+        used_noise_factor=optimum.noise_factor,
         degrees_of_freedom=degrees,
         widening=widening,
         searches=tuple(searches),

@@ -13,7 +13,7 @@ from laticauda.identify.local_search import MOST_STEPS, LocalSearch, Vector, min
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.method import Method
 from laticauda.identify.model import predict
-from laticauda.identify.noise_factor import applied_noise_factor
+from laticauda.identify.noise_factor import measure_noise_factor
 from laticauda.identify.problem import Problem, make_problem
 from laticauda.identify.result import Fit
 from laticauda.identify.unknowns import ResolvedUnknown, Unknown
@@ -135,7 +135,7 @@ def solve(
     if method.estimates_noise:
         optimum = _optimum_with_estimated_noise(problem, method, searches[0], most_steps)
     else:
-        optimum = Optimum.of_search(searches[0])
+        optimum = Optimum.of_search(searches[0], noise_factor=1.0)
     solution = assemble_fit(problem, method, optimum, searches)
     if most_steps == 1:
         return replace(solution, warnings=(INTERRUPTED, *solution.warnings))
@@ -215,21 +215,29 @@ def _optimum_with_estimated_noise(
 ) -> Optimum:
     """Repeat the search with the noise estimated from the residuals until both agree.
 
-    Without priors, the optimum is the same for any noise, and only its Jacobian is rescaled.
+    If only squares are summed, and only of data, the optimum is the same for any noise, and its
+    Jacobian is rescaled. A prior keeps its own standard deviation, and a robust loss tells outliers
+    by the noise: both need new searches.
+
+    The noise remains as stated if it cannot be estimated, because the model describes the data
+    exactly.
     """
+    is_same_for_any_noise = problem.n_priors == 0 and method.loss == "linear"
     factor = 1.0
     for _ in range(_ROUNDS):
         predictions = predict(problem, problem.values_of(best.end)).values
         residuals = (predictions - problem.observed) / problem.sigma
-        new_factor = applied_noise_factor(problem, best, residuals)
-        if problem.n_priors == 0:
-            return Optimum(coordinates=best.end, jacobian=best.jacobian / (new_factor or 1.0))
-        has_settled = abs(new_factor - factor) <= _SETTLED * factor
-        factor = new_factor
-        if has_settled or new_factor == 0.0:
+        estimated = measure_noise_factor(problem, method, best.jacobian, residuals)
+        has_settled = abs(estimated.factor - factor) <= _SETTLED * factor
+        if has_settled or not estimated.is_usable:
             break
+        factor = estimated.factor
+        if is_same_for_any_noise:
+            return Optimum(
+                coordinates=best.end, jacobian=best.jacobian / factor, noise_factor=factor
+            )
         best = minimize(problem, best.end, loss=method.loss, factor=factor, steps=most_steps)
-    return Optimum.of_search(best)
+    return Optimum.of_search(best, noise_factor=factor)
 
 
 def _check_enough_numbers(problem: Problem, method: Method) -> None:

@@ -106,10 +106,7 @@ def known_from(fit: Fit) -> Information:
     Args:
         fit: The fit.
     """
-    factor = 1.0
-    if np.isfinite(fit.used_noise_factor):
-        factor = fit.used_noise_factor
-    jacobian = scaled_jacobian(fit.problem, fit.best, factor)
+    jacobian = scaled_jacobian(fit.problem, fit.best, fit.used_noise_factor)
     return jacobian.T @ jacobian + prior_information(fit.problem, fit.best)
 
 

@@ -1,50 +1,84 @@
-"""The ratio of the residuals to the stated noise, as reported and as applied.
+"""The noise factor: how many times the stated noise the residuals are.
 
-Both are sqrt(sum of r^2 / degrees of freedom), r in standard deviations of the stated noise. They
-count the degrees of freedom differently if some unknowns have priors:
+It is sqrt(sum of r^2 / degrees of freedom), r in standard deviations of the stated noise, and the
+degrees of freedom are the number of measured numbers minus that of the unknowns fitted to them. How
+an unknown with a prior counts depends on what the factor is for (`Method.noise`):
 
-    reported   an unknown with a prior counts as not fitted: n_data - (n_unknowns - n_priors)
-    applied    an unknown counts by the share of it that the data determine, the rest being
-               determined by its prior: n_data - trace((F_data + F_priors)^-1 F_data)
+    known       The factor only describes the residuals; nothing is multiplied by it. An unknown
+                with a prior counts as not fitted: n_data - (n_unknowns - n_priors).
+    estimated   The noise that a fit applies is the factor times the stated noise. An unknown
+                counts by the share of it that the data determine, the rest being determined by its
+                prior: n_data - trace((F_data + F_priors)^-1 F_data). A prior that says nothing
+                then changes nothing, and a direction that nothing determines does not count.
 
-The reported one needs no fit, and is the same however the fit was done. The applied one widens
-priors and data alike during a fit with estimated noise. Without priors, both are the same.
+There is one factor in a fit: with estimated noise, the one reported is the one that search,
+covariance, profiles and posterior apply, and Student's t has the same degrees of freedom.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Float
 
-from laticauda.identify.local_search import LocalSearch
+from laticauda.identify.identifiability import strengths
+from laticauda.identify.method import Method
 from laticauda.identify.problem import Problem
 
-
-def reported_degrees_of_freedom(problem: Problem) -> float:
-    """Return the number of measured numbers minus the number of unknowns without a prior [-]."""
-    return float(problem.observed.size - max(len(problem.unknowns) - problem.n_priors, 0))
+_NO_DEGREES = 1e-9
+"""Degrees of freedom below this are rounding errors [-]."""
 
 
-def reported_noise_factor(chi2: float, degrees: float) -> float:
-    """Return the factor that a fit reports; nan without degrees of freedom [-].
+class NoiseFactor(NamedTuple):
+    """Ratio of the residuals to the stated noise."""
 
-    Args:
-        chi2: Sum of squared residuals of the data, in units of the stated noise [-].
-        degrees: Degrees of freedom, as reported [-].
-    """
-    if degrees <= 0.0:
-        return math.nan
-    return math.sqrt(chi2 / degrees)
+    factor: float
+    """The ratio; nan without degrees of freedom [-]."""
+    degrees: float
+    """Degrees of freedom from which it is computed [-]."""
+
+    @property
+    def is_usable(self) -> bool:
+        """Whether noise can be stated by it: there are degrees of freedom, and residuals."""
+        return self.factor > 0.0
 
 
-def applied_noise_factor(problem: Problem, search: LocalSearch, residuals: np.ndarray) -> float:
-    """Return the factor to apply to the stated noise in the next search [-].
+def measure_noise_factor(
+    problem: Problem,
+    method: Method,
+    jacobian: Float[np.ndarray, "n_residuals n_unknowns"],
+    residuals: Float[np.ndarray, " n_data"],
+) -> NoiseFactor:
+    """Compute the noise factor at the end of a search.
 
     Args:
         problem: Measurements and unknowns.
-        search: Search that ended where the residuals were computed.
+        method: Decides how unknowns with a prior count.
+        jacobian: Jacobian of all residuals there, those of the priors last, in the noise that the
+            search applied.
         residuals: Residuals of the data there, in units of the stated noise.
     """
-    of_data = problem.information(search.jacobian)
-    of_data_and_priors = search.jacobian.T @ search.jacobian
-    n_fitted = float(np.trace(np.linalg.pinv(of_data_and_priors) @ of_data))
-    return math.sqrt(float(np.sum(residuals**2)) / (problem.observed.size - n_fitted))
+    if method.estimates_noise:
+        n_fitted = _number_determined_by_data(problem, jacobian)
+    else:
+        n_fitted = float(len(problem.unknowns) - problem.n_priors)
+    degrees = problem.observed.size - n_fitted
+    if degrees < _NO_DEGREES:
+        return NoiseFactor(factor=math.nan, degrees=0.0)
+    chi2 = float(np.sum(residuals**2))
+    return NoiseFactor(factor=math.sqrt(chi2 / degrees), degrees=degrees)
+
+
+def _number_determined_by_data(problem: Problem, jacobian: np.ndarray) -> float:
+    """Return how many unknowns the data determine, each counted by the share that is not a prior's.
+
+    Without priors, it is the number of directions that the data see at all.
+    """
+    scaled = jacobian * problem.sizes
+    eigenvalues, vectors = strengths(scaled.T @ scaled)
+    is_seen = eigenvalues > 0.0
+    if problem.n_priors == 0:
+        return float(np.count_nonzero(is_seen))
+    of_data = vectors.T @ problem.information(scaled) @ vectors
+    shares = np.diag(of_data)[is_seen] / eigenvalues[is_seen]
+    return float(np.sum(shares))

@@ -69,9 +69,21 @@ class Fit:
     chi2: float
     """Sum of squared residuals of the data, in units of the stated noise [-]."""
     noise_factor: float
-    """Ratio of the residuals to the stated noise; nan without degrees of freedom [-]."""
+    """Ratio of the residuals to the stated noise; nan without degrees of freedom [-].
+
+    See `laticauda.identify.noise_factor` on how it is counted.
+    """
+    used_noise_factor: float
+    """Factor on the stated noise that covariance, intervals, profiles and posterior apply [-].
+
+    It is 1 if the noise is known, and `noise_factor` if it is estimated; if the model describes the
+    data exactly, nothing can be estimated, and it is 1.
+    """
     degrees_of_freedom: float
-    """Number of measured numbers minus the number of unknowns fitted to them [-]."""
+    """Number of measured numbers minus the number of unknowns fitted to them [-].
+
+    If the noise is estimated, an unknown with a prior counts by the share that the data determine.
+    """
     widening: Float[np.ndarray, " n_unknowns"]
     """Factors by which the correlation of residuals in time widens the intervals [-]."""
     searches: tuple[LocalSearch, ...]
@@ -93,13 +105,6 @@ class Fit:
     def best(self) -> Float[np.ndarray, " n_unknowns"]:
         """Best values as an array."""
         return np.array([estimate.value for estimate in self.estimates])
-
-    @property
-    def used_noise_factor(self) -> float:
-        """Factor applied to the stated noise in the uncertainties [-]."""
-        if self.method.estimates_noise:
-            return self.noise_factor
-        return 1.0
 
     @property
     def x(self) -> Float[np.ndarray, " n_unknowns"]:
