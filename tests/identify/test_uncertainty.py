@@ -6,6 +6,7 @@ from identify.trials import DRAG, FRICTION, speeds
 
 from laticauda.identify import Unknown, fit, profile_interval, sample_posterior
 from laticauda.identify.posterior_sample import log_density
+from laticauda.identify.profiles import sum_of_squares
 
 MEASURED = speeds(3, noise=0.002, duration=3.0)
 SIGMA = 0.5  # of a meter [W]
@@ -84,6 +85,25 @@ def test_a_robust_loss_tells_outliers_by_the_estimated_noise_and_not_by_the_stat
     assert less.interval == pytest.approx(plain.interval, rel=1e-4)
     ends = profile_interval(found[0], "measured.power_offset")
     assert ends == pytest.approx(plain.interval, abs=0.2 * plain.sigma)
+
+
+@pytest.mark.parametrize("loss", ["linear", "soft_l1", "huber", "cauchy", "arctan"])
+def test_the_covariance_is_the_inverse_curvature_of_what_is_minimized(loss):
+    """Also of a robust loss, of which the rows of the Jacobian have the curvature.
+
+    The residuals are small: none is an outlier, of which the curvature would be negative and is 0.
+    """
+    measured = []
+    for one in OFFSET:
+        value, sigma = one.figures["mean_power"]
+        measured.append(replace(one, figures={"mean_power": (value, 4.0 * sigma)}))
+    found = fit(measured, parameters=["measured.power_offset"], n_starts=1, threads=1, loss=loss)
+    step = 0.01 * SIGMA
+    before, least, after = (
+        sum_of_squares(found, found.x + change) for change in (-step, 0.0, step)
+    )
+    curvature_of_half = 0.5 * (before - 2.0 * least + after) / step**2
+    assert found.covariance[0, 0] == pytest.approx(1.0 / curvature_of_half, rel=1e-3)
 
 
 def test_a_profile_does_not_close_where_nothing_is_seen():

