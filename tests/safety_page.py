@@ -83,7 +83,8 @@ at the latest; {margin:g} s more are for ticks and frames on their way. Modules 
 
 {rules}
 
-`fault` is left by an acknowledgment alone, when nothing is wrong any more.
+Nothing leads out of `fault`: the operation ends limp, and the robot moves again only when somebody who has looked at it
+starts another one, with all its checks. In a series, that person presses Enter between two runs.
 
 ## Torque
 
@@ -97,8 +98,8 @@ switched on only when a run is made ready.
 - `hold`: what is on follows its references; what is off stays off.
 - `off`: motors are switched off. `cut`: the same by an emergency stop, which has to be cleared.
 
-A module that was on and is off has gone limp (`went_limp`): the robot goes limp at once, and somebody has to
-acknowledge it. So has every module if the program was away for more than {limp_from:g} s, whatever they said last.
+A module that was on and is off has gone limp (`went_limp`): the robot goes limp at once, and the operation ends in
+`fault`. So has every module if the program was away for more than {limp_from:g} s, whatever they said last.
 `python campaigns/supervisor_states.py` tries every step from every state that can be reached.
 
 ## Limits
@@ -110,7 +111,7 @@ The table `[limits]` of a trial file, with its usual numbers. Which limit leads 
 ## Phases
 
 Beside the phase of the operation stands the state of its supervisor. `ended` before the run means that it was given up,
-`stop` is an event of the first table, `fault` and `limp_fault` are those that have to be acknowledged. `settled`: the
+`stop` is an event of the first table, `fault` and `limp_fault` are those that end in `fault`. `settled`: the
 modules say that they are limp, or have had the time for it.
 
 | phase | supervisor | event | next phase | supervisor then |
@@ -180,12 +181,14 @@ def limits() -> list[str]:
 def state_diagram() -> str:
     """The transitions in the language of mermaid."""
     lines = ["stateDiagram-v2", "    [*] --> connecting_idle"]
-    for phase, state in dict.fromkeys((row.phase, row.state) for row in TRANSITIONS):
+    sources = [(row.phase, row.state) for row in TRANSITIONS]
+    targets = [(row.next_phase, row.next_state) for row in TRANSITIONS]
+    for phase, state in dict.fromkeys([*sources, *targets]):
         lines.append(f"    {phase}_{state} : {phase.replace('_', ' ')} / {state}")
     for row in TRANSITIONS:
         source, target = f"{row.phase}_{row.state}", f"{row.next_phase}_{row.next_state}"
         lines.append(f"    {source} --> {target} : {row.event.replace('_', ' ')}")
-    return "\n".join([*lines, "    done_idle --> [*]", ""])
+    return "\n".join([*lines, "    done_idle --> [*]", "    done_fault --> [*]", ""])
 
 
 if __name__ == "__main__":

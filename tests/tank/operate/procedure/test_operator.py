@@ -15,7 +15,7 @@ from laticauda.motion.gaits import Generator
 from laticauda.tank.operate.procedure import preparing
 from laticauda.tank.operate.procedure.operator import Operator
 from laticauda.tank.operate.procedure.state import Outputs
-from laticauda.tank.operate.safety.supervisor import BY_EVENT
+from laticauda.tank.operate.safety.supervisor import BY_EVENT, REQUESTS, Supervisor
 from laticauda.tank.operate.settings import (
     Calibration,
     CaptureVolume,
@@ -491,6 +491,32 @@ def test_a_module_that_restarts_makes_the_whole_robot_limp_at_once(phase):
     assert run.state.supervisor.torque == "off"
     ticked_until_done(run)
     assert run.state.supervisor.state == "fault"
+
+
+def test_every_request_of_the_table_is_made_in_a_normal_run(monkeypatch):
+    made, step = set(), Supervisor.step
+
+    def noted(self, state, now, events, **seen):
+        made.update(events)
+        return step(self, state, now, events, **seen)
+
+    monkeypatch.setattr(Supervisor, "step", noted)
+    running().until("done")
+    assert made >= set(REQUESTS)
+
+
+def test_what_went_limp_moves_again_only_in_a_new_operation_with_all_its_checks():
+    run = running(duration=30.0)
+    run.rig.states[3] = NodeState.LIMP
+    run.until("done")
+    assert (run.state.supervisor.state, run.state.supervisor.cause) == ("fault", "went_limp")
+    run.tick(50)  # as long as this program lives
+    assert (run.state.supervisor.state, run.rig.is_limp) == ("fault", True)
+    anew = Run(operator=run.operator, rig=run.rig, state=run.operator.init())
+    anew.until("done")
+    phases = [event.message for event in anew.events if event.kind == "phase"]
+    assert phases[0] == "connecting -> checking" and "countdown -> running" in phases
+    assert anew.state.supervisor.state == "idle"
 
 
 def test_an_order_to_switch_on_that_is_lost_is_repeated_and_every_one_is_recorded():

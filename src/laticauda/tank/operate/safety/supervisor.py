@@ -7,7 +7,7 @@ The supervisor's state says whether the joints may move; the phase says for what
     ready     the joints are held straight
     running   the joints follow the controller
     stopping  the robot is being straightened, and then made limp
-    fault     the robot is limp until somebody acknowledges and nothing is wrong any more
+    fault     the robot is limp and stays limp: nothing leads out of it but a new operation
 
 The supervisor determines which event leads to which action, within what time, and what is
 remembered of it. It is a value with a pure step: no clock, no bus, no threads. At every tick it
@@ -17,7 +17,11 @@ next state.
 It also decides what the modules' motors are told. Torque never returns without a person: motors are
 switched on in `ready` only, which nothing but the start of a run leads to, and only until every
 module has said that its motor is on. Whatever has gone limp since then stays limp: it is an event
-that makes the whole robot limp at once, and a fault, which somebody has to acknowledge.
+that makes the whole robot limp at once, and a fault.
+
+No request ends a fault, and so no program can: the operation ends in it. Somebody looks at the robot
+and starts another one, or confirms it between two runs of a series; that one begins with all the
+checks.
 
 The last line of defense is in the modules: without references they hold after `HOLD_AFTER` and go
 limp after `LIMP_AFTER`. Not sending references is thus a way to stop that needs no bus; every time
@@ -42,7 +46,7 @@ def _table(name: str) -> list[dict[str, str]]:
 STATES = ("idle", "ready", "running", "stopping", "fault")
 PREPARATIONS = ("connecting", "checking", "calibrating", "idle_current", "settling", "countdown")
 PHASES = (*PREPARATIONS, "running", "stopping", "done")
-REQUESTS = ("checked", "started", "ended", "acknowledged")
+REQUESTS = ("checked", "started", "ended")
 """Events by which the operation requests another state of the supervisor; all others are detected, not requested."""
 
 
@@ -62,8 +66,8 @@ class Transition(NamedTuple):
 
 
 TRANSITIONS: tuple[Transition, ...] = tuple(Transition(**row) for row in _table("transitions"))
-"""`ended` before the run: it was given up. `stop`: a rule of the supervisor; `fault`, `limp_fault`: a rule that must be
-acknowledged. `settled`: the modules report that they are limp, or have had enough time to become
+"""`ended` before the run: it was given up. `stop`: a rule of the supervisor; `fault`, `limp_fault`: a rule that ends in
+a fault. `settled`: the modules report that they are limp, or have had enough time to become
 limp."""
 
 
@@ -84,7 +88,7 @@ class Rule:
     action: str
     """Action; one of `ACTIONS`."""
     is_fault: bool = True
-    """Whether somebody has to acknowledge it before the robot moves again."""
+    """Whether it ends in the state fault: somebody has to look at the robot before it moves again."""
 
 
 RULES: tuple[Rule, ...] = tuple(
@@ -291,7 +295,7 @@ class Supervisor:
                 entries.append(_entry(now, rule.event, rule.action, state, after))
             state = after
         request = _request_in(events)
-        if request and _is_allowed(request, wrong, is_limp=is_limp, is_on=is_on):
+        if request and _is_allowed(request, wrong, is_on=is_on):
             after = _requested(state, request, now)
             if after is not state:
                 entries.append(_entry(now, request, after.action, state, after))
@@ -349,7 +353,7 @@ def _request_in(events: Set[str]) -> str:
     return ""
 
 
-def _is_allowed(request: str, wrong: list[Rule], *, is_limp: bool, is_on: bool) -> bool:
+def _is_allowed(request: str, wrong: list[Rule], *, is_on: bool) -> bool:
     """Return whether the operation may have what it requests; a request to stop is always allowed."""
     if request == "ended":
         return True
@@ -357,8 +361,6 @@ def _is_allowed(request: str, wrong: list[Rule], *, is_limp: bool, is_on: bool) 
         return False
     if request == "started":
         return is_on
-    if request == "acknowledged":
-        return is_limp
     return True
 
 
