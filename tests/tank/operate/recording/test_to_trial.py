@@ -254,7 +254,7 @@ def test_a_run_that_was_rejected_says_why_and_one_without_an_end_has_none():
         ((replace(stop, data={"succeeded": False}),), False, "The end of the tank."),
         ((replace(stop, data={}),), True, "The end of the tank."),
         ((replace(stop, kind="fault"),), False, "The end of the tank."),
-        ((), False, "The recording reached its end."),
+        ((), False, "The recording ends before the run does."),
     ):
         trial = trial_of(log_of(FINNED, *found, *entries))
         assert (trial.succeeded, trial.status) == (succeeded, status)

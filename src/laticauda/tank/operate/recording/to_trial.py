@@ -292,7 +292,10 @@ def _in_force(references: Sequence[ReferenceSample], angles: Table, time: Column
 
 
 def _ending(log: OperationLog) -> Ending:
-    """Return how the run ended: by its verdict if that rejects it, else by its `stop` or a fault."""
+    """Return how the run ended: by its verdict if that rejects it, else by its `stop` or a fault.
+
+    There is none of them if the program was killed, or the file was cut.
+    """
     for event in log.of(Event):
         if event.kind == "verdict" and not event.data["accepted"]:
             return Ending(status=event.message, succeeded=False)
@@ -300,7 +303,7 @@ def _ending(log: OperationLog) -> Ending:
         if event.kind in ("stop", "fault"):
             is_success = event.kind == "stop" and event.data.get("succeeded", True) is True
             return Ending(status=event.message, succeeded=is_success and not log.lost)
-    return Ending(status="The recording reached its end.", succeeded=False)
+    return Ending(status="The recording ends before the run does.", succeeded=False)
 
 
 def _wall_clock(epoch: int, time: float) -> str:
