@@ -132,14 +132,14 @@ def test_a_perfect_run_passes_every_check_with_hardly_any_of_its_limits_used(tru
     assert max(one.share for one in verdict.checks) < 0.5
     summary = verdict.summary()
     assert summary["accepted"]
-    assert summary["lines"][2].startswith("ok          joint error not explained by its servo: ")
+    assert summary["lines"][4].startswith("ok          joint error not explained by its servo: ")
 
 
 def test_a_joint_that_stands_still_is_named_after_one_cycle_and_the_run_is_rejected(truth):
     angle = truth.joint_angle.copy()
     angle[len(angle) // 2 :, 3] = angle[len(angle) // 2, 3]
     verdict = verdict_of(log_of(truth, angle=angle), Acceptance(), PLANT)
-    found = verdict.checks[2]
+    found = verdict.checks[4]
     assert (found.name, found.outcome) == ("joint_error", "WRONG")
     assert found.description.endswith("module 4")
     assert CYCLES * 1.5 < found.since <= CYCLES * 1.5 + 6.0
@@ -321,6 +321,7 @@ def test_a_run_that_ended_within_its_first_cycle_is_not_checked_against_the_mode
         replace(log, entries=(*short, Event(time=BEFORE + 1.0, kind="stop", message="")))
     )
     needs_no_cycle = {"angle_jump", "pose_age", "water_speed", "without_zero"}
+    needs_no_cycle |= {"missing_in_run", "longest_silence"}
     assert {one.outcome for name, one in found.items() if name not in needs_no_cycle} == {
         "not checked"
     }
@@ -420,6 +421,28 @@ def test_a_starved_computer_is_named_before_what_it_makes_look_wrong():
     assert "may be why" not in fast.reason
 
 
+def test_a_hole_that_rejects_a_run_is_named_before_all_else_and_alone_is_the_reason():
+    limits, times = Acceptance(), [2.0, 3.0]
+
+    def reason(**worst):
+        checks = (
+            compared(limits, name, 1.0, times, np.array([0.0, value]))
+            for name, value in worst.items()
+        )
+        return Verdict(tuple(checks)).reason
+
+    silence = (
+        "longest time in the run without an answer of a module: 2 of 0.5 s (400 %), since 2.0 s."
+    )
+    assert reason(longest_silence=2.0) == f"The run failed a check: {silence}"
+    assert reason(missing_answers=0.9, longest_silence=2.0) == f"The run failed a check: {silence}"
+    both = reason(missing_answers=0.9, longest_silence=2.0, joint_error=0.06)
+    assert both.startswith(f"The run failed a check: {silence} This may be why another one failed:")
+    assert both.endswith(
+        "joint error not explained by its servo: 3.44 of 3 deg (115 %), since 2.0 s."
+    )
+
+
 def late_log(truth, lateness, rate=1.0 / STEP) -> OperationLog:
     """A perfect run whose ticks began late by that much [s]."""
     log = log_of(truth)
@@ -477,6 +500,95 @@ def test_samples_that_were_not_recorded_are_answers_that_did_not_come(truth):
     assert (found.outcome, found.since) == ("noted", pytest.approx(9.0))
     assert found.value == pytest.approx(0.5 / 3.0, abs=0.02)
     assert judged(without(log, JointSample))["missing_answers"].outcome == "not checked"
+
+
+def silent_log(truth, begin, end, module=slice(None)) -> OperationLog:
+    """A perfect run of which some modules did not answer from a time to another [s since its begin]."""
+    angle = truth.joint_angle.copy()
+    angle[(truth.time > begin - 1e-9) & (truth.time < end - 1e-9), module] = math.nan
+    return log_of(truth, angle=angle)
+
+
+@pytest.mark.parametrize("is_recorded", [True, False])
+def test_a_run_of_which_nobody_heard_the_robot_from_its_first_second_on_is_rejected(
+    truth, is_recorded
+):
+    log = silent_log(truth, 0.84, math.inf)
+    if not is_recorded:
+        entries = [
+            entry
+            for entry in log.entries
+            if not isinstance(entry, JointSample) or np.isfinite(entry.angle).any()
+        ]
+        log = replace(log, entries=tuple(entries))
+    verdict = verdict_of(log, Acceptance(), PLANT)
+    found = {check.name: check for check in verdict.checks}
+    last = float(truth.time[-1])
+    assert found["longest_silence"].value == pytest.approx(last - 0.82)
+    assert found["missing_in_run"].value == pytest.approx(1.0 - 42 / len(truth.time))
+    assert found["longest_silence"].since == found["missing_in_run"].since == pytest.approx(last)
+    assert verdict.reason.startswith("The run failed a check: longest time in the run without")
+
+
+@pytest.mark.parametrize(
+    ("begin", "end", "silence"),
+    [(0.0, 0.5, 0.5), (0.0, 0.52, 0.52), (9.0, 9.48, 0.5), (9.0, 9.5, 0.52), (23.52, 99.0, 0.52)],
+)
+def test_half_a_second_without_an_answer_is_all_that_is_allowed_also_at_both_ends(
+    truth, begin, end, silence
+):
+    found = judged(silent_log(truth, begin, end, 4), longest_silence=0.51)["longest_silence"]
+    assert found.value == pytest.approx(silence)
+    assert found.outcome == ("ok" if silence < 0.51 else "WRONG")
+    assert found.description.endswith("module 5")
+    if found.since is not None:  # it is known when the module answers again, or the run ends
+        assert found.since == pytest.approx(min(end, float(truth.time[-1])))
+
+
+def test_a_silence_of_all_modules_names_none_of_them(truth):
+    found = judged(silent_log(truth, 9.0, 10.0))
+    assert found["longest_silence"].description.endswith("since 10.0 s")
+    assert found["missing_in_run"].outcome == "ok"
+
+
+@pytest.mark.parametrize(("n_silent", "outcome"), [(1, "ok"), (2, "WRONG")])
+def test_a_module_that_answers_one_time_in_three_is_silent_for_no_long_time_but_rejects_the_run(
+    truth, n_silent, outcome
+):
+    angle = truth.joint_angle.copy()
+    angle[np.arange(len(angle)) % 3 < n_silent, 2] = math.nan
+    found = judged(log_of(truth, angle=angle))
+    assert found["missing_in_run"].value == pytest.approx(n_silent / 3.0, abs=0.001)
+    assert found["missing_in_run"].outcome == outcome
+    assert found["missing_in_run"].description.endswith("module 3")
+    assert found["longest_silence"].value == pytest.approx((n_silent + 1) * STEP)
+
+
+def test_of_a_run_without_any_answer_all_are_missing_and_without_references_none_were_due(truth):
+    log = log_of(truth)
+    found = judged(without(log, JointSample))
+    assert found["missing_in_run"].value == 1.0
+    assert found["longest_silence"].value == pytest.approx(float(truth.time[-1]))
+    found = judged(without(log, ReferenceSample))
+    assert words(found)["missing_in_run"] == words(found)["longest_silence"] == "not checked"
+
+
+def test_answers_count_only_while_references_are_sent(truth):
+    log = log_of(truth)
+    entries = [
+        entry
+        for entry in log.entries
+        if not isinstance(entry, ReferenceSample) or 5.0 < entry.time - BEFORE < 15.0
+    ]
+    angle_of_some = [
+        replace(entry, angle=np.full_like(entry.angle, math.nan))
+        if isinstance(entry, JointSample) and 7.0 < entry.time - BEFORE < 8.0
+        else entry
+        for entry in entries
+    ]
+    found = judged(replace(log, entries=tuple(angle_of_some)), plant=None)
+    assert found["missing_in_run"].value == pytest.approx(0.1, abs=0.003)
+    assert found["longest_silence"].value == pytest.approx(1.0, abs=0.03)
 
 
 def test_of_a_robot_with_one_module_that_module_need_not_be_named(truth):
@@ -539,6 +651,8 @@ def test_what_was_not_recorded_is_not_checked(truth):
     log = log_of(truth)
     bare = judged(without(log, Estimate))
     assert {name for name, one in bare.items() if one.outcome != "not checked"} == {
+        "missing_in_run",
+        "longest_silence",
         "angle_jump",
         "without_zero",
         "clock_drift",
@@ -908,6 +1022,8 @@ def rough_log(truth) -> OperationLog:
 ROUGH = {
     "missing_answers": 14.0 / 150.0,
     "time_late": 0.0,
+    "missing_in_run": 14.0 / 1202.0,
+    "longest_silence": 0.3,
     "joint_error": 0.016144689415124744,
     "angle_jump": 0.017843387465226953,
     "marker_jump": 0.018157364156439648,
@@ -931,10 +1047,10 @@ def test_the_verdict_on_a_rough_run_stays_as_it_is(truth):
         "speed_change",
         "without_zero",
     ]
-    assert verdict.checks[6].since == pytest.approx(18.0)
-    assert [one.description[-8:] for one in verdict.checks[2:4]] == ["module 5", "module 8"]
+    assert verdict.checks[8].since == pytest.approx(18.0)
+    assert [one.description[-8:] for one in verdict.checks[4:6]] == ["module 5", "module 8"]
     bare = verdict_of(rough_log(truth), Acceptance(), None)
-    assert bare.checks[2].value == pytest.approx(0.0028545947679231554, rel=1e-6)
+    assert bare.checks[4].value == pytest.approx(0.0028545947679231554, rel=1e-6)
 
 
 def test_joint_zeros_that_are_set_shortly_before_the_run_are_no_drift_of_the_robot(truth):
@@ -978,6 +1094,8 @@ def test_of_a_recording_without_a_start_no_cycle_is_checked(truth):
     )
     found = judged(replace(log, entries=entries))
     assert {name for name, check in found.items() if check.outcome != "not checked"} == {
+        "missing_in_run",
+        "longest_silence",
         "angle_jump",
         "pose_age",
         "without_zero",

@@ -299,7 +299,12 @@ class Acceptance:
 
     Those of speed, sideslip and turning limit changes in the run relative to the model;
     `missing_answers`, `time_late`, `model_speed` and `without_zero` are only noted. What the first
-    two note may be why others are exceeded.
+    four limit may be why others are exceeded.
+
+    `longest_silence` is more than the 0.3 s after which the supervisor usually stops a run
+    (`Limits.joint_timeout`), and less than the 0.8 s from which a module that is cut off may have
+    gone limp: nothing else vouches for a robot that nobody has heard for so long.
+    `missing_in_run` is a half: with more, most of what the other checks see is interpolated.
     """
 
     missing_answers: float = quantity(
@@ -307,6 +312,12 @@ class Acceptance:
     )
     time_late: float = quantity(
         "", "share of a cycle's time by which this computer was late", gt=0.0, default=0.1
+    )
+    missing_in_run: float = quantity(
+        "", "share of the run's answers of a module that did not come", gt=0.0, default=0.5
+    )
+    longest_silence: float = quantity(
+        "s", "longest time in the run without an answer of a module", gt=0.0, default=0.5
     )
     joint_error: float = quantity(
         "rad", "joint error not explained by its servo", gt=0.0, default=math.radians(3.0)

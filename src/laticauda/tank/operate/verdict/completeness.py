@@ -33,7 +33,52 @@ def measure_missing_answers(run: RecordedRun) -> Measurement | None:
         n_answers = _count_by_cycle(run.cycles, answer_times)
         missing[:, module] = np.maximum(1.0 - n_answers / n_expected, 0.0)
     return Measurement(
-        times=run.cycles.ends, values=missing.max(axis=1), location=_lone_module(missing)
+        times=run.cycles.ends,
+        values=missing.max(axis=1),
+        location=_lone_module(missing.max(axis=0)),
+    )
+
+
+def measure_missing_in_run(run: RecordedRun) -> Measurement | None:
+    """Measure the share of the whole run's answers that did not come, for the module that misses most.
+
+    Unlike `measure_missing_answers`, it also sees what lies outside of whole cycles: these end with
+    the last answer, so a run that nobody heard has none.
+    """
+    if not run.references:
+        return None
+    n_expected = len(run.references)
+    n_answers = np.array([times.size for times in _answer_times_by_module(run)])
+    missing = np.maximum(1.0 - n_answers / n_expected, 0.0)
+    return Measurement(
+        times=np.array([run.references[-1].time]),
+        values=np.array([missing.max()]),
+        location=_lone_module(missing),
+    )
+
+
+def measure_longest_silence(run: RecordedRun) -> Measurement | None:
+    """Measure the longest time without an answer of a module, while references were sent.
+
+    It counts from the beginning of the run to the last reference, whoever is to blame: a module, the
+    bus, or a computer that stood still.
+    """
+    if not run.references:
+        return None
+    begin = run.references[0].time
+    end = run.references[-1].time
+    ends: list[np.ndarray] = []
+    silences: list[np.ndarray] = []
+    for answer_times in _answer_times_by_module(run):
+        heard_at = np.concatenate(([begin], answer_times, [end]))
+        ends.append(heard_at[1:])
+        silences.append(np.diff(heard_at))
+    order = np.argsort(np.concatenate(ends), kind="stable")
+    longest_of_each = np.array([of_module.max() for of_module in silences])
+    return Measurement(
+        times=np.concatenate(ends)[order],
+        values=np.concatenate(silences)[order],
+        location=_lone_module(longest_of_each),
     )
 
 
@@ -54,11 +99,21 @@ def measure_time_late(run: RecordedRun) -> Measurement | None:
     return Measurement(times=run.cycles.ends, values=time_late / run.cycles.period)
 
 
-def _lone_module(missing: Float[np.ndarray, "n_cycles n_modules"]) -> str:
+def _answer_times_by_module(run: RecordedRun) -> list[Float[np.ndarray, " n_answers"]]:
+    """Return the times of every module's answers while references were sent [s]."""
+    begin = run.references[0].time
+    end = run.references[-1].time
+    samples = [sample for sample in run.joint_samples if begin <= sample.time <= end]
+    times = np.array([sample.time for sample in samples])
+    n_modules = run.references[0].angle.size
+    angles = np.array([sample.angle for sample in samples]).reshape(len(samples), n_modules)
+    return [times[np.isfinite(angles[:, module])] for module in range(n_modules)]
+
+
+def _lone_module(worst_of_each: Float[np.ndarray, " n_modules"]) -> str:
     """Return the module that misses answers while the others do not; "" if many miss some."""
-    if missing.shape[1] < 2:
+    if worst_of_each.size < 2:
         return ""
-    worst_of_each = missing.max(axis=0)
     second_worst, worst = np.sort(worst_of_each)[-2:]
     if worst <= LONE_MODULE_RATIO * second_worst:
         return ""

@@ -25,6 +25,10 @@ CHECKS = (
         rejects=False,
         explains_others=True,
     ),
+    Check(name="missing_in_run", measure=completeness.measure_missing_in_run, explains_others=True),
+    Check(
+        name="longest_silence", measure=completeness.measure_longest_silence, explains_others=True
+    ),
     Check(name="joint_error", measure=joints.measure_joint_error),
     Check(name="angle_jump", measure=joints.measure_angle_jump),
     Check(name="marker_jump", measure=cameras.measure_marker_jump),
@@ -67,15 +71,19 @@ class Verdict:
             return f"The run failed a check: {CUT_SHORT}."
         if not failed:
             return ""
-        worst = failed[0]
-        explanations = [
-            check for check in self._ranked_by_share("noted") if check.name in EXPLAINING
+        # Holes that reject the run are named before those that are only noted.
+        holes = [
+            check
+            for check in (*failed, *self._ranked_by_share("noted"))
+            if check.name in EXPLAINING
         ]
-        if not explanations:
+        others = [check for check in failed if check.name not in EXPLAINING]
+        worst = [*holes, *others][0]
+        if not (holes and others):
             return f"The run failed a check: {worst.description}."
         return (
-            f"The run failed a check: {explanations[0].description}. "
-            f"This may be why another one failed: {worst.description}."
+            f"The run failed a check: {worst.description}. "
+            f"This may be why another one failed: {others[0].description}."
         )
 
     def summary(self) -> dict[str, Any]:
