@@ -12,6 +12,7 @@ import numpy as np
 from laticauda import scenarios
 from laticauda.cli.command import PATIENCE, SHARE, Command, Outcome, show_progress
 from laticauda.cli.flags import File, Options, Picture, Place, Words
+from laticauda.cli.shared_options import base_option, joint_law_option, threads_option
 from laticauda.cli.tables import aligned, parse_numbers
 from laticauda.identify import (
     LIMIT,
@@ -97,9 +98,7 @@ class Candidates(Options):
     no_tow: bool = option("Neither tows nor coast-downs", default=False)
     no_swims: bool = option("No swimming trials", default=False)
     duration: float = quantity("s", "Duration of a swim", gt=0.0, le=1e5, default=30.0)
-    threads: int | None = quantity(
-        "", "Trials to run in parallel; one per core if omitted", ge=1, default=None
-    )
+    threads: int | None = threads_option()
 
     def __post_init__(self) -> None:
         """Reject empty lists."""
@@ -145,15 +144,11 @@ class DesignExperiment(Command):
     robot: str | None = option(
         "A preset or a TOML file; if omitted, --after's or mamba", default=None
     )
-    base: str | None = option(
-        "Parameter file for all else, with a joint law; else the paper's", default=None
-    )
+    base: str | None = base_option("the paper's")
     water: str | None = option(
         "A preset, a TOML file or textbook, instead of the base's", default=None
     )
-    joints: str | None = option(
-        "How joints follow the gait; if omitted, the base's law or prescribed", default=None
-    )
+    joints: str | None = joint_law_option()
     candidates: Candidates = option("Trials to choose from", default=Candidates())
     output: Picture = option(
         "Plot the uncertainty over the number of trials (.png, .pdf or .svg)", default=None

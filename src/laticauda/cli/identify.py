@@ -20,6 +20,7 @@ from laticauda.cli.flags import (
     spell_option,
     was_typed,
 )
+from laticauda.cli.shared_options import base_option, joint_law_option, threads_option
 from laticauda.cli.tables import format_table, parse_numbers
 from laticauda.identify import fitting, measurements, result, tasks, validation
 from laticauda.models.simulate import UNITS
@@ -87,12 +88,8 @@ class Fixed(Options):
     robot: str | None = option(
         "Robot, a preset or a TOML file; trials of another one are refused", default=None
     )
-    base: str | None = option(
-        "Parameter file for all else, with a joint law; else as in the trials", default=None
-    )
-    joints: str | None = option(
-        "How joints follow the gait; if omitted, the base's law or prescribed", default=None
-    )
+    base: str | None = base_option("as in the trials")
+    joints: str | None = joint_law_option()
     model: Literal["planar", "spatial"] = option(
         "Model of the body; spatial (MuJoCo) is slow", default="planar"
     )
@@ -112,9 +109,7 @@ class Method(Options):
         "Leave out each measurement by refitting, not by linearization", default=False
     )
     quick: bool = option("Skip the refits that leave out one group at a time", default=False)
-    threads: int | None = quantity(
-        "", "Trials to run in parallel; one per core if omitted", ge=1, default=None
-    )
+    threads: int | None = threads_option()
 
 
 @value_class

@@ -4,15 +4,15 @@ The robot swims its gait or follows a path; or its recorded operation becomes a 
 through the estimator and the controller again.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, Literal
 
 import laticauda as lc
 from laticauda import control
-from laticauda.cli import command, flags, report, scene, trial
-from laticauda.cli.flags import BadFlag, File, Files, Picture, ScenarioFile, Stored, Toml
+from laticauda.cli import command, flags, report, scene
+from laticauda.cli.flags import BadFlag, File, Files, Toml
+from laticauda.cli.trial_output import Recording
 from laticauda.control import estimation
 from laticauda.models import simulate
 from laticauda.show import figures
@@ -21,60 +21,9 @@ from laticauda.values import BadArgument, fields_of, option, quantity, value_cla
 
 
 @value_class
-class Recording(trial.Filming):
-    """A command that makes a trial, with the options for its output."""
-
-    save: Stored = option(
-        "Write the trial: .nc, .mcap, .parquet or .mat (all of it) or .csv (a table)", default=None
-    )
-    plot: Picture = option(
-        "Plot path, speed, joint angles and torques to this file (.png, .pdf or .svg)", default=None
-    )
-
-    def outcome(
-        self,
-        trial: lc.Trial,
-        origin: str,
-        more: str = "",
-        facts: Mapping[str, Any] | None = None,
-        beside: Sequence[lc.Trial] = (),
-    ) -> command.Outcome:
-        """Write the requested files, and report the results.
-
-        Args:
-            trial: Trial of the run.
-            origin: Source of its coefficients, in words.
-            more: Text printed below the table.
-            facts: Additional facts, for JSON.
-            beside: Trials of other robots in the same scene.
-        """
-        if self.save is not None:
-            _save_trials(Path(self.save), trial, beside)
-        if self.plot is not None:
-            figures.save_figure(trial.plot(), self.plot)
-        self.write_film(trial, beside=beside)
-        return command.Outcome(
-            facts={**report.facts_of(trial), **(facts or {})},
-            text=report.as_text(trial, origin) + more,
-            problem="" if trial.succeeded else trial.status,
-            succeeded=trial.succeeded,
-        )
-
-
-def _save_trials(path: Path, trial: lc.Trial, beside: Sequence[lc.Trial]) -> None:
-    """Save a trial, and those of other robots beside it under the same name with a number."""
-    trial.save(path)
-    for number, neighbor in enumerate(beside, start=1):
-        neighbor.save(path.with_stem(f"{path.stem}-{number}"))
-
-
-@value_class
-class Run(scene.OfScenario, Recording):
+class Run(scene.OfScenarioOrFile, Recording):
     """A command that runs one scenario."""
 
-    file: ScenarioFile = option(
-        "Scenario file (.toml) that the options modify; must come first", default=None
-    )
     link_forces: bool = option("Also log the force on every link", default=False)
     save_scenario: Toml = option("Write the scenario to this file (.toml)", default=None)
 
@@ -124,23 +73,28 @@ class Swim(Run):
             return self._together()
         trial = self.swum(self.chosen)
         if not self.interval:
-            return self.outcome(trial, self.origin)
+            return self.write_and_report(trial, self.origin)
         varied = simulate.intervals_of(self.chosen)
         intervals = simulate.figure_intervals(trial, varied)
         table = report.interval_table(trial, intervals, varied)
-        return self.outcome(trial, self.origin, f"\n\n{table}", {"interval": intervals})
+        return self.write_and_report(
+            trial,
+            self.origin,
+            further_text=f"\n\n{table}",
+            further_facts={"interval": intervals},
+        )
 
     def _together(self) -> command.Outcome:
         """Run the robot and those of further scenario files in one scene."""
         scenarios = [self.chosen, *map(lc.load_scenario, self.beside)]
         bar = command.run_bar(self.chosen.duration)
         trial, *neighbors = lc.swim_together(scenarios, progress=bar)
-        return self.outcome(
+        return self.write_and_report(
             trial,
             self.origin,
-            more="".join(f"\n\n{report.as_text(neighbor)}" for neighbor in neighbors),
-            facts={"beside": [report.facts_of(neighbor) for neighbor in neighbors]},
-            beside=neighbors,
+            further_text="".join(f"\n\n{report.as_text(neighbor)}" for neighbor in neighbors),
+            further_facts={"beside": [report.facts_of(neighbor) for neighbor in neighbors]},
+            neighbors=neighbors,
         )
 
 
@@ -187,7 +141,8 @@ class SwimOn(Recording):
             link_forces=first.link_force is not None,
             progress=command.run_bar(self.duration),
         )
-        return self.outcome(lc.joined(first, second), f"as stored in {self.resume}")
+        whole_run = lc.joined(first, second)
+        return self.write_and_report(whole_run, f"as stored in {self.resume}")
 
 
 # ---- along a path --------------------------------------------------------------------------------
@@ -268,7 +223,8 @@ class Follow(Run):
     def run(self) -> command.Outcome:
         """Run, and write the results."""
         trial = self.swum(self.steered(self.chosen))
-        return self.outcome(trial, self.origin, f"\n\n{report.following_table(trial)}")
+        table = report.following_table(trial)
+        return self.write_and_report(trial, self.origin, further_text=f"\n\n{table}")
 
     def steered(self, scenario: lc.Scenario) -> lc.Scenario:
         """Return the scenario with the requested controller.
@@ -372,8 +328,11 @@ class Replay(Recording):
         if learned or self.learn:
             facts["learned"] = [vars(entry) for entry in learned]
             paragraphs += _describe_learned(learned)
-        more = "".join(f"\n\n{paragraph}" for paragraph in paragraphs)
-        outcome = self.outcome(trial, "", more, facts)
+        outcome = self.write_and_report(
+            trial,
+            further_text="".join(f"\n\n{paragraph}" for paragraph in paragraphs),
+            further_facts=facts,
+        )
         lost = f"laticauda: {log.lost}" if log.lost else ""
         return replace(outcome, problem=lost)
 

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, Self, cast
 import laticauda as lc
 from laticauda import robot
 from laticauda.cli.command import Command
-from laticauda.cli.flags import File, Options, parse_command, was_typed
+from laticauda.cli.flags import File, Options, ScenarioFile, parse_command, was_typed
 from laticauda.cli.laws import find_member, import_law
 from laticauda.models import simulate
 from laticauda.motion.gaits import FIRST_GAIT
@@ -264,8 +264,10 @@ class OfScenario(Command):
     def read(cls, arguments: Sequence[str], prog: str) -> Any:
         """Return the command that was typed, reading its names first; see `Command.read`."""
         names = Names.read(arguments, prog)
-        accepts_file = "file" in cls.__dataclass_fields__
-        scenario, origin = names.scenario(arguments if accepts_file else ())
+        words_with_file: Sequence[str] = ()
+        if issubclass(cls, OfScenarioOrFile):
+            words_with_file = arguments
+        scenario, origin = names.scenario(words_with_file)
         return cls.about(scenario, arguments, prog, choice=names, origin=origin)
 
     @classmethod
@@ -288,3 +290,12 @@ class OfScenario(Command):
         if not isinstance(water, lc.Water) or not isinstance(water_before, lc.Water):
             return self.scenario
         return replace(self.scenario, environment=named_after(water, water_before))
+
+
+@value_class
+class OfScenarioOrFile(OfScenario):
+    """A command about one scenario, which may come from a file."""
+
+    file: ScenarioFile = option(
+        "Scenario file (.toml) that the options modify; must come first", default=None
+    )

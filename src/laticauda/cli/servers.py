@@ -13,8 +13,9 @@ from typing import Any, Literal
 import laticauda as lc
 from laticauda import connect as cosim, robot
 from laticauda.cli.command import LOCAL, Command, Outcome, until_stopped
-from laticauda.cli.flags import File, Files, Options, ScenarioFile, Stored, parse_command
-from laticauda.cli.scene import OfScenario, warn_of_compiling
+from laticauda.cli.flags import File, Files, Options, Stored, parse_command
+from laticauda.cli.scene import OfScenarioOrFile, warn_of_compiling
+from laticauda.cli.shared_options import THIS_COMPUTER, host_option, port_option
 from laticauda.robot import Scene, Water, load_robot
 from laticauda.scenarios import model_of, named_after, water_for
 from laticauda.tank import lab, protocol
@@ -58,10 +59,8 @@ class Wires(Options):
         "CAN: udp_multicast[:GROUP[:PORT]] for processes, or socketcan[:NAME]",
         default="udp_multicast",
     )
-    host: str = option(
-        "Address of the cameras' server; 127.0.0.1: this computer only", default="127.0.0.1"
-    )
-    port: int = quantity("", "Its port; 0: any free one", ge=0, le=65535, default=22223)
+    host: str = host_option("Address of the cameras' server")
+    port: int = port_option(22223)
     hops: int = quantity(
         "", "Hop limit of udp_multicast frames; 0: this computer, 1: this network", ge=0, default=0
     )
@@ -173,7 +172,7 @@ class LabCommand(Command):
             "nodes": len(tank.nodes),
         }
         text = " | ".join(f"{name} {value}" for name, value in facts.items())
-        if host == "127.0.0.1" and not bus.hops:
+        if host == THIS_COMPUTER and not bus.hops:
             text += " (this computer only)"
         self.announce(facts, text)
 
@@ -207,8 +206,8 @@ class Serve(Command):
     For example: laticauda serve --port 5055 --max-clients 4
     """
 
-    host: str = option("Address to listen on; 127.0.0.1: this computer only", default="127.0.0.1")
-    port: int = quantity("", "Its port; 0: any free one", ge=0, le=65535, default=5055)
+    host: str = host_option("Address to listen on")
+    port: int = port_option(5055)
     max_clients: int = quantity(
         "", "Maximum number of clients connected at a time", ge=1, default=16
     )
@@ -288,7 +287,7 @@ def _compile() -> None:
 
 
 @value_class
-class CockpitCommand(OfScenario):
+class CockpitCommand(OfScenarioOrFile):
     """Serve a page on which the robot swims, until Ctrl-C; everything on it can be changed while the robot swims.
 
     It prints one line with the page's address, which contains a token if other computers can reach
@@ -297,17 +296,14 @@ class CockpitCommand(OfScenario):
     For example: laticauda cockpit --robot mamba-fin --port 8080
     """
 
-    file: ScenarioFile = option(
-        "Scenario file (.toml) that the options modify; must come first", default=None
-    )
     operated: str | None = option(
         "Show the robot of this recording, or folder, while it is operated", default=None
     )
     load: str | None = option(
         "Play back this trial or recording of an operation beside it", default=None
     )
-    host: str = option("Address of the page; 127.0.0.1: this computer only", default="127.0.0.1")
-    port: int = quantity("", "Its port; 0: any free one", ge=0, le=65535, default=8080)
+    host: str = host_option("Address of the page")
+    port: int = port_option(8080)
 
     def run(self) -> None:
         """Serve until Ctrl-C."""

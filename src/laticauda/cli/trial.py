@@ -5,45 +5,14 @@ from typing import Annotated
 
 import laticauda as lc
 from laticauda.cli import command, flags, report, tables
+from laticauda.cli.trial_output import Filming
 from laticauda.show import figures
-from laticauda.show.pictures import Film
 from laticauda.trials import ComparedFigure, Format, logs
 from laticauda.values import BadArgument, TrialFileError, option, quantity, value_class
 
 TRIAL = (
     "The trial, as `laticauda swim --save` or `trial convert` wrote it, or a log (with --columns)"
 )
-
-
-@value_class
-class Filming(command.Command):
-    """A command that has a trial and can film it."""
-
-    video: flags.Mp4 = option("Write a 3D film of the run (.mp4)", default=None)
-    film: Film = option("Content and size of the film", default=Film())
-
-    def write_film(
-        self, trial: lc.Trial, speed: float = 1.0, beside: Sequence[lc.Trial] = ()
-    ) -> None:
-        """Write the film of a trial if requested.
-
-        Args:
-            trial: Any trial.
-            speed: Playback speed relative to real time [-].
-            beside: Trials of other robots in the same scene.
-        """
-        if self.video is not None:
-            from laticauda.show.pictures import render_film
-
-            begin, end = self.film.span(trial)
-            render_film(
-                trial,
-                self.video,
-                self.film,
-                speed=speed,
-                beside=beside,
-                progress=command.film_bar(end - begin),
-            )
 
 
 @value_class

@@ -12,12 +12,13 @@ import numpy as np
 
 from laticauda import studies
 from laticauda.cli import command, scene
+from laticauda.cli.shared_options import threads_option
 from laticauda.cli.tables import MISSING, aligned, format_table, parse_numbers
 from laticauda.models.simulate import Parameter, suggest_names
 from laticauda.models.simulate.numbers import list_parameters
 from laticauda.scenarios import Scenario
 from laticauda.studies import LABELS, attributes_of
-from laticauda.values import BadArgument, display_unit, files, option, quantity, value_class
+from laticauda.values import BadArgument, display_unit, files, option, value_class
 
 ROOTS_LEFT_OUT = ("gait", "water", "ground")
 """Fields of these are named by their last word alone, like the options."""
@@ -46,9 +47,7 @@ class Study(scene.OfScenario):
     names: bool = option(
         "Print the names of all parameters that can be varied, and exit", default=False
     )
-    threads: int | None = quantity(
-        "", "Trials to run in parallel here; one per core if omitted", ge=1, default=None
-    )
+    threads: int | None = threads_option("Trials to run in parallel here")
 
     def run(self) -> command.Outcome:
         """Do the work, or list what can be varied."""

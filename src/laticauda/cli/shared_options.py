@@ -1,0 +1,63 @@
+"""Options that commands of several families have: declared once, so that they read alike everywhere.
+
+An option belongs here if commands in different modules, or for different purposes, have it in the
+same sense; each function declares one field, and its argument is what differs. Groups of options
+that go together are classes, which commands inherit:
+
+- robot, gait, water, ground and model by name, and a scenario file: `laticauda.cli.scene`;
+- files that are written of a trial, and its film: `laticauda.cli.trial_output`;
+- ``--json``: `laticauda.cli.command`.
+
+An option of one command, or of one family, stands in the class of that command. Numbers of a robot,
+a gait or water are not declared in this package at all: they are fields of those values, and become
+flags by themselves (`laticauda.cli.flags`). How a flag is read is its type's matter
+(`laticauda.cli.flag_types`).
+"""
+
+from laticauda.values import option, quantity
+
+THIS_COMPUTER = "127.0.0.1"
+"""Address under which a server is reached from this computer only."""
+
+
+def threads_option(text: str = "Trials to run in parallel") -> int | None:
+    """Declare the number of trials that run at a time.
+
+    Args:
+        text: What it is the number of.
+    """
+    return quantity("", f"{text}; one per core if omitted", ge=1, default=None)
+
+
+def base_option(otherwise: str) -> str | None:
+    """Declare the parameter file from which an identification takes all that it does not identify.
+
+    Args:
+        otherwise: Where that is from without a file.
+    """
+    text = f"Parameter file for all else, with a joint law; else {otherwise}"
+    return option(text, default=None)
+
+
+def joint_law_option() -> str | None:
+    """Declare the joint law of trials that an identification simulates."""
+    text = "How joints follow the gait; if omitted, the base's law or prescribed"
+    return option(text, default=None)
+
+
+def host_option(subject: str) -> str:
+    """Declare the address of a server.
+
+    Args:
+        subject: What has this address.
+    """
+    return option(f"{subject}; {THIS_COMPUTER}: this computer only", default=THIS_COMPUTER)
+
+
+def port_option(default: int) -> int:
+    """Declare the port of a server.
+
+    Args:
+        default: Port that it usually has.
+    """
+    return quantity("", "Its port; 0: any free one", ge=0, le=65535, default=default)

@@ -1,0 +1,98 @@
+"""What commands write of a trial: files, pictures, films, and the figures that are printed."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import laticauda as lc
+from laticauda.cli import report
+from laticauda.cli.command import Command, Outcome
+from laticauda.cli.flag_types import Mp4, Picture, Stored
+from laticauda.cli.progress import film_bar
+from laticauda.show import figures
+from laticauda.show.pictures import Film
+from laticauda.values import option, value_class
+
+
+@value_class
+class Filming(Command):
+    """A command that has a trial and can film it."""
+
+    video: Mp4 = option("Write a 3D film of the run (.mp4)", default=None)
+    film: Film = option("Content and size of the film", default=Film())
+
+    def write_film(
+        self, trial: lc.Trial, speed: float = 1.0, beside: Sequence[lc.Trial] = ()
+    ) -> None:
+        """Write the film of a trial if requested.
+
+        Args:
+            trial: Any trial.
+            speed: Playback speed relative to real time [-].
+            beside: Trials of other robots in the same scene.
+        """
+        if self.video is None:
+            return
+        from laticauda.show.pictures import render_film
+
+        begin, end = self.film.span(trial)
+        render_film(
+            trial,
+            self.video,
+            self.film,
+            speed=speed,
+            beside=beside,
+            progress=film_bar(end - begin),
+        )
+
+
+@value_class
+class Recording(Filming):
+    """A command that makes a trial, with the options for its output."""
+
+    save: Stored = option(
+        "Write the trial: .nc, .mcap, .parquet or .mat (all of it) or .csv (a table)", default=None
+    )
+    plot: Picture = option(
+        "Plot path, speed, joint angles and torques to this file (.png, .pdf or .svg)", default=None
+    )
+
+    def write_and_report(
+        self,
+        trial: lc.Trial,
+        origin: str = "",
+        *,
+        further_text: str = "",
+        further_facts: Mapping[str, Any] | None = None,
+        neighbors: Sequence[lc.Trial] = (),
+    ) -> Outcome:
+        """Write the requested files, and report the figures.
+
+        Args:
+            trial: Trial of the run.
+            origin: Source of its coefficients, in words.
+            further_text: Text printed below the table.
+            further_facts: Additional facts, for JSON.
+            neighbors: Trials of other robots in the same scene.
+        """
+        if self.save is not None:
+            _save_trials(Path(self.save), trial, neighbors)
+        if self.plot is not None:
+            figures.save_figure(trial.plot(), self.plot)
+        self.write_film(trial, beside=neighbors)
+        problem = ""
+        if not trial.succeeded:
+            problem = trial.status
+        return Outcome(
+            facts={**report.facts_of(trial), **(further_facts or {})},
+            text=report.as_text(trial, origin) + further_text,
+            problem=problem,
+            succeeded=trial.succeeded,
+        )
+
+
+def _save_trials(path: Path, trial: lc.Trial, neighbors: Sequence[lc.Trial]) -> None:
+    """Save a trial, and those of its neighbors under the same name with a number."""
+    trial.save(path)
+    for number, neighbor in enumerate(neighbors, start=1):
+        neighbor.save(path.with_stem(f"{path.stem}-{number}"))
