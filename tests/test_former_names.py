@@ -9,6 +9,7 @@ FORMER_NAMES = [
     ("laticauda.identify.candidates", "swims", "swim_candidates"),
     ("laticauda.identify.design", "design", "design_experiment"),
     ("laticauda.cli.flags", "read", "parse_command"),
+    ("laticauda.cli.flags", "Stored", "TrialOutput"),
     ("laticauda.paper.scores", "scores", "score_study"),
     ("laticauda.models.simulate.numbers", "changed", "change_parameters"),
     ("laticauda.models.simulate.numbers", "parameters", "list_parameters"),

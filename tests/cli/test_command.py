@@ -10,7 +10,7 @@ import pytest
 from laticauda import cli
 from laticauda.cli import command, progress
 from laticauda.cli.command import Command, Outcome, until_stopped
-from laticauda.cli.flags import Picture, Stored
+from laticauda.cli.flags import PictureOutput, TrialOutput
 from laticauda.values.errors import BadArgument
 from laticauda.values.quantities import option, value_class
 
@@ -19,7 +19,7 @@ from laticauda.values.quantities import option, value_class
 class Part:
     """A part of it."""
 
-    plot: Picture = option("Draw it", default=None)
+    plot: PictureOutput = option("Draw it", default=None)
 
 
 @value_class
@@ -27,7 +27,7 @@ class Count(Command):
     """Count."""
 
     part: Part = option("A part", default=Part())
-    save: Stored = option("Keep it", default=None)
+    save: TrialOutput = option("Keep it", default=None)
     fails: bool = option("Whether it fails", default=False)
 
     def run(self) -> Outcome:

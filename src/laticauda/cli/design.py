@@ -11,7 +11,7 @@ import numpy as np
 
 from laticauda import scenarios
 from laticauda.cli.command import PATIENCE, SHARE, Command, Outcome, show_progress
-from laticauda.cli.flags import File, Options, Picture, Place, Words
+from laticauda.cli.flags import File, OptionalFolder, Options, PictureOutput, Words
 from laticauda.cli.shared_options import base_option, joint_law_option, threads_option
 from laticauda.cli.tables import aligned, parse_numbers
 from laticauda.identify import (
@@ -150,11 +150,11 @@ class DesignExperiment(Command):
     )
     joints: str | None = joint_law_option()
     candidates: Candidates = option("Trials to choose from", default=Candidates())
-    output: Picture = option(
+    output: PictureOutput = option(
         "Plot the uncertainty over the number of trials (.png, .pdf or .svg)", default=None
     )
 
-    tank_day: Place = option(
+    tank_day: OptionalFolder = option(
         "New folder for runs to do and files to fill in, or a filled one to judge", default=None
     )
 

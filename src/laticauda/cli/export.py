@@ -22,7 +22,7 @@ class Urdf(command.Command):
     For example: laticauda export urdf --robot mamba-modules-fin --output mamba.urdf
     """
 
-    output: Annotated[flags.Made, flags.OutputFile((".urdf",))] = option(OUTPUT)
+    output: Annotated[flags.RequiredFile, flags.OutputFile((".urdf",))] = option(OUTPUT)
     robot: str = option("A preset (`laticauda robots` lists them) or a TOML file", default="mamba")
     n_links: int | None = quantity(
         "", "Another number of links, if all links are alike", ge=1, default=None
@@ -57,7 +57,7 @@ class Mjcf(Urdf):
     --output mamba.xml
     """
 
-    output: Annotated[flags.Made, flags.OutputFile((".xml",))] = option(OUTPUT)
+    output: Annotated[flags.RequiredFile, flags.OutputFile((".xml",))] = option(OUTPUT)
     water: str | None = option(
         "A preset or TOML file; only its depth is written (none: paper-lateral)", default=None
     )
@@ -95,7 +95,7 @@ class Mjcf(Urdf):
 class Compiled(OfScenario):
     """A command that exports a robot in water as machine code."""
 
-    output: Annotated[flags.Made, flags.OutputFile((".fmu",))] = option(
+    output: Annotated[flags.RequiredFile, flags.OutputFile((".fmu",))] = option(
         f"{OUTPUT} (.fmu)", default=""
     )
     inputs: Literal["gait", "references"] = option(
@@ -140,7 +140,7 @@ class Fmu(Compiled):
     fmi: Literal["2.0", "3.0"] = option(
         "Version of the standard; all tools read 2.0", default="2.0"
     )
-    platform: flags.Listed = option(
+    platform: flags.NameList = option(
         "linux64, aarch64 (Linux), win64, darwin; this machine's if omitted", default=()
     )
     author: str | None = option("Author of the model, as stated in the FMU", default=None)
@@ -165,7 +165,7 @@ class C(Compiled):
     For example: laticauda export c --robot mamba-fin --platform aarch64 --static --output mamba.h
     """
 
-    output: Annotated[flags.Made, flags.OutputFile((".h",))] = option(
+    output: Annotated[flags.RequiredFile, flags.OutputFile((".h",))] = option(
         "Header to write (.h); the library is written next to it", default=""
     )
     platform: str | None = option(

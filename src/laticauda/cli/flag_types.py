@@ -1,6 +1,8 @@
 """Types of fields that are files, folders or words: how their flags are shown in the help, and read.
 
-A field of such a type is declared like any other: ``save: Stored = option("Write the trial", default=None)``.
+A field of such a type is declared like any other: ``save: TrialOutput = option("Write the trial", default=None)``.
+An output carries a mark, `OutputFile`, by which it is checked before the work starts
+(`laticauda.cli.output_files`).
 """
 
 from collections.abc import Callable
@@ -90,24 +92,46 @@ _LISTED_NAMES = words_flag(n_words="*", metavar="NAME[,NAME...]", read=_split_at
 _PRESET = words_flag(n_words=1, metavar="NAME|PATH", read=read_first)
 _SCENARIO_FILE = words_flag(n_words=1, metavar="FILE", read=read_first)
 
-PICTURES = OutputFile((".png", ".pdf", ".svg"))
+# ---- flags: what is read -------------------------------------------------------------------------
 
 File = Annotated[str | None, _path_flag("FILE")]
+"""A file, or None."""
 Files = Annotated[tuple[str, ...], _path_flag("FILE ...", "*")]
-Folder = Annotated[str, _path_flag("DIR")]
-Place = Annotated[str | None, _path_flag("DIR")]
-
-Stored = Annotated[File, OutputFile()]
-Picture = Annotated[File, PICTURES]
-Mp4 = Annotated[File, OutputFile((".mp4",))]
-Toml = Annotated[File, OutputFile((".toml",))]
-Made = Annotated[str, _path_flag("FILE")]
-
+"""Any number of files."""
 Words = Annotated[tuple[str, ...], _NAMES_WITH_VALUES]
-Listed = Annotated[tuple[str, ...], _LISTED_NAMES]
+"""Any number of words, most of them NAME=VALUES; the command reads them."""
+NameList = Annotated[tuple[str, ...], _LISTED_NAMES]
+"""Names, separated by commas or spaces."""
 
-Input = Annotated[str, tyro.conf.Positional, _path_flag("FILE")]
-Inputs = Annotated[tuple[str, ...], tyro.conf.Positional, _path_flag("FILES ...", "*")]
-Output = Annotated[str, tyro.conf.Positional, _path_flag("OUTPUT")]
-Preset = Annotated[str | None, tyro.conf.Positional, _PRESET]
-ScenarioFile = Annotated[str | None, tyro.conf.Positional, _SCENARIO_FILE]
+# ---- flags: what is written ----------------------------------------------------------------------
+
+PICTURES = OutputFile((".png", ".pdf", ".svg"))
+"""Mark for pictures and plots."""
+
+RequiredFile = Annotated[str, _path_flag("FILE")]
+"""A file that must be given; its mark says which endings it may have."""
+TrialOutput = Annotated[File, OutputFile()]
+"""A trial to be written, in any of its formats."""
+PictureOutput = Annotated[File, PICTURES]
+"""A picture to be written."""
+VideoOutput = Annotated[File, OutputFile((".mp4",))]
+"""A film to be written."""
+TomlOutput = Annotated[File, OutputFile((".toml",))]
+"""A TOML file to be written."""
+Folder = Annotated[str, _path_flag("DIR")]
+"""A folder."""
+OptionalFolder = Annotated[str | None, _path_flag("DIR")]
+"""A folder, or None."""
+
+# ---- words without a flag, which stand behind the command ----------------------------------------
+
+FileArgument = Annotated[str, tyro.conf.Positional, _path_flag("FILE")]
+"""The file that the command is about."""
+FileArguments = Annotated[tuple[str, ...], tyro.conf.Positional, _path_flag("FILES ...", "*")]
+"""The files that the command is about."""
+OutputArgument = Annotated[str, tyro.conf.Positional, _path_flag("OUTPUT")]
+"""The file or folder that the command writes."""
+PresetArgument = Annotated[str | None, tyro.conf.Positional, _PRESET]
+"""A preset, or the path of a file."""
+ScenarioArgument = Annotated[str | None, tyro.conf.Positional, _SCENARIO_FILE]
+"""A scenario file, whose numbers the flags change."""

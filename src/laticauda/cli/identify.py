@@ -11,9 +11,9 @@ from laticauda.cli.command import SHARE, Command, Outcome, show_progress
 from laticauda.cli.flags import (
     BadFlag,
     File,
+    FileArguments,
     Files,
     Folder,
-    Inputs,
     Options,
     Words,
     options_of,
@@ -124,7 +124,7 @@ class Identify(Command):
     fit.json, figures and tables.
     """
 
-    files: Inputs = option(
+    files: FileArguments = option(
         "One TOML task file, or trials: netCDF, MCAP, or other logs with --columns", default=()
     )
     what: IdentificationTarget = option(

@@ -23,7 +23,7 @@ class Operate(command.Command):
     For example: laticauda operate trial.toml --output runs
     """
 
-    file: flags.Input = option("Trial file or series file (TOML)")
+    file: flags.FileArgument = option("Trial file or series file (TOML)")
     output: flags.Folder = option("Folder of the recordings and trials", default="runs")
     check: bool = option("Only connect and check the hardware; nothing moves", default=False)
     clear: bool = option(

@@ -41,7 +41,7 @@ class Robots(command.Command):
     For example: laticauda robots mamba --toml
     """
 
-    name: flags.Preset = option(
+    name: flags.PresetArgument = option(
         "A preset of any kind, or a TOML file; all if omitted", default=None
     )
     toml: bool = option("Print its TOML file, to be edited and used", default=False)

@@ -11,7 +11,7 @@ from typing import Any, Literal
 import laticauda as lc
 from laticauda import control
 from laticauda.cli import command, flags, report, scene
-from laticauda.cli.flags import BadFlag, File, Files, Toml
+from laticauda.cli.flags import BadFlag, File, Files, TomlOutput
 from laticauda.cli.trial_output import Recording
 from laticauda.control import estimation
 from laticauda.models import simulate
@@ -25,7 +25,7 @@ class Run(scene.OfScenarioOrFile, Recording):
     """A command that runs one scenario."""
 
     link_forces: bool = option("Also log the force on every link", default=False)
-    save_scenario: Toml = option("Write the scenario to this file (.toml)", default=None)
+    save_scenario: TomlOutput = option("Write the scenario to this file (.toml)", default=None)
 
     def swum(self, scenario: lc.Scenario) -> lc.Trial:
         """Return the trial of a scenario, which is written to a file if requested.
@@ -286,7 +286,7 @@ class Replay(Recording):
     For example: laticauda replay run.mcap --save run.nc --estimate --control
     """
 
-    file: flags.Input = option("The recording, as `laticauda operate` wrote it (.mcap)")
+    file: flags.FileArgument = option("The recording, as `laticauda operate` wrote it (.mcap)")
     estimate: bool = option(
         "Estimate the motion again from the recorded samples, for the trial", default=False
     )
@@ -299,7 +299,7 @@ class Replay(Recording):
     learn: bool = option(
         "Learn water, current and changes of the robot from the recorded samples", default=False
     )
-    plot_timing: flags.Picture = option(
+    plot_timing: flags.PictureOutput = option(
         "Draw how punctual the operator's loop was (.png, .pdf or .svg)", default=None
     )
 

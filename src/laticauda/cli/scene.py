@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, Self, cast
 import laticauda as lc
 from laticauda import robot
 from laticauda.cli.command import Command
-from laticauda.cli.flags import File, Options, ScenarioFile, parse_command, was_typed
+from laticauda.cli.flags import File, Options, ScenarioArgument, parse_command, was_typed
 from laticauda.cli.laws import find_member, import_law
 from laticauda.models import simulate
 from laticauda.motion.gaits import FIRST_GAIT
@@ -296,6 +296,6 @@ class OfScenario(Command):
 class OfScenarioOrFile(OfScenario):
     """A command about one scenario, which may come from a file."""
 
-    file: ScenarioFile = option(
+    file: ScenarioArgument = option(
         "Scenario file (.toml) that the options modify; must come first", default=None
     )

@@ -13,7 +13,7 @@ from typing import Any, Literal
 import laticauda as lc
 from laticauda import connect as cosim, robot
 from laticauda.cli.command import LOCAL, Command, Outcome, until_stopped
-from laticauda.cli.flags import File, Files, Options, Stored, parse_command
+from laticauda.cli.flags import File, Files, Options, TrialOutput, parse_command
 from laticauda.cli.scene import OfScenarioOrFile, warn_of_compiling
 from laticauda.cli.shared_options import THIS_COMPUTER, host_option, port_option
 from laticauda.robot import Scene, Water, load_robot
@@ -95,7 +95,7 @@ class LabCommand(Command):
     scene: Scene = option("Surroundings of the robot", default=Scene())
     wires: Wires = option("How the tank is reached", default=Wires())
     time: Time = option("Clock, random numbers and faults of the tank", default=Time())
-    save: Stored = option(
+    save: TrialOutput = option(
         "Write the true motion since the robot was put into the water (.nc, .csv, ...)",
         default=None,
     )

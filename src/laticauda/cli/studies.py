@@ -14,7 +14,7 @@ import tyro
 from laticauda import studies
 from laticauda.cli import vary
 from laticauda.cli.command import Outcome, stored_trials
-from laticauda.cli.flags import File, Folder, Picture, Words
+from laticauda.cli.flags import File, Folder, PictureOutput, Words
 from laticauda.cli.scene import warn_of_compiling
 from laticauda.cli.tables import read_in
 from laticauda.cli.vary import Known, Study
@@ -73,7 +73,7 @@ class SweepCommand(Study):
     output: Folder = option(
         "Folder of results, where the same command resumes after a stop", default="sweep"
     )
-    plot: Picture = option(
+    plot: PictureOutput = option(
         "Plot speed and cost of transport over the parameters (.png, .pdf, .svg)", default=None
     )
     best: Literal[

@@ -24,7 +24,7 @@ class View(Filming):
     For example: laticauda view run.nc --still run.png
     """
 
-    file: flags.Input = option("The trial, as `laticauda swim --save` wrote it")
+    file: flags.FileArgument = option("The trial, as `laticauda swim --save` wrote it")
     still: Annotated[flags.File, flags.OutputFile((".png",))] = option(
         "Write a picture (.png)", default=None
     )
@@ -76,7 +76,7 @@ class Show(OfTrials, Filming):
     For example: laticauda trial show run.nc
     """
 
-    file: flags.Input = option(TRIAL)
+    file: flags.FileArgument = option(TRIAL)
 
     def run(self) -> command.Outcome:
         """Read."""
@@ -94,7 +94,7 @@ class Compare(OfTrials):
     For example: laticauda trial compare bare.nc fin.nc
     """
 
-    files: flags.Inputs = option(
+    files: flags.FileArguments = option(
         "Two or more trials, the reference first; foreign logs need --columns", default=()
     )
 
@@ -113,10 +113,10 @@ class Plot(OfTrials):
     For example: laticauda trial plot bare.nc fin.nc --output both.png
     """
 
-    files: flags.Inputs = option(
+    files: flags.FileArguments = option(
         "One or more trials, in any format that `trial show` reads", default=()
     )
-    output: Annotated[flags.Made, flags.PICTURES] = option(
+    output: Annotated[flags.RequiredFile, flags.PICTURES] = option(
         "Picture to write or replace: .png, .pdf or .svg"
     )
 
@@ -144,8 +144,8 @@ class Convert(OfTrials):
     For example: laticauda trial convert run.nc run.mcap
     """
 
-    file: flags.Input = option(TRIAL)
-    output: flags.Output = option(
+    file: flags.FileArgument = option(TRIAL)
+    output: flags.OutputArgument = option(
         "File to write or replace: .nc, .mcap, .parquet, .mat or .csv; or a new FOLDER/"
     )
 

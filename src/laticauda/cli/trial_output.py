@@ -7,7 +7,7 @@ from typing import Any
 import laticauda as lc
 from laticauda.cli import report
 from laticauda.cli.command import Command, Outcome
-from laticauda.cli.flag_types import Mp4, Picture, Stored
+from laticauda.cli.flag_types import PictureOutput, TrialOutput, VideoOutput
 from laticauda.cli.progress import film_bar
 from laticauda.show import figures
 from laticauda.show.pictures import Film
@@ -18,7 +18,7 @@ from laticauda.values import option, value_class
 class Filming(Command):
     """A command that has a trial and can film it."""
 
-    video: Mp4 = option("Write a 3D film of the run (.mp4)", default=None)
+    video: VideoOutput = option("Write a 3D film of the run (.mp4)", default=None)
     film: Film = option("Content and size of the film", default=Film())
 
     def write_film(
@@ -50,10 +50,10 @@ class Filming(Command):
 class Recording(Filming):
     """A command that makes a trial, with the options for its output."""
 
-    save: Stored = option(
+    save: TrialOutput = option(
         "Write the trial: .nc, .mcap, .parquet or .mat (all of it) or .csv (a table)", default=None
     )
-    plot: Picture = option(
+    plot: PictureOutput = option(
         "Plot path, speed, joint angles and torques to this file (.png, .pdf or .svg)", default=None
     )
 

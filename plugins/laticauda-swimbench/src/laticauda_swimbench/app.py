@@ -8,7 +8,14 @@ from typing import Annotated, Any
 import tyro
 
 from laticauda.cli.command import SHARE, Command, Outcome, show_progress
-from laticauda.cli.flags import BadFlag, Folder, Inputs, Listed, Place, parse_command
+from laticauda.cli.flags import (
+    BadFlag,
+    FileArguments,
+    Folder,
+    NameList,
+    OptionalFolder,
+    parse_command,
+)
 from laticauda.values import (
     BadArgument,
     LaticaudaError,
@@ -25,7 +32,7 @@ from laticauda_swimbench.challenges import CHALLENGES, challenge
 PROGRAM = "swimbench"
 RESULTS = Path(__file__).parent / "results"
 """The baselines' score files."""
-Policies = Annotated[Listed, tyro.conf.Positional]
+Policies = Annotated[NameList, tyro.conf.Positional]
 
 
 @value_class
@@ -63,8 +70,8 @@ class Score(Command):
     """
 
     policies: Policies = option("Policies to score; all baselines if omitted", default=())
-    scenarios: Listed = option("Scenarios to score in", default=CHALLENGES)
-    output: Place = option("Folder for the score files, created if missing", default=None)
+    scenarios: NameList = option("Scenarios to score in", default=CHALLENGES)
+    output: OptionalFolder = option("Folder for the score files, created if missing", default=None)
 
     def run(self) -> Outcome:
         """Score one after the other."""
@@ -113,7 +120,7 @@ class Table(Command):
     For example: swimbench table scores/*.json
     """
 
-    files: Inputs = option("Score files", default=())
+    files: FileArguments = option("Score files", default=())
     baselines: bool = option("Include the baselines' own score files", default=False)
 
     def run(self) -> Outcome:
@@ -138,7 +145,7 @@ class Train(Command):
     """
 
     learner: Annotated[str, tyro.conf.Positional] = option("ppo or sac")
-    scenarios: Listed = option("Scenarios to learn in", default=CHALLENGES)
+    scenarios: NameList = option("Scenarios to learn in", default=CHALLENGES)
     seeds: tuple[int, ...] = quantity("", "Seeds of the runs", ge=0, default=(1, 2, 3, 4, 5))
     steps: int = quantity("", "Steps of each run", ge=1, default=1_000_000)
     output: Folder = option(
