@@ -4,9 +4,18 @@ import numpy as np
 import pytest
 from identify.trials import DRAG, FRICTION, speeds
 
-from laticauda.identify import Unknown, fit, profile_interval, sample_posterior
+from laticauda.identify import (
+    Unknown,
+    fit,
+    local_search,
+    profile_interval,
+    profiles,
+    sample_posterior,
+)
+from laticauda.identify.model import predict
 from laticauda.identify.posterior_sample import log_density
 from laticauda.identify.profiles import sum_of_squares
+from laticauda.values import SimulationFailed
 
 MEASURED = speeds(3, noise=0.002, duration=3.0)
 SIGMA = 0.5  # of a meter [W]
@@ -114,6 +123,55 @@ def test_a_profile_does_not_close_where_nothing_is_seen():
     assert None in blurred
     with pytest.raises(ValueError, match="`name` must be one of"):
         profile_interval(blind, "water.density")
+
+
+@pytest.fixture
+def two_offsets():
+    """A fit of an offset that data determine, and of one that only its prior determines."""
+    unknowns = [
+        Unknown(name="measured.power_offset", size=10.0),
+        Unknown(name="measured.heading_offset", prior=(0.0, 1.0)),
+    ]
+    return fit(OFFSET, parameters=unknowns, n_starts=1, threads=1)
+
+
+def test_a_profile_ends_where_nothing_can_be_simulated(two_offsets, monkeypatch):
+    low, high = two_offsets["measured.power_offset"].interval
+    middle = two_offsets["measured.power_offset"].value
+    limit = 0.5 * (middle + high)
+
+    def predict_up_to_limit(problem, values):
+        predicted = predict(problem, values)
+        if values[0] > limit:
+            unknown = np.full(predicted.values.size, np.nan)
+            return replace(predicted, values=unknown, failures={"trial 0": "diverged at 0.1 s"})
+        return predicted
+
+    monkeypatch.setattr(local_search, "predict", predict_up_to_limit)
+    ends = profile_interval(two_offsets, "measured.power_offset")
+    assert ends == pytest.approx((low, limit), abs=2e-3 * (high - low))
+    with pytest.raises(SimulationFailed, match="where a search begins: `trial 0`: diverged"):
+        local_search.minimize(two_offsets.problem, np.array([2.0 * high, 0.0]), loss="linear")
+
+
+def test_a_profile_has_ends_even_if_a_refit_comes_to_another_minimum_than_before(
+    two_offsets, monkeypatch
+):
+    """The first step is half as long as the interval; its first refit fails, later ones do not."""
+    cautious = replace(two_offsets, covariance=0.25 * two_offsets.covariance)
+    n_searches = 0
+
+    def minimize_badly_at_first(*args, **settings):
+        nonlocal n_searches
+        n_searches += 1
+        search = local_search.minimize(*args, **settings)
+        if n_searches > 1:
+            return search
+        return replace(search, end=search.end + np.array([0.0, 50.0]))
+
+    monkeypatch.setattr(profiles, "minimize", minimize_badly_at_first)
+    low, high = profile_interval(cautious, "measured.power_offset")
+    assert low < two_offsets["measured.power_offset"].value < high
 
 
 def test_the_posterior_of_a_linear_model_with_normal_noise_is_the_normal_one():

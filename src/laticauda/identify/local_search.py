@@ -1,5 +1,6 @@
 """One search of the least sum of squares, from one start, by scipy's trust-region method."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -10,7 +11,7 @@ from laticauda.identify.method import cost_of
 from laticauda.identify.model import Predicted, predict, scaled_jacobian
 from laticauda.identify.problem import Problem
 from laticauda.models.simulate import silent
-from laticauda.values import optional_import
+from laticauda.values import SimulationFailed, optional_import
 
 MOST_STEPS = 100
 """Predictions after which a search ends without having converged."""
@@ -71,6 +72,14 @@ class _Evaluation:
     cost: float
     """Sum of squares."""
 
+    @property
+    def failures(self) -> str:
+        """Why measurements could not be simulated."""
+        failures = self.predicted.failures.items()
+        return (
+            "; ".join(f"`{name}`: {status}" for name, status in failures) or "a figure is missing"
+        )
+
 
 @dataclass(kw_only=True, eq=False)
 class _Objective:
@@ -96,8 +105,17 @@ class _Objective:
         return coordinates
 
     def residuals(self, free_coordinates: np.ndarray) -> np.ndarray:
-        """Return the residuals of data and priors."""
+        """Return the residuals of data and priors.
+
+        Raises:
+            SimulationFailed: If there are none where the search begins; elsewhere, it turns back.
+        """
+        is_first = self.last is None
         self.last = self._evaluate(free_coordinates)
+        if is_first and not math.isfinite(self.last.cost):
+            raise SimulationFailed(
+                f"The measurements cannot be simulated where a search begins: {self.last.failures}."
+            )
         self.look(self.last.coordinates, self.last.cost)
         return self.last.residuals
 
@@ -166,6 +184,7 @@ def minimize(
         The finished search, with all coordinates and the Jacobian with respect to the free ones.
 
     Raises:
+        SimulationFailed: If the measurements cannot be simulated at the start.
         MissingExtra: If scipy is not installed.
     """
     optimize = optional_import("Identification", "scipy", "identify", "scipy.optimize")
