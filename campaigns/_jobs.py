@@ -21,6 +21,7 @@ gait = {amplitude_deg = 20, frequency_deg_s = 90, phase_shift_deg = 40}
 tank = {volume_x = [-1, 11]}
 calibration = {joint_zeros = true, idle_time = 0.3, still_time = 0.3}
 limits = {max_lateness = 9, joint_timeout = 9, heartbeat_timeout = 9, mocap_timeout = 9, straighten_time = 0.5}
+acceptance = {longest_silence = 9, missing_in_run = 0.9}
 """
 
 

@@ -44,6 +44,8 @@ mocap_timeout = 5
 straighten_time = 1
 [acceptance]
 pose_age = 3
+longest_silence = 3
+missing_in_run = 0.9
 """
 
 

@@ -108,7 +108,8 @@ def test_an_operation_over_wires_ends_as_a_trial_with_both_powers(tmp_path: Path
     threads = set(threading.enumerate())
     lab = Lab(tank(**WAITING), bus=bus_address("virtual:session-a"), port=0)
     with lab as addresses:
-        patient = Acceptance(pose_age=3.0)  # on a busy computer, cameras answer late
+        # On a busy computer, cameras answer late, and modules.
+        patient = Acceptance(pose_age=3.0, longest_silence=3.0, missing_in_run=0.9)
         what = operation(
             connection=at(addresses, "session-a"), rate=20.0, calibration=SLOW, acceptance=patient
         )
@@ -589,6 +590,13 @@ def check_known(swum, calibration, sure):
     assert state.estimate is not None
     away = state.estimate.center_of_mass - swum.truth.center_of_mass[:2]
     assert math.hypot(*away) < sure * state.estimate.center_of_mass_std < 0.05
+
+
+def test_modules_that_start_up_slowly_are_waited_for_and_take_their_zeros():
+    slow = tank(startup_time=0.2, calibration_time=3.0)
+    run_state = stepped(Operator(operation=operation(duration=1.0)), slow)
+    assert not run_state.failure and not run_state.stopped_by
+    assert not any("not_calibrated" in node.flags for node in slow.nodes)
 
 
 # ---- a series goes on ----------------------------------------------------------------------------

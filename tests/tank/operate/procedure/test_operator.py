@@ -273,6 +273,21 @@ def test_what_is_missing_or_wrong_is_said_and_the_robot_stays_limp(rig, message)
     assert not any(isinstance(s, ReferenceSample) for s in run.samples)
 
 
+def test_a_module_that_still_calibrates_itself_is_waited_for_but_not_for_ever():
+    run = run_of(Operator(operation=operation()))
+    run.rig.states[3] = NodeState.CALIBRATING
+    run.until("checking")
+    run.tick(25)
+    assert run.state.phase == "checking"
+    run.rig.states[3] = NodeState.READY
+    run.until("running")
+    run = run_of(Operator(operation=operation()))
+    run.rig.states[3] = NodeState.CALIBRATING
+    run.until("done")
+    assert run.state.failure == "Module 4 is still calibrating: wait, or restart it."
+    assert run.rig.is_limp
+
+
 def test_another_robot_than_that_of_the_file_is_not_started():
     operator = Operator(operation=operation())
     run = Run(

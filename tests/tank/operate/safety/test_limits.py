@@ -199,6 +199,15 @@ SOUND = Heartbeat(node=1, state=NodeState.READY, temperature=30.0, voltage=35.0)
             replace(SOUND, leak=True),
             ["module 2 reports water inside: take the robot out and dry it"],
         ),
+        (
+            replace(SOUND, state=NodeState.STARTUP),
+            ["module 2 is still starting up: wait, or restart it"],
+        ),
+        (
+            replace(SOUND, state=NodeState.CALIBRATING),
+            ["module 2 is still calibrating: wait, or restart it"],
+        ),
+        (replace(SOUND, state=NodeState.LIMP), []),
         (replace(SOUND, state=NodeState.FAULT), ["module 2 is in its fault state (no flag)"]),
         (
             replace(SOUND, state=NodeState.FAULT, over_current=True, emergency_stopped=True),

@@ -90,7 +90,10 @@ def _connect(operation: Operation, state: OperatorState, now: float) -> Preparat
 
 
 def _check(operation: Operation, state: OperatorState, now: float) -> PreparationStep:
-    """Check every module: firmware state, temperature, leak, voltage, and that it is limp."""
+    """Check every module: firmware state, temperature, leak, voltage, and that it is limp.
+
+    A module that is still starting up is waited for.
+    """
     limits = operation.limits
     complaints = list_complaints(
         state.modules, max_temperature=limits.max_temperature, min_voltage=limits.min_voltage

@@ -12,6 +12,8 @@ from laticauda.tank.protocol import CanMessage, Heartbeat, JointState, NodeState
 JointValues = Float[np.ndarray, " n_joints"]
 MEASURED = ("angle", "rate", "current", "torque")
 """Quantities that a module measures at its joint."""
+STARTING = {NodeState.STARTUP: "starting up", NodeState.CALIBRATING: "calibrating"}
+"""States, in words, in which a module refuses zeros and torque, and does not know its angle yet."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -169,6 +171,8 @@ def list_complaints(
             continue
         if beat.leak:
             complaints.append(f"module {node} reports water inside: take the robot out and dry it")
+        if beat.state in STARTING:
+            complaints.append(f"module {node} is still {STARTING[beat.state]}: wait, or restart it")
         if beat.state == NodeState.FAULT:
             flags = ", ".join(beat.faults).replace("_", " ") or "no flag"
             complaints.append(f"module {node} is in its fault state ({flags})")
