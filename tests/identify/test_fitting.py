@@ -8,6 +8,7 @@ from identify.trials import DRAG, FINNED, FRICTION, MASS, ROBOT, WATER, gaits, s
 import laticauda as lc
 from laticauda.identify import Measurement, Unknown, fit, from_table1, from_trial
 from laticauda.identify.local_search import minimize
+from laticauda.robot import Tether
 from laticauda.values.errors import SimulationFailed
 
 
@@ -78,6 +79,21 @@ def test_noise_that_is_estimated_does_not_depend_on_what_is_stated(noisy):
     assert one[FRICTION].sigma == pytest.approx(other[FRICTION].sigma, rel=1e-5)
     assert one.noise_factor == pytest.approx(7 * other.noise_factor, rel=1e-5)
     assert one[FRICTION].sigma == pytest.approx(one.noise_factor * noisy[FRICTION].sigma, rel=1e-5)
+
+
+def test_a_single_unknown_that_begins_at_a_range_end_of_zero_leaves_it():
+    """Scipy's first step from almost 0 is almost 0 long, which it took for convergence."""
+    pulled = replace(ROBOT, tether=Tether(drag=4.0))
+    measured = speeds(3, duration=3.0, tangential_friction=WATER.tangential_friction)
+    gaits_swum = [one.scenario.gait for one in measured]
+    swims = lc.swim_many(pulled, gaits_swum, 3.0, environments=WATER)
+    measured = [
+        replace(one, figures={"forward_velocity": (float(speed), 0.002)})
+        for one, speed in zip(measured, swims.forward_velocity, strict=True)
+    ]
+    drag = Unknown(name="robot.tether.drag", start=0.0, size=1.0)
+    found = fit(measured, parameters=[drag], n_starts=1)
+    assert found["robot.tether.drag"].value == pytest.approx(4.0, rel=1e-4)
 
 
 def test_the_order_of_measurements_and_of_parameters_does_not_matter():

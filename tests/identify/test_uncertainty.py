@@ -174,6 +174,17 @@ def test_a_profile_has_ends_even_if_a_refit_comes_to_another_minimum_than_before
     assert low < two_offsets["measured.power_offset"].value < high
 
 
+def test_refits_leave_the_end_of_a_range_at_which_the_fit_ended():
+    """Less friction can be made up for by the drag of a tether, of which the fit found none."""
+    measured = speeds(8, noise=0.002, duration=3.0)
+    alone = fit(measured, parameters=[FRICTION], n_starts=1, threads=1)
+    pulled = fit(measured, parameters=[FRICTION, "robot.tether.drag"], n_starts=1, threads=1)
+    assert pulled["robot.tether.drag"].value == pytest.approx(0.0, abs=1e-9)
+    low_alone, _ = profile_interval(alone, FRICTION)
+    low, _ = profile_interval(pulled, FRICTION)
+    assert low < 0.98 * low_alone
+
+
 def test_the_posterior_of_a_linear_model_with_normal_noise_is_the_normal_one():
     """What a meter adds is added to every figure alike: its posterior is known in closed form."""
     found = fit(OFFSET, parameters=["measured.power_offset"], n_starts=1, threads=1)

@@ -17,6 +17,8 @@ MOST_STEPS = 100
 """Predictions after which a search ends without having converged."""
 _TOLERANCE = 1e-10
 """Relative change of cost, coordinates and gradient at which a search has converged [-]."""
+_SHORTEST_START = 1e-3
+"""Length of starting coordinates from which scipy's first step is not negligible, in sizes [-]."""
 _NEAR = 0.01
 """A search ends at the end of an earlier one if it is closer than this, in large changes [-]."""
 _SAME_COST = 1e-3
@@ -203,7 +205,7 @@ def minimize(
     try:
         solution = optimize.least_squares(
             objective.residuals,
-            np.clip(x[free], lower, upper),
+            _start_of_search(x[free], lower, upper, problem.sizes[free]),
             jac=objective.jacobian,
             bounds=(lower, upper),
             x_scale=problem.sizes[free],
@@ -223,6 +225,20 @@ def minimize(
         jacobian=np.asarray(solution.jac),
         converged=solution.status > 0,
     )
+
+
+def _start_of_search(x: Vector, lower: Vector, upper: Vector, sizes: Vector) -> Vector:
+    """Return starting coordinates inside the range from which a search can leave.
+
+    Scipy's first step is at most as long as the vector of the starting coordinates. From one that
+    is almost 0, as at a lower end of 0, the search would stop where it began: its steps change the
+    cost by less than the tolerance. Only an exact 0 inside the range counts as 1.
+    """
+    start = np.clip(x, lower, upper)
+    if np.linalg.norm(start / sizes) >= _SHORTEST_START:
+        return start
+    margin = np.minimum(_SHORTEST_START * sizes, 0.5 * (upper - lower))
+    return np.clip(np.zeros(x.size), lower + margin, upper - margin)
 
 
 def all_residuals(
