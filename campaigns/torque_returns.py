@@ -18,6 +18,10 @@ run a slice of it.
 Found and mended: after a freeze of 15 s the verdict was missing. What had come in that time did not
 fit into the pipe to the process that writes the recording, and its end waited for a next tick.
 
+And a run whose cable was out from its first second on was accepted (seed 29): its verdict looks at
+whole cycles up to the last answer, and there were none. Now a silence of half a second rejects it;
+seeds 24 to 30 were tried anew with that.
+
 Last answer (2 shared cores, busy with other work, 2026-11-29): 20 freezes and 10 cables, torque
 returned 0 times, 0 orders to switch on after a motor had gone off, every recording complete, a
 verdict on each of the 27 runs that began. Six seeds were tried anew: in three the tank of the busy

@@ -52,3 +52,15 @@ def test_in_the_stored_runs_of_real_processes_torque_never_returned_and_nothing_
         assert (row["recording"], row["replay"]) == ("complete", "shows it")
         assert row["verdict"] in ("there", "no run")
     assert sum(row["verdict"] == "there" for row in rows) >= 15
+
+
+def test_no_stored_run_counts_of_which_nobody_heard_the_robot_for_more_than_half_a_second():
+    cut = [
+        row
+        for row in torque.stored()
+        if row["since"] == "run"
+        and float(row["duration"]) > 0.6
+        and float(row["moment"]) + 0.6 < torque.DURATION
+    ]
+    assert len(cut) > 15
+    assert all(row["status"] == "1" for row in cut)
