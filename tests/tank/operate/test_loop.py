@@ -14,7 +14,7 @@ SYNC = Sync(counter=1)
 
 
 def test_an_order_to_switch_on_is_not_sent_by_a_tick_that_took_too_long_and_that_is_recorded():
-    outputs = Outputs(messages=(ENABLE, SYNC), entries=(Event(time=5.0, kind="a", message="b"),))
+    outputs = Outputs(messages=(ENABLE, SYNC), entries=(Event(time=5.0, kind="loop", message="b"),))
     late = without_late_enabling(outputs, 5.0, 6.5)
     assert late.messages == (SYNC,)
     assert [event.message for event in late.events] == ["b", "not switched on: the tick took 1.5 s"]

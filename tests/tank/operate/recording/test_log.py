@@ -51,7 +51,7 @@ def test_a_sink_keeps_frames_if_it_is_to_and_notes_what_was_found_before_the_run
         Event(time=0.3, kind="idle_current", message="It draws this.", data={"current": 1.25}),
         Event(time=0.4, kind="settling", message="It stands here.", data={"heading": 0.5}),
         Event(time=0.5, kind="settling", message="", data={}),
-        Event(time=0.6, kind="operator", message="", data={"key": "q"}),
+        Event(time=0.6, kind="state", message="", data={"key": "q"}),
     ]
     with OperationRecorder(tmp_path / "a.mcap", HEADER) as recorder:
         sink = Sink(recorder, frames=frames)

@@ -95,7 +95,7 @@ def test_a_writer_that_was_killed_is_said_and_the_loop_goes_on(tmp_path: Path):
 
 def test_a_disk_that_stalls_does_not_hold_the_loop_up(tmp_path: Path, monkeypatch):
     monkeypatch.setattr("laticauda.tank.operate.recording.writer.MOST_WAITING", 1 << 20)
-    event = Event(time=0.0, kind="operator", message="x" * 1000)
+    event = Event(time=0.0, kind="state", message="x" * 1000)
     with Writer(tmp_path / "a.mcap", HEADER) as writer:
         os.kill(writer._process.pid, signal.SIGSTOP)
         for k in range(2000):

@@ -23,6 +23,7 @@ from laticauda.tank.operate.safety.supervisor import (
     Rule,
     Supervisor,
     SupervisorState,
+    _table,
     cause_of,
     phase_after,
     phase_with,
@@ -91,6 +92,27 @@ def test_a_stop_of_the_supervisor_stops_the_operation_in_every_phase():
         for state in STATES:
             for stop in {"stopping", "fault"} - {state}:
                 assert phase_with(phase, state, stop) == "stopping"
+
+
+def test_no_two_rows_lead_to_different_phases_where_only_a_part_of_them_is_asked_for():
+    by_event = {(row.phase, row.event, row.next_phase) for row in TRANSITIONS}
+    assert len(by_event) == len({key[:2] for key in by_event})
+    by_states = {
+        (row.phase, row.state, row.next_state, row.next_phase)
+        for row in TRANSITIONS
+        if row.state != row.next_state
+    }
+    assert len(by_states) == len({key[:3] for key in by_states})
+
+
+def test_an_operation_that_has_moved_on_at_the_same_tick_keeps_its_phase_unless_it_is_stopped():
+    assert phase_with("stopping", "ready", "stopping") == "stopping"  # it has asked to end
+    assert phase_with("done", "stopping", "idle") == "done"
+
+
+def test_a_table_with_a_word_that_does_not_exist_is_refused_by_its_line():
+    with pytest.raises(ValueError, match=r"torque.csv, line 3: no state 'ready'; did you mean"):
+        _table("torque", {"state": ("idle", "read")})
 
 
 def test_the_page_of_the_docs_is_the_one_that_the_tables_make():

@@ -14,7 +14,7 @@ from laticauda.tank.operate.procedure.stillness import Pose, TimedPose
 from laticauda.tank.operate.recording.entries import Entry, Event, PowerReading
 from laticauda.tank.operate.safety.limits import LimitState
 from laticauda.tank.operate.safety.modules import Modules
-from laticauda.tank.operate.safety.supervisor import PHASES, SupervisorState
+from laticauda.tank.operate.safety.supervisor import PHASES, Phase, SupervisorState
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,8 +94,8 @@ class Prepared:
 class OperatorState:
     """State of an operation."""
 
-    phase: str = PHASES[0]
-    """One of `PHASES`."""
+    phase: Phase = PHASES[0]
+    """What the operation is doing."""
     since: float | None = None
     """When the phase began [s]; None before the first tick."""
     now: float | None = None

@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from laticauda.control.estimation import Estimate, JointSample, Learned, PoseSample, ReferenceSample
 from laticauda.scenarios import interfaces
 from laticauda.tank.operate.recording.timing import Tick
+from laticauda.tank.operate.safety.supervisor import Phase
 from laticauda.values import quantity, value_class
 
 
@@ -26,14 +27,44 @@ class PowerReading:
     )
 
 
+EventKind: TypeAlias = (
+    Phase
+    | Literal[
+        "failed",
+        "phase",
+        "start",
+        "stop",
+        "state",
+        "fault",
+        "torque",
+        "loop",
+        "verdict",
+        "learned",
+        "changed",
+    ]
+)
+"""Kind of an event.
+
+    connecting, ...  what a phase before the run has found
+    failed           why the operation is given up before the run
+    phase            the operation goes to another phase
+    start, stop      the run begins, or ends
+    state, fault     the supervisor reacts; fault: to what somebody has to look at
+    torque           what the motors are told
+    loop             what the system allowed the loop
+    verdict          verdict on the run
+    learned, changed what the twin has learned, and what has changed
+"""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Event:
     """Something that happened, or a state that was entered."""
 
     time: float
     """Time of the event [s]."""
-    kind: str
-    """Kind of event: `state`, `fault`, `rejected`, `operator` and so on."""
+    kind: EventKind
+    """Kind of event; other versions may have recorded other ones."""
     message: str
     """Description in one sentence."""
     data: Mapping[str, Any] = field(default_factory=dict[str, Any])

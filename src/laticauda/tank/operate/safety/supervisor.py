@@ -28,44 +28,80 @@ limp after `LIMP_AFTER`. Not sending references is thus a way to stop that needs
 stated here relies on it.
 """
 
-from collections.abc import Set
+from collections.abc import Mapping, Set
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 
 from laticauda.values import quantity, read_rows, suggest_nearest, value_class
 
 
-def _table(name: str) -> list[dict[str, str]]:
-    """Return the rows of one of the tables next to this file; they are read when it is imported."""
-    return [row for _, row in read_rows(Path(__file__).with_name(f"{name}.csv"))[1]]
+def _table(name: str, allowed: Mapping[str, tuple[str, ...]]) -> list[dict[str, Any]]:
+    """Return the rows of one of the tables next to this file; they are read when it is imported.
+
+    Args:
+        name: Name of the table.
+        allowed: The words that may be in some of its columns.
+
+    Raises:
+        ValueError: If there is another one.
+    """
+    rows: list[dict[str, Any]] = []
+    for line, row in read_rows(Path(__file__).with_name(f"{name}.csv"))[1]:
+        for column, words in allowed.items():
+            if row[column] not in words:
+                known = suggest_nearest(row[column], words)
+                raise ValueError(f"{name}.csv, line {line}: no {column} {row[column]!r}{known}")
+        rows.append(dict(row))
+    return rows
 
 
 # ---- transitions ---------------------------------------------------------------------------------
 
-STATES = ("idle", "ready", "running", "stopping", "fault")
-PREPARATIONS = ("connecting", "checking", "calibrating", "idle_current", "settling", "countdown")
-PHASES = (*PREPARATIONS, "running", "stopping", "done")
-REQUESTS = ("checked", "started", "ended")
+State: TypeAlias = Literal["idle", "ready", "running", "stopping", "fault"]
+"""State of the supervisor."""
+Phase: TypeAlias = Literal[
+    "connecting",
+    "checking",
+    "calibrating",
+    "idle_current",
+    "settling",
+    "countdown",
+    "running",
+    "stopping",
+    "done",
+]
+"""Phase of an operation; those before `running` are its preparations."""
+Request: TypeAlias = Literal["checked", "started", "ended"]
+"""Event by which the operation requests another state of the supervisor."""
+STATES: tuple[State, ...] = get_args(State)
+PHASES: tuple[Phase, ...] = get_args(Phase)
+REQUESTS: tuple[Request, ...] = get_args(Request)
 """Events by which the operation requests another state of the supervisor; all others are detected, not requested."""
 
 
 class Transition(NamedTuple):
     """One row of the table of transitions."""
 
-    phase: str
-    """Phase before; one of `PHASES`."""
-    state: str
-    """State of the supervisor before; one of `STATES`."""
+    phase: Phase
+    """Phase before."""
+    state: State
+    """State of the supervisor before."""
     event: str
     """What happens."""
-    next_phase: str
+    next_phase: Phase
     """Phase after the event."""
-    next_state: str
+    next_state: State
     """State of the supervisor after the event."""
 
 
-TRANSITIONS: tuple[Transition, ...] = tuple(Transition(**row) for row in _table("transitions"))
+TRANSITIONS: tuple[Transition, ...] = tuple(
+    Transition(**row)
+    for row in _table(
+        "transitions",
+        {"phase": PHASES, "state": STATES, "next_phase": PHASES, "next_state": STATES},
+    )
+)
 """`ended` before the run: it was given up. `stop`: a rule of the supervisor; `fault`, `limp_fault`: a rule that ends in
 a fault. `settled`: the modules report that they are limp, or have had enough time to become
 limp."""
@@ -73,7 +109,9 @@ limp."""
 
 # ---- what goes wrong -----------------------------------------------------------------------------
 
-ACTIONS = ("none", "finish", "straighten", "limp", "emergency_stop")
+Action: TypeAlias = Literal["none", "finish", "straighten", "limp", "emergency_stop"]
+"""What is done about an event."""
+ACTIONS: tuple[Action, ...] = get_args(Action)
 """Actions, each more severe than the one before it."""
 
 
@@ -85,14 +123,15 @@ class Rule:
     """Name of the event."""
     says: str
     """What happened, in words."""
-    action: str
-    """Action; one of `ACTIONS`."""
+    action: Action
+    """What is done about it."""
     is_fault: bool = True
     """Whether it ends in the state fault: somebody has to look at the robot before it moves again."""
 
 
 RULES: tuple[Rule, ...] = tuple(
-    Rule(is_fault=row.pop("then") == "fault", **row) for row in _table("rules")
+    Rule(is_fault=row.pop("then") == "fault", **row)
+    for row in _table("rules", {"action": ACTIONS, "then": ("idle", "fault")})
 )
 """Rules, the most severe first."""
 BY_EVENT = {rule.event: rule for rule in RULES}
@@ -100,7 +139,12 @@ BY_EVENT = {rule.event: rule for rule in RULES}
 
 # ---- torque --------------------------------------------------------------------------------------
 
-TORQUE = {(row["state"], row["action"]): row["torque"] for row in _table("torque")}
+Torque: TypeAlias = Literal["enable", "hold", "off", "cut"]
+"""What the modules' motors are told; see `TORQUE`."""
+TORQUE: dict[tuple[State, Action], Torque] = {
+    (row["state"], row["action"]): row["torque"]
+    for row in _table("torque", {"state": STATES, "action": ACTIONS, "torque": get_args(Torque)})
+}
 """What the modules' motors are told, by the supervisor's state and action; what is not listed is "off".
 
     enable  switch on, and follow references; from the first time that all motors are on: hold
@@ -121,12 +165,20 @@ def cause_of(event: str) -> str:
 
 # ---- reading the tables --------------------------------------------------------------------------
 
-_NEXT_PHASE = {(row.phase, row.event): row.next_phase for row in TRANSITIONS}
-_BY_STATES = {(row.phase, row.state, row.next_state): row.next_phase for row in TRANSITIONS}
-_GRANTED = {(row.state, row.event): row.next_state for row in TRANSITIONS if row.event in REQUESTS}
+_NEXT_PHASE: dict[tuple[Phase, str], Phase] = {
+    (row.phase, row.event): row.next_phase for row in TRANSITIONS
+}
+_BY_STATES: dict[tuple[Phase, State, State], Phase] = {
+    (row.phase, row.state, row.next_state): row.next_phase
+    for row in TRANSITIONS
+    if row.state != row.next_state
+}
+_GRANTED: dict[tuple[State, str], State] = {
+    (row.state, row.event): row.next_state for row in TRANSITIONS if row.event in REQUESTS
+}
 
 
-def phase_after(phase: str, event: str) -> str:
+def phase_after(phase: Phase, event: str) -> Phase:
     """Return the phase that follows an event that the operation itself detects.
 
     Args:
@@ -136,19 +188,27 @@ def phase_after(phase: str, event: str) -> str:
     return _NEXT_PHASE[phase, event]
 
 
-def phase_with(phase: str, state: str, next_state: str) -> str:
-    """Return the phase after a change of the supervisor's state; a stop always stops the operation.
+def phase_with(phase: Phase, state: State, next_state: State) -> Phase:
+    """Return the phase after a change of the supervisor's state.
+
+    The operation may have moved on at the same tick, by an event of its own, so that the table has
+    no row for this phase. Then a stop stops the operation in whatever phase it is, and everything
+    else leaves it there.
 
     Args:
         phase: Phase before.
         state: State of the supervisor before.
         next_state: State of the supervisor after.
     """
-    otherwise = "stopping" if next_state in ("stopping", "fault") else phase
-    return _BY_STATES.get((phase, state, next_state), otherwise)
+    in_table = _BY_STATES.get((phase, state, next_state))
+    if in_table is not None:
+        return in_table
+    if next_state in ("stopping", "fault"):
+        return "stopping"
+    return phase
 
 
-def state_after_request(state: str, request: str) -> str:
+def state_after_request(state: State, request: str) -> State:
     """Return the supervisor's state after a request; unchanged if the table does not have the request in this state.
 
     Args:
@@ -180,10 +240,10 @@ MARGIN = 0.3
 class SupervisorState:
     """State of the supervisor."""
 
-    state: str = "idle"
-    """One of `STATES`."""
-    action: str = "none"
-    """Current action on the most severe event, one of `ACTIONS`."""
+    state: State = "idle"
+    """What the joints may do."""
+    action: Action = "none"
+    """Current action on the most severe event."""
     cause: str = ""
     """Event that led to this state; "" in normal operation."""
     is_fault: bool = False
@@ -196,8 +256,8 @@ class SupervisorState:
     """Whether switching on is over; no motor is switched on again before the next `ready`."""
 
     @property
-    def torque(self) -> str:
-        """What the modules' motors are told; one of the values of `TORQUE`."""
+    def torque(self) -> Torque:
+        """What the modules' motors are told."""
         torque = TORQUE.get((self.state, self.action), "off")
         if torque == "enable" and self.is_enabled:
             return "hold"
@@ -217,11 +277,11 @@ class Reaction:
     """Time of the reaction [s]."""
     event: str
     """What happened."""
-    action: str
+    action: Action
     """Action from now on."""
-    before: str
+    before: State
     """State before the event."""
-    after: str
+    after: State
     """State after the event."""
 
 
@@ -402,7 +462,7 @@ def _reacted(state: SupervisorState, rule: Rule, now: float) -> SupervisorState:
 
 
 def _entry(
-    now: float, event: str, action: str, before: SupervisorState, after: SupervisorState
+    now: float, event: str, action: Action, before: SupervisorState, after: SupervisorState
 ) -> Reaction:
     return Reaction(time=now, event=event, action=action, before=before.state, after=after.state)
 

@@ -20,7 +20,10 @@ class Measurement:
     times: Float[np.ndarray, " n_values"]
     """When each value was known [s]."""
     values: Float[np.ndarray, " n_values"]
-    """The values, in the unit of the limit; nan where nothing is known."""
+    """The values, in the unit of the limit; nan where nothing is known.
+
+    The larger, the worse: all limits are upper ones.
+    """
     location: str = ""
     """Where the largest value was measured: `module 4`, for instance."""
 
