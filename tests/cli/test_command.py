@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from laticauda import cli
-from laticauda.cli import command, progress
+from laticauda.cli import progress
 from laticauda.cli.command import Command, Outcome, until_stopped
 from laticauda.cli.flags import PictureOutput, TrialOutput
 from laticauda.values.errors import BadArgument
@@ -130,7 +130,7 @@ def clock(monkeypatch: pytest.MonkeyPatch, step: float) -> None:
 def test_a_long_run_shows_a_bar_on_a_terminal(monkeypatch):
     terminal = screen(monkeypatch, Terminal)
     clock(monkeypatch, 3.0)
-    show = command.run_bar(30.0)
+    show = progress.run_bar(30.0)
     for reached in (10.0, 20.0, 30.0):
         show(reached)
     assert "swam 20 of 30 s" in terminal.getvalue()
@@ -139,7 +139,7 @@ def test_a_long_run_shows_a_bar_on_a_terminal(monkeypatch):
 def test_a_short_run_shows_nothing(monkeypatch):
     terminal = screen(monkeypatch, Terminal)
     clock(monkeypatch, 0.1)
-    show = command.run_bar(30.0)
+    show = progress.run_bar(30.0)
     for reached in (10.0, 20.0, 30.0):
         show(reached)
     assert terminal.getvalue() == ""
@@ -148,14 +148,14 @@ def test_a_short_run_shows_nothing(monkeypatch):
 def test_nothing_is_shown_where_nobody_looks(monkeypatch):
     terminal = screen(monkeypatch, io.StringIO)
     clock(monkeypatch, 3.0)
-    command.run_bar(30.0)(10.0)
+    progress.run_bar(30.0)(10.0)
     assert terminal.getvalue() == ""
 
 
 def test_a_long_film_says_every_tenth_where_nobody_looks(monkeypatch):
     log = screen(monkeypatch, io.StringIO)
     clock(monkeypatch, 3.0)
-    show = command.film_bar(30.0)
+    show = progress.film_bar(30.0)
     for k in range(901):
         show(k / 30.0)
     lines = log.getvalue().splitlines()
@@ -169,7 +169,7 @@ def test_a_stopped_study_says_how_many_trials_are_stored_and_how_to_go_on():
     with pytest.raises(
         KeyboardInterrupt, match=r"^stopped; 3 of 9 trials are stored in a\. Run the same"
     ):
-        with command.stored_trials("a") as show:
+        with progress.stored_trials("a") as show:
             show(3, 9)
             raise KeyboardInterrupt
 

@@ -1,7 +1,4 @@
-"""The program: finds the requested command, reads its options, runs it and turns errors into messages.
-
-Exit status: 0 for success, 1 for a failed run, 2 for bad input, 130 if stopped by the user.
-"""
+"""The program: finds the requested command, reads its options, runs it and turns errors into messages."""
 
 import os
 import sys
@@ -10,7 +7,7 @@ from dataclasses import dataclass, make_dataclass
 from importlib import import_module
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Annotated, Any, Union
+from typing import Annotated, Any, NamedTuple, NoReturn, Union
 
 import tyro
 
@@ -30,13 +27,36 @@ DESCRIPTION = (
     "`laticauda --version` prints the version."
 )
 
-COMMANDS: dict[str, tuple[str, str]] = read_toml(Path(__file__).parent / "commands.toml")
-"""By the words of a command: the location of its class, and its text in the list of commands."""
-LISTED = "; `laticauda --help` lists all commands."
+STATUS_FAILED = 1
+"""Exit status after a run that failed."""
+STATUS_BAD_INPUT = 2
+STATUS_STOPPED = 130
+"""Exit status if the user stopped the program, as shells have it: 128 and the number of the signal."""
+STATUS_BROKEN_PIPE = 141
+"""Exit status if the reader of the output has gone, likewise."""
+
+
+class ListedCommand(NamedTuple):
+    """An entry of ``commands.toml``."""
+
+    location: str
+    """MODULE:CLASS in this package; with a dot in front, in laticauda."""
+    description: str
+    """Text in the list of commands."""
+
+
+def _read_commands() -> dict[str, ListedCommand]:
+    table = read_toml(Path(__file__).parent / "commands.toml")
+    return {name: ListedCommand(*entry) for name, entry in table.items()}
+
+
+COMMANDS = _read_commands()
+"""All commands by the words that are typed, such as `trial show`."""
 GROUPS = {
     "export": "Write robots to files for other programs.",
     "trial": "Show, compare, plot and convert stored trials.",
 }
+"""First words that several commands have in common."""
 
 
 def main(args: Sequence[str] | None = None) -> int:
@@ -66,29 +86,30 @@ def main(args: Sequence[str] | None = None) -> int:
     except SystemExit as end:  # tyro has printed its help or an error
         if isinstance(end.code, int):
             return end.code
-        return 2
+        return STATUS_BAD_INPUT
     except KeyboardInterrupt as stop:
-        return _complain(str(stop) or "stopped.", 130)
+        return _complain(str(stop) or "stopped.", STATUS_STOPPED)
     except BrokenPipeError:
         # The reader of our output has gone. Nothing may be written to it any more, not even at
         # exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 141
+        return STATUS_BROKEN_PIPE
     except BadArgument as error:
         sentence = f"{spell_field(error.name, command)} {error.rule}"
         if not error.rule.endswith("?"):
             sentence += "."
-        return _complain(sentence, 2)
+        return _complain(sentence, STATUS_BAD_INPUT)
     except SimulationFailed as error:
-        return _complain(str(error), 1)
+        return _complain(str(error), STATUS_FAILED)
     except (BadFlag, LaticaudaError, ValueError) as error:
-        return _complain(str(error), 2)
+        return _complain(str(error), STATUS_BAD_INPUT)
     except OSError as error:
-        return _complain(_reason(error), 2)
+        return _complain(_describe_refusal(error), STATUS_BAD_INPUT)
     except OverflowError as error:
-        return _complain(f"a number is out of range: {error}.", 2)
+        return _complain(f"a number is out of range: {error}.", STATUS_BAD_INPUT)
     except MemoryError:
-        return _complain("there is not enough memory; try a shorter run, or fewer samples.", 2)
+        problem = "there is not enough memory; try a shorter run, or fewer samples."
+        return _complain(problem, STATUS_BAD_INPUT)
 
 
 def _print_version() -> int:
@@ -100,52 +121,65 @@ def _print_version() -> int:
 
 def _read_command(typed: list[str]) -> Command:
     """Return the command that was typed, with its options; end the program if there is none."""
-    for length in (2, 1):  # words of its name
-        name = " ".join(typed[:length])
-        if name in COMMANDS and len(typed) >= length:
+    for n_words in (2, 1):
+        name = " ".join(typed[:n_words])
+        if name in COMMANDS and len(typed) >= n_words:
             command_class = _import_command(name)
-            return command_class.read(typed[length:], f"{PROGRAM} {name}")
+            return command_class.read(typed[n_words:], f"{PROGRAM} {name}")
     if not typed or typed[0].startswith("-"):
-        return _choose(PROGRAM, DESCRIPTION, _commands_of_group("") | GROUPS, typed)
-    first = typed[0]
-    if first in GROUPS:
-        prog = f"{PROGRAM} {first}"
-        return _choose(prog, GROUPS[first], _commands_of_group(first), typed[1:])
-    hint = suggest_nearest(first, [*COMMANDS, *GROUPS]) or LISTED
-    raise BadFlag(f"there is no command `{first}`{hint}")
+        return _refuse_with_list(PROGRAM, DESCRIPTION, _commands_of_group("") | GROUPS, typed)
+    first_word = typed[0]
+    if first_word in GROUPS:
+        prog = f"{PROGRAM} {first_word}"
+        description = GROUPS[first_word]
+        return _refuse_with_list(prog, description, _commands_of_group(first_word), typed[1:])
+    hint = suggest_nearest(first_word, [*COMMANDS, *GROUPS])
+    if not hint:
+        hint = f"; `{PROGRAM} --help` lists all commands."
+    raise BadFlag(f"there is no command `{first_word}`{hint}")
 
 
 def _import_command(name: str) -> type[Command]:
-    location, _ = COMMANDS[name]
-    module, class_name = location.split(":")
+    module, class_name = COMMANDS[name].location.split(":")
     return getattr(import_module(f".{module}", "laticauda.cli"), class_name)
 
 
 def _commands_of_group(group: str) -> dict[str, str]:
-    """Return the last word of each command in a group, with the description of the command."""
+    """Return the last word of each command in a group, "" for none, with the description of the command."""
     descriptions: dict[str, str] = {}
-    for name, (_, description) in COMMANDS.items():
+    for name, command in COMMANDS.items():
         own_group, _, last_word = name.rpartition(" ")
         if own_group == group:
-            descriptions[last_word] = description
+            descriptions[last_word] = command.description
     return descriptions
 
 
-def _choose(prog: str, description: str, choices: dict[str, str], typed: list[str]) -> Command:
-    """Print the list of commands, or report what is wrong with the arguments, which name no command."""
-    subcommands: list[Any] = [
-        Annotated[Any, tyro.conf.subcommand(name, description=text, constructor=_NoCommand)]
-        for name, text in choices.items()
-    ]
-    any_of_them: Any = Annotated[Union[tuple(subcommands)], tyro.conf.arg(name="")]  # noqa: UP007  # made while it runs
+def _refuse_with_list(
+    prog: str, description: str, choices: dict[str, str], typed: list[str]
+) -> NoReturn:
+    """Let tyro print the list of commands, or what is wrong with words that name no command, and end the program.
+
+    Args:
+        prog: What was typed so far.
+        description: Text above the list.
+        choices: Descriptions of the commands by the next word.
+        typed: The words after `prog`.
+    """
+    subcommands: list[Any] = []
+    for name, text in choices.items():
+        subcommand = tyro.conf.subcommand(name, description=text, constructor=_NoCommand)
+        subcommands.append(Annotated[Any, subcommand])
+    any_of_them = Union[tuple(subcommands)]  # noqa: UP007  # the alternatives are known only here
     # For a bare union, tyro parses its own source to find a help text; this class has neither help
     # text nor source.
     chosen: Any = make_dataclass(
-        "Chosen", [("command", any_of_them)], namespace={"__module__": "builtins"}
+        "Chosen",
+        [("command", Annotated[any_of_them, tyro.conf.arg(name="")])],
+        namespace={"__module__": "builtins"},
     )
     quiet = (tyro.conf.HelptextFromCommentsOff,)
     tyro.cli(chosen, prog=prog, description=wrap_text(description), args=typed, config=quiet)
-    raise SystemExit(2)  # pragma: no cover - tyro has ended the program
+    raise SystemExit(STATUS_BAD_INPUT)  # pragma: no cover - tyro has ended the program
 
 
 @dataclass
@@ -153,7 +187,7 @@ class _NoCommand:
     """Placeholder for a command in the list of commands; a class because tyro inspects functions by a slow import."""
 
 
-def _reason(error: OSError) -> str:
+def _describe_refusal(error: OSError) -> str:
     """Return what the system refused, and for which file."""
     text = (error.strerror or str(error)).lower()
     if error.filename is None:

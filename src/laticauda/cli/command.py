@@ -9,18 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from laticauda.cli.flags import Options, parse_command
-from laticauda.cli.output_files import check_output as check_output, files_of
-from laticauda.cli.progress import (
-    PATIENCE as PATIENCE,
-    SECONDS as SECONDS,
-    SHARE as SHARE,
-    TRIALS as TRIALS,
-    film_bar as film_bar,
-    run_bar as run_bar,
-    show_progress as show_progress,
-    stored_trials as stored_trials,
-)
-from laticauda.values import LOCAL as LOCAL, option, to_json, value_class
+from laticauda.cli.output_files import check_output, files_of
+from laticauda.values import option, to_json, value_class
 from laticauda.values.packaging import renamed_names
 
 
@@ -29,7 +19,7 @@ class Outcome:
     """Outcome of a command."""
 
     facts: Mapping[str, Any]
-    """Facts for programs, in SI units."""
+    """Facts for programs, in SI units: what ``--json`` prints."""
     text: str
     """Text for people."""
     problem: str = ""
@@ -40,7 +30,10 @@ class Outcome:
 
 @value_class
 class Command(Options):
-    """A command: a value whose fields are its flags."""
+    """A command: a value whose fields are its options.
+
+    `read` makes it of what was typed; calling it does the work.
+    """
 
     json: bool = option("Print one JSON object in SI units instead of text", default=False)
 
@@ -111,4 +104,11 @@ def _stop_signals() -> list[signal.Signals]:
 
 
 # Names of 0.2, for one release.
-__getattr__ = renamed_names(__name__, {"progress": "laticauda.cli.progress:show_progress"})
+__getattr__ = renamed_names(
+    __name__,
+    {
+        "SHARE": "laticauda.cli.progress:SHARE",
+        "progress": "laticauda.cli.progress:show_progress",
+        "show_progress": "laticauda.cli.progress:show_progress",
+    },
+)

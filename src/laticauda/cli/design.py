@@ -10,8 +10,9 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from laticauda import scenarios
-from laticauda.cli.command import PATIENCE, SHARE, Command, Outcome, show_progress
+from laticauda.cli.command import Command, Outcome
 from laticauda.cli.flags import File, OptionalFolder, Options, PictureOutput, Words
+from laticauda.cli.progress import PATIENCE, SHARE, show_progress
 from laticauda.cli.shared_options import base_option, joint_law_option, threads_option
 from laticauda.cli.tables import aligned, parse_numbers
 from laticauda.identify import (

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar, Literal, NamedTuple
 
-from laticauda.cli.command import SHARE, Command, Outcome, show_progress
+from laticauda.cli.command import Command, Outcome
 from laticauda.cli.flags import (
     BadFlag,
     File,
@@ -20,6 +20,7 @@ from laticauda.cli.flags import (
     spell_option,
     was_typed,
 )
+from laticauda.cli.progress import SHARE, show_progress
 from laticauda.cli.shared_options import base_option, joint_law_option, threads_option
 from laticauda.cli.tables import format_table, parse_numbers
 from laticauda.identify import fitting, measurements, result, tasks, validation

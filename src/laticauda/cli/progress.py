@@ -9,9 +9,14 @@ from typing import Any
 
 PATIENCE = 2.0
 """Time for which a progress bar is not yet shown [s]."""
+# ---- forms of a bar, as in tqdm ------------------------------------------------------------------
+
 SECONDS = "{desc} {n:.0f} of {total:.0f} s |{bar}| {remaining} left"
+"""Simulated or filmed time."""
 TRIALS = "{desc} {n_fmt} of {total_fmt} trials |{bar}| {remaining} left"
+"""Number of trials."""
 SHARE = "{desc} {percentage:3.0f} % |{bar}| {remaining} left"
+"""Share of the work, between 0 and 1."""
 
 
 def show_progress(

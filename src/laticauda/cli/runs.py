@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import laticauda as lc
 from laticauda import control
-from laticauda.cli import command, flags, report, scene
+from laticauda.cli import command, flags, progress, report, scene
 from laticauda.cli.flags import BadFlag, File, Files, TomlOutput
 from laticauda.cli.trial_output import Recording
 from laticauda.control import estimation
@@ -37,7 +37,7 @@ class Run(scene.OfScenarioOrFile, Recording):
             lc.save_scenario(scenario, self.save_scenario)
         scene.warn_of_compiling(scenario.environment, scenario.model)
         return lc.swim(
-            scenario, link_forces=self.link_forces, progress=command.run_bar(scenario.duration)
+            scenario, link_forces=self.link_forces, progress=progress.run_bar(scenario.duration)
         )
 
 
@@ -87,7 +87,7 @@ class Swim(Run):
     def _together(self) -> command.Outcome:
         """Run the robot and those of further scenario files in one scene."""
         scenarios = [self.chosen, *map(lc.load_scenario, self.beside)]
-        bar = command.run_bar(self.chosen.duration)
+        bar = progress.run_bar(self.chosen.duration)
         trial, *neighbors = lc.swim_together(scenarios, progress=bar)
         return self.write_and_report(
             trial,
@@ -139,7 +139,7 @@ class SwimOn(Recording):
             self.duration,
             sample_interval=self.sample_interval,
             link_forces=first.link_force is not None,
-            progress=command.run_bar(self.duration),
+            progress=progress.run_bar(self.duration),
         )
         whole_run = lc.joined(first, second)
         return self.write_and_report(whole_run, f"as stored in {self.resume}")
@@ -264,8 +264,10 @@ def learn_model(
     """
     from laticauda.studies import averaged_model
 
-    show = command.show_progress(
-        command.SHARE, what="learned how the gait moves the robot", patience=command.PATIENCE
+    show = progress.show_progress(
+        progress.SHARE,
+        what="learned how the gait moves the robot",
+        patience=progress.PATIENCE,
     )
     return averaged_model(
         simulate.build_plant(scenario), scenario.gait, frequency_limits, progress=show

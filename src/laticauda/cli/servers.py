@@ -12,14 +12,14 @@ from typing import Any, Literal
 
 import laticauda as lc
 from laticauda import connect as cosim, robot
-from laticauda.cli.command import LOCAL, Command, Outcome, until_stopped
+from laticauda.cli.command import Command, Outcome, until_stopped
 from laticauda.cli.flags import File, Files, Options, TrialOutput, parse_command
 from laticauda.cli.scene import OfScenarioOrFile, warn_of_compiling
 from laticauda.cli.shared_options import THIS_COMPUTER, host_option, port_option
 from laticauda.robot import Scene, Water, load_robot
 from laticauda.scenarios import model_of, named_after, water_for
 from laticauda.tank import lab, protocol
-from laticauda.values import BadArgument, option, packaging, quantity, to_json, value_class
+from laticauda.values import LOCAL, BadArgument, option, packaging, quantity, to_json, value_class
 
 # ---- the virtual tank ----------------------------------------------------------------------------
 

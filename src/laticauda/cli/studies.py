@@ -13,8 +13,9 @@ import tyro
 
 from laticauda import studies
 from laticauda.cli import vary
-from laticauda.cli.command import Outcome, stored_trials
+from laticauda.cli.command import Outcome
 from laticauda.cli.flags import File, Folder, PictureOutput, Words
+from laticauda.cli.progress import stored_trials
 from laticauda.cli.scene import warn_of_compiling
 from laticauda.cli.tables import read_in
 from laticauda.cli.vary import Known, Study

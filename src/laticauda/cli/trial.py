@@ -5,6 +5,7 @@ from typing import Annotated
 
 import laticauda as lc
 from laticauda.cli import command, flags, report, tables
+from laticauda.cli.output_files import check_output
 from laticauda.cli.trial_output import Filming
 from laticauda.show import figures
 from laticauda.trials import ComparedFigure, Format, logs
@@ -153,7 +154,7 @@ class Convert(OfTrials):
         """Read and write."""
         if self.output.endswith("/"):
             return self._write_bag()
-        command.check_output("output", self.output, Format.endings())
+        check_output("output", self.output, Format.endings())
         trial = lc.load_trial(self.file, self.columns)
         trial.save(self.output)
         n_samples = int(trial.time.size)

@@ -5,8 +5,8 @@ from collections import Counter
 from typing import TYPE_CHECKING, Any, Literal
 
 from laticauda.cli import command, scene, tables
-from laticauda.cli.command import show_progress
 from laticauda.cli.flags import File, Folder
+from laticauda.cli.progress import show_progress
 from laticauda.scenarios import loop_in_words
 from laticauda.values import option, quantity, value_class
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from laticauda.cli.command import SHARE, Command, Outcome, show_progress
+from laticauda.cli.command import Command, Outcome
 from laticauda.cli.flags import (
     BadFlag,
     FileArguments,
@@ -16,6 +16,7 @@ from laticauda.cli.flags import (
     OptionalFolder,
     parse_command,
 )
+from laticauda.cli.progress import SHARE, show_progress
 from laticauda.values import (
     BadArgument,
     LaticaudaError,
