@@ -12,7 +12,7 @@ from laticauda.cli.flags import (
     was_typed,
 )
 from laticauda.cli.identify import IdentificationTarget
-from laticauda.cli.runs import SwimOn
+from laticauda.cli.runs import ResumeSwim
 from laticauda.cli.trial import Show
 from laticauda.motion.gaits import Gait, Wave, lateral_undulation
 from laticauda.robot import Water, load_water
@@ -104,7 +104,7 @@ def test_an_argument_is_told_by_its_option():
 def test_an_option_is_spelled_in_one_way_wherever_it_is_named():
     names_in_messages = {
         "interval": IdentificationTarget(),  # a scenario's has another flag
-        "frames_per_second": SwimOn(),
+        "frames_per_second": ResumeSwim(),
         "file": Show(file="a.nc"),
         "depth": Wiggle(gait=lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)),
     }

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
-from laticauda.cli.studies import _text
+from laticauda.cli.studies import _describe_front
 from laticauda.studies import Front, Optimization, optimization, optimize
 from laticauda.studies.point_trials import QUANTITIES
 
@@ -179,11 +179,11 @@ def test_a_front_at_an_end_of_a_range_says_how_many_points_lie_there(
     )
     words = "the best may be beyond it; widen it with --vary."
     said = f"amplitude-deg is 20.00 deg at 2 of the 3 points, the greatest of its range: {words}"
-    assert said in _text(front, Path("a"))
+    assert said in _describe_front(front, Path("a"))
     alone = replace(
         front, values=values[:1], figures={name: column[:1] for name, column in figures.items()}
     )
-    assert f"amplitude-deg is 20.00 deg, the greatest of its range: {words}" in _text(
+    assert f"amplitude-deg is 20.00 deg, the greatest of its range: {words}" in _describe_front(
         alone, Path("a")
     )
 

@@ -3,11 +3,11 @@ import math
 import pytest
 from hypothesis import given, strategies as st
 
-from laticauda.cli.tables import aligned, format_number, percent, read_in
+from laticauda.cli.tables import align_columns, format_figure, format_number, format_percent
 
 
 def test_columns_are_aligned():
-    assert aligned([("a", "1"), ("bcd", "22")], right=(1,)) == "a     1\nbcd  22"
+    assert align_columns([("a", "1"), ("bcd", "22")], right=(1,)) == "a     1\nbcd  22"
 
 
 @pytest.mark.parametrize(
@@ -35,12 +35,12 @@ def test_a_shown_number_is_near_its_value(value):
 
 
 def test_angles_are_read_in_degrees():
-    assert read_in(math.pi, "rad") == ("180.0", "deg")
-    assert read_in(1.0, "rad/s") == ("57.30", "deg/s")
-    assert read_in(None, "m/s") == ("-", "m/s")
+    assert format_figure(math.pi, "rad") == ("180.0", "deg")
+    assert format_figure(1.0, "rad/s") == ("57.30", "deg/s")
+    assert format_figure(None, "m/s") == ("-", "m/s")
 
 
 def test_differences_have_a_sign():
-    assert percent(2.48) == "+2.5 %"
-    assert percent(-2.48) == "-2.5 %"
-    assert percent(None) == "-"
+    assert format_percent(2.48) == "+2.5 %"
+    assert format_percent(-2.48) == "-2.5 %"
+    assert format_percent(None) == "-"

@@ -14,7 +14,7 @@ from laticauda.cli.command import Command, Outcome
 from laticauda.cli.flags import File, OptionalFolder, Options, PictureOutput, Words
 from laticauda.cli.progress import PATIENCE, SHARE, show_progress
 from laticauda.cli.shared_options import base_option, joint_law_option, threads_option
-from laticauda.cli.tables import aligned, parse_numbers
+from laticauda.cli.tables import align_columns, parse_numbers
 from laticauda.identify import (
     LIMIT,
     SENSORS,
@@ -350,7 +350,7 @@ def _table_of(
     lines = [[head, *labels]]
     for row in rows:
         lines.append([row.title, *map(show, row.numbers)])
-    return aligned(lines, right=range(1, len(labels) + 1))
+    return align_columns(lines, right=range(1, len(labels) + 1))
 
 
 def _best_of_each_kind(alone: Iterable[Judged]) -> list[_Row]:

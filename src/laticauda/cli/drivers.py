@@ -80,7 +80,7 @@ class Drivers(command.Command):
 def _list_drivers() -> command.Outcome:
     names = {kind: base.names() for kind, base in drivers.KINDS.items()}
     rows = [(kind, ", ".join(listed)) for kind, listed in names.items()]
-    return command.Outcome(facts=names, text=tables.aligned(rows))
+    return command.Outcome(facts=names, text=tables.align_columns(rows))
 
 
 def _problem_with(kind: str, *, has_data: bool) -> str:

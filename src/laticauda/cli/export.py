@@ -109,7 +109,7 @@ class Compiled(OfScenario):
             write: Function that writes the file and returns the variables.
             settings: Names of the options that it takes.
         """
-        scenario = self.chosen
+        scenario = self.scenario_to_run
         if not isinstance(scenario.environment, lc.Water):
             raise BadArgument("ground", "must not be given: the exported robot swims in water")
         if not isinstance(scenario.model, lc.Planar):
@@ -206,7 +206,7 @@ class Web(command.Command):
 
 
 def _report(
-    output: str, robot: lc.Robot, content: str, more: Mapping[str, object]
+    output: str, robot: lc.Robot, content: str, further_facts: Mapping[str, object]
 ) -> command.Outcome:
     """Report what was written.
 
@@ -214,7 +214,7 @@ def _report(
         output: The file.
         robot: The robot in it.
         content: What else is in it, in words.
-        more: Further facts, for JSON.
+        further_facts: Those of this format, for JSON.
     """
     facts = {
         "output": output,
@@ -222,7 +222,7 @@ def _report(
         "n_links": robot.n_links,
         "mass": robot.mass,
         "length": robot.length,
-        **more,
+        **further_facts,
     }
     kilobytes = Path(output).stat().st_size / 1000.0
     text = f"{output}: {robot.name}, {content} ({kilobytes:.0f} kB)"

@@ -21,8 +21,8 @@ class FollowPlanned(Follow):
     )
     plan: control.PlanLimits = option("Model-predictive guidance", default=control.PlanLimits())
 
-    def steered(self, scenario: lc.Scenario) -> lc.Scenario:
-        """Fit a model of the gait, and return the scenario with a controller that uses it; see `Follow.steered`."""
+    def with_controller(self, scenario: lc.Scenario) -> lc.Scenario:
+        """Return the scenario with a controller that uses a model fitted here; see `Follow.with_controller`."""
         gait = scenario.gait
         model = learn_model(scenario, self.plan.frequency_limits)
         speed = self.speed

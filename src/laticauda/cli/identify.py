@@ -128,7 +128,7 @@ class Identify(Command):
     files: FileArguments = option(
         "One TOML task file, or trials: netCDF, MCAP, or other logs with --columns", default=()
     )
-    what: IdentificationTarget = option(
+    target: IdentificationTarget = option(
         "What is identified, from which data", default=IdentificationTarget()
     )
     fixed: Fixed = option("What is held fixed", default=Fixed())
@@ -196,13 +196,13 @@ class Identify(Command):
         best = make_writable_folder(folder) / "best.json"
         bar = show_progress(SHARE)
 
-        def keep(values: Any, cost: float) -> None:
+        def keep_best(values: Any, cost: float) -> None:
             write(best, json.dumps({"sum_of_squares": cost, "values": values}))
 
         fit = task.run(
             threads=self.method.threads,
             progress=lambda share: bar(share, what="search"),
-            keep=keep,
+            keep=keep_best,
         )
         validated = validation.validate(
             task,
@@ -229,7 +229,7 @@ class Identify(Command):
 
     def _task_of_file(self, file: str) -> tasks.Task:
         """Return the task of a file, with the method as typed."""
-        for part in (self.what, self.fixed):
+        for part in (self.target, self.fixed):
             for field in options_of(part):
                 if was_typed(field, self.arguments):
                     rule = f"must not be given with {file}, which defines all"
@@ -244,9 +244,9 @@ class Identify(Command):
 
     def _table(self) -> dict[str, Any]:
         """Return the flags in the form of a task file."""
-        if not (self.files or self.what.table or self.what.table1):
+        if not (self.files or self.target.table or self.target.table1):
             raise BadFlag("FILE must be one TOML task file, or at least one trial, got none.")
-        if not self.what.parameters:
+        if not self.target.parameters:
             raise BadFlag(
                 "--parameters must name at least one parameter, such as water.normal_drag, got none."
             )
@@ -257,12 +257,12 @@ class Identify(Command):
                 table[name] = value
         for name in ("noise", "starts", "seed"):
             table[name] = getattr(self.method, name)
-        measured = _parse_measured(self.what.measured)
-        table["parameters"] = [_parse_unknown(text) for text in self.what.parameters]
+        measured = _parse_measured(self.target.measured)
+        table["parameters"] = [_parse_unknown(text) for text in self.target.parameters]
         table["trials"] = self._tables_of_trials(measured)
-        if self.what.table:
-            table["table"] = {"file": self.what.table}
-        if self.what.table1:
+        if self.target.table:
+            table["table"] = {"file": self.target.table}
+        if self.target.table1:
             table["table1"] = True
         return table
 
@@ -275,10 +275,10 @@ class Identify(Command):
             if stems.count(stem) > 1:  # two are alike but for their folders
                 table["name"] = file
             if Path(file).suffix.lower() not in SUFFIXES_WITHOUT_COLUMNS:
-                table["columns"] = self.what.columns
+                table["columns"] = self.target.columns
             table |= measured
-            table["interval"] = self.what.interval
-            table["free_start"] = self.what.free_start
+            table["interval"] = self.target.interval
+            table["free_start"] = self.target.free_start
             tables.append(table)
         return tables
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from laticauda import scenarios
-from laticauda.cli.tables import aligned, format_number, percent, read_in
+from laticauda.cli.tables import align_columns, format_figure, format_number, format_percent
 from laticauda.motion import gaits
 from laticauda.robot import SEEN, TEXTBOOK, Ground, describe_coefficients, in_a_line
 from laticauda.trials import FIGURES, MeasuredTrial, Trial, following, measured_counterpart
@@ -19,7 +19,7 @@ WIDTH = 110
 LEFT_OUT = ("duration",)  # stated once, at the top
 
 
-def facts_of(trial: Trial) -> dict[str, Any]:
+def facts_of_trial(trial: Trial) -> dict[str, Any]:
     """Return the trial's summary, the measured values and the settings of the run for JSON, in SI units."""
     facts: dict[str, Any] = {
         **trial.summary(),
@@ -59,7 +59,7 @@ def _coefficients(trial: Trial) -> dict[str, Any]:
     return coefficients
 
 
-def as_text(trial: Trial, origin: str = "") -> str:
+def describe_trial(trial: Trial, origin: str = "") -> str:
     """Return a trial as a readable table, with angles in degrees.
 
     Args:
@@ -90,9 +90,9 @@ def following_table(trial: Trial) -> str:
     for name, (unit, title) in following.FIGURES.items():
         if "height" in name and values[name] is None:  # a path in the plane
             continue
-        figure = read_in(values[name], unit)
+        figure = format_figure(values[name], unit)
         rows.append((title, figure.number, figure.unit))
-    return aligned(rows, right=(1,))
+    return align_columns(rows, right=(1,))
 
 
 def figure_table(trial: Trial) -> str:
@@ -112,13 +112,13 @@ def figure_table(trial: Trial) -> str:
         title = figure.title
         if figure.name == "mean_power":
             title = f"mean power ({trial.mean_power_kind})"
-        number, unit = read_in(value, figure.unit)
+        number, unit = format_figure(value, figure.unit)
         rows.append((title, number, unit, *_compare(value, reference)))
     if len(rows) == 1:
         return ""
     if not measured:
-        return aligned([row[:3] for row in rows], right=(1,))
-    return aligned(rows, right=(1, 3, 4))
+        return align_columns([row[:3] for row in rows], right=(1,))
+    return align_columns(rows, right=(1, 3, 4))
 
 
 def _compare(value: float | None, reference: float | None) -> tuple[str, str]:
@@ -126,9 +126,9 @@ def _compare(value: float | None, reference: float | None) -> tuple[str, str]:
     if reference is None:
         return "", ""
     if value is None:
-        return format_number(reference), percent(None)
+        return format_number(reference), format_percent(None)
     difference = 100.0 * (value - reference) / reference
-    return format_number(reference), percent(difference)
+    return format_number(reference), format_percent(difference)
 
 
 def _measured_figures(trial: Trial) -> dict[str, float]:
@@ -208,12 +208,12 @@ def interval_table(
         if figure.name not in intervals or figure.name in LEFT_OUT:
             continue
         low, high = intervals[figure.name]
-        lowest, unit = read_in(low, figure.unit)
-        highest = read_in(high, figure.unit).number
+        lowest, unit = format_figure(low, figure.unit)
+        highest = format_figure(high, figure.unit).number
         rows.append((figure.title, lowest, highest, unit))
     names = ", ".join(name.removeprefix("water.") for name in varied)
     note = f"Varied within the textbook's intervals: {names}. All other coefficients are taken as known."
-    return f"{aligned(rows, right=(1, 2))}\n\n{_wrap_notes([note])}"
+    return f"{align_columns(rows, right=(1, 2))}\n\n{_wrap_notes([note])}"
 
 
 def _wrap_notes(notes: Sequence[str]) -> str:

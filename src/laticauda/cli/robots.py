@@ -117,7 +117,7 @@ def _table_of_robots(summaries: Sequence[Mapping[str, Any]]) -> str:
             summary["description"],
         )
         rows.append(row)
-    return tables.aligned(rows, right=(1, 2, 3, 4))
+    return tables.align_columns(rows, right=(1, 2, 3, 4))
 
 
 def _rows_of_currents() -> list[dict[str, str]]:

@@ -21,13 +21,13 @@ from laticauda.values import BadArgument, fields_of, option, quantity, value_cla
 
 
 @value_class
-class Run(scene.OfScenarioOrFile, Recording):
+class ScenarioRun(scene.OfScenarioOrFile, Recording):
     """A command that runs one scenario."""
 
     link_forces: bool = option("Also log the force on every link", default=False)
     save_scenario: TomlOutput = option("Write the scenario to this file (.toml)", default=None)
 
-    def swum(self, scenario: lc.Scenario) -> lc.Trial:
+    def run_scenario(self, scenario: lc.Scenario) -> lc.Trial:
         """Return the trial of a scenario, which is written to a file if requested.
 
         Args:
@@ -42,7 +42,7 @@ class Run(scene.OfScenarioOrFile, Recording):
 
 
 @value_class
-class Swim(Run):
+class Swim(ScenarioRun):
     """Let a robot swim a gait, starting straight and at rest, and print its speed and power.
 
     For example: laticauda swim --robot mamba --gait lateral-undulation --amplitude-deg 30
@@ -64,17 +64,17 @@ class Swim(Run):
     def read(cls, arguments: Sequence[str], prog: str) -> Any:
         """Return the command that was typed; see `OfScenario.read`."""
         if flags.was_typed(fields_of(cls)["resume"], arguments):
-            return SwimOn.read(arguments, prog)
+            return ResumeSwim.read(arguments, prog)
         return super().read(arguments, prog)
 
     def run(self) -> command.Outcome:
         """Run, and write the results."""
         if self.beside:
-            return self._together()
-        trial = self.swum(self.chosen)
+            return self._run_together()
+        trial = self.run_scenario(self.scenario_to_run)
         if not self.interval:
             return self.write_and_report(trial, self.origin)
-        varied = simulate.intervals_of(self.chosen)
+        varied = simulate.intervals_of(self.scenario_to_run)
         intervals = simulate.figure_intervals(trial, varied)
         table = report.interval_table(trial, intervals, varied)
         return self.write_and_report(
@@ -84,22 +84,24 @@ class Swim(Run):
             further_facts={"interval": intervals},
         )
 
-    def _together(self) -> command.Outcome:
+    def _run_together(self) -> command.Outcome:
         """Run the robot and those of further scenario files in one scene."""
-        scenarios = [self.chosen, *map(lc.load_scenario, self.beside)]
-        bar = progress.run_bar(self.chosen.duration)
+        scenarios = [self.scenario_to_run, *map(lc.load_scenario, self.beside)]
+        bar = progress.run_bar(self.scenario_to_run.duration)
         trial, *neighbors = lc.swim_together(scenarios, progress=bar)
         return self.write_and_report(
             trial,
             self.origin,
-            further_text="".join(f"\n\n{report.as_text(neighbor)}" for neighbor in neighbors),
-            further_facts={"beside": [report.facts_of(neighbor) for neighbor in neighbors]},
+            further_text="".join(
+                f"\n\n{report.describe_trial(neighbor)}" for neighbor in neighbors
+            ),
+            further_facts={"beside": [report.facts_of_trial(neighbor) for neighbor in neighbors]},
             neighbors=neighbors,
         )
 
 
 @value_class
-class SwimOn(Recording):
+class ResumeSwim(Recording):
     """Continue from the end of a stored trial, with its robot, gait and water; the result is the whole run."""
 
     resume: File = option("The stored trial", default=None)
@@ -109,7 +111,7 @@ class SwimOn(Recording):
     )
 
     @classmethod
-    def read(cls, arguments: Sequence[str], prog: str) -> "SwimOn":
+    def read(cls, arguments: Sequence[str], prog: str) -> "ResumeSwim":
         """Return the command that was typed; arguments as for `Swim.read`.
 
         Raises:
@@ -194,7 +196,7 @@ class Route(control.Course, flags.Options):
 
 
 @value_class
-class Follow(Run):
+class Follow(ScenarioRun):
     """Let a robot follow a path with its gait, starting off the path, and print how soon and how well it converges.
 
     For example: laticauda follow --robot mamba-fin --waypoints 0 0 3 0 6 2 --smooth --duration 60
@@ -208,25 +210,25 @@ class Follow(Run):
         """Return the command that was typed; see `OfScenario.read`."""
         names = scene.Names.read(arguments, prog)
         route: Route = flags.parse_command(Route, arguments, prog, known_only=True)
-        scenario, origin = names.scenario(arguments)
+        scenario, origin = names.resolve_scenario(arguments)
         command_class = cls
         if route.plans_ahead:
             from laticauda.cli.follow_planned import FollowPlanned  # a guest's command
 
             command_class = FollowPlanned
         if scenario.motion == scenario.gait:  # a file may have a controller
-            scenario = _off_the_path(scenario, route)
-        return command_class.about(
+            scenario = _start_beside_path(scenario, route)
+        return command_class.read_numbers(
             scenario, arguments, prog, choice=names, origin=origin, route=route
         )
 
     def run(self) -> command.Outcome:
         """Run, and write the results."""
-        trial = self.swum(self.steered(self.chosen))
+        trial = self.run_scenario(self.with_controller(self.scenario_to_run))
         table = report.following_table(trial)
         return self.write_and_report(trial, self.origin, further_text=f"\n\n{table}")
 
-    def steered(self, scenario: lc.Scenario) -> lc.Scenario:
+    def with_controller(self, scenario: lc.Scenario) -> lc.Scenario:
         """Return the scenario with the requested controller.
 
         Args:
@@ -239,7 +241,7 @@ class Follow(Run):
         return replace(scenario, motion=replace(motion, observer=observer))
 
 
-def _off_the_path(scenario: lc.Scenario, route: Route) -> lc.Scenario:
+def _start_beside_path(scenario: lc.Scenario, route: Route) -> lc.Scenario:
     """Return a run that starts beside the path, with the controller of the route."""
     motion: Any = scenario.gait  # one that plans ahead learns a model first, see `FollowPlanned`
     if not route.plans_ahead:

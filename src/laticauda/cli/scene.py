@@ -79,14 +79,14 @@ class Names(Choice, Options):
         """
         return parse_command(cls, arguments, prog, known_only=True)
 
-    def motion(self) -> lc.Gait:
+    def choose_gait(self) -> lc.Gait:
         """Return the gait of Mamba's first trial in the paper with the requested envelope, or a recorded gait."""
         if self.joint_angles is None:
-            return replace(FIRST_GAIT, envelope=self.requested_envelope())
+            return replace(FIRST_GAIT, envelope=self.choose_envelope())
         angles = _load_joint_angles(self.joint_angles)
-        return lc.recorded_gait(angles, envelope=self.requested_envelope())
+        return lc.recorded_gait(angles, envelope=self.choose_envelope())
 
-    def requested_envelope(self) -> lc.Envelope:
+    def choose_envelope(self) -> lc.Envelope:
         """Return the envelope of the gait that was named."""
         is_custom = self.gait == "custom"
         if is_custom != (self.envelope is not None):
@@ -96,7 +96,7 @@ class Names(Choice, Options):
             return lc.Custom(values=self.envelope)
         return find_member(lc.Envelope, self.gait.replace("_", "-"), "gait")
 
-    def scenario(self, arguments: Sequence[str]) -> NamedScenario:
+    def resolve_scenario(self, arguments: Sequence[str]) -> NamedScenario:
         """Return the scenario that the names stand for.
 
         Args:
@@ -105,7 +105,7 @@ class Names(Choice, Options):
         """
         if arguments and not arguments[0].startswith("-"):
             return self._scenario_of_file(arguments)
-        gait = self.motion()
+        gait = self.choose_gait()
         choice = self.with_imports().resolved(gait)
         scenario = Scenario(
             robot=choice.robot,
@@ -123,8 +123,9 @@ class Names(Choice, Options):
         typed_names = frozenset(
             field.name for field in fields_of(Names).values() if was_typed(field, arguments)
         )
-        change = _ChangeOfScenario(names=self, typed_names=typed_names)
-        return NamedScenario(change.of(load_scenario(path)), f"as {path} says")
+        change = _ScenarioChange(names=self, typed_names=typed_names)
+        scenario = change.apply(load_scenario(path))
+        return NamedScenario(scenario, f"as {path} says")
 
     def with_imports(self) -> Self:
         """Return these names; a joint law or a scene that is given as MODULE:CLASS is imported."""
@@ -155,17 +156,17 @@ class Names(Choice, Options):
 
 
 @dataclass(frozen=True)
-class _ChangeOfScenario:
+class _ScenarioChange:
     """Changes a file's scenario by the names that were typed; of everything else, the file decides."""
 
     names: Names
     typed_names: frozenset[str]
     """Those that were typed; all others have their defaults."""
 
-    def of(self, scenario: Scenario) -> Scenario:
-        gait = self._gait(scenario)
+    def apply(self, scenario: Scenario) -> Scenario:
+        gait = self._change_gait(scenario.gait)
         choice = self.names.with_imports().resolved(
-            gait, lambda name, n_links: self._robot(scenario, name, n_links)
+            gait, lambda name, n_links: self._change_robot(scenario.robot, name, n_links)
         )
         environment = scenario.environment
         if self._are_typed("water", "ground", "parameters"):
@@ -186,23 +187,22 @@ class _ChangeOfScenario:
         """Return whether at least one of these was typed."""
         return not self.typed_names.isdisjoint(names)
 
-    def _gait(self, scenario: Scenario) -> lc.Gait:
-        gait = scenario.gait
+    def _change_gait(self, gait: lc.Gait) -> lc.Gait:
+        if self._are_typed("joint_angles"):
+            return self.names.choose_gait()
         if self._are_typed("gait", "envelope"):
-            envelope = self.names.requested_envelope()
+            envelope = self.names.choose_envelope()
             is_same_kind = type(envelope) is type(gait.envelope)
             if self._are_typed("envelope") or not is_same_kind:  # else it keeps the file's numbers
-                gait = replace(gait, envelope=envelope)
-        if self._are_typed("joint_angles"):
-            return self.names.motion()
+                return replace(gait, envelope=envelope)
         return gait
 
-    def _robot(self, scenario: Scenario, name: str, n_links: int | None) -> lc.Robot:
+    def _change_robot(self, robot_of_file: lc.Robot, name: str, n_links: int | None) -> lc.Robot:
         if self._are_typed("robot"):
             return lc.load_robot(name, n_links)
         if n_links is None:
-            return scenario.robot
-        return scenario.robot.with_links(n_links)
+            return robot_of_file
+        return robot_of_file.with_links(n_links)
 
     def _with_scene(self, model: Model) -> Model:
         if not self._are_typed("scene"):
@@ -255,7 +255,7 @@ class OfScenario(Command):
 
     choice: Names = option("Robot, gait and water, by name", default=Names())
     scenario: Scenario = option("Scenario that the names select; every number can be changed")
-    before: Any = option(
+    scenario_as_named: Any = option(
         "What the names stand for, before single numbers were changed", default=None
     )
     origin: Any = option("Where the environment is from, in words", default="")
@@ -267,29 +267,35 @@ class OfScenario(Command):
         words_with_file: Sequence[str] = ()
         if issubclass(cls, OfScenarioOrFile):
             words_with_file = arguments
-        scenario, origin = names.scenario(words_with_file)
-        return cls.about(scenario, arguments, prog, choice=names, origin=origin)
+        scenario, origin = names.resolve_scenario(words_with_file)
+        return cls.read_numbers(scenario, arguments, prog, choice=names, origin=origin)
 
     @classmethod
-    def about(cls, scenario: Scenario, arguments: Sequence[str], prog: str, **parts: Any) -> Self:
-        """Return the command whose scenario is known except for individual numbers.
+    def read_numbers(
+        cls, scenario: Scenario, arguments: Sequence[str], prog: str, **known_fields: Any
+    ) -> Self:
+        """Return the command that was typed, whose scenario is known except for individual numbers.
+
+        The second of the two readings: every number of the scenario is a flag now.
 
         Args:
             scenario: Scenario that the names stand for.
             arguments: What was typed.
             prog: Name of the command in the help.
-            parts: Other fields that are known.
+            known_fields: Other fields, read before.
         """
-        default = cls(scenario=scenario, before=scenario, **parts)
+        default = cls(scenario=scenario, scenario_as_named=scenario, **known_fields)
         return parse_command(cls, arguments, prog, default)
 
     @property
-    def chosen(self) -> Scenario:
+    def scenario_to_run(self) -> Scenario:
         """Scenario with the numbers that were typed; the name of its water states how it differs."""
-        water, water_before = self.scenario.environment, self.before.environment
-        if not isinstance(water, lc.Water) or not isinstance(water_before, lc.Water):
+        environment = self.scenario.environment
+        named_environment = self.scenario_as_named.environment
+        if not isinstance(environment, lc.Water) or not isinstance(named_environment, lc.Water):
             return self.scenario
-        return replace(self.scenario, environment=named_after(water, water_before))
+        water = named_after(environment, named_environment)
+        return replace(self.scenario, environment=water)
 
 
 @value_class

@@ -310,7 +310,7 @@ class CockpitCommand(OfScenarioOrFile):
         from laticauda.show.cockpit import Cockpit, Live, load_viser
 
         load_viser()
-        scenario = self.chosen
+        scenario = self.scenario_to_run
         warn_of_compiling(scenario.environment, scenario.model)
         cockpit = Cockpit(Live(scenario), host=self.host, port=self.port)
         if cockpit.door.warning:

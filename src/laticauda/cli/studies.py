@@ -17,8 +17,8 @@ from laticauda.cli.command import Outcome
 from laticauda.cli.flags import File, Folder, PictureOutput, Words
 from laticauda.cli.progress import stored_trials
 from laticauda.cli.scene import warn_of_compiling
-from laticauda.cli.tables import read_in
-from laticauda.cli.vary import Known, Study
+from laticauda.cli.tables import format_figure
+from laticauda.cli.vary import Parameters, Study
 from laticauda.models.simulate.numbers import list_parameters
 from laticauda.scenarios import Scenario
 from laticauda.show import figures
@@ -31,9 +31,9 @@ N_SHOWN = 8
 """Number of points of a front that are printed."""
 SHOWN_OF_BEST = ("forward_velocity", "mean_power", "cost_of_transport", "utilization")
 SHOWN_OF_FRONT = ("forward_velocity", "mechanical_power", "cost_of_transport", "utilization")
-BOTH = "speed-power"
+SPEED_AND_POWER = "speed-power"
 OBJECTIVES = (
-    BOTH,
+    SPEED_AND_POWER,
     "forward-velocity",
     "steady-velocity",
     "mechanical-power",
@@ -88,17 +88,9 @@ class SweepCommand(Study):
         "Figure by which the best points in the table are ranked", default="forward-velocity"
     )
 
-    def studied(self, scenario: Scenario, known: Known) -> Outcome:
+    def run_study(self, scenario: Scenario, parameters: Parameters) -> Outcome:
         """Run all trials that are not stored yet."""
-        try:
-            sweep = studies.Sweep(scenario=scenario, points=self._points(known))
-        except BadArgument as error:
-            if self.list is None or error.name == "list":
-                raise
-            position = f"of {self.list}"
-            if error.name not in ("vary", "points"):
-                position += f" `{error.name}`"
-            raise BadArgument("list", f"{position} {error.rule}") from error
+        sweep = self._make_sweep(scenario, parameters)
         with stored_trials(self.output) as show, connected(self.scheduler) as client:
             if client is None:
                 warn_of_compiling(scenario.environment, scenario.model)
@@ -109,6 +101,18 @@ class SweepCommand(Study):
             sheet = figures.sweep_sheet(studies.open_sweep(self.output))
             figures.save_figure(sheet, self.plot)
         return self._report(scenario, sweep)
+
+    def _make_sweep(self, scenario: Scenario, parameters: Parameters) -> studies.Sweep:
+        """Return the requested sweep; errors about points of a list name the file."""
+        try:
+            return studies.Sweep(scenario=scenario, points=self._points(parameters))
+        except BadArgument as error:
+            if self.list is None or error.name == "list":
+                raise
+            position = f"of {self.list}"
+            if error.name not in ("vary", "points"):
+                position += f" `{error.name}`"
+            raise BadArgument("list", f"{position} {error.rule}") from error
 
     def _report(self, scenario: Scenario, sweep: studies.Sweep) -> Outcome:
         """Report how many trials failed, and the best points."""
@@ -128,12 +132,12 @@ class SweepCommand(Study):
             "output": self.output,
             **vary.shared_facts(scenario),
         }
-        table = vary.points_table(scenario, sweep.points.names, [*SHOWN_OF_BEST, figure], points)
+        table = vary.format_points(scenario, sweep.points.names, [*SHOWN_OF_BEST, figure], points)
         title = f"{status} The best in {figure.replace('_', ' ')}:"
         text = f"{title}\n\n{table}\n\nAll results: {self.output}/results.zarr (xarray.open_zarr)"
         return Outcome(facts=facts, text=text, succeeded=n_failed < n_trials)
 
-    def _points(self, known: Known) -> Points:
+    def _points(self, parameters: Parameters) -> Points:
         """Return the requested points."""
         typed = list(chain.from_iterable(self.vary))
         if self.seed is not None and self.samples is None:
@@ -142,13 +146,13 @@ class SweepCommand(Study):
         if self.list is not None:
             if typed or self.samples is not None:
                 raise BadArgument("list", "must not be given together with --vary or --samples")
-            return vary.read_rows(self.list, known)
+            return vary.read_rows(self.list, parameters)
         if not typed:
             rule = f"must be given, or --list: {vary.FORM}; --names lists what can be varied"
             raise BadArgument("vary", rule)
         if self.samples is None:
-            return vary.parse_grid(typed, known)
-        ranges = vary.parse_ranges(typed, known, vary.SAMPLES_FORM)
+            return vary.parse_grid(typed, parameters)
+        ranges = vary.parse_ranges(typed, parameters, vary.SAMPLES_FORM)
         return studies.Samples(ranges=ranges, n_points=self.samples, seed=self.seed or 0)
 
 
@@ -173,7 +177,7 @@ class Optimize(Study):
         "One or two of forward-velocity, steady-velocity (maximized), mechanical-power, mean-power, "
         "cost-of-transport (minimized). Two give the front between them; "
         "speed-power is short for forward-velocity mechanical-power",
-        default=(BOTH,),
+        default=(SPEED_AND_POWER,),
     )
     budget: int = quantity(
         "", "Number of points to try; a larger budget continues a smaller one", ge=1, default=4000
@@ -189,7 +193,7 @@ class Optimize(Study):
         "Folder of results, where a stopped search resumes when run again", default="optimum"
     )
 
-    def studied(self, scenario: Scenario, known: Known) -> Outcome:
+    def run_study(self, scenario: Scenario, parameters: Parameters) -> Outcome:
         """Search, and write the front."""
         from laticauda.show.reports import write_front_figure
 
@@ -198,11 +202,11 @@ class Optimize(Study):
         front.write_csv(folder / "front.csv")
         front.write_netcdf(folder / "front.nc")
         pictures = write_front_figure([front], folder)
-        paragraphs = [_text(front, folder)]
+        paragraphs = [_describe_front(front, folder)]
         if pictures:
             paragraphs.append(f"Figure: {', '.join(map(str, pictures))}")
         return Outcome(
-            facts=_facts(front, folder, pictures),
+            facts=_facts_of_front(front, folder, pictures),
             text="\n\n".join(paragraphs),
             succeeded=len(front) > 0,
         )
@@ -234,16 +238,16 @@ class Optimize(Study):
         names = [
             check_choice("objective", name.replace("_", "-"), OBJECTIVES) for name in self.objective
         ]
-        if names == [BOTH]:
+        if names == [SPEED_AND_POWER]:
             return studies.SPEED_POWER
         return [name.replace("-", "_") for name in names]
 
 
-def _facts(front: studies.Front, folder: Path, pictures: Sequence[Path]) -> dict[str, Any]:
+def _facts_of_front(front: studies.Front, folder: Path, pictures: Sequence[Path]) -> dict[str, Any]:
     """Return what was run and some points of a front, in SI units."""
     files = [folder / "front.csv", folder / "front.nc", *pictures]
     return {
-        "status": _status(front),
+        "status": _describe_status(front),
         "objectives": list(front.optimization.objectives),
         "n_trials": front.n_trials,
         "n_infeasible": front.n_infeasible,
@@ -257,14 +261,14 @@ def _facts(front: studies.Front, folder: Path, pictures: Sequence[Path]) -> dict
     }
 
 
-def _text(front: studies.Front, folder: Path) -> str:
+def _describe_front(front: studies.Front, folder: Path) -> str:
     """Return some points of a front as a table, and the location of the files."""
     optimization = front.optimization
-    parts = [_status(front)]
+    parts = [_describe_status(front)]
     if len(front):
         points = [front.point(i) for i in front.spread(N_SHOWN)]
         figures_shown = [*optimization.objectives, *SHOWN_OF_FRONT]
-        table = vary.points_table(optimization.scenario, optimization.names, figures_shown, points)
+        table = vary.format_points(optimization.scenario, optimization.names, figures_shown, points)
         parts.append(table)
     hints = _hints_to_widen(front)
     if hints:
@@ -279,7 +283,7 @@ def _hints_to_widen(front: studies.Front) -> list[str]:
     sentences: list[str] = []
     for row in front.at_bounds():
         parameter = parameters[row["name"]]
-        value = " ".join(read_in(row["value"], parameter.unit)).strip()
+        value = " ".join(format_figure(row["value"], parameter.unit)).strip()
         if len(front) > 1:
             value += f" at {row['n_points']} of the {len(front)} points"
         finding = f"{vary.spell_parameter(parameter)} is {value}, the {row['end']} of its range"
@@ -287,7 +291,7 @@ def _hints_to_widen(front: studies.Front) -> list[str]:
     return sentences
 
 
-def _status(front: studies.Front) -> str:
+def _describe_status(front: studies.Front) -> str:
     optimization = front.optimization
     scenario = optimization.scenario
     gait = scenario.gait.kind.replace("_", "-")

@@ -31,7 +31,7 @@ class Assignment(NamedTuple):
     numbers: list[float]
 
 
-def aligned(rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:
+def align_columns(rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:
     """Return rows as lines with left-aligned columns; the columns `right` are right-aligned."""
     columns = zip(*rows, strict=True)
     widths = [max(map(len, column)) for column in columns]
@@ -56,7 +56,7 @@ def format_table(rows: Sequence[Mapping[str, Any]]) -> str:
     names = list(rows[0])
     right = [i for i, name in enumerate(names) if _holds_numbers(rows, name)]
     lines = [[_format_cell(row[name]) for name in names] for row in rows]
-    return aligned([names, *lines], right)
+    return align_columns([names, *lines], right)
 
 
 def _holds_numbers(rows: Sequence[Mapping[str, Any]], name: str) -> bool:
@@ -69,7 +69,7 @@ def _format_cell(content: Any) -> str:
     return format_number(content)
 
 
-def read_in(value: float | None, unit: str) -> Figure:
+def format_figure(value: float | None, unit: str) -> Figure:
     """Return a figure as a table shows it: the number, and the unit in which it is shown."""
     display = display_unit(unit)
     if value is None:
@@ -90,7 +90,7 @@ def format_number(value: float | None) -> str:
     return f"{value:.{decimals}f}"
 
 
-def percent(value: float | None) -> str:
+def format_percent(value: float | None) -> str:
     """Format a difference in percent, with its sign."""
     if value is None:
         return MISSING

@@ -84,8 +84,8 @@ class Show(OfTrials, Filming):
         trial = lc.load_trial(self.file, self.columns)
         self.write_film(trial)
         first_line = f"made     {trial.created} with laticauda {trial.version}"
-        text = f"{first_line}\n{report.as_text(trial)}"
-        return command.Outcome(facts=report.facts_of(trial), text=text)
+        text = f"{first_line}\n{report.describe_trial(trial)}"
+        return command.Outcome(facts=report.facts_of_trial(trial), text=text)
 
 
 @value_class
@@ -187,11 +187,11 @@ def _table_of_comparison(names: Sequence[str], rows: Sequence[ComparedFigure]) -
     for name in compared:
         heads += [name, "difference"]
     lines = [heads, *map(_line_of_comparison, rows)]
-    return tables.aligned(lines, right=(1, *range(3, len(heads))))
+    return tables.align_columns(lines, right=(1, *range(3, len(heads))))
 
 
 def _line_of_comparison(row: ComparedFigure) -> list[str]:
-    first, *compared = [tables.read_in(value, row.figure.unit) for value in row.values]
+    first, *compared = [tables.format_figure(value, row.figure.unit) for value in row.values]
     line = [row.figure.title, first.number, first.unit]
     for i, figure in enumerate(compared, start=1):
         line += [figure.number, _format_difference(row, i)]
@@ -202,8 +202,8 @@ def _format_difference(row: ComparedFigure, i: int) -> str:
     """Return the difference of trial `i` in percent, or in the figure's unit where a percentage is meaningless."""
     share, difference = row.differences_percent[i], row.differences[i]
     if share is not None or difference is None:
-        return tables.percent(share)
-    number, unit = tables.read_in(difference, row.figure.unit)
+        return tables.format_percent(share)
+    number, unit = tables.format_figure(difference, row.figure.unit)
     if number != "0" and not number.startswith("-"):
         number = f"+{number}"
     return f"{number} {unit}".rstrip()

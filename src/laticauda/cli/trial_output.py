@@ -84,8 +84,8 @@ class Recording(Filming):
         if not trial.succeeded:
             problem = trial.status
         return Outcome(
-            facts={**report.facts_of(trial), **(further_facts or {})},
-            text=report.as_text(trial, origin) + further_text,
+            facts={**report.facts_of_trial(trial), **(further_facts or {})},
+            text=report.describe_trial(trial, origin) + further_text,
             problem=problem,
             succeeded=trial.succeeded,
         )

@@ -13,7 +13,7 @@ import numpy as np
 from laticauda import studies
 from laticauda.cli import command, scene
 from laticauda.cli.shared_options import threads_option
-from laticauda.cli.tables import MISSING, aligned, format_table, parse_numbers
+from laticauda.cli.tables import MISSING, align_columns, format_table, parse_numbers
 from laticauda.models.simulate import Parameter, suggest_names
 from laticauda.models.simulate.numbers import list_parameters
 from laticauda.scenarios import Scenario
@@ -28,7 +28,7 @@ SAMPLES_FORM = "NAME=LOW:HIGH with --samples, such as amplitude-deg=10:50"
 MOST_COUNT = 10_000_000
 """Largest number of values of one parameter."""
 
-Known = Mapping[str, Parameter]
+Parameters = Mapping[str, Parameter]
 """Numbers that can be varied, by name."""
 
 
@@ -51,22 +51,22 @@ class Study(scene.OfScenario):
 
     def run(self) -> command.Outcome:
         """Do the work, or list what can be varied."""
-        parameters = list_parameters(self.chosen)
+        parameters = list_parameters(self.scenario_to_run)
         if self.names:
             return _list_names(parameters)
-        return self.studied(self.chosen, parameters)
+        return self.run_study(self.scenario_to_run, parameters)
 
-    def studied(self, scenario: Scenario, known: Known) -> command.Outcome:
+    def run_study(self, scenario: Scenario, parameters: Parameters) -> command.Outcome:
         """Do the work.
 
         Args:
             scenario: Scenario that all trials share.
-            known: Numbers of it that can be varied.
+            parameters: Numbers of it that can be varied.
         """
         raise NotImplementedError
 
 
-def _list_names(parameters: Known) -> command.Outcome:
+def _list_names(parameters: Parameters) -> command.Outcome:
     rows = [("name", "unit", "")]
     for parameter in parameters.values():
         unit = display_unit(parameter.unit).name or MISSING
@@ -75,7 +75,7 @@ def _list_names(parameters: Known) -> command.Outcome:
         name: {"unit": parameter.unit, "title": parameter.title}
         for name, parameter in parameters.items()
     }
-    return command.Outcome(facts=facts, text=aligned(rows))
+    return command.Outcome(facts=facts, text=align_columns(rows))
 
 
 def spell_parameter(parameter: Parameter) -> str:
@@ -88,12 +88,12 @@ def spell_parameter(parameter: Parameter) -> str:
     return (name + ending).replace("_", "-")
 
 
-def parse_grid(typed: Sequence[str], known: Known) -> studies.Grid:
+def parse_grid(typed: Sequence[str], parameters: Parameters) -> studies.Grid:
     """Return every combination of the values.
 
     Args:
         typed: Texts of the form NAME=VALUES.
-        known: Numbers that can be varied.
+        parameters: Numbers that can be varied.
 
     Raises:
         ValueError: If a text cannot be read.
@@ -101,7 +101,7 @@ def parse_grid(typed: Sequence[str], known: Known) -> studies.Grid:
     values_by_name: dict[str, list[float]] = {}
     for text in typed:
         name, sign, numbers = parse_numbers("vary", text, FORM, ":", ",")
-        parameter, factor = _find_parameter(name, known, values_by_name)
+        parameter, factor = _find_parameter(name, parameters, values_by_name)
         if sign == ":":
             numbers = _spread_numbers(numbers, text)
         values_by_name[parameter.name] = [factor * number for number in numbers]
@@ -119,12 +119,14 @@ def _spread_numbers(numbers: Sequence[float], text: str) -> list[float]:
     return np.linspace(low, high, int(count)).tolist()
 
 
-def parse_ranges(typed: Sequence[str], known: Known, form: str) -> dict[str, tuple[float, float]]:
+def parse_ranges(
+    typed: Sequence[str], parameters: Parameters, form: str
+) -> dict[str, tuple[float, float]]:
     """Return the lowest and highest values by parameter.
 
     Args:
         typed: Texts of the form NAME=LOW:HIGH.
-        known: Numbers that can be varied.
+        parameters: Numbers that can be varied.
         form: Expected form of a text, for messages.
 
     Raises:
@@ -133,7 +135,7 @@ def parse_ranges(typed: Sequence[str], known: Known, form: str) -> dict[str, tup
     ranges: dict[str, tuple[float, float]] = {}
     for text in typed:
         name, _, ends = parse_numbers("vary", text, form, ":")
-        parameter, factor = _find_parameter(name, known, ranges)
+        parameter, factor = _find_parameter(name, parameters, ranges)
         if len(ends) != 2:
             raise BadArgument("vary", f"must be {form}, got {text!r}")
         low, high = ends
@@ -143,12 +145,12 @@ def parse_ranges(typed: Sequence[str], known: Known, form: str) -> dict[str, tup
     return ranges
 
 
-def read_rows(path: str, known: Known) -> studies.Rows:
+def read_rows(path: str, parameters: Parameters) -> studies.Rows:
     """Return the points of a CSV file: names in the first line, one point in each further line.
 
     Args:
         path: Path of the file.
-        known: Numbers that can be varied.
+        parameters: Numbers that can be varied.
 
     Raises:
         ValueError: If the file is not such a table.
@@ -160,7 +162,7 @@ def read_rows(path: str, known: Known) -> studies.Rows:
         raise BadArgument("list", f"{rule}, got {path}")
     columns: dict[str, list[float]] = {}
     for name in names:
-        parameter, factor = _find_parameter(name, known, columns)
+        parameter, factor = _find_parameter(name, parameters, columns)
         columns[parameter.name] = [
             factor * _parse_cell(row[name], f"{path}, line {line}") for line, row in lines
         ]
@@ -178,26 +180,42 @@ def _parse_cell(text: str, position: str) -> float:
     return number
 
 
-def _find_parameter(name: str, known: Known, named_before: Container[str]) -> TypedParameter:
+def _find_parameter(
+    name: str, parameters: Parameters, named_before: Container[str]
+) -> TypedParameter:
     """Return the parameter of a name; reject a parameter that was named before."""
     typed_name = name.replace("_", "-")
-    for parameter in known.values():
-        display = display_unit(parameter.unit)
-        full_name = parameter.name.replace("_", "-")
-        full_name_in_degrees = full_name + display.ending.replace("_", "-")
-        if typed_name not in (spell_parameter(parameter), full_name_in_degrees, full_name):
+    for parameter in parameters.values():
+        factors = _accepted_names(parameter)
+        if typed_name not in factors:
             continue
         if parameter.name in named_before:
             raise BadArgument("vary", f"must name each parameter only once, got {name!r} again")
-        if typed_name == full_name:  # with dots and no unit, in SI units as in Python
-            return TypedParameter(parameter, 1.0)
-        return TypedParameter(parameter, display.in_si_unit)
-    hint = suggest_names(typed_name, [spell_parameter(parameter) for parameter in known.values()])
+        return TypedParameter(parameter, factors[typed_name])
+    typed_names = [spell_parameter(parameter) for parameter in parameters.values()]
+    hint = suggest_names(typed_name, typed_names)
     rule = "must name a parameter of robot, gait or water"
     raise BadArgument("vary", f"{rule}, got {name!r}{hint} (--names lists all)")
 
 
-def points_table(
+def _accepted_names(parameter: Parameter) -> dict[str, float]:
+    """Return the names under which a parameter may be typed, with what 1 means under each in the SI unit.
+
+    They are its name as an option (``amplitude-deg``), its full name in the unit that people type
+    (``gait.amplitude-deg``), and its full name in SI units, as in Python (``gait.amplitude``).
+    """
+    display = display_unit(parameter.unit)
+    full_name = parameter.name.replace("_", "-")
+    full_name_with_unit = full_name + display.ending.replace("_", "-")
+    factors = {
+        spell_parameter(parameter): display.in_si_unit,
+        full_name_with_unit: display.in_si_unit,
+    }
+    factors[full_name] = 1.0
+    return factors
+
+
+def format_points(
     scenario: Scenario, names: Sequence[str], figures: Sequence[str], points: Sequence[Any]
 ) -> str:
     """Return some points as a table.

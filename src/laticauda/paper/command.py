@@ -235,7 +235,7 @@ def _format_errors(
         if with_rows_left_out:
             errors.append(score.leave_one_out)
         lines.append([score.title, *(tables.format_number(error) for error in errors)])
-    return tables.aligned(lines, right=range(1, len(heads)))
+    return tables.align_columns(lines, right=range(1, len(heads)))
 
 
 def _head_of(group: "Group") -> str:

@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 
 import laticauda as lc
 from laticauda.cli import main
-from laticauda.cli.report import as_text
+from laticauda.cli.report import describe_trial
 from laticauda.identify import Measurement, fit
 from laticauda.models.simulate import compute_sensitivities
 from laticauda.motion.gaits import Generator
@@ -242,9 +242,11 @@ def test_the_water_of_recorded_trials_is_identified():
 
 def test_it_is_called_what_it_is_wherever_a_gait_is_named():
     alone, both = swum(lc.recorded_gait(ANGLES)), swum(replace(WAVE, recorded=ANGLES))
-    assert "gait    recorded motion: 2 joints, 0 to " in as_text(alone)
-    assert "amplitude" not in as_text(alone).split("\n")[1]
-    assert "recorded motion" in as_text(both) and "eel-like: amplitude" in as_text(both)
+    assert "gait    recorded motion: 2 joints, 0 to " in describe_trial(alone)
+    assert "amplitude" not in describe_trial(alone).split("\n")[1]
+    assert "recorded motion" in describe_trial(both) and "eel-like: amplitude" in describe_trial(
+        both
+    )
     titles = [swim_sheet(one).get_suptitle() for one in (alone, both)]
     assert titles[0] == "chain, recorded motion"
     assert titles[1].startswith("chain, recorded motion, ") and "°/s" in titles[1]
