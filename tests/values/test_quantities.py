@@ -16,7 +16,7 @@ import laticauda
 from laticauda.robot import Actuator, CaudalFin, Section, Water, load_water
 from laticauda.tank.lab.settings import LabSettings, NodeSettings
 from laticauda.values.checks import check_label
-from laticauda.values.declared_fields import SMALLEST
+from laticauda.values.declared_quantities import SMALLEST
 from laticauda.values.errors import MissingExtra
 from laticauda.values.quantities import (
     LARGEST,

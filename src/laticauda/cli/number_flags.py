@@ -63,7 +63,7 @@ def numbers_flag(name: str, annotation: Annotation, quantity: Quantity) -> Any:
         count = TupleAnnotation.of(annotation.members[0]).count
     reader = _NumberReader(
         option=spell_flag(name + display.ending),
-        quantity=quantity.as_typed,
+        quantity=quantity.in_display_unit,
         display=display,
         is_whole=annotation.is_whole_number,
     )

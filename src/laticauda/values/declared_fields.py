@@ -1,12 +1,13 @@
 """What a field of a value declares: one `Field` record for each, made once and read by everything.
 
 Checks, files, flags, sweeps, FMUs, pages and help all read these records, so that a field's unit,
-range, text, default and type are stated in one place: where the class is defined.
+range, text, default and type are stated in one place: where the class is defined. `quantity` and
+`option` of `laticauda.values.quantities` put the declaration into the metadata of a dataclass
+field; `fields_of` reads it back.
 """
 
 import dataclasses
 import functools
-import math
 import types
 import typing
 from collections.abc import Callable, Mapping
@@ -14,143 +15,11 @@ from dataclasses import MISSING, dataclass
 from typing import Any
 
 from laticauda.values.annotations import Annotation
-from laticauda.values.checks import check_finite, show_value
+from laticauda.values.declared_quantities import Quantity
 from laticauda.values.display_units import DisplayUnit, display_unit
-from laticauda.values.errors import BadArgument
 
 Check = Callable[[str, Any], Any]
 """`check(name, value)` returns the cleaned value of a field, or raises a `BadArgument`."""
-
-LIMITS = {
-    "kg/m^3": 25e3,  # osmium has 22 590
-    **dict.fromkeys(("A", "V", "deg C", "degC", "m/s"), 1e4),
-    **dict.fromkeys(("Hz", "K/W", "m/s^2", "m^2", "ohm", "rad"), 1e6),
-    "m": 1e7,  # survey coordinates, such as UTM, come near this
-    **dict.fromkeys(("deg", "kg", "m^3"), 1e9),
-}
-"""Largest magnitude by unit, if the field declares no bound on that side; anything larger is taken as a mistake."""
-LARGEST = 1e12
-"""The largest for all other units: far beyond any swimmer, and far from overflow of sums and squares of numbers."""
-LEAST = {"m": 1e-9, "kg": 1e-9, "kg/m^3": 1e-9}
-"""Smallest value by unit, if the field declares that it is above 0; anything smaller is taken as a mistake."""
-SMALLEST = 1e-12
-"""The smallest for all other units: far below any swimmer, and far from overflow of quotients and squares."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Quantity:
-    """A finite number with a unit and a range; if no bound is declared, that of its unit applies (`LIMITS`)."""
-
-    unit: str
-    """Unit of the number; "" for a pure number."""
-    text: str
-    """Description, a phrase without a final period."""
-    ge: float = -math.inf
-    """Minimum, inclusive."""
-    gt: float = -math.inf
-    """Minimum, exclusive."""
-    le: float = math.inf
-    """Maximum, inclusive."""
-
-    def checked(self, name: str, value: object) -> float:
-        """Return `value` as a float.
-
-        Args:
-            name: Name of the argument.
-            value: The value given.
-
-        Raises:
-            ValueError: If it is not a finite number, or out of range.
-        """
-        number = check_finite(name, value, self.unit)
-        lowest, highest = self.ends
-        if lowest <= number <= highest:
-            return number
-        rule = self._broken_rule(number)
-        if self.unit:
-            rule = f"{rule} {self.unit}"
-        hint = self._hint_of_degrees(name, number)
-        raise BadArgument(name, f"must be {rule}, got {show_value(value)}{hint}")
-
-    def _broken_rule(self, number: float) -> str:
-        """Return the rule that a number out of range breaks."""
-        lowest, highest = self.ends
-        if number <= self.gt:
-            return f"> {self.gt:g}"
-        if not self.ge <= number <= self.le:
-            return self.range
-        if number > highest:
-            return f"<= {highest:g}"
-        return f">= {lowest:g}"
-
-    def _hint_of_degrees(self, name: str, number: float) -> str:
-        """Return the end of a message about an angle that was probably meant in degrees, or ""."""
-        has_largest = math.isfinite(self.le)
-        if self.unit != "rad" or not has_largest or abs(number) <= math.pi:
-            return ""
-        lowest, highest = self.in_display_unit.ends
-        if not lowest <= number <= highest:
-            return ""
-        degrees = math.degrees(number)
-        return f": {number:g} rad is {degrees:.4g} deg; did you mean {name}_deg={number:g}?"
-
-    @property
-    def in_display_unit(self) -> "Quantity":
-        """The same quantity in the unit in which people read and type it."""
-        display = self.display
-        return dataclasses.replace(
-            self,
-            unit=display.name,
-            ge=display.from_si(self.ge),
-            gt=display.from_si(self.gt),
-            le=display.from_si(self.le),
-        )
-
-    @property
-    def display(self) -> DisplayUnit:
-        """The unit in which people read and type it."""
-        return display_unit(self.unit)
-
-    @property
-    def as_typed(self) -> "Quantity":
-        """The quantity as people type it: angles in degrees."""
-        if self.display.differs_from_si:
-            return self.in_display_unit
-        return self
-
-    @property
-    def ends(self) -> tuple[float, float]:
-        """The smallest and the largest accepted number, both finite."""
-        limit = LIMITS.get(self.unit, LARGEST)
-        lowest, highest = self.least, self.le
-        if not math.isfinite(lowest):
-            lowest = -limit
-        if not math.isfinite(highest):
-            highest = limit
-        return lowest, highest
-
-    @property
-    def least(self) -> float:
-        """The smallest number accepted by declaration; minus infinity if there is none."""
-        if not math.isfinite(self.gt):
-            return max(self.ge, self.gt)
-        if self.gt == 0.0:
-            return max(self.ge, LEAST.get(self.unit, SMALLEST))
-        return max(self.ge, math.nextafter(self.gt, math.inf))
-
-    @property
-    def range(self) -> str:
-        """The declared range in words, "" if there is none."""
-        low = max(self.ge, self.gt)
-        if math.isfinite(low) and math.isfinite(self.le):
-            return f"between {low:g} and {self.le:g}"
-        if math.isfinite(self.le):
-            return f"<= {self.le:g}"
-        if math.isfinite(self.gt) and self.gt >= self.ge:
-            return f"> {self.gt:g}"
-        if math.isfinite(self.ge):
-            return f">= {self.ge:g}"
-        return ""
 
 
 @dataclass(frozen=True)
@@ -198,12 +67,12 @@ class Field:
     # Annotations may name classes that are defined later: they are resolved when first asked for.
     @functools.cached_property
     def hint(self) -> Any:
-        """Its type, without the marks of `typing.Annotated`."""
+        """Its type as a type, such as ``float | None``; marks of `typing.Annotated` are left out."""
         return _types_of(self.owner)[self.name]
 
     @functools.cached_property
     def annotation(self) -> Annotation:
-        """Its type, taken apart."""
+        """The same type taken apart, for whoever asks which values it allows."""
         return Annotation.of(self.hint)
 
     def make_default(self) -> Any:
@@ -269,5 +138,5 @@ def texts_of(kind: type) -> Mapping[str, str]:
 
 @functools.cache
 def hints_of(kind: type) -> Mapping[str, Any]:
-    """Return the types of a class's fields."""
+    """Return the types of a class's fields by name, see `Field.hint`."""
     return types.MappingProxyType({name: field.hint for name, field in fields_of(kind).items()})

@@ -1,6 +1,10 @@
-"""From plain tables to values, based only on the types of their fields."""
+"""From plain tables to values, based only on the types of their fields.
 
-from collections.abc import Generator, Mapping, Sequence
+Everywhere here, `at` is the path from the top level of the file to what is decoded, "" for the top
+level itself: errors name it.
+"""
+
+from collections.abc import Container, Generator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, is_dataclass
@@ -12,7 +16,7 @@ from laticauda.values.class_choice import ClassChoice, class_choice_of, class_of
 from laticauda.values.extensions import Extensible, Unknown, name_of
 from laticauda.values.file_tables import BadKey, Table, arguments_of, check_keys, path_to, table_of
 from laticauda.values.former_keys import with_new_names
-from laticauda.values.quantities import display_names_of, fields_of
+from laticauda.values.quantities import Field, display_names_of, fields_of
 
 T = TypeVar("T")
 
@@ -116,11 +120,15 @@ class _CountedEntry:
 
     @classmethod
     def of(cls, table: Table, cycling_keys: Sequence[str], at: str) -> "_CountedEntry":
-        listed_keys = [key for key in cycling_keys if isinstance(table.get(key), list)]
-        if not listed_keys:
-            count = _check_count(table.pop("count", 1), at)
-            return cls(count, [table])
-        key = listed_keys[0]
+        for key in cycling_keys:
+            if isinstance(table.get(key), list):
+                return cls._of_cycle(table, key, at)
+        count = _check_count(table.pop("count", 1), at)
+        return cls(count, [table])
+
+    @classmethod
+    def _of_cycle(cls, table: Table, key: str, at: str) -> "_CountedEntry":
+        """Return an entry of which one key is a list of texts, through which the objects cycle."""
         texts: list[object] = table[key]
         count = _check_count(table.pop("count", len(texts)), at)
         if not 1 <= len(texts) <= count:
@@ -176,29 +184,38 @@ def updated(original: T, table: object, at: str = "") -> T:
 def _decode_object(kind: type[Any], table: Table, at: str, original: Any = None) -> Any:
     """Make an object of this class; fields missing from the table are those of the original, if given."""
     table = with_new_names(kind, table)
-    fields, names_in_degrees = fields_of(kind), display_names_of(kind)
-    check_keys(table, [*fields, *names_in_degrees], at)
-    degrees = {key: number for key, number in table.items() if key in names_in_degrees}
-    fields_in_degrees = {names_in_degrees[key] for key in degrees}
+    fields = fields_of(kind)
+    display_names = display_names_of(kind)
+    check_keys(table, [*fields, *display_names], at)
+    in_display_units = {key: number for key, number in table.items() if key in display_names}
+    fields_in_display_units = {display_names[key] for key in in_display_units}
     values: dict[str, Any] = {}
     if original is not None:
-        kept_names = [name for name in fields if name not in fields_in_degrees]
-        values = {name: getattr(original, name) for name in kept_names}
-    for name, field in fields.items():
-        is_stated = name in fields_in_degrees or name in table or name in values
-        if field.is_required and not is_stated:
-            raise BadKey(path_to(at, name), f"is missing; every {kind.__name__} needs it")
+        for name in fields:
+            if name not in fields_in_display_units:
+                values[name] = getattr(original, name)
+    _check_complete(kind, {*values, *table, *fields_in_display_units}, at)
     for name, value in table.items():
-        if name in degrees:
-            continue
-        path = path_to(at, name)
-        if _describes_change_of(values.get(name), value):
-            changes = {key: change for key, change in value.items() if key != "kind"}
-            values[name] = updated(values[name], changes, path)
-        else:
-            values[name] = decode(fields[name].hint, value, path, fields[name].default)
+        if name not in in_display_units:
+            path = path_to(at, name)
+            values[name] = _decode_field(fields[name], value, path, values.get(name))
     with arguments_of(at):
-        return kind(**values, **degrees)
+        return kind(**values, **in_display_units)
+
+
+def _check_complete(kind: type[Any], stated_names: Container[str], at: str) -> None:
+    """Reject a table that lacks a field without default."""
+    for name, field in fields_of(kind).items():
+        if field.is_required and name not in stated_names:
+            raise BadKey(path_to(at, name), f"is missing; every {kind.__name__} needs it")
+
+
+def _decode_field(field: Field, value: Any, path: str, current: Any) -> Any:
+    """Return the value of a field; a table of the same kind changes the current value, if there is one."""
+    if _describes_change_of(current, value):
+        changes = {key: change for key, change in value.items() if key != "kind"}
+        return updated(current, changes, path)
+    return decode(field.hint, value, path, field.default)
 
 
 def _describes_change_of(original: Any, value: Any) -> bool:

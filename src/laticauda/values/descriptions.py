@@ -7,7 +7,8 @@ import math
 from collections.abc import Mapping
 from typing import Any, cast
 
-from laticauda.values.declared_fields import Field, Quantity, fields_of
+from laticauda.values.declared_fields import Field, fields_of
+from laticauda.values.declared_quantities import Quantity
 
 
 def describe_fields(value: object, *left_out: str) -> dict[str, str]:

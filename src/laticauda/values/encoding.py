@@ -104,10 +104,14 @@ def _exact_degrees(content: Any, field: Field) -> float | None:
 
 def _encode_counted(objects: Sequence[Any], cycling_keys: tuple[str, ...]) -> list[Table]:
     """Return one entry per run of objects that are alike except for the fields that their class lists as cycling."""
-    first = {key: getattr(objects[0], key) for key in cycling_keys}
+    of_first = {key: getattr(objects[0], key) for key in cycling_keys}
+
+    def without_cycle(counted: Any) -> Any:
+        return replace(counted, **of_first)
+
     entries: list[Table] = []
-    for _, group in groupby(objects, key=lambda value: replace(value, **first)):
-        run = list(group)
+    for _, alike in groupby(objects, key=without_cycle):
+        run = list(alike)
         for start in range(0, len(run), MOST_COUNTED):
             entries.append(_encode_run(run[start : start + MOST_COUNTED], cycling_keys))
     return entries

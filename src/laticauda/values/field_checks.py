@@ -17,7 +17,8 @@ from laticauda.values.checks import (
     check_whole_number,
     show_value,
 )
-from laticauda.values.declared_fields import Check, Field, Quantity, fields_of
+from laticauda.values.declared_fields import Check, Field, fields_of
+from laticauda.values.declared_quantities import Quantity
 from laticauda.values.errors import BadArgument
 
 MOST_ITEMS = 10_000_000

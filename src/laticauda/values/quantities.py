@@ -19,16 +19,18 @@ from dataclasses import MISSING, dataclass
 from typing import Any, TypeVar, dataclass_transform, overload
 
 from laticauda.values.declared_fields import (
-    LARGEST as LARGEST,
-    LIMITS as LIMITS,
     Check,
     Field as Field,
-    Quantity as Quantity,
     display_names_of as display_names_of,
     fields_of as fields_of,
     hints_of as hints_of,
     quantities_of as quantities_of,
     texts_of as texts_of,
+)
+from laticauda.values.declared_quantities import (
+    LARGEST as LARGEST,
+    LIMITS as LIMITS,
+    Quantity as Quantity,
 )
 from laticauda.values.descriptions import (
     describe_field as describe_field,
@@ -122,7 +124,7 @@ def value_class(kind: Kind) -> Kind:
         for name, low, high, check in checks_of(self.__class__):
             value = getattr(self, name)
             if type(value) is float and low <= value <= high:
-                continue
+                continue  # as most fields, in most values
             if check is not None:
                 cleaned = check(name, value)
                 if cleaned is not value:
