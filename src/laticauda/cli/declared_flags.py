@@ -197,7 +197,7 @@ def _flag_of(field: Field, default: Any) -> StructFieldSpec | None:
         return None
     must_be_typed = value is MISSING or value == ""
     return StructFieldSpec(
-        name=name + field.display.ending,
+        name=name,
         type=flag_type,
         default=tyro.MISSING if must_be_typed else value,
         helptext=f"{field.text}.",
@@ -209,7 +209,7 @@ def _type_of_flag(field: Field, name: str, value: Any) -> Any:
 
     Args:
         field: The field.
-        name: Name of its flag, without the ending of a unit.
+        name: Name of its flag.
         value: Default of the flag.
     """
     marked_type = marked_types_of(field.owner)[field.name]

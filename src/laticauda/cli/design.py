@@ -281,10 +281,12 @@ class DesignExperiment(Command):
 
     def _straight_trials(self, scenario: scenarios.Scenario) -> list[Measurement]:
         """Return the tows and coast-downs of the robot of a scenario."""
-        robot, water = scenario.robot, scenario.environment
+        robot = scenario.robot
+        water = scenario.environment
         trials: list[Measurement] = []
         for speed, angle in product(self.candidates.tow, self.candidates.tow_angles):
-            trials.append(from_tow(robot, water, Tow(speed=speed, angle=angle)))
+            tow = Tow(speed=speed, angle=angle)
+            trials.append(from_tow(robot, water, tow))
         for speed in self.candidates.coast_down:
             trials.append(coast_down(robot, water, speed))
         return trials

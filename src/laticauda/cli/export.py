@@ -107,8 +107,18 @@ class Compiled(OfScenario):
 
         Args:
             write: Function that writes the file and returns the variables.
-            settings: Names of the options that it takes.
+            settings: Names of the options that it takes, besides `inputs`.
         """
+        scenario = self._scenario_to_compile()
+        options = {name: getattr(self, name) for name in ("inputs", *settings)}
+        variables = write(self.output, scenario, **options)
+        n_of = Counter(variable.causality for variable in variables)
+        counts = [f"{n_of[causality]} {causality}s" for causality in CAUSALITIES]
+        facts = {f"n_{causality}s": n_of[causality] for causality in CAUSALITIES}
+        return _report(self.output, scenario.robot, ", ".join(counts), facts)
+
+    def _scenario_to_compile(self) -> lc.Scenario:
+        """Return the scenario; refuse one that cannot be compiled."""
         scenario = self.scenario_to_run
         if not isinstance(scenario.environment, lc.Water):
             raise BadArgument("ground", "must not be given: the exported robot swims in water")
@@ -116,12 +126,7 @@ class Compiled(OfScenario):
             rule = "must be `planar`: the spatial model needs MuJoCo, which is not exported"
             raise BadArgument("model", rule)
         warn_of_compiling(scenario.environment, scenario.model)
-        options = {name: getattr(self, name) for name in ("inputs", *settings)}
-        variables = write(self.output, scenario, **options)
-        n_of = Counter(variable.causality for variable in variables)
-        facts = {f"n_{causality}s": n_of[causality] for causality in CAUSALITIES}
-        content = ", ".join(f"{n_of[causality]} {causality}s" for causality in CAUSALITIES)
-        return _report(self.output, scenario.robot, content, facts)
+        return scenario
 
 
 @value_class

@@ -6,8 +6,8 @@ commands: ``flag_names.toml`` lists those of their fields that have no flag, or 
 The fields of a class that is made for the command line (`Options`) all have flags of their own
 names.
 
-`spell_option` is the only place where a field gets the name that people type. An angle has the
-ending of its unit in degrees, see `laticauda.values.display_units`.
+`FlagNames.name_flag` is the only place where a field gets the name that people type. An angle has
+the ending of its unit in degrees, see `laticauda.values.display_units`.
 """
 
 import typing
@@ -54,11 +54,12 @@ class FlagNames:
         return name_with_class(field) in self.optional_waves
 
     def name_flag(self, field: Field) -> str:
-        """Return the name of a field's flag, with underscores and without the ending of a unit."""
-        if issubclass(field.owner, Options):
-            return field.name
-        in_any_class = self.spelling.get(field.name, field.name)
-        return self.spelling.get(name_with_class(field), in_any_class)
+        """Return the name of a field's flag, with underscores: ``start_pitch_deg``."""
+        name = field.name
+        if not issubclass(field.owner, Options):
+            in_any_class = self.spelling.get(field.name, field.name)
+            name = self.spelling.get(name_with_class(field), in_any_class)
+        return name + field.display.ending
 
 
 def _read_flag_names() -> FlagNames:
@@ -92,7 +93,7 @@ def spell_option(field: Field) -> str:
     """
     if tyro.conf.Positional in marks_of(field.owner).get(field.name, ()):
         return field.name.upper()
-    return spell_flag(FLAG_NAMES.name_flag(field) + field.display.ending)
+    return spell_flag(FLAG_NAMES.name_flag(field))
 
 
 def spell_typed_flag(argument: str) -> str:

@@ -271,9 +271,10 @@ class Identify(Command):
         stems = [Path(file).stem for file in self.files]
         tables: list[dict[str, Any]] = []
         for file, stem in zip(self.files, stems, strict=True):
-            table: dict[str, Any] = {"file": file, "name": stem}
+            name = stem
             if stems.count(stem) > 1:  # two are alike but for their folders
-                table["name"] = file
+                name = file
+            table: dict[str, Any] = {"file": file, "name": name}
             if Path(file).suffix.lower() not in SUFFIXES_WITHOUT_COLUMNS:
                 table["columns"] = self.target.columns
             table |= measured

@@ -52,7 +52,7 @@ def numbers_flag(name: str, annotation: Annotation, quantity: Quantity) -> Any:
     """Return the specification of a flag that takes one or several numbers, in the unit that users type.
 
     Args:
-        name: Name of the flag, without the ending of its unit.
+        name: Name of the flag, with underscores.
         annotation: Type of the field.
         quantity: Unit and range of the numbers.
     """
@@ -62,7 +62,7 @@ def numbers_flag(name: str, annotation: Annotation, quantity: Quantity) -> Any:
     if is_several and len(annotation.members) == 1:
         count = TupleAnnotation.of(annotation.members[0]).count
     reader = _NumberReader(
-        option=spell_flag(name + display.ending),
+        option=spell_flag(name),
         quantity=quantity.in_display_unit,
         display=display,
         is_whole=annotation.is_whole_number,

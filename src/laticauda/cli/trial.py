@@ -41,10 +41,7 @@ class View(Filming):
             raise BadArgument("time", "must be given with --still: it is the time of the picture")
         trial = lc.load_trial(self.file)
         beside = [lc.load_trial(file) for file in self.beside]
-        if self.still is not None:
-            from laticauda.show.pictures import write_still
-
-            write_still(trial, self.still, self.film, time=self.time, beside=beside)
+        self._write_still(trial, beside)
         self.write_film(trial, self.speed, beside)
         if self.video is None and self.still is None:
             from laticauda.show.pictures import show_in_window
@@ -52,6 +49,14 @@ class View(Filming):
             show_in_window(trial, speed=self.speed)
         facts = {"file": self.file, "video": self.video, "still": self.still}
         return command.Outcome(facts=facts, text=self._describe_result(trial))
+
+    def _write_still(self, trial: lc.Trial, beside: Sequence[lc.Trial]) -> None:
+        """Write the picture if requested."""
+        if self.still is None:
+            return
+        from laticauda.show.pictures import write_still
+
+        write_still(trial, self.still, self.film, time=self.time, beside=beside)
 
     def _describe_result(self, trial: lc.Trial) -> str:
         if not self.still:
