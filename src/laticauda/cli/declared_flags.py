@@ -13,7 +13,7 @@ preset or the file has.
 import re
 import shutil
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, is_dataclass, replace
 from typing import Annotated, Any, TypeVar, get_origin
 
@@ -25,7 +25,7 @@ from laticauda.cli.flag_names import (
     Options,
     is_declared,
     marked_types_of,
-    spell_flag,
+    spell_option,
 )
 from laticauda.cli.flag_types import BadFlag, read_first, words_flag
 from laticauda.cli.number_flags import numbers_flag
@@ -109,7 +109,14 @@ _registry = ConstructorRegistry()
 
 @_registry.struct_rule
 def _flags_of_declared_value(info: Any) -> StructConstructorSpec | None:
-    """Return the flags of a class whose fields are declared; None: tyro has a rule of its own."""
+    """Return the flags of a class whose fields are declared; None: tyro has a rule of its own.
+
+    If there is a default, its class decides: a field declared as a joint law has the flags of a
+    servo if the default is one.
+
+    Args:
+        info: What tyro knows: `type` and `default`.
+    """
     kind = info.type
     if is_dataclass(info.default):
         kind = type(info.default)
@@ -122,9 +129,12 @@ def _flags_of_declared_value(info: Any) -> StructConstructorSpec | None:
 
 
 def _flags_of(kind: type[Any], default: Any) -> StructConstructorSpec:
-    """Return the flags of a class of values, and how a value is made from them."""
+    """Return the flags of a class of values, and how a value is made from them.
+
+    A field has one flag, but an optional wave of a gait has one for each of its numbers.
+    """
     specs: list[StructFieldSpec] = []
-    fields_of_flags: dict[str, str] = {}
+    fields_by_flag: dict[str, Field] = {}
     waves: list[Field] = []
     for field in _in_order_of_help(kind):
         if FLAG_NAMES.is_optional_wave(field) and default is not None:
@@ -134,8 +144,8 @@ def _flags_of(kind: type[Any], default: Any) -> StructConstructorSpec:
         spec = _flag_of(field, default)
         if spec is not None:
             specs.append(spec)
-            fields_of_flags[spec.name] = field.name
-    maker = _ValueMaker(kind=kind, default=default, fields_of_flags=fields_of_flags, waves=waves)
+            fields_by_flag[spec.name] = field
+    maker = _ValueMaker(kind=kind, default=default, fields_by_flag=fields_by_flag, waves=waves)
     return StructConstructorSpec(instantiate=maker.make, fields=tuple(specs))
 
 
@@ -150,8 +160,8 @@ class _ValueMaker:
     kind: type[Any]
     default: Any
     """Value whose fields are changed; None: there is none."""
-    fields_of_flags: dict[str, str]
-    """Names of the fields by names of the flags."""
+    fields_by_flag: Mapping[str, Field]
+    """Fields that have one flag, by its name."""
     waves: Sequence[Field]
     """Fields that hold a wave of which each number is a flag."""
 
@@ -159,11 +169,12 @@ class _ValueMaker:
         """Return the value.
 
         Args:
-            typed: Values by names of the flags.
+            typed: Values by names of the flags, those of flags that were left out included.
         """
-        values = {
-            field: typed[flag] for flag, field in self.fields_of_flags.items() if flag in typed
-        }
+        values: dict[str, Any] = {}
+        for flag, field in self.fields_by_flag.items():
+            if flag in typed:
+                values[field.name] = typed[flag]
         try:
             if self.default is None:
                 value = self.kind(**values)
@@ -178,9 +189,9 @@ class _ValueMaker:
     def _spell(self, argument: str) -> str:
         """Return how an argument is typed."""
         name = argument.split("[")[0]
-        for flag, field in self.fields_of_flags.items():
-            if field == name:
-                return spell_flag(flag)
+        for field in self.fields_by_flag.values():
+            if field.name == name:
+                return spell_option(field)
         return f"`{argument}`"
 
 
@@ -195,13 +206,11 @@ def _flag_of(field: Field, default: Any) -> StructFieldSpec | None:
     flag_type = _type_of_flag(field, name, value)
     if flag_type is None:
         return None
+    # "" stands in for a required text in a command that is read twice, until it is typed.
     must_be_typed = value is MISSING or value == ""
-    return StructFieldSpec(
-        name=name,
-        type=flag_type,
-        default=tyro.MISSING if must_be_typed else value,
-        helptext=f"{field.text}.",
-    )
+    if must_be_typed:
+        value = tyro.MISSING
+    return StructFieldSpec(name=name, type=flag_type, default=value, helptext=f"{field.text}.")
 
 
 def _type_of_flag(field: Field, name: str, value: Any) -> Any:
@@ -228,7 +237,10 @@ def _type_of_flag(field: Field, name: str, value: Any) -> Any:
 
 
 def _switch(value: object) -> Any:
-    """Return the type of a truth value; only the opposite of its default can be typed if that is False."""
+    """Return the type of a truth value: ``--json``, or a pair such as ``--free-start`` and ``--no-free-start``.
+
+    One that is false unless typed needs no second flag.
+    """
     if value is False:
         return Annotated[bool, tyro.conf.FlagCreatePairsOff]
     return bool
