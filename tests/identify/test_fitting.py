@@ -35,16 +35,20 @@ def test_a_search_that_comes_to_where_another_one_ended_ends_there_and_one_that_
 ):
     (end,) = noisy.searches
     start, seen = end.end + 0.5, []
-    alone = minimize(noisy.problem, start, loss="linear", look=lambda x, _: seen.append(x))
+    alone = minimize(noisy.problem, start, loss="linear", observe=lambda x, _: seen.append(x))
     n_alone = len(seen)
     found = minimize(
-        noisy.problem, start, loss="linear", look=lambda x, _: seen.append(x), known=[end]
+        noisy.problem,
+        start,
+        loss="linear",
+        observe=lambda x, _: seen.append(x),
+        earlier_searches=[end],
     )
     assert found.end is end.end and found.jacobian is end.jacobian and found.start is start
     assert len(seen) - n_alone < n_alone
     np.testing.assert_allclose(found.end, alone.end, atol=1e-5)
     for other in (replace(end, end=end.end + 0.1), replace(end, cost=end.cost + 1.0)):
-        again = minimize(noisy.problem, start, loss="linear", known=[other])
+        again = minimize(noisy.problem, start, loss="linear", earlier_searches=[other])
         np.testing.assert_array_equal(again.end, alone.end)
 
 

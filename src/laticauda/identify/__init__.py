@@ -1,6 +1,29 @@
 """Identify physical parameters and their uncertainty from measured trials (`fit`).
 
-Needs the extra `identify`.
+Needs the extra `identify`. `fit` takes measurements through these steps, in this order:
+
+    1. A trial, a tow or a row of a table becomes a `Measurement`: a scenario, and what was measured
+       of it with its noise (`conversion`, `tables`). `tasks` reads all of it from a file.
+    2. The numbers to identify are found in these scenarios (`resolving`). With the measurements,
+       they are a `Problem`: all measured numbers stand in one array, the data, and `depends_on`
+       says which measurement depends on which unknown.
+    3. At given values of the unknowns, every scenario is simulated, and what its sensors would show
+       is a prediction of the data; derivatives come with it (`model`).
+    4. Predicted minus measured, over the noise, are the residuals. A search makes their sum of
+       squares least (`local_search`), from several starts (`fitting`).
+    5. There, J^T J with the Jacobian J of the residuals is the information. Its inverse is the
+       covariance, which gives intervals; its eigenvectors show what the data do not see
+       (`identifiability`). `noise_factor` and `noise` correct the stated noise (`estimates`).
+    6. The result is a `Fit`. `profiles`, `posterior_sample`, `leaving_out` and `validation` check
+       it, and `exporting` puts its values into robots, waters and parameter files.
+
+A new kind of measured number belongs to step 1 (`series`) and 3 (`sensing`), a new kind of trial to
+3 (a module beside `tow_runs`), and a new remark on a result to 5 (`fit_warnings`). `design` and
+`discrimination` run steps 2, 3 and 5 for trials that nobody has done yet.
+
+A search does not move the values q themselves but coordinates x: ln q for a number that is always
+positive, so that its steps and errors are relative, and q for all others. The size of an unknown is
+a large change of its x, for comparing unknowns of different units (see `unknowns`).
 
 What was measured:
 

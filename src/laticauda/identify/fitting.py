@@ -122,22 +122,23 @@ def solve(
         start = problem.start
     best_point = _BestPoint(problem=problem, keep=keep)
     searches: list[LocalSearch] = []
-    most_steps = MOST_STEPS
+    is_interrupted = False
     try:
         _search_from_all_starts(problem, method, start, best_point, searches, progress)
     except KeyboardInterrupt:
         if best_point.coordinates is None:
             raise
-        most_steps = 1
-        search = minimize(problem, best_point.coordinates, loss=method.loss, steps=most_steps)
+        is_interrupted = True
+        search = minimize(problem, best_point.coordinates, loss=method.loss, most_steps=1)
         searches.append(search)
     searches.sort(key=lambda search: search.cost)
     if method.estimates_noise:
+        most_steps = 1 if is_interrupted else MOST_STEPS
         optimum = _optimum_with_estimated_noise(problem, method, searches[0], most_steps)
     else:
         optimum = Optimum.of_search(searches[0], noise_factor=1.0)
     solution = assemble_fit(problem, method, optimum, searches)
-    if most_steps == 1:
+    if is_interrupted:
         return replace(solution, warnings=(INTERRUPTED, *solution.warnings))
     return solution
 
@@ -151,7 +152,7 @@ class _BestPoint:
     coordinates: Vector | None = None
     cost: float = math.inf
 
-    def look(self, x: Vector, cost: float) -> None:
+    def observe(self, x: Vector, cost: float) -> None:
         """Note a point of a search if it is the best so far."""
         if cost < self.cost:
             self.coordinates = x
@@ -167,13 +168,22 @@ def _search_from_all_starts(
     searches: list[LocalSearch],
     progress: Progress,
 ) -> None:
-    """Search from every start at which all measurements can be simulated; add the searches."""
+    """Search from every start at which all measurements can be simulated.
+
+    Searches are added to `searches` as they end, so that an interrupt leaves those done so far.
+    """
     failures: Mapping[str, str] = {}
     for number, x in enumerate(_starting_points(problem, method, start), start=1):
         predicted = predict(problem, problem.values_of(x))
         failures = predicted.failures or failures
         if np.all(np.isfinite(predicted.values)):
-            search = minimize(problem, x, loss=method.loss, look=best_point.look, known=searches)
+            search = minimize(
+                problem,
+                x,
+                loss=method.loss,
+                observe=best_point.observe,
+                earlier_searches=searches,
+            )
             searches.append(search)
         elif not predicted.failures:
             _refuse_missing_figure(problem, predicted.values)
@@ -190,15 +200,18 @@ def _starting_points(problem: Problem, method: Method, start: Vector) -> list[Ve
     first = problem.coordinates_of(start)
     n_others = method.n_starts - 1
     rng = np.random.default_rng(method.seed)
-    columns: list[np.ndarray] = []
-    for k, unknown in enumerate(problem.unknowns):
+    coordinates_of_others: list[np.ndarray] = []
+    for unknown, center in zip(problem.unknowns, first, strict=True):
         reach = _reach_of_starts(unknown)
         lower_end, upper_end = unknown.ends
-        low = max(first[k] - reach, lower_end)
-        high = min(first[k] + reach, upper_end)
-        one_in_each_slice = rng.permutation(n_others) + rng.random(n_others)
-        columns.append(low + (high - low) * one_in_each_slice / max(n_others, 1))
-    return [first, *np.array(columns).T]
+        low = max(center - reach, lower_end)
+        high = min(center + reach, upper_end)
+        # A Latin hypercube: of the slices of the range, as many as starts, each holds one start.
+        slice_of_start = rng.permutation(n_others)
+        place_in_slice = rng.random(n_others)
+        share_of_range = (slice_of_start + place_in_slice) / max(n_others, 1)
+        coordinates_of_others.append(low + (high - low) * share_of_range)
+    return [first, *np.array(coordinates_of_others).T]
 
 
 def _reach_of_starts(unknown: ResolvedUnknown) -> float:
@@ -236,7 +249,7 @@ def _optimum_with_estimated_noise(
             return Optimum(
                 coordinates=best.end, jacobian=best.jacobian / factor, noise_factor=factor
             )
-        best = minimize(problem, best.end, loss=method.loss, factor=factor, steps=most_steps)
+        best = minimize(problem, best.end, loss=method.loss, factor=factor, most_steps=most_steps)
     return Optimum.of_search(best, noise_factor=factor)
 
 

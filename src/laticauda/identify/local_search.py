@@ -96,7 +96,7 @@ class _Objective:
     loss: str
     factor: float
     free: Int[np.ndarray, " n_free"]
-    look: Callable[[Vector, float], None]
+    observe: Callable[[Vector, float], None]
     earlier_searches: Sequence[LocalSearch]
     last: _Evaluation | None = None
 
@@ -118,7 +118,7 @@ class _Objective:
             raise SimulationFailed(
                 f"The measurements cannot be simulated where a search begins: {self.last.failures}."
             )
-        self.look(self.last.coordinates, self.last.cost)
+        self.observe(self.last.coordinates, self.last.cost)
         return self.last.residuals
 
     def jacobian(self, free_coordinates: np.ndarray) -> np.ndarray:
@@ -165,9 +165,9 @@ def minimize(
     loss: str,
     factor: float = 1.0,
     free: Int[np.ndarray, " n_free"] | None = None,
-    steps: int = MOST_STEPS,
-    look: Callable[[Vector, float], None] = silent,
-    known: Sequence[LocalSearch] = (),
+    most_steps: int = MOST_STEPS,
+    observe: Callable[[Vector, float], None] = silent,
+    earlier_searches: Sequence[LocalSearch] = (),
 ) -> LocalSearch:
     """Run one search.
 
@@ -177,10 +177,10 @@ def minimize(
         loss: Loss function of the residuals.
         factor: Factor applied to the stated noise.
         free: Indices of the unknowns that may change; None: all.
-        steps: Maximum number of steps.
-        look: Called with all coordinates and the sum of squares at every step.
-        known: Earlier searches; a search that comes close to the end of one of them, equally good,
-            ends there.
+        most_steps: Predictions after which the search ends without having converged.
+        observe: Called with all coordinates and the sum of squares at every step.
+        earlier_searches: A search that comes close to the end of one of them, equally good, ends
+            there.
 
     Returns:
         The finished search, with all coordinates and the Jacobian with respect to the free ones.
@@ -198,10 +198,11 @@ def minimize(
         loss=loss,
         factor=factor,
         free=free,
-        look=look,
-        earlier_searches=known,
+        observe=observe,
+        earlier_searches=earlier_searches,
     )
-    lower, upper = np.array([unknown.ends for unknown in problem.unknowns])[free].T
+    ends = np.array([unknown.ends for unknown in problem.unknowns])
+    lower, upper = ends[free].T
     try:
         solution = optimize.least_squares(
             objective.residuals,
@@ -214,7 +215,7 @@ def minimize(
             xtol=_TOLERANCE,
             ftol=_TOLERANCE,
             gtol=_TOLERANCE,
-            max_nfev=steps,
+            max_nfev=most_steps,
         )
     except _ArrivedAtKnownEnd as arrival:
         return replace(arrival.earlier, start=x)

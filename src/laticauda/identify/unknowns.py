@@ -1,8 +1,13 @@
 """Unknowns to identify: numbers of robot, water or measurement setup, with their ranges and priors.
 
 An `Unknown` is what the user asks for, and may leave fields open. `laticauda.identify.resolving`
-finds it in the measurements and fills it in, which makes a `ResolvedUnknown`. A search moves
-coordinates x: the logarithm of a value q on a log scale, q itself on a linear one.
+finds it in the measurements and fills it in, which makes a `ResolvedUnknown`.
+
+A search moves coordinates x: the logarithm of a value q on a log scale, q itself on a linear one.
+
+Unknowns have different units. They are compared in units of their sizes: a size is a large change
+of the coordinate, one after which the robot would swim quite differently. On a log scale it is 1, a
+change by the factor e; on a linear one it is the value itself, or what is usual for its unit.
 """
 
 import math
