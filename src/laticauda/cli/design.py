@@ -23,6 +23,7 @@ from laticauda.identify import (
     Judged,
     Measurement,
     Problem,
+    Rival,
     Tow,
     Unknown,
     coast_down,
@@ -198,15 +199,15 @@ class DesignExperiment(Command):
         text = f"{tank_day.format_evaluation(evaluation)}\n\n{listed}"
         return Outcome(facts=facts, text=text)
 
-    def _rivals(self) -> dict[str, tuple[Problem, list[Measurement]]]:
+    def _rivals(self) -> dict[str, Rival]:
         """Return problem and candidates of every rival, by the name of its water or parameter file."""
         waters = (*water_names(), TEXTBOOK)
-        rivals: dict[str, tuple[Problem, list[Measurement]]] = {}
+        rivals: dict[str, Rival] = {}
         for name in self.unknowns.rivals:
             field_name = "water" if name in waters else "base"
             rival = replace(self, **{field_name: name})
             problem = rival._task().problem
-            rivals[name] = (problem, rival._candidates(problem))
+            rivals[name] = Rival(problem=problem, candidates=rival._candidates(problem))
         return rivals
 
     def _task(self) -> "_Task":

@@ -115,6 +115,7 @@ if TYPE_CHECKING:
     )
     from laticauda.identify.discrimination import (
         Discrimination as Discrimination,
+        Rival as Rival,
         discriminate as discriminate,
         misidentification_probability as misidentification_probability,
     )
@@ -147,6 +148,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.identify.design": ["Design", "Judged", "design_experiment"],
         "laticauda.identify.discrimination": [
             "Discrimination",
+            "Rival",
             "discriminate",
             "misidentification_probability",
         ],

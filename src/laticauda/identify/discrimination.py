@@ -43,6 +43,15 @@ from laticauda.models.simulate import Progress, silent
 from laticauda.values import BadArgument, check_whole_number
 
 
+class Rival(NamedTuple):
+    """A model that might be true, and the trials as it sees them."""
+
+    problem: Problem
+    """Its unknowns; the model is judged at their starting values."""
+    candidates: Sequence[Measurement]
+    """Possible trials: the same in all models, each in this model's water."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Discrimination:
     """Trials that tell rival models apart, judged by T of every pair, the smaller of both ways."""
@@ -65,7 +74,7 @@ def misidentification_probability(distance: float) -> float:
 
 
 def discriminate(
-    rivals: Mapping[str, tuple[Problem, Sequence[Measurement]]],
+    rivals: Mapping[str, Rival | tuple[Problem, Sequence[Measurement]]],
     n_trials: int,
     *,
     progress: Progress = silent,
@@ -73,9 +82,8 @@ def discriminate(
     """Choose the trials that would tell rival models apart.
 
     Args:
-        rivals: For each model by name, its problem, judged at the starting values of the unknowns,
-            and its version of
-            the candidates: the same trials in all models, with the noise stated by the first.
+        rivals: The models by name, or problem and candidates of each. The noise of all is that
+            which the candidates of the first state.
         n_trials: Number of trials to choose; each may be chosen more than once.
         progress: Called with the fraction of the models judged.
 
@@ -83,17 +91,18 @@ def discriminate(
         ValueError: If an argument is out of its range.
     """
     check_whole_number("n_trials", n_trials, 1)
-    candidates = _candidates_of_first(rivals)
+    models = {name: Rival(*rival) for name, rival in rivals.items()}
+    candidates = _candidates_of_first(models)
     rows_by_model: dict[str, list[CandidateRows]] = {}
-    for name, (problem, own_candidates) in rivals.items():
+    for name, model in models.items():
         same_noise = [
             replace(own, figures=first.figures)
-            for own, first in zip(own_candidates, candidates, strict=True)
+            for own, first in zip(model.candidates, candidates, strict=True)
         ]
-        rows_by_model[name] = predict_candidates(problem, same_noise, problem.start)
-        progress(len(rows_by_model) / len(rivals))
-    problems = {name: problem for name, (problem, _) in rivals.items()}
-    pairs = tuple(combinations(rivals, 2))
+        rows_by_model[name] = predict_candidates(model.problem, same_noise, model.problem.start)
+        progress(len(rows_by_model) / len(models))
+    problems = {name: model.problem for name, model in models.items()}
+    pairs = tuple(combinations(models, 2))
     comparisons = _both_ways(pairs)
     added = _added_information(comparisons, problems, rows_by_model)
     known = _known_information(comparisons, problems)
@@ -128,13 +137,11 @@ def _both_ways(pairs: Sequence[tuple[str, str]]) -> list[_Comparison]:
     return forward + backward
 
 
-def _candidates_of_first(
-    rivals: Mapping[str, tuple[Problem, Sequence[Measurement]]],
-) -> Sequence[Measurement]:
+def _candidates_of_first(rivals: Mapping[str, Rival]) -> Sequence[Measurement]:
     """Return the candidates as the first model has them."""
     candidates: Sequence[Measurement] = ()
     if rivals:
-        _, candidates = next(iter(rivals.values()))
+        candidates = next(iter(rivals.values())).candidates
     if len(rivals) < 2 or not candidates:
         rule = f"must be at least two models with candidates, got {len(rivals)}"
         raise BadArgument("rivals", rule)

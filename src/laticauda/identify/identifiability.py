@@ -94,6 +94,7 @@ def analyze_identifiability(
     ranges = np.array([np.ptp(unknown.ends) for unknown in unknowns]) / sizes
     with np.errstate(divide="ignore"):
         sigma = 1.0 / np.sqrt(spectrum.eigenvalues)
+        # How far one can go along a direction until the first unknown has crossed its range.
         reach = np.min(ranges[:, np.newaxis] / weights, axis=0)
     directions: list[Direction] = []
     for j in reversed(range(len(unknowns))):
@@ -130,21 +131,27 @@ def strengths(information: Information) -> Spectrum:
 def deviations(
     spectrum: Spectrum, reach: Float[np.ndarray, " n"] | float = np.inf
 ) -> Float[np.ndarray, " n"]:
-    """Return the square roots of the diagonal of the inverse.
+    """Return the standard deviation of every unknown: the roots of the diagonal of the inverse.
 
-    They are inf for unknowns in a direction with eigenvalue 0.
+    The inverse is a sum over the directions: one with the unit vector w and the eigenvalue e adds
+    w_k^2 / e to the variance of unknown k. It is inf for unknowns in a direction that nobody sees
+    (e = 0). An unknown that hardly takes part in such a direction is still known: along it, one can
+    only go as far as the ranges of the other unknowns allow, and that moves this one by little.
 
     Args:
         spectrum: Eigenvalues and eigenvectors of the information.
-        reach: Distance along each eigenvector to the end of a range; it bounds unknowns that hardly
-            take part.
+        reach: Distance along each eigenvector to the end of a range.
     """
-    share = spectrum.vectors**2
-    takes_part = (share > _NO_SHARE) | (spectrum.eigenvalues > 0.0)
+    squared_components = spectrum.vectors**2  # row: unknown, column: direction
+    is_component = squared_components > _NO_SHARE
+    hardly_takes_part = squared_components <= _HARDLY**2
+    is_seen = spectrum.eigenvalues > 0.0
     with np.errstate(divide="ignore", invalid="ignore"):
-        variance = np.where(takes_part, share / spectrum.eigenvalues, 0.0)
-        bound_by_range = np.where(share > _HARDLY**2, np.inf, share * np.square(reach))
-    return np.sqrt(np.sum(np.fmin(variance, bound_by_range), axis=1))
+        added = squared_components / spectrum.eigenvalues
+        added_within_range = squared_components * np.square(reach)
+    variance = np.where(is_component | is_seen, added, 0.0)
+    largest_variance = np.where(hardly_takes_part, added_within_range, np.inf)
+    return np.sqrt(np.sum(np.fmin(variance, largest_variance), axis=1))
 
 
 def marginal(information: Information, keep: Sequence[int]) -> Float[np.ndarray, "n_kept n_kept"]:

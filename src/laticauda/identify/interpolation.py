@@ -19,13 +19,20 @@ def interpolated(
     """
     step = (time[-1] - time[0]) / (time.size - 1)
     position = (moments - time[0]) / step
-    first = np.clip(np.floor(position).astype(int) - 1, 0, max(time.size - _N_POINTS, 0))
-    s = position - first  # in steps, from the first of the nearest samples
     n_points = min(_N_POINTS, time.size)
-    of_one_moment = (-1, *[1] * (values.ndim - 1))
+    # A moment lies between the second and the third of its samples, but for those at the ends.
+    index_before = np.floor(position).astype(int)
+    first = np.clip(index_before - 1, 0, time.size - n_points)
+    s = position - first
     total = 0.0
     for j in range(n_points):
-        lagrange_factors = [(s - k) / (j - k) for k in range(n_points) if k != j]
-        weight = np.prod(lagrange_factors, axis=0)
-        total = total + weight.reshape(of_one_moment) * values[first + j]
+        # The polynomial of Lagrange that is 1 at sample j, and 0 at the others.
+        factors = [(s - k) / (j - k) for k in range(n_points) if k != j]
+        weight = np.prod(factors, axis=0)
+        total = total + _along_first_axis(weight, values.ndim) * values[first + j]
     return np.asarray(total)
+
+
+def _along_first_axis(weight: np.ndarray, n_axes: int) -> np.ndarray:
+    """Return a weight for each moment in a shape that multiplies samples with so many axes."""
+    return weight.reshape(-1, *[1] * (n_axes - 1))

@@ -78,13 +78,13 @@ class Measurement:
         """Check every field once, and freeze its contents."""
         self._check_kinds()
         self._set("group", self.group or self._usual_group)
-        bias_argument = f"selected_from` of `{self.name}"
-        self._set("selected_from", check_whole_number(bias_argument, self.selected_from, 1))
+        n_settings = check_whole_number(self._named("selected_from"), self.selected_from, 1)
+        self._set("selected_from", n_settings)
         figures = {name: self._checked_figure(name, pair) for name, pair in self.figures.items()}
         self._set("figures", MappingProxyType(figures))
         if (self.time is None) != (not self.series):
             rule = "must be given with series, and only with series"
-            raise BadArgument(f"time` of `{self.name}", rule)
+            raise BadArgument(self._named("time"), rule)
         if self.time is not None:
             time = self._checked_time(self.time)
             series = {
@@ -107,6 +107,13 @@ class Measurement:
         check_instance("scenario.motion", self.scenario.motion, lc.Gait)
         check_instance("scenario.start", self.scenario.start, lc.Start)
 
+    def _named(self, field_name: str) -> str:
+        """Return how a message names a field of this measurement.
+
+        Messages put it in backticks, so that it reads `time` of `trial 1`.
+        """
+        return f"{field_name}` of `{self.name}"
+
     def _set(self, field_name: str, content: object) -> None:
         object.__setattr__(self, field_name, content)
 
@@ -125,14 +132,14 @@ class Measurement:
 
     def _checked_figure(self, name: object, pair: Sequence[float]) -> tuple[float, float]:
         units = self._units_of_figures
-        figure = check_choice(f"figures` of `{self.name}", name, tuple(units))
-        argument = f"figures[{figure!r}]` of `{self.name}"
+        figure = check_choice(self._named("figures"), name, tuple(units))
+        argument = self._named(f"figures[{figure!r}]")
         value, sigma = check_items(None, _PAIR, (2,), argument, pair)
         checked_value = Quantity(unit=units[figure], text="").checked(argument, value)
         return checked_value, _checked_sigma(argument, sigma, units[figure])
 
     def _checked_time(self, values: object) -> Numbers:
-        time = arrays.check_times(f"time` of `{self.name}", values)
+        time = arrays.check_times(self._named("time"), values)
         duration = self.scenario.duration
         if time[0] < 0.0 or time[-1] > duration * (1.0 + _ROUNDING):
             rule = f"of `{self.name}` must lie between 0 and its `duration` of {duration:g} s"
@@ -142,8 +149,8 @@ class Measurement:
     def _checked_series(
         self, name: object, pair: Sequence[Any], n_samples: int
     ) -> tuple[np.ndarray, float]:
-        series = check_choice(f"series` of `{self.name}", name, tuple(SERIES))
-        argument = f"series[{series!r}]` of `{self.name}"
+        series = check_choice(self._named("series"), name, tuple(SERIES))
+        argument = self._named(f"series[{series!r}]")
         samples, sigma = check_items(None, _PAIR, (2,), argument, pair)
         shape = (n_samples, *SERIES_KINDS[series].sample_shape)
         checked_samples = arrays.check_floats(argument, samples, shape)
@@ -161,19 +168,23 @@ class Measurement:
         """
         if not self.free_start or self.time is None:
             return {}
-        starts_with_trial = self.time[0] == 0.0
-        priors: dict[str, Prior | None] = {}
-        for name, (_, sigma) in self.series.items():
-            priors[name] = None if starts_with_trial else Prior(mean=0.0, sd=sigma)
         starts: dict[str, Prior | None] = {}
-        if "center_of_mass" in priors:
-            starts["start.x"] = priors["center_of_mass"]
-            starts["start.y"] = priors["center_of_mass"]
-        if "center_of_mass" in priors or "heading" in priors:
-            starts["start.heading"] = priors.get("heading")
+        sees_path = "center_of_mass" in self.series
+        if sees_path:
+            starts["start.x"] = self._prior_of_start("center_of_mass")
+            starts["start.y"] = self._prior_of_start("center_of_mass")
+        if sees_path or "heading" in self.series:
+            starts["start.heading"] = self._prior_of_start("heading")
         if starts and self.coasts:
             starts["start.velocity"] = None
         return starts
+
+    def _prior_of_start(self, series_name: str) -> Prior | None:
+        """Return what a sensor says of the offset from the stated start beside its samples."""
+        if self.time is None or self.time[0] == 0.0 or series_name not in self.series:
+            return None
+        _, sigma = self.series[series_name]
+        return Prior(mean=0.0, sd=sigma)
 
     @property
     def coasts(self) -> bool:

@@ -106,11 +106,13 @@ def _difference_jacobian(problem: Problem, values: Values) -> Jacobian:
     """Compute the Jacobian of the 3D twin by central differences."""
     columns: list[np.ndarray] = []
     for k, unknown in enumerate(problem.unknowns):
-        step = DIFFERENCE * unknown.slope(float(values[k])) * unknown.size
-        low, high = np.clip(values[k] + np.array([-step, step]), unknown.lower, unknown.upper)
-        behind = _predict_with(problem, values, k, low)
-        ahead = _predict_with(problem, values, k, high)
-        columns.append((ahead - behind) / (high - low))
+        value = float(values[k])
+        step = DIFFERENCE * unknown.slope(value) * unknown.size
+        low = max(value - step, unknown.lower)
+        high = min(value + step, unknown.upper)
+        predictions_at_low = _predict_with(problem, values, k, low)
+        predictions_at_high = _predict_with(problem, values, k, high)
+        columns.append((predictions_at_high - predictions_at_low) / (high - low))
     return np.stack(columns, axis=1)
 
 

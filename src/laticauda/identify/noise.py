@@ -7,6 +7,11 @@ fit leaves the residuals e = n - J F^-1 J^T n, and the covariance of its estimat
 F^-1 (the sandwich) instead of F^-1. A fit absorbs part of the noise, so its residuals look less
 correlated than the noise is. Therefore r is chosen such that random noise, after the same fit, has
 the lag-1 correlation of the residuals.
+
+Such noise is made of white noise w: every sample keeps the share r of the one before it, and gets
+sqrt(1 - r^2) w of new noise, so that its variance remains 1. The first sample is all new. This is a
+linear filter, n = L w, so that C = L L^T, and J^T C J = H^T H with H = L^T J: the same filter, run
+backward over the columns of J. No matrix of the size of C is ever formed.
 """
 
 from collections.abc import Callable, Mapping
@@ -32,7 +37,10 @@ _LARGEST_LAG = 0.98
 """Largest r that is assumed [-]."""
 
 Chains = Mapping[str, list[np.ndarray]]
-"""For each kind of series, the indices of the data of every such series, time first."""
+"""By kind of series: for every measured series, a chain, where its samples stand in the data.
+
+A chain is an array of indices, time first; noise is correlated along it, and never between two.
+"""
 
 
 class Widening(NamedTuple):
@@ -72,11 +80,10 @@ def noise_widening(
     lags = _estimate_lags(chains, residuals, remove_fitted)
     if not lags:
         return Widening(factors=np.ones(len(covariance)), lags=lags)
-    # J^T C J = H^T H, if H is what the transposed filter that makes the noise leaves of J.
-    filtered = data_rows.copy()
+    filtered = data_rows.copy()  # H of the docstring of the module
     for kind, lag in lags.items():
         for chain in chains[kind]:
-            backward = _accumulated(data_rows[chain][::-1], lag)[::-1]
+            backward = _add_what_remains(data_rows[chain][::-1], lag)[::-1]
             filtered[chain] = _scales_of_new_noise(chain, lag) * backward
     correlated_information = filtered.T @ filtered
     if degrees is not None:
@@ -106,7 +113,8 @@ def _estimate_lags(
         noise = white.copy()
         for kind, lag in lags.items():
             for chain in chains[kind]:
-                noise[chain] = _accumulated(_scales_of_new_noise(chain, lag) * white[chain], lag)
+                new_noise = _scales_of_new_noise(chain, lag) * white[chain]
+                noise[chain] = _add_what_remains(new_noise, lag)
         remaining = remove_fitted(noise)
         missing: dict[str, float] = {}
         for kind, own_chains in chains.items():
@@ -161,7 +169,7 @@ def _scales_of_new_noise(chain: np.ndarray, lag: float) -> np.ndarray:
     return scales[:, np.newaxis, np.newaxis]
 
 
-def _accumulated(samples: np.ndarray, lag: float) -> np.ndarray:
-    """Add to every sample what is left of those before it."""
+def _add_what_remains(samples: np.ndarray, lag: float) -> np.ndarray:
+    """Add to every sample the share of the sum before it that remains: y_i = x_i + r y_(i-1)."""
     signal = optional_import("Identification", "scipy", "identify", "scipy.signal")
     return signal.lfilter([1.0], [1.0, -lag], samples, axis=0)

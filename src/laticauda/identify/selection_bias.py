@@ -33,7 +33,13 @@ def mean_of_the_greatest(n: int) -> float:
     if n == 1:
         return 0.0
     x = np.linspace(-_REACH, _REACH, _N_POINTS)
+    step = x[1] - x[0]
     density = np.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi)
-    probability_below = np.array([0.5 * math.erfc(-point / math.sqrt(2.0)) for point in x])
+    probability_below = np.array([_normal_distribution(point) for point in x])
     integral = np.sum(x * density * probability_below ** (n - 1))
-    return float(n * integral * (x[1] - x[0]))
+    return float(n * integral * step)
+
+
+def _normal_distribution(x: float) -> float:
+    """Return the distribution function F of the standard normal distribution."""
+    return 0.5 * math.erfc(-x / math.sqrt(2.0))

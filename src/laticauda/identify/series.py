@@ -44,24 +44,31 @@ def _lane_heading(block: "Block", lane: int, run: "Run") -> np.ndarray:
 
 
 def _lane_joint_angle(block: "Block", lane: int, run: "Run") -> np.ndarray:
-    return _lane_joint_rows(block, lane, run, quantities_before=0)
+    return _lane_joint_rows(block, lane, run, position=0)
 
 
 def _lane_joint_torque(block: "Block", lane: int, run: "Run") -> np.ndarray:
-    return _lane_joint_rows(block, lane, run, quantities_before=3)
+    return _lane_joint_rows(block, lane, run, position=3)
 
 
-def _lane_joint_rows(
-    block: "Block", lane: int, run: "Run", *, quantities_before: int
-) -> np.ndarray:
-    """Return a quantity of the joints, without that of a fin.
+def _lane_joint_rows(block: "Block", lane: int, run: "Run", *, position: int) -> np.ndarray:
+    """Return a quantity of the joints between links.
 
-    The log holds each quantity of all joints in a row, that of a driven fin first.
+    After the state, the log holds one quantity after the other: the angles of all joints, then
+    their rates, and so on. Within a quantity, the joint of a fin comes first, if it has one.
+
+    Args:
+        block: Results of the runs.
+        lane: Number of the run in the block.
+        run: The run.
+        position: How many quantities of joints stand before this one.
     """
     layout = run.plant.layout
     n_joints = layout.n_bodies - 1
-    first_row = rows.LOG_STATE + quantities_before * n_joints
-    return block.log[:, first_row + layout.tail_link : first_row + n_joints, lane]
+    n_fin_joints = layout.tail_link
+    begin = rows.LOG_STATE + position * n_joints
+    end = begin + n_joints
+    return block.log[:, begin + n_fin_joints : end, lane]
 
 
 SERIES_KINDS = {

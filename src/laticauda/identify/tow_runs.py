@@ -56,15 +56,16 @@ def _slope_of_loads(
 ) -> np.ndarray:
     """Differentiate the loads of the tow of measurement i with respect to unknown k."""
     unknown = problem.unknowns[k]
-    step = DIFFERENCE * (abs(float(values[k])) or unknown.size)
-    around = values[k] + np.array([-step, step])
-    low, high = np.clip(around, unknown.lower, unknown.upper).tolist()
+    measurement = problem.measurements[i]
+    value = float(values[k])
 
-    def loads_at(value: float) -> np.ndarray:
-        numbers = with_tied(scenario, unknown.parameter.name, value, unknown.tied)
-        loads = tow.loads(change_parameters(scenario, numbers))
-        return measured_values(problem.measurements[i], RunResults(figures=dict(loads)), {})
+    def loads_with(changed_value: float) -> np.ndarray:
+        numbers = with_tied(scenario, unknown.parameter.name, changed_value, unknown.tied)
+        changed_scenario = change_parameters(scenario, numbers)
+        results = RunResults(figures=dict(tow.loads(changed_scenario)))
+        return measured_values(measurement, results, {})
 
-    loads_at_low = loads_at(low)
-    loads_at_high = loads_at(high)
-    return (loads_at_high - loads_at_low) / (high - low)
+    step = DIFFERENCE * (abs(value) or unknown.size)
+    low = max(value - step, unknown.lower)
+    high = min(value + step, unknown.upper)
+    return (loads_with(high) - loads_with(low)) / (high - low)

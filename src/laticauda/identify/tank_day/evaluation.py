@@ -13,7 +13,7 @@ from laticauda.identify.fitting import fit
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.result import Fit
 from laticauda.identify.tank_day.folder import RUNS, Day, Noise
-from laticauda.identify.tank_day.laws import laws_of, log_evidence
+from laticauda.identify.tank_day.laws import FRICTION, laws_of, log_evidence
 from laticauda.models.planar import PlanarPlant
 from laticauda.models.simulate import Progress, silent
 from laticauda.motion.gaits import JointAngles, recorded_gait
@@ -145,8 +145,10 @@ def _fit_joints(day: Day, water: Environment, threads: int | None) -> Fit | None
     series = {"joint_angle": day.noise.joint_angle_rad}
     measurements: list[Measurement] = []
     for name, trial in day.trials.items():
-        if trial.gait is not None and trial.gait.amplitude:
-            measurements.append(_in_environment(_measure(name, trial, series), water))
+        moves_joints = trial.gait is not None and trial.gait.amplitude != 0.0
+        if moves_joints:
+            measurement = _measure(name, trial, series)
+            measurements.append(_in_environment(measurement, water))
     if not measurements:
         return None
     return fit(measurements, parameters=JOINTS, joints=lc.SpeedServo(), n_starts=1, threads=threads)
@@ -157,7 +159,8 @@ def _numbers(day: Day, best: Fit, joints: Fit | None) -> list[dict[str, Any]]:
     table = best.table()
     numbers = [table[k] for k in best.problem.of_interest]
     speeds = [trial.forward_velocity for trial in day.trials.values()]
-    numbers.append(_drag_area(best, max([_SMALLEST_SPEED, *speeds])))
+    speed_of_day = max([_SMALLEST_SPEED, *speeds])
+    numbers.append(_drag_area(best, speed_of_day))
     if joints is not None:
         numbers += joints.table()
     return numbers
@@ -167,7 +170,7 @@ def _drag_area(best: Fit, speed: float) -> dict[str, Any]:
     """Return the drag area of the straight robot, with the interval that its friction gives it."""
     scenario = best.problem.scenarios_at(best.best)[0]
     water = cast(Water, scenario.environment)
-    friction = best.table()[0]
+    (friction,) = [row for row in best.table() if row["name"] == FRICTION]
 
     def area(tangential_friction: float | None) -> float | None:
         if tangential_friction is None:

@@ -10,6 +10,8 @@ from laticauda.identify.result import Fit
 from laticauda.identify.unknowns import Unknown
 from laticauda.robot import Robot, Water, textbook_water
 
+FRICTION = "water.tangential_friction"
+"""The number that every law has free: no table states it."""
 _FROM_TABLES = ("water.normal_drag", "water.added_mass")
 """Numbers whose priors are the intervals of tables."""
 
@@ -31,7 +33,7 @@ def laws_of(robot: Robot) -> Mapping[str, Law]:
         robot: Robot whose cross sections decide the numbers from tables.
     """
     textbook = textbook_water(robot)
-    shared_unknowns = [Unknown(name="water.tangential_friction")]
+    shared_unknowns = [Unknown(name=FRICTION)]
     for name in _FROM_TABLES:
         low, high = textbook.intervals[name]
         prior = (0.5 * (low + high), 0.5 * (high - low))
