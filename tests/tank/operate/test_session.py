@@ -574,10 +574,9 @@ def test_in_water_that_moves_a_run_begins_only_if_that_is_allowed_and_is_known_a
     )
     assert "was not still" in refused.failure
     assert is_limp(carried)
-    for current, sure in (
-        ((0.05, 0.03), 5.0),
-        (SEA, 10.0),
-    ):  # the filter takes the water's speed for steady
+    # The filter takes the water's speed for steady. By the moment at which the run begins, it is off
+    # by 4 to 10 of its standard deviations of 1.5 mm in the current, and by 1 to 5 in the sea.
+    for current, sure in (((0.05, 0.03), 12.0), (SEA, 10.0)):
         check_known(tank(current=current), replace(usual, still_speed=0.1), sure)
 
 
