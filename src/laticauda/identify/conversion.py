@@ -16,7 +16,7 @@ from laticauda.robot import Environment, Robot, Water
 from laticauda.values import BadArgument, check_choice, check_instance, check_whole_number
 
 STRAIGHT = lc.Gait(amplitude=0.0, frequency=1.0, phase_shift=0.5)
-"""Gait without joint motion."""
+"""Gait without joint motion; without an amplitude, frequency and phase shift mean nothing."""
 FORCE_SIGMA = 0.05
 """Noise of a force in a tow [N]."""
 FORCE_SHARE = 0.02
@@ -102,13 +102,13 @@ def _figure_of(trial: lc.Trial, figure: str) -> Any:
 
 def _start_of(trial: lc.Trial, gait: lc.Gait) -> lc.Start:
     """Return where a trial began, and the speed that it had if it is a coast-down."""
-    x, y = trial.center_of_mass[0, :2]
+    x, y = trial.center_of_mass[0, :2].tolist()
+    heading = float(trial.heading[0])
     speed = 0.0
-    if gait.amplitude == 0.0:
+    is_coast_down = gait.amplitude == 0.0
+    if is_coast_down:
         speed = float(np.linalg.norm(trial.center_of_mass_velocity[0]))
-    return lc.Start(
-        center_of_mass=(float(x), float(y)), heading=float(trial.heading[0]), velocity=speed
-    )
+    return lc.Start(center_of_mass=(x, y), heading=heading, velocity=speed)
 
 
 def from_tow(

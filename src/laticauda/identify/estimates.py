@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.identify.fit_warnings import list_warnings
-from laticauda.identify.identifiability import Identifiability, analyze_identifiability
+from laticauda.identify.identifiability import Direction, Identifiability, analyze_identifiability
 from laticauda.identify.local_search import LocalSearch
 from laticauda.identify.method import Method
 from laticauda.identify.model import predict
@@ -104,18 +104,19 @@ def assemble_fit(
         widening=widening,
         quantile=method.quantile(degrees),
     )
-    covariance = _covariance(problem, jacobian)
+    covariance_in_sizes = _covariance_in_sizes(problem, jacobian)
+    covariance = _covariance_of_coordinates(problem, covariance_in_sizes, by_data_and_priors)
+    estimates = [
+        _estimate(unknown, k, float(values[k]), uncertainty)
+        for k, unknown in enumerate(problem.unknowns)
+    ]
     warnings = list_warnings(problem, judged_chi2, degrees, lags, float(np.max(widening)))
     return Fit(
         problem=problem,
         method=method,
-        estimates=tuple(
-            _estimate(unknown, k, float(values[k]), uncertainty)
-            for k, unknown in enumerate(problem.unknowns)
-        ),
-        covariance=_blinded_covariance(problem, covariance, by_data_and_priors)
-        * np.outer(widening, widening),
-        correlations=_correlations(covariance, by_data_and_priors),
+        estimates=tuple(estimates),
+        covariance=covariance * np.outer(widening, widening),
+        correlations=_correlations(covariance_in_sizes, by_data_and_priors),
         identifiability=by_data,
         predictions=predictions,
         chi2=chi2,
@@ -128,31 +129,36 @@ def assemble_fit(
     )
 
 
-def _covariance(problem: Problem, jacobian: np.ndarray) -> np.ndarray:
-    """Compute the covariance of the coordinates, in units of their sizes."""
+def _covariance_in_sizes(problem: Problem, jacobian: np.ndarray) -> np.ndarray:
+    """Compute the covariance of the coordinates in units of their sizes, in which it is inverted.
+
+    In these units, all unknowns are of the same order, and rounding errors are told from what is
+    seen. What is not seen at all has no covariance here.
+    """
     scaled = jacobian * problem.sizes
     return np.linalg.pinv(scaled.T @ scaled, rcond=_SMALLEST_STRENGTH, hermitian=True)
 
 
-def _blinded_covariance(
-    problem: Problem, covariance: np.ndarray, identifiability: Identifiability
+def _covariance_of_coordinates(
+    problem: Problem, in_sizes: np.ndarray, identifiability: Identifiability
 ) -> np.ndarray:
     """Return the covariance in the units of the coordinates; inf where nothing is known."""
-    blinded = covariance * np.outer(problem.sizes, problem.sizes)
-    is_blind = ~np.isfinite(identifiability.sigma)
-    blinded[is_blind, :] = np.inf
-    blinded[:, is_blind] = np.inf
-    return blinded
+    covariance = in_sizes * np.outer(problem.sizes, problem.sizes)
+    is_unknown = ~np.isfinite(identifiability.sigma)
+    covariance[is_unknown, :] = np.inf
+    covariance[:, is_unknown] = np.inf
+    return covariance
 
 
 def _correlations(covariance: np.ndarray, identifiability: Identifiability) -> np.ndarray:
     """Return the correlations of the coordinates; nan for unknowns that are not identified."""
     with np.errstate(divide="ignore", invalid="ignore"):
         deviation = np.sqrt(np.diag(covariance))
-        correlations = np.clip(covariance / np.outer(deviation, deviation), -1.0, 1.0)
-    is_hidden = identifiability.sigma >= identifiability.limit
-    correlations[is_hidden, :] = np.nan
-    correlations[:, is_hidden] = np.nan
+        correlations = covariance / np.outer(deviation, deviation)
+    correlations = np.clip(correlations, -1.0, 1.0)  # 1 + 1e-16 is a rounding error
+    is_not_identified = identifiability.sigma >= identifiability.limit
+    correlations[is_not_identified, :] = np.nan
+    correlations[:, is_not_identified] = np.nan
     return correlations
 
 
@@ -195,10 +201,15 @@ def _note_on_data(
         return "has no effect on what was measured"
     if float(uncertainty.widening[k]) * float(by_data.sigma[k]) < by_data.limit:
         return ""
-    worst = max(
-        (direction for direction in by_data.directions if abs(direction.weights[k]) > _TAKES_PART),
-        key=lambda direction: abs(direction.weights[k]) * min(direction.sigma, _UNSEEN),
-    )
+
+    def spread_of_unknown(direction: Direction) -> float:
+        """Return by how much the unknown moves along one deviation of a direction."""
+        return abs(direction.weights[k]) * min(direction.sigma, _UNSEEN)
+
+    takes_part_in = [
+        direction for direction in by_data.directions if abs(direction.weights[k]) > _TAKES_PART
+    ]
+    worst = max(takes_part_in, key=spread_of_unknown)
     if is_identified:
         return f"the data do not see {worst.name}"
     return f"not identifiable: the data do not see {worst.name}"

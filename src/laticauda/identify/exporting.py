@@ -92,14 +92,23 @@ def _applied_to_water(
 
 def _values_for_gait(problem: Problem, values: Values, gait_kind: str) -> dict[str, float]:
     """Return values by name without scope: general ones, overridden by those of a kind of gait."""
+    numbers = _values_of_scope(problem, values, _EVERY_GAIT)
+    if gait_kind != _EVERY_GAIT:
+        numbers |= _values_of_scope(problem, values, gait_kind)
+    return numbers
+
+
+def _values_of_scope(problem: Problem, values: Values, scope: str) -> dict[str, float]:
+    """Return the values of the unknowns of one scope, and of the numbers tied to them."""
     numbers: dict[str, float] = {}
-    for scope in dict.fromkeys((_EVERY_GAIT, gait_kind)):
-        for k, unknown in enumerate(problem.unknowns):
-            if unknown.scope == scope:
-                first_dependent = int(np.argmax(problem.depends_on[:, k]))
-                scenario = problem.scenarios[first_dependent]
-                name = unknown.parameter.name
-                numbers |= with_tied(scenario, name, values[unknown.name], unknown.tied)
+    for k, unknown in enumerate(problem.unknowns):
+        if unknown.scope != scope:
+            continue
+        # What is tied keeps its proportion in the measurements that depend on the unknown.
+        first_dependent = int(np.argmax(problem.depends_on[:, k]))
+        scenario = problem.scenarios[first_dependent]
+        value = values[unknown.name]
+        numbers |= with_tied(scenario, unknown.parameter.name, value, unknown.tied)
     return numbers
 
 

@@ -61,8 +61,14 @@ def predict_candidates(
 def _predict_batch(
     problem: Problem, candidates: Sequence[Measurement], values: Values
 ) -> list[CandidateRows]:
+    """Predict some candidates at once.
+
+    The unknowns of the batch are those of the problem, then the starts of all candidates. Of each
+    candidate, only its own starts are returned: it depends on no others.
+    """
+    n_unknowns = values.size
     batch = with_starts(other_measurements(problem, candidates))
-    values_and_starts = np.concatenate([values, batch.start[values.size :]])
+    values_and_starts = np.concatenate([values, batch.start[n_unknowns:]])
     predicted = predict(batch, values_and_starts)
     for name, status in predicted.failures.items():
         raise ValueError(
@@ -75,14 +81,16 @@ def _predict_batch(
     rows: list[CandidateRows] = []
     for i in range(len(candidates)):
         is_own = batch.owner == i
-        starts = values.size + np.flatnonzero(batch.depends_on[i, values.size :])
-        own_priors = prior_rows[np.any(prior_rows[:, starts] != 0.0, axis=1)]
-        columns = np.concatenate([np.arange(values.size), starts])
-        own = CandidateRows(
+        own_starts = n_unknowns + np.flatnonzero(batch.depends_on[i, n_unknowns:])
+        is_prior_of_own_start = np.any(prior_rows[:, own_starts] != 0.0, axis=1)
+        own_priors = prior_rows[is_prior_of_own_start]
+        own_jacobian = np.concatenate([jacobian[is_own], own_priors])
+        columns = np.concatenate([np.arange(n_unknowns), own_starts])
+        own_rows = CandidateRows(
             numbers=np.concatenate([numbers[is_own], np.zeros(len(own_priors))]),
-            jacobian=np.concatenate([jacobian[is_own], own_priors])[:, columns],
+            jacobian=own_jacobian[:, columns],
         )
-        rows.append(own)
+        rows.append(own_rows)
     return rows
 
 

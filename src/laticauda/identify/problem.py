@@ -245,12 +245,14 @@ class Problem:
 
     def _simulated_numbers(self, i: int, values: np.ndarray) -> dict[str, float]:
         """Return the values of the numbers of robot and environment of measurement i."""
+        scenario = self.scenarios[i]
         numbers: dict[str, float] = {}
         for k in np.flatnonzero(self.depends_on[i]):
             unknown = self.unknowns[k]
             name = unknown.parameter.name
-            if name not in NUISANCE:
-                numbers |= with_tied(self.scenarios[i], name, float(values[k]), unknown.tied)
+            if name in NUISANCE:
+                continue
+            numbers |= with_tied(scenario, name, float(values[k]), unknown.tied)
         return numbers
 
     def _start_of_trial(self, i: int, values: np.ndarray) -> Start | Resumed:

@@ -49,11 +49,17 @@ def describe_contribution(
 
 
 def _most_improved_combination(known: Information, added: Information) -> np.ndarray:
-    """Return the weights of the combination about which a trial adds most to what is known."""
+    """Return the weights of the combination about which a trial adds most to what is known.
+
+    In coordinates z = R^T x, with R R^T the known information, all combinations are known equally
+    well. There, it is the eigenvector of the added information with the largest eigenvalue.
+    """
     root = np.linalg.cholesky(known + FAINT * np.eye(len(known)))
-    half = np.linalg.solve(root, added)
-    _, vectors = np.linalg.eigh(np.linalg.solve(root, half.T))
-    return root @ vectors[:, -1]
+    half_transformed = np.linalg.solve(root, added)
+    added_in_z = np.linalg.solve(root, half_transformed.T)
+    _, vectors = np.linalg.eigh(added_in_z)
+    most_added = vectors[:, -1]  # eigenvalues come in ascending order
+    return root @ most_added
 
 
 def describe_missed(

@@ -103,12 +103,12 @@ class Fit:
 
     @property
     def best(self) -> Float[np.ndarray, " n_unknowns"]:
-        """Best values as an array."""
+        """Best values q as an array, in the order of the unknowns."""
         return np.array([estimate.value for estimate in self.estimates])
 
     @property
     def x(self) -> Float[np.ndarray, " n_unknowns"]:
-        """Coordinates of the best values."""
+        """Coordinates of the best values: ln q, or q (see `laticauda.identify.unknowns`)."""
         return self.problem.coordinates_of(self.best)
 
     @property

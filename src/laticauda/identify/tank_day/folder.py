@@ -65,8 +65,11 @@ def prepare_folder(folder: Path, robot: Robot) -> list[str]:
     """
     n_joints = robot.planar().n_joints
     joint_columns = [f"joint_{i}_deg" for i in range(1, n_joints + 1)]
-    header = ",".join(["time_s", "x_m", "y_m", "yaw_deg", *joint_columns])
-    contents = {file.name: file.read_text(encoding="utf-8") for file in sorted(FILES.iterdir())}
+    columns = ["time_s", "x_m", "y_m", "yaw_deg", *joint_columns]
+    header = ",".join(columns)
+    contents: dict[str, str] = {}
+    for file in sorted(FILES.iterdir()):
+        contents[file.name] = file.read_text(encoding="utf-8")
     contents["robot.toml"] = to_toml(robot)
     for run in RUNS:
         contents[f"{run}.csv"] = f"{header}\n"
