@@ -13,7 +13,8 @@ from urllib.parse import urlencode
 import numpy as np
 
 import laticauda as lc
-from laticauda.cli.runs import Follow, Swim
+from laticauda.cli.follow import Follow
+from laticauda.cli.swim import Swim
 from laticauda.trials.logs.tabular import flatten_columns
 
 NODE = shutil.which("node")

@@ -12,7 +12,7 @@ from laticauda.cli.flags import (
     was_typed,
 )
 from laticauda.cli.identify import IdentificationTarget
-from laticauda.cli.runs import ResumeSwim
+from laticauda.cli.swim import ResumeSwim
 from laticauda.cli.trial import Show
 from laticauda.motion.gaits import Gait, Wave, lateral_undulation
 from laticauda.robot import Water, load_water

@@ -15,6 +15,9 @@ How a command line becomes a call:
 5. `command.Command` checks the files that will be written, calls `run`, and prints its `Outcome`: a
    text for people (`report`, `tables`), or one JSON object in SI units.
 
+A module has the name of its command; `studies` is sweep and optimize, and what they share is in
+`vary`. `trial_output` writes what `swim`, `follow` and `replay` have made.
+
 Where to add something:
 
 - an option: a field in the class of the command; `shared_options` if several families have it. A

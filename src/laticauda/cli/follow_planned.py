@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import laticauda as lc
 from laticauda import control
-from laticauda.cli.runs import Follow, learn_model
+from laticauda.cli.follow import Follow, learn_model
 from laticauda.values import option, quantity, value_class
 
 

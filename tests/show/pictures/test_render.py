@@ -469,7 +469,7 @@ def test_without_pyopengl_the_extra_is_named(trial, tmp_path, monkeypatch):
 
 def test_rendering_is_loaded_only_when_it_is_used():
     code = (
-        "import sys, laticauda.cli.trial, laticauda.cli.runs; "
+        "import sys, laticauda.cli.trial, laticauda.cli.swim; "
         "sys.exit('mujoco' in sys.modules or 'PIL' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -1,0 +1,141 @@
+"""`laticauda follow`: a run along a path, and how soon and how well it converges.
+
+The guidance law decides which options there are: one that plans ahead has limits of its plan, and
+learns a model of the gait first (`laticauda.cli.follow_planned`).
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Literal
+
+import laticauda as lc
+from laticauda import control
+from laticauda.cli import command, flags, progress, report, scene
+from laticauda.cli.swim import ScenarioRun
+from laticauda.models import simulate
+from laticauda.values import BadArgument, fields_of, option, quantity, value_class
+
+FOLLOWING_DURATION = 90.0
+"""Duration of a run along a path, unless it is typed [s]."""
+START_BESIDE_PATH = (0.0, 1.0)
+"""Where the robot starts, unless it is typed [m]."""
+
+
+@value_class
+class Route(control.Course, flags.Options):
+    """Where to go, and by which guidance law."""
+
+    waypoints: tuple[float, ...] = quantity(
+        "m", "Corners of the path, x1 y1 x2 y2 ...; none: the x axis", default=()
+    )
+    guidance: Literal["line-of-sight", "integral-line-of-sight", "model-predictive"] = option(
+        "The last two learn a current; model-predictive plans ahead, with a model fitted first",
+        default="line-of-sight",
+    )
+    observe_current: bool = option(
+        "Observe the current and point upstream, with a model of the gait fitted to four trials in still water first",
+        default=False,
+    )
+
+    @property
+    def following(self) -> control.Following:
+        """Path-following parameters: the paper's for Mamba, with the integral gain where published guidance starts."""
+        n_numbers = len(self.waypoints)
+        if n_numbers % 2:
+            rule = "must be pairs of numbers, x1 y1 x2 y2 ..."
+            raise BadArgument("waypoints", f"{rule}, got {n_numbers} numbers")
+        guidance: Any = self.guidance.replace("-", "_")
+        if self.plans_ahead:
+            guidance = "line_of_sight"
+            if self.path_depth:
+                rule = "must be left out with model-predictive guidance, which plans horizontally"
+                raise BadArgument("path_depth", rule)
+        course = {name: getattr(self, name) for name in fields_of(control.Course)}
+        corners = tuple(zip(self.waypoints[::2], self.waypoints[1::2], strict=True))
+        return control.Following(waypoints=corners or None, guidance=guidance, **course)
+
+    @property
+    def plans_ahead(self) -> bool:
+        """Whether the guidance is model-predictive."""
+        return self.guidance == "model-predictive"
+
+
+@value_class
+class Follow(ScenarioRun):
+    """Let a robot follow a path with its gait, starting off the path, and print how soon and how well it converges.
+
+    For example: laticauda follow --robot mamba-fin --waypoints 0 0 3 0 6 2 --smooth --duration 60
+    --save run.nc --plot run.png
+    """
+
+    route: Route = option("Path to follow, and guidance law", default=Route())
+
+    @classmethod
+    def read(cls, arguments: Sequence[str], prog: str) -> Any:
+        """Return the command that was typed; see `OfScenario.read`."""
+        names = scene.Names.read(arguments, prog)
+        route: Route = flags.parse_command(Route, arguments, prog, known_only=True)
+        scenario, origin = names.resolve_scenario(arguments)
+        command_class = cls
+        if route.plans_ahead:
+            from laticauda.cli.follow_planned import FollowPlanned  # a guest's command
+
+            command_class = FollowPlanned
+        if scenario.motion == scenario.gait:  # a file may have a controller
+            scenario = _start_beside_path(scenario, route)
+        return command_class.read_numbers(
+            scenario, arguments, prog, choice=names, origin=origin, route=route
+        )
+
+    def run(self) -> command.Outcome:
+        """Run, and write the results."""
+        trial = self.run_scenario(self.with_controller(self.scenario_to_run))
+        table = report.following_table(trial)
+        return self.write_and_report(trial, self.origin, further_text=f"\n\n{table}")
+
+    def with_controller(self, scenario: lc.Scenario) -> lc.Scenario:
+        """Return the scenario with the requested controller.
+
+        Args:
+            scenario: Scenario with the numbers that were typed.
+        """
+        motion = scenario.motion
+        if not self.route.observe_current or not isinstance(motion, control.PathFollowing):
+            return scenario
+        observer = control.CurrentObserver(model=learn_model(scenario))
+        return replace(scenario, motion=replace(motion, observer=observer))
+
+
+def _start_beside_path(scenario: lc.Scenario, route: Route) -> lc.Scenario:
+    """Return a run that starts beside the path, with the controller of the route."""
+    motion: Any = scenario.gait  # one that plans ahead learns a model first, see `FollowPlanned`
+    if not route.plans_ahead:
+        motion = route.following.controller(scenario.gait)
+    return replace(
+        scenario,
+        motion=motion,
+        duration=FOLLOWING_DURATION,
+        start=lc.Start(center_of_mass=START_BESIDE_PATH),
+    )
+
+
+def learn_model(
+    scenario: lc.Scenario, frequency_limits: tuple[float, float] | None = None
+) -> control.AveragedModel:
+    """Learn how the gait of a scenario moves its robot, by running trials.
+
+    Args:
+        scenario: Scenario of the robot.
+        frequency_limits: Lowest and highest frequency of the trials; None: a third below and above
+            the gait's [rad/s].
+    """
+    from laticauda.studies import averaged_model
+
+    show = progress.show_progress(
+        progress.SHARE,
+        what="learned how the gait moves the robot",
+        patience=progress.PATIENCE,
+    )
+    return averaged_model(
+        simulate.build_plant(scenario), scenario.gait, frequency_limits, progress=show
+    )
