@@ -176,7 +176,7 @@ def spell_field(name: str, command: object) -> str:
 
     Args:
         name: Name of an argument, with an index in brackets if it is one of several.
-        command: Command that was running; None if the flags that are read first were at fault.
+        command: Command that was running; None if there was none yet, since its names were being read.
     """
     option_name = FLAG_NAMES.option_of_argument.get(name, name).split("[")[0]
     if command is None:

@@ -40,19 +40,24 @@ class Route(control.Course, flags.Options):
     @property
     def following(self) -> control.Following:
         """Path-following parameters: the paper's for Mamba, with the integral gain where published guidance starts."""
-        n_numbers = len(self.waypoints)
-        if n_numbers % 2:
-            rule = "must be pairs of numbers, x1 y1 x2 y2 ..."
-            raise BadArgument("waypoints", f"{rule}, got {n_numbers} numbers")
+        corners = self._corners()
         guidance: Any = self.guidance.replace("-", "_")
         if self.plans_ahead:
-            guidance = "line_of_sight"
+            guidance = "line_of_sight"  # until the model has been learned
             if self.path_depth:
                 rule = "must be left out with model-predictive guidance, which plans horizontally"
                 raise BadArgument("path_depth", rule)
         course = {name: getattr(self, name) for name in fields_of(control.Course)}
-        corners = tuple(zip(self.waypoints[::2], self.waypoints[1::2], strict=True))
         return control.Following(waypoints=corners or None, guidance=guidance, **course)
+
+    def _corners(self) -> tuple[tuple[float, float], ...]:
+        n_numbers = len(self.waypoints)
+        if n_numbers % 2:
+            rule = "must be pairs of numbers, x1 y1 x2 y2 ..."
+            raise BadArgument("waypoints", f"{rule}, got {n_numbers} numbers")
+        x = self.waypoints[::2]
+        y = self.waypoints[1::2]
+        return tuple(zip(x, y, strict=True))
 
     @property
     def plans_ahead(self) -> bool:
@@ -72,7 +77,11 @@ class Follow(ScenarioRun):
 
     @classmethod
     def read(cls, arguments: Sequence[str], prog: str) -> Any:
-        """Return the command that was typed; see `OfScenario.read`."""
+        """Return the command that was typed; see `OfScenario.read`.
+
+        The route is read first, too: on its guidance law depend the class of the command, and the
+        controller whose numbers are flags.
+        """
         names = scene.Names.read(arguments, prog)
         route: Route = flags.parse_command(Route, arguments, prog, known_only=True)
         scenario, origin = names.resolve_scenario(arguments)

@@ -35,10 +35,13 @@ class ObjectFlag:
 
 
 _OBJECT_FLAGS: dict[type, ObjectFlag] = {}
+"""How objects are typed, by their class; `accept_objects` adds to it."""
 
 
 def accept_objects(kind: type, metavar: str, read: Callable[[Sequence[str]], object]) -> None:
     """Let flags of numbers take objects of a class, too, where the type of the field allows them.
+
+    The current of the water is such a field: two or three numbers, or a flow (`laticauda.cli.laws`).
 
     Args:
         kind: The class.

@@ -30,7 +30,7 @@ from laticauda.scenarios import (
 from laticauda.values import BadArgument, fields_of, name_of, option, quantity, value_class
 
 IMPORTED_NAMES = ("gait", "law", "joints", "scene")
-"""Names that may be MODULE:CLASS."""
+"""Names that may be MODULE:CLASS, of a class of the user's own, which is imported."""
 COMPILING_TIME = 10
 """Typical time to compile the kernels of the planar model [s]."""
 COMPILING_TIME_IN_SPACE = 25
@@ -49,6 +49,7 @@ class NamedScenario(NamedTuple):
 class Names(Choice, Options):
     """What swims, how and where, by name. The other flags change individual numbers."""
 
+    # `Choice` has robot, ground, parameters, model, scene and joints.
     water: str | None = option(
         "A preset, a file or textbook; none: textbook, for Mamba the paper's", default=None
     )
@@ -157,7 +158,11 @@ class Names(Choice, Options):
 
 @dataclass(frozen=True)
 class _ScenarioChange:
-    """Changes a file's scenario by the names that were typed; of everything else, the file decides."""
+    """Changes the scenario of a file by the names that were typed; everything else stays as in the file.
+
+    Names that were not typed have defaults, which must not replace what the file says: so each
+    method asks first whether its name was typed.
+    """
 
     names: Names
     typed_names: frozenset[str]

@@ -81,12 +81,11 @@ class Swim(ScenarioRun):
         scenarios = [self.scenario_to_run, *map(lc.load_scenario, self.beside)]
         bar = progress.run_bar(self.scenario_to_run.duration)
         trial, *neighbors = lc.swim_together(scenarios, progress=bar)
+        texts = [f"\n\n{report.describe_trial(neighbor)}" for neighbor in neighbors]
         return self.write_and_report(
             trial,
             self.origin,
-            further_text="".join(
-                f"\n\n{report.describe_trial(neighbor)}" for neighbor in neighbors
-            ),
+            further_text="".join(texts),
             further_facts={"beside": [report.facts_of_trial(neighbor) for neighbor in neighbors]},
             neighbors=neighbors,
         )
@@ -120,20 +119,20 @@ class ResumeSwim(Recording):
     def run(self) -> command.Outcome:
         """Run, and write the results."""
         assert self.resume is not None
-        first = lc.load_trial(self.resume)
-        if not isinstance(first.scenario, lc.Scenario):
-            lacking = f"{self.resume}, which lacks {first.scenario.lacks}"
+        stored = lc.load_trial(self.resume)
+        if not isinstance(stored.scenario, lc.Scenario):
+            lacking = f"{self.resume}, which lacks {stored.scenario.lacks}"
             raise BadFlag(f"--resume must be a simulated trial, got {lacking}")
-        scenario = replace(first.scenario, duration=self.duration)
+        scenario = replace(stored.scenario, duration=self.duration)
         plant = lc.build_plant(scenario)
         scene.warn_of_compiling(scenario.environment, scenario.model)
-        second = lc.resume(
+        continuation = lc.resume(
             plant,
-            first,
+            stored,
             self.duration,
             sample_interval=self.sample_interval,
-            link_forces=first.link_force is not None,
+            link_forces=stored.link_force is not None,
             progress=progress.run_bar(self.duration),
         )
-        whole_run = lc.joined(first, second)
+        whole_run = lc.joined(stored, continuation)
         return self.write_and_report(whole_run, f"as stored in {self.resume}")

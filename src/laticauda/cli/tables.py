@@ -32,7 +32,12 @@ class Assignment(NamedTuple):
 
 
 def align_columns(rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:
-    """Return rows as lines with left-aligned columns; the columns `right` are right-aligned."""
+    """Return rows as lines with left-aligned columns.
+
+    Args:
+        rows: Texts of the cells, row by row.
+        right: Numbers of the columns that are right-aligned, from 0.
+    """
     columns = zip(*rows, strict=True)
     widths = [max(map(len, column)) for column in columns]
     lines = [_align_row(row, widths, right) for row in rows]

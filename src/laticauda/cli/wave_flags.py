@@ -44,10 +44,10 @@ def wave_flags(field: Field, gait: Any) -> Sequence[WaveFlag]:
         name = f"{field.name}_{number}"
         if name in FLAG_NAMES.hidden:
             continue
-        name += quantity.display.ending
-        flag_type: Any = Annotated[Any, numbers_flag(name, OPTIONAL_NUMBER, quantity)]
+        flag_name = name + quantity.display.ending
+        flag_type: Any = Annotated[Any, numbers_flag(flag_name, OPTIONAL_NUMBER, quantity)]
         spec = StructFieldSpec(
-            name=name,
+            name=flag_name,
             type=flag_type,
             default=getattr(wave, number, None),
             helptext=f"{title}: {quantity.text}.",
