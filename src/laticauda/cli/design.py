@@ -204,8 +204,10 @@ class DesignExperiment(Command):
         waters = (*water_names(), TEXTBOOK)
         rivals: dict[str, Rival] = {}
         for name in self.unknowns.rivals:
-            field_name = "water" if name in waters else "base"
-            rival = replace(self, **{field_name: name})
+            if name in waters:
+                rival = replace(self, water=name)
+            else:
+                rival = replace(self, base=name)
             problem = rival._task().problem
             rivals[name] = Rival(problem=problem, candidates=rival._candidates(problem))
         return rivals

@@ -113,8 +113,11 @@ class Compiled(OfScenario):
         options = {name: getattr(self, name) for name in ("inputs", *settings)}
         variables = write(self.output, scenario, **options)
         n_of = Counter(variable.causality for variable in variables)
-        counts = [f"{n_of[causality]} {causality}s" for causality in CAUSALITIES]
-        facts = {f"n_{causality}s": n_of[causality] for causality in CAUSALITIES}
+        counts: list[str] = []
+        facts: dict[str, object] = {}
+        for causality in CAUSALITIES:
+            counts.append(f"{n_of[causality]} {causality}s")
+            facts[f"n_{causality}s"] = n_of[causality]
         return _report(self.output, scenario.robot, ", ".join(counts), facts)
 
     def _scenario_to_compile(self) -> lc.Scenario:

@@ -43,7 +43,9 @@ class Route(control.Course, flags.Options):
         corners = self._corners()
         guidance: Any = self.guidance.replace("-", "_")
         if self.plans_ahead:
-            guidance = "line_of_sight"  # until the model has been learned
+            guidance = (
+                "line_of_sight"  # it does not count: only the path is used, see `FollowPlanned`
+            )
             if self.path_depth:
                 rule = "must be left out with model-predictive guidance, which plans horizontally"
                 raise BadArgument("path_depth", rule)

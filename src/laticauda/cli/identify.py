@@ -218,14 +218,18 @@ class Identify(Command):
 
     def _task(self) -> tasks.Task:
         """Return the requested task."""
-        is_task_file = len(self.files) == 1 and self.files[0].lower().endswith(".toml")
-        if is_task_file:
+        if self._is_task_file():
             return self._task_of_file(self.files[0])
+        name = self.name or "identified"
         with keys_of("identify", BadFlag):
-            task = tasks.task_from_table(self._table(), self.name or "identified", Path())
+            task = tasks.task_from_table(self._table(), name, Path())
         if self.laws:
             return task
-        return replace(task, options={"joints": "prescribed", **task.options})
+        options = {"joints": "prescribed", **task.options}
+        return replace(task, options=options)
+
+    def _is_task_file(self) -> bool:
+        return len(self.files) == 1 and self.files[0].lower().endswith(".toml")
 
     def _task_of_file(self, file: str) -> tasks.Task:
         """Return the task of a file, with the method as typed."""

@@ -96,8 +96,10 @@ class Operate(command.Command):
         distinct: dict[Any, settings.Operation] = {}
         for trial in series.trials:
             operation = self._with_options(trial)
-            distinct.setdefault((operation.robot, operation.connection), operation)
-        summaries = [self._operate(operation, None).summary() for operation in distinct.values()]
+            hardware = (operation.robot, operation.connection)
+            distinct.setdefault(hardware, operation)
+        results = [self._operate(operation, None) for operation in distinct.values()]
+        summaries = [result.summary() for result in results]
         return command.Outcome(
             facts={"name": series.name, "checked": summaries},
             text="\n".join(map(session.format_summary, summaries)),
