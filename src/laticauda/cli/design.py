@@ -39,7 +39,7 @@ from laticauda.identify import (
     tasks,
 )
 from laticauda.motion import gaits
-from laticauda.robot import TEXTBOOK, Environment, load_robot, water_names
+from laticauda.robot import TEXTBOOK, Environment, Robot, load_robot, water_names
 from laticauda.show import figures
 from laticauda.values import BadArgument, check_not_empty, option, packaging, quantity, value_class
 
@@ -243,21 +243,31 @@ class DesignExperiment(Command):
         )
 
     def _swims(self, fitted: Sequence[scenarios.Scenario] = ()) -> list[Measurement]:
-        """Return a candidate per gait and robot; robots and waters are those of a fit, or what the names stand for."""
-        robots = {scenario.robot.name: scenario.robot for scenario in fitted if self.robot is None}
+        """Return a candidate per gait and robot.
+
+        Args:
+            fitted: Scenarios of an identification, whose robots and waters are used; if there are
+                none, those that the names stand for.
+        """
+        robots = self._robots(fitted)
         swims: list[Measurement] = []
-        for gait in self.candidates.combine_gaits():
-            water = self._fitted_water(gait, fitted)
-            for robot in robots.values() or (load_robot(self._names.robot),):
-                choice = self._names.resolved(gait, lambda name, n_links, robot=robot: robot)
-                swims += swim_candidates(
-                    choice.robot,
-                    [gait],
-                    water or choice.environment,
-                    _parse_sensors(self.candidates.sensors),
-                    duration=self.candidates.duration,
-                )
+        for gait, robot in product(self.candidates.combine_gaits(), robots):
+            choice = self._names.resolved(gait, _loader_of(robot))
+            swims += swim_candidates(
+                choice.robot,
+                [gait],
+                self._fitted_water(gait, fitted) or choice.environment,
+                _parse_sensors(self.candidates.sensors),
+                duration=self.candidates.duration,
+            )
         return swims
+
+    def _robots(self, fitted: Sequence[scenarios.Scenario]) -> list[Robot]:
+        """Return the robots of a fit, each once, unless another one was typed."""
+        if self.robot is None and fitted:
+            by_name = {scenario.robot.name: scenario.robot for scenario in fitted}
+            return list(by_name.values())
+        return [load_robot(self._names.robot)]
 
     def _fitted_water(
         self, gait: gaits.Gait, fitted: Sequence[scenarios.Scenario]
@@ -293,6 +303,15 @@ class DesignExperiment(Command):
         for speed in self.candidates.coast_down:
             trials.append(coast_down(robot, water, speed))
         return trials
+
+
+def _loader_of(robot: Robot) -> Callable[[str, int | None], Robot]:
+    """Return a function that loads this robot, whatever name it is given."""
+
+    def load(name: str, n_links: int | None) -> Robot:
+        return robot
+
+    return load
 
 
 class _Task(NamedTuple):
