@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from laticauda.models.dynamics import stages
+from laticauda.models.dynamics.shared_laws import SHARED_LAWS
 from laticauda.models.planar import rows
 from laticauda.motion.joints import laws as joint_laws
 from laticauda.water.fluid import flow, inertia, laws
@@ -117,6 +118,9 @@ def python_kernels(law=None):
         "in_rows": _by_numbers,
         "rows_from": lambda first, count: lambda S, b=0: tuple(S[b + first : b + first + count]),
         "actuator_of": lambda own: _driven,
+        "compile_shared_laws": lambda: SimpleNamespace(
+            **{law.__name__: law for law in SHARED_LAWS}
+        ),
         "plate": laws.plate,
         "flow": flow,
         "inertia": inertia,
@@ -129,10 +133,10 @@ def python_kernels(law=None):
         "lane_types": SimpleNamespace(rows_of=lambda width: same),
     }
     names = {
-        "WIDTH": 1,
+        "n_lanes": 1,
         "joint_law": None,
-        "flow": (),
-        "law": (law or laws.PolynomialDrag()).formula,
+        "flow_parts": (),
+        "drag_law": (law or laws.PolynomialDrag()).formula,
     }
     for template in ("loads", "recursion", "drives", "stepping"):
         source = (PLANAR / f"{template}.py").read_text(encoding="utf-8")

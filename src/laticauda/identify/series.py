@@ -44,14 +44,14 @@ def _lane_heading(block: "Block", lane: int, run: "Run") -> np.ndarray:
 
 
 def _lane_joint_angle(block: "Block", lane: int, run: "Run") -> np.ndarray:
-    return _lane_joint_rows(block, lane, run, position=0)
+    return _lane_joint_rows(block, lane, run, row=rows.ANGLE)
 
 
 def _lane_joint_torque(block: "Block", lane: int, run: "Run") -> np.ndarray:
-    return _lane_joint_rows(block, lane, run, position=3)
+    return _lane_joint_rows(block, lane, run, row=rows.TORQUE)
 
 
-def _lane_joint_rows(block: "Block", lane: int, run: "Run", *, position: int) -> np.ndarray:
+def _lane_joint_rows(block: "Block", lane: int, run: "Run", *, row: int) -> np.ndarray:
     """Return a quantity of the joints between links.
 
     After the state, the log holds one quantity after the other: the angles of all joints, then
@@ -61,10 +61,11 @@ def _lane_joint_rows(block: "Block", lane: int, run: "Run", *, position: int) ->
         block: Results of the runs.
         lane: Number of the run in the block.
         run: The run.
-        position: How many quantities of joints stand before this one.
+        row: Name of the quantity in `rows`.
     """
     layout = run.plant.layout
-    n_joints = layout.n_bodies - 1
+    n_joints = layout.n_joints
+    position = rows.LOGGED_OF_JOINT.index(row)
     n_fin_joints = layout.tail_link
     begin = rows.LOG_STATE + position * n_joints
     end = begin + n_joints

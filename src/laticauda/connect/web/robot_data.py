@@ -46,7 +46,7 @@ LOGGED_PREFIXES = (
     "electrical_work",
 )
 """Prefixes of the names of variables that a trial also contains."""
-MOTION_ROWS = (rows.ANGLE, rows.RATE)
+MOTION_ROWS = rows.STATE_OF_JOINT
 """Rows of every body that hold its motion."""
 
 

@@ -3,6 +3,7 @@
 - `plant`: base of their plants; `samples`: states and samples of plants.
 - `school`: base of their schools, many robots side by side.
 - `joint_table`, `stages`: the joints in their kernels, and the formulas of an implicit time step.
+- `shared_laws`: the scalar laws that the kernels of both call.
 """
 
 from typing import TYPE_CHECKING

@@ -1,13 +1,14 @@
 """The paper's closed-form planar model: the recursion, the drives and the steps that compute a run.
 
-All numbers of a run stand in one flat array; docs/developing/planar.md is a map of it.
+All numbers of a run stand in one flat array; docs/developing/planar.md is a map of it, and says where
+a change goes. A template is a module that is loaded anew for every drag law, joint law and so on.
 
 rows        names of all numbers of the array
 layout      a robot and its environment as that array
-loads       forces on the bodies, from water or ground and effectors
-recursion   accelerations and joint torques from forces
-drives      the reference generator and the joint laws
-stepping    steps in time
+loads       forces on the bodies, from water or ground and effectors (template)
+recursion   accelerations and joint torques from forces (template)
+drives      the reference generator, the joint laws and the work of the joints (template)
+stepping    steps in time, by one of two integrators (template)
 model       a single robot as a `Plant`
 batch       many runs at once
 school      many robots that are commanded step by step

@@ -41,12 +41,11 @@ SAMPLES_PER_CALL = 2000
 """Samples that are logged by one call of a kernel."""
 STEP = 2.0**-100
 """Step of the derivatives: far below rounding, and a power of two, so that scaling by it changes no digits."""
-# The log holds the header's state rows from TIME to VY: few enough to stay in the processor's
-# cache.
 _X = rows.X - rows.TIME
 _VX = rows.VX - rows.TIME
-PATH_ROWS = _VX + 2
-"""Rows of a log without the joints."""
+_AXES = 2
+PATH_ROWS = _VX + _AXES
+"""Rows of a log without the joints: the header's state from TIME to VY, few enough to stay in the processor's cache."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,7 +80,7 @@ class Block:
     center_of_mass_velocity: Inexact[np.ndarray, "n_samples 2 n_runs"]
     """p' [m/s]."""
     log: Inexact[np.ndarray, "n_samples n_rows n_runs"]
-    """The header's state rows from TIME to VY; complete logs also include the joints (see `rows.LOG_STATE`)."""
+    """The header's state rows from TIME to VY; complete logs also include the joints (see `rows.LOGGED_OF_JOINT`)."""
     heading: Inexact[np.ndarray, " n_runs"]
     """Heading at the end [rad]."""
     work: Inexact[np.ndarray, "4 n_runs"]
@@ -132,7 +131,7 @@ def march_many(
         columns = columns_of(task_runs)
         n_rows = PATH_ROWS
         if with_joints:
-            n_rows = rows.LOG_STATE + 4 * (plant.layout.n_bodies - 1)
+            n_rows = plant.layout.sample_size
         kind = float if runs[0].slope is None else complex
         log = aligned((1 + min(n_intervals, SAMPLES_PER_CALL), n_rows, WIDTH), kind)
         results: list[Result] = []
@@ -271,11 +270,11 @@ def block_of(index: np.ndarray, path: np.ndarray, end: np.ndarray, n_samples: np
     return Block(
         index=index,
         time=np.real(path[:, 0, 0]),
-        center_of_mass=path[:, _X : _X + 2],
-        center_of_mass_velocity=path[:, _VX : _VX + 2],
+        center_of_mass=path[:, _X : _X + _AXES],
+        center_of_mass_velocity=path[:, _VX : _VX + _AXES],
         log=path,
         heading=end[rows.HEADING].copy(),
-        work=end[rows.WORK_ABSOLUTE : rows.WORK_ELECTRICAL + 1].copy(),
+        work=end[rows.WORK_ABSOLUTE :][: rows.N_WORKS].copy(),
         n_samples=n_samples,
     )
 

@@ -1,62 +1,64 @@
 """Drives of the joints: the reference generator, the joint laws, and the work of the joints.
 
-A template (see `templates`): `S` is the flat array of `rows`; the scalar laws come from
-`gaits.reference` and `joints.laws`. The joint law is identified by `law`, one number per joint
-(LOCKED ... OWN_DRIVEN).
+The generator has a state of its own, the waves of body and fin. It advances in equal steps, which
+may be shorter than a step of the run: `set_decay` prepares for steps of one length, and
+`advance_reference` performs one of them.
+
+`S` is the flat array of `rows`, `b` the first row of a body's record. The joint law is identified by
+`law`, one number per joint (LOCKED ... OWN_DRIVEN). `shared` holds the scalar laws that both models
+call (`dynamics.shared_laws`).
+
+A template (see `templates`): this file is loaded anew for every joint law of one's own and number of
+lanes. `bindings` holds that of this loading, under the name that `model.TEMPLATES` lists.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
-from laticauda.compiling import compile_scalar, kernel
+from laticauda.compiling import kernel
 from laticauda.compiling.formulas import rows_from
 from laticauda.compiling.functions import expm1, sincos
 from laticauda.compiling.lanes import any_lane, first_lane
 from laticauda.compiling.templates import bindings
-from laticauda.models.dynamics import stages
+from laticauda.models.dynamics.shared_laws import compile_shared_laws
 from laticauda.models.planar.rows import *
 from laticauda.motion.gaits import reference
 from laticauda.motion.joints import laws
 from laticauda.motion.joints.kernels import actuator_of
 
-advance_wave = compile_scalar(reference.advance_wave)
-advance_time = compile_scalar(reference.advance_time)
-smooth_start = compile_scalar(reference.smooth_start)
-wave_motion = compile_scalar(reference.wave_motion)
-wave_reference = compile_scalar(reference.wave_reference)
-between_knots = compile_scalar(reference.between_knots)
+_own_law = bindings(__name__)["joint_law"]
+
+shared = compile_shared_laws()
 body_wave = rows_from(PHASE, len(reference.WaveState._fields))
-body_target = rows_from(AMPLITUDE, 4)
-fin_values = rows_from(FIN_PHASE, 5)
-motor_power = compile_scalar(laws.motor_power)
-implicit_inertia = compile_scalar(stages.implicit_inertia)
-second_torque = compile_scalar(stages.second_torque)
-joint_powers = compile_scalar(stages.joint_powers)
-_own = bindings(__name__)["joint_law"]
-by_law = actuator_of(_own)
+body_target = rows_from(AMPLITUDE, OFFSET + 1 - AMPLITUDE)
+fin_wave_before_offset = rows_from(FIN_PHASE, FIN_OFFSET_NOW - FIN_PHASE)
+follow_law = actuator_of(_own_law)
 drive_of = rows_from(DRIVE, len(laws.Drive._fields))
-motor_of = rows_from(MOTOR, 5)
-law_numbers = rows_from(JOINT_LAW, 0 if _own is None else len(_own.fields))
+motor_of = rows_from(MOTOR, STALL_POWER + 1 - MOTOR)
+law_numbers = rows_from(JOINT_LAW, 0 if _own_law is None else len(_own_law.fields))
 
 
 @kernel
 def set_decay(S, dt):
-    """Set the decay of the filters over one step `dt`, which `advance_reference` needs."""
+    """Prepare the generator for steps of `dt`: set the decay of its filters over one of them."""
     S[DECAY] = 1.0 + expm1(-S[BANDWIDTH] * dt)
 
 
 @kernel
 def advance_reference(S, n, law, tail_link, dt):
-    """Advance the generator by dt, which must be the step given to `set_decay`, and set the reference."""
+    """Advance the generator by one step, and set the reference; dt must be what `set_decay` was given last."""
     w, decay = S[BANDWIDTH], S[DECAY]
     if has_driven_fin(law, tail_link):
-        phase, a, a_1, f, f_1, _, _, o, o_1 = advance_wave(fin_wave(S), fin_target(S), w, decay, dt)
-        for row, value in enumerate((phase, a, a_1, f, f_1, o, o_1)):
+        fin = shared.advance_wave(fin_wave(S), fin_target(S), w, decay, dt)
+        phase, amplitude, amplitude_rate, frequency, frequency_rate, _, _, offset, offset_rate = fin
+        before_offset = phase, amplitude, amplitude_rate, frequency, frequency_rate
+        for row, value in enumerate((*before_offset, offset, offset_rate)):
             S[FIN_PHASE + row] = value
-    for row, value in enumerate(advance_wave(body_wave(S), body_target(S), w, decay, dt)):
+    body = shared.advance_wave(body_wave(S), body_target(S), w, decay, dt)
+    for row, value in enumerate(body):
         S[PHASE + row] = value
-    S[TIME], S[TIME_REST] = advance_time(S[TIME], S[TIME_REST], dt)
+    S[TIME], S[TIME_REST] = shared.advance_time(S[TIME], S[TIME_REST], dt)
     set_reference(S, n, law, tail_link)
 
 
@@ -69,8 +71,8 @@ def has_driven_fin(law, tail_link):
 @kernel
 def fin_wave(S):
     """Return the state of a driven fin's wave, which has one joint and no phase shift."""
-    none = 0.0 * S[FIN_PHASE]
-    return (*fin_values(S), none, none, S[FIN_OFFSET_NOW], S[FIN_OFFSET_RATE])
+    zero = 0.0 * S[FIN_PHASE]  # has the type of the other numbers
+    return (*fin_wave_before_offset(S), zero, zero, S[FIN_OFFSET_NOW], S[FIN_OFFSET_RATE])
 
 
 @kernel
@@ -82,13 +84,15 @@ def fin_target(S):
 @kernel
 def set_reference(S, n, law, tail_link):
     """Set phi_ref and its derivatives for every driven joint from the generator's state."""
-    ramp = smooth_start(S[TIME], S[RAMP])
+    ramp = shared.smooth_start(S[TIME], S[RAMP])
     if has_driven_fin(law, tail_link):
         b = HEADER_ROWS + tail_link * BODY_ROWS
-        motion = wave_motion(fin_wave(S), fin_target(S), S[BANDWIDTH], ramp)
+        motion = shared.wave_motion(fin_wave(S), fin_target(S), S[BANDWIDTH], ramp)
         s, c = sincos(S[FIN_PHASE] + S[FIN_LEAD])
-        take_reference(S, b, law[tail_link], wave_reference(s, c, S[b + ENVELOPE], 0.0, motion))
-    motion = wave_motion(body_wave(S), body_target(S), S[BANDWIDTH], ramp)
+        take_reference(
+            S, b, law[tail_link], shared.wave_reference(s, c, S[b + ENVELOPE], 0.0, motion)
+        )
+    motion = shared.wave_motion(body_wave(S), body_target(S), S[BANDWIDTH], ramp)
     S[SIN_PHASE], S[COS_PHASE] = sincos(S[PHASE])
     S[SIN_SHIFT], S[COS_SHIFT] = sincos(S[PHASE_SHIFT_NOW])
     k = 0.0
@@ -96,7 +100,7 @@ def set_reference(S, n, law, tail_link):
         if law[i] != LOCKED and law[i] != PASSIVE:
             b = HEADER_ROWS + i * BODY_ROWS
             s, c = S[SIN_PHASE], S[COS_PHASE]
-            take_reference(S, b, law[i], wave_reference(s, c, S[b + ENVELOPE], k, motion))
+            take_reference(S, b, law[i], shared.wave_reference(s, c, S[b + ENVELOPE], k, motion))
             # Rotate to the next joint; stored in rows, so that the compiler rounds the products one
             # at a time.
             S[SIN_PHASE] = s * S[COS_SHIFT] + c * S[SIN_SHIFT]
@@ -115,7 +119,7 @@ def add_recorded(S, n, law, tail_link):
     for i in range(tail_link + 1, n):
         j, r = 2 * (i - tail_link) - 1, HEADER_ROWS + i * BODY_ROWS
         knots = S[a], S[b], S[a + j], S[a + j + 1], S[b + j], S[b + j + 1]
-        angle, rate, acceleration = between_knots(S[TIME], *knots)
+        angle, rate, acceleration = shared.between_knots(S[TIME], *knots)
         reference = (
             S[r + REFERENCE] + angle,
             S[r + REFERENCE_1] + rate,
@@ -151,7 +155,11 @@ def take_reference(S, b, law, reference):
 
 @kernel
 def joint_torques(S, n, law, gamma_dt):
-    """Set the torque of every free joint for the first stage of an implicit step, and the inertia the step adds."""
+    """Set torque and slopes of every free joint in the state in S, and what an implicit step makes of them.
+
+    With gamma_dt = 0 there are no implicit terms: the accelerations that follow are those of the
+    state itself. Otherwise they are the first stage of a step.
+    """
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if law[i] >= FIRST_FREE:
@@ -161,21 +169,21 @@ def joint_torques(S, n, law, gamma_dt):
             S[b + TORQUE] = torque
             S[b + SLOPE_P] = slope_p
             S[b + SLOPE_D] = slope_d
-            S[b + IMPLICIT] = implicit_inertia(slope_p, slope_d, gamma_dt)
+            S[b + IMPLICIT] = shared.implicit_inertia(slope_p, slope_d, gamma_dt)
             total = torque - skin(S, b) - gamma_dt * slope_p * S[b + RATE]
             S[b + TOTAL_TORQUE] = total
 
 
 @kernel
 def second_torques(S, n, law, gamma_dt):
-    """Set the right-hand side of the second stage for a = k2 + 2 k1, which avoids the mass matrix."""
+    """Set the torques of the second stage of an implicit step, solved for a = k2 + 2 k1 (see `dynamics.stages`)."""
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if law[i] >= FIRST_FREE:
             torque, _, _ = actuator(S, b, law[i])
             torque -= skin(S, b)
             inertia, first_rate, first = S[b + IMPLICIT], S[b + SLOPE_ANGLE], S[b + SLOPE_RATE]
-            S[b + TOTAL_TORQUE] = second_torque(
+            S[b + TOTAL_TORQUE] = shared.second_torque(
                 torque, S[b + SLOPE_P], inertia, S[b + RATE], first_rate, first, gamma_dt
             )
 
@@ -190,12 +198,15 @@ def skin(S, b):
 def actuator(S, b, law):
     """Return the torque of the joint's actuator and its slopes."""
     motion = S[b + ANGLE], S[b + RATE], S[b + REFERENCE], S[b + REFERENCE_1], S[b + REFERENCE_2]
-    return by_law(law, motion, drive_of(S, b), law_numbers(S))
+    return follow_law(law, motion, drive_of(S, b), law_numbers(S))
 
 
 @kernel
 def count_work(S, n, law, dt):
-    """Set the torques that the actuators deliver, and add the work since the last step by the trapezoidal rule."""
+    """Set the torques that the actuators deliver, and add the work since work was counted last, dt ago.
+
+    By the trapezoidal rule: the powers of that time are still in their rows.
+    """
     absolute = 0.0 * S[TIME]
     net, positive = absolute, absolute
     electrical = absolute + S[ACTIVE_POWER]
@@ -203,12 +214,12 @@ def count_work(S, n, law, dt):
         b = HEADER_ROWS + i * BODY_ROWS
         if law[i] < FIRST_FREE:
             S[b + TORQUE] = S[b + TOTAL_TORQUE] + skin(S, b)
-        size, signed, given = joint_powers(S[b + TORQUE], S[b + RATE])
+        magnitude, signed, delivered = shared.joint_powers(S[b + TORQUE], S[b + RATE])
         if any_lane(S[b + STALL_POWER].real > 0.0):
-            electrical += motor_power(S[b + TORQUE], S[b + RATE], *motor_of(S, b))
-        absolute += size
+            electrical += shared.motor_power(S[b + TORQUE], S[b + RATE], *motor_of(S, b))
+        absolute += magnitude
         net += signed
-        positive += given
+        positive += delivered
     half = 0.5 * dt
     for k, power in enumerate((absolute, net, positive, electrical)):
         S[WORK_ABSOLUTE + k] += half * (S[POWER_ABSOLUTE + k] + power)

@@ -37,6 +37,21 @@ class Layout:
     has_extras: bool
     """Whether any body has loads in addition to its own drag."""
 
+    @property
+    def n_joints(self) -> int:
+        """Number of joints, those of the fin included."""
+        return self.n_bodies - 1
+
+    @property
+    def state_size(self) -> int:
+        """Count of the numbers of a state vector: the header's state, then that of the joints."""
+        return rows.LOG_STATE + len(rows.STATE_OF_JOINT) * self.n_joints
+
+    @property
+    def sample_size(self) -> int:
+        """Count of the numbers of a sample, which begins with a state vector."""
+        return rows.LOG_STATE + len(rows.LOGGED_OF_JOINT) * self.n_joints
+
     @cached_property
     def chain(self) -> tuple[object, ...]:
         """Shape of the chain, as the kernels take it."""
@@ -109,8 +124,8 @@ def build_layout(
     for i, body in enumerate(bodies):
         if body.strips is not None:
             strips_of_body = strips[first_strip[i] : first_strip[i + 1]]
-            strips_of_body[:, 0] = body.strips.position
-            strips_of_body[:, 1 : rows.STRIP_DISPLACED + 1] = _loads(body.strips).T
+            strips_of_body[:, rows.POSITION_OF] = body.strips.position
+            strips_of_body[:, rows.C_T_OF : rows.DISPLACED_OF + 1] = _loads(body.strips).T
     law = _write_joints(records, robot, fin, joints)
     write_effectors(S, robot, environment, first_link=len(fin))
     flow = flow_rows(environment).numbers

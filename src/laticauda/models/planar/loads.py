@@ -1,7 +1,10 @@
 """Loads of the water (or the ground) and the effectors on the bodies of the chain.
 
-Forces are in link axes, moments about the link's tail end. A template (see `templates`): `S` is the
-flat array of `rows`, `b` the first row of a body's record.
+Forces are in link axes, moments about the link's tail end. `S` is the flat array of `rows`, `b` the
+first row of a body's record, `e` that of an element, a strip or a pectoral fin.
+
+A template (see `templates`): this file is loaded anew for every drag law, kind of flow and number of
+lanes. `bindings` holds those of this loading, under the names that `model.TEMPLATES` lists.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -17,23 +20,39 @@ from laticauda.models.planar.rows import *
 from laticauda.water.fluid import MOTION, Element, flow, inertia
 from laticauda.water.fluid.laws import plate
 
-_names = bindings(__name__)
-law = in_rows(_names["law"], Element, MOTION)
-law_numbers = rows_from(LAW, len(_names["law"].fields))
+_specialization = bindings(__name__)
+_drag_law = _specialization["drag_law"]
+_flow_parts = _specialization["flow_parts"]
+
+drag_law = in_rows(_drag_law, Element, MOTION)
+drag_law_numbers = rows_from(LAW, len(_drag_law.fields))
 plate_law = compile_scalar(plate)
 plate_numbers = rows_from(PLATE_LAW, PLATE_WATER - PLATE_LAW)
-water_numbers = rows_from(0, 5)
-HAS_FLOW = bool(_names["flow"])
-motion = summed(_names["flow"], len(flow.Motion._fields))
-felt = compile_scalar(flow.local_flow)
-carried, load = compile_scalar(inertia.carried), compile_scalar(inertia.load)
+water_numbers = rows_from(0, WATER_ROWS)
+HAS_FLOW = bool(_flow_parts)
+motion = summed(_flow_parts, len(flow.Motion._fields))
+local_flow = compile_scalar(flow.local_flow)
+carried = compile_scalar(inertia.carried)
+load = compile_scalar(inertia.load)
+
+
+@kernel
+def strip_row(n, strip):
+    """Return the first row of a strip; the strips of all bodies are counted on."""
+    return HEADER_ROWS + n * BODY_ROWS + strip * STRIP_ROWS
+
+
+@kernel
+def plate_row(n, n_strips, fin):
+    """Return the first row of a pectoral fin; those of all bodies are counted on, as are the `n_strips` strips."""
+    return strip_row(n, n_strips) + fin * PLATE_ROWS
 
 
 @kernel
 def water_around(S, n, first_strip, first_plate, tail_link, has_extras):
     """Set the water's motion at every element if the water has a flow; otherwise the velocities already include it."""
     if HAS_FLOW:
-        places(S, n)
+        locate_tail_ends(S, n)
         for i in range(n):
             b = HEADER_ROWS + i * BODY_ROWS
             strips = first_strip[i + 1] - first_strip[i]
@@ -42,24 +61,29 @@ def water_around(S, n, first_strip, first_plate, tail_link, has_extras):
             n_points = 1 + strips + plates
             if has_extras and (i == 0 or i == tail_link):
                 n_points += 2
+            # One loop over all of them, because the whole flow is compiled into its call.
             for k in range(n_points):
-                x, y, water = S[b + CENTER], 0.0 * S[b + CENTER], b + WATER_T
+                x, y = S[b + CENTER], 0.0 * S[b + CENTER]
+                water = b + WATER_T
                 if 0 < k <= strips:
-                    e = HEADER_ROWS + n * BODY_ROWS + (first_strip[i] + k - 1) * STRIP_ROWS
-                    x, water = S[e + STRIP_POSITION], e + WATER_OF
+                    e = strip_row(n, first_strip[i] + k - 1)
+                    x = S[e + POSITION_OF]
+                    water = e + WATER_OF
                 elif strips < k <= strips + plates:
-                    e = HEADER_ROWS + n * BODY_ROWS + first_strip[n] * STRIP_ROWS
-                    e += (first_plate[i] + k - 1 - strips) * PLATE_ROWS
-                    x, y, water = S[e + PLATE_X], S[e + PLATE_Y], e + PLATE_WATER
+                    e = plate_row(n, first_strip[n], first_plate[i] + k - 1 - strips)
+                    x, y = S[e + PLATE_X], S[e + PLATE_Y]
+                    water = e + PLATE_WATER
                 elif k == strips + plates + 1 and i == tail_link:
-                    x, water = y, TETHER_WATER
+                    x = y
+                    water = TETHER_WATER
                 elif k > strips + plates and i == 0:
-                    x, water = S[WAKE_POSITION] + y, WAKE_WATER
+                    x = S[WAKE_POSITION] + y
+                    water = WAKE_WATER
                 put_water(S, b, x, y, water)
 
 
 @kernel
-def places(S, n):
+def locate_tail_ends(S, n):
     """Set the world position of every body's tail end from that of the center of mass."""
     px, py, mean_x, mean_y = 0.0, 0.0, 0.0, 0.0
     for i in range(n):
@@ -79,26 +103,31 @@ def places(S, n):
 
 @kernel
 def put_water(S, b, x, y, water):
-    """Write the water's motion at a point of body b to five rows: velocity and acceleration in link axes, rotation."""
+    """Write the water's motion at a point of body b, given in link axes, to the rows from `water` on."""
     c, s = S[b + COS], S[b + SIN]
     first = int(first_lane(S[FLOW].real))  # first row of the flow, the same in all lanes
     place_x, place_y = S[b + PX] + c * x - s * y, S[b + PY] + s * x + c * y
-    u, v, _, a_x, a_y, _, _, _, spin, _ = felt(
+    u, v, _, a_x, a_y, _, _, _, spin, _ = local_flow(
         motion(S, first, place_x, place_y, S[HEIGHT], S[TIME])
     )
-    S[water] = c * u + s * v
-    S[water + 1] = c * v - s * u
-    S[water + 2] = c * a_x + s * a_y
-    S[water + 3] = c * a_y - s * a_x
-    S[water + 4] = spin
+    S[water + CURRENT_T] = c * u + s * v
+    S[water + CURRENT_N] = c * v - s * u
+    S[water + CURRENT_T_RATE] = c * a_x + s * a_y
+    S[water + CURRENT_N_RATE] = c * a_y - s * a_x
+    S[water + CURRENT_SPIN] = spin
 
 
 @kernel
 def through_water(S, b, x, water):
-    """Return velocity and angular velocity of a point on the axis of body b, relative to the water there."""
+    """Return velocity and angular velocity of a point on the axis of body b, relative to the water there.
+
+    The rows from `water` on hold the motion of the water there, if it has a flow.
+    """
     rate = S[b + LINK_RATE]
     if HAS_FLOW:
-        return S[b + V_T] - S[water], S[b + V_N] + x * rate - S[water + 1], rate - S[water + 4]
+        v_t = S[b + V_T] - S[water + CURRENT_T]
+        v_n = S[b + V_N] + x * rate - S[water + CURRENT_N]
+        return v_t, v_n, rate - S[water + CURRENT_SPIN]
     return S[b + V_T], S[b + V_N] + x * rate, rate
 
 
@@ -106,14 +135,14 @@ def through_water(S, b, x, water):
 def element_drag(S, b, e):
     """Return the drag of one element rigidly attached to body b, link axes, and its moment about the tail end of b.
 
-    `e` is the first row of the element: its distance from the tail end, c_t, c_n, lambda_2,
-    lambda_3. The rows of a body's own element (from CENTER on) and of a strip (from STRIP_POSITION
-    on) have the same order.
+    `e` is the first row of the element: that of a strip, or CENTER of body b.
     """
-    x = S[e]
+    x = S[e + POSITION_OF]
     v_t, v_n, rate = through_water(S, b, x, e + WATER_OF)
-    f_t, f_n, tau = law(
-        v_t, v_n, magnitude(v_n), rate, S[e + 1], S[e + 2], S[e + 3], S[e + 4], *law_numbers(S)
+    c_t, c_n = S[e + C_T_OF], S[e + C_N_OF]
+    lambda_2, lambda_3 = S[e + LAMBDA_2_OF], S[e + LAMBDA_3_OF]
+    f_t, f_n, tau = drag_law(
+        v_t, v_n, magnitude(v_n), rate, c_t, c_n, lambda_2, lambda_3, *drag_law_numbers(S)
     )
     return f_t, f_n, tau + x * f_n
 
@@ -151,7 +180,7 @@ def element_inertia(S, b, e):
     The laws are those of `fluid.inertia`, plus the force that accelerates the displaced water
     itself.
     """
-    x, rate, own = S[e], S[b + LINK_RATE], S[OWN_VELOCITY]
+    x, rate, own = S[e + POSITION_OF], S[b + LINK_RATE], S[OWN_VELOCITY]
     u_t, u_n, turning = through_water(S, b, x, e + WATER_OF)
     mu_t, mu_n, displaced = S[e + MU_T_OF], S[e + MU_N_OF], S[e + DISPLACED_OF]
     V_t, V_n, flow_t, flow_n, spin = water_numbers(S, e + WATER_OF)
@@ -167,26 +196,26 @@ def element_inertia(S, b, e):
 @kernel
 def extra_loads(S, n, first_strip, first_plate, tail_link):
     """Set the loads that only some bodies have: thrusters, fin strips, pectoral fins, tether and trailing edge."""
-    H = HEADER_ROWS
     for i in range(n):
-        b = H + i * BODY_ROWS
+        b = HEADER_ROWS + i * BODY_ROWS
         S[b + EXTRA_T] = S[b + THRUST_T]
         S[b + EXTRA_N] = S[b + THRUST_N]
         S[b + EXTRA_MOMENT] = S[b + THRUST_MOMENT]
-        for e in range(first_strip[i], first_strip[i + 1]):
-            add_extra(S, b, element_drag(S, b, H + n * BODY_ROWS + e * STRIP_ROWS + STRIP_POSITION))
-            strip_inertia(S, b, H + n * BODY_ROWS + e * STRIP_ROWS)
-        for e in range(first_plate[i], first_plate[i + 1]):
-            plate_load(S, b, H + n * BODY_ROWS + first_strip[n] * STRIP_ROWS + e * PLATE_ROWS)
-    tether(S, H + tail_link * BODY_ROWS)
-    trailing_edge(S)
+        for strip in range(first_strip[i], first_strip[i + 1]):
+            e = strip_row(n, strip)
+            add_extra(S, b, element_drag(S, b, e))
+            add_strip_inertia(S, b, e)
+        for fin in range(first_plate[i], first_plate[i + 1]):
+            add_plate_load(S, b, plate_row(n, first_strip[n], fin))
+    add_tether_force(S, HEADER_ROWS + tail_link * BODY_ROWS)
+    add_trailing_edge_load(S)
 
 
 @kernel
-def strip_inertia(S, b, e):
+def add_strip_inertia(S, b, e):
     """Add the inertial load of moving water on one strip; without a flow the body's own load includes it."""
     if HAS_FLOW:
-        add_extra(S, b, element_inertia(S, b, e + STRIP_POSITION))
+        add_extra(S, b, element_inertia(S, b, e))
 
 
 @kernel
@@ -199,7 +228,7 @@ def add_extra(S, b, loads):
 
 
 @kernel
-def plate_load(S, b, e):
+def add_plate_load(S, b, e):
     """Add lift and drag of one pectoral fin mounted on body b."""
     x, y = S[e + PLATE_X], S[e + PLATE_Y]
     v_t, v_n, _ = through_water(S, b, x, e + PLATE_WATER)
@@ -212,7 +241,7 @@ def plate_load(S, b, e):
 
 
 @kernel
-def tether(S, b):
+def add_tether_force(S, b):
     """Add the tether force F = -k |v| v + constant at the tail end of the tail link."""
     c, s = S[b + COS], S[b + SIN]
     v_t, v_n, _ = through_water(S, b, 0.0, TETHER_WATER)
@@ -222,7 +251,7 @@ def tether(S, b):
 
 
 @kernel
-def trailing_edge(S):
+def add_trailing_edge_load(S):
     """Add the momentum flux into the wake (Lighthill 1971): m'/2 w^2 t - m' u w n while u > 0."""
     b = HEADER_ROWS
     x = S[WAKE_POSITION]
@@ -248,20 +277,16 @@ def body_forces(S, n, first_strip, force):
         # effectors to drag and added mass.
         S[b + EXTRA_T] = 0.0
         S[b + EXTRA_N] = 0.0
-        for e in range(first_strip[i], first_strip[i + 1]):
-            add_extra(
-                S,
-                b,
-                element_drag(S, b, HEADER_ROWS + n * BODY_ROWS + e * STRIP_ROWS + STRIP_POSITION),
-            )
+        for strip in range(first_strip[i], first_strip[i + 1]):
+            add_extra(S, b, element_drag(S, b, strip_row(n, strip)))
         f_t, f_n, _ = element_drag(S, b, b + CENTER)
         put_force(S, b, force, drag, f_t + S[b + EXTRA_T], f_n + S[b + EXTRA_N])
         extra_t -= S[b + EXTRA_T]
         extra_n -= S[b + EXTRA_N]
         S[b + EXTRA_T] = 0.0
         S[b + EXTRA_N] = 0.0
-        for e in range(first_strip[i], first_strip[i + 1]):
-            strip_inertia(S, b, HEADER_ROWS + n * BODY_ROWS + e * STRIP_ROWS)
+        for strip in range(first_strip[i], first_strip[i + 1]):
+            add_strip_inertia(S, b, strip_row(n, strip))
         put_force(S, b, force, effector, extra_t - S[b + EXTRA_T], extra_n - S[b + EXTRA_N])
         f_t, f_n = added_mass_force(S, b)
         put_force(S, b, force, added_mass, f_t + S[b + EXTRA_T], f_n + S[b + EXTRA_N])

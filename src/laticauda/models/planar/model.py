@@ -25,12 +25,17 @@ from laticauda.water.fluid import DragLaw, PolynomialDrag, flow as flows
 LEAST_DT = 1e-7
 """Time that drag may take to stop a link, at least; with smaller steps a run would take forever [s]."""
 TEMPLATES = {
-    "loads": ("WIDTH", "law", "flow"),
-    "recursion": ("WIDTH", "law", "flow"),
-    "drives": ("WIDTH", "joint_law"),
-    "stepping": ("WIDTH", "law", "flow", "joint_law"),
+    "loads": ("n_lanes", "drag_law", "flow_parts"),
+    "recursion": ("n_lanes", "drag_law", "flow_parts"),
+    "drives": ("n_lanes", "joint_law"),
+    "stepping": ("n_lanes", "drag_law", "flow_parts", "joint_law"),
 }
-"""Templates of the kernels, and what each is specialized for; see `laticauda.compiling.templates`."""
+"""Templates of the kernels in the order of their loading, and the names that each is loaded anew for.
+
+While a template is loaded, its `bindings` hold the values of these names (`specialize`) and the
+templates before it; see `laticauda.compiling.templates`."""
+LOGGED_OF_FIN = (rows.ANGLE, rows.RATE, rows.REFERENCE, rows.TORQUE)
+"""Rows of a joint in the order of `Samples.fin`."""
 
 
 def specialize(
@@ -54,12 +59,12 @@ def specialize(
     Returns:
         The module `laticauda.models.planar.stepping`, compiled for these arguments on first call.
     """
-    own = None if joints is None else joints.own
+    own_joint_law = None if joints is None else joints.own
     names = {
-        "WIDTH": width,
-        "law": (law or PolynomialDrag()).formula,
-        "joint_law": own,
-        "flow": flow,
+        "n_lanes": width,
+        "drag_law": (law or PolynomialDrag()).formula,
+        "joint_law": own_joint_law,
+        "flow_parts": flow,
     }
     return specialized("laticauda.models.planar", TEMPLATES, names, target)
 
@@ -110,20 +115,15 @@ class PlanarPlant(Plant[Planar]):
     @cached_property
     def _envelope(self) -> np.ndarray:
         """Rows of the envelope of the body's joints."""
-        a = self.layout
-        return (
-            rows.HEADER_ROWS
-            + np.arange(a.tail_link + 1, a.n_bodies) * rows.BODY_ROWS
-            + rows.ENVELOPE
-        )
+        bodies = np.arange(self.layout.tail_link + 1, self.layout.n_bodies)
+        return rows.HEADER_ROWS + bodies * rows.BODY_ROWS + rows.ENVELOPE
 
     @cached_property
     def _state(self) -> np.ndarray:
         """Rows that make up a state vector."""
+        header = rows.TIME + np.arange(rows.LOG_STATE)
         joints = rows.HEADER_ROWS + np.arange(1, self.layout.n_bodies) * rows.BODY_ROWS
-        return np.concatenate(
-            (rows.TIME + np.arange(rows.LOG_STATE), joints + rows.ANGLE, joints + rows.RATE)
-        )
+        return np.concatenate((header, *(joints + row for row in rows.STATE_OF_JOINT)))
 
     @cached_property
     def _kernels(self) -> Any:
@@ -151,7 +151,7 @@ class PlanarPlant(Plant[Planar]):
         values[_at(rows.VX)] = start.velocity * math.cos(start.heading)
         values[_at(rows.VY)] = start.velocity * math.sin(start.heading)
         values[self.generator[0]] = yaw
-        values[_at(rows.FIN_PHASE) : _at(rows.FIN_PHASE) + 5] = fin[:5]
+        values[self.generator[1]] = [getattr(fin, name) for name in rows.FIN_WAVE]
         return PlantState(values=np.array(values))
 
     def observe(self, state: PlantState) -> Observation:
@@ -249,24 +249,32 @@ class PlanarPlant(Plant[Planar]):
         if self.flow.kinds:
             still_water = replace(self.environment, current=(0.0, 0.0))
             return replace(self, environment=still_water).towing_load(speed, angle)
-        a = self.layout
-        S = a.template.copy()
+        layout = self.layout
+        S = layout.template.copy()
         S[rows.VX] = S[rows.CURRENT_X] + speed * math.cos(angle)
         S[rows.VY] = S[rows.CURRENT_Y] - speed * math.sin(angle)
-        locked = np.zeros(a.n_bodies, dtype=bool)
+        no_joint_is_free = np.zeros(layout.n_bodies, dtype=bool)
         self._kernels.evaluate(
-            S, a.n_bodies, a.first_strip, a.first_plate, locked, a.tail_link, a.has_extras
+            S,
+            layout.n_bodies,
+            layout.first_strip,
+            layout.first_plate,
+            no_joint_is_free,
+            layout.tail_link,
+            layout.has_extras,
         )
         bodies = self._bodies_of(S)
         # The load on all bodies, about the tail end.
         moment, along, across = (-bodies[0, [rows.P0, rows.P1, rows.P2]]).tolist()
         length = bodies[:, rows.LENGTH]
-        middle = float(np.sum(length[: a.tail_link]) + 0.5 * np.sum(length[a.tail_link :]))
+        length_of_fin = np.sum(length[: layout.tail_link])
+        length_of_links = np.sum(length[layout.tail_link :])
+        middle = float(length_of_fin + 0.5 * length_of_links)
         return along, across, moment - middle * across
 
     @property
     def _size(self) -> int:
-        return rows.LOG_STATE + 2 * (self.layout.n_bodies - 1)
+        return self.layout.state_size
 
     def stopping(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """Return pairs of drag slopes [kg/s] and masses [kg] of the elements, first across them, then along them."""
@@ -298,7 +306,7 @@ class PlanarPlant(Plant[Planar]):
     def _run(
         self, state: PlantState, command: Command, n_intervals: int, every: int, dt: float
     ) -> tuple[np.ndarray, np.ndarray]:
-        raw = np.empty((1 + n_intervals, rows.LOG_STATE + 4 * (self.layout.n_bodies - 1), 1))
+        raw = np.empty((1 + n_intervals, self.layout.sample_size, 1))
         S = self.rows(state, command)
         n_written = self._kernels.run(
             S, *self.layout.chain, self.is_implicit, n_intervals * every, dt, every, raw
@@ -309,38 +317,38 @@ class PlanarPlant(Plant[Planar]):
         return samples[-1, : self._size].copy(), samples
 
     def _sample_of(self, state: PlantState, command: Command) -> np.ndarray:
-        raw = np.empty((1, rows.LOG_STATE + 4 * (self.layout.n_bodies - 1), 1))
-        self._kernels.run(
-            self.rows(state, command), *self.layout.chain, self.is_implicit, 0, 1.0, 1, raw
-        )
+        raw = np.empty((1, self.layout.sample_size, 1))
+        S = self.rows(state, command)
+        n_steps, dt, every = 0, 1.0, 1
+        self._kernels.run(S, *self.layout.chain, self.is_implicit, n_steps, dt, every, raw)
         return np.nan_to_num(raw[:, :, 0], nan=0.0, posinf=0.0, neginf=0.0)
 
     def _link_forces(
         self, state: PlantState, command: Command, samples: np.ndarray, every: int, dt: float
     ) -> np.ndarray:
-        a = self.layout
-        force = np.empty((len(samples), 3, a.n_bodies, 2, 1))
-        self._kernels.link_forces(
-            self.rows(state, command), *a.chain, samples[:, :, np.newaxis], force
-        )
+        layout = self.layout
+        force = np.empty((len(samples), 3, layout.n_bodies, 2, 1))
+        S = self.rows(state, command)
+        self._kernels.link_forces(S, *layout.chain, samples[:, :, np.newaxis], force)
         body = np.moveaxis(force[..., 0], 1, 0)
         # Fin bodies belong to the tail link.
-        body[:, :, a.tail_link] += body[:, :, : a.tail_link].sum(axis=2)
-        return body[:, :, a.tail_link :]
+        body[:, :, layout.tail_link] += body[:, :, : layout.tail_link].sum(axis=2)
+        return body[:, :, layout.tail_link :]
 
     @cached_property
     def _columns(self) -> dict[str, Any]:
         """Columns of a sample for each field of an observation; the fin's joints are omitted."""
-        fin = rows.LOG_STATE + self.layout.tail_link
-        joints = self.layout.n_bodies - 1
+        n_joints = self.layout.n_joints
+        first_angle = rows.LOG_STATE + self.layout.tail_link
+        end_of_angles = rows.LOG_STATE + n_joints
         return {
             "time": _at(rows.TIME),
             "center_of_mass": slice(_at(rows.X), _at(rows.Y) + 1),
             "center_of_mass_velocity": slice(_at(rows.VX), _at(rows.VY) + 1),
             "heading": _at(rows.HEADING),
             "heading_rate": _at(rows.HEADING_RATE),
-            "joint_angle": slice(fin, rows.LOG_STATE + joints),
-            "joint_rate": slice(fin + joints, rows.LOG_STATE + 2 * joints),
+            "joint_angle": slice(first_angle, end_of_angles),
+            "joint_rate": slice(first_angle + n_joints, end_of_angles + n_joints),
         }
 
     def _fields_of(self, samples: np.ndarray) -> dict[str, np.ndarray]:
@@ -350,16 +358,21 @@ class PlanarPlant(Plant[Planar]):
 
     def _samples(self, samples: np.ndarray) -> Samples:
         tail = self.layout.tail_link
-        joints = self.layout.n_bodies - 1
+        fin_joints = [tail - joint - 1 for joint in self.robot.fin_joints]
         fields = self._fields_of(samples)
-        columns = np.moveaxis(samples[:, rows.LOG_STATE :].reshape(len(samples), 4, joints), 1, 0)
+        n_logged = len(rows.LOGGED_OF_JOINT)
+        of_joints = samples[:, rows.LOG_STATE :].reshape(
+            len(samples), n_logged, self.layout.n_joints
+        )
+        columns = np.moveaxis(of_joints, 1, 0)
+        logged = dict(zip(rows.LOGGED_OF_JOINT, columns, strict=True))
         return Samples(
             observed=fields | {"link_angle": _links(fields["heading"], fields["joint_angle"])},
-            reference=columns[2, :, tail:],
+            reference=logged[rows.REFERENCE][:, tail:],
             offset=samples[:, _at(rows.OFFSET_NOW), np.newaxis],
-            torque=columns[3, :, tail:],
-            work=samples[:, _at(rows.WORK_ABSOLUTE) :][:, :4],
-            fin=tuple(columns[:, :, [tail - k - 1 for k in self.robot.fin_joints]]),
+            torque=logged[rows.TORQUE][:, tail:],
+            work=samples[:, _at(rows.WORK_ABSOLUTE) :][:, : rows.N_WORKS],
+            fin=tuple(logged[row][:, fin_joints] for row in LOGGED_OF_FIN),
             signals={},
         )
 

@@ -8,8 +8,12 @@ passes on what remains after the joint has yielded. Body 0, the tail-most, float
 is the final 3x3 solve. With all joints prescribed this is exactly the model with three degrees of
 freedom.
 
-A template (see `templates`). `S` is the flat array of `rows`; `n` the number of bodies. No function
-allocates.
+`S` is the flat array of `rows`; `n` the number of bodies; `b` the first row of a body's record, `j`
+that of the body on the head side of a joint. Functions with the argument `keep_all` also store what
+belongs to single bodies: articulated inertias and all accelerations, which only torques and logs
+need. No function allocates.
+
+A template (see `templates`), loaded anew for every specialization of `loads`.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -25,14 +29,15 @@ loads = bindings(__name__)["loads"]
 
 
 @kernel
-def accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, whole):
-    """Compute the accelerations of base and free joints for the state in S; `whole`: also those of all bodies."""
+def accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, keep_all):
+    """Compute the accelerations of base and free joints for the state in S."""
     velocities(S, n)
     loads.water_around(S, n, first_strip, first_plate, tail_link, has_extras)
     if has_extras:
         loads.extra_loads(S, n, first_strip, first_plate, tail_link)
-    floating_base(S, inward(S, n, is_free, whole))
-    outward(S, n, is_free, whole)
+    articulated = inward(S, n, is_free, keep_all)
+    floating_base(S, articulated)
+    outward(S, n, is_free, keep_all)
 
 
 @kernel
@@ -73,17 +78,17 @@ def velocities(S, n):
 
 
 @kernel
-def inward(S, n, is_free, whole):
+def inward(S, n, is_free, keep_all):
     """Return articulated inertia and bias force of body 0, accumulated from the head; store what `outward` needs."""
     b = HEADER_ROWS + (n - 1) * BODY_ROWS
     carried = of_body(S, b)
     for i in range(n - 2, -1, -1):
-        if whole:
+        if keep_all:
             keep_articulated(S, b, carried)
         carried = through_joint(S, b, is_free[i + 1], carried)
         b -= BODY_ROWS
         carried = plus(of_body(S, b), carried)
-    if whole:
+    if keep_all:
         keep_articulated(S, b, carried)
     return carried
 
@@ -116,8 +121,8 @@ def plus(own, carried):
 def keep_articulated(S, b, articulated):
     """Store the rotation row of a body's articulated inertia, and its bias force."""
     a00, a01, a02, _, _, _, p0, p1, p2 = articulated
-    for k, one in enumerate((a00, a01, a02, p0, p1, p2)):
-        S[b + A00 + k] = one
+    for k, number in enumerate((a00, a01, a02, p0, p1, p2)):
+        S[b + A00 + k] = number
 
 
 @kernel
@@ -173,14 +178,13 @@ def through_joint(S, j, joint_is_free, articulated):
     b02 = a02 + arm_x * a12 + arm_y * a22
     b00 = w0 + arm_x * b01 + arm_y * b02
     swing = S[j + REFERENCE_2]
-    if (
-        joint_is_free
-    ):  # a rank-1 correction for its yielding, applied last because it waits for the division
+    if joint_is_free:
+        # A rank-1 correction for its yielding, applied last because it waits for the division.
         give = 1.0 / (a00 + S[j + IMPLICIT])
         swing = (S[j + TOTAL_TORQUE] - p0) * give
         g0, g1, g2 = w0 * give, a01 * give, a02 * give
-        for k, one in enumerate((swing, g0, g1, g2)):
-            S[j + SWING + k] = one
+        for k, number in enumerate((swing, g0, g1, g2)):
+            S[j + SWING + k] = number
         b00, b01, b02 = b00 - w0 * g0, b01 - w0 * g1, b02 - w0 * g2
         a11, a12, a22 = a11 - a01 * g1, a12 - a01 * g2, a22 - a02 * g2
     p0 += arm_x * p1 + arm_y * p2
@@ -203,8 +207,8 @@ def floating_base(S, articulated):
 
 
 @kernel
-def outward(S, n, is_free, whole):
-    """Compute accelerations of heading, center of mass and free joints; `whole`: those of all bodies and joints."""
+def outward(S, n, is_free, keep_all):
+    """Compute accelerations of heading, center of mass and free joints, from that of body 0 to the head."""
     H = HEADER_ROWS
     spin, qx, qy = S[H + LINK_ACCELERATION], S[H + QX], S[H + QY]
     heading, ax, ay = spin, 0.0, 0.0
@@ -222,7 +226,7 @@ def outward(S, n, is_free, whole):
             qy += pull_y + turn * S[a + COS]
             spin += swing
             heading += S[b + HEADING_SHARE] * swing
-            if whole:
+            if keep_all:
                 S[b + ACCELERATION] = swing
                 S[b + LINK_ACCELERATION] = spin
                 S[b + QX] = qx

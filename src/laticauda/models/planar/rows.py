@@ -1,9 +1,13 @@
-"""Positions of all numbers of a planar run in the single flat array that the kernels work on.
+"""Names of all numbers of a planar run: their places in the one flat array that the kernels work on.
 
 The array is a list of *rows*; a row holds one number per lane, one lane per trial, and ``S[q]`` is
 row `q` of all lanes (see `lanes`). First come the header rows, then one record of ``BODY_ROWS``
 rows per body (tail first), then one record of ``STRIP_ROWS`` rows per fin strip and one of
 ``PLATE_ROWS`` rows per pectoral fin, then the numbers of a flow and of a recording, if any.
+
+Rows are handed out in the order of the lines below: a new line moves all rows after it, and needs
+no other change here. Names of the header are rows of the array. Names of a record are counted from
+the record's begin: with `b` the first row of a body, its rate is ``S[b + RATE]``.
 """
 
 from laticauda.motion.gaits import WaveState
@@ -16,169 +20,237 @@ from laticauda.motion.joints import (
 )
 from laticauda.values import MOST_NUMBERS
 
-# --- Header: parameters ---------------------------------------------------------------------------
-(
-    CURRENT_X,  # V_x [m/s]
-    CURRENT_Y,  # V_y [m/s]
-    OWN_VELOCITY,  # 1: added-mass velocity terms use v - V (relative, kirchhoff); 0: only -V (classic)
-    KIRCHHOFF,  # 1: momentum-conserving terms and Munk moment on; 0: off
-    WAKE_MASS,  # m' of the trailing edge [kg/m]; 0: off
-    WAKE_POSITION,  # x of the trailing edge from the tail end of body 0 [m], headward positive
-    ACTIVE_POWER,  # power of the electronics above idle [W]
-    TETHER_DRAG,  # k [kg/m]
-    TETHER_FORCE_X,  # [N]
-    TETHER_FORCE_Y,  # [N]
-    # the commanded gait
-    AMPLITUDE,  # alpha [rad]
-    FREQUENCY,  # omega [rad/s]
-    PHASE_SHIFT,  # delta [rad]
-    OFFSET,  # phi_0 [rad]
-    FIN_AMPLITUDE,  # of a driven fin [rad]
-    FIN_FREQUENCY,  # [rad/s]
-    FIN_OFFSET,  # [rad]
-    FIN_LEAD,  # phase lead over the integral of its frequency [rad]; not filtered
-    BANDWIDTH,  # of the filters on all of these except the last [rad/s]
-    RAMP,  # T of the smooth start [s]; 0: none
-    KNOTS,  # row where a recording of the body's joints begins, after all records; 0: no recording
-    N_KNOTS,  # number of its knots, each with the time, then angle and rate of every joint
-    FLOW,  # row where the numbers of the water's flow begin (`fluid.flow.rows_of`), if it has one
-    HEIGHT,  # height of the body's axis above the mean surface, for the flow [m]
-    # --- Header: state ----------------------------------------------------------------------------
-    TIME,  # [s]
-    TIME_REST,  # accumulated rounding error of TIME (Kahan summation) [s]
-    HEADING,  # mean angle of the body's links [rad]
-    X,  # center of mass [m]
-    Y,
-    HEADING_RATE,  # [rad/s]
-    VX,  # velocity of the center of mass [m/s]
-    VY,
-    PHASE,  # phase of the wave of the body's joints [rad], then the other fields of gaits.reference.WaveState
-) = range(33)
-AMPLITUDE_NOW, FREQUENCY_NOW, PHASE_SHIFT_NOW, OFFSET_NOW, OFFSET_RATE = (
-    PHASE + k for k in (1, 3, 5, 7, 8)
-)
-FIN_PHASE = PHASE + len(WaveState._fields)  # the same for a driven fin, which has no phase shift
-FIN_AMPLITUDE_NOW, FIN_FREQUENCY_NOW, FIN_OFFSET_NOW, FIN_OFFSET_RATE = (
-    FIN_PHASE + k for k in (1, 3, 5, 6)
-)
-(
-    WORK_ABSOLUTE,  # integral of sum |u phi'| [J]
-    WORK_NET,  # integral of sum u phi' [J]
-    WORK_POSITIVE,  # integral of sum max(u phi', 0) [J]
-    WORK_ELECTRICAL,  # integral of the supply power above idle [J]
-    # --- Header: scratch --------------------------------------------------------------------------
-    HEADING_ACCELERATION,
-    AX,
-    AY,
-    POWER_ABSOLUTE,
-    POWER_NET,
-    POWER_POSITIVE,
-    POWER_ELECTRICAL,
-    SIN_PHASE,
-    COS_PHASE,
-    SIN_SHIFT,
-    COS_SHIFT,
-    KNOT,  # last knot of the recording before the current time
-    DECAY,  # decay of the generator's filters over one of its steps
-    WELL,  # 1 until the lane's numbers leave the finite range, then 0
-    SAMPLES,  # number of samples logged until then
-    SAVED,  # six rows: the base's state at the start of a step, from HEADING to VY
-) = range(FIN_OFFSET_RATE + 1, FIN_OFFSET_RATE + 21)
-SLOPES = SAVED + 6  # six rows for each of the six stages of a step: the slopes of the base's state
-TETHER_WATER = (
-    SLOPES + 36
-)  # five rows each: motion of the water at tether and trailing edge, as from WATER_T on
-WAKE_WATER = TETHER_WATER + 5
-LAW = WAKE_WATER + 5  # numbers of the drag law, in the order of its fields
-JOINT_LAW = LAW + MOST_NUMBERS  # numbers of the joint law, if it is user-defined
-HEADER_ROWS = JOINT_LAW + MOST_NUMBERS
 
-# --- The log: the state rows of the header (TIME ... WORK_ELECTRICAL), then four numbers per joint
-LOG_STATE = HEADING_ACCELERATION - TIME
+class _Rows:
+    """Consecutive rows, handed out one after the other.
 
-# --- One record per body, beginning with the joint at the body's tail end -------------------------
+    Args:
+        first: The first of them.
+    """
+
+    def __init__(self, first: int = 0) -> None:
+        self.n = first
+        """Number of rows up to here, which is also the next row."""
+
+    def take(self, count: int = 1) -> int:
+        """Return the next row, or the first one of the next `count` rows."""
+        row = self.n
+        self.n += count
+        return row
+
+
+N_FREEDOMS = 3
+"""Degrees of freedom of the base: heading, x and y of the center of mass."""
+BASE_ROWS = 2 * N_FREEDOMS
+"""Rows of the base's state, HEADING to VY: the degrees of freedom, then their rates."""
+N_STAGES = 6
+"""Slopes that a step can keep, one for each of its stages."""
+
+# --- Motion of the water at a point; only if the water has a flow -----------------------------------
+_water = _Rows()
+CURRENT_T = _water.take()  # velocity of the water there, link axes [m/s]
+CURRENT_N = _water.take()
+CURRENT_T_RATE = _water.take()  # its material acceleration [m/s^2]
+CURRENT_N_RATE = _water.take()
+CURRENT_SPIN = _water.take()  # its rotation [rad/s]
+WATER_ROWS = _water.n
+
+# --- Element: the part of a body, or the strip of a fin, that a drag law acts on ----------------------
+_element = _Rows()
+POSITION_OF = _element.take()  # position of its loads from the tail end of its body [m]
+C_T_OF = _element.take()
+C_N_OF = _element.take()
+LAMBDA_2_OF = _element.take()
+LAMBDA_3_OF = _element.take()
+# its own added mass; this and the following only if the water has a flow [kg]
+MU_T_OF = _element.take()
+MU_N_OF = _element.take()
+DISPLACED_OF = _element.take()  # mass of the displaced water [kg]
+WATER_OF = _element.take(WATER_ROWS)
+ELEMENT_ROWS = _element.n
+
+# --- Header: parameters, which the environment or a command sets --------------------------------------
+_header = _Rows()
+CURRENT_X = _header.take()  # V_x [m/s]
+CURRENT_Y = _header.take()  # V_y [m/s]
+# 1: added-mass velocity terms use v - V (relative, kirchhoff); 0: only -V (classic)
+OWN_VELOCITY = _header.take()
+KIRCHHOFF = _header.take()  # 1: momentum-conserving terms and Munk moment on; 0: off
+WAKE_MASS = _header.take()  # m' of the trailing edge [kg/m]; 0: off
+# x of the trailing edge from the tail end of body 0 [m], headward positive
+WAKE_POSITION = _header.take()
+ACTIVE_POWER = _header.take()  # power of the electronics above idle [W]
+TETHER_DRAG = _header.take()  # k [kg/m]
+TETHER_FORCE_X = _header.take()  # [N]
+TETHER_FORCE_Y = _header.take()  # [N]
+# the commanded gait: the first four are the target of the wave of the body's joints
+AMPLITUDE = _header.take()  # alpha [rad]
+FREQUENCY = _header.take()  # omega [rad/s]
+PHASE_SHIFT = _header.take()  # delta [rad]
+OFFSET = _header.take()  # phi_0 [rad]
+FIN_AMPLITUDE = _header.take()  # of a driven fin [rad]
+FIN_FREQUENCY = _header.take()  # [rad/s]
+FIN_OFFSET = _header.take()  # [rad]
+FIN_LEAD = _header.take()  # phase lead over the integral of its frequency [rad]; not filtered
+BANDWIDTH = _header.take()  # of the filters on all of these except the last [rad/s]
+RAMP = _header.take()  # T of the smooth start [s]; 0: none
+# row where a recording of the body's joints begins, after all records; 0: no recording
+KNOTS = _header.take()
+# number of its knots, each with the time, then angle and rate of every joint
+N_KNOTS = _header.take()
+# row where the numbers of the water's flow begin (`fluid.flow.rows_of`), if it has one
+FLOW = _header.take()
+HEIGHT = _header.take()  # height of the body's axis above the mean surface, for the flow [m]
+
+# --- Header: state, which a step carries on; these rows begin every sample of the log, in this order ---
+TIME = _header.take()  # [s]
+TIME_REST = _header.take()  # accumulated rounding error of TIME (Kahan summation) [s]
+HEADING = _header.take()  # mean angle of the body's links [rad]
+X = _header.take()  # center of mass [m]
+Y = _header.take()
+HEADING_RATE = _header.take()  # [rad/s]
+VX = _header.take()  # velocity of the center of mass [m/s]
+VY = _header.take()
+# wave of the body's joints: the fields of WaveState, its phase first
+PHASE = _header.take(len(WaveState._fields))
+AMPLITUDE_NOW = PHASE + WaveState._fields.index("amplitude")
+FREQUENCY_NOW = PHASE + WaveState._fields.index("frequency")
+PHASE_SHIFT_NOW = PHASE + WaveState._fields.index("phase_shift")
+OFFSET_NOW = PHASE + WaveState._fields.index("offset")
+OFFSET_RATE = PHASE + WaveState._fields.index("offset_rate")
+FIN_WAVE = tuple(name for name in WaveState._fields if not name.startswith("phase_shift"))
+# the same for a driven fin, which has one joint and no phase shift: the fields FIN_WAVE
+FIN_PHASE = _header.take(len(FIN_WAVE))
+FIN_AMPLITUDE_NOW = FIN_PHASE + FIN_WAVE.index("amplitude")
+FIN_FREQUENCY_NOW = FIN_PHASE + FIN_WAVE.index("frequency")
+FIN_OFFSET_NOW = FIN_PHASE + FIN_WAVE.index("offset")
+FIN_OFFSET_RATE = FIN_PHASE + FIN_WAVE.index("offset_rate")
+WORK_ABSOLUTE = _header.take()  # integral of sum |u phi'| [J]
+WORK_NET = _header.take()  # integral of sum u phi' [J]
+WORK_POSITIVE = _header.take()  # integral of sum max(u phi', 0) [J]
+WORK_ELECTRICAL = _header.take()  # integral of the supply power above idle [J]
+LOG_STATE = _header.n - TIME
+"""Number of these rows."""
+N_WORKS = WORK_ELECTRICAL + 1 - WORK_ABSOLUTE
+"""Kinds of work, each with a power."""
+
+# --- Header: scratch, which every stage of a step computes anew ----------------------------------------
+HEADING_ACCELERATION = _header.take()
+AX = _header.take()
+AY = _header.take()
+POWER_ABSOLUTE = _header.take()  # powers when work was counted last, in the order of the works [W]
+POWER_NET = _header.take()
+POWER_POSITIVE = _header.take()
+POWER_ELECTRICAL = _header.take()
+SIN_PHASE = _header.take()
+COS_PHASE = _header.take()
+SIN_SHIFT = _header.take()
+COS_SHIFT = _header.take()
+KNOT = _header.take()  # last knot of the recording before the current time
+DECAY = _header.take()  # decay of the generator's filters over one of its steps
+WELL = _header.take()  # 1 until the lane's numbers leave the finite range, then 0
+SAMPLES = _header.take()  # number of samples logged until then
+SAVED = _header.take(BASE_ROWS)  # the base's state at the start of a step
+SLOPES = _header.take(N_STAGES * BASE_ROWS)  # slopes of the base's state in each stage
+TETHER_WATER = _header.take(WATER_ROWS)  # motion of the water at the tether
+WAKE_WATER = _header.take(WATER_ROWS)  # motion of the water at the trailing edge
+
+# --- Header: numbers of laws ------------------------------------------------------------------------
+LAW = _header.take(MOST_NUMBERS)  # those of the drag law, in the order of its fields
+JOINT_LAW = _header.take(MOST_NUMBERS)  # those of the joint law, if it is user-defined
+HEADER_ROWS = _header.n
+
+# --- One record per body, beginning with the joint at the body's tail end ------------------------------
 ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, JOINT_ROWS = JOINT
-(
-    LENGTH,  # 2l [m]
-    INERTIA,  # I00, rigid plus added, about the tail end [kg m^2]
-    COUPLING,  # m c + sum mu_n x [kg m]
-    CENTRIPETAL,  # m c (+ sum mu_t x in the classic form) [kg m]
-    MASS_T,  # m + sum mu_t [kg]
-    MASS_N,  # m + sum mu_n [kg]
-    MU_T,  # sum mu_t [kg]
-    MU_N,  # sum mu_n [kg]
-    MOMENT_T,  # sum mu_t x [kg m]
-    MOMENT_N,  # sum mu_n x [kg m]
-    MASS_SHARE,  # m / m_t
-    FIRST_MOMENT_SHARE,  # m c / m_t [m]
-    CENTER,  # position of its own loads from its tail end [m]; from here on as in a strip (loads.element_drag)
-    C_T,
-    C_N,
-    LAMBDA_2,
-    LAMBDA_3,
-    OWN_MU_T,  # added mass of this element alone; these and the following only if the water has a flow [kg]
-    OWN_MU_N,
-    DISPLACED,  # mass of the displaced water [kg]
-    WATER_T,  # velocity of the water there, link axes
-    WATER_N,
-    FLOW_T,  # its material acceleration
-    FLOW_N,
-    SPIN,  # its rotation [rad/s]
-    THRUST_T,  # thrusters, in link axes [N]
-    THRUST_N,
-    THRUST_MOMENT,  # about the tail end [N m]
-    HEADING_SHARE,  # share of the body's links on the head side of the joint
-    # --- state
-    ANGLE,  # phi
-    RATE,  # phi'
-    # --- scratch
-    REFERENCE,  # phi_ref and its derivatives
-    REFERENCE_1,
-    REFERENCE_2,
-    ACCELERATION,  # phi''
-    TORQUE,  # u: what the actuator delivers [N m]
-    TOTAL_TORQUE,  # free joint: actuator, skin and implicit terms; prescribed joint: the required torque
-    IMPLICIT,  # contribution of the joint law to S^T I S [kg m^2]
-    SLOPE_P,  # -du/dphi, skin included, at the start of a step
-    SLOPE_D,  # -du/dphi'
-    COS,
-    SIN,
-    LINK_RATE,  # theta'
-    UX,  # velocity of the tail end of this body relative to that of body 0
-    UY,
-    PX,  # world position of its tail end; only if the water has a flow
-    PY,
-    V_T,  # velocity of its tail end relative to the water, link axes; over ground if the water has a flow
-    V_N,
-    EXTRA_T,  # loads in addition to the body's own drag, link axes, moment about the tail end
-    EXTRA_N,
-    EXTRA_MOMENT,
-    A00,  # rotation row of the articulated inertia about the joint, world axes (rotation, x, y)
-    A01,
-    A02,
-    P0,  # bias force
-    P1,
-    P2,
-    SWING,  # free joints: phi'' if the body behind did not accelerate
-    GIVE,  # reduction of phi'' per acceleration of the body behind: rotation, then its tail end
-    GIVE_X,
-    GIVE_Y,
-    LINK_ACCELERATION,  # theta''
-    QX,  # acceleration of the tail end of this body
-    QY,
-    SAVED_ANGLE,
-    SAVED_RATE,
-    SLOPE_ANGLE,
-    SLOPE_RATE,
-    BODY_ROWS,
-) = range(JOINT_ROWS, 81)
+_body = _Rows(JOINT_ROWS)
+# parameters: `layout` writes those from LENGTH to CENTER in this order
+LENGTH = _body.take()  # 2l [m]
+INERTIA = _body.take()  # I00, rigid plus added, about the tail end [kg m^2]
+COUPLING = _body.take()  # m c + sum mu_n x [kg m]
+CENTRIPETAL = _body.take()  # m c (+ sum mu_t x in the classic form) [kg m]
+MASS_T = _body.take()  # m + sum mu_t [kg]
+MASS_N = _body.take()  # m + sum mu_n [kg]
+MU_T = _body.take()  # sum mu_t [kg]
+MU_N = _body.take()  # sum mu_n [kg]
+MOMENT_T = _body.take()  # sum mu_t x [kg m]
+MOMENT_N = _body.take()  # sum mu_n x [kg m]
+MASS_SHARE = _body.take()  # m / m_t
+FIRST_MOMENT_SHARE = _body.take()  # m c / m_t [m]
+# the body's own element, its position from the tail end first [m]
+CENTER = _body.take(ELEMENT_ROWS)
+C_T = CENTER + C_T_OF
+DISPLACED = CENTER + DISPLACED_OF
+WATER_T = CENTER + WATER_OF  # motion of the water there
+THRUST_T = _body.take()  # thrusters, in link axes [N]
+THRUST_N = _body.take()
+THRUST_MOMENT = _body.take()  # about the tail end [N m]
+HEADING_SHARE = _body.take()  # share of the body's links on the head side of the joint
+# state
+ANGLE = _body.take()  # phi
+RATE = _body.take()  # phi'
+# scratch
+REFERENCE = _body.take()  # phi_ref and its derivatives
+REFERENCE_1 = _body.take()
+REFERENCE_2 = _body.take()
+ACCELERATION = _body.take()  # phi''
+TORQUE = _body.take()  # u: what the actuator delivers [N m]
+# free joint: actuator, skin and implicit terms; prescribed joint: the required torque
+TOTAL_TORQUE = _body.take()
+IMPLICIT = _body.take()  # contribution of the joint law to S^T I S [kg m^2]
+SLOPE_P = _body.take()  # -du/dphi, skin included, at the start of a step
+SLOPE_D = _body.take()  # -du/dphi'
+COS = _body.take()
+SIN = _body.take()
+LINK_RATE = _body.take()  # theta'
+UX = _body.take()  # velocity of the tail end of this body relative to that of body 0
+UY = _body.take()
+PX = _body.take()  # world position of its tail end; only if the water has a flow
+PY = _body.take()
+# velocity of its tail end relative to the water, link axes; over ground if the water has a flow
+V_T = _body.take()
+V_N = _body.take()
+# loads in addition to the body's own drag, link axes, moment about the tail end
+EXTRA_T = _body.take()
+EXTRA_N = _body.take()
+EXTRA_MOMENT = _body.take()
+# rotation row of the articulated inertia about the joint, world axes (rotation, x, y)
+A00 = _body.take()
+A01 = _body.take()
+A02 = _body.take()
+P0 = _body.take()  # bias force
+P1 = _body.take()
+P2 = _body.take()
+SWING = _body.take()  # free joints: phi'' if the body behind did not accelerate
+# reduction of phi'' per acceleration of the body behind: rotation, then its tail end
+GIVE = _body.take()
+GIVE_X = _body.take()
+GIVE_Y = _body.take()
+LINK_ACCELERATION = _body.take()  # theta''
+QX = _body.take()  # acceleration of the tail end of this body
+QY = _body.take()
+# state of the joint at the start of a step, and the slope of its first stage
+SAVED_ANGLE = _body.take()
+SAVED_RATE = _body.take()
+SLOPE_ANGLE = _body.take()
+SLOPE_RATE = _body.take()
+BODY_ROWS = _body.n
 
-# --- One record per fin strip: the rows of an element, from CENTER on -----------------------------
-(MU_T_OF, MU_N_OF, DISPLACED_OF, WATER_OF) = (
-    row - CENTER for row in (OWN_MU_T, OWN_MU_N, DISPLACED, WATER_T)
-)
-(STRIP_POSITION, STRIP_LAMBDA_3, STRIP_DISPLACED, STRIP_ROWS) = (0, 4, 7, 13)
+# --- One record per fin strip, which is an element ------------------------------------------------------
+STRIP_ROWS = ELEMENT_ROWS
 
-# --- One record per pectoral fin: its position from the tail end of its body [m], five numbers of
-# fluid.laws.plate, and the water's motion there, as from WATER_T on
-(PLATE_X, PLATE_Y, PLATE_ANGLE, PLATE_LAW, PLATE_WATER, PLATE_ROWS) = (*range(4), 8, 13)
+# --- One record per pectoral fin ------------------------------------------------------------------------
+_plate = _Rows()
+PLATE_X = _plate.take()  # its position from the tail end of its body [m]
+PLATE_Y = _plate.take()
+PLATE_ANGLE = _plate.take()
+PLATE_LAW = _plate.take(5)  # the numbers of fluid.laws.plate that follow the velocities
+PLATE_WATER = _plate.take(WATER_ROWS)  # motion of the water there
+PLATE_ROWS = _plate.n
+
+# --- The log ---------------------------------------------------------------------------------------------
+STATE_OF_JOINT = (ANGLE, RATE)
+"""Rows of a body that are the state of its joint."""
+LOGGED_OF_JOINT = (*STATE_OF_JOINT, REFERENCE, TORQUE)
+"""Rows of a body that are logged: a sample holds the header's state, then the first of these of all joints, and so on.
+
+A state vector is the begin of a sample, up to the state of the joints."""

@@ -65,9 +65,8 @@ class School(school.School[PlanarPlant]):
         values = self._lanes[block, :, lane]
         end = rows.HEADER_ROWS + self.plant.layout.n_bodies * rows.BODY_ROWS
         bodies = values[rows.HEADER_ROWS : end].reshape(-1, rows.BODY_ROWS)
-        angles = bodies[1:, rows.ANGLE]
-        rates = bodies[1:, rows.RATE]
-        return PlantState(values=np.concatenate((values[STATE], angles, rates)))
+        joints = [bodies[1:, row] for row in rows.STATE_OF_JOINT]
+        return PlantState(values=np.concatenate((values[STATE], *joints)))
 
     def _restart(
         self,
@@ -107,8 +106,10 @@ class School(school.School[PlanarPlant]):
         in_blocks = commands_of_lanes.reshape(len(gaits), -1, self._width)
         self._lanes[:, COMMAND] = in_blocks.transpose(1, 0, 2)
         n_steps = self.plant.steps_in(duration)
-        self._apply_to_shares(lambda blocks: self._run(blocks, n_steps, duration / n_steps))
-        return self._of_each(self._lanes[:, rows.WELL : rows.WELL + 1])[0] > 0.0
+        dt = duration / n_steps
+        self._apply_to_shares(lambda blocks: self._run(blocks, n_steps, dt))
+        well = self._of_each(self._lanes[:, rows.WELL : rows.WELL + 1])[0]
+        return well > 0.0
 
     def _run(self, blocks: np.ndarray, n_steps: int, dt: float) -> None:
         # The kernel's log is not used: the lanes hold all that is needed.

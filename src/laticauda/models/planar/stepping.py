@@ -1,13 +1,22 @@
-"""Integrate a planar run in time with two fixed-step methods.
+"""Integrate a planar run in time with one of two fixed-step methods, which `implicit` chooses.
 
-- Prescribed joints: Butcher's Runge-Kutta method of order 5 for the three remaining degrees of
-  freedom. Its six stages lie at quarters of the step, so the reference is needed only four times
-  per step; at an error of 1e-6 it takes three quarters of the evaluations of the classic method of
-  order 4.
-- Any free joint (pd, servo, hinge): ROS2, of order 2 and linearly implicit
-  (`laticauda.models.dynamics.stages`).
+- False, all joints prescribed: RK5, Butcher's Runge-Kutta method of order 5 for the three remaining
+  degrees of freedom. Its six stages lie at quarters of the step, so the reference is needed only
+  four times per step; at an error of 1e-6 it takes three quarters of the evaluations of the classic
+  method of order 4.
+- True, any joint free (pd, servo, hinge): ROS2, of order 2 and linearly implicit
+  (`laticauda.models.dynamics.stages`), with two stages: at the begin and at the end of the step.
 
-A template (see `templates`); Python calls its entry points.
+Two shares of dt belong to a method: that of a step of the reference generator, and that between two
+moments at which work is counted. `generator_step_of` and `work_step_of` define them; no other place
+does.
+
+`run` is the loop. `S` is the flat array of `rows`; the arguments from `n` to `has_extras` are the shape
+of the chain of bodies (`layout.Layout`).
+
+A template (see `templates`): this file is loaded anew for every drag law, joint law, kind of flow and
+number of lanes. `bindings` holds those of this loading and the templates loaded before it, under the
+names that `model.TEMPLATES` lists. Python calls its entry points.
 """
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
@@ -21,13 +30,24 @@ from laticauda.models.dynamics import stages
 from laticauda.models.dynamics.stages import FARTHEST, GAMMA, STRONGEST
 from laticauda.models.planar.rows import *
 
-_names = bindings(__name__)
-rows_of = lane_types.rows_of(_names["WIDTH"])
-loads, recursion, drives = _names["loads"], _names["recursion"], _names["drives"]
+_specialization = bindings(__name__)
+rows_of = lane_types.rows_of(_specialization["n_lanes"])
+loads = _specialization["loads"]
+recursion = _specialization["recursion"]
+drives = _specialization["drives"]
 
 combined = compile_scalar(stages.combined)
-BASE_ROWS = 6
-"""Rows of the three degrees of freedom and their rates: HEADING ... VY are contiguous."""
+RK5 = False
+ROS2 = True
+"""Values of `implicit`."""
+QUARTER = 0.25
+"""Share of a step of RK5 between two moments at which its stages lie."""
+HALF = 0.5
+"""Share of a step of RK5 after which work is counted, too."""
+SAME_TIME = 1
+"""Row of `WEIGHTS` that leads to a stage at the same time as the one before."""
+MIDDLE = 2
+"""Row of `WEIGHTS` that leads to the middle of the step."""
 WEIGHTS = (
     (1 / 4, 0.0, 0.0, 0.0, 0.0, 0.0),
     (1 / 8, 1 / 8, 0.0, 0.0, 0.0, 0.0),
@@ -36,7 +56,7 @@ WEIGHTS = (
     (-3 / 7, 2 / 7, 12 / 7, -12 / 7, 8 / 7, 0.0),
     (7 / 90, 0.0, 32 / 90, 12 / 90, 32 / 90, 7 / 90),
 )
-"""Weights of the slopes for each further stage, and for the end (J. C. Butcher, J. Aust. Math. Soc. 4, 1964)."""
+"""Weights of the slopes that lead to each further stage, and to the end (Butcher, J. Aust. Math. Soc. 4, 1964)."""
 
 
 @entry
@@ -45,38 +65,41 @@ def run(
 ):
     """Advance the lanes in `flat` by `steps` steps of `dt`; log every `every`-th step, including the first and last.
 
-    `log` has shape (1 + steps // every, LOG_STATE + 4 joints, lanes); with fewer rows, only the
-    first ones are logged. A lane whose numbers leave the finite range stops counting its SAMPLES at
+    `log` has shape (1 + steps // every, numbers of a sample, lanes); with fewer rows, only the first
+    numbers of each sample are logged. A lane whose numbers leave the finite range stops counting its SAMPLES at
     that point; the others are unaffected. Returns the largest number of samples that any lane
     counted.
     """
     S = rows_of(flat)
     is_free = free_joints(law)
-    drives.set_decay(S, dt if implicit else 0.25 * dt)
+    is_mixed = implicit and any_prescribed(law, n)
+    drives.set_decay(S, generator_step_of(implicit, dt))
     drives.set_reference(S, n, law, tail_link)
-    two_ways = implicit and any_prescribed(law, n)
     S[WELL] = 1.0
     S[SAMPLES] = 0.0
     written = 0
     for step in range(steps + 1):
+        # The state: its accelerations and torques, and the work up to it.
         if implicit:
-            drives.joint_torques(S, n, law, 0.0 if two_ways else GAMMA * dt)
+            # Without implicit terms if joints are mixed: the torques that hold the prescribed ones
+            # follow from accelerations, which must then be those of the state itself.
+            drives.joint_torques(S, n, law, 0.0 if is_mixed else GAMMA * dt)
         recursion.accelerations(
             S, n, first_strip, first_plate, is_free, tail_link, has_extras, True
         )
         recursion.holding_torques(S, n, is_free)
-        drives.count_work(S, n, law, 0.0 if step == 0 else dt if implicit else 0.5 * dt)
+        drives.count_work(S, n, law, 0.0 if step == 0 else work_step_of(implicit, dt))
         if step % every == 0:
             write_sample(S, n, rows_of(log[step // every]), log.shape[1])
-            S[WELL] = where(finite(S, n), S[WELL], 0.0)
+            S[WELL] = where(is_within_bounds(S, n), S[WELL], 0.0)
             if not any_lane(S[WELL].real > 0.0):
                 break
             S[SAMPLES] += S[WELL]
             written += 1
         if step == steps:
             break
-        if two_ways:
-            # The torques above follow from accelerations, which must not include implicit terms.
+        # The step; its first stage is the state, but for the implicit terms left out above.
+        if is_mixed:
             drives.joint_torques(S, n, law, GAMMA * dt)
             recursion.accelerations(
                 S, n, first_strip, first_plate, is_free, tail_link, has_extras, False
@@ -86,6 +109,18 @@ def run(
         else:
             finish_rk5(S, n, first_strip, first_plate, law, is_free, tail_link, has_extras, dt)
     return written
+
+
+@kernel
+def generator_step_of(implicit, dt):
+    """Return the step of the reference generator: ROS2 needs the reference at the end of its step, RK5 at quarters."""
+    return dt if implicit else QUARTER * dt
+
+
+@kernel
+def work_step_of(implicit, dt):
+    """Return the time between two moments at which work is counted: once a step with ROS2, twice with RK5."""
+    return dt if implicit else HALF * dt
 
 
 @entry
@@ -134,27 +169,28 @@ def finish_rk5(S, n, first_strip, first_plate, law, is_free, tail_link, has_extr
     """Run stages 2 to 6, at 1/4, 1/4, 1/2, 3/4 and 1 of the step; S already holds the first stage's accelerations."""
     for r in range(BASE_ROWS):
         S[SAVED + r] = S[HEADING + r]
-    for stage in range(5):
+    for stage in range(N_STAGES - 1):
         keep_slope(S, stage)
         step_ahead(S, dt, WEIGHTS[stage], stage + 1)
-        if stage != 1:
-            drives.advance_reference(S, n, law, tail_link, 0.25 * dt)
+        if stage != SAME_TIME:
+            drives.advance_reference(S, n, law, tail_link, generator_step_of(RK5, dt))
         recursion.accelerations(
-            S, n, first_strip, first_plate, is_free, tail_link, has_extras, stage == 2
+            S, n, first_strip, first_plate, is_free, tail_link, has_extras, stage == MIDDLE
         )
-        if stage == 2:  # the midpoint of the step, where work is counted
+        if stage == MIDDLE:
             recursion.holding_torques(S, n, is_free)
-            drives.count_work(S, n, law, 0.5 * dt)
-    keep_slope(S, 5)
-    step_ahead(S, dt, WEIGHTS[5], 6)
+            drives.count_work(S, n, law, work_step_of(RK5, dt))
+    keep_slope(S, N_STAGES - 1)
+    step_ahead(S, dt, WEIGHTS[N_STAGES - 1], N_STAGES)
 
 
 @kernel
 def keep_slope(S, stage):
     """Store the slope of the base's state at this stage."""
-    for r in range(3):
-        S[SLOPES + BASE_ROWS * stage + r] = S[HEADING_RATE + r]
-        S[SLOPES + BASE_ROWS * stage + 3 + r] = S[HEADING_ACCELERATION + r]
+    slope = SLOPES + BASE_ROWS * stage
+    for r in range(N_FREEDOMS):
+        S[slope + r] = S[HEADING_RATE + r]
+        S[slope + N_FREEDOMS + r] = S[HEADING_ACCELERATION + r]
 
 
 @kernel
@@ -172,21 +208,27 @@ def finish_ros2(S, n, first_strip, first_plate, law, is_free, tail_link, has_ext
     """Finish the step, y + h (3/2 k1 + 1/2 k2); S already holds the accelerations of k1."""
     gamma_dt = GAMMA * dt
     keep_first_slope(S, n, is_free, dt, gamma_dt)
-    drives.advance_reference(S, n, law, tail_link, dt)
+    drives.advance_reference(S, n, law, tail_link, generator_step_of(ROS2, dt))
     drives.second_torques(S, n, law, gamma_dt)
     recursion.accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras, False)
-    for r in range(3):
-        first_rate, first = S[SLOPES + r], S[SLOPES + 3 + r]
+    for r in range(N_FREEDOMS):
+        first_rate, first_acceleration = S[SLOPES + r], S[SLOPES + N_FREEDOMS + r]
         slope = combined(
-            S[HEADING_RATE + r], S[HEADING_ACCELERATION + r], first_rate, first, gamma_dt
+            S[HEADING_RATE + r],
+            S[HEADING_ACCELERATION + r],
+            first_rate,
+            first_acceleration,
+            gamma_dt,
         )
         S[HEADING + r] = S[SAVED + r] + dt * slope[0]
-        S[HEADING_RATE + r] = S[SAVED + 3 + r] + dt * slope[1]
+        S[HEADING_RATE + r] = S[SAVED + N_FREEDOMS + r] + dt * slope[1]
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if is_free[i]:
-            first_rate, first = S[b + SLOPE_ANGLE], S[b + SLOPE_RATE]
-            slope = combined(S[b + RATE], S[b + ACCELERATION], first_rate, first, gamma_dt)
+            first_rate, first_acceleration = S[b + SLOPE_ANGLE], S[b + SLOPE_RATE]
+            slope = combined(
+                S[b + RATE], S[b + ACCELERATION], first_rate, first_acceleration, gamma_dt
+            )
             S[b + ANGLE] = S[b + SAVED_ANGLE] + dt * slope[0]
             S[b + RATE] = S[b + SAVED_RATE] + dt * slope[1]
 
@@ -194,13 +236,13 @@ def finish_ros2(S, n, first_strip, first_plate, law, is_free, tail_link, has_ext
 @kernel
 def keep_first_slope(S, n, is_free, dt, gamma_dt):
     """Store y and k1, and move the state to y + h k1."""
-    for r in range(3):
+    for r in range(N_FREEDOMS):
         acceleration = S[HEADING_ACCELERATION + r]
         slope = S[HEADING_RATE + r] + gamma_dt * acceleration
         S[SAVED + r] = S[HEADING + r]
-        S[SAVED + 3 + r] = S[HEADING_RATE + r]
+        S[SAVED + N_FREEDOMS + r] = S[HEADING_RATE + r]
         S[SLOPES + r] = slope
-        S[SLOPES + 3 + r] = acceleration
+        S[SLOPES + N_FREEDOMS + r] = acceleration
         S[HEADING + r] += dt * slope
         S[HEADING_RATE + r] += dt * acceleration
     for i in range(1, n):
@@ -218,13 +260,13 @@ def keep_first_slope(S, n, is_free, dt, gamma_dt):
 
 @kernel
 def write_sample(S, n, sample, n_rows):
-    """Write the header's state rows, then angle, rate, reference and torque of every joint; or the first rows only."""
+    """Write the header's state, then `LOGGED_OF_JOINT` of every joint; or only the first `n_rows` of these numbers."""
     joints = n - 1
     for r in range(min(n_rows, LOG_STATE)):
         sample[r] = S[TIME + r]
     for i in range(joints if n_rows > LOG_STATE else 0):
         b = HEADER_ROWS + (i + 1) * BODY_ROWS
-        for k, row in enumerate((ANGLE, RATE, REFERENCE, TORQUE)):
+        for k, row in enumerate(LOGGED_OF_JOINT):
             sample[LOG_STATE + k * joints + i] = S[b + row]
 
 
@@ -236,12 +278,12 @@ def read_sample(S, n, sample):
         S[TIME + r] = sample[r]
     for i in range(joints):
         b = HEADER_ROWS + (i + 1) * BODY_ROWS
-        S[b + ANGLE] = sample[LOG_STATE + i]
-        S[b + RATE] = sample[LOG_STATE + joints + i]
+        for k, row in enumerate(STATE_OF_JOINT):
+            S[b + row] = sample[LOG_STATE + k * joints + i]
 
 
 @kernel
-def finite(S, n):
+def is_within_bounds(S, n):
     """Return whether positions, rates, joint rates and torques are still plausible for a swimming robot."""
     well = magnitude(S[HEADING]).real < FARTHEST
     for r in range(1, BASE_ROWS):

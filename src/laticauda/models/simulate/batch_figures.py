@@ -186,8 +186,8 @@ def joint_peaks(runs: Sequence[Run], block: Block) -> dict[str, Figure]:
     """
     layout = runs[0].plant.layout
     robots = [run.plant.robot for run in runs]
-    n_joints = layout.n_bodies - 1
-    joints = block.log[:, rows.LOG_STATE :].reshape(block.time.size, 4, n_joints, len(runs))
+    shape = block.time.size, len(rows.LOGGED_OF_JOINT), layout.n_joints, len(runs)
+    joints = block.log[:, rows.LOG_STATE :].reshape(shape)
     if len(robots[0].driven_joints) > robots[0].n_joints:
         # The log holds the joint of a driven fin before the others; here it comes last.
         fin = joints[:, :, layout.tail_link - 1 : layout.tail_link]
@@ -199,8 +199,8 @@ def joint_peaks(runs: Sequence[Run], block: Block) -> dict[str, Figure]:
     with np.errstate(all="ignore"):
         return feasibility.compute_peaks(
             robots,
-            angle=driven[:, 0],
-            rate=driven[:, 1],
-            torque=driven[:, 3],
+            angle=driven[:, rows.LOGGED_OF_JOINT.index(rows.ANGLE)],
+            rate=driven[:, rows.LOGGED_OF_JOINT.index(rows.RATE)],
+            torque=driven[:, rows.LOGGED_OF_JOINT.index(rows.TORQUE)],
             counts=np.stack(is_settled, axis=1),
         )

@@ -1,6 +1,6 @@
 """Joint drives of a robot in MuJoCo: the reference generator, the joint laws, and the work that they do.
 
-The laws are those of the planar model (`gaits.reference`, `joints.laws`). Arrays: X state, C
+`shared` holds the scalar laws that both models call (`dynamics.shared_laws`). Arrays: X state, C
 command, J joints, R reference with its two derivatives, U torques; `rows` defines their layout.
 This is a template (see `templates`).
 """
@@ -10,29 +10,22 @@ This is a template (see `templates`).
 
 import numpy as np
 
-from laticauda.compiling import compile_scalar, kernel
+from laticauda.compiling import kernel
 from laticauda.compiling.formulas import rows_from
 from laticauda.compiling.templates import bindings
-from laticauda.models.dynamics import stages
+from laticauda.models.dynamics.shared_laws import compile_shared_laws
 from laticauda.models.spatial.rows import *
 from laticauda.motion.gaits import reference
 from laticauda.motion.joints import laws
 from laticauda.motion.joints.kernels import actuator_of
 
-advance_wave = compile_scalar(reference.advance_wave)
-advance_time = compile_scalar(reference.advance_time)
-smooth_start = compile_scalar(reference.smooth_start)
-wave_motion = compile_scalar(reference.wave_motion)
-wave_reference = compile_scalar(reference.wave_reference)
-between_knots = compile_scalar(reference.between_knots)
+shared = compile_shared_laws()
 wave_of = rows_from(PHASE, len(reference.WaveState._fields))
-target_of = rows_from(AMPLITUDE, 4)
-joint_powers = compile_scalar(stages.joint_powers)
-motor_power = compile_scalar(laws.motor_power)
+target_of = rows_from(AMPLITUDE, AHEAD - AMPLITUDE)
 _own_law = bindings(__name__)["joint_law"]
 follow_law = actuator_of(_own_law)
 drive_of = rows_from(DRIVE, len(laws.Drive._fields))
-motor_of = rows_from(MOTOR, 5)
+motor_of = rows_from(MOTOR, STALL_POWER + 1 - MOTOR)
 law_numbers = rows_from(JOINT_LAW, 0 if _own_law is None else len(_own_law.fields))
 
 
@@ -44,14 +37,14 @@ def advance_reference(X, C, J, R, dt):
     advance_rows(X[:PITCH], C[:PITCH_COMMAND], w, decay, dt)
     advance_rows(X[SECOND:], C[PITCH_COMMAND:], w, decay, dt)
     advance_rows(X[THIRD:], C[FIN_COMMAND:], w, decay, dt)
-    X[TIME], X[TIME_REST] = advance_time(X[TIME], X[TIME_REST], dt)
+    X[TIME], X[TIME_REST] = shared.advance_time(X[TIME], X[TIME_REST], dt)
     set_reference(X, C, J, R)
 
 
 @kernel
 def advance_rows(X, C, w, decay, dt):
     """Advance one wave, whose rows begin those of X and whose target begins C."""
-    wave = advance_wave(wave_of(X), target_of(C), w, decay, dt)
+    wave = shared.advance_wave(wave_of(X), target_of(C), w, decay, dt)
     for row, value in enumerate(wave):
         X[PHASE + row] = value
 
@@ -59,7 +52,7 @@ def advance_rows(X, C, w, decay, dt):
 @kernel
 def set_reference(X, C, J, R):
     """Set phi_ref of every driven joint and its derivatives, three rows of R; each wave moves its own joints."""
-    ramp = smooth_start(X[TIME], C[RAMP])
+    ramp = shared.smooth_start(X[TIME], C[RAMP])
     set_wave(X[:PITCH], C[:PITCH_COMMAND], C[BANDWIDTH], ramp, YAW_WAVE, J, R)
     set_wave(X[SECOND:], C[PITCH_COMMAND:], C[BANDWIDTH], ramp, PITCH_WAVE, J, R)
     set_wave(X[THIRD:], C[FIN_COMMAND:], C[BANDWIDTH], ramp, FIN_WAVE, J, R)
@@ -83,7 +76,7 @@ def add_recorded(time, C, T, J, R):
     j = 1
     for i in range(J.shape[0]):
         if J[i, WAVE] == YAW_WAVE:
-            recorded = between_knots(time, a[0], b[0], a[j], a[j + 1], b[j], b[j + 1])
+            recorded = shared.between_knots(time, a[0], b[0], a[j], a[j + 1], b[j], b[j + 1])
             for row in range(3):
                 R[row, i] += recorded[row]
             j += 2
@@ -92,12 +85,12 @@ def add_recorded(time, C, T, J, R):
 @kernel
 def set_wave(X, C, w, ramp, wave, J, R):
     """Set the reference of the joints that one wave moves."""
-    motion = wave_motion(wave_of(X), target_of(C), w, ramp)
+    motion = shared.wave_motion(wave_of(X), target_of(C), w, ramp)
     k = 0.0
     for i in range(J.shape[0]):
         if J[i, WAVE] == wave:
             psi = X[PHASE] + k * X[PHASE_SHIFT_NOW] + C[AHEAD]
-            R[0, i], R[1, i], R[2, i] = wave_reference(
+            R[0, i], R[1, i], R[2, i] = shared.wave_reference(
                 np.sin(psi), np.cos(psi), J[i, ENVELOPE], k, motion
             )
             k += 1.0
@@ -120,12 +113,12 @@ def count_work(N, X, C, J, U, P, qvel, dt):
     electrical = C[ACTIVE_POWER]
     for i in range(J.shape[0]):
         rate = qvel[nv + i]
-        magnitude, signed, delivered = joint_powers(U[i], rate)
+        magnitude, signed, delivered = shared.joint_powers(U[i], rate)
         absolute += magnitude
         net += signed
         positive += delivered
         if J[i, STALL_POWER] > 0.0:
-            electrical += motor_power(U[i], rate, *motor_of(J[i]))
+            electrical += shared.motor_power(U[i], rate, *motor_of(J[i]))
     for k, power in enumerate((absolute, net, positive, electrical)):
         X[WORK_ABSOLUTE + k] += 0.5 * dt * (P[k] + power)
         P[k] = power

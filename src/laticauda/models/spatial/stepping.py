@@ -19,7 +19,7 @@ contacts, accelerations); with free joints, the steps are those of the planar mo
 
 import numpy as np
 
-from laticauda.compiling import compile_scalar, entry, kernel
+from laticauda.compiling import entry, kernel
 from laticauda.compiling.templates import bindings
 from laticauda.models.dynamics import stages
 from laticauda.models.dynamics.stages import FARTHEST, GAMMA, STRONGEST
@@ -32,8 +32,7 @@ count_work = _drives.count_work
 advance_reference = _drives.advance_reference
 set_reference = _drives.set_reference
 
-implicit_inertia = compile_scalar(stages.implicit_inertia)
-second_torque = compile_scalar(stages.second_torque)
+shared = _drives.shared
 W_1 = stages.WEIGHTS[0]
 W_2 = stages.WEIGHTS[1]
 HOLD = 1e8
@@ -81,7 +80,7 @@ def set_first_stage(N, qpos, qvel, C, J, R, hold, U, K, gamma_dt):
         slope_d += J[i, DAMPING]
         U[i] = torque
         K[0, i] = slope_p
-        K[1, i] = implicit_inertia(slope_p, slope_d, gamma_dt)
+        K[1, i] = shared.implicit_inertia(slope_p, slope_d, gamma_dt)
         hold[nv + i] = K[1, i]
         hold[total + nv + i] = torque - gamma_dt * slope_p * rate
 
@@ -98,7 +97,7 @@ def set_second_stage(N, qpos, qvel, C, J, R, hold, K, first, slope, gamma_dt):
             continue
         torque, _, _ = drive_joint(C, J, i, qpos[nq + i], qvel[nv + i], R)
         k = nv + i
-        hold[total + k] = second_torque(
+        hold[total + k] = shared.second_torque(
             torque, K[0, i], K[1, i], qvel[k], slope[k], first[k], gamma_dt
         )
 
