@@ -48,10 +48,12 @@ def _table(name: str, allowed: Mapping[str, tuple[str, ...]]) -> list[dict[str, 
     """
     rows: list[dict[str, Any]] = []
     for line, row in read_rows(Path(__file__).with_name(f"{name}.csv"))[1]:
-        for column, words in allowed.items():
-            if row[column] not in words:
-                known = suggest_nearest(row[column], words)
-                raise ValueError(f"{name}.csv, line {line}: no {column} {row[column]!r}{known}")
+        for column, allowed_words in allowed.items():
+            if row[column] not in allowed_words:
+                suggestion = suggest_nearest(row[column], allowed_words)
+                raise ValueError(
+                    f"{name}.csv, line {line}: no {column} {row[column]!r}{suggestion}"
+                )
         rows.append(dict(row))
     return rows
 
@@ -200,9 +202,9 @@ def phase_with(phase: Phase, state: State, next_state: State) -> Phase:
         state: State of the supervisor before.
         next_state: State of the supervisor after.
     """
-    in_table = _BY_STATES.get((phase, state, next_state))
-    if in_table is not None:
-        return in_table
+    next_phase = _BY_STATES.get((phase, state, next_state))
+    if next_phase is not None:
+        return next_phase
     if next_state in ("stopping", "fault"):
         return "stopping"
     return phase

@@ -65,16 +65,16 @@ def measure_longest_silence(run: RecordedRun) -> Measurement | None:
     """
     if not run.references:
         return None
-    begin = run.references[0].time
-    end = run.references[-1].time
+    first_sent_at = run.references[0].time
+    last_sent_at = run.references[-1].time
     ends: list[np.ndarray] = []
     silences: list[np.ndarray] = []
     for answer_times in _answer_times_by_module(run):
-        heard_at = np.concatenate(([begin], answer_times, [end]))
+        heard_at = np.concatenate(([first_sent_at], answer_times, [last_sent_at]))
         ends.append(heard_at[1:])
         silences.append(np.diff(heard_at))
     order = np.argsort(np.concatenate(ends), kind="stable")
-    longest_of_each = np.array([of_module.max() for of_module in silences])
+    longest_of_each = np.array([module_silences.max() for module_silences in silences])
     return Measurement(
         times=np.concatenate(ends)[order],
         values=np.concatenate(silences)[order],
@@ -101,9 +101,11 @@ def measure_time_late(run: RecordedRun) -> Measurement | None:
 
 def _answer_times_by_module(run: RecordedRun) -> list[Float[np.ndarray, " n_answers"]]:
     """Return the times of every module's answers while references were sent [s]."""
-    begin = run.references[0].time
-    end = run.references[-1].time
-    samples = [sample for sample in run.joint_samples if begin <= sample.time <= end]
+    first_sent_at = run.references[0].time
+    last_sent_at = run.references[-1].time
+    samples = [
+        sample for sample in run.joint_samples if first_sent_at <= sample.time <= last_sent_at
+    ]
     times = np.array([sample.time for sample in samples])
     n_modules = run.references[0].angle.size
     angles = np.array([sample.angle for sample in samples]).reshape(len(samples), n_modules)

@@ -64,7 +64,7 @@ class Verdict:
     def reason(self) -> str:
         """What failed, by the largest share of its limit; "" if the run is accepted.
 
-        A recording with holes may make anything look wrong, and is therefore named first.
+        A recording with gaps_in_recording may make anything look wrong, and is therefore named first.
         """
         failed = self._ranked_by_share("WRONG")
         if not failed and self.is_cut:
@@ -72,14 +72,14 @@ class Verdict:
         if not failed:
             return ""
         # Holes that reject the run are named before those that are only noted.
-        holes = [
+        gaps_in_recording = [
             check
             for check in (*failed, *self._ranked_by_share("noted"))
             if check.name in EXPLAINING
         ]
         others = [check for check in failed if check.name not in EXPLAINING]
-        worst = [*holes, *others][0]
-        if not (holes and others):
+        worst = [*gaps_in_recording, *others][0]
+        if not (gaps_in_recording and others):
             return f"The run failed a check: {worst.description}."
         return (
             f"The run failed a check: {worst.description}. "
