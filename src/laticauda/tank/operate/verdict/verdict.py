@@ -64,7 +64,7 @@ class Verdict:
     def reason(self) -> str:
         """What failed, by the largest share of its limit; "" if the run is accepted.
 
-        A recording with gaps_in_recording may make anything look wrong, and is therefore named first.
+        A recording with holes may make anything look wrong, and is therefore named first.
         """
         failed = self._ranked_by_share("WRONG")
         if not failed and self.is_cut:
@@ -72,18 +72,18 @@ class Verdict:
         if not failed:
             return ""
         # Holes that reject the run are named before those that are only noted.
-        gaps_in_recording = [
+        holes = [
             check
             for check in (*failed, *self._ranked_by_share("noted"))
             if check.name in EXPLAINING
         ]
-        others = [check for check in failed if check.name not in EXPLAINING]
-        worst = [*gaps_in_recording, *others][0]
-        if not (gaps_in_recording and others):
+        failed_besides = [check for check in failed if check.name not in EXPLAINING]
+        worst = [*holes, *failed_besides][0]
+        if not (holes and failed_besides):
             return f"The run failed a check: {worst.description}."
         return (
             f"The run failed a check: {worst.description}. "
-            f"This may be why another one failed: {others[0].description}."
+            f"This may be why another one failed: {failed_besides[0].description}."
         )
 
     def summary(self) -> dict[str, Any]:
