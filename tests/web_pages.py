@@ -77,7 +77,7 @@ def by_shell(text: str, folder: Path) -> lc.Scenario:
         line = line.replace("robot.toml", str(folder / "robot.toml"))
     program, name, *words = shlex.split(line.replace("\\\n", " "))
     assert program == "laticauda"
-    return {"swim": Swim, "follow": Follow}[name].read(words, name).chosen
+    return {"swim": Swim, "follow": Follow}[name].read(words, name).scenario_to_run
 
 
 def nameless(scenario: lc.Scenario) -> lc.Scenario:

@@ -63,6 +63,7 @@ if TYPE_CHECKING:
         Start as Start,
     )
     from laticauda.trials.logs import load_trial as load_trial
+    from laticauda.values.errors import InfeasibleWarning as InfeasibleWarning
     from laticauda.values.packaging import __version__ as __version__
     from laticauda.robot import (
         Ground as Ground,
@@ -103,6 +104,7 @@ moved.accept_former_paths()
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
     {
+        "laticauda.values.errors": ["InfeasibleWarning"],
         "laticauda.motion.joints": ["JointLaw", "PD", "Prescribed", "Servo", "SpeedServo"],
         "laticauda.control": [
             "Following",

@@ -27,7 +27,7 @@ def shell(*words: str, **settings: Any) -> subprocess.CompletedProcess[str]:
 def test_the_installed_command_swims():
     done = shell("swim", "--duration", "2")
     assert done.returncode == 0, done.stderr
-    assert "forward velocity" in done.stdout
+    assert "speed   0." in done.stdout
     assert "Traceback" not in done.stderr
 
 
@@ -79,7 +79,8 @@ def test_the_help_of_every_command_fits_a_terminal(run, monkeypatch, words, widt
 
 def test_the_help_names_groups_by_what_they_are_and_lists_single_numbers_last(run):
     groups = re.findall(r"^\W*(\S+) options\W*$", run("sweep --help").out, re.MULTILINE)
-    assert groups == ["names", "scenario", "gait", "water", "polynomial-drag", "planar", "start"]
+    lists = ["names", "scenario", "gait", "water", "total-speed-drag", "planar", "speed-servo"]
+    assert groups == [*lists, "start"]
 
 
 EEL = "--gait eel-like --amplitude-deg 50 --frequency-deg-s 110 --phase-shift-deg 40"

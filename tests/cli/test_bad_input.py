@@ -110,7 +110,7 @@ BAD = {
     # words
     "swim --amplitud-deg 3": "--amplitude-deg deg",
     "swim --trailing-egde none": "--trailing-edge {none,elongated}",
-    "swim extra": "extra: no such file",
+    "swim extra": "there is neither a robot nor a file 'extra'; `laticauda robots` lists them",
     "swimm": "there is no command `swimm`; did you mean `swim`?",
     "": "Expected one of {swim, follow, reproduce, sweep, optimize, identify, design-experiment, view, lab,",
     "--versio": "Unrecognized options: --versio",

@@ -130,7 +130,7 @@ def test_a_library_in_c_is_written_beside_its_header(run, folder):
             "--model must be `planar`: the spatial model needs MuJoCo",
         ),
         (
-            "export fmu --output robot.fmu --inputs references",
+            "export fmu --output robot.fmu --joints prescribed --inputs references",
             "--inputs must be 'gait' for prescribed joints, which cannot jump",
         ),
         (

@@ -152,7 +152,7 @@ def test_a_second_wave_is_there_once_a_number_of_it_is_typed_and_keeps_what_was_
 
 
 def test_every_field_of_water_and_of_its_law_is_an_option_with_its_text(run):
-    text = " ".join(run("swim --help").out.replace("│", " ").split())
+    text = " ".join(run("swim --water paper-lateral --help").out.replace("│", " ").split())
     for kind in (Water, PolynomialDrag):
         for field in fields(kind):
             if field.name not in ("name", "drag"):
@@ -163,5 +163,5 @@ def test_every_field_of_water_and_of_its_law_is_an_option_with_its_text(run):
 def test_the_help_shows_what_a_preset_has(run):
     assert (
         f"(default: {load_water('paper-eel').tangential_friction:g})"
-        in run("swim --gait eel-like --help").out
+        in run("swim --water paper-eel --help").out
     )

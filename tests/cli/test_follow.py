@@ -1,4 +1,5 @@
 import json
+import re
 
 import pytest
 
@@ -10,8 +11,20 @@ def test_follow_prints_how_soon_the_robot_came_to_the_path(run):
         "follow --robot mamba-fin --frequency-deg-s 90 --position 0 1.848 --heading-deg 7.7 --duration 60"
     )
     assert done.status == 0
+    assert re.search(
+        r"^path    reached after [\d.]+ s and [\d.]+ m, to within 0\.1 m$", done.out, re.MULTILINE
+    )
+    assert "tank" not in done.out.lower()  # what was measured straight ahead is no path
+
+
+def test_follow_prints_all_figures_of_the_path_when_asked(run):
+    done = run("follow --robot mamba-fin --frequency-deg-s 90 --duration 30 --all")
     assert "time until the mean error stays within 0.1 m for a cycle" in done.out
     assert "offset at its limit" in done.out
+
+
+def test_follow_says_that_a_path_was_not_reached(run):
+    assert "path    not reached" in run("follow --duration 12").out
 
 
 def test_follow_as_json_has_the_figures_of_path_following(run):
@@ -37,7 +50,7 @@ def test_follow_takes_waypoints_and_the_integral_law(run):
 
 def test_follow_plans_ahead_in_a_current_within_a_power(run):
     done = run(
-        "follow --robot mamba-fin --frequency-deg-s 90 --current 0 0.03 --guidance model-predictive "
+        "follow --robot mamba-fin --parameters paper --frequency-deg-s 90 --current 0 0.03 --guidance model-predictive "
         "--frequency-limits-deg-s 60 120 --power-limit 12 --duration 60 --json"
     )
     assert done.status == 0

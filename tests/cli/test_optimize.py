@@ -46,7 +46,8 @@ def test_what_it_finds_is_what_the_call_finds(run, folder: Path):
         "--vary amplitude-deg=10:60 robot.caudal-fin.length=0.2:0.5 --objective cost-of-transport"
     )
     done = run(
-        f"optimize --robot mamba-fin --gait eel-like {words} {SHORT} --json --joint-rate-limit-deg-s 100"
+        f"optimize --robot mamba-fin --joints prescribed --gait eel-like {words} {SHORT} --json "
+        "--joint-rate-limit-deg-s 100"
     )
     assert done.status == 0
     gait = lc.eel_like(
@@ -139,8 +140,8 @@ def test_bad_input_is_said_in_the_words_of_the_command(run, folder: Path, line: 
 
 
 def test_the_folder_of_another_optimization_is_refused(run):
-    assert run(f"optimize {SHORT}").status == 0
-    done = run(f"optimize {SHORT} --normal-drag 2")
+    assert run(f"optimize --joints prescribed {SHORT}").status == 0
+    done = run(f"optimize --joints prescribed {SHORT} --normal-drag 2")
     assert done.status == 2
     assert (
         "--output must be empty, or hold this optimization, got a with another one: environment.name is"

@@ -14,7 +14,7 @@ from laticauda.water.fluid.laws import PolynomialDrag
 
 PAPER = (
     "swim --robot mamba --gait lateral-undulation --amplitude-deg 30 --frequency-deg-s 130 --phase-shift-deg 40 "
-    "--duration 30"
+    "--duration 30 --water paper-lateral"
 )
 
 
@@ -67,24 +67,94 @@ def test_a_water_with_another_law_says_so_in_its_name(run):
     )
 
 
-def test_without_options_it_is_the_papers_first_trial(run):
-    assert run("swim").out == run(PAPER).out
+def test_without_options_it_is_the_papers_first_trial_with_the_identified_robot(run):
+    named = PAPER.replace("--water paper-lateral", "--parameters mamba-identified")
+    assert run("swim").out == run("swim mamba").out == run(named).out
+
+
+FIRST_SCREEN = """\
+mamba-fin, 30 s, water mamba-identified
+gait lateral-undulation: amplitude 30 deg, frequency 130 deg/s, phase shift 40 deg
+
+speed   0.221 m/s (tank 0.223)
+power   101 W electrical (tank 103)
+joints  can do it: 82 % of angle, speed and torque are used
+
+Two numbers are fitted to the 20 speeds of the paper's Table 1; a gait and fin left out is predicted to 5.4 %.
+The servo's gear of 7:1 is assumed: 3:1 to 9:1 fit as well.
+Tank: Mamba with its fin in the tank, 30 s from rest, the best of a sweep (Table 1 of the paper).
+More: --all prints every figure, --plot run.png draws the run, --json is for programs.
+"""
+
+
+def test_the_first_screen_says_how_fast_for_what_power_and_whether_the_robot_can_do_it(run):
+    assert run("swim mamba-fin").out == FIRST_SCREEN
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        "--tangential-friction 0.3",
+        "--normal-drag=1.75",
+        "--no-linear",
+        "--law polynomial-drag",
+        "--joints prescribed",
+        "--parameters paper",
+        "--water paper-lateral",
+        "--n-links 9",
+    ],
+)
+def test_whoever_names_a_coefficient_or_a_law_starts_from_the_papers_set(run, options):
+    found = json.loads(run(f"swim --duration 0.1 {options} --json").out)
+    assert found["environment"].startswith("paper")
+    assert found["settings"]["joints"] == "prescribed"
+
+
+@pytest.mark.parametrize("options", ["", "--current 0.1 0", "--gait eel-like", "--model spatial"])
+def test_without_a_coefficient_the_robot_is_the_identified_one(run, options):
+    found = json.loads(run(f"swim mamba-fin --duration 0.5 {options} --json").out)
+    assert found["environment"].startswith("mamba-identified")
+    assert found["settings"]["joints"] == "speed-servo"
+
+
+def test_what_the_robot_cannot_do_is_said_with_what_follows(run):
+    text = " ".join(run(f"{PAPER} --robot mamba-fin").out.split())
+    assert "joints cannot do it: joint 2 needs 9.3 N m at 65.1 deg/s; its servo has 2.46" in text
+    assert "But the robot swam this gait in the tank." in text
+    text = " ".join(run("swim --normal-drag 2 --frequency-deg-s 300 --duration 5").out.split())
+    assert "So the robot would swim more slowly than this" in text
+    assert "--joints servo lets them lag" in text
+
+
+def test_a_frequency_may_be_given_in_cycles_per_second(run):
+    in_degrees = run("swim --frequency-deg-s 180 --duration 1").out
+    assert run("swim --frequency-hz 0.5 --duration 1").out == in_degrees
+    assert run("swim --frequency-hz=0.5 --duration 1").out == in_degrees
+    assert run("swim --frequency-hz fast").err == (
+        "laticauda: --frequency-hz must be a number of cycles per second, got 'fast'.\n"
+    )
+
+
+def test_a_robot_goes_by_its_name_alone_and_a_wrong_one_gets_the_right_one(run, folder):
+    assert run("swim mamba-fin --duration 1").out == run("swim --robot mamba-fin --duration 1").out
+    done = run("swim mamba-fni")
+    assert (done.status, done.err) == (
+        2,
+        "laticauda: there is neither a robot nor a file 'mamba-fni'; did you mean `mamba-fin`?\n",
+    )
 
 
 def test_the_table_has_the_measured_speed_beside_the_simulated(run):
-    text = run(PAPER).out
+    text = run(f"{PAPER} --all").out
     assert re.search(r"^forward velocity.* 0\.1476  m/s +0\.1514 +-2\.5 %$", text, re.MULTILINE)
-    assert (
-        "paper-lateral (the paper's for lateral undulation): tangential_friction 0.3, normal_drag 1.75"
-        in text
-    )
+    assert "paper-lateral (as requested): tangential_friction 0.3, normal_drag 1.75" in text
     assert "mean power (mechanical)" in text
     assert "do not compare it with a mechanical one" in text
     assert re.search(r"^share of the linear term in the axial drag +0\.8713$", text, re.MULTILINE)
 
 
 def test_an_electrical_power_is_compared_with_the_measured(run):
-    text = run(f"{PAPER} --joints servo").out
+    text = run(f"{PAPER} --joints servo --all").out
     assert re.search(r"^mean power \(electrical\) .* W +106\.6 +[-+][\d.]+ %$", text, re.MULTILINE)
     assert "do not compare" not in text
 
@@ -101,10 +171,14 @@ def test_a_run_of_another_length_than_the_measured_says_so(run):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ("", "paper-lateral (the paper's for lateral undulation)"),
-        ("--gait eel-like", "paper-eel (the paper's for eel-like motion)"),
+        ("", "mamba-identified (as mamba-identified says)"),
         (
-            "--gait custom --envelope 1 1 1 1 1 1 1 0.5",
+            "--joints prescribed",
+            "paper-lateral (the paper's for lateral undulation)",
+        ),
+        ("--gait eel-like --joints prescribed", "paper-eel (the paper's for eel-like motion)"),
+        (
+            "--joints prescribed --gait custom --envelope 1 1 1 1 1 1 1 0.5",
             "paper-lateral (the paper's for lateral undulation, for lack",
         ),
         ("--water paper-vortex", "paper-vortex (as requested)"),
@@ -119,7 +193,7 @@ def test_a_run_of_another_length_than_the_measured_says_so(run):
     ],
 )
 def test_the_table_says_which_coefficients_and_where_from(run, options, said):
-    assert said in " ".join(run(f"swim --duration 1 {options}").out.split())
+    assert said in " ".join(run(f"swim --duration 1 --all {options}").out.split())
 
 
 def test_every_option_reaches_the_simulation(run):
@@ -199,7 +273,7 @@ def test_a_resumed_run_says_where_its_coefficients_are_from(run):
     run("swim --water paper-vortex --duration 2 --save first.nc")
     assert (
         "paper-vortex (as stored in first.nc): tangential_friction 0.1"
-        in run("swim --resume first.nc --duration 1").out
+        in run("swim --resume first.nc --duration 1 --all").out
     )
 
 
@@ -212,7 +286,7 @@ def test_a_trial_with_a_law_of_its_own_cannot_be_resumed(run):
     assert "cannot be run here: its `my-law` is not defined" in done.err
 
 
-WILD = "swim --dt 0.5 --frequency-deg-s 700 --sample-interval 0.5"
+WILD = "swim --joints prescribed --dt 0.5 --frequency-deg-s 700 --sample-interval 0.5"
 
 
 def test_a_failed_run_ends_with_status_1_its_sentence_and_its_file(run):
@@ -272,7 +346,9 @@ def test_a_parameter_file_gives_the_water_of_the_gait_and_the_trial_keeps_it(
 ):
     (folder / "mine.toml").write_text(MINE)
     envelope = "--envelope 1 1 1 1 1 1 1 1" if gait == "custom" else ""
-    done = run(f"swim --duration 1 --gait {gait} {envelope} --parameters mine.toml --save run.nc")
+    done = run(
+        f"swim --duration 1 --gait {gait} {envelope} --parameters mine.toml --save run.nc --all"
+    )
     assert done.status == 0
     said = "mine, eel_like" if gait == "eel-like" else "mine"
     assert f"water {said} (as mine.toml says): tangential_friction {friction}" in " ".join(
@@ -311,7 +387,7 @@ def test_a_parameter_file_changes_the_robot_and_its_joint_law_unless_a_flag_says
 
 def test_a_preset_of_parameters_goes_by_its_name(run):
     assert "water paper, eel_like (as paper says): tangential_friction 0.17" in " ".join(
-        run("swim --duration 1 --gait eel-like --parameters paper").out.split()
+        run("swim --duration 1 --gait eel-like --parameters paper --all").out.split()
     )
 
 
@@ -416,7 +492,7 @@ def test_a_trial_is_saved_in_the_formats_that_convert_writes(run, folder: Path):
 
 
 def test_what_is_not_available_is_said_in_words_of_the_command(run):
-    text = " ".join(run("swim --duration 5").out.split())
+    text = " ".join(run("swim --joints prescribed --duration 5 --all").out.split())
     assert (
         "Not available: electrical power, total power. The power of the motors is unknown: give --joints"
         in text

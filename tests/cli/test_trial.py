@@ -16,8 +16,8 @@ from laticauda.show.pictures import video, window
 @pytest.fixture
 def stored(run) -> list[str]:
     for name, options in {
-        "bare.nc": "",
-        "fin.nc": "--robot mamba-fin",
+        "bare.nc": "--joints prescribed",
+        "fin.nc": "--robot mamba-fin --joints prescribed",
         "servo.nc": "--joints servo",
     }.items():
         assert run(f"swim {options} --duration 20 --save {name}").status == 0
@@ -25,7 +25,7 @@ def stored(run) -> list[str]:
 
 
 def test_a_stored_trial_is_shown_as_it_was_when_it_swam(run, stored):
-    swam = run("swim --duration 20").out
+    swam = run("swim --joints prescribed --duration 20 --all").out
     shown = run("trial show bare.nc").out
     table = swam[swam.index("simulated") :]
     assert shown.endswith(table)
@@ -35,7 +35,7 @@ def test_a_stored_trial_is_shown_as_it_was_when_it_swam(run, stored):
 def test_a_stored_trial_can_be_read_by_a_program(run, stored):
     swam, shown = (
         json.loads(run(line).out)
-        for line in ("swim --duration 20 --json", "trial show bare.nc --json")
+        for line in ("swim --joints prescribed --duration 20 --json", "trial show bare.nc --json")
     )
     assert shown == swam
 

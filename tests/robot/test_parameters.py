@@ -323,3 +323,13 @@ def test_what_cannot_be_written_is_said(tmp_path: Path):
     with pytest.raises(ValueError, match="`depth` must be a number, as it is for every gait"):
         deep.to_toml()
     assert isinstance(deep.every_gait, Water)
+
+
+def test_numbers_of_a_motor_are_the_robots_own_unless_the_file_says_that_they_are_assumed(tmp_path):
+    path = tmp_path / "assumed.toml"
+    path.write_text(HEAD + WATER + "[actuator]\nstated = false\nstall_torque = 20.0\n")
+    robot = load_parameters(path).robot(load_robot("mamba"), "eel_like")
+    assert not robot.joints[0].actuator.stated
+    assert robot.joints[0].actuator.stall_torque == 20.0
+    path.write_text(HEAD + WATER + "[actuator]\nstall_torque = 20.0\n")
+    assert load_parameters(path).robot(load_robot("chain"), "eel_like").joints[0].actuator.stated

@@ -192,3 +192,22 @@ def test_a_stored_trial_keeps_the_water_that_it_swam_in(tmp_path):
     of_tables = lc.swim("chain", GAIT, 2.0)
     of_tables.save(tmp_path / "tables.nc")
     assert lc.load_trial(tmp_path / "tables.nc").scenario == of_tables.scenario
+
+
+@pytest.mark.parametrize("gait", [LATERAL, EEL])
+def test_parameters_give_a_scenario_its_water_its_robot_and_its_joint_law(gait):
+    found = lc.load_parameters("mamba-identified")
+    for parameters in (found, "mamba-identified"):
+        scenario = lc.build_scenario("mamba-fin", gait, parameters=parameters)
+        assert scenario.environment == found.water(gait.kind)
+        assert scenario.robot == found.robot(lc.load_robot("mamba-fin"), gait.kind)
+        assert scenario.model.joints == found.joints
+    by_hand = lc.build_scenario("mamba-fin", gait, parameters=found, joints="prescribed")
+    assert by_hand.model.joints == lc.Prescribed()
+
+
+def test_parameters_and_an_environment_are_not_given_together():
+    with pytest.raises(ValueError, match="`parameters` must not be given with `environment`: both"):
+        lc.build_scenario("mamba", LATERAL, parameters="paper", environment="paper-eel")
+    with pytest.raises(ValueError, match="`parameters` must be of class Parameters, got float"):
+        lc.build_scenario("mamba", LATERAL, parameters=3.0)  # pyright: ignore

@@ -76,6 +76,19 @@ def test_the_sentence_names_the_joint_what_it_needs_and_what_it_has(trial: lc.Tr
     )
 
 
+def test_a_joint_that_the_water_turns_faster_than_its_motor_is_braked_and_not_beyond_it(
+    trial: lc.Trial,
+):
+    fast = replace(trial, joint_rate=20.0 + 0.0 * trial.joint_rate)
+    braked = replace(fast, joint_torque=-0.5 + 0.0 * trial.joint_torque)
+    driven = replace(fast, joint_torque=0.1 + 0.0 * trial.joint_torque)
+    robot = with_actuators(trial.robot, stall_torque=0.3, no_load_speed=15.0)
+    assert not feasibility.judge_feasibility(robot, braked, trial.period).problems
+    figures = feasibility.judge_feasibility(robot, braked, trial.period).figures
+    assert figures["utilization"] < 1.0
+    assert feasibility.judge_feasibility(robot, driven, trial.period).problems
+
+
 @settings(max_examples=8, deadline=None)
 @given(st.floats(0.2, 1.2), st.floats(1.0, 4.0))
 def test_servos_never_give_more_than_they_have(amplitude: float, frequency: float):

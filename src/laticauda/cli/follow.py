@@ -11,6 +11,7 @@ from typing import Any, Literal
 import laticauda as lc
 from laticauda import control
 from laticauda.cli import command, flags, progress, report, scene
+from laticauda.cli.short_forms import write_out
 from laticauda.cli.swim import ScenarioRun
 from laticauda.models import simulate
 from laticauda.values import BadArgument, fields_of, option, quantity, value_class
@@ -84,9 +85,11 @@ class Follow(ScenarioRun):
         The route is read first, too: on its guidance law depend the class of the command, and the
         controller whose numbers are flags.
         """
+        arguments = write_out(arguments, accepts_file=True)
         names = scene.Names.read(arguments, prog)
         route: Route = flags.parse_command(Route, arguments, prog, known_only=True)
-        scenario, origin = names.resolve_scenario(arguments)
+        named = names.resolve_scenario(arguments)
+        scenario = named.scenario
         command_class = cls
         if route.plans_ahead:
             from laticauda.cli.follow_planned import FollowPlanned  # a guest's command
@@ -95,14 +98,22 @@ class Follow(ScenarioRun):
         if scenario.motion == scenario.gait:  # a file may have a controller
             scenario = _start_beside_path(scenario, route)
         return command_class.read_numbers(
-            scenario, arguments, prog, choice=names, origin=origin, route=route
+            scenario,
+            arguments,
+            prog,
+            choice=names,
+            origin=named.origin,
+            basis=named.basis,
+            route=route,
         )
 
     def run(self) -> command.Outcome:
         """Run, and write the results."""
         trial = self.run_scenario(self.with_controller(self.scenario_to_run))
-        table = report.following_table(trial)
-        return self.write_and_report(trial, self.origin, further_text=f"\n\n{table}")
+        table = ""
+        if self.all:
+            table = f"\n\n{report.following_table(trial)}"
+        return self.write_and_report(trial, self.origin, further_text=table, basis=self.basis)
 
     def with_controller(self, scenario: lc.Scenario) -> lc.Scenario:
         """Return the scenario with the requested controller.

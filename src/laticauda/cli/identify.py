@@ -118,7 +118,7 @@ class Identify(Command):
     """Identify physical parameters with their uncertainty from measured trials.
 
     For example: laticauda identify run-1.nc run-2.nc --parameters water.tangential_friction
-    water.normal_drag=0.5:4 --robot mamba --output tank
+    water.normal_drag=0.5:4 --output tank
 
     The same from one file that holds everything: laticauda identify tank.toml. Writes
     parameters.toml (for the option --parameters of other commands), the report identify.html,

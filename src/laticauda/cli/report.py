@@ -69,7 +69,7 @@ def describe_trial(trial: Trial, origin: str = "") -> str:
     place = "ground" if isinstance(trial.environment, Ground) else "water"
     head = [
         ("robot", trial.robot.words),
-        ("gait", _describe_gait(trial.gait)),
+        ("gait", describe_gait(trial.gait)),
         (place, _describe_environment(trial, origin)),
         ("run", _describe_run(trial)),
     ]
@@ -229,7 +229,8 @@ def _note_on_measurement(measured: MeasuredTrial, trial: Trial) -> str:
     return text
 
 
-def _describe_gait(gait: gaits.Gait | None) -> str:
+def describe_gait(gait: gaits.Gait | None) -> str:
+    """Return the kind of a gait, with the numbers of all its waves."""
     if gait is None:
         return "none"
     parts: list[str] = []

@@ -14,8 +14,16 @@ from typing import Any, NamedTuple, Self, cast
 import laticauda as lc
 from laticauda import robot
 from laticauda.cli.command import Command
-from laticauda.cli.flags import File, Options, ScenarioArgument, parse_command, was_typed
+from laticauda.cli.flags import (
+    File,
+    Options,
+    ScenarioArgument,
+    options_of,
+    parse_command,
+    was_typed,
+)
 from laticauda.cli.laws import find_member, import_law
+from laticauda.cli.short_forms import write_out
 from laticauda.models import simulate
 from laticauda.motion.gaits import FIRST_GAIT
 from laticauda.scenarios import (
@@ -26,9 +34,12 @@ from laticauda.scenarios import (
     load_scenario,
     model_of,
     named_after,
+    preset_water,
 )
 from laticauda.values import BadArgument, fields_of, name_of, option, quantity, value_class
 
+NO_COEFFICIENTS = ("name", "density", "current", "depth")
+"""Options of a water that say where and in what the robot swims, not how it is loaded."""
 IMPORTED_NAMES = ("gait", "law", "joints", "scene")
 """Names that may be MODULE:CLASS, of a class of the user's own, which is imported."""
 COMPILING_TIME = 10
@@ -43,6 +54,8 @@ class NamedScenario(NamedTuple):
     scenario: Scenario
     origin: str
     """Source of the environment, in words."""
+    basis: str = ""
+    """What its numbers rest on, in sentences; "" if that is not known."""
 
 
 @value_class
@@ -97,24 +110,45 @@ class Names(Choice, Options):
             return lc.Custom(values=self.envelope)
         return find_member(lc.Envelope, self.gait.replace("_", "-"), "gait")
 
-    def resolve_scenario(self, arguments: Sequence[str]) -> NamedScenario:
+    def resolve_scenario(
+        self, arguments: Sequence[str], *, accepts_file: bool = True
+    ) -> NamedScenario:
         """Return the scenario that the names stand for.
 
         Args:
-            arguments: What was typed. A file may come first; the names that were typed change its
+            arguments: What was typed.
+            accepts_file: Whether a file may come first; the names that were typed then change its
                 scenario.
         """
-        if arguments and not arguments[0].startswith("-"):
+        if accepts_file and arguments and not arguments[0].startswith("-"):
             return self._scenario_of_file(arguments)
         gait = self.choose_gait()
-        choice = self.with_imports().resolved(gait)
+        names = self.with_imports()
+        if not self._say_coefficients(arguments):
+            names = names.with_identified_parameters()
+        choice = names.resolved(gait)
         scenario = Scenario(
             robot=choice.robot,
             motion=gait,
             environment=self.with_law(choice.environment),
             model=choice.model,
         )
-        return NamedScenario(scenario, choice.origin)
+        return NamedScenario(scenario, choice.origin, choice.basis)
+
+    def _say_coefficients(self, arguments: Sequence[str]) -> bool:
+        """Return whether something is typed whose base are the paper's coefficients, with prescribed joints.
+
+        That is a law, joint angles over time, or a coefficient of the paper's water: as an option, or
+        as one of several numbers that a command varies (`normal-drag=1:2:10`).
+        """
+        if self.law is not None or self.joint_angles is not None:
+            return True
+        varied = [f"--{argument}" for argument in arguments if not argument.startswith("-")]
+        return any(
+            was_typed(field, [*arguments, *varied])
+            for field in options_of(preset_water("paper-lateral"))
+            if field.name not in NO_COEFFICIENTS
+        )
 
     def _scenario_of_file(self, arguments: Sequence[str]) -> NamedScenario:
         """Return the scenario of a file, changed by the names that were typed."""
@@ -264,16 +298,23 @@ class OfScenario(Command):
         "What the names stand for, before single numbers were changed", default=None
     )
     origin: Any = option("Where the environment is from, in words", default="")
+    basis: Any = option("What its numbers rest on, in sentences", default="")
 
     @classmethod
     def read(cls, arguments: Sequence[str], prog: str) -> Any:
         """Return the command that was typed, reading its names first; see `Command.read`."""
+        accepts_file = issubclass(cls, OfScenarioOrFile)
+        arguments = write_out(arguments, accepts_file=accepts_file)
         names = Names.read(arguments, prog)
-        words_with_file: Sequence[str] = ()
-        if issubclass(cls, OfScenarioOrFile):
-            words_with_file = arguments
-        scenario, origin = names.resolve_scenario(words_with_file)
-        return cls.read_numbers(scenario, arguments, prog, choice=names, origin=origin)
+        named = names.resolve_scenario(arguments, accepts_file=accepts_file)
+        return cls.read_numbers(
+            named.scenario,
+            arguments,
+            prog,
+            choice=names,
+            origin=named.origin,
+            basis=named.basis,
+        )
 
     @classmethod
     def read_numbers(

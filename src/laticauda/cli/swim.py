@@ -1,5 +1,6 @@
 """`laticauda swim`: one run of one scenario, its figures, file and picture."""
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -28,9 +29,11 @@ class ScenarioRun(scene.OfScenarioOrFile, Recording):
         if self.save_scenario is not None:
             lc.save_scenario(scenario, self.save_scenario)
         scene.warn_of_compiling(scenario.environment, scenario.model)
-        return lc.swim(
-            scenario, link_forces=self.link_forces, progress=progress.run_bar(scenario.duration)
-        )
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", lc.InfeasibleWarning)  # the first screen says it
+            return lc.swim(
+                scenario, link_forces=self.link_forces, progress=progress.run_bar(scenario.duration)
+            )
 
 
 @value_class
@@ -39,6 +42,8 @@ class Swim(ScenarioRun):
 
     For example: laticauda swim --robot mamba --gait lateral-undulation --amplitude-deg 30
     --frequency-deg-s 130 --phase-shift-deg 40 --duration 30 --save run.nc --plot run.png
+
+    Short: laticauda swim mamba-fin --frequency-hz 0.36
     """
 
     resume: File = option(
@@ -65,7 +70,7 @@ class Swim(ScenarioRun):
             return self._run_together()
         trial = self.run_scenario(self.scenario_to_run)
         if not self.interval:
-            return self.write_and_report(trial, self.origin)
+            return self.write_and_report(trial, self.origin, basis=self.basis)
         varied = simulate.intervals_of(self.scenario_to_run)
         intervals = simulate.figure_intervals(trial, varied)
         table = report.interval_table(trial, intervals, varied)
@@ -74,6 +79,7 @@ class Swim(ScenarioRun):
             self.origin,
             further_text=f"\n\n{table}",
             further_facts={"interval": intervals},
+            basis=self.basis,
         )
 
     def _run_together(self) -> command.Outcome:
@@ -81,13 +87,14 @@ class Swim(ScenarioRun):
         scenarios = [self.scenario_to_run, *map(lc.load_scenario, self.beside)]
         bar = progress.run_bar(self.scenario_to_run.duration)
         trial, *neighbors = lc.swim_together(scenarios, progress=bar)
-        texts = [f"\n\n{report.describe_trial(neighbor)}" for neighbor in neighbors]
+        texts = [f"\n\n{self.describe(neighbor)}" for neighbor in neighbors]
         return self.write_and_report(
             trial,
             self.origin,
             further_text="".join(texts),
             further_facts={"beside": [report.facts_of_trial(neighbor) for neighbor in neighbors]},
             neighbors=neighbors,
+            basis=self.basis,
         )
 
 

@@ -95,6 +95,15 @@ def format_number(value: float | None) -> str:
     return f"{value:.{decimals}f}"
 
 
+def format_digits(value: float, digits: int) -> str:
+    """Format a number with so many significant digits, trailing zeros included; whole numbers have no fewer digits."""
+    if not math.isfinite(value):
+        return MISSING
+    if abs(value) >= 10.0**digits:
+        return f"{value:.0f}"
+    return f"{value:#.{digits}g}".removesuffix(".")
+
+
 def format_percent(value: float | None) -> str:
     """Format a difference in percent, with its sign."""
     if value is None:

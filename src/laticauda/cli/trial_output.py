@@ -7,6 +7,7 @@ from typing import Any
 import laticauda as lc
 from laticauda.cli import report
 from laticauda.cli.command import Command, Outcome
+from laticauda.cli.first_screen import first_screen
 from laticauda.cli.flag_types import PictureOutput, TrialOutput, VideoOutput
 from laticauda.cli.progress import film_bar
 from laticauda.show import figures
@@ -56,6 +57,7 @@ class Recording(Filming):
     plot: PictureOutput = option(
         "Plot path, speed, joint angles and torques to this file (.png, .pdf or .svg)", default=None
     )
+    all: bool = option("Print every figure of the run, not only the first few", default=False)
 
     def write_and_report(
         self,
@@ -65,6 +67,7 @@ class Recording(Filming):
         further_text: str = "",
         further_facts: Mapping[str, Any] | None = None,
         neighbors: Sequence[lc.Trial] = (),
+        basis: str = "",
     ) -> Outcome:
         """Write the requested files, and report the figures.
 
@@ -74,6 +77,7 @@ class Recording(Filming):
             further_text: Text printed below the table.
             further_facts: Additional facts, for JSON.
             neighbors: Trials of other robots in the same scene.
+            basis: What its coefficients rest on, in sentences.
         """
         if self.save is not None:
             _save_trials(Path(self.save), trial, neighbors)
@@ -85,10 +89,22 @@ class Recording(Filming):
             problem = trial.status
         return Outcome(
             facts={**report.facts_of_trial(trial), **(further_facts or {})},
-            text=report.describe_trial(trial, origin) + further_text,
+            text=self.describe(trial, origin, basis) + further_text,
             problem=problem,
             succeeded=trial.succeeded,
         )
+
+    def describe(self, trial: lc.Trial, origin: str = "", basis: str = "") -> str:
+        """Return what is printed of a trial: the first screen, or every figure.
+
+        Args:
+            trial: Trial of the run.
+            origin: Source of its coefficients, in words.
+            basis: What they rest on, in sentences.
+        """
+        if self.all:
+            return report.describe_trial(trial, origin)
+        return first_screen(trial, basis)
 
 
 def _save_trials(path: Path, trial: lc.Trial, neighbors: Sequence[lc.Trial]) -> None:

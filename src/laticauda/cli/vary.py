@@ -25,6 +25,7 @@ ROOTS_LEFT_OUT = ("gait", "water", "ground")
 FORM = "NAME=LOW:HIGH:COUNT or NAME=VALUE,VALUE,... with the unit in the name, such as amplitude-deg=10:50:100"
 RANGE_FORM = "NAME=LOW:HIGH, such as amplitude-deg=10:50"
 SAMPLES_FORM = "NAME=LOW:HIGH with --samples, such as amplitude-deg=10:50"
+RADIANS_PER_CYCLE = 2.0 * math.pi
 MOST_COUNT = 10_000_000
 """Largest number of values of one parameter."""
 
@@ -202,7 +203,8 @@ def _accepted_names(parameter: Parameter) -> dict[str, float]:
     """Return the names under which a parameter may be typed, with what 1 means under each in the SI unit.
 
     They are its name as an option (``amplitude-deg``), its full name in the unit that people type
-    (``gait.amplitude-deg``), and its full name in SI units, as in Python (``gait.amplitude``).
+    (``gait.amplitude-deg``), and its full name in SI units, as in Python (``gait.amplitude``). An
+    angular frequency may also be typed in Hz (``frequency-hz``).
     """
     display = display_unit(parameter.unit)
     full_name = parameter.name.replace("_", "-")
@@ -212,6 +214,8 @@ def _accepted_names(parameter: Parameter) -> dict[str, float]:
         full_name_with_unit: display.in_si_unit,
     }
     factors[full_name] = 1.0
+    if parameter.unit == "rad/s":
+        factors[spell_parameter(parameter).removesuffix("-deg-s") + "-hz"] = RADIANS_PER_CYCLE
     return factors
 
 

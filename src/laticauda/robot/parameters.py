@@ -3,6 +3,7 @@
     kind = "parameters"
     name = "tank-2025"
     title = "our trials in the tank"
+    basis = "C_f is fitted to five glides; all else is from tables."   # shown beside results
     joints = "prescribed"      # the joint law that goes with them: prescribed, pd, servo, speed-servo
 
     [water]                    # for every gait: the fields of `Water` except its name
@@ -101,7 +102,8 @@ def adjust(robot: Robot, adjustments: Adjustments) -> Robot:
     joint_changes = adjustments.get("joint", {})
     actuator_changes = dict(adjustments.get("actuator", {}))
     if actuator_changes:
-        actuator_changes["stated"] = True
+        # Numbers of a motor make it the robot's own, unless the file says that they are assumed.
+        actuator_changes.setdefault("stated", True)
     if joint_changes or actuator_changes:
         # Equal joints stay one object.
         changed_joints = {
@@ -190,6 +192,10 @@ class Parameters:
         "Name used in files and stored trials; the waters are named after it", check=check_label
     )
     title: str = option("Label in legends", check=check_label)
+    basis: str = option(
+        "What the numbers rest on and how far to trust them, in sentences, shown beside results",
+        default="",
+    )
     joints: JointLaw | str | None = option(
         "Joint law they belong to, by name or with parameters", default=None
     )
@@ -247,6 +253,8 @@ class Parameters:
         import tomli_w
 
         table: codec.Table = codec.stamped(KIND, {"name": self.name, "title": self.title})
+        if self.basis:
+            table["basis"] = self.basis
         if self.joints is not None:
             table["joints"] = codec.encode(self.joints, JointLaw)
         water = {
@@ -302,7 +310,7 @@ def load_parameters(name_or_path: str | Path) -> Parameters:
 
 def _parameters(table: codec.Table) -> Parameters:
     codec.take_kind(table, KIND)
-    codec.check_keys(table, ("name", "title", "joints", "water", *NAMES, *GAITS))
+    codec.check_keys(table, ("name", "title", "basis", "joints", "water", *NAMES, *GAITS))
     for key in ("name", "title", "water"):
         if key not in table:
             raise codec.BadKey(key, "is missing; every parameter file needs it")
@@ -327,6 +335,7 @@ def _parameters(table: codec.Table) -> Parameters:
         return Parameters(
             name=table["name"],
             title=table["title"],
+            basis=table.get("basis", ""),
             joints=joints,
             every_gait=every_gait,
             own=own,

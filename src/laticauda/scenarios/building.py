@@ -7,7 +7,7 @@ goes into its fields, everything else to the model.
 from collections.abc import Callable
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any, Literal, TypeAlias, TypedDict, Unpack
+from typing import Any, Literal, TypeAlias, TypedDict, Unpack, cast
 
 from laticauda import robot as robots
 from laticauda.motion.gaits import Gait
@@ -41,11 +41,13 @@ class ModelChanges(TypedDict, total=False):
 class Changes(ModelChanges, total=False):
     """Settings of a scenario that may differ from its defaults: its fields and those of its model, see `ModelChanges`.
 
-    An environment or a current may be given by preset name or path, a model as ``"planar"`` or
-    ``"spatial"``. The default environment is `default_water` of robot and gait; a current replaces
-    that of the water.
+    An environment, a current or parameters may be given by preset name or path, a model as
+    ``"planar"`` or ``"spatial"``. The default environment is `default_water` of robot and gait; a
+    current replaces that of the water. Parameters define the water, change the robot, and have the
+    joint law that is used if `joints` is left out.
     """
 
+    parameters: robots.Parameters | str | Path | None
     environment: robots.Environment | str | Path | None
     current: robots.Current | str | None
     model: Model | str
@@ -66,8 +68,8 @@ def build_scenario(
         motion: The gait, or the controller.
         duration: Duration of the run [s].
         changes: Other deviations from the defaults: `environment`, `current`, `model`, `start`,
-            `sample_interval` [s], or settings of the model: `joints`, `dt` [s] and the other
-            fields of `laticauda.scenarios.ModelChanges`.
+            `sample_interval` [s], `parameters`, or settings of the model: `joints`, `dt` [s] and
+            the other fields of `laticauda.scenarios.ModelChanges`.
 
     Raises:
         ValueError: If an argument is out of its range, or arguments are incompatible.
@@ -92,7 +94,17 @@ def build_scenario(
     gait = motion if isinstance(motion, Gait) else motion.gait
     if isinstance(robot, str | Path):
         robot = robots.load_robot(robot)
-    environment = environment_of(stated_changes.get("environment"), robot, gait)
+    environment: Any = stated_changes.get("environment")
+    if "parameters" in stated_changes:
+        parameters = _load(stated_changes["parameters"])
+        if environment is not None:
+            rule = "must not be given with `environment`: both define the water"
+            raise BadArgument("parameters", rule)
+        robot = parameters.robot(robot, gait.kind)
+        environment = parameters.water(gait.kind)
+        if parameters.joints is not None:
+            model_changes.setdefault("joints", parameters.joints)
+    environment = environment_of(environment, robot, gait)
     if replaced_fields:
         if not isinstance(environment, robots.Water):
             raise BadArgument("current", "must be given only with a Water, which can move")
@@ -106,6 +118,14 @@ def build_scenario(
         duration=duration,
         **optional_fields,
     )
+
+
+def _load(parameters: object) -> robots.Parameters:
+    """Return parameters, which may be given by name or path."""
+    if isinstance(parameters, str | Path):
+        return robots.load_parameters(parameters)
+    check_instance("parameters", parameters, robots.Parameters)
+    return cast(robots.Parameters, parameters)
 
 
 SCENARIO_CHANGES = frozenset(Changes.__annotations__) - frozenset(ModelChanges.__annotations__)

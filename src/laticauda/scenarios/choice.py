@@ -1,7 +1,8 @@
 """The names with which a command, a file or a message chooses robot, environment and model."""
 
 from collections.abc import Callable
-from typing import Any, Literal, NamedTuple
+from dataclasses import replace
+from typing import Any, Literal, NamedTuple, Self
 
 from laticauda import robot as robots
 from laticauda.motion.gaits import Gait
@@ -18,6 +19,9 @@ ORIGIN_BY_GAIT = {
 """Where Mamba's default water comes from, by the kind of the gait."""
 ORIGIN_FOR_OTHER_GAITS = f"{ORIGIN_BY_GAIT['lateral_undulation']}, for lack of others for this gait"
 
+IDENTIFIED_PARAMETERS = {"mamba": "mamba-identified", "mamba-fin": "mamba-identified"}
+"""Presets of parameters that were identified on a robot, by the name of the robot."""
+
 
 class Chosen(NamedTuple):
     """Resolved values of the names in a `Choice`."""
@@ -30,6 +34,8 @@ class Chosen(NamedTuple):
     """The model."""
     origin: str
     """Origin of the environment, in words."""
+    basis: str
+    """What the numbers of the parameters rest on, in sentences; "" if that is not known."""
 
 
 class _Surroundings(NamedTuple):
@@ -85,6 +91,17 @@ class Choice:
             if self.ground is not None and getattr(self, name) is not None:
                 raise BadArgument(name, "must not be given with `ground`: it applies to water only")
 
+    def with_identified_parameters(self) -> Self:
+        """Return this choice with the parameters that were identified on its robot, where nothing else is chosen.
+
+        A water, a ground, parameters or a joint law that are named stay; so does a robot with
+        another number of links than the one that was measured.
+        """
+        decided = (self.water, self.ground, self.parameters, self.joints, self.n_links)
+        if any(name is not None for name in decided):
+            return self
+        return replace(self, parameters=IDENTIFIED_PARAMETERS.get(self.robot))
+
     def resolved(
         self, gait: Gait, find_robot: Callable[[str, int | None], robots.Robot] = robots.load_robot
     ) -> Chosen:
@@ -106,13 +123,16 @@ class Choice:
         settings: dict[str, Any] = {"joints": self._joint_law(parameters)}
         if self.scene is not None:
             settings["scene"] = self.scene
+        basis = ""
         if parameters is not None:
             robot = parameters.robot(robot, gait.kind)
+            basis = parameters.basis
         return Chosen(
             robot=robot,
             environment=environment,
             model=model_of(self.model, **settings),
             origin=origin,
+            basis=basis,
         )
 
     def _joint_law(self, parameters: robots.Parameters | None) -> Any:

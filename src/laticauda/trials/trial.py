@@ -310,7 +310,10 @@ class Trial(contents.Contents):
         log = f"{self.time[-1] - self.time[0]:g} s in {self.time.size} samples"
         if self.succeeded and self.time.size > 1:
             log += f", {self.forward_velocity:.3g} m/s"
-        return f"<Trial of {self.robot.name}: {gait}, {log}; {self.status}>"
+        status = self.status
+        if self.succeeded and self.feasibility.problems:
+            status += f" The robot cannot do it: {self.feasibility.problems[0]}."
+        return f"<Trial of {self.robot.name}: {gait}, {log}; {status}>"
 
     def _repr_html_(self) -> str:
         values, _ = self.figures()

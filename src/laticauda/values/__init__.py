@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from laticauda.values.errors import (
         BadArgument as BadArgument,
         ClusterFailed as ClusterFailed,
+        InfeasibleWarning as InfeasibleWarning,
         LaticaudaError as LaticaudaError,
         MissingExtra as MissingExtra,
         MissingProgram as MissingProgram,
@@ -167,6 +168,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.values.errors": [
             "BadArgument",
             "ClusterFailed",
+            "InfeasibleWarning",
             "LaticaudaError",
             "MissingExtra",
             "MissingProgram",

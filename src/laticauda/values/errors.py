@@ -36,6 +36,10 @@ class BadArgument(ValueError):
         return f"`{self.name}` {self.rule}{'' if self.rule.endswith('?') else '.'}"
 
 
+class InfeasibleWarning(UserWarning):
+    """A run demands more of a joint than the robot offers; the run itself went well."""
+
+
 class SimulationFailed(LaticaudaError, RuntimeError):
     """A run that blew up: the message states when, and what to try."""
 

@@ -8,6 +8,7 @@ with one command each.
 """
 
 import math
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -35,7 +36,14 @@ from laticauda.scenarios import (
     build_scenario,
 )
 from laticauda.trials import REACHED_END, Trial
-from laticauda.values import BadArgument, SimulationFailed, check_instance, packaging
+from laticauda.trials.feasibility import exceeds_actuators
+from laticauda.values import (
+    BadArgument,
+    InfeasibleWarning,
+    SimulationFailed,
+    check_instance,
+    packaging,
+)
 
 Progress = Callable[[float], None]
 """Receives how far the computation has come."""
@@ -520,8 +528,11 @@ def swim(
         throw: Whether to raise an error when the run blows up, instead of returning a trial that
             says so.
         progress: Called repeatedly with the time reached [s].
-        changes: With a robot: other deviations from the defaults, such as `environment`, `model`,
-            `joints` and `dt`; see `laticauda.scenarios.Changes`.
+        changes: With a robot: other deviations from the defaults, such as `parameters`,
+            `environment`, `model`, `joints` and `dt`; see `laticauda.scenarios.Changes`.
+
+    Warns:
+        InfeasibleWarning: If the run demands more of a joint than the robot offers.
 
     Returns:
         The trial; a run that blows up also returns one, whose `status` says when it did and what to
@@ -544,4 +555,19 @@ def swim(
     else:
         scenario = build_scenario(robot, cast(Motion, gait), duration, **changes)
         plant = build_plant(scenario)
-    return run_scenario(scenario, plant, link_forces=link_forces, throw=throw, progress=progress)
+    trial = run_scenario(scenario, plant, link_forces=link_forces, throw=throw, progress=progress)
+    _warn_if_infeasible(trial)
+    return trial
+
+
+def _warn_if_infeasible(trial: Trial) -> None:
+    """Warn if the robot cannot do what a run demands."""
+    if not trial.succeeded or not exceeds_actuators(trial.chain, trial, trial.period):
+        return
+    # The text is the same for all gaits of a robot, so that a study of many gaits shows it once.
+    warnings.warn(
+        f"{trial.robot.name} cannot do this: see `trial.feasibility.problems`. The figures hold for joints that "
+        'follow the gait exactly; joints="servo" lets them lag.',
+        InfeasibleWarning,
+        stacklevel=4,  # the caller of `swim`, whose arguments are checked by a wrapper
+    )

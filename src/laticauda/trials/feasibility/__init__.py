@@ -16,6 +16,7 @@ from laticauda.trials.feasibility.figures import (
 )
 from laticauda.trials.feasibility.judgment import (
     Feasibility as Feasibility,
+    exceeds_actuators as exceeds_actuators,
     judge_feasibility as judge_feasibility,
 )
 from laticauda.trials.feasibility.link_overlap import measure_overlap as measure_overlap

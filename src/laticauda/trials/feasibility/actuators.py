@@ -6,7 +6,8 @@ inverted; the duty must stay within -1 and 1:
 
     d = (u + b phi' + u_c tanh(phi'/eps)) / u_stall + phi'/phi'_0
 
-When it brakes (phi' < 0 in that formula), more torque is available than at standstill.
+When it brakes (phi' < 0 in that formula), more torque is available than at standstill. So a joint
+that the water turns faster than phi'_0 is not beyond its motor, which only brakes it.
 """
 
 import math
@@ -117,6 +118,16 @@ def duty(robots: Sequence[Robot], rate: Joints, torque: Joints) -> Joints:
         torque: u [N m].
     """
     return duty_from_offer(Offer.of(robots), rate, torque)
+
+
+def driven_rate(rate: Joints, torque: Joints) -> Joints:
+    """Return the rate where the motor drives the joint, and 0 where it brakes it [rad/s].
+
+    Args:
+        rate: phi' [rad/s].
+        torque: u [N m].
+    """
+    return np.where(rate * torque < 0.0, 0.0, rate)
 
 
 def duty_from_offer(offer: Offer, rate: Joints, torque: Joints) -> Joints:

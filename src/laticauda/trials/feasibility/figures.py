@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda.robot import Robot
-from laticauda.trials.feasibility.actuators import Joints, Offer, duty_from_offer
+from laticauda.trials.feasibility.actuators import Joints, Offer, driven_rate, duty_from_offer
 from laticauda.trials.feasibility.link_overlap import (
     find_smallest_crossing_curl,
     measure_crossing,
@@ -73,7 +73,12 @@ def compute_peaks(
     largest_rate = _largest(rate, counts)
     largest_torque = _largest(torque, counts)
     largest_duty = _largest(duty_from_offer(offer, rate, torque), counts)
-    shares = [largest_angle / offer.joint_limit, largest_rate / offer.no_load_speed, largest_duty]
+    largest_driven_rate = _largest(driven_rate(rate, torque), counts)
+    shares = [
+        largest_angle / offer.joint_limit,
+        largest_driven_rate / offer.no_load_speed,
+        largest_duty,
+    ]
     utilization = np.max(shares, axis=(0, 1), initial=0.0)
     curl = _curl(angle[:, : robots[0].n_joints])
     for run, robot in enumerate(robots):

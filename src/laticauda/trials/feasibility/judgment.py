@@ -7,7 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from laticauda.robot import Robot
-from laticauda.trials.feasibility.actuators import Joints, Offer, TorqueSpeedLine, duty_from_offer
+from laticauda.trials.feasibility.actuators import (
+    Joints,
+    Offer,
+    TorqueSpeedLine,
+    driven_rate,
+    duty_from_offer,
+)
 from laticauda.trials.feasibility.figures import ROUNDING, compute_peaks, find_settled_samples
 from laticauda.trials.feasibility.link_overlap import measure_overlap
 from laticauda.values import Log
@@ -73,11 +79,41 @@ def judge_feasibility(robot: Robot, log: Log, period: float | None) -> Feasibili
     )
 
 
+def exceeds_actuators(robot: Robot, log: Log, period: float | None) -> bool:
+    """Return whether a run demands more of a joint than it offers: an angle, or a torque at its rate.
+
+    Every run is asked this, so it is fast: overlapping links are not looked for.
+
+    Args:
+        robot: The robot, in its planar form for a run in the plane.
+        log: Log of the run.
+        period: Gait period, None without a gait [s].
+    """
+    if not robot.driven_joints:
+        return False
+    offer = Offer.of([robot])
+    first = int(np.argmax(find_settled_samples(log.time, period)))
+    angle, rate, torque = (_driven_joints(robot, log, series)[first:] for series in FIN_SERIES)
+    demands = (angle / offer.joint_limit, duty_from_offer(offer, rate, torque))
+    return any(_largest_magnitude(share) > 1.0 + ROUNDING for share in demands)
+
+
+def _largest_magnitude(values: Joints) -> float:
+    return max(float(values.max()), -float(values.min()))
+
+
 def _driven_joints(robot: Robot, log: Log, series: str) -> Joints:
     """Return a series of all driven joints and then of a driven fin, as of a single run."""
+    return _driven_columns(robot, log, series)[..., np.newaxis]
+
+
+def _driven_columns(robot: Robot, log: Log, series: str) -> np.ndarray:
+    """Return a series of all driven joints and then of a driven fin, a column each."""
+    columns: np.ndarray = getattr(log, series)
+    if len(robot.driven_joints) == columns.shape[1]:
+        return columns
     fin = log.signals.get(FIN_SERIES[series], 0.0 * log.time)
-    columns = np.column_stack((getattr(log, series), fin))[:, : len(robot.driven_joints)]
-    return columns[..., np.newaxis]
+    return np.column_stack((columns, fin))[:, : len(robot.driven_joints)]
 
 
 def _describe(robot: Robot, angle: Joints, rate: Joints, torque: Joints) -> tuple[str, list[str]]:
@@ -87,7 +123,7 @@ def _describe(robot: Robot, angle: Joints, rate: Joints, torque: Joints) -> tupl
     """
     offer = Offer.of([robot])
     bend = _largest_bend(robot, angle, offer)
-    turn = _fastest_turn(robot, rate, offer)
+    turn = _fastest_turn(robot, rate, torque, offer)
     effort = _greatest_effort(robot, rate, torque, offer)
     problems: list[str] = []
     if bend.exceeds_offer:
@@ -118,9 +154,16 @@ def _largest_bend(robot: Robot, angle: Joints, offer: Offer) -> Demand:
     )
 
 
-def _fastest_turn(robot: Robot, rate: Joints, offer: Offer) -> Demand:
-    """Return the demand of the joint that comes closest to its speed without load."""
+def _fastest_turn(robot: Robot, rate: Joints, torque: Joints, offer: Offer) -> Demand:
+    """Return the demand of the joint that comes closest to its speed without load.
+
+    Where the water turns a joint, the motor brakes: at whatever speed, this exceeds nothing.
+    """
     share = np.abs(rate / offer.no_load_speed)
+    driven_share = np.abs(driven_rate(rate, torque) / offer.no_load_speed)
+    exceeds_offer = _exceeds(driven_share)
+    if exceeds_offer:
+        share = driven_share
     sample, joint = _largest_at(share)
     speed = math.degrees(abs(rate[sample, joint, 0]))
     no_load_speed = math.degrees(robot.driven_joints[joint].actuator.no_load_speed)
@@ -128,7 +171,7 @@ def _fastest_turn(robot: Robot, rate: Joints, offer: Offer) -> Demand:
     return Demand(
         words=f"{name} turns at {speed:.3g} of {no_load_speed:.3g} deg/s",
         problem=f"{name} turns at {speed:.3g} deg/s; its servo does {no_load_speed:.3g}",
-        exceeds_offer=_exceeds(share),
+        exceeds_offer=exceeds_offer,
     )
 
 

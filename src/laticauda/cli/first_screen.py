@@ -1,0 +1,141 @@
+"""The first screen of a run: who swam how, how fast, for what power, and whether the robot can do it.
+
+A newcomer reads these lines first. The option --all prints the table of every figure instead (`report`).
+"""
+
+import textwrap
+from collections.abc import Sequence
+
+from laticauda.cli.report import describe_gait
+from laticauda.cli.tables import format_digits
+from laticauda.robot import Ground
+from laticauda.trials import MeasuredTrial, Trial, following, measured_counterpart
+
+WIDTH = 110
+"""Width of the text [characters]."""
+DIGITS = 3
+"""Significant digits of the figures: a measured speed has no more."""
+MORE = "More: --all prints every figure, --plot run.png draws the run, --json is for programs."
+
+
+def first_screen(trial: Trial, basis: str = "", more: str = MORE) -> str:
+    """Return the lines about a run that a newcomer reads first.
+
+    Args:
+        trial: Any trial, including a failed one.
+        basis: What its coefficients rest on, in sentences; "" if that is not known.
+        more: What else can be asked for, in a sentence.
+    """
+    measured = _measured_beside(trial)
+    lines = [*_describe_who(trial), ""]
+    if not trial.succeeded:
+        rows = [("FAILED", trial.status)]
+        return "\n".join([*lines, *_wrap_rows(rows)])
+    rows = [
+        ("speed", _describe_speed(trial, measured)),
+        ("power", _describe_power(trial, measured)),
+    ]
+    rows += _describe_joints(trial, measured)
+    if "cross_track_error" in trial.signals:
+        rows.append(("path", _describe_following(trial)))
+    notes = [note for note in (basis, _note_on_measurement(trial, measured), more) if note]
+    wrapped_notes = [textwrap.fill(note, WIDTH) for note in notes]
+    return "\n".join([*lines, *_wrap_rows(rows), "", *wrapped_notes])
+
+
+def _measured_beside(trial: Trial) -> MeasuredTrial | None:
+    """Return the measurement in the setting of a run; None: nothing like it was measured.
+
+    A gait that was measured straight ahead says nothing of a run along a path.
+    """
+    if "cross_track_error" in trial.signals:
+        return None
+    return measured_counterpart(trial)
+
+
+def _describe_who(trial: Trial) -> list[str]:
+    """Return who swam how long in what, and how, in a line each."""
+    duration = trial.time[-1] - trial.time[0]
+    kind = "ground" if isinstance(trial.environment, Ground) else "water"
+    who = f"{trial.robot.name}, {duration:.4g} s, {kind} {trial.environment.name}"
+    how = f"gait {describe_gait(trial.gait)}".replace("_", " ")
+    return [who, *textwrap.wrap(how, WIDTH)]
+
+
+def _describe_speed(trial: Trial, measured: MeasuredTrial | None) -> str:
+    speed = f"{format_digits(trial.forward_velocity, DIGITS)} m/s"
+    if measured is None or measured.forward_velocity is None:
+        return speed
+    return f"{speed} (tank {format_digits(measured.forward_velocity, DIGITS)})"
+
+
+def _describe_power(trial: Trial, measured: MeasuredTrial | None) -> str:
+    figures, _ = trial.figures()
+    mean_power = figures["mean_power"]
+    if mean_power is None:
+        return "not measured"
+    kind = trial.mean_power_kind
+    power = f"{format_digits(mean_power, DIGITS)} W {kind}"
+    if measured is None or measured.mean_power is None:
+        return power
+    in_tank = format_digits(measured.mean_power, DIGITS)
+    if kind == "electrical":
+        return f"{power} (tank {in_tank})"
+    return f"{power} (tank {in_tank} electrical, most of it lost in servos)"
+
+
+def _describe_joints(trial: Trial, measured: MeasuredTrial | None) -> list[tuple[str, str]]:
+    """Return whether the robot can do it, and what follows if it cannot."""
+    if "joint_angle" in trial.not_measured:
+        return []
+    problems = trial.feasibility.problems
+    if not problems:
+        return [("joints", _describe_share(trial))]
+    return [
+        ("joints", f"cannot do it: {'; '.join(problems)}"),
+        ("", _consequence(trial, measured)),
+    ]
+
+
+def _describe_share(trial: Trial) -> str:
+    if not any(joint.actuator.stated for joint in trial.chain.driven_joints):
+        return "can do it as far as their angles go; no actuator is stated"
+    return f"can do it: {100.0 * trial.utilization:.0f} % of angle, speed and torque are used"
+
+
+def _consequence(trial: Trial, measured: MeasuredTrial | None) -> str:
+    if measured is not None and measured.forward_velocity is not None:
+        return (
+            "But the robot swam this gait in the tank. So these coefficients or the data of its servo ask too "
+            "much; speed and power hold for joints that follow the gait exactly."
+        )
+    return (
+        "So the robot would swim more slowly than this: speed and power hold for joints that follow the gait "
+        "exactly. --joints servo lets them lag as its servo would."
+    )
+
+
+def _describe_following(trial: Trial) -> str:
+    figures = following.summarize_following(trial)
+    time, distance = figures["convergence_time"], figures["convergence_distance"]
+    if time is None or distance is None:
+        return f"not reached: the mean error did not stay within {following.TOLERANCE:g} m"
+    reached_at = f"{format_digits(time, DIGITS)} s and {format_digits(distance, DIGITS)} m"
+    return f"reached after {reached_at}, to within {following.TOLERANCE:g} m"
+
+
+def _note_on_measurement(trial: Trial, measured: MeasuredTrial | None) -> str:
+    if measured is None:
+        return ""
+    text = f"Tank: {measured.about}."
+    if abs(trial.duration - measured.duration) > 0.5:
+        text += f" This run: {trial.duration:.4g} s."
+    return text
+
+
+def _wrap_rows(rows: Sequence[tuple[str, str]]) -> list[str]:
+    width = max(len(name) for name, _ in rows) + 2
+    return [
+        textwrap.fill(text, WIDTH, initial_indent=name.ljust(width), subsequent_indent=" " * width)
+        for name, text in rows
+    ]
