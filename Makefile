@@ -44,8 +44,8 @@ $(DOCS): $(DEV)
 
 setup: $(DEV)  ## Install the package and the developers' tools into .venv
 
-swim: $(PACKAGE)  ## Mamba's lateral undulation trial, beside what was measured
-	@$(BIN)/laticauda swim --robot mamba --gait lateral-undulation --amplitude-deg 30 --frequency-deg-s 130 \
+swim: $(PACKAGE)  ## One of Mamba's trials, with its fin, beside what was measured
+	@$(BIN)/laticauda swim mamba-fin --gait lateral-undulation --amplitude-deg 30 --frequency-deg-s 130 \
 	--phase-shift-deg 40 --duration 30
 
 # Two processes that share nothing but a CAN bus, a network port and a serial line. LAB_FLAGS=--speed=2 goes faster.

@@ -383,7 +383,8 @@ def _imported_with(root: Path, work: Work, target: Target, seconds: dict[str, fl
         return read(loader, wanted)
 
     importlib.machinery.SourceFileLoader.get_data = get_data  # type: ignore[method-assign]
-    sys.dont_write_bytecode = True
+    # Bytecode of a fault must not stay behind; the tests switch on that bytecode is written.
+    importlib.machinery.SourceFileLoader.set_data = lambda *_, **__: None  # type: ignore[method-assign]
     plugin = Asked(root, target, (), lambda *_: None)
     plugin.seconds = seconds
     plugin.pytest_runtestloop = lambda session: None  # type: ignore[assignment, method-assign, return-value]

@@ -98,9 +98,13 @@ def _describe_joints(trial: Trial, measured: MeasuredTrial | None) -> list[tuple
 
 
 def _describe_share(trial: Trial) -> str:
+    figures, _ = trial.figures()
+    utilization = figures["utilization"]
+    if utilization is None:
+        return trial.feasibility.words
     if not any(joint.actuator.stated for joint in trial.chain.driven_joints):
         return "can do it as far as their angles go; no actuator is stated"
-    return f"can do it: {100.0 * trial.utilization:.0f} % of angle, speed and torque are used"
+    return f"can do it: {100.0 * utilization:.0f} % of angle, speed and torque are used"
 
 
 def _consequence(trial: Trial, measured: MeasuredTrial | None) -> str:
