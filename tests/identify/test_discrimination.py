@@ -4,13 +4,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from identify.trials import DRAG, FRICTION, ROBOT
+from identify.trials import DRAG, FRICTION, ROBOT, gaits
 
 import laticauda as lc
-from laticauda.identify import Unknown, fit
+from laticauda.identify import Unknown, fit, information, swim_candidates
 from laticauda.identify.conversion import from_tow
 from laticauda.identify.discrimination import discriminate, misidentification_probability
 from laticauda.identify.identifiability import marginal
+from laticauda.identify.model import predict
 from laticauda.identify.problem import make_problem
 from laticauda.identify.towing import Tow
 from laticauda.robot import textbook_water
@@ -72,6 +73,43 @@ def test_the_distance_is_how_much_worse_the_rival_fits_in_the_worse_of_two_ways(
     ((_, apart),) = discriminate(rivals, 1).steps
     assert apart.tolist() == pytest.approx([min(squares)], rel=1e-3)  # loads are linear in the drag
     assert max(squares) > 2.0 * min(squares)
+
+
+def test_the_noise_of_a_series_is_the_first_model_s_as_that_of_a_figure_is():
+    def distance_with(noise_of_second):
+        first, second = (
+            swim_candidates(ROBOT, gaits(1), BETAS[beta], {"path": sigma}, duration=4.0)
+            for beta, sigma in ((0.5, 0.005), (0.0, noise_of_second))
+        )
+        rivals = {
+            name: (make_problem(trials, [FRICTION], threads=1), trials)
+            for name, trials in (("first", first), ("second", second))
+        }
+        ((_, distance),) = discriminate(rivals, 1).steps
+        assert distance > 1.0
+        return distance
+
+    assert distance_with(0.05) == pytest.approx(distance_with(0.005), rel=1e-12)
+
+
+def test_a_figure_that_only_one_model_yields_tells_nothing(monkeypatch):
+    rivals = {f"beta {beta:g}": rival(BETAS[beta], OBLIQUE) for beta in (0.5, 0.0)}
+    without_side_force = {}
+    for name, (problem, (trial,)) in rivals.items():
+        figures = {figure: pair for figure, pair in trial.figures.items() if figure != "side_force"}
+        without_side_force[name] = (problem, [replace(trial, figures=figures)])
+    ((_, expected),) = discriminate(without_side_force, 1).steps
+
+    def predict_without_side_force_of_second(problem, values):
+        predicted = predict(problem, values)
+        if problem.scenarios[0].environment == BETAS[0.0]:
+            (side_force,) = [block for block in problem.data_blocks if block.name == "side_force"]
+            predicted.values[side_force.numbers] = math.nan
+        return predicted
+
+    monkeypatch.setattr(information, "predict", predict_without_side_force_of_second)
+    ((_, distance),) = discriminate(rivals, 1).steps
+    assert distance == pytest.approx(expected, rel=1e-9)
 
 
 @settings(max_examples=50, deadline=None)

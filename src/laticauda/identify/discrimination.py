@@ -82,8 +82,8 @@ def discriminate(
     """Choose the trials that would tell rival models apart.
 
     Args:
-        rivals: The models by name, or problem and candidates of each. The noise of all is that
-            which the candidates of the first state.
+        rivals: The models by name, or problem and candidates of each. What is measured of a trial,
+            and its noise, is what the first model's candidate states.
         n_trials: Number of trials to choose; each may be chosen more than once.
         progress: Called with the fraction of the models judged.
 
@@ -95,11 +95,11 @@ def discriminate(
     candidates = _candidates_of_first(models)
     rows_by_model: dict[str, list[CandidateRows]] = {}
     for name, model in models.items():
-        same_noise = [
-            replace(own, figures=first.figures)
+        measured_alike = [
+            replace(own, figures=first.figures, time=first.time, series=first.series)
             for own, first in zip(model.candidates, candidates, strict=True)
         ]
-        rows_by_model[name] = predict_candidates(model.problem, same_noise, model.problem.start)
+        rows_by_model[name] = predict_candidates(model.problem, measured_alike, model.problem.start)
         progress(len(rows_by_model) / len(models))
     problems = {name: model.problem for name, model in models.items()}
     pairs = tuple(combinations(models, 2))
@@ -112,11 +112,14 @@ def discriminate(
 
     chosen = best_of(added, known, n_trials, score)
     totals = known + np.cumsum(added[chosen], axis=0)
-    steps = [_judged(candidates[i], total) for i, total in zip(chosen, totals, strict=True)]
-    alone = [
-        _judged(candidate, known + own_information)
-        for candidate, own_information in zip(candidates, added, strict=True)
-    ]
+    steps: list[Judged] = []
+    for i, total in zip(chosen, totals, strict=True):
+        distances = _smaller_distances(pairs, comparisons, total)
+        steps.append(Judged(trial=candidates[i], numbers=distances))
+    alone: list[Judged] = []
+    for candidate, own_information in zip(candidates, added, strict=True):
+        distances = _smaller_distances(pairs, comparisons, known + own_information)
+        alone.append(Judged(trial=candidate, numbers=distances))
     alone.sort(key=lambda judged: _log_bound_of_mistake(judged.numbers))
     return Discrimination(pairs=pairs, steps=tuple(steps), alone=tuple(alone))
 
@@ -171,7 +174,10 @@ def _added_information(
     problems: Mapping[str, Problem],
     rows_by_model: Mapping[str, Sequence[CandidateRows]],
 ) -> Float[np.ndarray, "n_candidates n_comparisons n n"]:
-    """Return, of every candidate and comparison, the information of the columns (y - y', J')."""
+    """Return, of every candidate and comparison, the information of the columns (y - y', J').
+
+    A number that one of the two models does not yield tells nothing about them.
+    """
     size = _size_of_information(problems)
     n_candidates = len(rows_by_model[comparisons[0].true])
     added = np.zeros((n_candidates, len(comparisons), size, size))
@@ -181,16 +187,24 @@ def _added_information(
             of_true = rows_by_model[comparison.true][i]
             of_rival = rows_by_model[comparison.rival][i]
             difference = of_true.numbers - of_rival.numbers
-            columns = np.column_stack((difference, of_rival.jacobian))
+            of_both = of_true.is_yielded & of_rival.is_yielded
+            columns = np.column_stack((difference, of_rival.jacobian))[of_both]
             information = marginal(columns.T @ columns, range(n_columns))
             added[i, k, :n_columns, :n_columns] = information
     return added
 
 
-def _judged(trial: Measurement, total: np.ndarray) -> Judged:
-    """Return a trial with T of every pair: the smaller one of both ways."""
-    forward_and_backward = np.reshape(_distances(total), (2, -1))
-    return Judged(trial=trial, numbers=np.min(forward_and_backward, axis=0))
+def _smaller_distances(
+    pairs: Sequence[tuple[str, str]], comparisons: Sequence[_Comparison], total: np.ndarray
+) -> Float[np.ndarray, " n_pairs"]:
+    """Return T of every pair: the smaller one of both ways."""
+    distance_of = dict(zip(comparisons, _distances(total), strict=True))
+    smaller_distances: list[float] = []
+    for first, second in pairs:
+        if_first_is_true = distance_of[_Comparison(true=first, rival=second)]
+        if_second_is_true = distance_of[_Comparison(true=second, rival=first)]
+        smaller_distances.append(min(if_first_is_true, if_second_is_true))
+    return np.array(smaller_distances)
 
 
 def _distances(

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from laticauda.identify.identifiability import Information, deviations, marginal, strengths
 from laticauda.identify.measurements import Measurement
@@ -30,6 +30,12 @@ class CandidateRows(NamedTuple):
     """Predicted numbers; 0 for the priors on its start, which follow them."""
     jacobian: Float[np.ndarray, "n_numbers n_coordinates"]
     """Their derivatives by the coordinates of the unknowns, followed by those of its start."""
+    is_yielded: Bool[np.ndarray, " n_numbers"]
+    """Whether the run yields the number.
+
+    A run may be too short for a figure, such as a steady velocity. Number and derivatives are then
+    0: such a figure adds no information.
+    """
 
 
 def predict_candidates(
@@ -74,21 +80,27 @@ def _predict_batch(
         raise ValueError(
             f"`candidates` must be trials that can be simulated, got `{name}`: {status}"
         )
-    numbers = np.nan_to_num(predicted.values / batch.sigma)
-    in_sigmas = predicted.jacobian / batch.sigma[:, np.newaxis]
-    jacobian = np.nan_to_num(in_sigmas * batch.slopes(values_and_starts))
+    numbers = predicted.values / batch.sigma
+    jacobian = scaled_jacobian(batch, values_and_starts, predicted=predicted)
+    is_yielded = np.isfinite(numbers) & np.all(np.isfinite(jacobian), axis=1)
+    numbers[~is_yielded] = 0.0
+    jacobian[~is_yielded] = 0.0
     prior_rows = batch.prior_slopes(values_and_starts)
     rows: list[CandidateRows] = []
     for i in range(len(candidates)):
-        is_own = batch.owner == i
+        is_own_number = batch.owner == i
+        # The columns of one candidate: the unknowns of the problem, then the starts of this trial.
         own_starts = n_unknowns + np.flatnonzero(batch.depends_on[i, n_unknowns:])
+        columns = np.concatenate([np.arange(n_unknowns), own_starts])
+        # Its rows: its numbers, then the priors on these starts.
         is_prior_of_own_start = np.any(prior_rows[:, own_starts] != 0.0, axis=1)
         own_priors = prior_rows[is_prior_of_own_start]
-        own_jacobian = np.concatenate([jacobian[is_own], own_priors])
-        columns = np.concatenate([np.arange(n_unknowns), own_starts])
+        n_priors = len(own_priors)
+        own_jacobian = np.concatenate([jacobian[is_own_number], own_priors])
         own_rows = CandidateRows(
-            numbers=np.concatenate([numbers[is_own], np.zeros(len(own_priors))]),
+            numbers=np.concatenate([numbers[is_own_number], np.zeros(n_priors)]),
             jacobian=own_jacobian[:, columns],
+            is_yielded=np.concatenate([is_yielded[is_own_number], np.ones(n_priors, dtype=bool)]),
         )
         rows.append(own_rows)
     return rows
