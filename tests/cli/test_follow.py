@@ -77,8 +77,57 @@ def test_a_plan_without_a_limit_of_power_has_none_in_the_json(run):
 
 
 @pytest.mark.parametrize(
+    "typed",
+    [
+        "--waypoints 0 0 3 1",
+        "--guidance integral-line-of-sight",
+        "--guidance=model-predictive",
+        "--smooth",
+        "--circle 0 0 1 1",
+        "--path-depth 0.3",
+    ],
+)
+def test_a_file_with_a_controller_refuses_another_path_or_guidance(run, folder, typed):
+    assert run("follow --duration 2 --save-scenario path.toml").status == 0
+    done = run(f"follow path.toml {typed} --duration 2")
+    assert done.status == 2
+    option = typed.replace("=", " ").split()[0]
+    assert (
+        done.err
+        == f"laticauda: {option} must not be given with path.toml, whose controller has its own path "
+        "and guidance.\n"
+    )
+
+
+def test_a_file_with_a_planning_controller_refuses_an_observer(run):
+    plan = "--guidance model-predictive --duration 2 --save-scenario plan.toml"
+    assert run(f"follow --robot mamba-fin {plan}").status == 0
+    assert run("follow plan.toml --duration 2").status == 0
+    done = run("follow plan.toml --observe-current --duration 2")
+    assert done.status == 2
+    assert "--observe-current must not be given with plan.toml" in done.err
+
+
+def test_a_file_with_a_controller_follows_its_path_with_the_numbers_typed(run):
+    assert run("follow --waypoints 0 0 3 0 --duration 2 --save-scenario path.toml").status == 0
+    done = run("follow path.toml --look-ahead-distance 1 --observe-current --duration 2 --json")
+    settings = json.loads(done.out)["settings"]
+    assert settings["path"].startswith("Polyline(waypoints=((0.0, 0.0), (3.0, 0.0))")
+    assert settings["guidance"] == "LineOfSight(look_ahead_distance=1.0)"
+    assert settings["observer"].startswith("CurrentObserver(")
+
+
+@pytest.mark.parametrize(
     ("line", "message"),
     [
+        (
+            "--guidance model-predictive --observe-current",
+            "--observe-current must be left out with model-predictive guidance",
+        ),
+        (
+            "--guidance model-predictive --path-depth 0.3",
+            "--path-depth must be left out with model-predictive guidance",
+        ),
         ("--power-limit 3", "Unrecognized options: --power-limit"),
         (
             "--guidance model-predictive --heading-estimate raw",

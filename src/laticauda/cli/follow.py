@@ -41,15 +41,21 @@ class Route(control.Course, flags.Options):
     @property
     def following(self) -> control.Following:
         """Path-following parameters: the paper's for Mamba, with the integral gain where published guidance starts."""
+        return self._following_by(self.guidance.replace("-", "_"))
+
+    @property
+    def planned_path(self) -> control.Path[Any]:
+        """The path alone, for guidance that plans ahead, which `control.Following` does not have.
+
+        The path is the same under every law of guidance.
+        """
+        if self.path_depth:
+            rule = "must be left out with model-predictive guidance, which plans horizontally"
+            raise BadArgument("path_depth", rule)
+        return self._following_by("line_of_sight").path
+
+    def _following_by(self, guidance: Any) -> control.Following:
         corners = self._corners()
-        guidance: Any = self.guidance.replace("-", "_")
-        if self.plans_ahead:
-            guidance = (
-                "line_of_sight"  # it does not count: only the path is used, see `FollowPlanned`
-            )
-            if self.path_depth:
-                rule = "must be left out with model-predictive guidance, which plans horizontally"
-                raise BadArgument("path_depth", rule)
         course = {name: getattr(self, name) for name in fields_of(control.Course)}
         return control.Following(waypoints=corners or None, guidance=guidance, **course)
 
@@ -90,13 +96,16 @@ class Follow(ScenarioRun):
         route: Route = flags.parse_command(Route, arguments, prog, known_only=True)
         named = names.resolve_scenario(arguments)
         scenario = named.scenario
+        if scenario.motion == scenario.gait:
+            scenario = _start_beside_path(scenario, route)
+        else:
+            _refuse_another_route(scenario, arguments)
         command_class = cls
         if route.plans_ahead:
-            from laticauda.cli.follow_planned import FollowPlanned  # a guest's command
+            # It imports this module, and is left out where planning is (see `tests/test_guests.py`).
+            from laticauda.cli.follow_planned import FollowPlanned
 
             command_class = FollowPlanned
-        if scenario.motion == scenario.gait:  # a file may have a controller
-            scenario = _start_beside_path(scenario, route)
         return command_class.read_numbers(
             scenario,
             arguments,
@@ -139,6 +148,22 @@ def _start_beside_path(scenario: lc.Scenario, route: Route) -> lc.Scenario:
         duration=FOLLOWING_DURATION,
         start=lc.Start(center_of_mass=START_BESIDE_PATH),
     )
+
+
+def _refuse_another_route(scenario: lc.Scenario, arguments: Sequence[str]) -> None:
+    """Refuse the options of `Route` that a scenario file with a controller leaves without effect.
+
+    Args:
+        scenario: Scenario of the file, which has a path and a guidance law of its own.
+        arguments: What was typed, the file first.
+    """
+    for field in fields_of(Route).values():
+        if not flags.was_typed(field, arguments):
+            continue
+        if field.name == "observe_current" and isinstance(scenario.motion, control.PathFollowing):
+            continue
+        controller = f"{arguments[0]}, whose controller has its own path and guidance"
+        raise flags.BadFlag(f"{flags.spell_option(field)} must not be given with {controller}.")
 
 
 def learn_model(

@@ -5,7 +5,7 @@ from dataclasses import replace
 import laticauda as lc
 from laticauda import control
 from laticauda.cli.follow import Follow, learn_model
-from laticauda.values import option, quantity, value_class
+from laticauda.values import BadArgument, option, quantity, value_class
 
 
 @value_class
@@ -23,6 +23,12 @@ class FollowPlanned(Follow):
 
     def with_controller(self, scenario: lc.Scenario) -> lc.Scenario:
         """Return the scenario with a controller that uses a model fitted here; see `Follow.with_controller`."""
+        if self.route.observe_current:
+            rule = (
+                "must be left out with model-predictive guidance, which learns the current itself"
+            )
+            raise BadArgument("observe_current", rule)
+        path = self.route.planned_path
         gait = scenario.gait
         model = learn_model(scenario, self.plan.frequency_limits)
         speed = self.speed
@@ -30,7 +36,7 @@ class FollowPlanned(Follow):
             speed = model.speed(gait.frequency, 0.0)
         motion = control.ModelPredictive(
             gait=gait,
-            path=self.route.following.path,
+            path=path,
             model=model,
             speed=speed,
             **vars(self.plan),
