@@ -241,7 +241,21 @@ def test_a_recording_that_ends_in_the_middle_says_what_is_missing(
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(file.read_bytes()[: int(0.8 * file.stat().st_size)])
     assert main(["replay", str(cut)]) == 1
-    assert "cut.mcap is not intact" in capsys.readouterr().err
+    lost, status = capsys.readouterr().err.splitlines()
+    assert "cut.mcap is not intact" in lost
+    assert status == "The recording ends before the run does."
+
+
+def test_a_run_that_failed_says_why_although_nothing_is_missing(
+    file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    log = operate.read_operation(file)
+    with operate.OperationRecorder(tmp_path / "killed.mcap", log.header) as recorder:
+        for entry in log.entries:
+            if not (isinstance(entry, operate.Event) and entry.kind == "stop"):
+                recorder.record(entry)
+    assert main(["replay", str(tmp_path / "killed.mcap")]) == 1
+    assert capsys.readouterr().err == "The recording ends before the run does.\n"
 
 
 def test_a_broken_file_is_refused_in_one_sentence(

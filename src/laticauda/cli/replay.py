@@ -71,8 +71,10 @@ class Replay(Recording):
             further_text="".join(f"\n\n{paragraph}" for paragraph in paragraphs),
             further_facts=facts,
         )
-        lost = f"laticauda: {log.lost}" if log.lost else ""
-        return replace(outcome, problem=lost)
+        if not log.lost:
+            return outcome
+        problems = [f"laticauda: {log.lost}", outcome.problem]
+        return replace(outcome, problem="\n".join(filter(None, problems)))
 
     def _plot_timing(self, log: "operate.OperationLog", path: str) -> None:
         timing = log.timing
