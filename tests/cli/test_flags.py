@@ -13,7 +13,7 @@ from laticauda.cli.flags import (
 )
 from laticauda.cli.identify import IdentificationTarget
 from laticauda.cli.swim import ResumeSwim
-from laticauda.cli.trial import Show
+from laticauda.cli.trial import Show, View
 from laticauda.motion.gaits import Gait, Wave, lateral_undulation
 from laticauda.robot import Water, load_water
 from laticauda.scenarios import Start
@@ -99,6 +99,11 @@ def test_an_argument_is_told_by_its_option():
     assert spell_field("sigma", Draw()) == "`sigma`"
     names = {field.name for field in options_of(Draw())}
     assert names == {"angle", "sides", "is_open", "at", "label"}
+
+
+def test_one_of_several_values_is_told_by_the_option_that_gives_them():
+    assert spell_field("scenarios[1].model", View(file="a.nc")) == "--beside"
+    assert spell_field("bounds[0]", None) == "--vary"
 
 
 def test_an_option_is_spelled_in_one_way_wherever_it_is_named():

@@ -178,7 +178,8 @@ def spell_field(name: str, command: object) -> str:
         name: Name of an argument, with an index in brackets if it is one of several.
         command: Command that was running; None if there was none yet, since its names were being read.
     """
-    option_name = FLAG_NAMES.option_of_argument.get(name, name).split("[")[0]
+    argument, _, _ = name.partition("[")
+    option_name = FLAG_NAMES.option_of_argument.get(argument, argument)
     if command is None:
         return spell_flag(option_name)
     for field in options_of(command):
