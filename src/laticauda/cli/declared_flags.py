@@ -24,15 +24,16 @@ from laticauda.cli.flag_names import (
     FLAG_NAMES,
     Options,
     is_declared,
+    is_internal,
     marked_types_of,
     spell_option,
 )
-from laticauda.cli.flag_types import BadFlag, read_first, words_flag
+from laticauda.cli.flag_types import REQUIRED, BadFlag, read_first, words_flag
 from laticauda.cli.number_flags import numbers_flag
 from laticauda.cli.wave_flags import wave_flags, with_typed_wave
 from laticauda.values import BadArgument, Field, fields_of, texts_of
 
-Command = TypeVar("Command")
+Parsed = TypeVar("Parsed")
 
 PRESETS = ("robot", "water", "ground", "parameters", "base")
 """Fields that are given by the name of a preset or the path of a file."""
@@ -43,10 +44,10 @@ WIDTH = 110
 
 
 def parse_command(
-    command_class: type[Command],
+    command_class: type[Parsed],
     arguments: Sequence[str],
     prog: str,
-    default: Command | None = None,
+    default: Parsed | None = None,
     *,
     known_only: bool = False,
 ) -> Any:
@@ -206,8 +207,7 @@ def _flag_of(field: Field, default: Any) -> StructFieldSpec | None:
     flag_type = _type_of_flag(field, name, value)
     if flag_type is None:
         return None
-    # "" stands in for a required text in a command that is read twice, until it is typed.
-    must_be_typed = value is MISSING or value == ""
+    must_be_typed = value is MISSING or value == REQUIRED
     if must_be_typed:
         value = tyro.MISSING
     return StructFieldSpec(name=name, type=flag_type, default=value, helptext=f"{field.text}.")
@@ -221,11 +221,11 @@ def _type_of_flag(field: Field, name: str, value: Any) -> Any:
         name: Name of its flag.
         value: Default of the flag.
     """
+    if is_internal(field):
+        return None
     marked_type = marked_types_of(field.owner)[field.name]
     if get_origin(marked_type) is Annotated:
         return marked_type
-    if field.hint is Any:  # internal to a command
-        return None
     if field.quantity is not None:
         return Annotated[Any, numbers_flag(name, field.annotation, field.quantity)]
     if field.hint is bool:

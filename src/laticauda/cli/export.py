@@ -96,7 +96,7 @@ class Compiled(OfScenario):
     """A command that exports a robot in water as machine code."""
 
     output: Annotated[flags.RequiredFile, flags.OutputFile((".fmu",))] = option(
-        f"{OUTPUT} (.fmu)", default=""
+        f"{OUTPUT} (.fmu)", default=flags.REQUIRED
     )
     inputs: Literal["gait", "references"] = option(
         "Gait parameters, or joint angles (pd, servo)", default="gait"
@@ -174,7 +174,7 @@ class C(Compiled):
     """
 
     output: Annotated[flags.RequiredFile, flags.OutputFile((".h",))] = option(
-        "Header to write (.h); the library is written next to it", default=""
+        "Header to write (.h); the library is written next to it", default=flags.REQUIRED
     )
     platform: str | None = option(
         "linux64, aarch64 (Linux), win64, darwin; this machine's if omitted", default=None

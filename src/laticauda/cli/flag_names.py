@@ -20,6 +20,7 @@ from typing import Any, ClassVar, cast
 
 import tyro
 
+from laticauda.cli.flag_types import InternalMark
 from laticauda.values import Field, fields_of, read_toml, texts_of
 
 
@@ -32,12 +33,14 @@ class Options:
 
 @dataclass(frozen=True)
 class FlagNames:
-    """What ``flag_names.toml`` says; keys are names of fields, alone or behind their class."""
+    """What ``flag_names.toml`` says of fields; the file explains its keys."""
 
     hidden: frozenset[str]
     """Fields of nested values that have no flag."""
     optional_waves: frozenset[str]
     """Fields that hold a wave or None."""
+    hidden_numbers_of_waves: frozenset[str]
+    """Numbers of such a wave that have no flag."""
     option_of_argument: Mapping[str, str]
     """Options that give an argument of another name."""
     spelling: Mapping[str, str]
@@ -48,6 +51,10 @@ class FlagNames:
         if issubclass(field.owner, Options):
             return False
         return field.name in self.hidden or name_with_class(field) in self.hidden
+
+    def is_hidden_number(self, wave: Field, number: str) -> bool:
+        """Return whether a number of an optional wave has no flag."""
+        return f"{name_with_class(wave)}.{number}" in self.hidden_numbers_of_waves
 
     def is_optional_wave(self, field: Field) -> bool:
         """Return whether a field holds a wave or None."""
@@ -67,6 +74,7 @@ def _read_flag_names() -> FlagNames:
     return FlagNames(
         hidden=frozenset(table["hidden"]),
         optional_waves=frozenset(table["optional_waves"]),
+        hidden_numbers_of_waves=frozenset(table["hidden_numbers_of_waves"]),
         option_of_argument=table["option_of_argument"],
         spelling=table["spelling"],
     )
@@ -150,9 +158,8 @@ def options_of(command: object) -> tuple[Field, ...]:
     options: list[Field] = []
     for part in parts_of(command):
         for field in fields_of(part.__class__).values():
-            is_internal = field.hint is Any
             is_part = is_declared(getattr(part, field.name))
-            if not (is_internal or is_part or FLAG_NAMES.is_hidden(field)):
+            if not (is_internal(field) or is_part or FLAG_NAMES.is_hidden(field)):
                 options.append(field)
     return tuple(options)
 
@@ -169,6 +176,12 @@ def marks_of(kind: type) -> Mapping[str, tuple[Any, ...]]:
         name: getattr(marked_type, "__metadata__", ())
         for name, marked_type in marked_types_of(kind).items()
     }
+
+
+def is_internal(field: Field) -> bool:
+    """Return whether a field is of the type `Internal`, and no option."""
+    marks = marks_of(field.owner).get(field.name, ())
+    return any(isinstance(mark, InternalMark) for mark in marks)
 
 
 def spell_field(name: str, command: object) -> str:

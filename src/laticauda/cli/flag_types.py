@@ -2,7 +2,8 @@
 
 A field of such a type is declared like any other: ``save: TrialOutput = option("Write the trial", default=None)``.
 An output carries a mark, `OutputFile`, by which it is checked before the work starts
-(`laticauda.cli.output_files`).
+(`laticauda.cli.output_files`). A field of the type `Internal` is no option, and a text whose default is
+`REQUIRED` must be typed.
 """
 
 from collections.abc import Callable
@@ -26,6 +27,20 @@ class OutputFile:
 
     endings: tuple[str, ...] = ()
     """Allowed endings; if empty, those of the trial formats."""
+
+
+@dataclass(frozen=True)
+class InternalMark:
+    """Mark for a field that is no option."""
+
+
+Internal = Annotated[Any, InternalMark()]
+"""What a command knows of itself: no option, filled in while the command is read."""
+REQUIRED = ""
+"""Default of a text that must be typed, in a command that is read twice: `parse_command` asks for it.
+
+Such a command is made once before its options are read, to hold the defaults of its numbers.
+"""
 
 
 def words_flag(

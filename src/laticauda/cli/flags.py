@@ -23,12 +23,14 @@ from laticauda.cli.flag_names import (
 )
 from laticauda.cli.flag_types import (
     PICTURES as PICTURES,
+    REQUIRED as REQUIRED,
     BadFlag as BadFlag,
     File as File,
     FileArgument as FileArgument,
     FileArguments as FileArguments,
     Files as Files,
     Folder as Folder,
+    Internal as Internal,
     NameList as NameList,
     OptionalFolder as OptionalFolder,
     OutputArgument as OutputArgument,

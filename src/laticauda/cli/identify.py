@@ -14,6 +14,7 @@ from laticauda.cli.flags import (
     FileArguments,
     Files,
     Folder,
+    Internal,
     Options,
     Words,
     options_of,
@@ -142,7 +143,7 @@ class Identify(Command):
     output: Folder = option(
         "Folder, made if missing; files of the same names are replaced", default="identification"
     )
-    arguments: Any = option("What was typed, for the report", default=())
+    arguments: Internal = option("What was typed, for the report", default=())
 
     @classmethod
     def read(cls, arguments: Sequence[str], prog: str) -> "Identify":

@@ -16,6 +16,7 @@ from laticauda import robot
 from laticauda.cli.command import Command
 from laticauda.cli.flags import (
     File,
+    Internal,
     Options,
     ScenarioArgument,
     options_of,
@@ -294,11 +295,11 @@ class OfScenario(Command):
 
     choice: Names = option("Robot, gait and water, by name", default=Names())
     scenario: Scenario = option("Scenario that the names select; every number can be changed")
-    scenario_as_named: Any = option(
+    scenario_as_named: Internal = option(
         "What the names stand for, before single numbers were changed", default=None
     )
-    origin: Any = option("Where the environment is from, in words", default="")
-    basis: Any = option("What its numbers rest on, in sentences", default="")
+    origin: Internal = option("Where the environment is from, in words", default="")
+    basis: Internal = option("What its numbers rest on, in sentences", default="")
 
     @classmethod
     def read(cls, arguments: Sequence[str], prog: str) -> Any:

@@ -16,7 +16,7 @@ from laticauda.cli.number_flags import numbers_flag
 from laticauda.values import Annotation, Field, quantities_of
 
 COMMON_NUMBERS = ("frequency", "phase_shift")
-"""Numbers that a new wave has from its gait."""
+"""Numbers that a new wave has from its gait, as far as they have flags: a fin has no phase shift of its own."""
 OPTIONAL_NUMBER = Annotation.of(float | None)
 
 
@@ -41,10 +41,9 @@ def wave_flags(field: Field, gait: Any) -> Sequence[WaveFlag]:
     title = field.text.partition(";")[0]
     flags: list[WaveFlag] = []
     for number, quantity in quantities_of(field.annotation.only_member).items():
-        name = f"{field.name}_{number}"
-        if name in FLAG_NAMES.hidden:
+        if FLAG_NAMES.is_hidden_number(field, number):
             continue
-        flag_name = name + quantity.display.ending
+        flag_name = f"{field.name}_{number}{quantity.display.ending}"
         flag_type: Any = Annotated[Any, numbers_flag(flag_name, OPTIONAL_NUMBER, quantity)]
         spec = StructFieldSpec(
             name=flag_name,
@@ -81,8 +80,5 @@ def with_typed_wave(gait: Any, field: Field, typed: Mapping[str, Any]) -> Any:
 
 def _resting_wave(gait: Any, wave_class: Any, numbers: Sequence[str]) -> Any:
     """Return a wave that does not move, with the numbers that it shares with its gait."""
-    common = {"frequency": gait.frequency}
-    for number in COMMON_NUMBERS:
-        if number in numbers:
-            common[number] = getattr(gait, number)
+    common = {number: getattr(gait, number) for number in COMMON_NUMBERS if number in numbers}
     return wave_class(amplitude=0.0, **common)
