@@ -10,6 +10,7 @@ import pytest
 
 import laticauda as lc
 from laticauda.identify import tank_day
+from laticauda.identify.conversion import from_tow
 from laticauda.identify.towing import Tow
 from laticauda.motion.joints.speed_servo import SpeedServo
 from laticauda.robot import load_parameters, textbook_water
@@ -143,6 +144,22 @@ def test_another_lab_reads_the_result(judged):
     assert next(iter(said["laws"])) == law
     assert said["verdict"] == [*found.verdict]
     assert lc.load_robot(place / "robot.toml").n_links == ROBOT.n_links
+
+
+def test_a_number_that_no_trial_determines_leaves_the_odds_of_the_laws_finite():
+    """Tows to the side do not show the friction along the body."""
+    still = lc.build_scenario(ROBOT, replace(ASKED, amplitude=0.0), environment=SHEDS)
+    sideways = [Tow(speed=speed, angle=0.5 * math.pi) for speed in (0.2, 0.4)]
+    tows = tuple(
+        from_tow(ROBOT, BOOK, each, {"side_force": each.loads(still)["side_force"]}, name=str(i))
+        for i, each in enumerate(sideways)
+    )
+    day = tank_day.Day(robot=ROBOT, noise=tank_day.Noise(), trials={}, tows=tows)
+    evaluation = tank_day.evaluate(day, threads=1)
+    for law_fit in evaluation.fits.values():
+        assert law_fit.estimates[0].interval is None
+    assert all(math.isfinite(odds) for odds in evaluation.odds.values())
+    assert all(odds >= 1.0 for odds in evaluation.odds.values())
 
 
 def test_a_folder_is_begun_once_and_empty_tables_are_refused(tmp_path):

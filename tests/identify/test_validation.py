@@ -6,6 +6,7 @@ from identify.trials import FRICTION, speeds, within
 
 import laticauda as lc
 from laticauda.identify import (
+    Unknown,
     compared_with_null_models,
     fit,
     from_table1,
@@ -38,6 +39,14 @@ def test_the_hat_matrix_predicts_what_refits_do(found):
     change = left - found.predictions
     np.testing.assert_allclose(linear - found.predictions, change, atol=0.1 * np.abs(change).max())
     assert np.abs(change).max() > 1e-5
+
+
+def test_the_hat_matrix_keeps_the_priors_as_refits_do():
+    """An offset is linear; its prior says as much as four of the eight numbers."""
+    powers = speeds(8, noise=0.5, sigma=0.5, duration=1.0, figure="mean_power")
+    offset = Unknown(name="measured.power_offset", prior=(1.0, 0.25), size=10.0)
+    found = fit(powers, parameters=[offset], n_starts=1)
+    np.testing.assert_allclose(linear_leave_one_out(found), leave_out(found).predictions, rtol=1e-8)
 
 
 def test_what_was_left_out_is_described_worse(found):

@@ -15,7 +15,7 @@ from laticauda.values import BadArgument, check_choice
 
 BY = ("measurement", "group")
 """What can be left out at a time."""
-_SMALLEST_STRENGTH = 1e-7
+_SMALLEST_SINGULAR_VALUE = 1e-7
 """Singular values of the Jacobian below this share of the largest are rounding errors [-]."""
 
 
@@ -125,14 +125,20 @@ def linear_leave_one_out(fit: Fit) -> Float[np.ndarray, " n_data"]:
     """Predict every single number from the others with the linearized model, without any refit.
 
     With the leverage h, the diagonal of H = J (J^T J)^-1 J^T, the residual r of a number used in
-    the fit becomes r / (1 - h) if that number is left out.
+    the fit becomes r / (1 - h) if that number is left out. The rows of the priors are among those
+    of J, because priors are never left out. The noise is that of the fit, as if it were known
+    beforehand, and all residuals count by their squares: with a robust loss, this is only an
+    approximation.
 
     Args:
         fit: The fit.
     """
     problem = fit.problem
-    jacobian = scaled_jacobian(problem, fit.best)
-    basis, strengths, _ = np.linalg.svd(jacobian, full_matrices=False)
-    is_real = strengths > _SMALLEST_STRENGTH * strengths[0]
-    leverage = np.sum(basis[:, is_real] ** 2, axis=1)
+    data_rows = scaled_jacobian(problem, fit.best, fit.used_noise_factor)
+    jacobian = np.concatenate([data_rows, problem.prior_slopes(fit.best)])
+    # The columns of the basis that count span what J can reach, so that H is basis @ basis.T.
+    basis, singular_values, _ = np.linalg.svd(jacobian, full_matrices=False)
+    counts = singular_values > _SMALLEST_SINGULAR_VALUE * singular_values[0]
+    basis_of_data = basis[: problem.observed.size, counts]
+    leverage = np.sum(basis_of_data**2, axis=1)
     return problem.observed + (fit.predictions - problem.observed) / (1.0 - leverage)

@@ -15,7 +15,8 @@ They are compared by their probabilities given the data, in Laplace's approximat
 
 with the sum of squares Q of data and priors, the covariance C of the unknowns and the standard
 deviations s of their priors. If the best law leaves residuals of k > 1 times the stated noise, Q
-and C are computed with k times that noise.
+and C are computed with k times that noise. An unknown without a prior that no trial determines
+counts as known from its range alone (`laws`).
 
     folder       the files to fill in, and what they hold
     laws         the three laws, and their probabilities

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from jaxtyping import Float
 
 import laticauda as lc
 from laticauda.identify.result import Fit
@@ -58,7 +59,8 @@ def laws_of(robot: Robot) -> Mapping[str, Law]:
 def log_evidence(fit: Fit, noise_factor: float) -> float:
     """Return the log probability of the data, up to a constant that is the same for all laws.
 
-    ln p = -Q/2 + ln det(C)/2 - sum ln s; see the docstring of the package.
+    ln p = -Q/2 + ln det(C)/2 - sum ln s; see the docstring of the package. The priors keep their
+    standard deviations s, whatever the noise.
 
     Args:
         fit: Fit of one law.
@@ -70,10 +72,28 @@ def log_evidence(fit: Fit, noise_factor: float) -> float:
     for unknown, value in zip(problem.unknowns, fit.best, strict=True):
         if unknown.prior is not None:
             prior_deviations.append(unknown.prior.sd / unknown.slope(value))
-    covariance = np.where(np.isfinite(fit.covariance), fit.covariance, 0.0)
-    _, log_determinant = np.linalg.slogdet(covariance * noise_factor**2)
-    return (
-        -0.5 * sum_of_squares / noise_factor**2
-        + 0.5 * float(log_determinant)
-        - float(np.sum(np.log(prior_deviations)))
-    )
+    covariance = _covariance_within_ranges(fit, noise_factor)
+    _, log_determinant = np.linalg.slogdet(covariance)
+    log_of_priors = float(np.sum(np.log(prior_deviations)))
+    return -0.5 * sum_of_squares / noise_factor**2 + 0.5 * float(log_determinant) - log_of_priors
+
+
+def _covariance_within_ranges(fit: Fit, noise_factor: float) -> Float[np.ndarray, "n n"]:
+    """Return the covariance of the coordinates, finite also for unknowns that nothing determines.
+
+    Such an unknown is anywhere in its range: it counts as much as a normal distribution with the
+    same volume, sqrt(2 pi) times its standard deviation. It then changes no odds if no law
+    determines it.
+    """
+    covariance = fit.covariance * noise_factor**2
+    for k, unknown in enumerate(fit.problem.unknowns):
+        if np.isfinite(covariance[k, k]):
+            continue
+        lower_end, upper_end = unknown.ends
+        volume = upper_end - lower_end
+        if not np.isfinite(volume):
+            volume = unknown.size
+        covariance[k, :] = 0.0
+        covariance[:, k] = 0.0
+        covariance[k, k] = volume**2 / (2.0 * np.pi)
+    return covariance
