@@ -11,15 +11,15 @@ from laticauda.identify.candidates import coast_down, swim_candidates
 from laticauda.identify.conversion import from_tow
 from laticauda.identify.design import design_experiment
 from laticauda.identify.identifiability import marginal
-from laticauda.identify.information import (
-    information_of,
-    known_from,
-    prior_information,
-    sigma_of,
-)
 from laticauda.identify.problem import make_problem
 from laticauda.identify.selection import best_of
 from laticauda.identify.towing import Tow
+from laticauda.identify.trial_information import (
+    deviations_after,
+    information_of,
+    known_from,
+    prior_information,
+)
 from laticauda.scenarios.interfaces import Start
 from laticauda.trials.metrics import towing_drag
 
@@ -102,6 +102,13 @@ def test_swimming_does_not_see_the_common_scale_and_a_tow_does(choice):
     )
 
 
+def test_what_swims_is_told_by_what_was_done_and_not_by_a_group_that_a_user_may_name(choice):
+    problem, candidates = choice
+    grouped = [replace(candidate, group="north basin") for candidate in candidates]
+    expected = design_experiment(problem, candidates, 2).swimming
+    assert design_experiment(problem, grouped, 2).swimming == pytest.approx(expected, rel=1e-12)
+
+
 def test_the_force_of_a_tow_says_the_friction_in_closed_form():
     tow = Tow(speed=0.3)
     candidate = from_tow(FINNED, WATER, tow, sigma=0.1, share=0.0)
@@ -165,7 +172,7 @@ def test_the_expected_deviation_is_that_of_a_fit_to_such_trials():
     swimming = swim_candidates(ROBOT, gaits(5), WATER, {"path": 0.005}, duration=8.0)
     put = put_of(swimming, WANTED[:2])
     information = information_of(put, swimming, put.start).sum(axis=0)
-    expected = sigma_of(information)
+    expected = deviations_after(information)
     rng = np.random.default_rng(3)
     runs = lc.swim_many(ROBOT, gaits(5), 8.0, environments=WATER)
     assert runs.succeeded.all()
@@ -186,7 +193,7 @@ def test_the_expected_deviation_is_that_of_a_fit_to_such_trials():
         assert abs(np.log(estimate.value / put.start[k])) < 4.0 * expected[k]
     known = marginal(known_from(found), [0, 1])
     np.testing.assert_allclose(
-        sigma_of(known), [found[e].sigma / found[e].value for e in WANTED[:2]], rtol=1e-6
+        deviations_after(known), [found[e].sigma / found[e].value for e in WANTED[:2]], rtol=1e-6
     )
 
 

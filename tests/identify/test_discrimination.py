@@ -7,7 +7,7 @@ from hypothesis import given, settings, strategies as st
 from identify.trials import DRAG, FRICTION, ROBOT, gaits
 
 import laticauda as lc
-from laticauda.identify import Unknown, fit, information, swim_candidates
+from laticauda.identify import Unknown, fit, swim_candidates, trial_information
 from laticauda.identify.conversion import from_tow
 from laticauda.identify.discrimination import discriminate, misidentification_probability
 from laticauda.identify.identifiability import marginal
@@ -107,7 +107,7 @@ def test_a_figure_that_only_one_model_yields_tells_nothing(monkeypatch):
             predicted.values[side_force.numbers] = math.nan
         return predicted
 
-    monkeypatch.setattr(information, "predict", predict_without_side_force_of_second)
+    monkeypatch.setattr(trial_information, "predict", predict_without_side_force_of_second)
     ((_, distance),) = discriminate(rivals, 1).steps
     assert distance == pytest.approx(expected, rel=1e-9)
 

@@ -8,7 +8,7 @@ from scipy.linalg import toeplitz
 
 import laticauda as lc
 from laticauda.identify import Measurement, fit, profile_interval
-from laticauda.identify.noise import noise_widening
+from laticauda.identify.correlated_noise import noise_widening
 from laticauda.identify.problem import make_problem
 
 N = 40

@@ -120,7 +120,7 @@ if TYPE_CHECKING:
         misidentification_probability as misidentification_probability,
     )
     from laticauda.identify.identifiability import LIMIT as LIMIT, marginal as marginal
-    from laticauda.identify.information import known_from as known_from
+    from laticauda.identify.trial_information import known_from as known_from
     from laticauda.identify.problem import Problem as Problem, make_problem as make_problem
     from laticauda.identify.reasons import format_share as format_share
     from laticauda.identify.series import SERIES as SERIES
@@ -153,7 +153,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "misidentification_probability",
         ],
         "laticauda.identify.identifiability": ["LIMIT", "marginal"],
-        "laticauda.identify.information": ["known_from"],
+        "laticauda.identify.trial_information": ["known_from"],
         "laticauda.identify.problem": ["Problem", "make_problem"],
         "laticauda.identify.reasons": ["format_share"],
         "laticauda.identify.series": ["SERIES"],

@@ -1,7 +1,7 @@
 """Candidate trials of a design: swimming with the available sensors, and coast-downs.
 
-A candidate is a `Measurement` whose measured numbers are not used; its group gives its kind: swim,
-tow or coast-down. In a coast-down, the path of the straight robot released at a speed is tracked.
+A candidate is a `Measurement` whose measured numbers are not used. Its group is its kind, swim, tow
+or coast-down, for tables. In a coast-down, the path of the straight robot released at a speed is tracked.
 Candidate tows are made by `laticauda.identify.conversion.from_tow`.
 """
 

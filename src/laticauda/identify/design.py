@@ -21,11 +21,11 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.identify.identifiability import Information
-from laticauda.identify.information import information_of, prior_information, sigma_of
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.problem import Problem
 from laticauda.identify.reasons import describe_contribution, describe_missed
 from laticauda.identify.selection import CRITERIA, Score, best_of, score_of
+from laticauda.identify.trial_information import deviations_after, information_of, prior_information
 from laticauda.identify.unknowns import ResolvedUnknown
 from laticauda.models.simulate import Progress, silent
 from laticauda.values import check_choice, check_not_empty, check_whole_number
@@ -120,22 +120,22 @@ def design_experiment(
     score = score_of(criterion, names)
     chosen = best_of(added, known, n_trials, score)
     totals = np.cumsum([known, *added[chosen]], axis=0)
-    sigma = [sigma_of(total) for total in totals]
+    deviations = [deviations_after(total) for total in totals]
     steps: list[Judged] = []
     reasons: list[str] = []
     for n_before, i in enumerate(chosen):
         trial = candidates[i]
         contribution = describe_contribution(problem.unknowns, totals[n_before], added[i])
-        steps.append(Judged(trial=trial, numbers=sigma[n_before + 1]))
+        steps.append(Judged(trial=trial, numbers=deviations[n_before + 1]))
         reasons.append(f"{n_before + 1}. {trial.name} {contribution}.")
-    swimming = _sigma_of_best_swims(candidates, added, known, n_trials, score)
+    swimming = _after_best_swims(candidates, added, known, n_trials, score)
     if swimming is not None:
-        reasons.append(describe_missed(names, n_trials, swimming, sigma[-1]))
+        reasons.append(describe_missed(names, n_trials, swimming, deviations[-1]))
     return Design(
         unknowns=problem.unknowns,
         values=values,
         criterion=criterion if criterion in CRITERIA else f"sigma of {criterion}",
-        before=sigma[0],
+        before=deviations[0],
         steps=tuple(steps),
         reasons=tuple(reasons),
         alone=_judge_alone(candidates, added, known, score),
@@ -149,11 +149,11 @@ def _judge_alone(
     """Return the standard deviations after each candidate alone, best first."""
     best_first = sorted(range(len(candidates)), key=lambda i: -score(known + added[i]))
     return tuple(
-        Judged(trial=candidates[i], numbers=sigma_of(known + added[i])) for i in best_first
+        Judged(trial=candidates[i], numbers=deviations_after(known + added[i])) for i in best_first
     )
 
 
-def _sigma_of_best_swims(
+def _after_best_swims(
     candidates: Sequence[Measurement],
     added: np.ndarray,
     known: Information,
@@ -161,12 +161,12 @@ def _sigma_of_best_swims(
     score: Score,
 ) -> np.ndarray | None:
     """Return the standard deviations after the best swimming trials; None if all or none swim."""
-    swims = [i for i, candidate in enumerate(candidates) if candidate.group == "swim"]
+    swims = [i for i, candidate in enumerate(candidates) if candidate.swims]
     if not swims or len(swims) == len(candidates):
         return None
     added_by_swims = added[swims]
     chosen = best_of(added_by_swims, known, n_trials, score)
-    return sigma_of(known + np.sum(added_by_swims[chosen], axis=0))
+    return deviations_after(known + np.sum(added_by_swims[chosen], axis=0))
 
 
 # Names of 0.2, for one release.

@@ -35,10 +35,14 @@ from jaxtyping import Float
 
 from laticauda.identify.design import Judged
 from laticauda.identify.identifiability import marginal
-from laticauda.identify.information import CandidateRows, predict_candidates, prior_information
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.problem import Problem
 from laticauda.identify.selection import best_of
+from laticauda.identify.trial_information import (
+    CandidateRows,
+    predict_candidates,
+    prior_information,
+)
 from laticauda.models.simulate import Progress, silent
 from laticauda.values import BadArgument, check_whole_number
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.identify.correlated_noise import noise_widening
 from laticauda.identify.fit_warnings import list_warnings
 from laticauda.identify.identifiability import Direction, Identifiability, analyze_identifiability
 from laticauda.identify.local_search import LocalSearch
 from laticauda.identify.method import Method
 from laticauda.identify.model import predict
-from laticauda.identify.noise import noise_widening
 from laticauda.identify.noise_factor import measure_noise_factor
 from laticauda.identify.problem import Problem
 from laticauda.identify.result import Fit, ParameterEstimate
@@ -94,7 +94,7 @@ def assemble_fit(
     )
     if method.estimates_noise:
         widening, lags = noise_widening(problem, jacobian, residuals, degrees)
-        judged_chi2 = math.nan
+        judged_chi2 = None  # the noise was chosen such that chi^2 is as usual
     else:
         widening, lags = noise_widening(problem, jacobian, residuals, None)
         judged_chi2 = chi2_with_priors
@@ -144,7 +144,7 @@ def _covariance_of_coordinates(
 ) -> np.ndarray:
     """Return the covariance in the units of the coordinates; inf where nothing is known."""
     covariance = in_sizes * np.outer(problem.sizes, problem.sizes)
-    is_unknown = ~np.isfinite(identifiability.sigma)
+    is_unknown = ~np.isfinite(identifiability.deviations)
     covariance[is_unknown, :] = np.inf
     covariance[:, is_unknown] = np.inf
     return covariance
@@ -156,7 +156,7 @@ def _correlations(covariance: np.ndarray, identifiability: Identifiability) -> n
         deviation = np.sqrt(np.diag(covariance))
         correlations = covariance / np.outer(deviation, deviation)
     correlations = np.clip(correlations, -1.0, 1.0)  # 1 + 1e-16 is a rounding error
-    is_not_identified = identifiability.sigma >= identifiability.limit
+    is_not_identified = identifiability.deviations >= identifiability.limit
     correlations[is_not_identified, :] = np.nan
     correlations[:, is_not_identified] = np.nan
     return correlations
@@ -166,18 +166,20 @@ def _estimate(
     unknown: ResolvedUnknown, k: int, value: float, uncertainty: _Uncertainty
 ) -> ParameterEstimate:
     """Return the estimate of unknown k."""
-    relative_sigma = float(uncertainty.widening[k]) * float(uncertainty.by_data_and_priors.sigma[k])
-    is_identified = relative_sigma < uncertainty.by_data_and_priors.limit
+    relative_deviation = float(uncertainty.widening[k]) * float(
+        uncertainty.by_data_and_priors.deviations[k]
+    )
+    is_identified = relative_deviation < uncertainty.by_data_and_priors.limit
     notes = [
         _note_on_data(unknown, k, is_identified, uncertainty),
-        _note_on_prior(unknown, value, relative_sigma),
+        _note_on_prior(unknown, value, relative_deviation),
         *_notes_on_range(unknown, value),
     ]
     sigma = None
     interval = None
     if is_identified:
         x = unknown.x(value)
-        deviation = relative_sigma * unknown.size
+        deviation = relative_deviation * unknown.size
         half_width = uncertainty.quantile * deviation
         interval = (unknown.value(x - half_width), unknown.value(x + half_width))
         sigma = deviation * unknown.slope(value)
@@ -199,12 +201,12 @@ def _note_on_data(
     by_data = uncertainty.by_data
     if unknown.name in by_data.without_effect:
         return "has no effect on what was measured"
-    if float(uncertainty.widening[k]) * float(by_data.sigma[k]) < by_data.limit:
+    if float(uncertainty.widening[k]) * float(by_data.deviations[k]) < by_data.limit:
         return ""
 
     def spread_of_unknown(direction: Direction) -> float:
         """Return by how much the unknown moves along one deviation of a direction."""
-        return abs(direction.weights[k]) * min(direction.sigma, _UNSEEN)
+        return abs(direction.weights[k]) * min(direction.deviation, _UNSEEN)
 
     takes_part_in = [
         direction for direction in by_data.directions if abs(direction.weights[k]) > _TAKES_PART
@@ -215,12 +217,12 @@ def _note_on_data(
     return f"not identifiable: the data do not see {worst.name}"
 
 
-def _note_on_prior(unknown: ResolvedUnknown, value: float, relative_sigma: float) -> str:
+def _note_on_prior(unknown: ResolvedUnknown, value: float, relative_deviation: float) -> str:
     """Return whether an unknown is hardly better known than by its prior; "" if it is."""
     if unknown.prior is None:
         return ""
-    prior_sigma = unknown.prior.sd / unknown.slope(value) / unknown.size
-    if relative_sigma**2 > _SAME_AS_PRIOR * prior_sigma**2:
+    prior_deviation = unknown.prior.sd / unknown.slope(value) / unknown.size
+    if relative_deviation**2 > _SAME_AS_PRIOR * prior_deviation**2:
         return "known from the prior rather than from the data"
     return ""
 

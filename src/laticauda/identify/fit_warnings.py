@@ -14,13 +14,18 @@ _RARE = 5e-4
 
 
 def list_warnings(
-    problem: Problem, chi2: float, degrees: float, lags: Mapping[str, float], widening: float
+    problem: Problem,
+    chi2: float | None,
+    degrees: float,
+    lags: Mapping[str, float],
+    widening: float,
 ) -> list[str]:
     """Return a sentence for everything unusual, though not invalid, about data and fit.
 
     Args:
         problem: Measurements and unknowns.
-        chi2: Chi^2 of data and priors, for the noise as stated; nan if that is estimated [-].
+        chi2: Chi^2 of data and priors in the stated noise; None if that is not to be judged, because
+            the noise is estimated [-].
         degrees: Degrees of freedom [-].
         lags: Sample-to-sample correlation of the noise, for series that show one [-].
         widening: Largest factor by which this correlation widens an interval [-].
@@ -34,12 +39,12 @@ def list_warnings(
     return [warning for warning in warnings if warning]
 
 
-def _warn_of_chi2(chi2: float, degrees: float, lags: Mapping[str, float]) -> str:
+def _warn_of_chi2(chi2: float | None, degrees: float, lags: Mapping[str, float]) -> str:
     """Return a warning if the residuals do not fit the stated noise; "" if they do."""
-    if degrees <= 0.0:
+    if chi2 is None or degrees <= 0.0:
         return ""
     usual = _usual_chi2(degrees, lags)
-    if not (chi2 < usual.low or chi2 > usual.high):
+    if usual.low <= chi2 <= usual.high:
         return ""
     return (
         f"chi^2 out of range: {chi2:.4g} at {degrees:.0f} degrees of freedom, where the stated "

@@ -13,7 +13,7 @@ from laticauda.identify.local_search import MOST_STEPS, LocalSearch, Vector, min
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.method import Method
 from laticauda.identify.model import predict
-from laticauda.identify.noise_factor import measure_noise_factor
+from laticauda.identify.noise_factor import NoiseFactor, measure_noise_factor
 from laticauda.identify.problem import Problem, make_problem
 from laticauda.identify.result import Fit
 from laticauda.identify.unknowns import ResolvedUnknown, Unknown
@@ -232,25 +232,43 @@ def _optimum_with_estimated_noise(
     Jacobian is rescaled. A prior keeps its own standard deviation, and a robust loss tells outliers
     by the noise: both need new searches.
 
-    The noise remains as stated if it cannot be estimated, because the model describes the data
-    exactly.
+    The noise remains as it was if it cannot be estimated: without degrees of freedom, or because
+    the model describes the data exactly.
+
+    Args:
+        problem: Measurements and unknowns.
+        method: Settings of the fit.
+        best: The best search, in the stated noise.
+        most_steps: Predictions of each further search.
     """
     is_same_for_any_noise = problem.n_priors == 0 and method.loss == "linear"
-    factor = 1.0
+    search = best
+    searched_factor = 1.0  # the noise of `search`, and of its Jacobian, over the stated noise
     for _ in range(_ROUNDS):
-        predictions = predict(problem, problem.values_of(best.end)).values
-        residuals = (predictions - problem.observed) / problem.sigma
-        estimated = measure_noise_factor(problem, method, best.jacobian, residuals)
-        has_settled = abs(estimated.factor - factor) <= _SETTLED * factor
-        if has_settled or not estimated.is_usable:
+        estimated = _measure_noise_factor_at_end(problem, method, search)
+        if not estimated.is_usable:
             break
-        factor = estimated.factor
+        if abs(estimated.factor - searched_factor) <= _SETTLED * searched_factor:
+            break
         if is_same_for_any_noise:
             return Optimum(
-                coordinates=best.end, jacobian=best.jacobian / factor, noise_factor=factor
+                coordinates=search.end,
+                jacobian=search.jacobian / estimated.factor,
+                noise_factor=estimated.factor,
             )
-        best = minimize(problem, best.end, loss=method.loss, factor=factor, most_steps=most_steps)
-    return Optimum.of_search(best, noise_factor=factor)
+        searched_factor = estimated.factor
+        search = minimize(
+            problem, search.end, loss=method.loss, factor=searched_factor, most_steps=most_steps
+        )
+    return Optimum.of_search(search, noise_factor=searched_factor)
+
+
+def _measure_noise_factor_at_end(
+    problem: Problem, method: Method, search: LocalSearch
+) -> NoiseFactor:
+    predictions = predict(problem, problem.values_of(search.end)).values
+    residuals = (predictions - problem.observed) / problem.sigma  # in the stated noise
+    return measure_noise_factor(problem, method, search.jacobian, residuals)
 
 
 def _check_enough_numbers(problem: Problem, method: Method) -> None:

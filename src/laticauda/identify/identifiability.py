@@ -1,5 +1,6 @@
 """Identifiability: directions in which the unknowns can move with hardly any effect."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -41,7 +42,7 @@ class Direction:
 
     They are weights of logarithms, or in units of the sizes on a linear scale.
     """
-    sigma: float
+    deviation: float
     """Standard deviation of the combination given the data; inf if they do not see it [-]."""
     is_seen: bool
     """Whether its uncertainty moves no unknown by more than the limit."""
@@ -55,7 +56,7 @@ class Identifiability:
 
     directions: tuple[Direction, ...]
     """Directions, from the best seen to the worst seen."""
-    sigma: Float[np.ndarray, " n_unknowns"]
+    deviations: Float[np.ndarray, " n_unknowns"]
     """Standard deviation of each unknown, relative to its value or its size; inf if unseen [-]."""
     without_effect: tuple[str, ...]
     """Unknowns on which no measured number depends."""
@@ -89,20 +90,22 @@ def analyze_identifiability(
     """
     sizes = np.array([unknown.size for unknown in unknowns])
     scaled = information * np.outer(sizes, sizes)
-    spectrum = strengths(scaled)
+    spectrum = compute_spectrum(scaled)
     weights = np.abs(spectrum.vectors)
     ranges = np.array([np.ptp(unknown.ends) for unknown in unknowns]) / sizes
     with np.errstate(divide="ignore"):
-        sigma = 1.0 / np.sqrt(spectrum.eigenvalues)
-        # How far one can go along a direction until the first unknown has crossed its range.
+        # inf along a direction that the data do not see, whose eigenvalue is 0
+        deviation_along = 1.0 / np.sqrt(spectrum.eigenvalues)
+        # How far one can go along a direction until the first unknown has crossed its range: inf
+        # for unknowns without a range, and for those that do not move along it.
         reach = np.min(ranges[:, np.newaxis] / weights, axis=0)
     directions: list[Direction] = []
     for j in reversed(range(len(unknowns))):
         vector = spectrum.vectors[:, j]
         direction = Direction(
             weights=oriented(vector),
-            sigma=float(sigma[j]),
-            is_seen=bool(sigma[j] * np.max(weights[:, j]) < limit),
+            deviation=float(deviation_along[j]),
+            is_seen=bool(deviation_along[j] * np.max(weights[:, j]) < limit),
             name=describe_combination(vector, unknowns),
         )
         directions.append(direction)
@@ -111,25 +114,25 @@ def analyze_identifiability(
     ]
     return Identifiability(
         directions=tuple(directions),
-        sigma=deviations(spectrum, reach),
+        deviations=compute_deviations(spectrum, reach),
         without_effect=tuple(without_effect),
         limit=limit,
     )
 
 
-def strengths(information: Information) -> Spectrum:
+def compute_spectrum(information: Information) -> Spectrum:
     """Return the eigenvalues of an information matrix, 0 for rounding errors, and its eigenvectors.
 
     Args:
         information: Information, in units of the sizes of the unknowns.
     """
     eigenvalues, vectors = np.linalg.eigh(0.5 * (information + information.T))
-    is_strength = eigenvalues > _FLAT * max(float(eigenvalues[-1]), 0.0)
-    return Spectrum(eigenvalues=np.where(is_strength, eigenvalues, 0.0), vectors=vectors)
+    is_rounding = eigenvalues <= _FLAT * max(float(eigenvalues[-1]), 0.0)
+    return Spectrum(eigenvalues=np.where(is_rounding, 0.0, eigenvalues), vectors=vectors)
 
 
-def deviations(
-    spectrum: Spectrum, reach: Float[np.ndarray, " n"] | float = np.inf
+def compute_deviations(
+    spectrum: Spectrum, reach: Float[np.ndarray, " n"] | None = None
 ) -> Float[np.ndarray, " n"]:
     """Return the standard deviation of every unknown: the roots of the diagonal of the inverse.
 
@@ -140,18 +143,32 @@ def deviations(
 
     Args:
         spectrum: Eigenvalues and eigenvectors of the information.
-        reach: Distance along each eigenvector to the end of a range.
+        reach: Distance along each eigenvector to the end of a range; None: there are no ranges.
     """
-    squared_components = spectrum.vectors**2  # row: unknown, column: direction
-    is_component = squared_components > _NO_SHARE
+    if reach is None:
+        reach = np.full(spectrum.eigenvalues.size, np.inf)
+    variances_along: list[np.ndarray] = []
+    for j, eigenvalue in enumerate(spectrum.eigenvalues):
+        squared_components = spectrum.vectors[:, j] ** 2
+        variances_along.append(_variances_along(squared_components, eigenvalue, reach[j]))
+    return np.sqrt(np.sum(np.stack(variances_along, axis=1), axis=1))
+
+
+def _variances_along(
+    squared_components: Float[np.ndarray, " n"], eigenvalue: float, reach: float
+) -> Float[np.ndarray, " n"]:
+    """Return what one direction adds to the variance of every unknown."""
+    if eigenvalue > 0.0:
+        variances = squared_components / eigenvalue
+    else:
+        takes_part = squared_components > _NO_SHARE
+        variances = np.where(takes_part, np.inf, 0.0)
+    if math.isinf(reach):
+        return variances
     hardly_takes_part = squared_components <= _HARDLY**2
-    is_seen = spectrum.eigenvalues > 0.0
-    with np.errstate(divide="ignore", invalid="ignore"):
-        added = squared_components / spectrum.eigenvalues
-        added_within_range = squared_components * np.square(reach)
-    variance = np.where(is_component | is_seen, added, 0.0)
-    largest_variance = np.where(hardly_takes_part, added_within_range, np.inf)
-    return np.sqrt(np.sum(np.fmin(variance, largest_variance), axis=1))
+    variances_within_range = squared_components * reach**2
+    bounded = np.minimum(variances, variances_within_range)
+    return np.where(hardly_takes_part, bounded, variances)
 
 
 def marginal(information: Information, keep: Sequence[int]) -> Float[np.ndarray, "n_kept n_kept"]:

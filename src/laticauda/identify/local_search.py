@@ -231,15 +231,20 @@ def minimize(
 def _start_of_search(x: Vector, lower: Vector, upper: Vector, sizes: Vector) -> Vector:
     """Return starting coordinates inside the range from which a search can leave.
 
-    Scipy's first step is at most as long as the vector of the starting coordinates. From one that
-    is almost 0, as at a lower end of 0, the search would stop where it began: its steps change the
-    cost by less than the tolerance. Only an exact 0 inside the range counts as 1.
+    Scipy does not ask how long the first step may be. It takes the length of the vector of starting
+    coordinates, in sizes; 1 for one of length 0, which is exact only if 0 is not at an end of a
+    range, from which scipy moves every start a little inside. A start that is almost 0 thus allows
+    only steps so short that they change the cost by less than the tolerance, and the search would
+    stop where it began. Such a start is moved: to exactly 0, or, where 0 is not well inside the
+    range, to the nearest coordinate that is.
     """
     start = np.clip(x, lower, upper)
-    if np.linalg.norm(start / sizes) >= _SHORTEST_START:
+    longest_first_step = np.linalg.norm(start / sizes)
+    if longest_first_step >= _SHORTEST_START:
         return start
     margin = np.minimum(_SHORTEST_START * sizes, 0.5 * (upper - lower))
-    return np.clip(np.zeros(x.size), lower + margin, upper - margin)
+    zero = np.zeros(x.size)
+    return np.clip(zero, lower + margin, upper - margin)
 
 
 def all_residuals(

@@ -12,7 +12,7 @@ import laticauda as lc
 from laticauda.identify.selection_bias import mean_of_the_greatest
 from laticauda.identify.series import SERIES, SERIES_KINDS
 from laticauda.identify.towing import LOADS, Tow
-from laticauda.identify.unknowns import Prior
+from laticauda.identify.unknowns import Prior, name_field
 from laticauda.models.simulate import UNITS
 from laticauda.trials import arrays
 from laticauda.values import (
@@ -108,11 +108,8 @@ class Measurement:
         check_instance("scenario.start", self.scenario.start, lc.Start)
 
     def _named(self, field_name: str) -> str:
-        """Return how a message names a field of this measurement.
-
-        Messages put it in backticks, so that it reads `time` of `trial 1`.
-        """
-        return f"{field_name}` of `{self.name}"
+        """Return how a message names a field of this measurement."""
+        return name_field(field_name, self.name)
 
     def _set(self, field_name: str, content: object) -> None:
         object.__setattr__(self, field_name, content)
@@ -185,6 +182,11 @@ class Measurement:
             return None
         _, sigma = self.series[series_name]
         return Prior(mean=0.0, sd=sigma)
+
+    @property
+    def swims(self) -> bool:
+        """Whether the joints moved it: it was neither towed nor only coasting."""
+        return self.tow is None and self.scenario.gait.amplitude != 0.0
 
     @property
     def coasts(self) -> bool:

@@ -3,6 +3,11 @@
 The losses are those that SciPy's search knows by name. Another one is an entry of `LOSSES` and, in
 `local_search`, a function that also returns its first two derivatives, which the search needs.
 
+A loss is applied to the residuals of priors as to those of data, in the noise that applies: a prior
+that the data contradict strongly is an outlier too, and says less. If the noise is estimated, a
+residual of the data counts as an outlier by the estimated noise, which outliers make larger
+(`noise_factor`); that of a prior by the prior's own standard deviation.
+
 A robust loss is taken as what it is: another probability of the noise, exp(-rho(r^2)/2), with long
 tails. The covariance of a fit is therefore the inverse of the curvature of half the cost, which is
 where its profiles and its posterior have their width too. In linear fits of 10 and 40 numbers with

@@ -11,6 +11,11 @@ an unknown with a prior counts depends on what the factor is for (`Method.noise`
                 prior: n_data - trace((F_data + F_priors)^-1 F_data). A prior that says nothing
                 then changes nothing, and a direction that nothing determines does not count.
 
+Also with a robust loss, all residuals count by their squares, outliers too. The factor is then that
+of the noise with its outliers: in fits of one number to 40, of which four are off by 10 standard
+deviations, it is 3.3 on average, and intervals are 2.3 to 2.8 times as wide as with the noise
+known. They err on the safe side; who knows the noise of the good numbers should state it.
+
 There is one factor in a fit: with estimated noise, the one reported is the one that search,
 covariance, profiles and posterior apply, and Student's t has the same degrees of freedom.
 """
@@ -21,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from laticauda.identify.identifiability import strengths
+from laticauda.identify.identifiability import compute_spectrum
 from laticauda.identify.method import Method
 from laticauda.identify.problem import Problem
 
@@ -40,7 +45,7 @@ class NoiseFactor(NamedTuple):
     @property
     def is_usable(self) -> bool:
         """Whether noise can be stated by it: there are degrees of freedom, and residuals."""
-        return self.factor > 0.0
+        return self.degrees > 0.0 and self.factor > 0.0
 
 
 def measure_noise_factor(
@@ -75,7 +80,7 @@ def _number_determined_by_data(problem: Problem, jacobian: np.ndarray) -> float:
     Without priors, it is the number of directions that the data see at all.
     """
     scaled = jacobian * problem.sizes
-    eigenvalues, vectors = strengths(scaled.T @ scaled)
+    eigenvalues, vectors = compute_spectrum(scaled.T @ scaled)
     is_seen = eigenvalues > 0.0
     if problem.n_priors == 0:
         return float(np.count_nonzero(is_seen))

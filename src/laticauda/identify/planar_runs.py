@@ -145,25 +145,26 @@ def _differentiate_batch(
     members = sorted({pair.measurement for pair in pairs})
     member_runs = batch_scenarios.runs_of([scenarios[i] for i in members])
     run_of_member = dict(zip(members, member_runs, strict=True))
-    results = [RunResults() for _ in pairs]
-    slopes = derivatives.compute_slopes(
+    stepped_results = [RunResults() for _ in pairs]
+    # Complex runs: their imaginary parts over STEP are the derivatives.
+    stepped_runs = derivatives.compute_slopes(
         [run_of_member[pair.measurement] for pair in pairs],
         [_differentiated_number(problem, scenarios, values, pair) for pair in pairs],
         scenarios[members[0]].duration,
         sample_interval=SAMPLE_INTERVAL,
         threads=problem.threads,
-        observe=_series_collector(problem, [pair.measurement for pair in pairs], results),
+        observe=_series_collector(problem, [pair.measurement for pair in pairs], stepped_results),
         with_joints=_needs_joints(problem, members),
     )
     data_of = data_of_measurements(problem)
     for lane, (i, k) in enumerate(pairs):
-        if not slopes.succeeded[lane]:
+        if not stepped_runs.succeeded[lane]:
             jacobian[data_of[i], k] = np.nan
             continue
         for name in UNITS:
-            results[lane].figures[name] = slopes.figures[name][lane]
+            stepped_results[lane].figures[name] = stepped_runs.figures[name][lane]
         nuisance = problem.nuisance(i, values)
-        shown = measured_values(problem.measurements[i], results[lane], nuisance)
+        shown = measured_values(problem.measurements[i], stepped_results[lane], nuisance)
         jacobian[data_of[i], k] = np.imag(shown) / STEP
 
 

@@ -143,7 +143,9 @@ class _Profile:
 
 
 def sum_of_squares(fit: Fit, x: np.ndarray) -> float:
-    """Compute the sum of squares of data and priors, in the noise that the fit used.
+    """Compute what the fit minimized: the sum over data and priors, in the noise that it used.
+
+    With a robust loss, it is not a sum of squares but of rho(r^2) (see `laticauda.identify.method`).
 
     Args:
         fit: The fit.
@@ -151,6 +153,4 @@ def sum_of_squares(fit: Fit, x: np.ndarray) -> float:
     """
     values = fit.problem.values_of(x)
     residuals = all_residuals(fit.problem, values, fit.used_noise_factor)
-    n_data = fit.problem.observed.size
-    loss = fit.method.loss
-    return cost_of(residuals[:n_data], loss) + cost_of(residuals[n_data:], loss)
+    return cost_of(residuals, fit.method.loss)

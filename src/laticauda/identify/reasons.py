@@ -6,8 +6,8 @@ import numpy as np
 
 from laticauda.identify.combinations import describe_combination
 from laticauda.identify.identifiability import LIMIT, Information
-from laticauda.identify.information import sigma_of
 from laticauda.identify.selection import FAINT
+from laticauda.identify.trial_information import deviations_after
 from laticauda.identify.unknowns import ResolvedUnknown
 
 _CLEAR_SHRINKAGE = 0.9
@@ -30,7 +30,7 @@ def describe_contribution(
         known: Information before the trial, in units of the sizes of the unknowns.
         added: Information of the trial, in the same units.
     """
-    before, after = sigma_of(known), sigma_of(known + added)
+    before, after = deviations_after(known), deviations_after(known + added)
     shares = [
         f"`{unknown.name}` ({format_share(before[k])} before, {format_share(after[k])} after)"
         for k, unknown in enumerate(unknowns)
@@ -82,14 +82,14 @@ def describe_missed(
     )
 
 
-def format_share(sigma: float) -> str:
+def format_share(deviation: float) -> str:
     """Format a relative standard deviation as text.
 
     Args:
-        sigma: Relative standard deviation [-].
+        deviation: Relative standard deviation [-].
     """
-    if not np.isfinite(sigma) or sigma > _UNKNOWN:
+    if not np.isfinite(deviation) or deviation > _UNKNOWN:
         return "unknown"
-    if sigma >= _WHOLE_PERCENT:
-        return f"{100.0 * sigma:.0f} %"
-    return f"{100.0 * sigma:.2g} %"
+    if deviation >= _WHOLE_PERCENT:
+        return f"{100.0 * deviation:.0f} %"
+    return f"{100.0 * deviation:.2g} %"

@@ -9,7 +9,13 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import NamedTuple, NoReturn
 
-from laticauda.identify.unknowns import NUISANCE, Prior, ResolvedUnknown, Unknown
+from laticauda.identify.unknowns import (
+    NUISANCE,
+    Prior,
+    ResolvedUnknown,
+    Unknown,
+    name_field,
+)
 from laticauda.models.simulate import Parameter, change_parameters, suggest_names, value_of
 from laticauda.models.simulate.numbers import list_parameters
 from laticauda.scenarios import Scenario
@@ -135,7 +141,7 @@ def resolve(
     start = _start_of(unknown, name, scenario)
     refusal = partial(_refusal, name, scenario, unknown.tied)
     _check_values_are_allowed(unknown, start, refusal)
-    may_be_negative = name in NUISANCE or not refusal(-_SMALLEST_CHANGE * max(1.0, abs(start)))
+    may_be_negative = name in NUISANCE or _allows_negative(refusal, start)
     is_log = _is_on_log_scale(unknown, start, may_be_negative)
     low, high = _usual_range(start, is_log, may_be_negative)
     lower, upper = unknown.lower, unknown.upper
@@ -185,6 +191,16 @@ def _start_of(unknown: Unknown, name: str, scenario: Scenario) -> float:
     return start
 
 
+def _allows_negative(refusal: Refusal, start: float) -> bool:
+    """Return whether a field takes negative values.
+
+    A number may be any field of robot and water, and some rules hold between fields: only building
+    them says what is allowed. A value just below 0 is allowed exactly if negative ones are.
+    """
+    just_below_zero = -_SMALLEST_CHANGE * max(1.0, abs(start))
+    return not refusal(just_below_zero)
+
+
 def _check_values_are_allowed(unknown: Unknown, start: float, refusal: Refusal) -> None:
     """Reject a start or a range that robot or water cannot have."""
     values = {"start": start, "lower": unknown.lower, "upper": unknown.upper}
@@ -194,7 +210,7 @@ def _check_values_are_allowed(unknown: Unknown, start: float, refusal: Refusal) 
         reason = refusal(value)
         if reason:
             rule = f"must be in its range, got {value:g}: {reason.rstrip('.')}"
-            raise BadArgument(f"{field_name}` of `{unknown.name}", rule)
+            raise BadArgument(name_field(field_name, unknown.name), rule)
 
 
 def _is_on_log_scale(unknown: Unknown, start: float, may_be_negative: bool) -> bool:
@@ -205,7 +221,7 @@ def _is_on_log_scale(unknown: Unknown, start: float, may_be_negative: bool) -> b
         is_log = start > 0.0 and not may_be_negative and unknown.lower != 0.0
     if is_log and start <= 0.0:
         rule = f"must be > 0 on a log scale, got {start:g}"
-        raise BadArgument(f"start` of `{unknown.name}", rule)
+        raise BadArgument(name_field("start", unknown.name), rule)
     return is_log
 
 
@@ -253,14 +269,14 @@ def _check_tied(unknown: Unknown, name: str, dependents: Sequence[NumberedScenar
     """Reject ties that no measurement can have."""
     if not unknown.tied:
         return
-    argument = f"`tied` of `{unknown.name}`"
+    argument = name_field("tied", unknown.name)
     for dependent in dependents:
         for tied_name in unknown.tied:
             if tied_name == name or not _can_be_tied(tied_name, dependent.numbers):
-                rule = f"must name other numbers of robot and water, got {tied_name!r}."
-                raise ValueError(f"{argument} {rule}")
+                rule = f"must name other numbers of robot and water, got {tied_name!r}"
+                raise BadArgument(argument, rule)
         if name in NUISANCE or value_of(name, dependent.scenario, argument="parameters") <= 0.0:
-            raise ValueError(f"{argument} must follow a number that is greater than 0.")
+            raise BadArgument(argument, "must follow a number that is greater than 0")
 
 
 def _can_be_tied(name: str, numbers: Mapping[str, Parameter]) -> bool:

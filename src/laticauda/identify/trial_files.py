@@ -12,7 +12,7 @@ from laticauda.identify.conversion import from_trial
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.series import SERIES
 from laticauda.identify.tables import FIGURES, TABLE_SIGMA
-from laticauda.identify.unknowns import numbers_by_name
+from laticauda.identify.unknowns import name_field, numbers_by_name
 from laticauda.models.simulate import UNITS
 from laticauda.values import (
     BadArgument,
@@ -105,7 +105,7 @@ class TrialFile:
 
 def _check_was_measured(label: str, trial: lc.Trial, names: Sequence[str]) -> None:
     for name in names:
-        check_choice(f"measured` of `{label}", name, (*UNITS, *SERIES))
+        check_choice(name_field("measured", label), name, (*UNITS, *SERIES))
         if name in trial.not_measured:
             rule = f"of `{label}` must have been measured to be fitted; the file does not have it"
             raise BadArgument(name, rule)

@@ -58,6 +58,19 @@ SIMULATED = ("start.heading", "start.velocity")
 """Nuisance parameters on which a run depends; the others change only what is seen of it."""
 
 
+def name_field(field_name: str, owner: str) -> str:
+    """Return how messages name a field of one of several: `time` of `trial 1`.
+
+    `BadArgument` puts a name in backticks. Those inside this one close the field and open the
+    owner.
+
+    Args:
+        field_name: Name of the field.
+        owner: Name of the measurement or unknown.
+    """
+    return f"{field_name}` of `{owner}"
+
+
 class Prior(NamedTuple):
     """Normal distribution of what is known of a value without the measurements."""
 
@@ -127,18 +140,18 @@ class Unknown:
     def __post_init__(self) -> None:
         """Check the fields against each other."""
         if self.prior is not None:
-            check_positive(f"sd of the prior` of `{self.name}", self.prior[1])
+            check_positive(name_field("sd of the prior", self.name), self.prior[1])
         lower = self.lower if self.lower is not None else -math.inf
         upper = self.upper if self.upper is not None else math.inf
         if lower >= upper:
             rule = f"must be < its `upper` of {upper:g}, got {lower:g}"
-            raise BadArgument(f"lower` of `{self.name}", rule)
+            raise BadArgument(name_field("lower", self.name), rule)
         if self.scale == "log" and self.lower is not None and self.lower <= 0.0:
             rule = f"must be > 0 on a log scale, got {self.lower:g}"
-            raise BadArgument(f"lower` of `{self.name}", rule)
+            raise BadArgument(name_field("lower", self.name), rule)
         if self.start is not None and not lower <= self.start <= upper:
             rule = f"must be between {lower:g} and {upper:g}, got {self.start:g}"
-            raise BadArgument(f"start` of `{self.name}", rule)
+            raise BadArgument(name_field("start", self.name), rule)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -102,7 +102,7 @@ def _describe_parameters(fit: Fit) -> list[dict[str, Any]]:
 def _describe_directions(fit: Fit) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     for direction in fit.identifiability.directions:
-        row = {"name": direction.name, "sigma": direction.sigma, "is_seen": direction.is_seen}
+        row = {"name": direction.name, "sigma": direction.deviation, "is_seen": direction.is_seen}
         rows.append(row)
     return rows
 

@@ -122,7 +122,7 @@ def _list_directions(validated: Validation) -> list[Row]:
             continue
         row = {
             "combination": direction.name.replace("`", ""),
-            "standard deviation [-]": direction.sigma,
+            "standard deviation [-]": direction.deviation,
             "seen": direction.is_seen,
         }
         rows.append(row)

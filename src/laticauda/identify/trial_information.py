@@ -10,7 +10,12 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
-from laticauda.identify.identifiability import Information, deviations, marginal, strengths
+from laticauda.identify.identifiability import (
+    Information,
+    compute_deviations,
+    compute_spectrum,
+    marginal,
+)
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.model import predict, scaled_jacobian
 from laticauda.identify.problem import Problem, other_measurements, with_starts
@@ -141,10 +146,10 @@ def prior_information(problem: Problem, values: Values) -> Information:
     return rows.T @ rows
 
 
-def sigma_of(information: Information) -> Float[np.ndarray, " n_unknowns"]:
+def deviations_after(information: Information) -> Float[np.ndarray, " n_unknowns"]:
     """Return the standard deviations of all unknowns, inf where nothing is known [-].
 
     Args:
         information: Information, in units of the sizes of the unknowns.
     """
-    return deviations(strengths(information))
+    return compute_deviations(compute_spectrum(information))

@@ -64,8 +64,7 @@ def noise_widening(
         problem: Measurements and unknowns.
         jacobian: Jacobian of the residuals, those of the priors last.
         residuals: The residuals of the data.
-        degrees: Degrees of freedom, if the residuals estimated the noise: less of correlated noise
-            remains in them.
+        degrees: Degrees of freedom, if the residuals estimated the noise; None if it is known.
     """
     data_rows, prior_rows = np.split(jacobian * problem.sizes, [residuals.size])
     prior_information = prior_rows.T @ prior_rows
@@ -85,15 +84,33 @@ def noise_widening(
         for chain in chains[kind]:
             backward = _add_what_remains(data_rows[chain][::-1], lag)[::-1]
             filtered[chain] = _scales_of_new_noise(chain, lag) * backward
-    correlated_information = filtered.T @ filtered
+    correlated_information = filtered.T @ filtered  # J^T C J
     if degrees is not None:
-        n_absorbed = float(np.trace(covariance @ correlated_information))
-        correlated_information *= degrees / max(residuals.size - n_absorbed, 1.0)
+        correlated_information *= _correction_of_estimated_noise(
+            covariance, correlated_information, residuals.size, degrees
+        )
+    # What is known from priors has its own uncertainty, which no correlation of the noise changes.
     sandwich = covariance @ (correlated_information + prior_information) @ covariance
-    variance = np.diag(sandwich)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        factors = np.fmax(np.sqrt(variance / np.diag(covariance)), 1.0)
+    variances = np.diag(covariance)
+    factors = np.ones(len(covariance))
+    is_determined = variances > 0.0  # the pseudoinverse leaves 0 for what nothing determines
+    ratios = np.diag(sandwich)[is_determined] / variances[is_determined]
+    factors[is_determined] = np.fmax(np.sqrt(ratios), 1.0)
     return Widening(factors=factors, lags=lags)
+
+
+def _correction_of_estimated_noise(
+    covariance: np.ndarray, correlated_information: np.ndarray, n_data: int, degrees: float
+) -> float:
+    """Return by what to multiply the variance of a noise that the residuals estimated.
+
+    That estimate divided their sum of squares by the degrees of freedom, which is what a fit leaves
+    of white noise. Of correlated noise, a fit absorbs trace(F^-1 J^T C J), which is more, so that
+    the residuals are smaller than the noise by more than the degrees of freedom tell.
+    """
+    n_absorbed = float(np.trace(covariance @ correlated_information))
+    n_left = max(n_data - n_absorbed, 1.0)
+    return degrees / n_left
 
 
 def _estimate_lags(
