@@ -20,7 +20,11 @@ if TYPE_CHECKING:
         build_scenario as build_scenario,
         model_of as model_of,
     )
-    from laticauda.scenarios.choice import Choice as Choice, Chosen as Chosen
+    from laticauda.scenarios.choice import (
+        IDENTIFIED_PARAMETERS as IDENTIFIED_PARAMETERS,
+        Choice as Choice,
+        Chosen as Chosen,
+    )
     from laticauda.scenarios.scenario import (
         Experiment as Experiment,
         MODELS as MODELS,
@@ -75,7 +79,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "build_scenario",
             "model_of",
         ],
-        "laticauda.scenarios.choice": ["Choice", "Chosen"],
+        "laticauda.scenarios.choice": ["Choice", "Chosen", "IDENTIFIED_PARAMETERS"],
         "laticauda.scenarios.scenario": [
             "Experiment",
             "MODELS",

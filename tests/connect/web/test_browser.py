@@ -91,9 +91,9 @@ def test_the_table_that_the_page_hands_out_is_the_trial_that_its_python_makes(ch
         page.locator("#csv").click()
     assert handed_out.value.suggested_filename == "trial.csv"
     trial = lc.swim(by_python(page.locator("#python").inner_text()))
-    assert difference(handed_out.value.path().read_text(), trial) < 1e-12
+    assert difference(handed_out.value.path().read_text(), trial) < 1e-10  # of servos
     assert until(
-        lambda: f"{trial.forward_velocity:.4f} m/s" in page.locator("#figures").inner_text()
+        lambda: f"speed {trial.forward_velocity:.3f} m/s" in page.locator("#figures").inner_text()
     )
 
 

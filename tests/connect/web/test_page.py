@@ -21,6 +21,11 @@ pytestmark = [
 needs_node = pytest.mark.skipif(NODE is None, reason="node is not installed")
 
 
+def most_of(scenario: lc.Scenario) -> float:
+    """How far page and Python may be apart: rounding, which servos at the end of their speed make larger."""
+    return 1e-12 if scenario.model.joints == lc.Prescribed() else 1e-10
+
+
 @needs_node
 def test_twenty_settings_by_chance_swim_as_in_python_and_are_said_rightly(folder, tmp_path):
     links = some_links(folder, 20, seed=7)
@@ -29,9 +34,11 @@ def test_twenty_settings_by_chance_swim_as_in_python_and_are_said_rightly(folder
         assert nameless(by_shell(found["shell"], tmp_path)) == nameless(scenario)
         assert not found["refusal"]
         trial = lc.swim(scenario)
-        assert difference(found["csv"], trial) < 1e-12, link
-        assert found["figures"]["speed"] == pytest.approx(trial.forward_velocity, abs=1e-12)
-        assert found["figures"]["power"] == pytest.approx(trial.mean_power, rel=1e-12)
+        assert difference(found["csv"], trial) < most_of(scenario), link
+        assert found["figures"]["speed"] == pytest.approx(
+            trial.forward_velocity, abs=most_of(scenario)
+        )
+        assert found["figures"]["power"] == pytest.approx(trial.mean_power, rel=most_of(scenario))
 
 
 @needs_node

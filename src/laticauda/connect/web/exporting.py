@@ -20,14 +20,14 @@ from laticauda.connect.web.robot_data import (
     RobotChoice,
     build_choice,
     describe_choice,
-    name_of_law,
+    name_of_kernels,
 )
 from laticauda.connect.web.sliders import list_sliders
 from laticauda.control import ROUNDING
 from laticauda.models.planar import PlanarPlant
 from laticauda.values import files, hints_of
 
-ROBOTS = ("mamba", "mamba-fin", "mamba-modules-fin", "amphibot", "tendon-fish")
+ROBOTS = ("mamba-fin", "mamba", "mamba-modules-fin", "amphibot", "tendon-fish")
 """Presets that a page contains by default."""
 PAGE_FOLDER = Path(__file__).with_name("page")
 """Files of a page that are the same for all robots."""
@@ -68,11 +68,11 @@ def export_web(
 
 
 def _compile_modules(choices: Sequence[RobotChoice]) -> dict[str, str]:
-    """Return WebAssembly modules in base64: the kernels by the name of their drag law, and the steering."""
+    """Return WebAssembly modules in base64: the kernels by their names, and the steering."""
     plants: dict[str, PlanarPlant] = {}
     for choice in choices:
         for plant in choice.plants.values():
-            plants[name_of_law(plant)] = plant
+            plants[name_of_kernels(plant)] = plant
     browser = find_platform("wasm32")
     modules: dict[str, bytes] = {}
     for name, plant in plants.items():

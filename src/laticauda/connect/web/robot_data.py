@@ -16,6 +16,7 @@ from laticauda.models.planar import PlanarPlant, rows
 from laticauda.motion import gaits
 from laticauda.motion.gaits import FIRST_GAIT
 from laticauda.robot import kinematics
+from laticauda.trials import all_measured
 from laticauda.values import codec, extensions
 
 ELASTIC_FIN: Mapping[str, Any] = {"n_hinges": 3, "flexural_rigidity": 0.2}
@@ -40,7 +41,7 @@ LOGGED_PREFIXES = (
     "center",
     "heading",
     "link",
-    "joint",
+    "joint_",
     "fin_",
     *WORK_NAMES,
     "electrical_work",
@@ -59,7 +60,9 @@ class RobotChoice:
     robot: lc.Robot
     """The robot with its own fin, or none."""
     plants: Mapping[str, PlanarPlant]
-    """Plants in their default water, by name of the fin."""
+    """Plants in their water, by name of the fin."""
+    parameters: lc.Parameters | None
+    """Parameters that were identified on it; None: the default water, and prescribed joints."""
 
 
 def build_choice(robot: str | lc.Robot) -> RobotChoice:
@@ -77,11 +80,14 @@ def build_choice(robot: str | lc.Robot) -> RobotChoice:
     else:
         name = robot.name
         own_robot = robot
+    parameters: lc.Parameters | None = None
+    if name in scenarios.IDENTIFIED_PARAMETERS:
+        parameters = lc.load_parameters(scenarios.IDENTIFIED_PARAMETERS[name])
     plants: dict[str, PlanarPlant] = {}
     for fin_name, body in _list_fins(own_robot).items():
-        scenario = lc.build_scenario(body, FIRST_GAIT)
+        scenario = lc.build_scenario(body, FIRST_GAIT, parameters=parameters)
         plants[fin_name] = cast(PlanarPlant, lc.build_plant(scenario))
-    return RobotChoice(name=name, robot=own_robot, plants=plants)
+    return RobotChoice(name=name, robot=own_robot, plants=plants, parameters=parameters)
 
 
 def _list_fins(robot: lc.Robot) -> dict[str, lc.Robot]:
@@ -99,13 +105,16 @@ def _list_fins(robot: lc.Robot) -> dict[str, lc.Robot]:
     return robots
 
 
-def name_of_law(plant: PlanarPlant) -> str:
-    """Return the name of a plant's drag law, after which its kernels are named.
+def name_of_kernels(plant: PlanarPlant) -> str:
+    """Return what a plant's kernels are called: after its drag law, and a joint law that not all kernels include.
 
     Args:
         plant: Plant in water.
     """
-    return extensions.name_of(type(plant.law))
+    name = extensions.name_of(type(plant.law))
+    if plant.joints.own is None:
+        return name
+    return f"{name}, {extensions.name_of(type(plant.joints))}"
 
 
 def describe_choice(choice: RobotChoice) -> dict[str, Any]:
@@ -114,15 +123,49 @@ def describe_choice(choice: RobotChoice) -> dict[str, Any]:
     Args:
         choice: Robot with each fin that it can have.
     """
-    fins = {name: _describe_plant(plant) for name, plant in choice.plants.items()}
+    fins = {name: _describe_plant(plant, choice) for name, plant in choice.plants.items()}
+    parameters_name = ""
+    basis = ""
+    if choice.parameters is not None:
+        parameters_name = choice.parameters.name
+        basis = choice.parameters.basis
     return {
         "name": choice.name,
         "title": choice.robot.description or choice.robot.name,
+        "parameters": parameters_name,
+        "basis": basis,
+        "measured": _list_measured(choice.robot),
         "fins": fins,
     }
 
 
-def _describe_plant(plant: PlanarPlant) -> dict[str, Any]:
+def _list_measured(robot: lc.Robot) -> list[dict[str, Any]]:
+    """Return the settings in which the robot was measured, with speed [m/s] and electrical power [W], or None."""
+    measured: list[dict[str, Any]] = []
+    for measurements in all_measured():
+        for trial in measurements.trials():
+            if trial.robot != robot.name:
+                continue
+            measured.append(
+                {
+                    "gait": trial.gait.kind,
+                    "numbers": [trial.gait.amplitude, trial.gait.frequency, trial.gait.phase_shift],
+                    "speed": trial.forward_velocity,
+                    "power": trial.mean_power,
+                }
+            )
+    return measured
+
+
+def _list_motors(robot: lc.Robot) -> list[list[float]]:
+    """Return stall torque [N m] and no-load speed [rad/s] of each joint; nothing if they are not stated."""
+    actuators = [joint.actuator for joint in robot.joints]
+    if not all(actuator.stated for actuator in actuators):
+        return []
+    return [[actuator.stall_torque, actuator.no_load_speed] for actuator in actuators]
+
+
+def _describe_plant(plant: PlanarPlant, choice: RobotChoice) -> dict[str, Any]:
     """Return the data of a robot with one of its fins."""
     tables = build_tables(plant, FIRST_GAIT, lc.Start(), inputs="gait")
     numbers = {variable.name: number for number, variable in enumerate(tables.variables)}
@@ -134,7 +177,7 @@ def _describe_plant(plant: PlanarPlant) -> dict[str, Any]:
     plant_at_one = _build_in_water(plant, coefficient=1.0)
     return {
         "plate": fin,
-        "law": name_of_law(plant),
+        "kernels": name_of_kernels(plant),
         "whole": tables.whole.tolist(),
         "real": tables.real.tolist(),
         "n_rows": tables.n_numbers,
@@ -147,18 +190,18 @@ def _describe_plant(plant: PlanarPlant) -> dict[str, Any]:
         "fin": levers.fin.tolist(),
         "width": [module.section.half_width for module in plant.robot.modules],
         "limits": [joint.limit for joint in plant.robot.joints],
+        "motors": _list_motors(plant.robot),
         "dt": plant_at_zero.dt,
         "slopes": _list_stopping_rates(plant_at_zero, plant_at_one, numbers),
-        "kinds": {kind: _describe_gait_kind(plant, kind) for kind in GAIT_KINDS},
+        "kinds": {kind: _describe_gait_kind(plant, kind, choice) for kind in GAIT_KINDS},
     }
 
 
 def _build_in_water(plant: PlanarPlant, *, coefficient: float) -> PlanarPlant:
     """Build the same robot in its water, but with all coefficients the same."""
-    scenario = lc.build_scenario(plant.robot, FIRST_GAIT)
     coefficients: Any = dict.fromkeys(WATER_COEFFICIENTS, coefficient)
-    water = replace(cast(lc.Water, scenario.environment), **coefficients)
-    return cast(PlanarPlant, lc.build_plant(replace(scenario, environment=water)))
+    water = replace(cast(lc.Water, plant.environment), **coefficients)
+    return cast(PlanarPlant, lc.build_plant(plant.robot, water, joints=plant.joints))
 
 
 def _list_columns(tables: Tables) -> list[tuple[str, int]]:
@@ -214,10 +257,13 @@ def _list_stopping_rates(
     return rates
 
 
-def _describe_gait_kind(plant: PlanarPlant, kind: str) -> dict[str, Any]:
-    """Return the data of a kind of gait: its envelope, and the coefficients of the default water."""
+def _describe_gait_kind(plant: PlanarPlant, kind: str, choice: RobotChoice) -> dict[str, Any]:
+    """Return the data of a kind of gait: its envelope, and the coefficients of its water."""
     gait = replace(FIRST_GAIT, envelope=gaits.envelope_of(kind))
-    water = scenarios.default_water(plant.robot, gait)
+    if choice.parameters is not None:
+        water = choice.parameters.water(kind)
+    else:
+        water = scenarios.default_water(plant.robot, gait)
     coefficients = {f"water.{name}": getattr(water, name) for name in WATER_COEFFICIENTS}
     return {"envelope": gait.joint_envelope(plant.robot.n_links), "water": coefficients}
 

@@ -126,10 +126,11 @@ function tell() {
   $("following").hidden = setting.waypoints === null;
   clearTimeout(pending);
   pending = setTimeout(async () => {
-    const found = figuresOf(await trialOf(setting, TRIAL)), kind = found.electrical ? "electrical" : "mechanical";
+    const found = figuresOf(await trialOf(setting, TRIAL));
+    $("basis").textContent = robotOf(setting).basis;
     $("figures").textContent = found.failed || refusal(setting)
       ? refusal(setting) || `The motion diverges after ${found.duration.toFixed(1)} s.`
-      : `forward velocity ${found.speed.toFixed(4)} m/s, mean ${kind} power ${found.power.toFixed(2)} W`;
+      : inWords(setting, found);
   }, 150);
 }
 

@@ -138,6 +138,7 @@ function inShell(setting, duration) {
     robot = "robot.toml";
   }
   const follows = setting.waypoints !== null, words = [`laticauda ${follows ? "follow" : "swim"} --robot ${robot}`];
+  if (robotOf(setting).parameters) words.push(`--parameters ${robotOf(setting).parameters}`);
   if (setting.gait !== gaitNames[0]) words.push(`--gait ${spelled(setting.gait)}`);
   for (const one of [...named(setting), ...ofPath(setting)]) {
     if (one.group !== "current" && one.group !== "fin") words.push(`--${one.flag} ${numberOf(setting, one)}`);
@@ -172,7 +173,8 @@ function inPython(setting, duration) {
     motion = "following.controller(gait)";
   }
   const current = currentOf(setting).some((one) => one !== 0) ? `, current=(${currentOf(setting).join(", ")})` : "";
-  lines.push(`scenario = lc.build_scenario(${robot}, ${motion}, ${duration}${current})`);
+  const { parameters } = robotOf(setting), identified = parameters ? `, parameters="${parameters}"` : "";
+  lines.push(`scenario = lc.build_scenario(${robot}, ${motion}, ${duration}${identified}${current})`);
   if (water.length) lines.push(`water = replace(scenario.environment, ${water.join(", ")})`, "scenario = replace(scenario, environment=water)");
   lines.push("trial = lc.swim(scenario)", "print(trial.forward_velocity, trial.mean_power)");
   const imports = `${changed.length || water.length ? "from dataclasses import replace\n\n" : ""}import laticauda as lc\n\n`;
@@ -199,7 +201,45 @@ function figuresOf({ rows, body, failed }) {
   const last = rows[rows.length - 1], value = (name) => last[body.number[name]] - rows[0][body.number[name]];
   const duration = value("time"), electrical = "electrical_work" in body.number;
   const speed = Math.hypot(value("center_of_mass.x"), value("center_of_mass.y")) / duration;
-  return { failed, duration, speed, power: value(electrical ? "electrical_work" : "mechanical_work") / duration, electrical };
+  const power = value(electrical ? "electrical_work" : "mechanical_work") / duration;
+  return { failed, duration, speed, power, electrical, share: shareOf({ rows, body }) };
+}
+
+/** The largest share of a joint's angle and of its motor's torque at its speed that a run takes, after its first cycle; NaN if
+ * no motor is stated. A motor that is turned by the water brakes, which is not beyond it. */
+function shareOf({ rows, body }) {
+  if (body.motors.length === 0) return NaN;
+  const at = (row, name) => row[body.number[name]];
+  const end = 2 * Math.PI / at(rows[0], "gait.frequency"), settled = rows.filter((row) => at(row, "time") >= end);
+  let most = 0;
+  for (const row of settled.length ? settled : rows) {
+    body.motors.forEach(([stallTorque, noLoadSpeed], i) => {
+      const duty = at(row, `joint_torque[${i}]`) / stallTorque + at(row, `joint_rate[${i}]`) / noLoadSpeed;
+      most = Math.max(most, Math.abs(duty), Math.abs(at(row, `joint_angle[${i}]`)) / body.limits[i]);
+    });
+  }
+  return most;
+}
+
+/** What was measured in just this setting: speed and power, either may be null; undefined if nothing was. */
+function measuredIn(setting) {
+  const moved = setting.waypoints !== null || currentOf(setting).some((one) => one !== 0);
+  if (moved || setting.fin !== Object.keys(robotOf(setting).fins)[0]) return undefined;
+  const sliders = ["amplitude-deg", "frequency-deg-s", "phase-shift-deg"].map((flag) => PAGE.sliders.find((one) => one.flag === flag));
+  const numbers = sliders.map((one) => numberOf(setting, one) * one.factor);
+  const offset = PAGE.sliders.find((one) => one.flag === "offset-deg");
+  if (numberOf(setting, offset) !== 0) return undefined;
+  return robotOf(setting).measured.find((one) => one.gait === setting.gait && one.numbers.every((number, i) => Math.abs(number - numbers[i]) < 1e-6));
+}
+
+/** The figures of a trial in words: speed, power and whether the robot can do it, beside what was measured. */
+function inWords(setting, { speed, power, electrical, share }) {
+  const measured = measuredIn(setting), tank = (number, digits) => (number ? ` (tank ${number.toFixed(digits)})` : "");
+  const kind = electrical ? "electrical" : "mechanical", used = `${(100 * share).toFixed(0)} % of angle, speed and torque`;
+  const words = [`speed ${speed.toFixed(3)} m/s${tank(measured?.speed, 3)}`, `power ${power.toFixed(electrical ? 0 : 2)} W ${kind}${electrical ? tank(measured?.power, 0) : ""}`];
+  if (share <= 1) words.push(`the joints can do it: they use ${used}`);
+  if (share > 1) words.push(`the joints cannot do it: they would need ${used}`);
+  return `${words.join("; ")}.`;
 }
 
 /** A trial as text, columns as `laticauda trial convert` writes them. */

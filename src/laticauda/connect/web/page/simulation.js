@@ -4,17 +4,17 @@
 
 const compiledKernels = {};
 
-/** The compiled kernels of a drag law. */
-function kernelsOf(law) {
-  compiledKernels[law] ??= WebAssembly.compile(Uint8Array.from(atob(KERNELS[law]), (letter) => letter.charCodeAt(0)));
-  return compiledKernels[law];
+/** The compiled kernels of a name. */
+function kernelsOf(name) {
+  compiledKernels[name] ??= WebAssembly.compile(Uint8Array.from(atob(KERNELS[name]), (letter) => letter.charCodeAt(0)));
+  return compiledKernels[name];
 }
 
 class Swimmer {
   /** A robot of robots.js, at rest once `begin` was called. */
   static async of(body) {
     Steering.instant ??= await instantOf();
-    return new Swimmer(body, await WebAssembly.instantiate(await kernelsOf(body.law)));
+    return new Swimmer(body, await WebAssembly.instantiate(await kernelsOf(body.kernels)));
   }
 
   constructor(body, instance) {
