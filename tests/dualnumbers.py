@@ -10,7 +10,7 @@ import numpy as np
 
 from laticauda.models.dynamics import stages
 from laticauda.models.dynamics.shared_laws import SHARED_LAWS
-from laticauda.models.planar import rows
+from laticauda.models.planar import number_types, rows, sample_format
 from laticauda.motion.joints import laws as joint_laws
 from laticauda.water.fluid import flow, inertia, laws
 
@@ -129,6 +129,8 @@ def python_kernels(law=None):
         "MOTION": laws.MOTION,
         "reference": __import__("laticauda.motion.gaits.reference", fromlist=["reference"]),
         "stages": stages,
+        "sample_format": sample_format,
+        "number_types": number_types,
         **{name: value for name, value in vars(stages).items() if name.isupper()},
         "lane_types": SimpleNamespace(rows_of=lambda width: same),
     }

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from laticauda.models.planar import rows
+from laticauda.models.planar import rows, sample_format
 from laticauda.trials import Trial
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def _lane_center_of_mass(block: "Block", lane: int, run: "Run") -> np.ndarray:
 
 
 def _lane_heading(block: "Block", lane: int, run: "Run") -> np.ndarray:
-    return block.log[:, rows.HEADING - rows.TIME, lane]
+    return block.log[:, sample_format.column_of(rows.HEADING), lane]
 
 
 def _lane_joint_angle(block: "Block", lane: int, run: "Run") -> np.ndarray:
@@ -54,8 +54,7 @@ def _lane_joint_torque(block: "Block", lane: int, run: "Run") -> np.ndarray:
 def _lane_joint_rows(block: "Block", lane: int, run: "Run", *, row: int) -> np.ndarray:
     """Return a quantity of the joints between links.
 
-    After the state, the log holds one quantity after the other: the angles of all joints, then
-    their rates, and so on. Within a quantity, the joint of a fin comes first, if it has one.
+    In the log (`planar.sample_format`), the joints of a fin come first, if it has some.
 
     Args:
         block: Results of the runs.
@@ -65,11 +64,9 @@ def _lane_joint_rows(block: "Block", lane: int, run: "Run", *, row: int) -> np.n
     """
     layout = run.plant.layout
     n_joints = layout.n_joints
-    position = rows.LOGGED_OF_JOINT.index(row)
     n_fin_joints = layout.tail_link
-    begin = rows.LOG_STATE + position * n_joints
-    end = begin + n_joints
-    return block.log[:, begin + n_fin_joints : end, lane]
+    columns = sample_format.columns_of_joints(row, n_joints)
+    return block.log[:, columns, lane][:, n_fin_joints:]
 
 
 SERIES_KINDS = {

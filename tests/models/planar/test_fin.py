@@ -10,7 +10,8 @@ from hypothesis import given, settings, strategies as st
 from scipy.linalg import eigh
 
 import laticauda as lc
-from laticauda.models.planar import rows
+from laticauda.models.dynamics.samples import PlantState
+from laticauda.models.planar import rows, sample_format
 from laticauda.models.planar.layout import build_layout
 from laticauda.models.planar.model import PlanarPlant
 from laticauda.models.simulate import compute_sensitivities
@@ -440,3 +441,27 @@ def test_the_center_of_mass_is_that_of_the_bent_robot():
         trial.robot, marker, trial.link_angle, link=4, fin_angle=trial.fin_angle
     )
     np.testing.assert_allclose(back, trial.center_of_mass, atol=1e-12)
+
+
+@pytest.mark.parametrize("joints", ["prescribed", "pd"])
+def test_the_torque_of_a_locked_root_has_implicit_terms_beside_driven_joints_only(joints):
+    plant = lc.build_plant(ELASTIC, WATER, model="planar", joints=joints)
+    layout = plant.layout
+    n_joints, root = layout.n_joints, layout.tail_link
+    assert layout.law[root] == rows.LOCKED
+    assert 0 not in plant.robot.fin_joints  # no `Samples` show the torque of the root
+    place = sample_format.place_of(rows.TORQUE)
+    column = sample_format.column_of_joint(place, root - 1, n_joints)
+    command = lc.Command(gait=GAIT)
+    differences = []
+    for dt in (0.002, 0.001):
+        n_steps = round(1.5 / dt)
+        end, samples = plant._run(plant.init(lc.Start(), command), command, 1, n_steps, dt)
+        state = PlantState(values=end)
+        no_time = 1e-12  # leaves no implicit terms
+        _, sample = plant._run(state, command, 1, 1, no_time)
+        differences.append(samples[-1, column] - sample[0, column])
+    if joints == "prescribed":
+        assert differences == [0.0, 0.0]
+    else:
+        assert differences[0] / differences[1] == pytest.approx(2.0, abs=0.1)

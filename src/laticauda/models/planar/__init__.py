@@ -3,15 +3,17 @@
 All numbers of a run stand in one flat array; docs/developing/planar.md is a map of it, and says where
 a change goes. A template is a module that is loaded anew for every drag law, joint law and so on.
 
-rows        names of all numbers of the array
-layout      a robot and its environment as that array
-loads       forces on the bodies, from water or ground and effectors (template)
-recursion   accelerations and joint torques from forces (template)
-drives      the reference generator, the joint laws and the work of the joints (template)
-stepping    steps in time, by one of two integrators (template)
-model       a single robot as a `Plant`
-batch       many runs at once
-school      many robots that are commanded step by step
+rows           names of all numbers of the array
+sample_format  what a sample of the log and a state vector hold
+number_types   what type a number of the kernels can have, and what follows from it
+layout         a robot and its environment as that array
+loads          forces on the bodies, from water or ground and effectors (template)
+recursion      accelerations and joint torques from forces (template)
+drives         the reference generator, the joint laws and the work of the joints (template)
+stepping       steps in time, by one of two integrators (template)
+model          a single robot as a `Plant`
+batch          many runs at once
+school         many robots that are commanded step by step
 """
 
 from typing import TYPE_CHECKING

@@ -4,7 +4,8 @@ The kernels are those of a single run, compiled for more lanes; the results of a
 on its neighbors, on the order, or on the number of threads.
 
 Runs may carry derivatives. Every number of a block is then complex, and its imaginary part is
-`STEP` times the derivative with respect to the run's parameter.
+`STEP` times the derivative with respect to the run's parameter; what kernels must keep to for that
+is said in `number_types`.
 """
 
 from collections import deque
@@ -23,6 +24,7 @@ from laticauda.models.dynamics.school import GAIT_PARAMETERS, usable_cores
 from laticauda.models.planar import rows
 from laticauda.models.planar.layout import Layout
 from laticauda.models.planar.model import PlanarPlant
+from laticauda.models.planar.sample_format import column_of
 from laticauda.scenarios import Command, Start
 from laticauda.values import Extensible
 
@@ -41,8 +43,8 @@ SAMPLES_PER_CALL = 2000
 """Samples that are logged by one call of a kernel."""
 STEP = 2.0**-100
 """Step of the derivatives: far below rounding, and a power of two, so that scaling by it changes no digits."""
-_X = rows.X - rows.TIME
-_VX = rows.VX - rows.TIME
+_X = column_of(rows.X)
+_VX = column_of(rows.VX)
 _AXES = 2
 PATH_ROWS = _VX + _AXES
 """Rows of a log without the joints: the header's state from TIME to VY, few enough to stay in the processor's cache."""
@@ -80,7 +82,7 @@ class Block:
     center_of_mass_velocity: Inexact[np.ndarray, "n_samples 2 n_runs"]
     """p' [m/s]."""
     log: Inexact[np.ndarray, "n_samples n_rows n_runs"]
-    """The header's state rows from TIME to VY; complete logs also include the joints (see `rows.LOGGED_OF_JOINT`)."""
+    """The header's state rows from TIME to VY; complete logs also include the joints (see `sample_format`)."""
     heading: Inexact[np.ndarray, " n_runs"]
     """Heading at the end [rad]."""
     work: Inexact[np.ndarray, "4 n_runs"]

@@ -6,7 +6,7 @@ may be shorter than a step of the run: `set_decay` prepares for steps of one len
 
 `S` is the flat array of `rows`, `b` the first row of a body's record. The joint law is identified by
 `law`, one number per joint (LOCKED ... OWN_DRIVEN). `shared` holds the scalar laws that both models
-call (`dynamics.shared_laws`).
+call (`dynamics.shared_laws`). Types of numbers: see `number_types`.
 
 A template (see `templates`): this file is loaded anew for every joint law of one's own and number of
 lanes. `bindings` holds that of this loading, under the name that `model.TEMPLATES` lists.
@@ -16,12 +16,13 @@ lanes. `bindings` holds that of this loading, under the name that `model.TEMPLAT
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
-from laticauda.compiling import kernel
+from laticauda.compiling import compile_scalar, kernel
 from laticauda.compiling.formulas import rows_from
 from laticauda.compiling.functions import expm1, sincos
 from laticauda.compiling.lanes import any_lane, first_lane
 from laticauda.compiling.templates import bindings
 from laticauda.models.dynamics.shared_laws import compile_shared_laws
+from laticauda.models.planar import number_types
 from laticauda.models.planar.rows import *
 from laticauda.motion.gaits import reference
 from laticauda.motion.joints import laws
@@ -30,6 +31,7 @@ from laticauda.motion.joints.kernels import actuator_of
 _own_law = bindings(__name__)["joint_law"]
 
 shared = compile_shared_laws()
+zero_like = compile_scalar(number_types.zero_like)
 body_wave = rows_from(PHASE, len(reference.WaveState._fields))
 body_target = rows_from(AMPLITUDE, OFFSET + 1 - AMPLITUDE)
 fin_wave_before_offset = rows_from(FIN_PHASE, FIN_OFFSET_NOW - FIN_PHASE)
@@ -71,14 +73,14 @@ def has_driven_fin(law, tail_link):
 @kernel
 def fin_wave(S):
     """Return the state of a driven fin's wave, which has one joint and no phase shift."""
-    zero = 0.0 * S[FIN_PHASE]  # has the type of the other numbers
+    zero = zero_like(S[FIN_PHASE])
     return (*fin_wave_before_offset(S), zero, zero, S[FIN_OFFSET_NOW], S[FIN_OFFSET_RATE])
 
 
 @kernel
 def fin_target(S):
     """Return the target of a driven fin's wave."""
-    return S[FIN_AMPLITUDE], S[FIN_FREQUENCY], 0.0 * S[FIN_FREQUENCY], S[FIN_OFFSET]
+    return S[FIN_AMPLITUDE], S[FIN_FREQUENCY], zero_like(S[FIN_FREQUENCY]), S[FIN_OFFSET]
 
 
 @kernel
@@ -87,12 +89,12 @@ def set_reference(S, n, law, tail_link):
     ramp = shared.smooth_start(S[TIME], S[RAMP])
     if has_driven_fin(law, tail_link):
         b = HEADER_ROWS + tail_link * BODY_ROWS
-        motion = shared.wave_motion(fin_wave(S), fin_target(S), S[BANDWIDTH], ramp)
+        wave = shared.wave_motion(fin_wave(S), fin_target(S), S[BANDWIDTH], ramp)
         s, c = sincos(S[FIN_PHASE] + S[FIN_LEAD])
         take_reference(
-            S, b, law[tail_link], shared.wave_reference(s, c, S[b + ENVELOPE], 0.0, motion)
+            S, b, law[tail_link], shared.wave_reference(s, c, S[b + ENVELOPE], 0.0, wave)
         )
-    motion = shared.wave_motion(body_wave(S), body_target(S), S[BANDWIDTH], ramp)
+    wave = shared.wave_motion(body_wave(S), body_target(S), S[BANDWIDTH], ramp)
     S[SIN_PHASE], S[COS_PHASE] = sincos(S[PHASE])
     S[SIN_SHIFT], S[COS_SHIFT] = sincos(S[PHASE_SHIFT_NOW])
     k = 0.0
@@ -100,7 +102,7 @@ def set_reference(S, n, law, tail_link):
         if law[i] != LOCKED and law[i] != PASSIVE:
             b = HEADER_ROWS + i * BODY_ROWS
             s, c = S[SIN_PHASE], S[COS_PHASE]
-            take_reference(S, b, law[i], shared.wave_reference(s, c, S[b + ENVELOPE], k, motion))
+            take_reference(S, b, law[i], shared.wave_reference(s, c, S[b + ENVELOPE], k, wave))
             # Rotate to the next joint; stored in rows, so that the compiler rounds the products one
             # at a time.
             S[SIN_PHASE] = s * S[COS_SHIFT] + c * S[SIN_SHIFT]
@@ -112,20 +114,32 @@ def set_reference(S, n, law, tail_link):
 
 @kernel
 def add_recorded(S, n, law, tail_link):
-    """Add the angles of a recording to the references of the body's joints."""
+    """Add the angles of a recording to the references of the body's joints.
+
+    A knot is the time, then angle and rate of every joint.
+    """
     width = 1 + 2 * (n - 1 - tail_link)
-    a = recorded_knot(S, width)
-    b = a + width
+    before = recorded_knot(S, width)
+    after = before + width
     for i in range(tail_link + 1, n):
-        j, r = 2 * (i - tail_link) - 1, HEADER_ROWS + i * BODY_ROWS
-        knots = S[a], S[b], S[a + j], S[a + j + 1], S[b + j], S[b + j + 1]
-        angle, rate, acceleration = shared.between_knots(S[TIME], *knots)
-        reference = (
-            S[r + REFERENCE] + angle,
-            S[r + REFERENCE_1] + rate,
-            S[r + REFERENCE_2] + acceleration,
+        b = HEADER_ROWS + i * BODY_ROWS
+        at_angle = 2 * (i - tail_link) - 1
+        at_rate = at_angle + 1
+        angle, rate, acceleration = shared.between_knots(
+            S[TIME],
+            S[before],
+            S[after],
+            S[before + at_angle],
+            S[before + at_rate],
+            S[after + at_angle],
+            S[after + at_rate],
         )
-        take_reference(S, r, law[i], reference)
+        reference = (
+            S[b + REFERENCE] + angle,
+            S[b + REFERENCE_1] + rate,
+            S[b + REFERENCE_2] + acceleration,
+        )
+        take_reference(S, b, law[i], reference)
 
 
 @kernel
@@ -158,7 +172,8 @@ def joint_torques(S, n, law, gamma_dt):
     """Set torque and slopes of every free joint in the state in S, and what an implicit step makes of them.
 
     With gamma_dt = 0 there are no implicit terms: the accelerations that follow are those of the
-    state itself. Otherwise they are the first stage of a step.
+    state itself. Otherwise they are that of k1 in the method of `dynamics.stages`, which differs
+    from them by a share of the order of dt. TORQUE is that of the state in both cases.
     """
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
@@ -176,15 +191,19 @@ def joint_torques(S, n, law, gamma_dt):
 
 @kernel
 def second_torques(S, n, law, gamma_dt):
-    """Set the torques of the second stage of an implicit step, solved for a = k2 + 2 k1 (see `dynamics.stages`)."""
+    """Set the torques of the second stage of an implicit step, by `stages.second_torque`.
+
+    With them, `recursion.accelerations` solves this stage for a = k2 + 2 k1 instead of for k2, which
+    would need a product of the mass matrix and k1; `stages.combined` takes 2 k1 away again.
+    """
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if law[i] >= FIRST_FREE:
             torque, _, _ = actuator(S, b, law[i])
             torque -= skin(S, b)
-            inertia, first_rate, first = S[b + IMPLICIT], S[b + SLOPE_ANGLE], S[b + SLOPE_RATE]
+            inertia, k1_rate, k1 = S[b + IMPLICIT], S[b + SLOPE_ANGLE], S[b + SLOPE_RATE]
             S[b + TOTAL_TORQUE] = shared.second_torque(
-                torque, S[b + SLOPE_P], inertia, S[b + RATE], first_rate, first, gamma_dt
+                torque, S[b + SLOPE_P], inertia, S[b + RATE], k1_rate, k1, gamma_dt
             )
 
 
@@ -205,9 +224,11 @@ def actuator(S, b, law):
 def count_work(S, n, law, dt):
     """Set the torques that the actuators deliver, and add the work since work was counted last, dt ago.
 
-    By the trapezoidal rule: the powers of that time are still in their rows.
+    By the trapezoidal rule: the powers of that time are still in their rows. The actuator of a joint
+    whose motion is known delivers what `recursion.holding_torques` found, and the torque of its
+    skin. A locked joint has neither rate nor skin: it does no work.
     """
-    absolute = 0.0 * S[TIME]
+    absolute = zero_like(S[TIME])
     net, positive = absolute, absolute
     electrical = absolute + S[ACTIVE_POWER]
     for i in range(1, n):

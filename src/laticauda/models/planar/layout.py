@@ -11,11 +11,11 @@ from jaxtyping import Float, Int
 
 from laticauda import robot as robots
 from laticauda.models.dynamics.joint_table import joint_table
-from laticauda.models.planar import rows
+from laticauda.models.planar import rows, sample_format
 from laticauda.motion.joints import JointLaw, Prescribed
 from laticauda.robot import Coefficients, link_coefficients, wake_mass
 from laticauda.values import BadArgument
-from laticauda.water.fluid import Rows, rows_of
+from laticauda.water.fluid import flow as flows
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -44,13 +44,18 @@ class Layout:
 
     @property
     def state_size(self) -> int:
-        """Count of the numbers of a state vector: the header's state, then that of the joints."""
-        return rows.LOG_STATE + len(rows.STATE_OF_JOINT) * self.n_joints
+        """Count of the numbers of a state vector."""
+        return sample_format.size_of_state(self.n_joints)
 
     @property
     def sample_size(self) -> int:
         """Count of the numbers of a sample, which begins with a state vector."""
-        return rows.LOG_STATE + len(rows.LOGGED_OF_JOINT) * self.n_joints
+        return sample_format.size_of_sample(self.n_joints)
+
+    @cached_property
+    def state_rows(self) -> Int[np.ndarray, " n_numbers"]:
+        """Rows that make up a state vector."""
+        return sample_format.rows_of_state(self.n_joints)
 
     @cached_property
     def chain(self) -> tuple[object, ...]:
@@ -125,7 +130,9 @@ def build_layout(
         if body.strips is not None:
             strips_of_body = strips[first_strip[i] : first_strip[i + 1]]
             strips_of_body[:, rows.POSITION_OF] = body.strips.position
-            strips_of_body[:, rows.C_T_OF : rows.DISPLACED_OF + 1] = _loads(body.strips).T
+            strips_of_body[:, rows.C_T_OF : rows.DISPLACED_OF + 1] = _load_coefficients(
+                body.strips
+            ).T
     law = _write_joints(records, robot, fin, joints)
     write_effectors(S, robot, environment, first_link=len(fin))
     flow = flow_rows(environment).numbers
@@ -263,17 +270,18 @@ def _write_bodies(
     mu_t, mu_n, moment_t, moment_n, added = _added_mass(bodies, w, length[-w.mass.size :] / 2.0)
     classic = isinstance(environment, robots.Water) and environment.added_mass_form == "classic"
     total = sum(part.mass for body in bodies for part in body.parts)
-    # In the other forms the centripetal term of mu_t cancels its velocity term.
+    # In the other forms the centripetal term of mu_t cancels its velocity term. The classic form has two
+    # more places, see `loads`.
     centripetal = moment + moment_t if classic else moment
     inertia = rigid + added, moment + moment_n, centripetal
     masses = mass + mu_t, mass + mu_n, mu_t, mu_n, moment_t, moment_n, mass / total, moment / total
     records[:, rows.LENGTH : rows.CENTER + 1] = np.array(
         (length, *inertia, *masses, length / 2.0)
     ).T
-    records[-w.mass.size :, rows.C_T : rows.DISPLACED + 1] = _loads(w).T
+    records[-w.mass.size :, rows.C_T : rows.DISPLACED + 1] = _load_coefficients(w).T
 
 
-def _loads(w: Coefficients) -> np.ndarray:
+def _load_coefficients(w: Coefficients) -> np.ndarray:
     """Return the load coefficients of elements: the rows of an element from C_T on."""
     return np.array((w.c_t, w.c_n, w.lambda_2, w.lambda_3, w.mu_t, w.mu_n, w.displaced))
 
@@ -288,15 +296,15 @@ def _solid(body: _Body) -> tuple[float, float, float, float]:
     return body.length, mass, moment, inertia
 
 
-def flow_rows(environment: robots.Environment) -> Rows:
+def flow_rows(environment: robots.Environment) -> flows.Rows:
     """Return the flow of the water in the kernels' form; empty for the ground or a constant uniform current.
 
     Args:
         environment: Water or ground.
     """
     if not isinstance(environment, robots.Water) or environment.flow is None:
-        return Rows()
-    return rows_of(environment.flow, -(environment.depth or 0.0))
+        return flows.Rows()
+    return flows.rows_of(environment.flow, -(environment.depth or 0.0))
 
 
 def _added_mass(bodies: Sequence[_Body], w: Coefficients, x: np.ndarray) -> np.ndarray:

@@ -1,7 +1,14 @@
 """Loads of the water (or the ground) and the effectors on the bodies of the chain.
 
 Forces are in link axes, moments about the link's tail end. `S` is the flat array of `rows`, `b` the
-first row of a body's record, `e` that of an element, a strip or a pectoral fin.
+first row of a body's record, `e` that of an element, a strip or a pectoral fin. Which types its
+numbers may have, and what follows from this for every line here, says `number_types`.
+
+The classic form of the added mass differs from the others in three places, which belong together:
+OWN_VELOCITY is 0 in `added_mass_velocity_terms` and `element_inertia`; `layout._write_bodies` adds
+sum mu_t x to CENTRIPETAL, which the recursion takes as part of the body; and `added_mass_force`, which
+shows the force of the added mass alone, adds that part again. KIRCHHOFF (`kirchhoff` below) is 1 for
+the form of this name, and 0 for both others.
 
 A template (see `templates`): this file is loaded anew for every drag law, kind of flow and number of
 lanes. `bindings` holds those of this loading, under the names that `model.TEMPLATES` lists.
@@ -16,6 +23,7 @@ from laticauda.compiling.formulas import in_rows, rows_from, summed
 from laticauda.compiling.functions import sincos
 from laticauda.compiling.lanes import first_lane, magnitude, where
 from laticauda.compiling.templates import bindings
+from laticauda.models.planar import number_types
 from laticauda.models.planar.rows import *
 from laticauda.water.fluid import MOTION, Element, flow, inertia
 from laticauda.water.fluid.laws import plate
@@ -30,10 +38,11 @@ plate_law = compile_scalar(plate)
 plate_numbers = rows_from(PLATE_LAW, PLATE_WATER - PLATE_LAW)
 water_numbers = rows_from(0, WATER_ROWS)
 HAS_FLOW = bool(_flow_parts)
-motion = summed(_flow_parts, len(flow.Motion._fields))
+flow_motion = summed(_flow_parts, len(flow.Motion._fields))
 local_flow = compile_scalar(flow.local_flow)
-carried = compile_scalar(inertia.carried)
-load = compile_scalar(inertia.load)
+frame_acceleration = compile_scalar(inertia.carried)
+momentum_load = compile_scalar(inertia.load)
+zero_like = compile_scalar(number_types.zero_like)
 
 
 @kernel
@@ -57,13 +66,17 @@ def water_around(S, n, first_strip, first_plate, tail_link, has_extras):
             b = HEADER_ROWS + i * BODY_ROWS
             strips = first_strip[i + 1] - first_strip[i]
             plates = first_plate[i + 1] - first_plate[i]
-            # The body's own element, its strips and plates; then the tether and the trailing edge.
+            # The body's own element, its strips and plates; then the tether, if this is the tail
+            # link, and the trailing edge, if this is the last body: the same one without a fin.
             n_points = 1 + strips + plates
-            if has_extras and (i == 0 or i == tail_link):
-                n_points += 2
+            if has_extras and i == tail_link:
+                n_points += 1
+            if has_extras and i == 0:
+                n_points += 1
+            zero = zero_like(S[b + CENTER])
             # One loop over all of them, because the whole flow is compiled into its call.
             for k in range(n_points):
-                x, y = S[b + CENTER], 0.0 * S[b + CENTER]
+                x, y = S[b + CENTER], zero
                 water = b + WATER_T
                 if 0 < k <= strips:
                     e = strip_row(n, first_strip[i] + k - 1)
@@ -74,10 +87,10 @@ def water_around(S, n, first_strip, first_plate, tail_link, has_extras):
                     x, y = S[e + PLATE_X], S[e + PLATE_Y]
                     water = e + PLATE_WATER
                 elif k == strips + plates + 1 and i == tail_link:
-                    x = y
+                    x = zero
                     water = TETHER_WATER
-                elif k > strips + plates and i == 0:
-                    x = S[WAKE_POSITION] + y
+                elif k > strips + plates:
+                    x = S[WAKE_POSITION]
                     water = WAKE_WATER
                 put_water(S, b, x, y, water)
 
@@ -108,7 +121,7 @@ def put_water(S, b, x, y, water):
     first = int(first_lane(S[FLOW].real))  # first row of the flow, the same in all lanes
     place_x, place_y = S[b + PX] + c * x - s * y, S[b + PY] + s * x + c * y
     u, v, _, a_x, a_y, _, _, _, spin, _ = local_flow(
-        motion(S, first, place_x, place_y, S[HEIGHT], S[TIME])
+        flow_motion(S, first, place_x, place_y, S[HEIGHT], S[TIME])
     )
     S[water + CURRENT_T] = c * u + s * v
     S[water + CURRENT_N] = c * v - s * u
@@ -160,17 +173,17 @@ def added_mass_velocity_terms(S, b):
     mu_t, mu_n = S[b + MU_T], S[b + MU_N]
     moment_t, moment_n = S[b + MOMENT_T], S[b + MOMENT_N]
     # The classic form includes the current only: its velocity is -V where the others have v - V.
-    own, keep = S[OWN_VELOCITY], S[KIRCHHOFF]
+    own, kirchhoff = S[OWN_VELOCITY], S[KIRCHHOFF]
     c, s = S[b + COS], S[b + SIN]
     V_t = c * S[CURRENT_X] + s * S[CURRENT_Y]
     V_n = c * S[CURRENT_Y] - s * S[CURRENT_X]
     seen_t = own * (v_t + V_t) - V_t
     seen_n = own * (v_n + V_n) - V_n
     momentum_n = mu_n * v_n + moment_n * rate
-    f_t = rate * (keep * momentum_n - mu_t * seen_n)
-    f_n = rate * (mu_n * seen_t - keep * mu_t * v_t)
-    munk = -keep * v_t * (momentum_n - mu_t * v_n - moment_t * rate)
-    return f_t, f_n, munk + rate * (moment_n * seen_t - keep * moment_t * v_t)
+    f_t = rate * (kirchhoff * momentum_n - mu_t * seen_n)
+    f_n = rate * (mu_n * seen_t - kirchhoff * mu_t * v_t)
+    munk = -kirchhoff * v_t * (momentum_n - mu_t * v_n - moment_t * rate)
+    return f_t, f_n, munk + rate * (moment_n * seen_t - kirchhoff * moment_t * v_t)
 
 
 @kernel
@@ -180,17 +193,19 @@ def element_inertia(S, b, e):
     The laws are those of `fluid.inertia`, plus the force that accelerates the displaced water
     itself.
     """
-    x, rate, own = S[e + POSITION_OF], S[b + LINK_RATE], S[OWN_VELOCITY]
+    x, rate = S[e + POSITION_OF], S[b + LINK_RATE]
+    own, kirchhoff = S[OWN_VELOCITY], S[KIRCHHOFF]
     u_t, u_n, turning = through_water(S, b, x, e + WATER_OF)
     mu_t, mu_n, displaced = S[e + MU_T_OF], S[e + MU_N_OF], S[e + DISPLACED_OF]
     V_t, V_n, flow_t, flow_n, spin = water_numbers(S, e + WATER_OF)
     # Seen from the tail end, whose axes rotate; the x rate^2 part of the classic form is in
     # CENTRIPETAL.
-    rate_t = rate * (own * S[b + V_N] - V_n) - carried(flow_t, 0.0, spin, u_n, 0.0)
-    rate_n = -rate * (own * S[b + V_T] - V_t) - carried(flow_n, spin, 0.0, 0.0, u_t)
-    f_t = load(S[KIRCHHOFF], mu_t, rate_t, -turning * mu_n * u_n) + displaced * flow_t
-    f_n = load(S[KIRCHHOFF], mu_n, rate_n, turning * mu_t * u_t) + displaced * flow_n
-    return f_t, f_n, load(S[KIRCHHOFF], 0.0, 0.0, (mu_n - mu_t) * u_t * u_n) + x * f_n
+    rate_t = rate * (own * S[b + V_N] - V_n) - frame_acceleration(flow_t, 0.0, spin, u_n, 0.0)
+    rate_n = -rate * (own * S[b + V_T] - V_t) - frame_acceleration(flow_n, spin, 0.0, 0.0, u_t)
+    f_t = momentum_load(kirchhoff, mu_t, rate_t, -turning * mu_n * u_n) + displaced * flow_t
+    f_n = momentum_load(kirchhoff, mu_n, rate_n, turning * mu_t * u_t) + displaced * flow_n
+    munk = momentum_load(kirchhoff, 0.0, 0.0, (mu_n - mu_t) * u_t * u_n)
+    return f_t, f_n, munk + x * f_n
 
 
 @kernel
@@ -219,9 +234,9 @@ def add_strip_inertia(S, b, e):
 
 
 @kernel
-def add_extra(S, b, loads):
+def add_extra(S, b, force_and_moment):
     """Add a force and a moment to the extra loads of body b."""
-    f_t, f_n, moment = loads
+    f_t, f_n, moment = force_and_moment
     S[b + EXTRA_T] += f_t
     S[b + EXTRA_N] += f_n
     S[b + EXTRA_MOMENT] += moment
@@ -256,7 +271,7 @@ def add_trailing_edge_load(S):
     b = HEADER_ROWS
     x = S[WAKE_POSITION]
     u, w, _ = through_water(S, b, x, WAKE_WATER)
-    shed = where(u.real > 0.0, S[WAKE_MASS], 0.0 * u)
+    shed = where(u.real > 0.0, S[WAKE_MASS], zero_like(u))
     f_n = -shed * u * w
     add_extra(S, b, (0.5 * shed * w * w, f_n, x * f_n))
 
@@ -267,27 +282,30 @@ def body_forces(S, n, first_strip, force):
 
     `force` holds two rows per body, x and y: first the drag on all bodies, then the added-mass
     force (including the force of accelerating water on the displaced volume), then the effector
-    force.
+    force. The rows EXTRA hold effectors and strips together; the part of the strips is computed
+    again, in these rows, and goes from the effectors to drag and added mass.
     """
     for i in range(n):
         b = HEADER_ROWS + i * BODY_ROWS
         drag, added_mass, effector = 2 * i, 2 * (n + i), 2 * (2 * n + i)
-        extra_t, extra_n = S[b + EXTRA_T], S[b + EXTRA_N]
-        # Strips add to the extra loads: collect their loads separately, and move them from
-        # effectors to drag and added mass.
+        effector_t, effector_n = S[b + EXTRA_T], S[b + EXTRA_N]
+        # Drag: of the strips, which add up in the emptied rows, and of the body's own element.
         S[b + EXTRA_T] = 0.0
         S[b + EXTRA_N] = 0.0
         for strip in range(first_strip[i], first_strip[i + 1]):
             add_extra(S, b, element_drag(S, b, strip_row(n, strip)))
         f_t, f_n, _ = element_drag(S, b, b + CENTER)
         put_force(S, b, force, drag, f_t + S[b + EXTRA_T], f_n + S[b + EXTRA_N])
-        extra_t -= S[b + EXTRA_T]
-        extra_n -= S[b + EXTRA_N]
+        effector_t -= S[b + EXTRA_T]
+        effector_n -= S[b + EXTRA_N]
+        # Inertia of the strips in moving water, in the same rows.
         S[b + EXTRA_T] = 0.0
         S[b + EXTRA_N] = 0.0
         for strip in range(first_strip[i], first_strip[i + 1]):
             add_strip_inertia(S, b, strip_row(n, strip))
-        put_force(S, b, force, effector, extra_t - S[b + EXTRA_T], extra_n - S[b + EXTRA_N])
+        # Effectors: what is left of the sum without the strips. Added mass: the body's, and that
+        # inertia.
+        put_force(S, b, force, effector, effector_t - S[b + EXTRA_T], effector_n - S[b + EXTRA_N])
         f_t, f_n = added_mass_force(S, b)
         put_force(S, b, force, added_mass, f_t + S[b + EXTRA_T], f_n + S[b + EXTRA_N])
 
@@ -308,8 +326,9 @@ def added_mass_force(S, b):
     rate = S[b + LINK_RATE]
     a_t = c * S[b + QX] + s * S[b + QY]
     a_n = c * S[b + QY] - s * S[b + QX]
-    # In all forms but the classic one the centripetal part along the body cancels.
-    left = (1.0 - S[OWN_VELOCITY]) * S[b + MOMENT_T] * rate * rate
-    f_t += left - S[b + MU_T] * a_t
+    # Only in the classic form; in the others it cancels with a velocity term. The recursion has it
+    # in CENTRIPETAL.
+    centripetal = (1.0 - S[OWN_VELOCITY]) * S[b + MOMENT_T] * rate * rate
+    f_t += centripetal - S[b + MU_T] * a_t
     f_n -= S[b + MU_N] * a_n + S[b + MOMENT_N] * S[b + LINK_ACCELERATION]
     return f_t, f_n

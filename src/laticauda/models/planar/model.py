@@ -13,8 +13,9 @@ from laticauda.compiling import Target
 from laticauda.compiling.templates import specialized
 from laticauda.models.dynamics.plant import Plant
 from laticauda.models.dynamics.samples import PlantState, Samples
-from laticauda.models.planar import rows
+from laticauda.models.planar import rows, sample_format
 from laticauda.models.planar.layout import Layout, build_layout, flow_rows, write_effectors
+from laticauda.models.planar.sample_format import column_of, columns_of_joints
 from laticauda.motion import gaits
 from laticauda.motion.joints import JointLaw
 from laticauda.robot import Coefficients, law_of, link_coefficients
@@ -83,8 +84,8 @@ class PlanarPlant(Plant[Planar]):
     name: ClassVar[str] = "planar"
     usual_dt: ClassVar[float] = 0.05
     generator: ClassVar[tuple[slice, ...]] = (
-        slice(rows.PHASE - rows.TIME, rows.OFFSET_RATE + 1 - rows.TIME),
-        slice(rows.FIN_PHASE - rows.TIME, rows.FIN_OFFSET_RATE + 1 - rows.TIME),
+        slice(column_of(rows.PHASE), column_of(rows.OFFSET_RATE) + 1),
+        slice(column_of(rows.FIN_PHASE), column_of(rows.FIN_OFFSET_RATE) + 1),
     )
 
     def __post_init__(self) -> None:
@@ -119,13 +120,6 @@ class PlanarPlant(Plant[Planar]):
         return rows.HEADER_ROWS + bodies * rows.BODY_ROWS + rows.ENVELOPE
 
     @cached_property
-    def _state(self) -> np.ndarray:
-        """Rows that make up a state vector."""
-        header = rows.TIME + np.arange(rows.LOG_STATE)
-        joints = rows.HEADER_ROWS + np.arange(1, self.layout.n_bodies) * rows.BODY_ROWS
-        return np.concatenate((header, *(joints + row for row in rows.STATE_OF_JOINT)))
-
-    @cached_property
     def _kernels(self) -> Any:
         return self.kernels_of(1)
 
@@ -146,10 +140,10 @@ class PlanarPlant(Plant[Planar]):
         start.check_planar()
         yaw, _, fin = self._first_waves(command)
         values = [0.0] * self._size
-        values[_at(rows.HEADING)] = start.heading
-        values[_at(rows.X) : _at(rows.Y) + 1] = start.center_of_mass
-        values[_at(rows.VX)] = start.velocity * math.cos(start.heading)
-        values[_at(rows.VY)] = start.velocity * math.sin(start.heading)
+        values[column_of(rows.HEADING)] = start.heading
+        values[column_of(rows.X) : column_of(rows.Y) + 1] = start.center_of_mass
+        values[column_of(rows.VX)] = start.velocity * math.cos(start.heading)
+        values[column_of(rows.VY)] = start.velocity * math.sin(start.heading)
         values[self.generator[0]] = yaw
         values[self.generator[1]] = [getattr(fin, name) for name in rows.FIN_WAVE]
         return PlantState(values=np.array(values))
@@ -173,9 +167,9 @@ class PlanarPlant(Plant[Planar]):
             )
         S = self._rows_of_command(command).copy()
         if command.references is not None:
-            S[self._state] = self._start_values(state, command)
+            S[self.layout.state_rows] = self._start_values(state, command)
             return S
-        S[self._state] = state.values
+        S[self.layout.state_rows] = state.values
         S[rows.OFFSET] = gait.offset + command.offset
         table = self._recorded(command, self.layout.template[self._envelope])
         if table is None:
@@ -264,7 +258,9 @@ class PlanarPlant(Plant[Planar]):
             layout.has_extras,
         )
         bodies = self._bodies_of(S)
-        # The load on all bodies, about the tail end.
+        # The bias force of body 0 contains that of all bodies, since no joint is free. Where nothing
+        # rotates, a bias force is minus the loads that do not depend on acceleration: here those of the
+        # whole robot, about its tail end. At heading 0, world axes are link axes.
         moment, along, across = (-bodies[0, [rows.P0, rows.P1, rows.P2]]).tolist()
         length = bodies[:, rows.LENGTH]
         length_of_fin = np.sum(length[: layout.tail_link])
@@ -339,16 +335,17 @@ class PlanarPlant(Plant[Planar]):
     def _columns(self) -> dict[str, Any]:
         """Columns of a sample for each field of an observation; the fin's joints are omitted."""
         n_joints = self.layout.n_joints
-        first_angle = rows.LOG_STATE + self.layout.tail_link
-        end_of_angles = rows.LOG_STATE + n_joints
+        n_fin_joints = self.layout.tail_link
+        angles = columns_of_joints(rows.ANGLE, n_joints)
+        rates = columns_of_joints(rows.RATE, n_joints)
         return {
-            "time": _at(rows.TIME),
-            "center_of_mass": slice(_at(rows.X), _at(rows.Y) + 1),
-            "center_of_mass_velocity": slice(_at(rows.VX), _at(rows.VY) + 1),
-            "heading": _at(rows.HEADING),
-            "heading_rate": _at(rows.HEADING_RATE),
-            "joint_angle": slice(first_angle, end_of_angles),
-            "joint_rate": slice(first_angle + n_joints, end_of_angles + n_joints),
+            "time": column_of(rows.TIME),
+            "center_of_mass": slice(column_of(rows.X), column_of(rows.Y) + 1),
+            "center_of_mass_velocity": slice(column_of(rows.VX), column_of(rows.VY) + 1),
+            "heading": column_of(rows.HEADING),
+            "heading_rate": column_of(rows.HEADING_RATE),
+            "joint_angle": slice(angles.start + n_fin_joints, angles.stop),
+            "joint_rate": slice(rates.start + n_fin_joints, rates.stop),
         }
 
     def _fields_of(self, samples: np.ndarray) -> dict[str, np.ndarray]:
@@ -358,20 +355,18 @@ class PlanarPlant(Plant[Planar]):
 
     def _samples(self, samples: np.ndarray) -> Samples:
         tail = self.layout.tail_link
-        fin_joints = [tail - joint - 1 for joint in self.robot.fin_joints]
+        # `Robot.fin_joints` counts from the fin's root, where joint 0 is at the tail end of the tail link;
+        # samples count from the tail, where joint 0 is at the tail end of body 1.
+        fin_joints = [tail - 1 - joint for joint in self.robot.fin_joints]
         fields = self._fields_of(samples)
-        n_logged = len(rows.LOGGED_OF_JOINT)
-        of_joints = samples[:, rows.LOG_STATE :].reshape(
-            len(samples), n_logged, self.layout.n_joints
-        )
-        columns = np.moveaxis(of_joints, 1, 0)
-        logged = dict(zip(rows.LOGGED_OF_JOINT, columns, strict=True))
+        of_joints = sample_format.view_joints(samples, self.layout.n_joints)
+        logged = {row: of_joints[:, sample_format.place_of(row)] for row in rows.LOGGED_OF_JOINT}
         return Samples(
             observed=fields | {"link_angle": _links(fields["heading"], fields["joint_angle"])},
             reference=logged[rows.REFERENCE][:, tail:],
-            offset=samples[:, _at(rows.OFFSET_NOW), np.newaxis],
+            offset=samples[:, column_of(rows.OFFSET_NOW), np.newaxis],
             torque=logged[rows.TORQUE][:, tail:],
-            work=samples[:, _at(rows.WORK_ABSOLUTE) :][:, : rows.N_WORKS],
+            work=samples[:, column_of(rows.WORK_ABSOLUTE) :][:, : rows.N_WORKS],
             fin=tuple(logged[row][:, fin_joints] for row in LOGGED_OF_FIN),
             signals={},
         )
@@ -393,8 +388,3 @@ def _links(heading: Any, joint_angle: np.ndarray) -> np.ndarray:
     relative = [*accumulate(joint_angle.T, initial=0.0 * heading)]  # to the tail link
     *_, total = accumulate(relative)
     return (np.array(relative) + (heading - total / len(relative))).T
-
-
-def _at(row: int) -> int:
-    """Return the index of a state row of the header in a state vector or a sample."""
-    return row - rows.TIME

@@ -8,6 +8,14 @@ passes on what remains after the joint has yielded. Body 0, the tail-most, float
 is the final 3x3 solve. With all joints prescribed this is exactly the model with three degrees of
 freedom.
 
+In the docstrings below, with Featherstone's letters: I and p are inertia and bias force of a body
+alone, I^A and p^A those of the body with all bodies further to the head (articulated), so that the
+force on them at its tail end is I^A a + p^A; a = (theta'', qx, qy) is its acceleration, s = (1, 0, 0)
+the axis of its joint, q'' = phi'' the joint's acceleration and tau its torque (TOTAL_TORQUE). X takes
+velocities and accelerations from the tail end of the body behind to the joint, X v = v + (0, arm) rate,
+with `arm` the velocity of the joint per unit of rotation; c is what the rotation of the body behind
+adds to the acceleration there (`centripetal`).
+
 `S` is the flat array of `rows`; `n` the number of bodies; `b` the first row of a body's record, `j`
 that of the body on the head side of a joint. Functions with the argument `keep_all` also store what
 belongs to single bodies: articulated inertias and all accelerations, which only torques and logs
@@ -42,7 +50,11 @@ def accelerations(S, n, first_strip, first_plate, is_free, tail_link, has_extras
 
 @kernel
 def velocities(S, n):
-    """Compute angle, rate and velocity of every body from heading, center of mass and joints."""
+    """Compute angle, rate and velocity of every body from heading, center of mass and joints: v = X v_behind + s phi'.
+
+    Angle and rate of body 0 follow from the mean over the links, its velocity from the mean over the
+    mass. V_T and V_N are relative to the uniform current.
+    """
     H = HEADER_ROWS
     angle, rate = S[HEADING], S[HEADING_RATE]
     for i in range(1, n):
@@ -79,18 +91,21 @@ def velocities(S, n):
 
 @kernel
 def inward(S, n, is_free, keep_all):
-    """Return articulated inertia and bias force of body 0, accumulated from the head; store what `outward` needs."""
+    """Return articulated inertia and bias force of body 0, accumulated from the head; store what `outward` needs.
+
+    I^A = I + X^T I^a X and p^A = p + X^T p^a, by `through_joint` of the body ahead and `plus`.
+    """
     b = HEADER_ROWS + (n - 1) * BODY_ROWS
-    carried = of_body(S, b)
+    articulated = of_body(S, b)
     for i in range(n - 2, -1, -1):
         if keep_all:
-            keep_articulated(S, b, carried)
-        carried = through_joint(S, b, is_free[i + 1], carried)
+            keep_articulated(S, b, articulated)
+        articulated = through_joint(S, b, is_free[i + 1], articulated)
         b -= BODY_ROWS
-        carried = plus(of_body(S, b), carried)
+        articulated = plus(of_body(S, b), articulated)
     if keep_all:
-        keep_articulated(S, b, carried)
-    return carried
+        keep_articulated(S, b, articulated)
+    return articulated
 
 
 @kernel
@@ -100,10 +115,10 @@ def of_body(S, b):
 
 
 @kernel
-def plus(own, carried):
-    """Return the sum of a body's own inertia and bias force and those of the bodies attached to it."""
+def plus(own, ahead):
+    """Return the sum of a body's own inertia and bias force and those of the bodies ahead, seen at its tail end."""
     a00, a01, a02, a11, a12, a22, p0, p1, p2 = own
-    c00, c01, c02, c11, c12, c22, q0, q1, q2 = carried
+    c00, c01, c02, c11, c12, c22, q0, q1, q2 = ahead
     return (
         a00 + c00,
         a01 + c01,
@@ -127,7 +142,10 @@ def keep_articulated(S, b, articulated):
 
 @kernel
 def own_inertia(S, b):
-    """Return the inertia of the body including added mass, about its tail end, world axes."""
+    """Return I of the body including added mass, about its tail end, world axes: 00, 01, 02, 11, 12, 22 of the matrix.
+
+    In link axes it is ((I00, 0, k), (0, m_t, 0), (k, 0, m_n)), with k = COUPLING.
+    """
     c, s = S[b + COS], S[b + SIN]
     mass_t, mass_n = S[b + MASS_T], S[b + MASS_N]
     coupling = S[b + COUPLING]
@@ -144,7 +162,10 @@ def own_inertia(S, b):
 
 @kernel
 def own_bias(S, b):
-    """Return the bias force of the body: centripetal terms minus all loads that do not depend on acceleration."""
+    """Return p of the body: what its velocity demands, minus all loads that do not depend on acceleration.
+
+    Moment about the tail end, then force in world axes.
+    """
     rate = S[b + LINK_RATE]
     f_t, f_n, moment = loads.added_mass_velocity_terms(S, b)
     drag_t, drag_n, drag_moment = loads.element_drag(S, b, b + CENTER)
@@ -157,21 +178,35 @@ def own_bias(S, b):
 
 @kernel
 def centripetal(S, a):
-    """Return the acceleration -theta'^2 2l t of the head end of body a relative to its tail end."""
+    """Return c = -theta'^2 2l t: acceleration of the head end of body a relative to its tail end, by rotation."""
     pull = -S[a + LENGTH] * S[a + LINK_RATE] * S[a + LINK_RATE]
     return pull * S[a + COS], pull * S[a + SIN]
 
 
 @kernel
 def through_joint(S, j, joint_is_free, articulated):
-    """Return articulated inertia and bias of body j as seen through its joint, at the tail end of the body behind."""
+    """Return articulated inertia and bias of body j as seen through its joint, at the tail end of the body behind.
+
+    They are X^T I^a X and X^T p^a. Prescribed, the joint passes on everything, and its known q'':
+
+        I^a = I^A,                      p^a = p^A + I^A (c + s q'')
+
+    Free, with U = I^A s, D = s^T U and u = tau - s^T (p^A + I^A c), it keeps what is left after it
+    has yielded (Featherstone writes the same p^a with I^a c, and u without c):
+
+        I^a = I^A - U D^-1 U^T,         p^a = p^A + I^A c + U D^-1 u
+
+    IMPLICIT is added to D. X^T U is (w0, a01, a02), since X leaves translations alone; `outward` needs
+    SWING = D^-1 u and GIVE ... GIVE_Y = D^-1 X^T U. The 3x3 matrices are symmetric: b00, b01, b02 begin
+    as the first row of X^T I^A X.
+    """
     b = j - BODY_ROWS
     a00, a01, a02, a11, a12, a22, p0, p1, p2 = articulated
     pull_x, pull_y = centripetal(S, b)
     p0 += a01 * pull_x + a02 * pull_y
     p1 += a11 * pull_x + a12 * pull_y
     p2 += a12 * pull_x + a22 * pull_y
-    arm_x = -S[b + LENGTH] * S[b + SIN]  # velocity of the joint per unit of rotation
+    arm_x = -S[b + LENGTH] * S[b + SIN]
     arm_y = S[b + LENGTH] * S[b + COS]
     w0 = a00 + arm_x * a01 + arm_y * a02
     b01 = a01 + arm_x * a11 + arm_y * a12
@@ -193,7 +228,7 @@ def through_joint(S, j, joint_is_free, articulated):
 
 @kernel
 def floating_base(S, articulated):
-    """Compute the acceleration of body 0 from A a + p = 0."""
+    """Compute the acceleration of body 0 from I^A a + p^A = 0, since nothing else holds it."""
     b = HEADER_ROWS
     a00, a01, a02, a11, a12, a22, p0, p1, p2 = articulated
     determinant = a11 * a22 - a12 * a12  # eliminate the translations, which are well conditioned
@@ -208,7 +243,11 @@ def floating_base(S, articulated):
 
 @kernel
 def outward(S, n, is_free, keep_all):
-    """Compute accelerations of heading, center of mass and free joints, from that of body 0 to the head."""
+    """Compute accelerations of heading, center of mass and free joints, from that of body 0 to the head.
+
+    At each joint, with the acceleration a of the body behind: q'' = D^-1 (u - U^T X a) if it is free
+    (`through_joint`), then a = X a + c + s q''.
+    """
     H = HEADER_ROWS
     spin, qx, qy = S[H + LINK_ACCELERATION], S[H + QX], S[H + QY]
     heading, ax, ay = spin, 0.0, 0.0
@@ -222,7 +261,7 @@ def outward(S, n, is_free, keep_all):
                 S[b + ACCELERATION] = swing
             pull_x, pull_y = centripetal(S, a)
             turn = S[a + LENGTH] * spin
-            qx += pull_x - turn * S[a + SIN]  # carried along by the body behind
+            qx += pull_x - turn * S[a + SIN]  # X a + c
             qy += pull_y + turn * S[a + COS]
             spin += swing
             heading += S[b + HEADING_SHARE] * swing
@@ -243,7 +282,7 @@ def outward(S, n, is_free, keep_all):
 
 @kernel
 def holding_torques(S, n, is_free):
-    """Compute TOTAL_TORQUE of every prescribed joint, once the accelerations are known: A a + p along the joint."""
+    """Compute TOTAL_TORQUE of every prescribed joint, once the accelerations are known: tau = s^T (I^A a + p^A)."""
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if not is_free[i]:

@@ -21,8 +21,8 @@ from laticauda.motion.joints import (
 from laticauda.values import MOST_NUMBERS
 
 
-class _Rows:
-    """Consecutive rows, handed out one after the other.
+class _Counter:
+    """Hands out rows, one after the other.
 
     Args:
         first: The first of them.
@@ -43,11 +43,11 @@ N_FREEDOMS = 3
 """Degrees of freedom of the base: heading, x and y of the center of mass."""
 BASE_ROWS = 2 * N_FREEDOMS
 """Rows of the base's state, HEADING to VY: the degrees of freedom, then their rates."""
-N_STAGES = 6
-"""Slopes that a step can keep, one for each of its stages."""
+MOST_STAGES = 6
+"""Stages whose slopes a step can keep: the room in SLOPES, which a method need not fill."""
 
 # --- Motion of the water at a point; only if the water has a flow -----------------------------------
-_water = _Rows()
+_water = _Counter()
 CURRENT_T = _water.take()  # velocity of the water there, link axes [m/s]
 CURRENT_N = _water.take()
 CURRENT_T_RATE = _water.take()  # its material acceleration [m/s^2]
@@ -56,7 +56,7 @@ CURRENT_SPIN = _water.take()  # its rotation [rad/s]
 WATER_ROWS = _water.n
 
 # --- Element: the part of a body, or the strip of a fin, that a drag law acts on ----------------------
-_element = _Rows()
+_element = _Counter()
 POSITION_OF = _element.take()  # position of its loads from the tail end of its body [m]
 C_T_OF = _element.take()
 C_N_OF = _element.take()
@@ -70,7 +70,7 @@ WATER_OF = _element.take(WATER_ROWS)
 ELEMENT_ROWS = _element.n
 
 # --- Header: parameters, which the environment or a command sets --------------------------------------
-_header = _Rows()
+_header = _Counter()
 CURRENT_X = _header.take()  # V_x [m/s]
 CURRENT_Y = _header.take()  # V_y [m/s]
 # 1: added-mass velocity terms use v - V (relative, kirchhoff); 0: only -V (classic)
@@ -135,7 +135,7 @@ N_WORKS = WORK_ELECTRICAL + 1 - WORK_ABSOLUTE
 """Kinds of work, each with a power."""
 
 # --- Header: scratch, which every stage of a step computes anew ----------------------------------------
-HEADING_ACCELERATION = _header.take()
+HEADING_ACCELERATION = _header.take()  # these three may hold implicit terms, see `stepping.run`
 AX = _header.take()
 AY = _header.take()
 POWER_ABSOLUTE = _header.take()  # powers when work was counted last, in the order of the works [W]
@@ -151,7 +151,7 @@ DECAY = _header.take()  # decay of the generator's filters over one of its steps
 WELL = _header.take()  # 1 until the lane's numbers leave the finite range, then 0
 SAMPLES = _header.take()  # number of samples logged until then
 SAVED = _header.take(BASE_ROWS)  # the base's state at the start of a step
-SLOPES = _header.take(N_STAGES * BASE_ROWS)  # slopes of the base's state in each stage
+SLOPES = _header.take(MOST_STAGES * BASE_ROWS)  # slopes of the base's state in each stage
 TETHER_WATER = _header.take(WATER_ROWS)  # motion of the water at the tether
 WAKE_WATER = _header.take(WATER_ROWS)  # motion of the water at the trailing edge
 
@@ -161,8 +161,12 @@ JOINT_LAW = _header.take(MOST_NUMBERS)  # those of the joint law, if it is user-
 HEADER_ROWS = _header.n
 
 # --- One record per body, beginning with the joint at the body's tail end ------------------------------
+# Its first rows are the numbers of a joint of either model, in the order of `motion.joints.laws.JOINT`
+# (`dynamics.joint_table` fills them): angle per amplitude of the gait, torque of the skin per angle and
+# per rate, then the fields of `laws.Drive`; those from MOTOR to STALL_POWER are what `laws.motor_power`
+# takes. From there come also the codes of joint laws, LOCKED and so on: kernels take both from here.
 ENVELOPE, STIFFNESS, DAMPING, DRIVE, MOTOR, STALL_POWER, JOINT_ROWS = JOINT
-_body = _Rows(JOINT_ROWS)
+_body = _Counter(JOINT_ROWS)
 # parameters: `layout` writes those from LENGTH to CENTER in this order
 LENGTH = _body.take()  # 2l [m]
 INERTIA = _body.take()  # I00, rigid plus added, about the tail end [kg m^2]
@@ -185,18 +189,18 @@ THRUST_T = _body.take()  # thrusters, in link axes [N]
 THRUST_N = _body.take()
 THRUST_MOMENT = _body.take()  # about the tail end [N m]
 HEADING_SHARE = _body.take()  # share of the body's links on the head side of the joint
-# state
+# state; a new number here: see `STATE_OF_JOINT`
 ANGLE = _body.take()  # phi
 RATE = _body.take()  # phi'
 # scratch
 REFERENCE = _body.take()  # phi_ref and its derivatives
 REFERENCE_1 = _body.take()
 REFERENCE_2 = _body.take()
-ACCELERATION = _body.take()  # phi''
+ACCELERATION = _body.take()  # phi''; may hold implicit terms, see `stepping.run`
 TORQUE = _body.take()  # u: what the actuator delivers [N m]
 # free joint: actuator, skin and implicit terms; prescribed joint: the required torque
 TOTAL_TORQUE = _body.take()
-IMPLICIT = _body.take()  # contribution of the joint law to S^T I S [kg m^2]
+IMPLICIT = _body.take()  # what an implicit step adds to the inertia about the joint [kg m^2]
 SLOPE_P = _body.take()  # -du/dphi, skin included, at the start of a step
 SLOPE_D = _body.take()  # -du/dphi'
 COS = _body.take()
@@ -239,7 +243,7 @@ BODY_ROWS = _body.n
 STRIP_ROWS = ELEMENT_ROWS
 
 # --- One record per pectoral fin ------------------------------------------------------------------------
-_plate = _Rows()
+_plate = _Counter()
 PLATE_X = _plate.take()  # its position from the tail end of its body [m]
 PLATE_Y = _plate.take()
 PLATE_ANGLE = _plate.take()
@@ -251,6 +255,4 @@ PLATE_ROWS = _plate.n
 STATE_OF_JOINT = (ANGLE, RATE)
 """Rows of a body that are the state of its joint."""
 LOGGED_OF_JOINT = (*STATE_OF_JOINT, REFERENCE, TORQUE)
-"""Rows of a body that are logged: a sample holds the header's state, then the first of these of all joints, and so on.
-
-A state vector is the begin of a sample, up to the state of the joints."""
+"""Rows of a body that are logged, in the order of a sample (`sample_format`); the state comes first."""

@@ -13,6 +13,7 @@ from laticauda.models.planar import rows
 from laticauda.models.planar.batch import COMMAND, WIDTH, aligned
 from laticauda.models.planar.layout import flow_rows
 from laticauda.models.planar.model import PlanarPlant
+from laticauda.models.planar.sample_format import column_of
 from laticauda.robot import Water, has_power_model
 from laticauda.scenarios import Observation, Start
 from laticauda.values import BadArgument
@@ -54,7 +55,7 @@ class School(school.School[PlanarPlant]):
         work = rows.WORK_ABSOLUTE
         if has_power_model(plant.robot, plant.joints):
             work = rows.WORK_ELECTRICAL
-        self._observed = np.array((*OBSERVED_ROWS, work)) - rows.TIME
+        self._observed = [column_of(row) for row in (*OBSERVED_ROWS, work)]
         self._kernel: Any = plant.kernels_of(self._width).run
         self._shape = plant.layout.chain
         return np.array_split(np.arange(n_blocks), min(n_threads, n_blocks))
@@ -62,11 +63,7 @@ class School(school.School[PlanarPlant]):
     def state(self, index: int) -> PlantState:
         """Return the state of one robot, for `PlanarPlant`."""
         block, lane = divmod(index, self._width)
-        values = self._lanes[block, :, lane]
-        end = rows.HEADER_ROWS + self.plant.layout.n_bodies * rows.BODY_ROWS
-        bodies = values[rows.HEADER_ROWS : end].reshape(-1, rows.BODY_ROWS)
-        joints = [bodies[1:, row] for row in rows.STATE_OF_JOINT]
-        return PlantState(values=np.concatenate((values[STATE], *joints)))
+        return PlantState(values=self._lanes[block, self.plant.layout.state_rows, lane])
 
     def _restart(
         self,

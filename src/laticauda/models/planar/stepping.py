@@ -11,8 +11,9 @@ Two shares of dt belong to a method: that of a step of the reference generator, 
 moments at which work is counted. `generator_step_of` and `work_step_of` define them; no other place
 does.
 
-`run` is the loop. `S` is the flat array of `rows`; the arguments from `n` to `has_extras` are the shape
-of the chain of bodies (`layout.Layout`).
+`run` is the loop. `S` is the flat array of `rows`, and types of its numbers are a matter of
+`number_types`; the arguments from `n` to `has_extras` are the shape of the chain of bodies
+(`layout.Layout.chain`).
 
 A template (see `templates`): this file is loaded anew for every drag law, joint law, kind of flow and
 number of lanes. `bindings` holds those of this loading and the templates loaded before it, under the
@@ -28,6 +29,7 @@ from laticauda.compiling.lanes import any_lane, magnitude, where
 from laticauda.compiling.templates import bindings
 from laticauda.models.dynamics import stages
 from laticauda.models.dynamics.stages import FARTHEST, GAMMA, STRONGEST
+from laticauda.models.planar import sample_format
 from laticauda.models.planar.rows import *
 
 _specialization = bindings(__name__)
@@ -37,6 +39,7 @@ recursion = _specialization["recursion"]
 drives = _specialization["drives"]
 
 combined = compile_scalar(stages.combined)
+column_of_joint = compile_scalar(sample_format.column_of_joint)
 RK5 = False
 ROS2 = True
 """Values of `implicit`."""
@@ -56,7 +59,9 @@ WEIGHTS = (
     (-3 / 7, 2 / 7, 12 / 7, -12 / 7, 8 / 7, 0.0),
     (7 / 90, 0.0, 32 / 90, 12 / 90, 32 / 90, 7 / 90),
 )
-"""Weights of the slopes that lead to each further stage, and to the end (Butcher, J. Aust. Math. Soc. 4, 1964)."""
+"""Weights of the slopes of RK5: to each further stage, and to the end (Butcher, J. Aust. Math. Soc. 4, 1964)."""
+RK5_STAGES = len(WEIGHTS)
+"""Stages of RK5; their slopes must have room in SLOPES (`rows.MOST_STAGES`)."""
 
 
 @entry
@@ -69,6 +74,12 @@ def run(
     numbers of each sample are logged. A lane whose numbers leave the finite range stops counting its SAMPLES at
     that point; the others are unaffected. Returns the largest number of samples that any lane
     counted.
+
+    Of which moment the accelerations are when a sample is written depends on the joints. All
+    prescribed, or mixed (`any_prescribed`): they are those of the state. All driven or free: they
+    are those of the first stage, with implicit terms, since nobody pays for an evaluation more. A
+    sample holds none of them, and torque and power of a free joint come from its law and the state.
+    A figure that does need accelerations is computed afterwards, as `link_forces` does.
     """
     S = rows_of(flat)
     is_free = free_joints(law)
@@ -79,7 +90,8 @@ def run(
     S[SAMPLES] = 0.0
     written = 0
     for step in range(steps + 1):
-        # The state: its accelerations and torques, and the work up to it.
+        # The state: its torques, and the work up to it; its accelerations, or those of the first
+        # stage.
         if implicit:
             # Without implicit terms if joints are mixed: the torques that hold the prescribed ones
             # follow from accelerations, which must then be those of the state itself.
@@ -135,6 +147,9 @@ def evaluate(flat, n, first_strip, first_plate, is_free, tail_link, has_extras):
 def link_forces(flat, n, first_strip, first_plate, law, tail_link, has_extras, log, force):
     """Compute the force on every body at every sample of a log, in world axes: drag, added mass, effectors.
 
+    The accelerations are those of the state, never with implicit terms: the pattern for any figure
+    that needs them.
+
     `force` has shape (n_samples, 3, n, 2, lanes).
     """
     S = rows_of(flat)
@@ -157,7 +172,12 @@ def free_joints(law):
 
 @kernel
 def any_prescribed(law, n):
-    """Return whether any joint is prescribed."""
+    """Return whether any joint is prescribed, whose torque is then looked at.
+
+    A locked joint (the rigid root of a fin with hinges) is no reason to evaluate twice: it does no
+    work and no `Samples` show it. Beside driven joints, its TORQUE therefore contains implicit
+    terms, of the order of dt, see tests/models/planar/test_fin.py.
+    """
     for i in range(1, n):
         if law[i] == PRESCRIBED:
             return True
@@ -169,7 +189,7 @@ def finish_rk5(S, n, first_strip, first_plate, law, is_free, tail_link, has_extr
     """Run stages 2 to 6, at 1/4, 1/4, 1/2, 3/4 and 1 of the step; S already holds the first stage's accelerations."""
     for r in range(BASE_ROWS):
         S[SAVED + r] = S[HEADING + r]
-    for stage in range(N_STAGES - 1):
+    for stage in range(RK5_STAGES - 1):
         keep_slope(S, stage)
         step_ahead(S, dt, WEIGHTS[stage], stage + 1)
         if stage != SAME_TIME:
@@ -180,8 +200,8 @@ def finish_rk5(S, n, first_strip, first_plate, law, is_free, tail_link, has_extr
         if stage == MIDDLE:
             recursion.holding_torques(S, n, is_free)
             drives.count_work(S, n, law, work_step_of(RK5, dt))
-    keep_slope(S, N_STAGES - 1)
-    step_ahead(S, dt, WEIGHTS[N_STAGES - 1], N_STAGES)
+    keep_slope(S, RK5_STAGES - 1)
+    step_ahead(S, dt, WEIGHTS[RK5_STAGES - 1], RK5_STAGES)
 
 
 @kernel
@@ -205,7 +225,11 @@ def step_ahead(S, dt, weights, n_stages):
 
 @kernel
 def finish_ros2(S, n, first_strip, first_plate, law, is_free, tail_link, has_extras, dt):
-    """Finish the step, y + h (3/2 k1 + 1/2 k2); S already holds the accelerations of k1."""
+    """Finish the step by the equation of `dynamics.stages`, y(t + h) = y + h (3/2 k1 + 1/2 k2).
+
+    S already holds the accelerations of k1. `stages.combined` gives the sum in brackets, from k1 and
+    the a = k2 + 2 k1 for which `drives.second_torques` makes the recursion solve.
+    """
     gamma_dt = GAMMA * dt
     keep_first_slope(S, n, is_free, dt, gamma_dt)
     drives.advance_reference(S, n, law, tail_link, generator_step_of(ROS2, dt))
@@ -235,7 +259,10 @@ def finish_ros2(S, n, first_strip, first_plate, law, is_free, tail_link, has_ext
 
 @kernel
 def keep_first_slope(S, n, is_free, dt, gamma_dt):
-    """Store y and k1, and move the state to y + h k1."""
+    """Store y and k1, and move the state to y + h k1, where k2 is evaluated.
+
+    k1 is (rate + gamma h acceleration, acceleration), see `dynamics.stages`.
+    """
     for r in range(N_FREEDOMS):
         acceleration = S[HEADING_ACCELERATION + r]
         slope = S[HEADING_RATE + r] + gamma_dt * acceleration
@@ -260,14 +287,14 @@ def keep_first_slope(S, n, is_free, dt, gamma_dt):
 
 @kernel
 def write_sample(S, n, sample, n_rows):
-    """Write the header's state, then `LOGGED_OF_JOINT` of every joint; or only the first `n_rows` of these numbers."""
+    """Write a sample (`sample_format`), or only the first `n_rows` of its numbers."""
     joints = n - 1
     for r in range(min(n_rows, LOG_STATE)):
         sample[r] = S[TIME + r]
     for i in range(joints if n_rows > LOG_STATE else 0):
         b = HEADER_ROWS + (i + 1) * BODY_ROWS
         for k, row in enumerate(LOGGED_OF_JOINT):
-            sample[LOG_STATE + k * joints + i] = S[b + row]
+            sample[column_of_joint(k, i, joints)] = S[b + row]
 
 
 @kernel
@@ -279,7 +306,7 @@ def read_sample(S, n, sample):
     for i in range(joints):
         b = HEADER_ROWS + (i + 1) * BODY_ROWS
         for k, row in enumerate(STATE_OF_JOINT):
-            S[b + row] = sample[LOG_STATE + k * joints + i]
+            S[b + row] = sample[column_of_joint(k, i, joints)]
 
 
 @kernel

@@ -10,7 +10,7 @@ from typing import NamedTuple, cast
 import numpy as np
 from jaxtyping import Float, Inexact, Int
 
-from laticauda.models.planar import rows
+from laticauda.models.planar import rows, sample_format
 from laticauda.models.planar.batch import PATH_ROWS, STEP, Block, Run
 from laticauda.models.simulate.run_figures import Figure, RunFigures
 from laticauda.motion.gaits import Gait
@@ -89,7 +89,7 @@ WORK = slice(13, 17)
 N_SAMPLED_NUMBERS = 17
 """Number of rows."""
 
-_PATH = [rows.X - rows.TIME, rows.Y - rows.TIME, rows.VX - rows.TIME, rows.VY - rows.TIME]
+_PATH = [sample_format.column_of(row) for row in (rows.X, rows.Y, rows.VX, rows.VY)]
 """Rows of position and velocity in the log of a block, which begins at TIME."""
 
 
@@ -186,8 +186,7 @@ def joint_peaks(runs: Sequence[Run], block: Block) -> dict[str, Figure]:
     """
     layout = runs[0].plant.layout
     robots = [run.plant.robot for run in runs]
-    shape = block.time.size, len(rows.LOGGED_OF_JOINT), layout.n_joints, len(runs)
-    joints = block.log[:, rows.LOG_STATE :].reshape(shape)
+    joints = sample_format.view_joints(block.log, layout.n_joints)
     if len(robots[0].driven_joints) > robots[0].n_joints:
         # The log holds the joint of a driven fin before the others; here it comes last.
         fin = joints[:, :, layout.tail_link - 1 : layout.tail_link]
@@ -199,8 +198,8 @@ def joint_peaks(runs: Sequence[Run], block: Block) -> dict[str, Figure]:
     with np.errstate(all="ignore"):
         return feasibility.compute_peaks(
             robots,
-            angle=driven[:, rows.LOGGED_OF_JOINT.index(rows.ANGLE)],
-            rate=driven[:, rows.LOGGED_OF_JOINT.index(rows.RATE)],
-            torque=driven[:, rows.LOGGED_OF_JOINT.index(rows.TORQUE)],
+            angle=driven[:, sample_format.place_of(rows.ANGLE)],
+            rate=driven[:, sample_format.place_of(rows.RATE)],
+            torque=driven[:, sample_format.place_of(rows.TORQUE)],
             counts=np.stack(is_settled, axis=1),
         )

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.models.dynamics import Plant, PlantState
-from laticauda.models.planar import PlanarPlant, rows
+from laticauda.models.planar import PlanarPlant, rows, sample_format
 from laticauda.models.spatial import SpatialPlant, mjcf
 from laticauda.robot import Environment, Ground, Robot, kinematics
 from laticauda.scenarios import interfaces
@@ -90,8 +90,10 @@ def _read_spatial_posture(plant: SpatialPlant, state: Any) -> Posture:
 def _read_planar_posture(plant: PlanarPlant, state: Any) -> Posture:
     observation = plant.observe(state)
     robot = plant.robot
-    fin_root = rows.LOG_STATE + plant.layout.tail_link - 1
-    fin_angle = np.array([state.values[fin_root - k] for k in robot.fin_joints])
+    columns = sample_format.columns_of_joints(rows.ANGLE, plant.layout.n_joints)
+    angles = state.values[columns]
+    fin_root = plant.layout.tail_link - 1
+    fin_angle = np.array([angles[fin_root - k] for k in robot.fin_joints])
     posture = build_flat_posture(
         robot,
         center=observation.center_of_mass,
