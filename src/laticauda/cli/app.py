@@ -95,10 +95,8 @@ def main(args: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return STATUS_BROKEN_PIPE
     except BadArgument as error:
-        sentence = f"{spell_field(error.name, command)} {error.rule}"
-        if not error.rule.endswith("?"):
-            sentence += "."
-        return _complain(sentence, STATUS_BAD_INPUT)
+        subject = spell_field(error.name, command)
+        return _complain(error.sentence_about(subject), STATUS_BAD_INPUT)
     except SimulationFailed as error:
         return _complain(str(error), STATUS_FAILED)
     except (BadFlag, LaticaudaError, ValueError) as error:

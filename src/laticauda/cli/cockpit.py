@@ -10,7 +10,7 @@ from laticauda.values import option, value_class
 
 
 @value_class
-class CockpitCommand(OfScenarioOrFile):
+class Cockpit(OfScenarioOrFile):
     """Serve a page on which the robot swims, until Ctrl-C; everything on it can be changed while the robot swims.
 
     It prints one line with the page's address, which contains a token if other computers can reach

@@ -31,7 +31,7 @@ from laticauda.cli.flag_names import (
 from laticauda.cli.flag_types import REQUIRED, BadFlag, read_first, words_flag
 from laticauda.cli.number_flags import numbers_flag
 from laticauda.cli.wave_flags import wave_flags, with_typed_wave
-from laticauda.values import BadArgument, Field, fields_of, texts_of
+from laticauda.values import BadArgument, Field, docstring_without_fields, fields_of, texts_of
 
 Parsed = TypeVar("Parsed")
 
@@ -65,11 +65,10 @@ def parse_command(
         SystemExit: If the help was requested or a flag is unknown.
     """
     _reject_null_characters(arguments, prog)
-    description = (command_class.__doc__ or "").split("\n\nFields:")[0]
     parsed: Any = tyro.cli(
         command_class,
         prog=prog,
-        description=wrap_text(description),
+        description=wrap_text(docstring_without_fields(command_class)),
         args=arguments,
         default=default,
         registry=_registry,
@@ -184,7 +183,7 @@ class _ValueMaker:
             for wave in self.waves:
                 value = with_typed_wave(value, wave, typed)
         except BadArgument as error:
-            raise BadFlag(f"{self._spell(error.name)} {error.rule}.") from None
+            raise BadFlag(error.sentence_about(self._spell(error.name))) from None
         return value
 
     def _spell(self, argument: str) -> str:

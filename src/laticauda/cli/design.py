@@ -252,7 +252,7 @@ class DesignExperiment(Command):
         robots = self._robots(fitted)
         swims: list[Measurement] = []
         for gait, robot in product(self.candidates.combine_gaits(), robots):
-            choice = self._names.resolved(gait, _loader_of(robot))
+            choice = self._names.resolved(gait, _always(robot))
             swims += swim_candidates(
                 choice.robot,
                 [gait],
@@ -305,13 +305,13 @@ class DesignExperiment(Command):
         return trials
 
 
-def _loader_of(robot: Robot) -> Callable[[str, int | None], Robot]:
-    """Return a function that loads this robot, whatever name it is given."""
+def _always(robot: Robot) -> Callable[[str, int | None], Robot]:
+    """Return a function that finds this robot, whatever its name: for `Choice.resolved`, which else loads one."""
 
-    def load(name: str, n_links: int | None) -> Robot:
+    def find_robot(name: str, n_links: int | None) -> Robot:
         return robot
 
-    return load
+    return find_robot
 
 
 class _Task(NamedTuple):
@@ -337,12 +337,14 @@ def _parse_sensors(typed: tuple[str, ...]) -> dict[str, float]:
     sigmas: dict[str, float] = {}
     for text in typed:
         name = text
-        _, sigma = SENSORS.get(name, ("", 0.0))
+        typed_sigma: float | None = None
         if "=" in text:
-            name, _, (sigma,) = parse_numbers("sensors", text, SENSOR_FORM)
-        if name not in SENSORS or not sigma > 0.0:
+            name, _, (typed_sigma,) = parse_numbers("sensors", text, SENSOR_FORM)
+        if name not in SENSORS or (typed_sigma is not None and typed_sigma <= 0.0):
             raise BadArgument("sensors", f"must be {SENSOR_FORM}, got {text!r}")
-        sigmas[name] = sigma
+        sigmas[name] = SENSORS[name].sigma
+        if typed_sigma is not None:
+            sigmas[name] = typed_sigma
     return sigmas
 
 

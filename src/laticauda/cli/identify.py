@@ -222,9 +222,9 @@ class Identify(Command):
         if self._is_task_file():
             return self._task_of_file(self.files[0])
         name = self.name or "identified"
-        with keys_of("identify", BadFlag):
+        with keys_of("identify", BadFlag):  # an error about a key of the table becomes a `BadFlag`
             task = tasks.task_from_table(self._table(), name, Path())
-        if self.laws:
+        if self.laws:  # each of them may have a joint law, see `Task.with_law`
             return task
         options = {"joints": "prescribed", **task.options}
         return replace(task, options=options)

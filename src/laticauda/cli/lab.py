@@ -71,7 +71,7 @@ class Time(Options):
 
 
 @value_class
-class LabCommand(Command):
+class Lab(Command):
     """Run the virtual tank until Ctrl-C: joint modules on a CAN bus, cameras that QTM clients read, a power meter.
 
     It prints one line with their addresses. Lines that you type instruct the person at the tank:
@@ -84,7 +84,7 @@ class LabCommand(Command):
     start: lc.Start = option("Where the straight robot lies", default=lc.Start())
     coefficients: Water = option("Changes to the chosen water")
     servos: lc.JointLaw = option("Parameters of the servos")
-    scene: Scene = option("Surroundings of the robot", default=Scene())
+    surroundings: Scene = option("Surroundings of the robot", default=Scene())
     wires: Wires = option("How the tank is reached", default=Wires())
     time: Time = option("Clock, random numbers and faults of the tank", default=Time())
     save: TrialOutput = option(
@@ -93,7 +93,7 @@ class LabCommand(Command):
     )
 
     @classmethod
-    def read(cls, arguments: Sequence[str], prog: str) -> "LabCommand":
+    def read(cls, arguments: Sequence[str], prog: str) -> "Lab":
         """Return the command that was typed; see `Command.read`."""
         body: Body = parse_command(Body, arguments, prog, known_only=True)
         changes: dict[str, Any] = {"joints": body.joints}
@@ -104,7 +104,7 @@ class LabCommand(Command):
             body=body,
             coefficients=body.pool,
             servos=model.joints,
-            scene=getattr(model, "scene", None) or Scene(),
+            surroundings=getattr(model, "scene", None) or Scene(),
         )
         return parse_command(cls, arguments, prog, default)
 
@@ -144,7 +144,7 @@ class LabCommand(Command):
         warn_of_compiling(water, self.body.model)
         scene = None
         if self.body.scene is not None:
-            scene = self.scene
+            scene = self.surroundings
         plant = lc.build_plant(robot, water, model=self.body.model, joints=self.servos, scene=scene)
         virtual_robot = lab.VirtualRobot(robot, plant, self.start, depth=settings.mocap.depth)
         return lab.Tank(virtual_robot, settings, faults)

@@ -132,7 +132,7 @@ class _NumberReader:
         try:
             return self._checked(number)
         except BadArgument as error:
-            raise BadFlag(f"{self.option} {error.rule}.") from None
+            raise BadFlag(error.sentence_about(self.option)) from None
 
     def _parse(self, text: str) -> float:
         is_integer = text.lstrip("+-").isdigit()
@@ -148,6 +148,7 @@ class _NumberReader:
 
     def _checked(self, number: float) -> float:
         if self.is_whole:
+            # The largest is checked by the class of the field, when the value is made.
             least = math.ceil(max(self.quantity.least, -LARGEST_EXACT_INTEGER))
             return check_whole_number(self.option, number, least)
         return self.display.to_si(self.quantity.checked(self.option, number))

@@ -205,9 +205,11 @@ class _ScenarioChange:
 
     def apply(self, scenario: Scenario) -> Scenario:
         gait = self._change_gait(scenario.gait)
-        choice = self.names.with_imports().resolved(
-            gait, lambda name, n_links: self._change_robot(scenario.robot, name, n_links)
-        )
+
+        def find_robot(name: str, n_links: int | None) -> lc.Robot:
+            return self._change_robot(scenario.robot, name, n_links)
+
+        choice = self.names.with_imports().resolved(gait, find_robot)
         environment = scenario.environment
         if self._are_typed("water", "ground", "parameters"):
             environment = choice.environment

@@ -12,13 +12,24 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from laticauda import studies
-from laticauda.cli import vary
 from laticauda.cli.command import Outcome
 from laticauda.cli.flags import File, Folder, PictureOutput, Words
 from laticauda.cli.progress import stored_trials
 from laticauda.cli.scene import warn_of_compiling
 from laticauda.cli.tables import format_figure
-from laticauda.cli.vary import Parameters, Study
+from laticauda.cli.vary import (
+    FORM,
+    RANGE_FORM,
+    SAMPLES_FORM,
+    Parameters,
+    Study,
+    format_points,
+    parse_grid,
+    parse_ranges,
+    read_rows,
+    shared_facts,
+    spell_parameter,
+)
 from laticauda.models.simulate.numbers import list_parameters
 from laticauda.scenarios import Scenario
 from laticauda.show import figures
@@ -44,7 +55,7 @@ RANGES = ("amplitude-deg=10:50", "frequency-deg-s=50:150", "phase-shift-deg=10:6
 
 
 @value_class
-class SweepCommand(Study):
+class Sweep(Study):
     """Run a trial at every point of a grid, a list or a set of samples, and print the best.
 
     For example: laticauda sweep --robot mamba --gait lateral-undulation --vary
@@ -65,7 +76,7 @@ class SweepCommand(Study):
     seed: int | None = quantity(
         "", "Seed of the samples; another seed gives other points", ge=0, default=None
     )
-    list: File = option(
+    list: File = option(  # its option is --list, so it hides the builtin in this class
         "Take the points from this CSV file instead; its first line has the names", default=None
     )
     scheduler: str | None = option(
@@ -130,9 +141,9 @@ class SweepCommand(Study):
             "best_in": figure,
             "best": points,
             "output": self.output,
-            **vary.shared_facts(scenario),
+            **shared_facts(scenario),
         }
-        table = vary.format_points(scenario, sweep.points.names, [*SHOWN_OF_BEST, figure], points)
+        table = format_points(scenario, sweep.points.names, [*SHOWN_OF_BEST, figure], points)
         title = f"{status} The best in {figure.replace('_', ' ')}:"
         text = f"{title}\n\n{table}\n\nAll results: {self.output}/results.zarr (xarray.open_zarr)"
         return Outcome(facts=facts, text=text, succeeded=n_failed < n_trials)
@@ -146,13 +157,13 @@ class SweepCommand(Study):
         if self.list is not None:
             if typed or self.samples is not None:
                 raise BadArgument("list", "must not be given together with --vary or --samples")
-            return vary.read_rows(self.list, parameters)
+            return read_rows(self.list, parameters)
         if not typed:
-            rule = f"must be given, or --list: {vary.FORM}; --names lists what can be varied"
+            rule = f"must be given, or --list: {FORM}; --names lists what can be varied"
             raise BadArgument("vary", rule)
         if self.samples is None:
-            return vary.parse_grid(typed, parameters)
-        ranges = vary.parse_ranges(typed, parameters, vary.SAMPLES_FORM)
+            return parse_grid(typed, parameters)
+        ranges = parse_ranges(typed, parameters, SAMPLES_FORM)
         return studies.Samples(ranges=ranges, n_points=self.samples, seed=self.seed or 0)
 
 
@@ -217,7 +228,7 @@ class Optimize(Study):
         typed = list(chain.from_iterable(self.vary)) or RANGES
         optimization = studies.Optimization(
             scenario=scenario,
-            bounds=vary.parse_ranges(typed, list_parameters(scenario), vary.RANGE_FORM),
+            bounds=parse_ranges(typed, list_parameters(scenario), RANGE_FORM),
             objectives=objectives,
             **vars(self.limits),
         )
@@ -253,7 +264,7 @@ def _facts_of_front(front: studies.Front, folder: Path, pictures: Sequence[Path]
         "n_infeasible": front.n_infeasible,
         "seed": front.seed,
         "output": str(folder),
-        **vary.shared_facts(front.optimization.scenario),
+        **shared_facts(front.optimization.scenario),
         "files": [str(path) for path in files],
         "n_points": len(front),
         "at_bounds": front.at_bounds(),
@@ -268,7 +279,7 @@ def _describe_front(front: studies.Front, folder: Path) -> str:
     if len(front):
         points = [front.point(i) for i in front.spread(N_SHOWN)]
         figures_shown = [*optimization.objectives, *SHOWN_OF_FRONT]
-        table = vary.format_points(optimization.scenario, optimization.names, figures_shown, points)
+        table = format_points(optimization.scenario, optimization.names, figures_shown, points)
         parts.append(table)
     hints = _hints_to_widen(front)
     if hints:
@@ -286,7 +297,7 @@ def _hints_to_widen(front: studies.Front) -> list[str]:
         value = " ".join(format_figure(row["value"], parameter.unit)).strip()
         if len(front) > 1:
             value += f" at {row['n_points']} of the {len(front)} points"
-        finding = f"{vary.spell_parameter(parameter)} is {value}, the {row['end']} of its range"
+        finding = f"{spell_parameter(parameter)} is {value}, the {row['end']} of its range"
         sentences.append(f"{finding}: the best may be beyond it; widen it with --vary.")
     return sentences
 

@@ -22,6 +22,8 @@ from laticauda.values import BadArgument, display_unit, files, option, value_cla
 
 ROOTS_LEFT_OUT = ("gait", "water", "ground")
 """Fields of these are named by their last word alone, like the options."""
+N_LINKS = "robot.n_links"
+"""The only number of a robot that is an option, and thus is named like one."""
 FORM = "NAME=LOW:HIGH:COUNT or NAME=VALUE,VALUE,... with the unit in the name, such as amplitude-deg=10:50:100"
 RANGE_FORM = "NAME=LOW:HIGH, such as amplitude-deg=10:50"
 SAMPLES_FORM = "NAME=LOW:HIGH with --samples, such as amplitude-deg=10:50"
@@ -82,8 +84,9 @@ def _list_names(parameters: Parameters) -> command.Outcome:
 def spell_parameter(parameter: Parameter) -> str:
     """Return the name of a parameter as it is typed."""
     root, *steps = parameter.name.split(".")
+    is_option = parameter.name == N_LINKS or (root in ROOTS_LEFT_OUT and len(steps) == 1)
     name = parameter.name
-    if steps == ["n_links"] or (root in ROOTS_LEFT_OUT and len(steps) == 1):
+    if is_option:
         name = steps[0]
     ending = display_unit(parameter.unit).ending
     return (name + ending).replace("_", "-")

@@ -109,7 +109,9 @@ class Choice:
 
         Args:
             gait: Determines the water, if none is named, and the numbers of the parameters.
-            find_robot: Function that returns the robot for a name and a number of links.
+            find_robot: Function that returns the robot for its name and another number of links (None:
+                its own). Who has the robot already, such as that of a file, passes a function that
+                returns it.
 
         Raises:
             ValueError: If a name is unknown.

@@ -91,16 +91,29 @@ def value_as_table(value: Any) -> str:
     return html_table(title, describe_fields(value))
 
 
+FIELDS = "\n\nFields:\n"
+"""What stands between the docstring of a class and the list of its fields."""
+
+
 def docstring_with_fields(kind: type) -> str:
     """Return the docstring of a class with its fields appended.
 
     Args:
         kind: A dataclass with declared fields.
     """
-    lines = [inspect.cleandoc(kind.__doc__ or kind.__name__), "", "Fields:"]
-    for field in fields_of(kind).values():
-        lines.append(f"    {field.name}: {_document_field(field)}.")
-    return "\n".join(lines) + "\n"
+    docstring = inspect.cleandoc(kind.__doc__ or kind.__name__)
+    lines = [f"    {field.name}: {_document_field(field)}.\n" for field in fields_of(kind).values()]
+    return docstring + FIELDS + "".join(lines)
+
+
+def docstring_without_fields(kind: type) -> str:
+    """Return the docstring of a class as its author wrote it, without the list that was appended.
+
+    Args:
+        kind: Any class.
+    """
+    docstring, _, _ = (kind.__doc__ or "").partition(FIELDS)
+    return docstring
 
 
 def _document_field(field: Field) -> str:

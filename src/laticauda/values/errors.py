@@ -33,7 +33,17 @@ class BadArgument(ValueError):
 
     def __str__(self) -> str:
         """Return the sentence shown to the user."""
-        return f"`{self.name}` {self.rule}{'' if self.rule.endswith('?') else '.'}"
+        return self.sentence_about(f"`{self.name}`")
+
+    def sentence_about(self, subject: str) -> str:
+        """Return the sentence for people who know the argument by another name.
+
+        Args:
+            subject: What they call it, such as ``--robot``.
+        """
+        if self.rule.endswith("?"):  # it ends in a suggestion
+            return f"{subject} {self.rule}"
+        return f"{subject} {self.rule}."
 
 
 class InfeasibleWarning(UserWarning):

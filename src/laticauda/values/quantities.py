@@ -36,6 +36,7 @@ from laticauda.values.descriptions import (
     describe_field as describe_field,
     describe_fields as describe_fields,
     docstring_with_fields,
+    docstring_without_fields as docstring_without_fields,
     html_table as html_table,
     value_as_table,
 )
