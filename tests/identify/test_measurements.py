@@ -3,10 +3,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
-from identify.trials import ROBOT, WATER, gaits
+from identify.trials import FRICTION, ROBOT, WATER, gaits
 
 import laticauda as lc
 from laticauda.identify import Measurement, from_table1, from_trial
+from laticauda.identify.problem import make_problem
 from laticauda.identify.selection_bias import mean_of_the_greatest
 from laticauda.scenarios import Experiment
 
@@ -118,3 +119,26 @@ def test_a_trial_becomes_what_was_asked_for_of_it():
 def test_bad_measurements_are_refused_by_name(fields, words):
     with pytest.raises(ValueError, match=words):
         one(**fields)
+
+
+def test_every_sample_of_a_series_may_have_its_own_noise():
+    time = np.array([0.5, 1.0, 1.5])
+    path = np.arange(6.0).reshape(3, 2)
+    noise = 0.01 * (1.0 + path)
+
+    def measure(sigma):
+        return Measurement(
+            name="path", scenario=SCENARIO, time=time, series={"center_of_mass": (path, sigma)}
+        )
+
+    problem = make_problem([measure(noise)], [FRICTION])
+    np.testing.assert_array_equal(problem.sigma, noise.ravel())
+    starts = measure(noise).starts
+    assert starts["start.x"].sd == pytest.approx(np.sqrt(np.mean(noise[0] ** 2)))
+    assert starts["start.heading"] is None
+    alike = make_problem([measure(np.full((3, 2), 0.02))], [FRICTION])
+    np.testing.assert_array_equal(alike.sigma, make_problem([measure(0.02)], [FRICTION]).sigma)
+    with pytest.raises(ValueError, match=r"`sigma of series.* must have shape \(3, 2\)"):
+        measure(noise[:2])
+    with pytest.raises(ValueError, match=r"`sigma of series.* must be > 0, got -0\.06"):
+        measure(-noise)

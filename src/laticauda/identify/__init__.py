@@ -13,7 +13,8 @@ Needs the extra `identify`. `fit` takes measurements through these steps, in thi
        squares least (`local_search`), from several starts (`fitting`).
     5. There, J^T J with the Jacobian J of the residuals is the information. Its inverse is the
        covariance, which gives intervals; its eigenvectors show what the data do not see
-       (`identifiability`). `noise_factor` and `noise` correct the stated noise (`estimates`).
+       (`identifiability`). `noise_factor` corrects the size of the stated noise, and
+       `correlated_noise` the assumption that its samples are independent (`estimates`).
     6. The result is a `Fit`. `profiles`, `posterior_sample`, `leaving_out` and `validation` check
        it, and `exporting` puts its values into robots, waters and parameter files.
 
@@ -24,6 +25,25 @@ A new kind of measured number belongs to step 1 (`series`) and 3 (`sensing`), a 
 A search does not move the values q themselves but coordinates x: ln q for a number that is always
 positive, so that its steps and errors are relative, and q for all others. The size of an unknown is
 a large change of its x, for comparing unknowns of different units (see `unknowns`).
+
+Words that have one meaning in all modules:
+
+    sigma      of a measured number: the standard deviation of its noise, one for a series or one
+               for each sample (`Measurement`, `Problem.sigma`); of an estimate: that of the value
+    deviation  a standard deviation of a coordinate, in sizes: relative, for a number on a log scale
+    prior      what was known of an unknown beforehand: more residuals, which are never left out.
+               By what share data and not priors determine all unknowns is asked by `noise_factor`,
+               whether a value is hardly better known than by its prior by `is_known_from_prior`
+    loss       weighs residuals of data and priors alike (`method`)
+
+Numbers that are not numbers:
+
+    inf        a deviation, or a covariance, of what nothing determines
+    nan        a prediction: the run diverged or does not yield the figure, or the other data do not
+               determine it (`leaving_out`). A correlation: one of both is not identified. A noise
+               factor: there are no degrees of freedom.
+    0          an eigenvalue of information: rounding, nothing is seen along it. The rows of a
+               candidate's number that its run does not yield: no information (`trial_information`).
 
 What was measured:
 
@@ -49,35 +69,44 @@ How the measurements are predicted:
     sensing          what sensors show of a run
     interpolation    logs at the times of a measurement
 
-How the unknowns are found, and how well:
+How the unknowns are found:
 
-    fitting          `fit`: searches from several starts
-    local_search     one search
-    method           settings of a fit, and losses
-    noise_factor     ratio of the residuals to the stated noise
-    noise            noise correlated in time, which widens intervals
-    estimates        from the end of a search to a result
-    result           `Fit`: the result
-    fit_warnings     what is unusual about it
-    identifiability  what the data see
-    combinations     combinations of unknowns in words
-    profiles         intervals from profile likelihoods
-    posterior_sample a sample of the posterior
-    leaving_out      predictions of data that a fit did not see
-    validation       all of these, and models without physics
-    exporting        identified values in robots, waters and parameter files
+    fitting            `fit`: searches from several starts
+    local_search       one search
+    method             settings of a fit, and losses
 
-Tasks and designs:
+How well they are known:
 
-    tasks            measurements, unknowns and method, from a file or not
-    trial_files      files of trials and tables in a task
-    candidates       possible next trials
-    information      what trials would say
-    selection        which trials to choose
-    design           the trials that reduce the uncertainty most
-    discrimination   the trials that tell rival models apart
-    reasons          designs in words
-    tank_day         two hours of trials, from an empty folder to the water's law
+    noise_factor       ratio of the residuals to the stated noise
+    correlated_noise   noise correlated in time, which widens intervals
+    identifiability    what the data see
+    combinations       combinations of unknowns in words
+    estimates          from the end of a search to a result
+    fit_warnings       what is unusual about it
+    result             `Fit`: the result
+
+How a result is checked, and used:
+
+    profiles           intervals from profile likelihoods
+    posterior_sample   a sample of the posterior
+    leaving_out        predictions of data that a fit did not see
+    validation         all of these, and models without physics
+    exporting          identified values in robots, waters and parameter files
+
+What is done from files and on a day at the tank:
+
+    tasks              measurements, unknowns and method, from a file or not
+    trial_files        files of trials and tables in a task
+    tank_day           two hours of trials, from an empty folder to the water's law
+
+Which trials to do next:
+
+    candidates         possible next trials
+    trial_information  what trials would say
+    selection          which trials to choose
+    design             the trials that reduce the uncertainty most
+    discrimination     the trials that tell rival models apart
+    reasons            designs in words
 """
 
 from typing import TYPE_CHECKING

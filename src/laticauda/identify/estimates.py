@@ -24,8 +24,6 @@ _TAKES_PART = 0.1
 """Weight in a unit vector from which on an unknown takes part in a direction [-]."""
 _UNSEEN = 1e9
 """Standard deviation that stands for an infinite one, so that weights still count [-]."""
-_SAME_AS_PRIOR = 0.5
-"""Share of the prior's variance above which a value is known from the prior [-]."""
 _SMALLEST_STRENGTH = 1e-13
 """Eigenvalues of the information below this share of the largest are rounding errors [-]."""
 
@@ -219,10 +217,8 @@ def _note_on_data(
 
 def _note_on_prior(unknown: ResolvedUnknown, value: float, relative_deviation: float) -> str:
     """Return whether an unknown is hardly better known than by its prior; "" if it is."""
-    if unknown.prior is None:
-        return ""
-    prior_deviation = unknown.prior.sd / unknown.slope(value) / unknown.size
-    if relative_deviation**2 > _SAME_AS_PRIOR * prior_deviation**2:
+    sigma = relative_deviation * unknown.size * unknown.slope(value)
+    if unknown.is_known_from_prior(sigma):
         return "known from the prior rather than from the data"
     return ""
 

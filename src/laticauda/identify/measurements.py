@@ -63,10 +63,13 @@ class Measurement:
     """
     time: Numbers | None = None
     """Sample times of the series, from the beginning of the trial; None without series [s]."""
-    series: Mapping[str, tuple[np.ndarray, float]] = field(
-        default_factory=dict[str, tuple[np.ndarray, float]]
+    series: Mapping[str, tuple[np.ndarray, float | np.ndarray]] = field(
+        default_factory=dict[str, tuple[np.ndarray, float | np.ndarray]]
     )
-    """Samples, time first, and standard deviation of the noise of each, by name from `SERIES`."""
+    """Samples, time first, and standard deviation of their noise, by name from `SERIES`.
+
+    The standard deviation is one number for all samples, or an array of their shape.
+    """
     selected_from: int = 1
     """Number of about equally good settings from which it was selected as the best [-]."""
     free_start: bool = True
@@ -145,7 +148,7 @@ class Measurement:
 
     def _checked_series(
         self, name: object, pair: Sequence[Any], n_samples: int
-    ) -> tuple[np.ndarray, float]:
+    ) -> tuple[np.ndarray, float | np.ndarray]:
         series = check_choice(self._named("series"), name, tuple(SERIES))
         argument = self._named(f"series[{series!r}]")
         samples, sigma = check_items(None, _PAIR, (2,), argument, pair)
@@ -154,7 +157,9 @@ class Measurement:
         largest = np.max(np.abs(checked_samples), initial=0.0)
         if largest > LARGEST:
             raise BadArgument(argument, f"must hold numbers up to {LARGEST:g}, got {largest:g}")
-        return checked_samples, _checked_sigma(argument, sigma, SERIES[series])
+        if np.ndim(sigma) == 0:
+            return checked_samples, _checked_sigma(argument, sigma, SERIES[series])
+        return checked_samples, _checked_sigmas(argument, sigma, checked_samples.shape)
 
     @property
     def starts(self) -> dict[str, Prior | None]:
@@ -181,6 +186,8 @@ class Measurement:
         if self.time is None or self.time[0] == 0.0 or series_name not in self.series:
             return None
         _, sigma = self.series[series_name]
+        if isinstance(sigma, np.ndarray):
+            sigma = root_mean_square(sigma[0])
         return Prior(mean=0.0, sd=sigma)
 
     @property
@@ -209,3 +216,16 @@ class Measurement:
 
 def _checked_sigma(argument: str, sigma: object, unit: str) -> float:
     return Quantity(unit=unit, text="", gt=0.0).checked(f"sigma of {argument}", sigma)
+
+
+def _checked_sigmas(argument: str, sigmas: object, shape: tuple[int, ...]) -> np.ndarray:
+    checked_sigmas = arrays.check_floats(f"sigma of {argument}", sigmas, shape)
+    smallest = np.min(checked_sigmas, initial=np.inf)
+    if smallest <= 0.0:
+        raise BadArgument(f"sigma of {argument}", f"must be > 0, got {smallest:g}")
+    return checked_sigmas
+
+
+def root_mean_square(values: np.ndarray) -> float:
+    """Return the root mean square of some numbers."""
+    return float(np.sqrt(np.mean(values**2)))

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from laticauda.identify.dependence import find_dependence
-from laticauda.identify.measurements import Measurement
+from laticauda.identify.measurements import Measurement, root_mean_square
 from laticauda.identify.resolving import (
     NumberedScenario,
     ScopedName,
@@ -54,13 +54,20 @@ class DataBlock(NamedTuple):
     """Whether it is a series."""
     numbers: slice
     """Slice of the data that holds its numbers."""
-    sigma: float
-    """Standard deviation of the noise of each number."""
+    sigma: float | Float[np.ndarray, " size"]
+    """Standard deviation of the noise of its numbers: one for all, or one for each."""
 
     @property
     def size(self) -> int:
         """Number of its data."""
         return self.numbers.stop - self.numbers.start
+
+    @property
+    def usual_sigma(self) -> float:
+        """Standard deviation of the noise, as a root mean square if each number has its own."""
+        if isinstance(self.sigma, np.ndarray):
+            return root_mean_square(self.sigma)
+        return self.sigma
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -85,6 +92,8 @@ class Problem:
             for is_series, entries in ((False, measurement.figures), (True, measurement.series)):
                 for name, (values, sigma) in entries.items():
                     end = begin + np.size(values)
+                    if isinstance(sigma, np.ndarray):
+                        sigma = sigma.ravel()
                     block = DataBlock(
                         owner=owner,
                         name=name,

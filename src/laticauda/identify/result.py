@@ -171,7 +171,7 @@ class Fit:
             "predicted": predicted,
             "off": off,
             "off [%]": percent,
-            "in standard deviations [-]": off / block.sigma,
+            "in standard deviations [-]": off / block.usual_sigma,
         }
 
     def places_of(self, figure: str) -> list[int]:

@@ -58,6 +58,10 @@ SIMULATED = ("start.heading", "start.velocity")
 """Nuisance parameters on which a run depends; the others change only what is seen of it."""
 
 
+KNOWN_FROM_PRIOR = 0.5
+"""Share of the prior's variance that is left above which a value is known from the prior [-]."""
+
+
 def name_field(field_name: str, owner: str) -> str:
     """Return how messages name a field of one of several: `time` of `trial 1`.
 
@@ -178,6 +182,16 @@ class ResolvedUnknown:
     """Size of a large change of x: 1 on a log scale."""
     tied: Mapping[str, float] = field(default_factory=dict[str, float])
     """Powers of the numbers that follow it, by name."""
+
+    def is_known_from_prior(self, sigma: float) -> bool:
+        """Return whether a value is hardly better known than by its prior alone.
+
+        Args:
+            sigma: Standard deviation of the value, given data and prior.
+        """
+        if self.prior is None:
+            return False
+        return sigma**2 > KNOWN_FROM_PRIOR * self.prior.sd**2
 
     @property
     def is_start(self) -> bool:

@@ -31,7 +31,6 @@ from laticauda.values import lazy_exports
 if TYPE_CHECKING:
     from laticauda.identify.tank_day.evaluation import (
         DECISIVE as DECISIVE,
-        HARDLY as HARDLY,
         JOINTS as JOINTS,
         Evaluation as Evaluation,
         evaluate as evaluate,
@@ -54,7 +53,6 @@ __getattr__, __dir__, __all__ = lazy_exports(
     {
         "laticauda.identify.tank_day.evaluation": [
             "DECISIVE",
-            "HARDLY",
             "JOINTS",
             "Evaluation",
             "evaluate",

@@ -22,8 +22,6 @@ from laticauda.values import TrialFileError, optional_import
 
 DECISIVE = 100.0
 """Odds above which a law counts as decided [-]."""
-HARDLY = 0.7
-"""Fraction of the prior standard deviation above which the data count as uninformative [-]."""
 JOINTS = ("joints.speed_limit", "joints.position_gain")
 """Numbers of the joints that are fitted."""
 _INTERVAL = 0.25
@@ -221,7 +219,6 @@ def _verdict(day: Day, best: Fit, odds: Mapping[str, float], joints: Fit | None)
 def _is_hardly_determined(best: Fit, k: int) -> bool:
     """Return whether unknown k is hardly better known than before the tank day."""
     sigma = best.estimates[k].sigma
-    prior = best.problem.unknowns[k].prior
     if sigma is None:
         return True
-    return prior is not None and sigma > HARDLY * prior.sd
+    return best.problem.unknowns[k].is_known_from_prior(sigma)
