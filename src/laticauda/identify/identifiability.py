@@ -147,11 +147,13 @@ def compute_deviations(
     """
     if reach is None:
         reach = np.full(spectrum.eigenvalues.size, np.inf)
-    variances_along: list[np.ndarray] = []
+    variances_by_direction: list[np.ndarray] = []
     for j, eigenvalue in enumerate(spectrum.eigenvalues):
         squared_components = spectrum.vectors[:, j] ** 2
-        variances_along.append(_variances_along(squared_components, eigenvalue, reach[j]))
-    return np.sqrt(np.sum(np.stack(variances_along, axis=1), axis=1))
+        variances = _variances_along(squared_components, eigenvalue, reach[j])
+        variances_by_direction.append(variances)
+    variance_of_unknowns = np.sum(np.stack(variances_by_direction, axis=1), axis=1)
+    return np.sqrt(variance_of_unknowns)
 
 
 def _variances_along(

@@ -141,4 +141,5 @@ def linear_leave_one_out(fit: Fit) -> Float[np.ndarray, " n_data"]:
     counts = singular_values > _SMALLEST_SINGULAR_VALUE * singular_values[0]
     basis_of_data = basis[: problem.observed.size, counts]
     leverage = np.sum(basis_of_data**2, axis=1)
-    return problem.observed + (fit.predictions - problem.observed) / (1.0 - leverage)
+    residuals = fit.predictions - problem.observed
+    return problem.observed + residuals / (1.0 - leverage)
