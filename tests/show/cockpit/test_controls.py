@@ -16,7 +16,7 @@ from laticauda.models.spatial.scene import Pipe
 from laticauda.motion.gaits import Custom
 from laticauda.motion.joints.laws import Servo
 from laticauda.show.cockpit import Cockpit, Live, read_figures
-from laticauda.show.cockpit.changes import read_depth, read_path, sample_route
+from laticauda.show.cockpit.changes import adapt_scenario, read_depth, read_path, sample_route
 from laticauda.show.cockpit.events import Event
 from laticauda.show.cockpit.gait_map import QUANTITY_OF_LABEL
 from laticauda.show.cockpit.gait_trials import AMPLITUDES, FREQUENCIES, change_wave
@@ -283,7 +283,7 @@ def test_forces_failure_and_reset_are_shown(cockpit):
         cockpit.frame()
     assert cockpit._scene._forces.arrows.points.shape == (9, 2, 3)
     assert cockpit._scene._forces.frame.visible
-    assert "measured in the paper" in cockpit._figures.content
+    assert "speed in the tank" in cockpit._figures.content
     live.simulation = replace(live.simulation, failure="The run diverged.")
     for _ in range(12):
         cockpit.frame()
@@ -418,3 +418,39 @@ def test_a_flow_is_chosen_with_the_numbers_that_it_declares_and_can_be_left(cock
     assert not use(cockpit, control(cockpit, "flow"), "uniform")
     assert cockpit.live.scenario.environment == before and control(cockpit, "current_x").visible
     assert not any(name.startswith("flow_") for name in cockpit._controls.by_name)
+
+
+def at_start(robot):
+    gait = GAIT
+    parameters = lc.load_parameters("mamba-identified")
+    return lc.build_scenario(robot, gait, parameters=parameters)
+
+
+def test_another_robot_comes_with_what_was_identified_on_it_or_with_its_default_water():
+    identified = at_start("mamba")
+    with_fin = adapt_scenario(identified, robot=lc.load_robot("mamba-fin"))
+    assert with_fin == at_start("mamba-fin")
+    other = adapt_scenario(with_fin, robot=lc.load_robot("amphibot"))
+    assert other == lc.build_scenario("amphibot", GAIT)
+    assert adapt_scenario(other, robot=lc.load_robot("mamba")) == identified
+
+
+def test_a_current_stays_when_the_robot_changes():
+    identified = at_start("mamba")
+    moving = replace(identified.environment, current=(0.1, 0.0))
+    other = adapt_scenario(replace(identified, environment=moving), robot=lc.load_robot("amphibot"))
+    assert other.environment.current == (0.1, 0.0)
+
+
+def test_a_water_that_somebody_chose_stays_when_the_robot_changes():
+    chosen = lc.build_scenario("mamba", GAIT, environment="paper-vortex")
+    other = adapt_scenario(chosen, robot=lc.load_robot("mamba-fin"))
+    assert other.environment == chosen.environment
+    assert other.model.joints == lc.Prescribed()
+
+
+def test_controls_are_shown_only_where_they_do_something(cockpit):
+    assert not cockpit._controls._space_folder.visible
+    assert not control(cockpit, "rigidity").visible
+    use(cockpit, control(cockpit, "fin"), "elastic")
+    assert control(cockpit, "rigidity").visible

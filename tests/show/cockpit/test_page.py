@@ -216,7 +216,7 @@ def test_on_a_phone_the_robot_is_seen_above_the_panel(chromium, cockpit, tmp_pat
     assert all(0.0 < x < PHONE["width"] and 0.0 < y < panel["y"] - 50.0 for x, y in seen)
     page.screenshot(path=shots(tmp_path) / "phone.png")
     handle.click()  # the panel folds up
-    page.get_by_text("forward velocity (5)").wait_for(state="hidden")
+    page.get_by_text("speed in the tank").wait_for(state="hidden")
     page.context.close()
 
 

@@ -87,11 +87,16 @@ class BodyControls:
         return {"robot": self._with_fin(ELASTIC, rigidity)}
 
 
-def _read_fin(scenario: Scenario) -> str:
+def has_elastic_fin(scenario: Scenario) -> bool:
+    """Return whether the robot has a fin that bends."""
     fin = scenario.robot.caudal_fin
-    if fin is None:
+    return fin is not None and fin.n_hinges > 0
+
+
+def _read_fin(scenario: Scenario) -> str:
+    if scenario.robot.caudal_fin is None:
         return NO_FIN
-    if fin.n_hinges:
+    if has_elastic_fin(scenario):
         return ELASTIC
     return RIGID
 

@@ -8,7 +8,14 @@ import numpy as np
 import laticauda as lc
 from laticauda import control
 from laticauda.robot import Current
-from laticauda.scenarios import Model, Planar, Scenario, default_water, model_of
+from laticauda.scenarios import (
+    IDENTIFIED_PARAMETERS,
+    Model,
+    Planar,
+    Scenario,
+    default_water,
+    model_of,
+)
 from laticauda.trials import MeasuredTrial, measured_setting
 from laticauda.values import check_instance
 
@@ -40,6 +47,9 @@ class Changes(TypedDict, total=False):
 def adapt_scenario(scenario: Scenario, **changes: Unpack[Changes]) -> Scenario:
     """Return a changed scenario; the default water adapts to robot and gait.
 
+    So do numbers that were identified on a robot: while nobody has changed its water, another robot
+    comes with what was identified on it, or else with its default water and prescribed joints.
+
     Args:
         scenario: The current scenario.
         changes: Fields to change.
@@ -47,6 +57,10 @@ def adapt_scenario(scenario: Scenario, **changes: Unpack[Changes]) -> Scenario:
     Raises:
         ValueError: If a value is out of range.
     """
+    new_robot = changes.get("robot")
+    if new_robot is not None and _has_water_of_start(scenario):
+        changes = cast("Changes", {**_start_with(new_robot, scenario), **changes})
+        changes["robot"] = _with_identified_numbers(new_robot, scenario.gait)
     return replace(
         scenario,
         robot=changes.get("robot", scenario.robot),
@@ -54,6 +68,52 @@ def adapt_scenario(scenario: Scenario, **changes: Unpack[Changes]) -> Scenario:
         environment=_adapt_water(scenario, changes),
         model=_adapt_model(scenario.model, changes),
     )
+
+
+def _identified_parameters(robot: lc.Robot) -> lc.Parameters | None:
+    """Return the parameters that were identified on a robot of this name, or None."""
+    name = IDENTIFIED_PARAMETERS.get(robot.name)
+    if name is None:
+        return None
+    return lc.load_parameters(name)
+
+
+def _has_water_of_start(scenario: Scenario) -> bool:
+    """Return whether nobody has said anything of the water, except that it flows.
+
+    A robot on which parameters were identified starts with their water, any other one with its
+    default water and prescribed joints.
+    """
+    assert isinstance(scenario.environment, lc.Water)
+    still_water = replace(scenario.environment, current=STILL)
+    parameters = _identified_parameters(scenario.robot)
+    if parameters is not None:
+        return still_water == parameters.water(scenario.gait.kind)
+    is_default = still_water == default_water(scenario.robot, scenario.gait)
+    return is_default and scenario.model.joints == lc.Prescribed()
+
+
+def _start_with(robot: lc.Robot, scenario: Scenario) -> Changes:
+    """Return the changes of water and joints that come with a robot; none if both robots start alike."""
+    parameters = _identified_parameters(robot)
+    if parameters == _identified_parameters(scenario.robot):
+        return {}
+    assert isinstance(scenario.environment, lc.Water)
+    current = scenario.environment.current
+    if parameters is None:
+        water = default_water(robot, scenario.gait)
+        return {"environment": replace(water, current=current), "joints": "prescribed"}
+    water = parameters.water(scenario.gait.kind)
+    joints = parameters.joints or "prescribed"
+    return {"environment": replace(water, current=current), "joints": joints}
+
+
+def _with_identified_numbers(robot: lc.Robot, gait: lc.Gait) -> lc.Robot:
+    """Return a robot with the numbers that were identified on it, if there are any."""
+    parameters = _identified_parameters(robot)
+    if parameters is None:
+        return robot
+    return parameters.robot(robot, gait.kind)
 
 
 def _adapt_motion(scenario: Scenario, changes: Changes) -> Any:

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from typing import Any
 
-from laticauda.scenarios import Scenario
-from laticauda.show.cockpit.body_controls import BodyControls
+from laticauda.scenarios import Scenario, Spatial
+from laticauda.show.cockpit.body_controls import BodyControls, has_elastic_fin
 from laticauda.show.cockpit.control import Control
 from laticauda.show.cockpit.events import Event, EventQueue, refusing
 from laticauda.show.cockpit.gait_controls import add_gait_controls, add_pitch_controls
@@ -44,7 +44,8 @@ class Controls:
             self.speed = gui.add_slider("speed of time [-]", SLOWEST, FASTEST, 0.1, live.speed)
             pause = gui.add_checkbox("pause", live.paused)
             self.reset = gui.add_button("reset")
-        with gui.add_folder("In space"):
+        self._space_folder = gui.add_folder("In space")
+        with self._space_folder:
             self.by_name["depth"] = path_controls.add_depth(gui)
             self.by_name |= add_pitch_controls(gui, live)
         for control in self.by_name.values():
@@ -59,6 +60,8 @@ class Controls:
         self._water_controls.update_fields(scenario)
         for control in self.by_name.values():
             control.handle.value = control.read(scenario)
+        self._space_folder.visible = isinstance(scenario.model, Spatial)
+        self.by_name["rigidity"].handle.visible = has_elastic_fin(scenario)
 
     @refusing
     def apply(self, event: Event) -> None:

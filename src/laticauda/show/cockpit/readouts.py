@@ -86,8 +86,11 @@ def _describe_joints(robot: Robot, record: Log, period: float) -> str:
     cycle = period if math.isfinite(period) else None
     feasibility = judge_feasibility(robot, record.at(slice(-RECENT, None)), cycle)
     if feasibility.problems:
-        return f"cannot: {'; '.join(feasibility.problems)}"
-    return feasibility.words
+        return f"cannot do it: {'; '.join(feasibility.problems)}"
+    if not any(joint.actuator.stated for joint in robot.driven_joints):
+        return feasibility.words
+    share = 100.0 * feasibility.figures["utilization"]
+    return f"can do it: {share:.0f} % of angle, speed and torque are used"
 
 
 # ---- as text -------------------------------------------------------------------------------------
@@ -127,9 +130,9 @@ def format_figures(live: Live) -> str:
     if latest.electrical_work is None:
         kind_of_power = "mechanical"
     rows = {
-        "forward velocity (5)": VELOCITY.format(figures["forward_velocity"]),
+        "speed": VELOCITY.format(figures["forward_velocity"]),
         "over the last gait cycle": VELOCITY.format(figures["cycle_velocity"]),
-        f"mean power, {kind_of_power}": POWER.format(figures["mean_power"]),
+        f"power, {kind_of_power}": POWER.format(figures["mean_power"]),
         "cost of transport": RATIO.format(figures["cost_of_transport"]),
         "cross-track error": DISTANCE.format(figures["cross_track_error"]),
         "heading": ANGLE.format(math.degrees(figures["heading"])),
@@ -155,14 +158,15 @@ def _format_tilt(tilt: dict[str, float]) -> dict[str, str]:
 
 
 def _format_measured(measured: MeasuredTrial) -> list[str]:
-    """Return what the paper measured in the same setting."""
+    """Return what was measured in the same setting."""
     speed = UNAVAILABLE
     if measured.forward_velocity is not None:
         speed = f"{measured.forward_velocity:.3f} m/s"
     power = UNAVAILABLE
     if measured.mean_power is not None:
         power = f"{measured.mean_power:.1f} W"
+    duration = f"{measured.duration:.3g} s from rest"
     return [
-        f"| measured in the paper | {speed} |",
-        f"| in 30 s from rest, electrical | {power} |",
+        f"| speed in the tank, {duration} | {speed} |",
+        f"| power in the tank, electrical | {power} |",
     ]
