@@ -10,6 +10,7 @@ import pytest
 from rendering import skip_without_rendering
 
 from laticauda import load_trial
+from laticauda.cli.output_files import list_endings
 from laticauda.show.pictures import video, window
 
 
@@ -298,3 +299,9 @@ def test_one_trial_is_drawn_as_a_sheet_and_several_in_one_figure(run, folder: Pa
 def test_what_cannot_be_drawn_is_refused(run, line: str, said: str):
     done = run(line)
     assert (done.status, done.err) == (2, f"laticauda: {said}\n")
+
+
+def test_the_help_lists_the_endings_of_all_formats(run):
+    line = " ".join(run("trial convert --help").out.replace("│", " ").split())
+    assert "replace: .nc, .mcap, .parquet, .mat or .csv; or a new FOLDER/" in line
+    assert list_endings([".nc"]) == ".nc"

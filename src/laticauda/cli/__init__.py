@@ -16,7 +16,8 @@ How a command line becomes a call:
    text for people (`report`, `tables`), or one JSON object in SI units.
 
 A module has the name of its command; `studies` is sweep and optimize, and what they share is in
-`vary`. `trial_output` writes what `swim`, `follow` and `replay` have made.
+`vary`. `trial_output` writes what `swim`, `follow` and `replay` have made; `first_screen` is what they
+print, and `short_forms` are what they also accept.
 
 Where to add something:
 
@@ -26,7 +27,17 @@ Where to add something:
 - a command: a class derived from `command.Command`, or from `scene.OfScenario` if a scenario is run,
   and a line in ``commands.toml``;
 - a column or a figure of the output: where the command makes its rows for `tables.format_table`; a
-  figure of trials in `laticauda.trials.FIGURES`, from which the tables of trials are made.
+  figure of trials in `laticauda.trials.FIGURES`, from which the tables of trials are made;
+- a column of the tables of studies: a figure that studies store (`FIGURES` in
+  `laticauda.studies.point_trials`; `LABELS` there is its head), and its name in `SHOWN_OF_BEST` (of
+  a sweep) or `SHOWN_OF_FRONT` in `studies`. A folder that lacks a new figure was begun by another
+  release, and is not resumed: `check_same` in `laticauda.studies.folder` refuses it;
+- a file format of trials: a subclass of `laticauda.trials.Format`. Outputs are checked against its
+  ending, and the help of --save and `trial convert` lists it. Two sentences name formats
+  by hand: the docstring of `trial.Convert` and the line of `trial convert` in ``commands.toml``;
+- a condition that ends a run: not here, but in the package that runs it (`laticauda.models.simulate`,
+  or `laticauda.tank.operate` for an operation); a number of it is an option by itself once
+  a field of the scenario has it.
 
 This module itself ends the program at Ctrl-C with a one-line message, even during imports and
 compilation and where a C library prints exceptions that it cannot propagate, all of which would

@@ -8,6 +8,24 @@ from typing import Any, NamedTuple
 from laticauda.cli.flags import OutputFile, marks_of, parts_of
 from laticauda.values import BadArgument
 
+TABLE_ENDING = ".csv"
+"""Ending of the only format of trials in this package that keeps a table, not all of a trial."""
+
+
+def list_endings(endings: Sequence[str]) -> str:
+    """Return endings of file names as a help text lists them: .nc, .mcap or .mat."""
+    *first_endings, last_ending = endings
+    if not first_endings:
+        return last_ending
+    return f"{', '.join(first_endings)} or {last_ending}"
+
+
+def list_whole_endings() -> str:
+    """Return the endings of the formats that keep all of a trial, as a help text lists them."""
+    from laticauda.trials import Format
+
+    return list_endings([ending for ending in Format.endings() if ending != TABLE_ENDING])
+
 
 class RequestedFile(NamedTuple):
     """A file that a command will write."""

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import laticauda as lc
 from laticauda.cli import command, flags, report, tables
-from laticauda.cli.output_files import check_output
+from laticauda.cli.output_files import check_output, list_endings
 from laticauda.cli.trial_output import Filming
 from laticauda.show import figures
 from laticauda.trials import ComparedFigure, Format, logs
@@ -152,7 +152,7 @@ class Convert(OfTrials):
 
     file: flags.FileArgument = option(TRIAL)
     output: flags.OutputArgument = option(
-        "File to write or replace: .nc, .mcap, .parquet, .mat or .csv; or a new FOLDER/"
+        f"File to write or replace: {list_endings(Format.endings())}; or a new FOLDER/"
     )
 
     def run(self) -> command.Outcome:

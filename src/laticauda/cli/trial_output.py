@@ -9,6 +9,7 @@ from laticauda.cli import report
 from laticauda.cli.command import Command, Outcome
 from laticauda.cli.first_screen import first_screen
 from laticauda.cli.flag_types import PictureOutput, TrialOutput, VideoOutput
+from laticauda.cli.output_files import TABLE_ENDING, list_whole_endings
 from laticauda.cli.progress import film_bar
 from laticauda.show import figures
 from laticauda.show.pictures import Film
@@ -52,7 +53,8 @@ class Recording(Filming):
     """A command that makes a trial, with the options for its output."""
 
     save: TrialOutput = option(
-        "Write the trial: .nc, .mcap, .parquet or .mat (all of it) or .csv (a table)", default=None
+        f"Write the trial: {list_whole_endings()} (all of it) or {TABLE_ENDING} (a table)",
+        default=None,
     )
     plot: PictureOutput = option(
         "Plot path, speed, joint angles and torques to this file (.png, .pdf or .svg)", default=None
