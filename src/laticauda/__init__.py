@@ -14,6 +14,7 @@ from laticauda.values import moved
 from laticauda.values.packaging import lazy_exports
 
 if TYPE_CHECKING:
+    from laticauda.values.errors import InfeasibleWarning as InfeasibleWarning
     from laticauda.motion.joints import (
         JointLaw as JointLaw,
         PD as PD,
@@ -63,7 +64,6 @@ if TYPE_CHECKING:
         Start as Start,
     )
     from laticauda.trials.logs import load_trial as load_trial
-    from laticauda.values.errors import InfeasibleWarning as InfeasibleWarning
     from laticauda.values.packaging import __version__ as __version__
     from laticauda.robot import (
         Ground as Ground,

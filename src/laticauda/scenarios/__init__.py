@@ -21,9 +21,9 @@ if TYPE_CHECKING:
         model_of as model_of,
     )
     from laticauda.scenarios.choice import (
-        IDENTIFIED_PARAMETERS as IDENTIFIED_PARAMETERS,
         Choice as Choice,
         Chosen as Chosen,
+        IDENTIFIED_PARAMETERS as IDENTIFIED_PARAMETERS,
     )
     from laticauda.scenarios.scenario import (
         Experiment as Experiment,
