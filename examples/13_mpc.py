@@ -4,7 +4,7 @@ as the robot swims.
 Four trials provide the model of how the gait moves the robot. The plan steers
 and chooses the frequency, within 15 W.
 
-    pip install "laticauda[mpc]"
+    pip install ".[mpc]"
     python examples/13_mpc.py
 """
 

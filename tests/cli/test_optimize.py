@@ -12,6 +12,7 @@ import laticauda as lc
 from laticauda.cli.studies import _describe_front
 from laticauda.studies import Front, Optimization, optimization, optimize
 from laticauda.studies.point_trials import QUANTITIES
+from laticauda.values.installation import advise_extra
 
 SHORT = "--duration 1 --budget 24 --population 12 --output a"
 
@@ -154,10 +155,7 @@ def test_without_the_extra_it_says_what_to_install(folder: Path):
     words = ["optimize", "--duration", "1"]
     done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True)
     assert done.returncode == 2
-    assert (
-        done.stderr
-        == 'laticauda: An optimization needs pymoo; run `pip install "laticauda[scale]"`.\n'
-    )
+    assert done.stderr == f"laticauda: An optimization needs pymoo; {advise_extra('scale')}.\n"
 
 
 def test_an_optimum_at_an_end_of_its_range_is_said_with_the_end(run):

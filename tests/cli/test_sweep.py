@@ -14,6 +14,7 @@ import laticauda as lc
 from laticauda.cli import vary
 from laticauda.models.simulate import list_parameters
 from laticauda.studies import open_sweep, point_trials
+from laticauda.values.installation import advise_extra
 
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
 KNOWN = list_parameters(lc.build_scenario("mamba-fin", GAIT))
@@ -231,7 +232,7 @@ def test_without_the_extra_it_says_what_to_install(folder: Path):
     words = ["sweep", "--vary", "amplitude-deg=30", "--duration", "1"]
     done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True)
     assert done.returncode == 2
-    assert done.stderr == 'laticauda: A sweep needs zarr; run `pip install "laticauda[scale]"`.\n'
+    assert done.stderr == f"laticauda: A sweep needs zarr; {advise_extra('scale')}.\n"
 
 
 def test_a_sweep_is_drawn_if_that_is_asked_for(run, folder: Path):

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from laticauda.values import checks, errors
+from laticauda.values.installation import advise_extra
 
 CHECKS = [
     checks.check_finite,
@@ -148,7 +149,7 @@ def test_an_error_is_ours_and_the_builtin(error, builtin):
 
 def test_a_missing_extra_says_what_to_install_also_after_crossing_processes():
     error = pickle.loads(pickle.dumps(errors.MissingExtra("The 3D model", "MuJoCo", "spatial")))
-    assert str(error) == 'The 3D model needs MuJoCo; run `pip install "laticauda[spatial]"`.'
+    assert str(error) == f"The 3D model needs MuJoCo; {advise_extra('spatial')}."
 
 
 def test_a_missing_program_says_what_to_install_also_after_crossing_processes():

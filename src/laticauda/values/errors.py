@@ -5,6 +5,8 @@ received; `laticauda.values.checks` raises them. Errors caused by the outside wo
 an argument derive from `LaticaudaError`.
 """
 
+from laticauda.values.installation import advise_extra
+
 
 class LaticaudaError(Exception):
     """Base of all errors raised by laticauda, apart from the `ValueError` for a bad argument."""
@@ -87,7 +89,7 @@ class MissingExtra(LaticaudaError, ImportError):
     def __str__(self) -> str:
         """Return the sentence shown to the user."""
         feature, package, extra = self.args
-        return f'{feature} needs {package}; run `pip install "laticauda[{extra}]"`.'
+        return f"{feature} needs {package}; {advise_extra(extra)}."
 
 
 class MissingProgram(LaticaudaError, RuntimeError):

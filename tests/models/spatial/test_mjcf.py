@@ -396,7 +396,7 @@ def test_bad_arguments_are_refused_by_name():
 def test_without_mujoco_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(
-        MissingExtra, match=r'The 3D model needs MuJoCo; run `pip install "laticauda\[spatial\]"`'
+        MissingExtra, match=r'The 3D model needs MuJoCo; run `pip install .*\[spatial\]"`'
     ):
         mjcf.build_spec(lc.load_robot("mamba"), WATER)
 

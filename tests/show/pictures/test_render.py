@@ -462,7 +462,7 @@ def test_without_egl_the_message_says_what_to_install(trial, tmp_path, monkeypat
 def test_without_pyopengl_the_extra_is_named(trial, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "OpenGL", None)
     with pytest.raises(
-        MissingExtra, match=r'Rendering needs PyOpenGL; run `pip install "laticauda\[spatial\]"`'
+        MissingExtra, match=r'Rendering needs PyOpenGL; run `pip install .*\[spatial\]"`'
     ):
         render.write_still(trial, tmp_path / "a.png")
 
