@@ -7,6 +7,7 @@ beforehand, and the answer, are in `identify_paper.md`.
 
     python campaigns/identify_paper.py --interval             # Table 1 from textbook water, nothing compared
     python campaigns/identify_paper.py --output FILE          # all candidates; Table 2 and power by the chosen
+    python campaigns/identify_paper.py --presets              # Table 2 and power by the numbers that ship
     python campaigns/identify_paper.py --only "beta 1"        # those whose name holds a word; none is chosen
 """
 
@@ -56,6 +57,7 @@ FIN = {"tangential_friction": 0.005, "normal_drag": 2.0, "added_mass": 1.0}
 SERVO_POWER = (
     2.9 * 7.5
 )  # stall torque x no-load speed of the published servo, which a gear keeps [W]
+PRESETS = ("mamba-identified", "mamba-textbook")
 BAND = math.radians(10.0)  # error at which a position loop asks for the whole speed
 SPEEDS = (0.2, 7.5)  # rad/s
 HERE = Path(__file__).parent
@@ -406,12 +408,38 @@ def line(one: Mapping[str, Any]) -> str:
 HEAD = f"{'':66s} Table 1, by groups, fin gain LU EEL, AmphiBot (swims, glides, start); drag, joint speed"
 
 
-def report(candidate: Candidate, one: Mapping[str, Any], what: str) -> None:
+def report_candidate(candidate: Candidate, one: Mapping[str, Any], what: str) -> None:
     """What a chosen candidate says of Table 2 and of power."""
-    model = candidate.model(one["numbers"])
-    print(f"\n{what}: {candidate.name}, {one['numbers'][0]:.4g}, {one['numbers'][1]:.4g} rad/s")
-    print("  fin gain, Table 1:", gains_in_words(gains(np.array(one["speeds"])), gains(MEASURED)))
-    lag = BAND / one["numbers"][1]
+    drag, speed = one["numbers"]
+    title = f"{what}: {candidate.name}, {drag:.4g}, {speed:.4g} rad/s"
+    report(title, candidate.model((drag, speed)), np.array(one["speeds"]), BAND / speed)
+
+
+def report_preset(name: str) -> None:
+    """What a preset says of Table 1, of Table 2 and of power, with the numbers that ship."""
+    known = lc.load_parameters(name)
+    robots = {
+        has_fin: known.robot(lc.load_robot(robot), "lateral_undulation")
+        for has_fin, robot in ((False, "mamba"), (True, "mamba-fin"))
+    }
+    water = known.water("lateral_undulation")
+    model = Model(robots=robots, water=water, joints=known.joints)
+    trials = [
+        lc.swim(robots[row.has_fin], row.gait, environment=water, joints=known.joints)
+        for row in ROWS
+    ]
+    speeds = np.array([trial.forward_velocity for trial in trials])
+    torque = max(np.abs(trial.joint_torque[trial.time > KICK]).max() for trial in trials)
+    share = max(trial.utilization for trial in trials)
+    error = f"Table 1 {mape(MEASURED, speeds):.1f} %"
+    motor = f"{torque:.1f} N m, {share:.0%} of the servo"
+    report(f"{name}: {error}, {motor}", model, speeds, 1.0 / known.joints.position_gain)
+
+
+def report(title: str, model: Model, speeds: np.ndarray, lag: float) -> None:
+    """Print what the fin brings, Table 2 by lag, and the powers."""
+    print(f"\n{title}")
+    print("  fin gain, Table 1:", gains_in_words(gains(speeds), gains(MEASURED)))
     for delay in (LOOP_DELAY, *(whole - lag for whole in LAGS if whole >= lag)):
         trials = follow(model, delay)
         found = table_2(trials)
@@ -437,6 +465,7 @@ def main() -> None:
     parser.add_argument(
         "--interval", action="store_true", help="write the interval of Table 1 and end"
     )
+    parser.add_argument("--presets", action="store_true", help="judge the two presets and end")
     parser.add_argument("--only", default="", help="part of the names of the candidates")
     parser.add_argument(
         "--output", type=Path, help="JSON file of what came out, which the next run goes on with"
@@ -444,6 +473,10 @@ def main() -> None:
     arguments = parser.parse_args()
     if arguments.interval:
         return interval()
+    if arguments.presets:
+        for name in PRESETS:
+            report_preset(name)
+        return None
     known: dict[str, Any] = {}
     if arguments.output and arguments.output.exists():
         known = json.loads(arguments.output.read_text())
@@ -472,7 +505,7 @@ def main() -> None:
         "shared"
     ]
     for what in ("Mamba's", "shared", "drag on the body"):
-        report(
+        report_candidate(
             next(one for one in CANDIDATES if one.name == found[what]["name"]), found[what], what
         )
 
