@@ -72,7 +72,9 @@ def undocumented_parameters(function: Any) -> list[str]:
     if re.search(rf"Arguments as for `({'|'.join(OF_OTHERS)})`", docstring):
         return []
     starts = {line.strip().lstrip("*").partition(":")[0] for line in docstring.splitlines()}
-    names = [name for name in inspect.signature(function).parameters if name not in {"self", "cls"}]
+    # As it is written: the docstring says of `**changes` which keywords it stands for.
+    written = inspect.signature(inspect.unwrap(function))
+    names = [name for name in written.parameters if name not in {"self", "cls"}]
     return [name for name in names if name not in starts and f"`{name}`" not in docstring]
 
 

@@ -1,10 +1,12 @@
 """What fails with an argument of the wrong type says which one it is."""
 
+import inspect
 import pickle
+import pydoc
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, TypedDict, TypeVar, Unpack
 
 import numpy as np
 import pytest
@@ -104,3 +106,36 @@ def test_so_are_those_of_modules_that_are_no_packages():
         f"`robot` must be of class Robot, got {kind}." for kind in ("int", "str", "NoneType")
     ] + [""]
     assert pickle.loads(pickle.dumps(hydrodynamics.wake_mass)) is hydrodynamics.wake_mass
+
+
+def test_help_lists_the_keywords_that_a_function_hands_on():
+    shown = inspect.signature(lc.swim)
+    assert {
+        "parameters",
+        "environment",
+        "joints",
+        "model",
+        "start",
+        "dt",
+    } <= shown.parameters.keys()
+    kinds = {parameter.kind for parameter in shown.parameters.values()}
+    assert inspect.Parameter.VAR_KEYWORD not in kinds
+    assert repr(shown.parameters["joints"].default) == "..."
+    assert "parameters: " in pydoc.render_doc(lc.swim)
+    assert {"amplitude_deg", "offset"} <= inspect.signature(lc.lateral_undulation).parameters.keys()
+
+
+def test_keywords_that_are_required_have_no_default_and_unnamed_ones_stay():
+    def named(**changes: Unpack[Required]) -> None: ...
+
+    def unnamed(**changes: float) -> None: ...
+
+    parameters = inspect.signature(explained(named, "tests")).parameters
+    assert list(parameters) == ["size"]
+    assert parameters["size"].default is inspect.Parameter.empty
+    kept = inspect.signature(explained(unnamed, "tests")).parameters["changes"]
+    assert kept.kind is inspect.Parameter.VAR_KEYWORD
+
+
+class Required(TypedDict):
+    size: float

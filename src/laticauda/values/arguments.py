@@ -8,6 +8,7 @@ successful calls cost nothing.
 import functools
 import inspect
 import re
+import sys
 import types
 import typing
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -73,7 +74,51 @@ def _explained(function: Callable[..., Any], package: str) -> Callable[..., Any]
 
     vars(call)[_MARK] = True
     call.__module__ = package  # where pickle finds it
+    signature = _signature_with_keywords(function)
+    if signature is not None:
+        vars(call)["__signature__"] = signature
     return call
+
+
+class _Unstated:
+    """Stands in a signature for a default that depends on other arguments."""
+
+    def __repr__(self) -> str:
+        """Return what help shows."""
+        return "..."
+
+
+def _signature_with_keywords(function: Callable[..., Any]) -> inspect.Signature | None:
+    """Return a signature with the keywords that `**changes: Unpack[Changes]` stands for; None: there are none.
+
+    So help lists them, and notebooks complete them.
+    """
+    code = getattr(function, "__code__", None)
+    if code is None or not code.co_flags & inspect.CO_VARKEYWORDS:
+        return None
+    signature = inspect.signature(function)
+    *parameters, collected = signature.parameters.values()
+    keywords = _find_keywords(collected.annotation, function)
+    if keywords is None:
+        return None
+    required: frozenset[str] = keywords.__required_keys__
+    for name, hint in keywords.__annotations__.items():
+        default = inspect.Parameter.empty if name in required else _Unstated()
+        keyword = inspect.Parameter(
+            name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=hint
+        )
+        parameters.append(keyword)
+    return signature.replace(parameters=parameters)
+
+
+def _find_keywords(annotation: Any, function: Callable[..., Any]) -> Any:
+    """Return the class of the keywords in the annotation of `**changes`; None: it names none."""
+    if get_origin(annotation) is not typing.Unpack:
+        return None
+    keywords = get_args(annotation)[0]
+    if isinstance(keywords, typing.ForwardRef):
+        return vars(sys.modules[function.__module__]).get(keywords.__forward_arg__)
+    return keywords
 
 
 def _find_bad_argument(

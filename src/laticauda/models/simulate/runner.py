@@ -528,8 +528,13 @@ def swim(
         throw: Whether to raise an error when the run blows up, instead of returning a trial that
             says so.
         progress: Called repeatedly with the time reached [s].
-        changes: With a robot: other deviations from the defaults, such as `parameters`,
-            `environment`, `model`, `joints` and `dt`; see `laticauda.scenarios.Changes`.
+        changes: With a robot: other deviations from the defaults. `parameters`, a set of numbers
+            (name, path or value) for water, robot and joints; or `environment`, the water or ground;
+            `current` of the water [m/s]; `joints` ("prescribed", "pd", "servo" or a joint law);
+            `start`; `sample_interval` [s]; `dt`, the time step [s]; `offset_bandwidth` [rad/s] and
+            `loop_delay` [s] of the steering; `ramp`, how long the gait fades in [s]. `model`,
+            "planar" or "spatial"; of the latter `root`, `gravity`, `ballast_depth` [m], `scene` and
+            `rays`. See `laticauda.scenarios.Changes`.
 
     Warns:
         InfeasibleWarning: If the run demands more of a joint than the robot offers.
