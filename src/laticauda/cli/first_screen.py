@@ -4,15 +4,12 @@ A newcomer reads these lines first. The option --all prints the table of every f
 """
 
 import textwrap
-from collections.abc import Sequence
 
 from laticauda.cli.report import describe_gait
-from laticauda.cli.tables import format_digits
+from laticauda.cli.tables import WIDTH, format_digits, wrap_rows
 from laticauda.robot import Ground
 from laticauda.trials import MeasuredTrial, Trial, following, measured_counterpart
 
-WIDTH = 110
-"""Width of the text [characters]."""
 DIGITS = 3
 """Significant digits of the figures: a measured speed has no more."""
 MORE = "More: --all prints every figure, --plot run.png draws the run, --json is for programs."
@@ -30,7 +27,7 @@ def first_screen(trial: Trial, basis: str = "", more: str = MORE) -> str:
     lines = [*_describe_who(trial), ""]
     if not trial.succeeded:
         rows = [("FAILED", trial.status)]
-        return "\n".join([*lines, *_wrap_rows(rows)])
+        return "\n".join([*lines, wrap_rows(rows)])
     rows = [
         ("speed", _describe_speed(trial, measured)),
         ("power", _describe_power(trial, measured)),
@@ -40,7 +37,7 @@ def first_screen(trial: Trial, basis: str = "", more: str = MORE) -> str:
         rows.append(("path", _describe_following(trial)))
     notes = [note for note in (basis, _note_on_measurement(trial, measured), more) if note]
     wrapped_notes = [textwrap.fill(note, WIDTH) for note in notes]
-    return "\n".join([*lines, *_wrap_rows(rows), "", *wrapped_notes])
+    return "\n".join([*lines, wrap_rows(rows), "", *wrapped_notes])
 
 
 def _measured_beside(trial: Trial) -> MeasuredTrial | None:
@@ -135,11 +132,3 @@ def _note_on_measurement(trial: Trial, measured: MeasuredTrial | None) -> str:
     if abs(trial.duration - measured.duration) > 0.5:
         text += f" This run: {trial.duration:.4g} s."
     return text
-
-
-def _wrap_rows(rows: Sequence[tuple[str, str]]) -> list[str]:
-    width = max(len(name) for name, _ in rows) + 2
-    return [
-        textwrap.fill(text, WIDTH, initial_indent=name.ljust(width), subsequent_indent=" " * width)
-        for name, text in rows
-    ]

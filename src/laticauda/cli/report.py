@@ -8,14 +8,19 @@ from typing import Any
 import numpy as np
 
 from laticauda import scenarios
-from laticauda.cli.tables import align_columns, format_figure, format_number, format_percent
+from laticauda.cli.tables import (
+    WIDTH,
+    align_columns,
+    format_figure,
+    format_number,
+    format_percent,
+    wrap_rows,
+)
 from laticauda.motion import gaits
 from laticauda.robot import SEEN, TEXTBOOK, Ground, describe_coefficients, in_a_line
 from laticauda.trials import FIGURES, MeasuredTrial, Trial, following, measured_counterpart
 from laticauda.values import describe_fields
 
-WIDTH = 110
-"""Width of the text [characters]."""
 LEFT_OUT = ("duration",)  # stated once, at the top
 
 
@@ -79,7 +84,7 @@ def describe_trial(trial: Trial, origin: str = "") -> str:
         head.append(("WARNING", "; ".join(trial.feasibility.problems)))
     if not trial.succeeded:
         head.append(("FAILED", trial.status))
-    parts = [_wrap_rows(head), figure_table(trial), _notes(trial)]
+    parts = [wrap_rows(head), figure_table(trial), _notes(trial)]
     return "\n\n".join(filter(None, parts))
 
 
@@ -271,18 +276,3 @@ def _describe_run(trial: Trial) -> str:
     if is_steered and settings.get("offset_bandwidth"):
         parts.append(f"steering: {scenarios.loop_in_words(settings)}")
     return ", ".join(parts)
-
-
-def _wrap_rows(rows: list[tuple[str, str]]) -> str:
-    """Format rows of a name and a text, wrapping long texts."""
-    width = max(len(name) for name, _ in rows) + 2
-    lines: list[str] = []
-    for name, text in rows:
-        wrapped = textwrap.fill(
-            text,
-            WIDTH,
-            initial_indent=name.ljust(width),
-            subsequent_indent=" " * width,
-        )
-        lines.append(wrapped)
-    return "\n".join(lines)

@@ -125,6 +125,7 @@ class Names(Choice, Options):
             return self._scenario_of_file(arguments)
         gait = self.choose_gait()
         names = self.with_imports()
+        # Whoever says nothing of the water or the joints gets what was identified on the robot.
         if not self._say_coefficients(arguments):
             names = names.with_identified_parameters()
         choice = names.resolved(gait)
@@ -144,12 +145,14 @@ class Names(Choice, Options):
         """
         if self.law is not None or self.joint_angles is not None:
             return True
-        varied = [f"--{argument}" for argument in arguments if not argument.startswith("-")]
-        return any(
-            was_typed(field, [*arguments, *varied])
+        words = [argument for argument in arguments if not argument.startswith("-")]
+        as_options = [f"--{word}" for word in words]  # normal-drag=1:2:10 like --normal-drag=...
+        coefficients = [
+            field
             for field in options_of(preset_water("paper-lateral"))
             if field.name not in NO_COEFFICIENTS
-        )
+        ]
+        return any(was_typed(field, [*arguments, *as_options]) for field in coefficients)
 
     def _scenario_of_file(self, arguments: Sequence[str]) -> NamedScenario:
         """Return the scenario of a file, changed by the names that were typed."""
@@ -293,7 +296,10 @@ def warn_of_compiling(environment: robot.Environment, model: Model | str = "plan
 
 @value_class
 class OfScenario(Command):
-    """A command about one scenario: names select it, and each of its numbers is a flag."""
+    """A command about one scenario: names select it, and each of its numbers is a flag.
+
+    A command runs `scenario_to_run`; `scenario` and `scenario_as_named` are what it is made of.
+    """
 
     choice: Names = option("Robot, gait and water, by name", default=Names())
     scenario: Scenario = option("Scenario that the names select; every number can be changed")

@@ -1,11 +1,14 @@
 """Aligned tables of plain text, numbers with their units, and words that assign numbers to names."""
 
 import math
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from laticauda.values import BadArgument, display_unit
 
+WIDTH = 110
+"""Width of texts [characters]."""
 MISSING = "-"
 """What stands in a table for a missing value."""
 NOISE = 1e-6
@@ -29,6 +32,21 @@ class Assignment(NamedTuple):
     sign: str
     """Sign between the numbers; "" for a single one."""
     numbers: list[float]
+
+
+def wrap_rows(rows: Sequence[tuple[str, str]]) -> str:
+    """Return rows of a name and a text; a long text goes on below its beginning."""
+    width = max(len(name) for name, _ in rows) + 2
+    lines: list[str] = []
+    for name, text in rows:
+        wrapped = textwrap.fill(
+            text,
+            WIDTH,
+            initial_indent=name.ljust(width),
+            subsequent_indent=" " * width,
+        )
+        lines.append(wrapped)
+    return "\n".join(lines)
 
 
 def align_columns(rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:
