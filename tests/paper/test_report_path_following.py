@@ -1,4 +1,5 @@
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -186,3 +187,42 @@ def test_the_change_by_the_loop_is_that_of_the_steady_speeds(following):
 
 def test_energy_per_meter_is_given_for_every_trial_and_group(following):
     assert len(cells(build_path_following_chapter(following), "following-joules")) == 16
+
+
+def test_our_own_model_is_drawn_beside_the_papers_coefficients_and_the_measured_speed(beside):
+    _, following = beside
+    ((_, caption, figure),) = islice(build_path_following_chapter(following).figures(), 1, 2)
+    path, error, heading, distance = figure.axes
+    case, own_case = following.cases[0], following.own[0].cases[0]
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels == [
+        f"identified from Table 1, geared servo, speed-servo joints: {own_case.run.forward_velocity:.4f} m/s",
+        f"the paper's coefficients, prescribed joints: {case.run.forward_velocity:.4f} m/s",
+        f"measured: {case.measured.forward_velocity:.4f} m/s",
+        "reference heading of the first",
+    ]
+    own, paper, measured = distance.lines
+    end = paper.get_xydata()[-1]
+    assert end[1] / end[0] == pytest.approx(case.run.forward_velocity, rel=1e-6)
+    assert own.get_ydata()[-1] != paper.get_ydata()[-1]
+    slope = np.divide(*np.diff(measured.get_xydata(), axis=0)[0][::-1])
+    assert slope == pytest.approx(case.measured.forward_velocity)
+    assert f"Forward velocity [m/s]: measured {case.measured.forward_velocity:.4f}; " in caption
+    figure.canvas.draw()
+    texts = [figure._suptitle, *figure.legends[0].get_texts()]
+    assert all(text.get_window_extent().x1 <= figure.bbox.x1 for text in texts)
+    assert [ax.get_title(loc="left") for ax in (path, error, heading, distance)] == [
+        "(a)",
+        "(b)",
+        "(c)",
+        "(d)",
+    ]
+
+
+def test_speeds_of_our_own_model_are_marked_in_the_figure_of_all_speeds(beside):
+    ((_, caption, figure),) = islice(build_path_following_chapter(beside[1]).figures(), 1)
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels[1] == "identified from Table 1, geared servo"
+    stars = [line.get_xdata()[0] for line in figure.axes[0].lines if line.get_marker() == "*"]
+    assert stars == [case.run.forward_velocity for case in beside[1].own[0].cases]
+    assert "simulated with identified from Table 1" in caption

@@ -70,6 +70,7 @@ def test_one_folder_holds_report_figures_tables_and_data(
         "report.html",
         "sweeps.csv",
         "figure-23.nc",
+        "figure-23-mamba-identified.nc",
         "table1.csv",
         "table2.csv",
         "claims.csv",
@@ -126,7 +127,8 @@ def test_one_half_leaves_the_other_out(small, tmp_path: Path, monkeypatch: pytes
         module, "RUNS", {name: lambda *args, name=name, **how: name for name in RUNS}
     )
     monkeypatch.setattr(module, "CHAPTERS", {})
-    for name in ("build_claims_chapter", "build_summary_chapter"):
+    monkeypatch.setattr(module, "judge_with_own_models", lambda results: {})
+    for name in ("build_claims_chapter", "build_summary_chapter", "build_trust_chapter"):
         monkeypatch.setattr(
             module, name, lambda *found: build_paper_chapter(name="words", values={})
         )

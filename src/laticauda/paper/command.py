@@ -188,12 +188,24 @@ def as_text(reproduction: "Reproduction") -> str:
     path_following = reproduction.results.get("path_following")
     if path_following is not None:
         paragraphs += _summarize_path_following(path_following)
-    counts = Counter(claim.verdict for claim in reproduction.claims)
-    verdicts = ", ".join(f"{verdict} {count}" for verdict, count in counts.items())
-    paragraphs.append(f"The paper's claims: {verdicts}.")
+    verdicts = _summarize_claims(reproduction)
+    if verdicts:
+        paragraphs.append("\n".join(verdicts))
     folder = reproduction.folder
     paragraphs.append(f"{len(reproduction.files)} files in {folder}; open {folder / 'report.html'}")
     return "\n\n".join(paragraphs)
+
+
+def _summarize_claims(reproduction: "Reproduction") -> list[str]:
+    """Return a sentence on the verdicts, and one for each of the project's own models."""
+    from laticauda.paper.claims import summarize_verdicts
+
+    sentences: list[str] = []
+    if reproduction.claims:
+        sentences.append(f"The paper's claims: {summarize_verdicts(reproduction.claims)}.")
+    for model, claims in reproduction.own_claims.items():
+        sentences.append(f"With {model}: {summarize_verdicts(claims)}.")
+    return sentences
 
 
 def _summarize_efficiency(study: "EfficiencyStudy") -> list[str]:

@@ -286,7 +286,7 @@ def _finish_sheet(
         for ax in row:
             style.light_grid(ax, "y")
     figure.align_ylabels([row[0] for row in rows])
-    figure.suptitle(title, fontsize=style.LABEL, color=style.INK, x=0.01, ha="left")
+    style.add_title(figure, title)
 
 
 # ---- legend --------------------------------------------------------------------------------------

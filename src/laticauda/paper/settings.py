@@ -275,6 +275,17 @@ def load_paper_coefficients() -> Coefficients:
     return load_efficiency_settings().models[0]
 
 
+def name_coefficients(coefficients: Coefficients) -> str:
+    """Return what coefficients are called in figures and sentences.
+
+    Args:
+        coefficients: The paper's, or others.
+    """
+    if coefficients == load_paper_coefficients():
+        return "the paper's coefficients"
+    return coefficients.title
+
+
 def _read_table(study: str) -> Any:
     """Return the part of `paper.toml` about a study; the caller may change it."""
     return files.read_toml(Path(__file__).with_name("paper.toml"))[study]

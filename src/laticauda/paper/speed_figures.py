@@ -41,8 +41,11 @@ SPEED_MARKS = {
         "o", 5.5, style.BLUE, markerfacecolor="white", markeredgewidth=1.2, zorder=3
     ),
     "null": style.marker_style("|", 13.0, style.GRAY, markeredgewidth=2.0, zorder=1),
+    "own": style.marker_style(
+        "*", 9.0, "#007A5A", markeredgecolor="white", markeredgewidth=0.5, zorder=4.5
+    ),
 }
-"""Marks of other speeds, among them that of the chosen run and that without physics."""
+"""Marks of other speeds: measured, of the chosen run, without physics, and of our own model."""
 RANGE: dict[str, Any] = {
     "color": "#C9DDEA",
     "linewidth": 5.0,
@@ -62,7 +65,12 @@ class LabeledSpeeds(NamedTuple):
 
 
 def draw_speeds_sheet(
-    rows: Sequence[FollowingCase], title: str, *, chosen: str, null: LabeledSpeeds
+    rows: Sequence[FollowingCase],
+    title: str,
+    *,
+    chosen: str,
+    null: LabeledSpeeds,
+    own: Sequence[LabeledSpeeds] = (),
 ) -> Figure:
     """Draw the speeds of trials with a title and a legend.
 
@@ -71,13 +79,17 @@ def draw_speeds_sheet(
         title: Title above the axes.
         chosen: Legend label of the chosen runs.
         null: Prediction without physics.
+        own: At most one more model, marked in every row.
     """
     n_groups = len({row.group.name for row in rows})
     height = AROUND + ROW_HEIGHT * (len(rows) + GAP * n_groups)
     figure = style.new_figure(style.DOUBLE_COLUMN, height)
-    draw_following_speeds(rows, null.speeds, figure.subplots())
-    labels = {
-        "measured": "measured in the tank",
+    ax = draw_following_speeds(rows, null.speeds, figure.subplots())
+    labels = {"measured": "measured in the tank"}
+    for model in own:
+        _draw_own_speeds(rows, model.speeds, ax)
+        labels["own"] = model.label
+    labels |= {
         "chosen": chosen,
         "mean": "the same, cycle-mean heading",
         "null": null.label,
@@ -114,6 +126,11 @@ def draw_following_speeds(rows: Sequence[FollowingCase], null: Sequence[float], 
     style.style_axes(ax, xlabel="forward velocity [m/s]", ylabel="")
     ax.tick_params(axis="y", length=0)
     return ax
+
+
+def _draw_own_speeds(rows: Sequence[FollowingCase], speeds: Sequence[float], ax: Axes) -> None:
+    for height, speed in zip(_find_heights(rows), speeds, strict=True):
+        ax.plot([speed], [height], clip_on=False, **SPEED_MARKS["own"])
 
 
 def _find_heights(rows: Sequence[FollowingCase]) -> list[float]:

@@ -63,6 +63,14 @@ def test_postures_of_a_long_run_do_not_lie_on_each_other(name: str):
             assert np.linalg.norm(one[:, np.newaxis] - other, axis=2).min() > 0.1
 
 
+def test_postures_between_the_ends_are_drawn_at_times_that_are_easily_read():
+    trial = run("lateral")
+    _, *inner, _ = postures.choose_instants(trial)
+    assert inner
+    for sample in inner:
+        assert 10.0 * trial.time[sample] == pytest.approx(round(10.0 * trial.time[sample]))
+
+
 def test_older_postures_are_lighter(ax: Axes):
     trial = run("lateral")
     path_strip(trial, ax)

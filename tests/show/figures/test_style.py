@@ -26,3 +26,15 @@ def test_the_colors_of_figures_differ_in_gray_print():
 def test_no_line_is_lost_on_white_paper():
     colors, _ = style.joint_colors(8)
     assert max(gray(colors(i)[:3]) for i in range(8)) < 0.75
+
+
+def test_a_title_that_is_wider_than_the_figure_is_broken_into_lines():
+    figure = style.new_figure(3.0, 2.0)
+    text = style.add_title(
+        figure, "Short", "a note that is much longer than this figure is wide, " * 2
+    )
+    lines = text.get_text().split("\n")
+    assert lines[0] == "Short"
+    assert len(lines) > 3
+    assert text.get_window_extent().x1 <= figure.bbox.x1
+    assert style.add_title(figure, "Short").get_text() == "Short"

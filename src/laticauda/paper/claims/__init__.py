@@ -12,7 +12,21 @@ a template for the sentence that tells them. The modules:
 - `misprints`: misprints and contradictions.
 """
 
-from laticauda.paper.claims.judge import Claim, Verdict, load_claims
+from laticauda.paper.claims.judge import (
+    Claim,
+    Verdict,
+    count_verdicts,
+    load_claims,
+    summarize_verdicts,
+)
 from laticauda.paper.claims.misprints import Misprint, find_misprints
 
-__all__ = ["Claim", "Misprint", "Verdict", "find_misprints", "load_claims"]
+__all__ = [
+    "Claim",
+    "Misprint",
+    "Verdict",
+    "count_verdicts",
+    "find_misprints",
+    "load_claims",
+    "summarize_verdicts",
+]

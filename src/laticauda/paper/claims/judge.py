@@ -4,7 +4,8 @@ One procedure serves all claims in `claims.toml`: collect the numbers of the stu
 that the claim is about in a sentence, and check the parts of its rule.
 """
 
-from collections.abc import Callable, Mapping
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -25,6 +26,15 @@ from laticauda.paper.runs import Study
 from laticauda.paper.side_trials import SideTrials
 
 Verdict = Literal["holds", "holds in part", "does not hold", "not tested here"]
+
+
+VERB_FORMS: Mapping[Verdict, tuple[str, str]] = {
+    "holds": ("holds", "hold"),
+    "holds in part": ("holds in part", "hold in part"),
+    "does not hold": ("does not hold", "do not hold"),
+    "not tested here": ("is not tested here", "are not tested here"),
+}
+"""All verdicts, the best first, as they follow one claim and several."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,6 +101,30 @@ def load_claims(*studies: Study[Any]) -> tuple[Claim, ...]:
     numbers_of_ways = _collect_numbers_of_ways(numbers, *studies)
     entries = read_claims_table()["claims"]
     return tuple(_judge_claim(entry, numbers, numbers_of_ways) for entry in entries)
+
+
+def count_verdicts(claims: Sequence[Claim]) -> dict[Verdict, int]:
+    """Return the number of claims with each verdict that occurs, the best verdict first.
+
+    Args:
+        claims: Any claims.
+    """
+    counts = Counter(claim.verdict for claim in claims)
+    return {verdict: counts[verdict] for verdict in VERB_FORMS if counts[verdict]}
+
+
+def summarize_verdicts(claims: Sequence[Claim]) -> str:
+    """Return the counts in words: "7 of 32 claims hold, 17 hold in part, 8 do not hold".
+
+    Args:
+        claims: At least one claim.
+    """
+    parts: list[str] = []
+    for verdict, count in count_verdicts(claims).items():
+        one, several = VERB_FORMS[verdict]
+        number = f"{count}" if parts else f"{count} of {len(claims)} claims"
+        parts.append(f"{number} {one if count == 1 else several}")
+    return ", ".join(parts)
 
 
 def judge_parts(*parts_met: bool) -> Verdict:

@@ -1,84 +1,187 @@
 """Chapters about all studies together: the first screen of the report, and the paper's claims."""
 
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from laticauda.paper.claims import Claim, find_misprints, load_claims
+from laticauda.paper.claims import (
+    Claim,
+    count_verdicts,
+    find_misprints,
+    load_claims,
+    summarize_verdicts,
+)
+from laticauda.paper.claims.judge import VERB_FORMS
 from laticauda.paper.efficiency import EfficiencyStudy
 from laticauda.paper.path_following import PathFollowingStudy
 from laticauda.paper.report.chapter import build_paper_chapter
 from laticauda.paper.report.columns import build_row
+from laticauda.paper.runs import Coefficients
 from laticauda.paper.scores import Score, score_study
+from laticauda.paper.settings import name_coefficients
 from laticauda.show.reports import Chapter, ReportFigure, Row
 
-VERDICTS = ("holds", "holds in part", "does not hold", "not tested here")
-"""All verdicts, the best first."""
 TABLES = {"efficiency": "Table 1", "path_following": "Table 2"}
 """Tables of the paper, by the study that repeats them."""
+LEGEND_HEIGHT = 0.45
+"""Height of the legend below the figure of speeds [in]."""
+MARKERS = {"Table 1": "o", "Table 2": "D"}
+"""Markers of speeds, by table."""
 
 
-def _count_verdicts(claims: Sequence[Claim]) -> dict[str, int]:
-    """Return the number of claims with each verdict that occurs."""
-    counts = Counter(claim.verdict for claim in claims)
-    return {verdict: counts[verdict] for verdict in VERDICTS if counts[verdict]}
+class Predictors(NamedTuple):
+    """Predictions of the speeds of one table."""
+
+    name: str
+    """Name of the coefficients of the study."""
+    simulations: list[Score]
+    """Ways to simulate with coefficients from other sources; the first is the chosen one."""
+    own: list[Score]
+    """Our own models, which are fitted to Table 1."""
+    null: Score
+    """The best of the models without physics."""
+
+
+def _collect_predictors(results: Mapping[str, Any]) -> dict[str, Predictors]:
+    """Return the predictors of every table that was repeated."""
+    predictors: dict[str, Predictors] = {}
+    for study_name, table in TABLES.items():
+        if study_name not in results:
+            continue
+        study = results[study_name]
+        scores = score_study(study)
+        physical = [score for score in scores if not score.is_null]
+        predictors[table] = Predictors(
+            name=name_coefficients(_first_coefficients(study)),
+            simulations=[score for score in physical if score.n_fitted is None],
+            own=[score for score in physical if score.n_fitted is not None],
+            null=min((score for score in scores if score.is_null), key=_error_of),
+        )
+    return predictors
+
+
+def _first_coefficients(study: EfficiencyStudy | PathFollowingStudy) -> Coefficients:
+    if isinstance(study, EfficiencyStudy):
+        return study.settings.models[0]
+    return study.settings.coefficients
+
+
+def _error_of(score: Score) -> float:
+    return score.overall
 
 
 # ---- the first screen ----------------------------------------------------------------------------
 
 
-def build_summary_chapter(results: Mapping[str, Any], claims: Sequence[Claim]) -> Chapter:
+def build_summary_chapter(
+    results: Mapping[str, Any],
+    claims: Sequence[Claim],
+    own: Mapping[str, Sequence[Claim]] | None = None,
+) -> Chapter:
     """Return the chapter on the first screen of the report.
 
     Args:
         results: Results of the studies, by their names in `Experiments`.
         claims: Claims judged by these results.
+        own: Claims judged with other models, by name. None: no others.
     """
-    scores_by_table = {
-        table: score_study(results[study]) for study, table in TABLES.items() if study in results
-    }
+    predictors = _collect_predictors(results)
+    first = next(iter(predictors.values()))
+    counts = {f"with {first.name}": count_verdicts(claims)}
+    for model, own_claims in (own or {}).items():
+        counts[f"with {model}"] = count_verdicts(own_claims)
     return build_paper_chapter(
         name="summary",
         values={
             "n_claims": len(claims),
-            "counts": _count_verdicts(claims),
-            "predictors": scores_by_table,
+            "counts": counts,
+            "verdicts": list(VERB_FORMS),
+            "predictors": predictors,
+            "error_rows": _list_error_rows(predictors),
         },
         n_figures=1,
-        figures=lambda: _draw_speeds(scores_by_table),
+        figures=lambda: _draw_speeds(predictors),
     )
 
 
-def _draw_speeds(
-    scores_by_table: Mapping[str, Sequence[Score]],
-) -> Iterator[ReportFigure]:
+class ErrorRow(NamedTuple):
+    """Mean errors of one predictor, on the first screen."""
+
+    name: str
+    """The predictor."""
+    errors: list[float | None]
+    """Mean error by table; None if it does not predict it [%]."""
+
+
+def _list_error_rows(predictors: Mapping[str, Predictors]) -> list[ErrorRow]:
+    """Return the errors of our first model, of the first coefficients, and of the best formula without physics."""
+    tables = [*predictors.values()]
+    rows: list[ErrorRow] = []
+    for model in _names_of_own_models(tables)[:1]:
+        errors = [_find_error(table.own, model) for table in tables]
+        rows.append(ErrorRow(name=f"{model}, two numbers fitted to Table 1", errors=errors))
+    chosen = [_error_of(table.simulations[0]) for table in tables if table.simulations]
+    if len(chosen) == len(tables):
+        rows.append(ErrorRow(name=tables[0].name, errors=[*chosen]))
+    nulls = [table.null.leave_one_out or table.null.overall for table in tables]
+    rows.append(ErrorRow(name="best formula without physics, fitted to Table 1", errors=[*nulls]))
+    return rows
+
+
+def _names_of_own_models(tables: Sequence[Predictors]) -> list[str]:
+    names = [_short_name(score) for table in tables for score in table.own]
+    return list(dict.fromkeys(names))
+
+
+def _short_name(score: Score) -> str:
+    """Return the name of a model without the way it was run."""
+    return score.name.split(",")[0]
+
+
+def _find_error(scores: Sequence[Score], model: str) -> float | None:
+    for score in scores:
+        if _short_name(score) == model:
+            return score.overall
+    return None
+
+
+def _draw_speeds(predictors: Mapping[str, Predictors]) -> Iterator[ReportFigure]:
     """Yield the figure of the first screen: file name, caption and figure."""
     from laticauda.show.figures import style
-    from laticauda.show.reports import draw_parity
+    from laticauda.show.reports import Mark, draw_parity
 
     speeds: dict[str, np.ndarray] = {}
-    for table, scores in scores_by_table.items():
-        for score in _choose_shown(scores):
-            short_name = score.name.split(",")[0]
-            speeds[f"{table}: {short_name}"] = np.array([score.measured, score.speeds])
-    side = 0.55 * style.DOUBLE_COLUMN
-    figure = style.new_figure(side, side)
-    ax = draw_parity(speeds, figure.subplots(), quantity="forward velocity [m/s]")
+    marks: list[Mark] = []
+    for table, scores in predictors.items():
+        for score in scores.simulations[:1]:
+            speeds[f"{table}: {scores.name}"] = np.array([score.measured, score.speeds])
+            marks.append(Mark(color=style.GRAY, marker=MARKERS[table]))
+    for table, scores in predictors.items():
+        for score in scores.own[:1]:
+            speeds[f"{table}: {_short_name(score)}"] = np.array([score.measured, score.speeds])
+            marks.append(Mark(color=style.BLUE, marker=MARKERS[table]))
+    side = 0.6 * style.DOUBLE_COLUMN
+    figure = style.new_figure(side, side + LEGEND_HEIGHT)
+    ax = draw_parity(speeds, figure.subplots(), quantity="forward velocity [m/s]", marks=marks)
     ax.set(ylabel="simulated forward velocity [m/s]")
-    style.add_legend(ax, loc="upper left")
+    handles, _ = ax.get_legend_handles_labels()
+    style.outside_legend(
+        figure, handles, "outside lower center", ncols=2, handlelength=1.2, columnspacing=1.0
+    )
     yield ReportFigure(
         name="speeds", caption="Simulated against measured speeds of the robot.", figure=figure
     )
 
 
-def _choose_shown(scores: Sequence[Score]) -> list[Score]:
-    """Return the first simulation, and our first model that is fitted to Table 1, if any."""
-    first_simulation, *more_scores = scores
-    fitted_models = [score for score in more_scores if score.n_fitted and not score.is_null]
-    return [first_simulation, *fitted_models[:1]]
+def build_trust_chapter(results: Mapping[str, Any]) -> Chapter:
+    """Return the chapter on what to make of the first screen.
+
+    Args:
+        results: Results of the studies, by their names in `Experiments`.
+    """
+    return build_paper_chapter(name="trust", values={"predictors": _collect_predictors(results)})
 
 
 # ---- claims --------------------------------------------------------------------------------------
@@ -127,7 +230,7 @@ def build_claims_chapter(
             _add_verdict(row, f"with {model}", own_claim)
     return build_paper_chapter(
         name="claims",
-        values={"n_claims": len(claims), "counts": _count_verdicts(claims)},
+        values={"summary": summarize_verdicts(claims), "counts": count_verdicts(claims)},
         tables={
             "claims": rows,
             "misprints": [build_row("misprints", misprint) for misprint in find_misprints()],

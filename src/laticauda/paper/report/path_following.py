@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -32,7 +32,11 @@ from laticauda.paper.scores import (
     score_null_predictions,
     score_simulations,
 )
+from laticauda.paper.settings import name_coefficients
 from laticauda.show.reports import Chapter, ReportFigure, Row
+
+if TYPE_CHECKING:
+    from laticauda.paper.following_figures import ModelRun
 
 SPEEDS = "table2-speeds"
 """Name of the figure of all speeds."""
@@ -47,6 +51,9 @@ def build_path_following_chapter(study: PathFollowingStudy) -> Chapter:
         study: Result of `run_path_following`.
     """
     trials = {f"figure-{case.figure:02d}": case.trial for case in study.cases}
+    for own_study in study.own[:1]:
+        name = own_study.settings.coefficients.name
+        trials |= {f"figure-{case.figure:02d}-{name}": case.trial for case in own_study.cases}
     trials[HELD_OUT] = study.held_out.trial
     return build_paper_chapter(
         name="path-following",
@@ -206,15 +213,16 @@ def _measure_excess(ends: Sequence[float], published_ends: Sequence[float]) -> d
 def draw_path_following_figures(study: PathFollowingStudy) -> Iterator[ReportFigure]:
     """Yield all figures one by one.
 
-    They are the speeds of all trials, Figs. 12 to 23 and the held-out trial.
+    They are the speeds of all trials, Figs. 12 to 23 and the held-out trial; in all of them our first
+    model stands beside the coefficients of the study.
 
     Args:
         study: Result of `run_path_following`.
     """
     yield _draw_speeds(study)
-    for case in study.cases:
-        yield _draw_case(case)
-    yield _draw_held_out(study.held_out)
+    for index in range(len(study.cases)):
+        yield _draw_case(study, index)
+    yield _draw_held_out(study)
 
 
 def _draw_speeds(study: PathFollowingStudy) -> ReportFigure:
@@ -223,50 +231,90 @@ def _draw_speeds(study: PathFollowingStudy) -> ReportFigure:
     best_null = _find_best_null(study)
     title = "Forward velocity in path following (Table 2)"
     chosen = study.cases[0].run.name
+    own_speeds = [
+        LabeledSpeeds(
+            label=name_coefficients(own_study.settings.coefficients),
+            speeds=[case.run.forward_velocity for case in own_study.cases],
+        )
+        for own_study in study.own[:1]
+    ]
+    own_words = ""
+    if own_speeds:
+        own_words = f"simulated with {own_speeds[0].label}; "
+    name = name_coefficients(study.settings.coefficients)
     caption = (
-        f"{title}: measured in the tank; simulated with {chosen}, in the other ways of the band, "
-        "and with the cycle-mean heading; and as the null model "
-        f"“{best_null.name}”, fitted to Table 1, predicts it."
+        f"{title}: measured in the tank; {own_words}simulated with {name} and "
+        f"{chosen}, in the other ways of the band, and with the cycle-mean heading; and as the "
+        f"null model “{best_null.name}”, fitted to Table 1, predicts it."
     )
     sheet = draw_speeds_sheet(
         study.cases,
         title,
-        chosen=f"simulated, {chosen}",
-        null=LabeledSpeeds(
-            label=f"null model fitted to Table 1: {best_null.name}", speeds=best_null.speeds
-        ),
+        chosen=f"{name}, as in the figures",
+        null=LabeledSpeeds(label=f"without physics: {best_null.name}", speeds=best_null.speeds),
+        own=own_speeds,
     )
     return ReportFigure(name=SPEEDS, caption=caption, figure=sheet)
 
 
-def _draw_case(case: FollowingCase) -> ReportFigure:
-    from laticauda.show.figures import follow_sheet
+def _model_run(study: PathFollowingStudy, trial_run: FollowingCase | HeldOutRun) -> "ModelRun":
+    """Return a trial of a study as it is drawn."""
+    from laticauda.paper.following_figures import ModelRun
 
+    coefficients = name_coefficients(study.settings.coefficients)
+    return ModelRun(
+        label=f"{coefficients}, {trial_run.run.joints} joints",
+        trial=trial_run.trial,
+        forward_velocity=trial_run.run.forward_velocity,
+    )
+
+
+def _draw_case(study: PathFollowingStudy, index: int) -> ReportFigure:
+    """Draw a case with our first model, if there is one, beside the coefficients of the study."""
+    from laticauda.paper.following_figures import draw_following_sheet
+
+    case = study.cases[index]
     row = case.measured
+    runs: list[ModelRun] = []
+    speeds = [f"measured {row.forward_velocity:.4f}"]
+    ways: list[str] = []
+    for shown_study in (*study.own[:1], study):
+        shown_case = shown_study.cases[index]
+        name = name_coefficients(shown_study.settings.coefficients)
+        runs.append(_model_run(shown_study, shown_case))
+        speeds.append(f"{name} {shown_case.run.forward_velocity:.4f}")
+        ways.append(f"{name}: {shown_case.run.name}")
     title = f"Path following: {case.group.name}, case {row.case}"
     start = _describe_start(row.initial_cross_track_error, row.initial_heading)
-    speeds = (
-        f"Forward velocity {row.forward_velocity:.4f} m/s measured, "
-        f"{case.run.forward_velocity:.4f} m/s simulated ({case.run.name})"
+    note = f"Forward velocity [m/s]: {'; '.join(speeds)}"
+    sheet = draw_following_sheet(
+        runs, title=f"{title}, {start}", measured_velocity=row.forward_velocity
     )
-    sheet = follow_sheet(case.trial, title=f"{title}, {start}", note=speeds)
-    caption = f"{title} (Fig. {case.figure} of the paper). {speeds}."
+    caption = (
+        f"{title} (Fig. {case.figure} of the paper). {note}. Simulated with {'; '.join(ways)}."
+    )
     return ReportFigure(name=f"figure-{case.figure:02d}", caption=caption, figure=sheet)
 
 
-def _draw_held_out(held_out: HeldOutRun) -> ReportFigure:
-    from laticauda.show.figures import follow_sheet
+def _draw_held_out(study: PathFollowingStudy) -> ReportFigure:
+    from laticauda.paper.following_figures import draw_following_sheet
 
-    published = held_out.settings
+    published = study.held_out.settings
     start = _describe_start(published.initial_cross_track_error, published.initial_heading)
     gait = GAIT_WORDS[published.gait.kind]
-    sheet = follow_sheet(
-        held_out.trial,
-        title=f"Held-out trial (published 2016): {gait}, {published.robot}, {start}",
-        note=f"Simulated with {held_out.run.name}",
+    runs: list[ModelRun] = []
+    ways: list[str] = []
+    for shown_study in (*study.own[:1], study):
+        held_out = shown_study.held_out
+        runs.append(_model_run(shown_study, held_out))
+        ways.append(f"{name_coefficients(shown_study.settings.coefficients)}: {held_out.run.name}")
+    sheet = draw_following_sheet(
+        runs,
+        title=f"A trial of another publication (2016): {gait}, {published.robot}, {start}",
     )
     caption = (
-        "Path following: a trial of another publication (2016), on which no choice here rests."
+        "Path following: a trial of another publication (2016), on which no choice here rests. "
+        f"Simulated with {'; '.join(ways)}."
     )
     return ReportFigure(name=HELD_OUT, caption=caption, figure=sheet)
 

@@ -18,6 +18,7 @@ from laticauda.paper.report.chapter import load_paper_templates
 from laticauda.paper.report.overview import (
     build_claims_chapter,
     build_summary_chapter,
+    build_trust_chapter,
     judge_with_own_models,
 )
 from laticauda.paper.report.workers import Progress, run_studies
@@ -116,6 +117,10 @@ class Reproduction:
     """Results of the studies that were run, by their names in `Experiments`."""
     claims: tuple[Claim, ...]
     """The paper's claims, judged by these results."""
+    own_claims: Mapping[str, tuple[Claim, ...]] = field(
+        default_factory=dict[str, tuple[Claim, ...]]
+    )
+    """The same, judged with each of the project's own models."""
 
 
 def reproduce(
@@ -169,14 +174,18 @@ def reproduce(
 
     results = {name: outcome.study for name, outcome in outcomes.items()}
     claims = load_claims(*results.values())
+    own_claims = judge_with_own_models(results)
     files = _write_report(
         folder,
         coefficients=settings.efficiency.models[0],
         model=chosen_model,
         outcomes=outcomes,
         claims=claims,
+        own_claims=own_claims,
     )
-    return Reproduction(folder=folder, files=files, results=results, claims=claims)
+    return Reproduction(
+        folder=folder, files=files, results=results, claims=claims, own_claims=own_claims
+    )
 
 
 class _Outcome(NamedTuple):
@@ -224,13 +233,15 @@ def _write_report(
     model: scenarios.Model,
     outcomes: Mapping[str, _Outcome],
     claims: Sequence[Claim],
+    own_claims: Mapping[str, Sequence[Claim]],
 ) -> tuple[str, ...]:
     """Write the chapters about all studies and the page; return the names of all files."""
     results = {name: outcome.study for name, outcome in outcomes.items()}
-    summary_files, summary = write_chapter(build_summary_chapter(results, claims), folder)
-    claims_files, claims_html = write_chapter(
-        build_claims_chapter(claims, judge_with_own_models(results)), folder
+    summary_files, summary = write_chapter(
+        build_summary_chapter(results, claims, own_claims), folder
     )
+    _, trust = write_chapter(build_trust_chapter(results), folder)
+    claims_files, claims_html = write_chapter(build_claims_chapter(claims, own_claims), folder)
     chapters = [("claims", "The paper's claims", claims_html)]
     files = [*summary_files, *claims_files]
     for outcome in outcomes.values():
@@ -247,6 +258,7 @@ def _write_report(
         model=model_settings["model"],
         joints=model_settings["joints"],
         summary=summary,
+        trust=trust,
         chapters=chapters,
     )
     write(folder / "report.html", text)

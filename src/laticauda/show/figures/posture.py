@@ -3,6 +3,7 @@
 # matplotlib's own annotations are partial; this package passes on typed figures and axes.
 # pyright: reportUnknownMemberType=false
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -62,12 +63,18 @@ def choose_instants(trial: Trial) -> list[int]:
         return [0, last] if n_lengths > 0.1 else [last]
     n_steps = min(int(n_lengths), MOST_POSTURES - 1)
     start = float(trial.time[0])
-    duration = float(trial.time[-1] - trial.time[0])
-    samples: set[int] = set()
-    for k in range(n_steps + 1):
-        moment = start + duration * k / n_steps
+    step = float(trial.time[-1] - trial.time[0]) / n_steps
+    moments = [_round_time(start + step * k, step) for k in range(1, n_steps)]
+    samples = {0, last}
+    for moment in moments:
         samples.add(int(np.argmin(np.abs(trial.time - moment))))
     return _keep_apart(trial, sorted(samples))
+
+
+def _round_time(moment: float, step: float) -> float:
+    """Return a moment between two postures as a time that is easily read, at most an eighth of a step away [s]."""
+    grain = 10.0 ** math.floor(math.log10(0.25 * step))
+    return grain * round(moment / grain)
 
 
 def is_crowded(trial: Trial) -> bool:

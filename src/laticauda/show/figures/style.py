@@ -59,6 +59,8 @@ LEGEND: Any = {"fontsize": TICK, "labelcolor": INK, "frameon": False}
 """Look of legends."""
 AIM: Any = {"color": ORANGE, "linewidth": LINE, "linestyle": (0, (4, 2))}
 """Look of targets and measured values."""
+TITLE_MARGIN = 0.01
+"""Space beside a title, as a fraction of the width of the figure [-]."""
 PANEL_LETTERS = "abcdefgh"
 """Letters of panels."""
 
@@ -136,16 +138,36 @@ def style_axes(ax: Axes, *, xlabel: str, ylabel: str) -> Axes:
 def add_title(figure: Figure, title: str, note: str = "") -> Text:
     """Add a title above all panels, with a line below it; the layout reserves space for both.
 
+    Lines that are longer than the figure is wide are broken.
+
     Args:
         figure: Any figure of `new_figure`.
         title: What the figure shows.
-        note: The second line; "" for none.
+        note: The second line, or several; "" for none.
     """
-    text = figure.suptitle(
-        f"{title}\n{note}" if note else title, fontsize=LABEL, color=INK, x=0.01, ha="left"
-    )
+    text = figure.suptitle(title, fontsize=LABEL, color=INK, x=TITLE_MARGIN, ha="left")
     text.set_linespacing(1.35)
+    lines = _break_line(text, title)
+    if note:
+        for line in note.splitlines():
+            lines += _break_line(text, line)
+    text.set_text("\n".join(lines))
     return text
+
+
+def _break_line(text: Text, words: str) -> list[str]:
+    """Return words as lines that fit between the margins of the figure of a text."""
+    figure: Any = text.get_figure(root=True)
+    most = (1.0 - 2.0 * TITLE_MARGIN) * float(figure.bbox.width)
+    lines: list[str] = []
+    for word in words.split(" "):
+        longer_line = f"{lines[-1]} {word}" if lines else word
+        text.set_text(longer_line)
+        if lines and text.get_window_extent().width <= most:
+            lines[-1] = longer_line
+        else:
+            lines.append(word)
+    return lines
 
 
 def add_legend(ax: Axes, **settings: Any) -> None:

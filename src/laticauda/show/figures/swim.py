@@ -121,9 +121,7 @@ def swim_sheet(trial: Trial) -> Figure:
     else:
         panels = _panels_beside(width / height)
     path_strip(trial, panels.path)
-    panels.figure.suptitle(
-        title_of(trial), fontsize=style.LABEL, color=style.INK, x=0.01, ha="left"
-    )
+    style.add_title(panels.figure, title_of(trial))
     plot_speed(trial, panels.speed)
     plot_joint_angle(trial, panels.angle, last=last, scale=False)
     plot_joint_torque(trial, panels.torque, last=last, scale=False)

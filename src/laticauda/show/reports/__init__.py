@@ -34,6 +34,7 @@ if TYPE_CHECKING:
         write_identification as write_identification,
     )
     from laticauda.show.reports.identify_axes import (
+        Mark as Mark,
         draw_expected_deviations as draw_expected_deviations,
         draw_parity as draw_parity,
     )
@@ -57,7 +58,11 @@ __getattr__, __dir__, __all__ = lazy_exports(
         ],
         "laticauda.show.reports.front": ["draw_front_sheet", "write_front_figure"],
         "laticauda.show.reports.identify": ["describe_identification", "write_identification"],
-        "laticauda.show.reports.identify_axes": ["draw_expected_deviations", "draw_parity"],
+        "laticauda.show.reports.identify_axes": [
+            "Mark",
+            "draw_expected_deviations",
+            "draw_parity",
+        ],
         "laticauda.show.reports.identify_tables": ["list_errors", "list_identification_tables"],
         "laticauda.show.reports.parameter_names": ["shorten_names"],
     },

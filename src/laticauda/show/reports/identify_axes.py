@@ -59,7 +59,13 @@ class ParameterIntervals(NamedTuple):
     """Interval from the likelihood itself; None if it was not computed [-]."""
 
 
-def draw_parity(groups: Mapping[str, Float[np.ndarray, "2 n"]], ax: Axes, *, quantity: str) -> Axes:
+def draw_parity(
+    groups: Mapping[str, Float[np.ndarray, "2 n"]],
+    ax: Axes,
+    *,
+    quantity: str,
+    marks: Sequence[Mark] = MARKS,
+) -> Axes:
     """Draw predicted over measured numbers, with the line of equality and a band of 10 % about it.
 
     Args:
@@ -67,6 +73,7 @@ def draw_parity(groups: Mapping[str, Float[np.ndarray, "2 n"]], ax: Axes, *, qua
             axes.
         ax: Axes to draw on.
         quantity: Quantity with its unit, for both labels.
+        marks: Colors and markers of the groups.
 
     Returns:
         `ax`.
@@ -80,7 +87,7 @@ def draw_parity(groups: Mapping[str, Float[np.ndarray, "2 n"]], ax: Axes, *, qua
     ax.plot(ends, ends, color=style.GRAY, linewidth=style.THIN)
     n_pairs = all_pairs.shape[1]
     marker_size = SMALL_MARKER if n_pairs > MANY_POINTS else LARGE_MARKER
-    for (label, pairs), mark in zip(groups.items(), cycle(MARKS), strict=False):
+    for (label, pairs), mark in zip(groups.items(), cycle(marks), strict=False):
         measured, predicted = pairs
         ax.plot(
             measured, predicted, mark.marker, color=mark.color, markersize=marker_size, label=label
