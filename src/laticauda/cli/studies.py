@@ -4,11 +4,12 @@ Sweeps run thousands to millions of trials; optimizations search for the best ga
 of links, or for the front between speed and power.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 import tyro
 
 from laticauda import studies
@@ -34,6 +35,8 @@ from laticauda.models.simulate.numbers import list_parameters
 from laticauda.scenarios import Scenario
 from laticauda.show import figures
 from laticauda.studies import Limits, Points, connected
+from laticauda.studies.limits import describe_limits
+from laticauda.studies.point_trials import scenarios_at
 from laticauda.values import BadArgument, check_choice, option, quantity, value_class
 
 N_BEST = 5
@@ -109,7 +112,9 @@ class Sweep(Study):
                 sweep, self.output, progress=show, client=client, threads=self.threads
             )
         if self.plot is not None:
-            sheet = figures.sweep_sheet(studies.open_sweep(self.output))
+            sheet = figures.sweep_sheet(
+                studies.open_sweep(self.output), lambda points: _name_limits(scenario, points)
+            )
             figures.save_figure(sheet, self.plot)
         return self._report(scenario, sweep)
 
@@ -252,6 +257,13 @@ class Optimize(Study):
         if names == [SPEED_AND_POWER]:
             return studies.SPEED_POWER
         return [name.replace("-", "_") for name in names]
+
+
+def _name_limits(scenario: Scenario, points: Sequence[Mapping[str, float]]) -> str:
+    """Return which limits of the robot the trials at some points of a sweep come up against."""
+    names = tuple(points[0])
+    table = np.array([[point[name] for name in names] for point in points])
+    return describe_limits(scenarios_at(scenario, names, table))
 
 
 def _facts_of_front(front: studies.Front, folder: Path, pictures: Sequence[Path]) -> dict[str, Any]:

@@ -9,6 +9,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 import laticauda as lc
+from laticauda.models.simulate.numbers import list_parameters
+from laticauda.studies.limits import name_limits
 from laticauda.studies.optimization import Optimization
 from laticauda.studies.point_trials import (
     FIGURES,
@@ -103,6 +105,21 @@ class Front:
                     row = {"name": name, "end": end, "value": float(bound), "n_points": n_points}
                     rows.append(row)
         return rows
+
+    def limits(self, point: int) -> list[str]:
+        """Return what limits a point: limits of the robot, and ends of ranges at which its parameters lie.
+
+        Args:
+            point: Index of the point.
+        """
+        limits = name_limits(self.scenario(point))
+        parameters = list_parameters(self.optimization.scenario)
+        bounds = self.optimization.bounds
+        for (name, (low, high)), value in zip(bounds.items(), self.values[point], strict=True):
+            tolerance = AT_BOUND * (high - low)
+            if min(abs(value - low), abs(value - high)) <= tolerance:
+                limits.append(f"range of the {parameters[name].phrase}")
+        return limits
 
     def spread(self, count: int) -> list[int]:
         """Return the indices of points spaced evenly along the front, including its ends.

@@ -13,7 +13,9 @@ from laticauda.show.cockpit.gait_trials import (
     DURATION,
     FREQUENCIES,
     change_wave,
+    find_best_trial,
     map_gaits,
+    name_limit,
     strip_scenario,
 )
 
@@ -60,7 +62,7 @@ def test_the_picture_marks_the_gait_and_what_failed_is_gray():
     whole = draw_gait_map(values, "forward_velocity", beyond)
     assert (area(whole, RED), area(whole, GRAY) < 100) == (0, True)
     values[0, 0] = np.nan
-    assert area(draw_gait_map(values, "forward_velocity", beyond), GRAY) > 1000
+    assert area(draw_gait_map(values, "forward_velocity", beyond), GRAY) > 400
 
 
 def test_a_quantity_that_no_trial_has_is_drawn_gray():
@@ -70,3 +72,31 @@ def test_a_quantity_that_no_trial_has_is_drawn_gray():
             np.full((len(FREQUENCIES), len(AMPLITUDES)), np.nan), "cost_of_transport", GAIT
         )
     assert area(picture, GRAY) > 100_000
+
+
+def test_the_best_is_what_the_robot_can_do():
+    values = np.full((len(FREQUENCIES), len(AMPLITUDES)), 1.0)
+    values[3, 4], values[5, 6], values[0, 0] = 4.0, 5.0, np.nan
+    shares = np.full(values.shape, 0.5)
+    assert find_best_trial(values, shares, "forward_velocity") == (AMPLITUDES[6], FREQUENCIES[5])
+    shares[5, 6] = 1.1
+    assert find_best_trial(values, shares, "forward_velocity") == (AMPLITUDES[4], FREQUENCIES[3])
+    values[2, 1] = 0.5
+    assert find_best_trial(values, shares, "mean_power") == (AMPLITUDES[1], FREQUENCIES[2])
+    assert find_best_trial(values, shares + 1.0, "mean_power") == (AMPLITUDES[1], FREQUENCIES[2])
+    assert find_best_trial(np.full(values.shape, np.nan), shares, "mean_power") is None
+
+
+ORANGE = (213, 94, 0)
+
+
+def test_the_map_shows_where_the_robot_comes_to_its_limit_and_what_limits_it(gaits):
+    assert name_limit(SCENARIO, gaits) == "servos"
+    values, shares = gaits["forward_velocity"], gaits["utilization"]
+    assert area(draw_gait_map(values, "forward_velocity", GAIT, shares, "servos"), ORANGE) > 100
+    assert area(draw_gait_map(values, "forward_velocity", GAIT, 0.0 * shares), ORANGE) == 0
+    identified = lc.build_scenario("mamba", GAIT, parameters="mamba-identified")
+    assert name_limit(identified, map_gaits(identified)) == "servos' top speed"
+    weak = {"forward_velocity": values, "utilization": 0.0 * shares}
+    slow = lc.build_scenario("amphibot", GAIT)
+    assert name_limit(slow, {**weak, "forward_velocity": 1.0 - 0.0 * values}) == ""

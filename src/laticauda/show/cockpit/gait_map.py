@@ -15,15 +15,19 @@ import laticauda as lc
 from laticauda.show.cockpit.events import Event, EventQueue, refusing
 from laticauda.show.cockpit.gait_trials import (
     AMPLITUDES,
+    CAN_DO,
     FREQUENCIES,
     QUANTITIES,
+    SHARE,
     change_wave,
+    find_best_trial,
     map_gaits,
+    name_limit,
     strip_scenario,
 )
 from laticauda.show.cockpit.live import Live
 from laticauda.show.figures import style
-from laticauda.studies import COSTS, LABELS
+from laticauda.studies import LABELS
 from laticauda.values import LaticaudaError
 
 QUANTITY_OF_LABEL = {name.replace("_", " "): name for name in QUANTITIES}
@@ -33,7 +37,7 @@ N_TRIALS = len(AMPLITUDES) * len(FREQUENCIES)
 WAITING = f"Computing {N_TRIALS} trials; the first map also compiles, some 20 s ..."
 EXPLANATION = (
     "Planar trials of 20 s from rest, in the plane; gray where a trial failed. "
-    "Red: the current gait."
+    "Red: the current gait; star: the best that the robot can do. Pale: more than it can do."
 )
 
 
@@ -44,6 +48,8 @@ class ComputedMap(NamedTuple):
     """What the map depends on, see `strip_scenario`."""
     values: dict[str, np.ndarray]
     """Values of all trials by quantity; empty if they cannot be computed."""
+    limit: str = ""
+    """What limits the speed of the robot; "" if nothing does."""
 
 
 class DrawnMap(NamedTuple):
@@ -97,7 +103,7 @@ class GaitMap:
         drawn = DrawnMap(id(values), quantity, gait.amplitude, gait.frequency)
         if drawn != self._drawn:
             self._drawn = drawn
-            self._image.image = draw_gait_map(values, quantity, gait)
+            self._image.image = draw_gait_map(values, quantity, gait, *self._shares_and_limit())
 
     @property
     def _chosen_quantity(self) -> str:
@@ -119,9 +125,17 @@ class GaitMap:
             return None
         return computed.values.get(self._chosen_quantity)
 
+    def _shares_and_limit(self) -> tuple[np.ndarray | None, str]:
+        """Return the share of what the robot offers of every trial, and what limits it."""
+        computed = self._computed
+        if computed is None:
+            return None, ""
+        return computed.values.get(SHARE), computed.limit
+
     def _compute(self, base: lc.Scenario) -> None:
         try:
-            self._computed = ComputedMap(base, map_gaits(base))
+            values = map_gaits(base)
+            self._computed = ComputedMap(base, values, name_limit(base, values))
             self._text.content = EXPLANATION
         except (ValueError, LaticaudaError) as error:
             self._computed = ComputedMap(base, {})
@@ -129,13 +143,17 @@ class GaitMap:
 
     @refusing
     def _swim_best(self, _: Event) -> None:
+        """Swim the best gait that the robot can do; if it can do none, the best of all."""
         values = self._values()
-        if values is None or np.isnan(values).all():
+        if values is None:
             return
-        is_cost = self._chosen_quantity in COSTS
-        best = np.nanargmin(values) if is_cost else np.nanargmax(values)
-        row, column = np.unravel_index(best, values.shape)
-        gait = change_wave(self._live.scenario.gait, AMPLITUDES[column], FREQUENCIES[row])
+        shares, _limit = self._shares_and_limit()
+        if shares is None:
+            return
+        best = find_best_trial(values, shares, self._chosen_quantity)
+        if best is None:
+            return
+        gait = change_wave(self._live.scenario.gait, best.amplitude, best.frequency)
         self._live.alter(gait=gait)
 
 
@@ -150,13 +168,21 @@ FAILED_COLOR = "#c8c8c8"
 GAIT_COLOR = "#E63C1E"
 
 
-def draw_gait_map(values: np.ndarray, quantity: str, gait: lc.Gait) -> np.ndarray:
+def draw_gait_map(
+    values: np.ndarray,
+    quantity: str,
+    gait: lc.Gait,
+    shares: np.ndarray | None = None,
+    limit: str = "",
+) -> np.ndarray:
     """Draw a quantity as colors over amplitude and frequency, and a gait as a dot; gray where a trial failed.
 
     Args:
         values: Value of every trial.
         quantity: One of `QUANTITIES`.
         gait: The gait to mark.
+        shares: Share of what the robot offers in every trial; None: unknown, so no limit is drawn.
+        limit: What limits the speed of the robot; "" if nothing does.
     """
     figure = style.new_figure(WIDTH, HEIGHT)
     figure.set_dpi(DOTS_PER_INCH)
@@ -165,16 +191,38 @@ def draw_gait_map(values: np.ndarray, quantity: str, gait: lc.Gait) -> np.ndarra
     colors = axes.pcolormesh(
         AMPLITUDES, FREQUENCIES, np.ma.masked_invalid(values), shading="nearest"
     )
+    if shares is not None:
+        _draw_limit(axes, shares)
+        _mark_best(axes, values, shares, quantity)
     style.style_axes(axes, xlabel="amplitude [deg]", ylabel="frequency [deg/s]")
-    axes.autoscale_view()
-    axes.autoscale(False)
+    axes.set_xlim(AMPLITUDES[0], AMPLITUDES[-1])
+    axes.set_ylim(FREQUENCIES[0], FREQUENCIES[-1])
     amplitude = math.degrees(gait.amplitude)
     frequency = math.degrees(gait.frequency)
     axes.plot(amplitude, frequency, **style.marker_style("o", 7.0, GAIT_COLOR))
-    style.add_title(figure, LABELS[quantity])
+    note = f"limited by: {limit}" if limit else ""
+    style.add_title(figure, LABELS[quantity], note)
     bar: Any = figure.colorbar(colors, ax=axes)
     bar.ax.tick_params(labelsize=style.TICK, labelcolor=style.INK)
     bar.outline.set_visible(False)
     canvas: Any = figure.canvas
     canvas.draw()
     return np.asarray(canvas.buffer_rgba())[..., :3].copy()
+
+
+def _draw_limit(axes: Any, shares: np.ndarray) -> None:
+    """Draw the line at the limit of the robot; beyond it the map is pale."""
+    known = np.nan_to_num(shares, nan=0.0)
+    if not np.any(known > CAN_DO):
+        return
+    places = (AMPLITUDES, FREQUENCIES, known)
+    axes.contourf(*places, levels=[1.0, np.inf], colors="white", alpha=0.45)
+    if known.min() < 1.0:
+        axes.contour(*places, levels=[1.0], colors=style.ORANGE, linewidths=1.8)
+
+
+def _mark_best(axes: Any, values: np.ndarray, shares: np.ndarray, quantity: str) -> None:
+    best = find_best_trial(values, shares, quantity)
+    if best is not None:
+        star = style.marker_style("*", 11.0, "white", markeredgecolor=style.INK)
+        axes.plot(best.amplitude, best.frequency, **star)

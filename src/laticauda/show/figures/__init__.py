@@ -7,7 +7,8 @@ path      the path of a run, with postures along it
 swim      speed, joint angles and torques; the sheet of a run
 follow    the sheet of a run that followed a path
 sheets    which of the two a run gets
-several   several runs in one figure, and sweeps
+several   several runs in one figure
+sweep     the results of a sweep
 timing    how late the loop of an operated run was
 film      a run in the plane as a film
 """
@@ -19,10 +20,8 @@ from laticauda.values import lazy_exports
 if TYPE_CHECKING:
     from laticauda.show.figures.film import Film as Film, swim_film as swim_film
     from laticauda.show.figures.path import path_strip as path_strip
-    from laticauda.show.figures.several import (
-        plot_overlay as plot_overlay,
-        sweep_sheet as sweep_sheet,
-    )
+    from laticauda.show.figures.several import plot_overlay as plot_overlay
+    from laticauda.show.figures.sweep import sweep_sheet as sweep_sheet
     from laticauda.show.figures.style import new_figure as new_figure, save_figure as save_figure
     from laticauda.show.figures.follow import follow_sheet as follow_sheet
     from laticauda.show.figures.sheets import sheet as sheet
@@ -39,7 +38,8 @@ __getattr__, __dir__, __all__ = lazy_exports(
     {
         "laticauda.show.figures.film": ["Film", "swim_film"],
         "laticauda.show.figures.path": ["path_strip"],
-        "laticauda.show.figures.several": ["plot_overlay", "sweep_sheet"],
+        "laticauda.show.figures.several": ["plot_overlay"],
+        "laticauda.show.figures.sweep": ["sweep_sheet"],
         "laticauda.show.figures.style": ["new_figure", "save_figure"],
         "laticauda.show.figures.follow": ["follow_sheet"],
         "laticauda.show.figures.sheets": ["sheet"],

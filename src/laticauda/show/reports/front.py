@@ -6,18 +6,19 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from laticauda.models.simulate import environment_prefix
 from laticauda.show.figures import style
 from laticauda.show.reports.front_axes import FRONT_MARKS, choose_marked_points, draw_fronts
 from laticauda.show.reports.front_bodies import describe_point, draw_bodies, name_in_words
-from laticauda.studies import Front
+from laticauda.studies import COSTS, Front
 from laticauda.values import renamed_names
 
 __getattr__ = renamed_names(__name__, {"front_figure": ":draw_front_sheet"})
 
-SHEET_HEIGHT = 3.9
+SHEET_HEIGHT = 4.05
 """Height of the figure, without further lines of text below bodies [in]."""
 LINE_HEIGHT = 0.11
 """Height of a line of text below a body, after the first line [in]."""
@@ -73,7 +74,8 @@ def draw_front_sheet(fronts: Sequence[Front]) -> Figure:
             color=FRONT_MARKS[number].color,
         )
         n_letters += len(texts)
-    style.add_title(figure, _write_title(fronts[0]), _write_note(fronts))
+    note = "\n".join([*_describe_limits(fronts), _write_note(fronts)])
+    style.add_title(figure, _write_title(fronts[0]), note)
     return figure
 
 
@@ -81,6 +83,28 @@ def _write_title(front: Front) -> str:
     first, last = front.optimization.objectives
     objectives = f"{name_in_words(first).capitalize()} against {name_in_words(last)}"
     return f"{objectives}: robot {front.optimization.scenario.robot.name}"
+
+
+def _describe_limits(fronts: Sequence[Front]) -> list[str]:
+    """Return what limits the point of each front that is best in the first objective."""
+    lines: list[str] = []
+    for front in fronts:
+        limits = front.limits(_best_point(front))
+        if limits:
+            subject = name_in_words(front.optimization.objectives[0])
+            if len(fronts) > 1:
+                subject += f" in {front.optimization.scenario.gait.words}"
+            lines.append(f"{subject.capitalize()} limited by: {', '.join(limits)}")
+    return lines
+
+
+def _best_point(front: Front) -> int:
+    """Return the point that is best in the first objective."""
+    first, _ = front.optimization.objectives
+    values = front.figures[first]
+    if first in COSTS:
+        return int(np.argmin(values))
+    return int(np.argmax(values))
 
 
 def _write_note(fronts: Sequence[Front]) -> str:

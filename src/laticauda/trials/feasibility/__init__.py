@@ -15,6 +15,7 @@ from laticauda.trials.feasibility.figures import (
     make_peak_figure as make_peak_figure,
 )
 from laticauda.trials.feasibility.judgment import (
+    SERVOS as SERVOS,
     Feasibility as Feasibility,
     exceeds_actuators as exceeds_actuators,
     judge_feasibility as judge_feasibility,

@@ -18,6 +18,9 @@ from laticauda.trials.feasibility.figures import ROUNDING, compute_peaks, find_s
 from laticauda.trials.feasibility.link_overlap import measure_overlap
 from laticauda.values import Log
 
+SERVOS = "servos"
+JOINT_ANGLES = "joint angles"
+LINKS = "links that touch"
 FIN_SERIES = {
     "joint_angle": "fin_angle_0",
     "joint_rate": "fin_rate_0",
@@ -36,6 +39,8 @@ class Feasibility:
     """The largest angle, rate and torque of a joint, each with the value that it offers."""
     problems: tuple[str, ...]
     """Reasons why the robot cannot do it, one sentence each; empty if it can."""
+    limited_by: str
+    """What is used most of all that the robot offers: its servos, its joint angles, or the room between its links."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,7 +81,28 @@ def judge_feasibility(robot: Robot, log: Log, period: float | None) -> Feasibili
         figures={name: float(values[0]) for name, values in figures.items()},
         words=words,
         problems=tuple(problems),
+        limited_by=_name_limit(robot, angle, rate, torque, figures["utilization"][0]),
     )
+
+
+def _name_limit(
+    robot: Robot, angle: Joints, rate: Joints, torque: Joints, utilization: float
+) -> str:
+    """Return which of the offers is used most; `utilization` is the largest share of all [-]."""
+    if not robot.driven_joints:
+        return LINKS
+    offer = Offer.of([robot])
+    share_of_limit = {
+        SERVOS: max(
+            _largest_magnitude(duty_from_offer(offer, rate, torque)),
+            _largest_magnitude(driven_rate(rate, torque) / offer.no_load_speed),
+        ),
+        JOINT_ANGLES: _largest_magnitude(angle / offer.joint_limit),
+    }
+    largest = max(share_of_limit, key=share_of_limit.__getitem__)
+    if share_of_limit[largest] < utilization - ROUNDING:
+        return LINKS
+    return largest
 
 
 def exceeds_actuators(robot: Robot, log: Log, period: float | None) -> bool:
