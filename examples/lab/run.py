@@ -2,13 +2,15 @@
 the operator are two processes.
 
 They share only a CAN bus, a network port and a serial line. The same trial is then
-simulated without any of these, and the two velocities are compared.
+simulated without any of these, and the velocities are compared with each other and
+with that of the robot in the paper's tank.
 
     python examples/lab/run.py [--speed 2] [--duration 90]
 """
 
 import argparse
 import json
+import math
 import subprocess
 import sys
 import tempfile
@@ -16,6 +18,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import laticauda as lc
+from laticauda.paper.measured import read_path_following_trials
 from laticauda.tank.operate.settings import load_operation
 from laticauda.trials import following
 
@@ -24,11 +27,11 @@ BUS = "udp_multicast:239.74.163.2:43117"
 
 
 def simulated(operation, start) -> lc.Trial:
-    """The same controller and model, with servo joints and nothing in between."""
+    """The same controller and model, with nothing in between."""
     plant = lc.build_plant(
         operation.body(),
         operation.pool(),
-        joints="servo",
+        joints=operation.joint_law(),
         ramp=operation.ramp,
         offset_bandwidth=operation.offset_bandwidth,
     )
@@ -58,15 +61,15 @@ def main() -> int:
         "--json",
         "--robot",
         operation.robot,
-        "--water",
-        operation.water,
+        "--parameters",
+        operation.parameters,
         "--position",
         str(x),
         str(y),
     ]
     words += [
         "--heading-deg",
-        "-1.86",
+        str(math.degrees(operation.start.heading)),
         "--bus",
         BUS,
         "--port",
@@ -139,6 +142,16 @@ def main() -> int:
             f"{error[-1]:+.3f} m"
         )
     print(f"the velocities differ by {100 * (ratio - 1):+.1f} %")
+    (measured,) = (
+        case
+        for case in read_path_following_trials()
+        if case.gait.kind == operation.gait.kind and case.has_fin and case.case == 1
+    )
+    error = trial.forward_velocity / measured.forward_velocity - 1
+    print(
+        f"the robot in the paper's tank: {measured.forward_velocity:.4f} m/s; the virtual "
+        f"one differs by {100 * error:+.1f} %"
+    )
     return 0 if abs(ratio - 1) < 0.05 else 1
 
 

@@ -9,7 +9,10 @@ from patience import LONG, running
 
 from laticauda import load_trial
 from laticauda.cli import main
+from laticauda.cli.lab import LabCommand
+from laticauda.robot import load_parameters, load_robot, load_water
 from laticauda.tank.protocol import JointState, Sync, bus_address, from_frame, open_bus, to_frame
+from laticauda.values import name_of
 
 PROGRAM = [
     sys.executable,
@@ -36,7 +39,8 @@ def test_the_lab_says_where_it_is_serves_obeys_a_line_and_ends_with_ctrl_c(tmp_p
     with running(words, stdin=PIPE, stdout=PIPE, stderr=PIPE) as lab:
         assert lab.stdout is not None and lab.stdin is not None and lab.stderr is not None
         told = json.loads(lab.stdout.readline())
-        assert (told["bus"], told["nodes"], told["qtm"][:10]) == (BUS, 18, "127.0.0.1:")
+        assert (told["bus"], told["nodes"], told["qtm"][:10]) == (BUS, 8, "127.0.0.1:")
+        assert told["robot"] == "mamba-fin as mamba-identified"
         with open_bus(bus_address(BUS)) as bus:
             for _ in range(100):
                 bus.send(to_frame(Sync(counter=1)))
@@ -71,7 +75,7 @@ def test_a_lab_with_an_end_ends(capsys):
     assert main(words) == 0
     out = capsys.readouterr().out
     assert out.startswith("bus udp_multicast:239.74.163.96:43195 | qtm 127.0.0.1:")
-    assert out.endswith("| nodes 18 (this computer only)\n")
+    assert out.endswith("| robot mamba-fin as mamba-identified | nodes 8 (this computer only)\n")
 
 
 def test_whoever_opens_the_lab_to_others_is_warned(capsys):
@@ -107,9 +111,53 @@ def test_whoever_opens_the_lab_to_others_is_warned(capsys):
         (["--speed", "0"], "--speed must be > 0, got 0"),
         (["--position", "1"], "Missing value for argument '--position'. Expected 2 values."),
         (["--faults", "nowhere.toml"], "nowhere.toml: no such file"),
+        (
+            ["--parameters", "mamba-identified", "--water", "paper-eel"],
+            "--parameters must not be given with `water`: both define the water",
+        ),
+        (["--parameters", "nowhere"], "nowhere"),
+        (["--gait", "galop"], "--gait must be one of"),
         (["--bus", "socketcan:nosuch0"], "The CAN bus socketcan:nosuch0 cannot be opened: "),
     ],
 )
 def test_bad_input_is_said_in_the_words_of_the_command_line(words, message, capsys):
     assert main(["lab", "--port", "0", *words] if "--port" not in words else ["lab", *words]) == 2
     assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "parameters", "law"),
+    [
+        ([], "mamba-identified", "speed-servo"),
+        (["--robot", "mamba"], "mamba-identified", "speed-servo"),
+        (["--robot", "mamba-modules"], None, "servo"),
+        (["--water", "paper-eel"], None, "servo"),
+        (["--joints", "servo"], None, "servo"),
+        (["--normal-drag", "1.5"], None, "servo"),
+        (["--current", "0.05", "0"], "mamba-identified", "speed-servo"),
+        (["--robot", "mamba", "--parameters", "mamba-textbook"], "mamba-textbook", "speed-servo"),
+        (["--parameters", "paper"], "paper", "servo"),
+        (["--parameters", "mamba-identified", "--joints", "servo"], "mamba-identified", "servo"),
+    ],
+)
+def test_mamba_swims_as_identified_unless_something_else_is_chosen(words, parameters, law):
+    command = LabCommand.read(words, "laticauda lab")
+    assert command.body.parameters == parameters
+    assert name_of(type(command.servos)) == law
+
+
+def test_parameters_are_those_of_the_kind_of_gait():
+    eel = LabCommand.read(["--parameters", "paper", "--gait", "eel-like"], "laticauda lab")
+    lateral = LabCommand.read(["--parameters", "paper"], "laticauda lab")
+    assert eel.coefficients.tangential_friction == load_water("paper-eel").tangential_friction
+    assert (
+        lateral.coefficients.tangential_friction == load_water("paper-lateral").tangential_friction
+    )
+
+
+def test_the_robot_in_the_tank_has_the_numbers_of_the_parameters():
+    tank = LabCommand.read([], "laticauda lab")._tank()
+    parameters = load_parameters("mamba-identified")
+    assert tank.body.robot == parameters.robot(load_robot("mamba-fin"), "lateral_undulation")
+    assert tank.body.plant.environment == parameters.every_gait
+    assert tank.body.plant.settings.joints == parameters.joints

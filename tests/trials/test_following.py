@@ -39,6 +39,23 @@ def test_a_visit_shorter_than_a_cycle_is_no_convergence():
     assert following.convergence(TIME, then_there, ALONG, PERIOD).time > 40.0
 
 
+def test_a_run_that_leaves_its_path_again_does_not_stay():
+    swing = 0.4 * np.cos(2.0 * np.pi * TIME / 60.0)  # crosses the path, and ends 0.4 m off
+    assert following.convergence(TIME, swing + RIPPLE, ALONG, PERIOD) is not None
+    late = following.last_cycles_error(TIME, swing + RIPPLE, PERIOD)
+    assert late == pytest.approx(0.39, rel=0.02)
+    near = following.last_cycles_error(TIME, 0.05 + approach(1.0, rate=0.5) + RIPPLE, PERIOD)
+    assert near == pytest.approx(0.05, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("time", "error", "stays"),
+    [(20.0, 0.1, True), (20.0, 0.11, False), (20.0, None, False), (None, 0.05, False)],
+)
+def test_a_run_stays_if_it_came_and_is_there_at_the_end(time, error, stays):
+    assert following.stays({"convergence_time": time, "last_cycles_error": error}) is stays
+
+
 @given(start=st.floats(0.2, 3.0), side=st.sampled_from([-1.0, 1.0]), past=st.floats(0.0, 0.5))
 def test_overshoot_is_what_lies_on_the_other_side(start, side, past):
     error = side * (approach(start, end=-past))

@@ -4,17 +4,35 @@ import sys
 import threading
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any, Literal
 
 import laticauda as lc
 from laticauda.cli.command import Command, until_stopped
-from laticauda.cli.flags import File, Options, TrialOutput, parse_command
-from laticauda.cli.scene import warn_of_compiling
+from laticauda.cli.flags import (
+    File,
+    Options,
+    TrialOutput,
+    options_of,
+    parse_command,
+    was_typed,
+)
+from laticauda.cli.scene import NO_COEFFICIENTS, warn_of_compiling
 from laticauda.cli.shared_options import THIS_COMPUTER, host_option, port_option
-from laticauda.robot import Scene, Water, load_robot
-from laticauda.scenarios import model_of, named_after, water_for
+from laticauda.motion.gaits.gait import list_kinds
+from laticauda.robot import Parameters, Robot, Scene, Water, load_parameters, load_robot
+from laticauda.scenarios import model_of, named_after, preset_water, water_for
+from laticauda.scenarios.choice import IDENTIFIED_PARAMETERS
 from laticauda.tank import lab, protocol
-from laticauda.values import LOCAL, BadArgument, option, packaging, quantity, value_class
+from laticauda.values import (
+    LOCAL,
+    BadArgument,
+    check_choice,
+    option,
+    packaging,
+    quantity,
+    value_class,
+)
 
 NOTICED_DELAY = 0.05
 """From here on, an operator notices that devices answer late [s]."""
@@ -22,25 +40,90 @@ NOTICED_DELAY = 0.05
 
 @value_class
 class Body(Options):
-    """What swims, and where."""
+    """What swims, and where.
+
+    Mamba and Mamba with its fin swim like the robot in the tank, with the parameters that were
+    identified on it, unless a water, joints, parameters or a coefficient are given.
+    """
 
     robot: str = option(
-        "A preset (see `laticauda robots`) or a TOML file; at most 18 joints",
-        default="mamba-modules",
+        "A preset (see `laticauda robots`) or a TOML file; at most 18 joints", default="mamba-fin"
     )
     water: str | None = option(
         "A preset, a TOML file or textbook; none: see `laticauda swim`", default=None
+    )
+    parameters: str | None = option(
+        "A preset or a parameter file: its numbers for water, joints, fin and power instead of the paper's and the "
+        "robot's (not with a water)",
+        default=None,
+    )
+    gait: str = option(
+        "Kind of gait for which the parameters are, if their numbers differ by gait",
+        default="lateral-undulation",
     )
     model: Literal["planar", "spatial"] = option("The model of the body", default="planar")
     scene: str | None = option(
         "Surroundings in space, as for `laticauda swim`, such as tank or pipe", default=None
     )
-    joints: str = option("Its servos: servo, or speed-servo with speed control", default="servo")
+    joints: str | None = option(
+        "Its servos: servo, or speed-servo with speed control; if omitted, the parameters' or servo",
+        default=None,
+    )
+
+    def __post_init__(self) -> None:
+        """Reject a water beside parameters, and an unknown kind of gait."""
+        if self.parameters is not None and self.water is not None:
+            raise BadArgument("parameters", "must not be given with `water`: both define the water")
+        check_choice("gait", self._gait_kind, list_kinds())
+
+    def with_identified_parameters(self) -> "Body":
+        """Return this with the parameters identified on its robot, unless something else is chosen."""
+        if any(name is not None for name in (self.water, self.parameters, self.joints)):
+            return self
+        return replace(self, parameters=IDENTIFIED_PARAMETERS.get(self.robot))
+
+    @property
+    def swimmer(self) -> Robot:
+        """The robot, with the numbers of the parameters."""
+        robot = load_robot(self.robot)
+        parameters = self._load_parameters()
+        if parameters is None:
+            return robot
+        return parameters.robot(robot, self._gait_kind)
 
     @property
     def pool(self) -> Water:
         """The water as loaded."""
-        return water_for(load_robot(self.robot), self.water)
+        parameters = self._load_parameters()
+        if parameters is None:
+            return water_for(load_robot(self.robot), self.water)
+        return parameters.water(self._gait_kind)
+
+    @property
+    def law(self) -> lc.JointLaw | str:
+        """The law of its servos."""
+        parameters = self._load_parameters()
+        if self.joints is not None:
+            return self.joints
+        if parameters is None:
+            return "servo"
+        return parameters.servos
+
+    @property
+    def description(self) -> str:
+        """What swims, in words."""
+        if self.parameters is None:
+            return self.robot
+        return f"{self.robot} as {self.parameters}"
+
+    @property
+    def _gait_kind(self) -> str:
+        return self.gait.replace("-", "_")
+
+    def _load_parameters(self) -> Parameters | None:
+        if self.parameters is None:
+            return None
+        return load_parameters(self.parameters)
 
 
 @value_class
@@ -77,7 +160,7 @@ class Lab(Command):
     It prints one line with their addresses. Lines that you type instruct the person at the tank:
     `leak node=5 duration=2` and other faults, `clear`, `carry X Y HEADING_DEG`, `truth`, `help`.
 
-    For example: laticauda lab --robot mamba-modules --position 0 0.5 --seed 1
+    For example: laticauda lab --robot mamba-fin --position 0 0.5 --seed 1
     """
 
     body: Body = option("Robot, water and scene", default=Body())
@@ -96,7 +179,9 @@ class Lab(Command):
     def read(cls, arguments: Sequence[str], prog: str) -> "Lab":
         """Return the command that was typed; see `Command.read`."""
         body: Body = parse_command(Body, arguments, prog, known_only=True)
-        changes: dict[str, Any] = {"joints": body.joints}
+        if not _says_coefficients(arguments):
+            body = body.with_identified_parameters()
+        changes: dict[str, Any] = {"joints": body.law}
         if body.scene is not None:
             changes["scene"] = body.scene
         model = model_of(body.model, **changes)
@@ -135,7 +220,7 @@ class Lab(Command):
 
     def _tank(self) -> "lab.Tank":
         """Return the requested tank, with its kernels compiled."""
-        robot = load_robot(self.body.robot)
+        robot = self.body.swimmer
         water = named_after(self.coefficients, self.body.pool)
         faults = ()
         if self.time.faults is not None:
@@ -161,12 +246,22 @@ class Lab(Command):
             "bus": str(bus),
             "qtm": f"{host}:{addresses.mocap_port}",
             "meter": addresses.meter,
+            "robot": self.body.description,
             "nodes": len(tank.nodes),
         }
         text = " | ".join(f"{name} {value}" for name, value in facts.items())
         if host == THIS_COMPUTER and not bus.hops:
             text += " (this computer only)"
         self.announce(facts, text)
+
+
+def _says_coefficients(arguments: Sequence[str]) -> bool:
+    """Return whether a coefficient of the water is typed, whose base are the paper's coefficients."""
+    return any(
+        was_typed(field, arguments)
+        for field in options_of(preset_water("paper-lateral"))
+        if field.name not in NO_COEFFICIENTS
+    )
 
 
 def _obey_lines(server: "lab.Lab") -> None:

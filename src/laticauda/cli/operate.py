@@ -73,7 +73,9 @@ class Operate(command.Command):
 
     def _operate(self, operation: settings.Operation, folder: Path | None) -> session.Result:
         try:
-            twin = simulate.build_plant(operation.body(), operation.pool(), joints="servo")
+            twin = simulate.build_plant(
+                operation.body(), operation.pool(), joints=operation.joint_law()
+            )
         except RobotFileError as error:
             raise settings.OperationFileError(f"{self.file}: {error}") from None
         with terminal.Keys() as keys, terminal.Terminal(keys), self._display_of(operation) as show:

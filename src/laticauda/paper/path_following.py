@@ -68,9 +68,14 @@ class FollowingRun:
         return f"{self.joints} joints, {loop}, {heading} heading"
 
     @property
-    def converged(self) -> bool:
+    def has_come(self) -> bool:
         """Whether at some time the cycle-mean error stayed within 0.1 m for a whole cycle."""
         return self.figures["convergence_time"] is not None
+
+    @property
+    def converged(self) -> bool:
+        """Whether the cycle-mean error came within 0.1 m for a whole cycle, and is there over the last three."""
+        return following.stays(self.figures)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -27,7 +27,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from laticauda.motion.gaits.gait import list_kinds
-from laticauda.motion.joints import JointLaw
+from laticauda.motion.joints import JointLaw, Servo
 from laticauda.robot.body import Actuator, Joint
 from laticauda.robot.effectors import CaudalFin, Tether
 from laticauda.robot.environment import Water
@@ -242,6 +242,19 @@ class Parameters:
             ValueError: If a parameter is inconsistent with the rest of the robot.
         """
         return adjust(adjust(robot, self.changes), self.own_changes.get(gait_kind, {}))
+
+    @property
+    def servos(self) -> Servo:
+        """Joint law of a robot whose joints are servos, as those of modules are.
+
+        It is the law that they belong to; if they belong to none, or to joints that are not servos,
+        it is `Servo`.
+        """
+        if self.joints is not None:
+            law = JointLaw.of(self.joints)
+            if isinstance(law, Servo):
+                return law
+        return Servo()
 
     def to_toml(self) -> str:
         """Return the file's text, which `load_parameters` reads back to equal parameters.

@@ -5,6 +5,7 @@ mean over the gait cycle: the center of mass of a swimming snake swings across i
 swing is the ripple, not an error.
 """
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,6 +26,8 @@ TOLERANCE = 0.1
 """Cycle-mean error within which a run counts as converged [m]."""
 CYCLES_OF_A_SUMMARY = 1.5
 """Gait cycles that a run must last for figures of cycle means in `summarize_following`."""
+LAST_CYCLES = 3
+"""Gait cycles at the end of a run over which it has to stay with its path."""
 _ROUNDING = 1e-9
 """Fraction of a cycle that may be missing from a whole one [-]."""
 
@@ -187,6 +190,49 @@ def last_third(time: Time, cross_track_error: Time, period: float) -> Middles:
     return error[_since(time[0], middle, _begin_of_last_third(time))]
 
 
+def last_cycles_error(time: Time, cross_track_error: Time, period: float) -> float:
+    """Return the largest cycle-mean error over the last three cycles of the run, to either side [m].
+
+    A slow swing about the path is within the tolerance for a cycle as it crosses, and leaves it
+    again: `convergence` alone does not tell it from a run that stays.
+
+    Args:
+        time: Times of the samples [s].
+        cross_track_error: Distance from the path, positive to the left [m].
+        period: Gait period [s].
+
+    Raises:
+        ValueError: If the log is shorter than one cycle, or too coarse to resolve one.
+    """
+    middle, error = mean_error(time, cross_track_error, period)
+    begin = float(time[-1]) - LAST_CYCLES * period
+    is_late = middle >= begin + 0.5 * period * (1.0 - _ROUNDING)
+    return float(np.max(np.abs(error[is_late])))
+
+
+def stays(figures: Mapping[str, float | None]) -> bool:
+    """Return whether a run came to its path, and is with it over its last three cycles.
+
+    Args:
+        figures: Its figures, from `summarize_following`.
+    """
+    last_error = figures["last_cycles_error"]
+    has_come = figures["convergence_time"] is not None
+    return has_come and last_error is not None and last_error <= TOLERANCE
+
+
+def _has_last_cycles(time: Time, cross_track_error: Time, period: float) -> bool:
+    """Return whether a run has three whole cycles at its end.
+
+    It does not if it is shorter, or was cut: nothing was recorded while the computer stood still.
+    """
+    if time[-1] - time[0] < LAST_CYCLES * period * (1.0 - _ROUNDING):
+        return False
+    middle = mean_error(time, cross_track_error, period).time
+    begin = float(time[-1]) - LAST_CYCLES * period
+    return float(middle[-1]) >= begin + 0.5 * period
+
+
 def _begin_of_last_third(time: Time) -> float:
     """Return the time since the start of the run at which its last third begins [s]."""
     return 2.0 / 3.0 * float(time[-1] - time[0])
@@ -225,6 +271,7 @@ FIGURES = {
     "overshoot": ("m", "overshoot: largest mean error on the far side of the path"),
     "steady_error": ("m", "root mean square of the mean error after that"),
     "ripple": ("m", "root mean square of the swing about the mean after that"),
+    "last_cycles_error": ("m", "largest mean error over the last three cycles, to either side"),
     "last_third_error": ("m", "mean error over the last third of the run"),
     "last_third_height_error": ("m", "mean height above the path over the last third of the run"),
     "end_time": ("s", "time until the end of the path, beyond which the robot swam on"),
@@ -262,6 +309,8 @@ def summarize_following(trial: Trial) -> dict[str, float | None]:
     if not resolves_cycles(time, period):
         return figures
     figures["overshoot"] = overshoot(time, error, period)
+    if _has_last_cycles(time, error, period):
+        figures["last_cycles_error"] = last_cycles_error(time, error, period)
     if _has_last_third(time, error, period):
         figures["last_third_error"] = last_third_error(time, error, period)
         if "height_error" in trial.signals:

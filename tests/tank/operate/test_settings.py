@@ -5,6 +5,8 @@ from pathlib import Path
 import pytest
 
 from laticauda.control.estimation import Learning
+from laticauda.motion.joints import Servo
+from laticauda.robot import load_parameters, load_robot
 from laticauda.tank.operate.settings import (
     Connection,
     Operation,
@@ -54,6 +56,29 @@ def test_a_trial_file_has_degrees_where_the_name_says_so():
     assert operation.following is not None
     assert operation.following.max_offset == pytest.approx(math.radians(20))
     assert operation.following.controller(operation.gait).heading.gain == 0.4
+
+
+def test_parameters_give_robot_water_and_joint_law_for_the_gait_of_the_trial():
+    operation = parse_operation(f"robot = 'mamba-fin'\nparameters = 'mamba-identified'\n{TRIAL}")
+    assert isinstance(operation, Operation)
+    parameters = load_parameters("mamba-identified")
+    robot = load_robot("mamba-fin")
+    assert operation.body() == parameters.robot(robot, "lateral_undulation") != robot
+    assert operation.pool() == parameters.every_gait
+    assert operation.joint_law() == parameters.joints
+    eel = TRIAL.replace("lateral-undulation", "eel-like")
+    by_gait = parse_operation(f"parameters = 'paper'\n{eel}")
+    assert isinstance(by_gait, Operation)
+    assert by_gait.pool() == load_parameters("paper").water("eel_like")
+
+
+def test_without_parameters_or_with_those_of_prescribed_joints_modules_are_servos():
+    plain = parse_operation(TRIAL)
+    prescribed = parse_operation(f"parameters = 'paper'\n{TRIAL}")
+    assert isinstance(plain, Operation)
+    assert isinstance(prescribed, Operation)
+    assert plain.joint_law() == prescribed.joint_law() == Servo()
+    assert plain.body() == load_robot("mamba")
 
 
 def test_a_table_says_that_a_twin_learns_and_what():
@@ -139,6 +164,10 @@ def test_a_series_file_puts_what_differs_over_what_is_common():
         (
             "learning.unknown = ['drag']",
             r"key `learning.unknown\[0\]`: must be one of `normal_drag`, .* got 'drag'",
+        ),
+        (
+            "parameters = 'mamba-identified'\nwater = 'paper-eel'",
+            r"key `parameters`: must not be given with `water`: both define the water",
         ),
         ("supply_voltage = 0", r"key `supply_voltage`: must be > 0 V, got 0"),
         (

@@ -33,9 +33,10 @@ from laticauda.control.estimation.samples import (
     Sample,
     StateEstimator,
 )
+from laticauda.control.estimation.servo_lag import smooth_reference, turn_by_speed_control
 from laticauda.control.estimation.state_vector import JOINTS, VX, VY, H, R, S, U, X, Y
 from laticauda.models.dynamics import Plant
-from laticauda.motion.gaits import filter_step
+from laticauda.motion.joints import SpeedServo
 from laticauda.robot import Water, kinematics
 from laticauda.values import BadArgument, option, quantity, value_class, wrap_to_pi
 
@@ -288,22 +289,23 @@ class Estimator(StateEstimator):
         dt = time - state.time
         if dt == 0.0 or not math.isfinite(dt):
             return replace(state, time=time)
-        bandwidth = self.model.reference_bandwidth
-        # The formula of the reference filter also holds for arrays.
-        filter_references = cast(Any, filter_step)
-        lagged, lagged_rate, _ = filter_references(
-            state.lagged,
-            state.lagged_rate,
-            state.reference,
-            bandwidth,
-            math.exp(-bandwidth * dt),
-            dt,
-        )
+        lagged, lagged_rate = self._follow_references(state, dt)
         if state.posterior is not None or state.twin is not None:
             n_steps = max(1, math.ceil(dt / LONGEST_STEP))
             for _ in range(n_steps):
                 state = self._advance_substep(state, lagged, dt / n_steps)
         return replace(state, time=time, lagged=lagged, lagged_rate=lagged_rate)
+
+    def _follow_references(self, state: FilterState, dt: float) -> tuple[Vector, Vector]:
+        """Return the lagged references after a step, and their rates; a twin's law says how joints lag."""
+        law = None
+        if self.plant is not None:
+            law = self.plant.settings.joints
+        if isinstance(law, SpeedServo):
+            return turn_by_speed_control(state.lagged, state.reference, law, dt)
+        return smooth_reference(
+            state.lagged, state.lagged_rate, state.reference, self.model.reference_bandwidth, dt
+        )
 
     def _advance_substep(self, state: FilterState, lagged: Vector, dt: float) -> FilterState:
         """Advance twin and estimate by one step; the lagged references are those at its end."""

@@ -101,9 +101,9 @@ def _describe_convergence(study: PathFollowingStudy, cases: Sequence[FollowingCa
     late_errors = [_late_error(case.run) for case in cases]
     in_all_ways: list[bool] = []
     for case in cases:
-        in_all_ways += [run.converged and _late_error(run) <= accepted for run in case.band]
+        in_all_ways += [run.has_come and _late_error(run) <= accepted for run in case.band]
     return {
-        "came": [case.run.converged for case in cases],
+        "came": [case.run.has_come for case in cases],
         "rms": late_errors,
         "stayed": [error <= accepted for error in late_errors],
         "ways": in_all_ways,

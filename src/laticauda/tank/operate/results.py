@@ -20,7 +20,7 @@ FIGURE_TEXTS: dict[str, Any] = tomllib.loads(
     Path(__file__).with_name("figures.toml").read_text(encoding="utf-8")
 )
 """How the figures of a `run` and of a `series` are shown."""
-FOLLOWING_FIGURES = ("convergence_time", "steady_error", "ripple")
+FOLLOWING_FIGURES = ("convergence_time", "steady_error", "ripple", "last_cycles_error")
 """Figures of a run along a path."""
 
 

@@ -98,6 +98,7 @@ def header_of(operator: Operator, text: str = "") -> Header:
         supply_voltage=operation.supply_voltage,
         learning=operation.learning,
         operation=text,
+        joints=operation.joint_law(),
     )
 
 

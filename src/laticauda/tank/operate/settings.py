@@ -35,7 +35,8 @@ from laticauda import control, scenarios
 from laticauda.control import estimation, transform_to_axes
 from laticauda.control.estimation import Offset
 from laticauda.motion import gaits
-from laticauda.robot import Robot, Water, load_robot
+from laticauda.motion.joints import Servo
+from laticauda.robot import Parameters, Robot, Water, load_parameters, load_robot
 from laticauda.scenarios import interfaces
 from laticauda.tank.operate import drivers
 from laticauda.tank.protocol.can import GROUP, PORT
@@ -235,7 +236,7 @@ class Calibration:
     still_rate: float = quantity(
         "rad/s", "the same for its turning rate", gt=0.0, default=math.radians(2.0)
     )
-    still_time: float = quantity("s", "time for which it has to be still", gt=0.0, default=2.0)
+    still_time: float = quantity("s", "time for which it has to be still", gt=0.0, default=50.0)
     patience: float = quantity(
         "s", "how long to wait for that before giving up", gt=0.0, default=120.0
     )
@@ -368,6 +369,11 @@ class Operation:
     water: str | None = option(
         "a preset, a TOML file or textbook; None: the robot's usual water", default=None
     )
+    parameters: str | None = option(
+        "a preset or a parameter file: its numbers for water, joints, fin and power, by which the run is estimated and "
+        "judged (not with a water); None: the robot's own, with servos in its joints",
+        default=None,
+    )
     gait: gaits.Gait = option("motion of the joints")
     following: control.Following | None = option("path following; None: open loop", default=None)
     start: Placement | None = option("where the robot is put; None: anywhere", default=None)
@@ -379,7 +385,7 @@ class Operation:
     )
     countdown: float = quantity("s", "before the run begins", ge=0.0, default=3.0)
     ramp: float = quantity("s", "of the smooth start", ge=0.0, default=3.0)
-    offset_bandwidth: float = quantity("rad/s", "of the reference generator", gt=0.0, default=2.0)
+    offset_bandwidth: float = quantity("rad/s", "of the reference generator", gt=0.0, default=50.0)
     supply_voltage: float | None = quantity(
         "V",
         "V of (4), to turn the power meter's current into power; required with a meter",
@@ -409,6 +415,8 @@ class Operation:
             raise BadArgument(
                 "name", f"must be a file name of letters, digits, `-` and `_`, got {self.name!r}"
             )
+        if self.parameters is not None and self.water is not None:
+            raise BadArgument("parameters", "must not be given with `water`: both define the water")
         if self.supply_voltage is None and self.connection.meter_address:
             raise BadArgument(
                 "supply_voltage",
@@ -425,21 +433,52 @@ class Operation:
         return self.following is not None and self.following.path_depth is not None
 
     def body(self) -> Robot:
-        """Return the robot.
+        """Return the robot, with the numbers of the parameters.
 
         Raises:
-            RobotFileError: If there is no robot of that name, or its file is invalid.
+            RobotFileError: If there is no robot or no parameters of that name, or their file is
+                invalid.
             ValueError: If its joints cannot do what the controller may command.
         """
         robot = load_robot(self.robot)
+        parameters = self._load_parameters()
+        if parameters is not None:
+            robot = parameters.robot(robot, self.gait.kind)
         interfaces.check_waves(robot, self.gait)
         if self.following is not None:
             self.following.controller(self.gait).check(robot)
         return robot
 
     def pool(self) -> Water:
-        """Return the water."""
+        """Return the water, of the parameters if there are any.
+
+        Raises:
+            RobotFileError: If there is no robot, water or parameters of that name, or their file is
+                invalid.
+        """
+        parameters = self._load_parameters()
+        if parameters is not None:
+            return parameters.water(self.gait.kind)
         return scenarios.water_for(load_robot(self.robot), self.water)
+
+    def joint_law(self) -> Servo:
+        """Return the law of the joints, by which the run is estimated and judged.
+
+        It is that of the parameters. Modules are servos: where the parameters are without a law, or
+        with joints that are not servos, it is that of a servo.
+
+        Raises:
+            RobotFileError: If there are no parameters of that name, or their file is invalid.
+        """
+        parameters = self._load_parameters()
+        if parameters is None:
+            return Servo()
+        return parameters.servos
+
+    def _load_parameters(self) -> Parameters | None:
+        if self.parameters is None:
+            return None
+        return load_parameters(self.parameters)
 
     def controller(self) -> interfaces.Controller[Any]:
         """Return the controller: the same object as in simulation."""

@@ -217,6 +217,16 @@ def test_a_header_comes_back_from_its_texts_and_is_written_again_as_it_was():
     assert again.texts() == header.texts()
 
 
+def test_a_header_keeps_the_joint_law_and_one_of_before_has_servos():
+    run = Experiment(robot=TWIN.robot, environment=TWIN.environment)
+    law = lc.SpeedServo(speed_limit=0.7)
+    texts = Header(run=run, joints=law).texts()
+    assert header_from_texts(texts).joint_law == law
+    assert Header(run=run).joint_law == Servo()
+    del texts["joints"]  # as it was before
+    assert header_from_texts(texts).joint_law == Servo()
+
+
 def test_a_twin_whose_law_no_file_can_name_is_refused_at_the_start():
     water = replace(TWIN.environment, drag=FunctionDrag(function=lambda *_: (0.0, 0.0, 0.0)))
     twin = lc.build_plant(TWIN.robot, water, joints="servo")

@@ -8,6 +8,7 @@ from typing import Any, TypeAlias, get_args
 from laticauda import robot
 from laticauda.control import estimation
 from laticauda.models.dynamics import Plant
+from laticauda.motion.joints import JointLaw, Servo
 from laticauda.scenarios import Experiment, interfaces, run_from_toml, run_to_toml
 from laticauda.values import (
     BadArgument,
@@ -51,6 +52,15 @@ class Header:
         "what a digital twin learned; None: nothing", default=None
     )
     operation: str = option("the trial file as it was read", default="")
+    joints: JointLaw | None = option(
+        "law of the joints, by which the run is judged; None: servos, as in all older recordings",
+        default=None,
+    )
+
+    @property
+    def joint_law(self) -> JointLaw:
+        """The law of the joints."""
+        return self.joints or Servo()
 
     def __post_init__(self) -> None:
         """Reject what cannot be written, and replace a plant with how it was made."""
@@ -75,14 +85,14 @@ def header_from_texts(texts: Mapping[str, str]) -> Header:
     """Return the header that `Header.texts` converted, equal to the original.
 
     Args:
-        texts: Texts in the format `FORMAT`; older ones have no `learning`.
+        texts: Texts in the format `FORMAT`; older ones have no `learning`, and no `joints`.
 
     Raises:
         KeyError: If a text is missing.
         BadKey: If a text is invalid.
         ValueError: If a text is invalid.
     """
-    complete_texts = {"learning": "null", **texts}
+    complete_texts = {"learning": "null", "joints": "null", **texts}
     fields = {
         name: _decode_field(name, complete_texts[name], hint)
         for name, hint in hints_of(Header).items()

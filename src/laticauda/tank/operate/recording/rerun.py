@@ -101,7 +101,7 @@ def rerun_learner(
     learner = Learner(
         settings=settings or log.header.learning or Learning(),
         robot=run.robot,
-        plant=plant(run.robot, run.environment, joints="servo"),
+        plant=plant(run.robot, run.environment, joints=log.header.joint_law),
         mount=getattr(log.header.estimator, "mount", Mount()),
     )
     state = learner.init()

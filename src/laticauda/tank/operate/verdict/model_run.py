@@ -1,4 +1,4 @@
-"""The run as the model swims it: servos in its joints, driven by the references that were sent."""
+"""The run as the model swims it: its joints under the law of the modules, driven by the references that were sent."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -44,7 +44,7 @@ def swim_model(
     """Send the references of a run to the model; None if the simulation fails.
 
     Args:
-        plant: The robot in its water, with servos in its joints.
+        plant: The robot in its water, with the joint law of its modules.
         start: First estimate of the run, from which the model starts.
         references: References that were sent.
         driven_columns: Columns of these references that drive the plant's joints.

@@ -127,7 +127,7 @@ class RecordedRun:
 
         Args:
             log: The recording.
-            plant: The same robot in its water with servos in its joints; None: there is no model.
+            plant: The same robot in its water with the joint law of its modules; None: there is no model.
         """
         robot = log.header.run.robot
         mount: Mount = getattr(log.header.estimator, "mount", Mount())

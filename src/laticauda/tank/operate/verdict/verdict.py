@@ -113,7 +113,7 @@ def verdict_of(log: OperationLog, limits: Acceptance, plant: Plant[Any] | None =
     Args:
         log: The recording.
         limits: Limits of what is accepted.
-        plant: The same robot in its water with servos in its joints. If it is None, or for an
+        plant: The same robot in its water, with the joint law of its modules. If it is None, or for an
             operation in depth, what needs it is not checked, and of a joint only its mean and its
             swing, which may be off by half.
     """
@@ -136,5 +136,5 @@ def recorded_verdict_summary(
         if event.kind == "verdict":
             return event.data
     run = log.header.run
-    plant = build_plant(run.robot, run.environment, joints="servo")
+    plant = build_plant(run.robot, run.environment, joints=log.header.joint_law)
     return verdict_of(log, Acceptance(), plant).summary()
