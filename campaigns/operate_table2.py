@@ -34,7 +34,7 @@ from laticauda.paper import TABLE2
 from laticauda.paper.measured import read_path_following_trials
 from laticauda.tank.lab import LabSettings, Tank, VirtualRobot
 from laticauda.tank.operate.session import Result, operate
-from laticauda.tank.operate.settings import Operation, load_operation
+from laticauda.tank.operate.settings import CaptureVolume, Operation, load_operation
 from laticauda.trials import following
 
 STORED = Path(__file__).with_suffix(".csv")
@@ -89,6 +89,7 @@ class Watch:
     """What the filter, its twin and the robot did, tick by tick of the run."""
 
     tank: Tank
+    volume: CaptureVolume
     joints: list[np.ndarray]
     twins: list[float]
     truths: list[np.ndarray]
@@ -100,10 +101,11 @@ class Watch:
         if state.phase != "running" or state.estimate is None:
             return
         truth, estimate = self.tank.truth, state.estimate
+        center = self.volume.to_path(truth.center_of_mass)[:2]
         twin = state.estimator.latest.twin
         self.alive = twin is not None
-        self.truths.append(np.array([truth.time, *truth.center_of_mass[:2], truth.heading]))
-        off = estimate.center_of_mass - truth.center_of_mass[:2]
+        self.truths.append(np.array([truth.time, *center, truth.heading]))
+        off = estimate.center_of_mass - center
         self.errors.append(np.array([*off, math.degrees(estimate.heading - truth.heading)]))
         if twin is not None:
             self.joints.append(np.degrees(twin.joint_angle - truth.joint_angle))
@@ -145,7 +147,7 @@ def watched(operation: Operation, folder: Path) -> tuple[Result, Watch]:
     seed = zlib.crc32(operation.name.encode())
     chance = np.random.default_rng(seed)
     off = PLACED * chance.standard_normal(2)
-    x, y = np.array(operation.start.position) + off
+    x, y = operation.tank.to_tank(np.array([*(np.array(operation.start.position) + off), 0.0]))[:2]
     heading = operation.start.heading + TURNED * float(chance.standard_normal())
     start = lc.Start(center_of_mass=(float(x), float(y)), heading=heading)
     world = VirtualRobot(operation.body(), built(operation), start)
@@ -154,7 +156,7 @@ def watched(operation: Operation, folder: Path) -> tuple[Result, Watch]:
     for ending in ("mcap", "nc"):  # of a run that was stopped or rejected
         (folder / f"{operation.name}.{ending}").unlink(missing_ok=True)
     tank = Tank(world, LabSettings(seed=seed))
-    watch = Watch(tank, [], [], [], [])
+    watch = Watch(tank, operation.tank, [], [], [], [])
     result = operate(operation, folder, tank=tank, twin=built(operation), frames=False, show=watch)
     return result, watch
 

@@ -28,6 +28,7 @@ from laticauda.tank.operate.tank_devices import TankDevices
 operation = Operation(
     name="desk",
     robot="mamba",
+    parameters="mamba-identified",
     gait=lc.lateral_undulation(
         amplitude=radians(30), frequency=radians(90), phase_shift=radians(40)
     ),
@@ -44,7 +45,7 @@ operation = Operation(
 def operated(*faults: Fault) -> None:
     """Run it in a tank with these faults, and say what happened."""
     robot = operation.body()
-    plant = lc.build_plant(robot, operation.pool(), joints="servo")
+    plant = lc.build_plant(robot, operation.pool(), joints=operation.joint_law())
     tank = Tank(
         VirtualRobot(robot, plant, lc.Start(center_of_mass=(0.0, 0.8))),
         LabSettings(seed=1),

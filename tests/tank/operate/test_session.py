@@ -20,7 +20,7 @@ from laticauda.control import Following
 from laticauda.control.estimation import Learned, Learning
 from laticauda.robot import Current
 from laticauda.tank.lab import Fault, Lab, LabSettings, NodeSettings, Tank, VirtualRobot
-from laticauda.tank.operate import Event, rerun_learner
+from laticauda.tank.operate import Event, recorded_verdict_summary, rerun_learner
 from laticauda.tank.operate.drivers import Clock, DeviceFailed
 from laticauda.tank.operate.loop import run_loop
 from laticauda.tank.operate.procedure.operator import Operator
@@ -423,7 +423,14 @@ def test_a_servo_that_stalls_while_the_robot_straightens_out_of_a_hard_turn_is_n
         phase_shift=math.radians(40),
         offset=math.radians(20),
     )
-    turning = operation(robot="mamba-fin", gait=gait, following=None, duration=5.0, limits=Limits())
+    turning = operation(
+        robot="mamba-fin",
+        gait=gait,
+        following=None,
+        duration=5.0,
+        limits=Limits(),
+        offset_bandwidth=2.0,
+    )
     robot = turning.body()
     swum = Tank(
         VirtualRobot(robot, lc.build_plant(robot, turning.pool(), joints="servo")),
@@ -509,7 +516,8 @@ def test_a_clock_of_the_cameras_that_jumps_while_the_robot_settles_delays_the_ru
 @pytest.mark.parametrize(("dark", "stopped_by"), [(0.6, ""), (2.5, "lost_mocap")])
 def test_cameras_that_stand_still_in_a_run_are_bridged_or_stop_it(dark: float, stopped_by: str):
     swum = jumping(8.0, dark, dark=dark)
-    state = stepped(Operator(operation=operation(duration=8.0, limits=USUAL)), swum)
+    gentle = operation(duration=8.0, limits=USUAL, offset_bandwidth=2.0)  # there is no twin
+    state = stepped(Operator(operation=gentle), swum)
     assert state.stopped_by == stopped_by
     assert is_limp(swum)
     if not stopped_by:
@@ -531,6 +539,35 @@ def test_a_twin_of_the_robot_says_where_it_is_in_the_tank(tmp_path: Path):
     assert (
         np.linalg.norm(result.trial.center_of_mass[-1] - truth) < 0.3
     )  # it coasted while it stopped
+
+
+def test_a_run_of_the_identified_robot_is_judged_by_its_own_joint_law(tmp_path: Path):
+    """By servos, a good run was rejected: "joint error not explained by its servo: 8.61 of 3 deg"."""
+    identified = operation(parameters="mamba-identified", following=None, duration=9.0)
+    robot, law = identified.body(), identified.joint_law()
+    assert isinstance(law, lc.SpeedServo)
+    body = lc.build_plant(robot, identified.pool(), joints=law)
+    swum = Tank(VirtualRobot(robot, body), LabSettings(seed=1))
+    twin = lc.build_plant(robot, identified.pool(), joints=law)
+    result = operate(identified, tmp_path, tank=swum, twin=twin, frames=False)
+    assert result.accepted, result.reason
+    assert result.recording is not None
+    log = read_operation(result.recording)
+    assert log.header.joint_law == law
+    assert log.header.run.robot == robot
+
+    def joint_error_again(recorded):
+        entries = tuple(entry for entry in recorded.entries if not is_verdict(entry))
+        found = recorded_verdict_summary(replace(recorded, entries=entries), lc.build_plant)
+        return next(check["value"] for check in found["checks"] if check["name"] == "joint_error")
+
+    def is_verdict(entry):
+        return isinstance(entry, Event) and entry.kind == "verdict"
+
+    own = joint_error_again(log)
+    by_servos = joint_error_again(replace(log, header=replace(log.header, joints=None)))
+    assert math.degrees(own) < 1.0
+    assert by_servos > 3.0 * own
 
 
 def test_a_driven_fin_swims_in_the_tank_and_follows_its_wave(tmp_path: Path):

@@ -832,6 +832,19 @@ def test_a_robot_that_steers_a_little_better_than_the_model_is_right_and_one_tha
     assert little.share < 0.3
 
 
+def test_a_robot_that_turns_a_little_later_than_the_model_is_right_and_one_that_turns_much_later_is_not():
+    follower = lc.Following().controller(GAIT)
+    start = lc.Start(center_of_mass=(0.0, 1.0))
+    steered = lc.run(PLANT, follower, 3.0 * CYCLES + STEP, start=start, sample_interval=STEP)
+
+    def turn_change(delay):
+        late = np.interp(steered.time - delay, steered.time, steered.heading)
+        return judged(moved_log(steered, bent=late - steered.heading))["turn_change"]
+
+    assert (turn_change(0.06).outcome, turn_change(0.5).outcome) == ("ok", "WRONG")
+    assert turn_change(0.06).share < 0.4
+
+
 def test_single_wrong_frames_are_no_change_where_cycles_end_either(truth):
     bent = np.zeros(len(truth.time))
     bent[np.searchsorted(truth.time, 12.0) : np.searchsorted(truth.time, 12.05)] = math.radians(8.0)

@@ -236,7 +236,7 @@ class Calibration:
     still_rate: float = quantity(
         "rad/s", "the same for its turning rate", gt=0.0, default=math.radians(2.0)
     )
-    still_time: float = quantity("s", "time for which it has to be still", gt=0.0, default=50.0)
+    still_time: float = quantity("s", "time for which it has to be still", gt=0.0, default=200.0)
     patience: float = quantity(
         "s", "how long to wait for that before giving up", gt=0.0, default=120.0
     )
@@ -385,7 +385,12 @@ class Operation:
     )
     countdown: float = quantity("s", "before the run begins", ge=0.0, default=3.0)
     ramp: float = quantity("s", "of the smooth start", ge=0.0, default=3.0)
-    offset_bandwidth: float = quantity("rad/s", "of the reference generator", gt=0.0, default=50.0)
+    offset_bandwidth: float = quantity(
+        "rad/s",
+        "of the filter on the steering, which delays it by 2 divided by this",
+        gt=0.0,
+        default=200.0,
+    )
     supply_voltage: float | None = quantity(
         "V",
         "V of (4), to turn the power meter's current into power; required with a meter",

@@ -26,8 +26,8 @@ LEAST_STEERING = 0.9
 """Share of the model's turning by which a robot may turn when it bends, at least [-]."""
 MOST_STEERING = 1.1
 """Share of the model's turning by which a robot may turn when it bends, at most [-]."""
-SMALLEST_SQUARED_TURN = 1e-12
-"""Sum of squared turns below which the model goes straight [rad^2]."""
+LONGEST_DELAY = 0.1
+"""Time by which a robot may turn later or sooner than the model [s]."""
 
 Steps = Float[np.ndarray, " n_steps"]
 
@@ -57,21 +57,27 @@ def measure_sideslip_change(run: RecordedRun) -> Measurement | None:
 def measure_turn_change(run: RecordedRun) -> Measurement | None:
     """Measure how far the turning beyond the model's has changed.
 
-    A robot that steers turns a little more or less than the model for the same bending, which is no
-    change.
+    A robot that steers turns a little more or less than the model for the same bending, and a
+    little later or sooner, which is no change.
     """
     model = run.model_motion
     if model is None or run.motion.turn.size < CYCLES_PER_TURN:
         return None
     turn = run.motion.turn
-    share_of_model = turn @ model.turn / max(model.turn @ model.turn, SMALLEST_SQUARED_TURN)
-    steering = np.clip(share_of_model, LEAST_STEERING, MOST_STEERING)
-    windows = np.lib.stride_tricks.sliding_window_view(
-        turn - model.turn * steering, CYCLES_PER_TURN
-    )
+    unexplained = turn - _explain_turn(turn, model.turn, run.cycles.period)
+    windows = np.lib.stride_tricks.sliding_window_view(unexplained, CYCLES_PER_TURN)
     return Measurement(
         times=run.cycles.ends[CYCLES_PER_TURN:], values=range_so_far(windows.mean(axis=1))
     )
+
+
+def _explain_turn(turn: Steps, model_turn: Steps, period: float) -> Steps:
+    """Return what the model's turn explains of the robot's: a share of it, delayed a little."""
+    turn_per_delay = -np.gradient(model_turn) / period
+    predictors = np.stack((model_turn, turn_per_delay), axis=1)
+    share, delay = np.linalg.lstsq(predictors, turn)[0]
+    steering = np.clip(share, LEAST_STEERING, MOST_STEERING)
+    return model_turn * steering + turn_per_delay * np.clip(delay, -LONGEST_DELAY, LONGEST_DELAY)
 
 
 def measure_model_speed(run: RecordedRun) -> Measurement | None:
