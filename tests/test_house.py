@@ -235,7 +235,7 @@ def test_what_is_imported_is_declared_in_the_extra_that_is_named_and_nothing_is_
     assert required().keys() - {name for one in found for name in one} == program
 
 
-def test_the_pages_give_the_extras_the_weights_that_were_measured():
+def test_the_page_gives_the_extras_the_weights_that_were_measured():
     with (ROOT / "campaigns" / "environments.csv").open(newline="", encoding="utf-8") as lines:
         answers = {row["case"]: row["answer"] for row in csv.DictReader(lines)}
     weights = {
@@ -244,12 +244,11 @@ def test_the_pages_give_the_extras_the_weights_that_were_measured():
         if case.startswith("size of ")
     }
     assert {*PYPROJECT["project"]["optional-dependencies"], "plain"} == weights.keys()
-    for page in ("README.md", "docs/install.md"):
-        text = (ROOT / page).read_text(encoding="utf-8")
-        shown = dict(re.findall(r"^\|.*`(\w+)` \|.*?(\d+ MB)", text, re.MULTILINE))
-        assert shown.items() <= weights.items()
-        assert weights.keys() - shown.keys() == {"plain"}
-        assert weights["plain"] in text
+    text = (ROOT / "docs/install.md").read_text(encoding="utf-8")
+    shown = dict(re.findall(r"^\|.*`(\w+)` \|.*?(\d+ MB)", text, re.MULTILINE))
+    assert shown.items() <= weights.items()
+    assert weights.keys() - shown.keys() == {"plain"}
+    assert weights["plain"] in text
 
 
 def test_the_recipe_for_conda_wants_what_the_package_wants():

@@ -1,4 +1,7 @@
-"""A Python toolkit for swimming snake robots: simulate them, fit the model to measurements, optimize their gaits, and operate them.
+"""What `import laticauda as lc` offers.
+
+A Python toolkit for swimming snake robots: simulate them, fit the model to measurements, optimize
+their gaits, and operate them.
 
     import laticauda as lc
     trial = lc.swim(lc.load_robot("mamba"), lc.lateral_undulation(amplitude=0.52, frequency=2.27, phase_shift=0.70))

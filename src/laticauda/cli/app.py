@@ -23,8 +23,8 @@ from laticauda.values import (
 
 PROGRAM = "laticauda"
 DESCRIPTION = (
-    "A Python toolkit for swimming snake robots: simulate them, fit the model to measurements, optimize their gaits, and "
-    "operate them. `laticauda COMMAND --help` explains a command, `laticauda --version` prints the version."
+    "A Python toolkit for swimming snake robots: simulate them, fit the model to measurements, optimize their "
+    "gaits, and operate them. `laticauda COMMAND --help` explains a command, `laticauda --version` prints the version."
 )
 
 STATUS_FAILED = 1
