@@ -17,7 +17,10 @@ from laticauda.values import moved
 from laticauda.values.packaging import lazy_exports
 
 if TYPE_CHECKING:
-    from laticauda.values.errors import InfeasibleWarning as InfeasibleWarning
+    from laticauda.values.errors import (
+        InfeasibleWarning as InfeasibleWarning,
+        UnitWarning as UnitWarning,
+    )
     from laticauda.motion.joints import (
         JointLaw as JointLaw,
         PD as PD,
@@ -104,10 +107,32 @@ if not os.path.isdir(__path__[0]):
         "laticauda must be installed in a folder: it reads kernels and presets from files, not archives"
     )
 moved.accept_former_paths()
+MEANT = {
+    "controller": ("PathFollowing", "HeadingController", "OpenLoop"),
+    "environment": ("load_water", "load_ground"),
+    "fit": ("laticauda.identify.fit",),
+    "follow": ("swim with a controller, such as PathFollowing",),
+    "gait": ("lateral_undulation", "eel_like", "custom_gait"),
+    "gaits": ("lateral_undulation", "eel_like", "custom_gait"),
+    "identify_parameters": ("laticauda.identify.fit",),
+    "load": ("load_robot", "load_trial", "load_scenario"),
+    "load_gait": ("lateral_undulation", "eel_like", "custom_gait"),
+    "optimise": ("laticauda.studies.optimize",),
+    "optimize": ("laticauda.studies.optimize",),
+    "plot": ("Trial.plot, as in trial.plot()",),
+    "read": ("load_robot", "load_trial", "load_scenario"),
+    "save": ('Trial.save, as in trial.save("run.nc")',),
+    "sim": ("swim",),
+    "simulation": ("swim",),
+    "simulator": ("swim",),
+    "sweep": ("laticauda.studies.run_sweep", "swim_many"),
+    "undulation": ("lateral_undulation",),
+}
+"""What is probably meant, by names that people try in vain."""
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
     {
-        "laticauda.values.errors": ["InfeasibleWarning"],
+        "laticauda.values.errors": ["InfeasibleWarning", "UnitWarning"],
         "laticauda.motion.joints": ["JointLaw", "PD", "Prescribed", "Servo", "SpeedServo"],
         "laticauda.control": [
             "Following",
@@ -183,5 +208,6 @@ __getattr__, __dir__, __all__ = lazy_exports(
         ],
         "laticauda.trials": ["Trial", "compare", "joined"],
     },
+    meant=MEANT,
     renamed={"plant": "build_plant", "scenario": "build_scenario", **moved.FORMER_PACKAGES},
 )

@@ -11,6 +11,7 @@ from laticauda.motion.joints import JointLaw
 from laticauda.robot import body, effectors
 from laticauda.values import (
     BadArgument,
+    Suggesting,
     check_label,
     check_whole_number,
     option,
@@ -26,14 +27,40 @@ Surface: TypeAlias = Literal["smooth", "jointed", "skinned"]
 End: TypeAlias = Literal["faired", "round", "blunt"]
 
 
+MEANT = {
+    "diameter": ("modules[0].half_height", "modules[0].half_width"),
+    "dof": ("n_joints",),
+    "fin": ("caudal_fin",),
+    "from_file": ("laticauda.load_robot",),
+    "from_toml": ("laticauda.load_robot",),
+    "links": ("n_links", "modules"),
+    "load": ("laticauda.load_robot",),
+    "motors": ("driven_joints",),
+    "n": ("n_links",),
+    "n_modules": ("n_links",),
+    "num_joints": ("n_joints",),
+    "num_links": ("n_links",),
+    "preset": ("laticauda.load_robot",),
+    "read": ("laticauda.load_robot",),
+    "save": ("laticauda.robot.save_robot",),
+    "segments": ("n_links", "modules"),
+    "servos": ("driven_joints",),
+    "swim": ("laticauda.swim",),
+    "weight": ("mass",),
+}
+"""Names of a robot by names that people try in vain; a name that is merely mistyped needs no entry."""
+
+
 @value_class
-class Robot:
+class Robot(Suggesting):
     """Chain of modules and joints, tail first, with the parts mounted on it.
 
     For a sweep, use `dataclasses.replace`; every copy is validated again. With an `active_power`, a
     trial has an electrical power under any joint law; without it, only with `servo` joints, where
     it counts as 0.
     """
+
+    _meant = MEANT
 
     name: str = option("Name used in messages and stored trials", check=check_label)
     description: str = option("One-line description", default="")

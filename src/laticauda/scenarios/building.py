@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias, TypedDict, Unpack, cast
 
 from laticauda import robot as robots
-from laticauda.motion.gaits import Gait
+from laticauda.motion.gaits import Gait, GaitFields, gait_by_name, list_kinds
 from laticauda.motion.joints import JointLaw
 from laticauda.scenarios.interfaces import Controller, Start
 from laticauda.scenarios.scenario import MODELS, Model, Scenario, Spatial
 from laticauda.scenarios.waters import environment_of
-from laticauda.values import BadArgument, check_choice, check_instance, suggest_nearest
+from laticauda.values import BadArgument, check_choice, check_instance, hint_at
 
 Motion: TypeAlias = Gait | Controller[Any]
 
@@ -38,8 +38,11 @@ class ModelChanges(TypedDict, total=False):
     rays: tuple[float, ...]
 
 
-class Changes(ModelChanges, total=False):
+class Changes(ModelChanges, GaitFields, total=False):
     """Settings of a scenario that may differ from its defaults: its fields and those of its model, see `ModelChanges`.
+
+    The numbers of a gait belong to a gait that is given by name, as in ``"eel-like",
+    amplitude_deg=30``.
 
     An environment, a current or parameters may be given by preset name or path, a model as
     ``"planar"`` or ``"spatial"``. The default environment is `default_water` of robot and gait; a
@@ -57,7 +60,7 @@ class Changes(ModelChanges, total=False):
 
 def build_scenario(
     robot: robots.Robot | str | Path,
-    motion: Motion,
+    motion: Motion | str,
     duration: float = 30.0,
     **changes: Unpack[Changes],
 ) -> Scenario:
@@ -65,9 +68,10 @@ def build_scenario(
 
     Args:
         robot: The robot, the name of a preset, or the path of a file.
-        motion: The gait, or the controller.
+        motion: The gait, the name of its kind, or the controller.
         duration: Duration of the run [s].
-        changes: Other deviations from the defaults: `environment`, `current`, `model`, `start`,
+        changes: The numbers of a gait that is given by name, such as `amplitude_deg`, and other
+            deviations from the defaults: `environment`, `current`, `model`, `start`,
             `sample_interval` [s], `parameters`, or settings of the model: `joints`, `dt` [s] and
             the other fields of `laticauda.scenarios.ModelChanges`.
 
@@ -80,7 +84,12 @@ def build_scenario(
         >>> build_scenario("mamba", gait, joints="servo", environment="paper-lateral").environment.name
         'paper-lateral'
     """
-    stated_changes = {name: value for name, value in changes.items() if value is not None}
+    stated_changes: dict[str, Any] = {
+        name: value for name, value in changes.items() if value is not None
+    }
+    gait_numbers = {
+        name: stated_changes.pop(name) for name in GAIT_NUMBERS if name in stated_changes
+    }
     model_changes = {
         name: value for name, value in stated_changes.items() if name not in SCENARIO_CHANGES
     }
@@ -90,7 +99,11 @@ def build_scenario(
     replaced_fields: dict[str, Any] = {}
     if "current" in stated_changes:
         replaced_fields["current"] = robots.current_of(stated_changes["current"])
-    check_instance("gait", motion, Gait, Controller)
+    if isinstance(robot, Gait):
+        raise BadArgument(
+            "robot", "must be a robot, got a Gait; the robot comes first, then the gait"
+        )
+    motion = _motion_of(motion, gait_numbers)
     gait = motion if isinstance(motion, Gait) else motion.gait
     if isinstance(robot, str | Path):
         robot = robots.load_robot(robot)
@@ -120,6 +133,41 @@ def build_scenario(
     )
 
 
+GAIT_NUMBERS = frozenset(GaitFields.__annotations__)
+"""Names in `Changes` that are the numbers of a gait."""
+
+
+def _motion_of(motion: Any, gait_numbers: dict[str, Any]) -> Motion:
+    """Return a gait or a controller; a gait may be given by name, with its numbers."""
+    if isinstance(motion, str):
+        return _gait_by_name(motion, gait_numbers)
+    _check_motion(motion)
+    for name in gait_numbers:
+        rule = "must be given only with the name of a gait, such as `eel-like`"
+        raise BadArgument(name, f"{rule}; change a gait with `dataclasses.replace`")
+    return motion
+
+
+def _gait_by_name(name: str, numbers: dict[str, Any]) -> Gait:
+    kind = name.replace(" ", "-")
+    if kind.replace("-", "_") not in list_kinds():
+        check_choice("gait", kind, [known.replace("_", "-") for known in list_kinds()])
+    if not numbers:
+        example = "amplitude_deg=30, frequency_deg_s=130, phase_shift_deg=40"
+        raise BadArgument("gait", f'by name needs its numbers, too: "{kind}", {example}')
+    return gait_by_name(kind, **numbers)
+
+
+def _check_motion(motion: object) -> None:
+    """Reject what is no motion, and say which ones there are."""
+    if isinstance(motion, Gait | Controller):
+        return
+    rule = f"must be of class Gait or Controller, got {type(motion).__name__}"
+    if isinstance(motion, list | tuple):
+        raise BadArgument("gait", f"{rule}; did you mean swim_many?")
+    raise BadArgument("gait", f"{rule}; `lateral_undulation(...)` makes one, for instance")
+
+
 def _load(parameters: object) -> robots.Parameters:
     """Return parameters, which may be given by name or path."""
     if isinstance(parameters, str | Path):
@@ -128,7 +176,9 @@ def _load(parameters: object) -> robots.Parameters:
     return cast(robots.Parameters, parameters)
 
 
-SCENARIO_CHANGES = frozenset(Changes.__annotations__) - frozenset(ModelChanges.__annotations__)
+SCENARIO_CHANGES = (
+    frozenset(Changes.__annotations__) - frozenset(ModelChanges.__annotations__) - GAIT_NUMBERS
+)
 """Names in `Changes` that are not settings of the model."""
 OPTIONAL_FIELDS = ("start", "sample_interval")
 """Those that are fields of `Scenario` as they are."""
@@ -163,5 +213,37 @@ def _refuse_setting(name: str, value: object) -> None:
     """Say why a model does not have a setting."""
     if name in {field.name for field in fields(Spatial)}:
         raise BadArgument(name, f"must be left out unless `model` is `spatial`, got {value!r}")
-    suggestion = suggest_nearest(name, [*Changes.__annotations__])
-    raise TypeError(f"There is no argument `{name}`{suggestion}.")
+    known = ["duration", *Changes.__annotations__]
+    raise TypeError(f"There is no argument `{name}`{hint_at(name, MEANT, known) or '.'}")
+
+
+MEANT = {
+    "actuation": ("joints",),
+    "actuators": ("joints",),
+    "controller": ("the controller as second argument, in place of the gait",),
+    "dimension": ("model",),
+    "drag": ("environment",),
+    "engine": ("model",),
+    "fluid": ("environment",),
+    "gait": ("the gait as second argument",),
+    "initial_state": ("start",),
+    "length": ("duration",),
+    "motors": ("joints",),
+    "n_links": ("load_robot(name, n_links)",),
+    "n_steps": ("duration",),
+    "params": ("parameters",),
+    "sample_rate": ("sample_interval",),
+    "seconds": ("duration",),
+    "servo": ("joints",),
+    "sampling": ("sample_interval",),
+    "steps": ("duration",),
+    "t": ("duration",),
+    "t_end": ("duration",),
+    "time": ("duration",),
+    "timestep": ("dt",),
+    "time_step": ("dt",),
+    "velocity": ("start",),
+    "water": ("environment",),
+    "waters": ("environment",),
+}
+"""Names of arguments by names that people try in vain."""

@@ -20,7 +20,17 @@ import numpy as np
 from laticauda import scenarios
 from laticauda.trials.arrays import AnyArray
 from laticauda.trials.contents import Contents
-from laticauda.values import LINK_FORCE, SERIES, SIGNAL, Extensible, Series, codec, log_of, write
+from laticauda.values import (
+    LINK_FORCE,
+    SERIES,
+    SIGNAL,
+    BadArgument,
+    Extensible,
+    Series,
+    codec,
+    log_of,
+    write,
+)
 
 if TYPE_CHECKING:
     import xarray
@@ -348,11 +358,14 @@ def save(dataset: "xarray.Dataset", path: Path) -> None:
 
     Args:
         dataset: The trial.
-        path: The file; its extension sets the format.
+        path: The file; its extension sets the format, and netCDF needs none.
 
     Raises:
+        ValueError: If no format has the extension.
         StorageFailed: If the file cannot be written; the message gives its name and the reason.
         MissingExtra: If the format needs a package that is not installed.
     """
+    if path.suffix and path.suffix.lower() not in Format.endings():
+        raise BadArgument("path", f"must end in {' or '.join(Format.endings())}, got {path.name}")
     file_format = Format.of(path)
     write(path, lambda temporary_path: file_format.write(dataset, temporary_path))

@@ -14,11 +14,56 @@ import numpy as np
 from laticauda.trials import contents, cycles, metrics
 from laticauda.trials.dataset import fields_of, save, to_dataset
 from laticauda.trials.feasibility import Feasibility, judge_feasibility, make_peak_figure
-from laticauda.values import BadArgument, Quantity, describe_field, html_table
+from laticauda.values import BadArgument, Quantity, Suggesting, describe_field, html_table
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib import animation, axes, figure
+
+
+MEANT = {
+    "current": ("environment.current",),
+    "dt": ("scenario.model.dt",),
+    "efficiency": ("cost_of_transport", "quasi_propulsive_efficiency"),
+    "energy": ("work", "joules_per_meter"),
+    "error": ("status",),
+    "export": ("save",),
+    "fluid": ("environment",),
+    "from_file": ("laticauda.load_trial",),
+    "joint_angles": ("joint_angle",),
+    "load": ("laticauda.load_trial",),
+    "params": ("scenario",),
+    "path": ("center_of_mass", "plot_path"),
+    "path_length": ("path_speed",),
+    "pos": ("center_of_mass",),
+    "position": ("center_of_mass",),
+    "positions": ("center_of_mass",),
+    "power": ("mean_power", "mechanical_power", "electrical_power"),
+    "problems": ("feasibility.problems",),
+    "read": ("laticauda.load_trial",),
+    "result": ("summary",),
+    "results": ("summary",),
+    "show": ("plot", "animate"),
+    "speed": ("forward_velocity", "steady_velocity"),
+    "strouhal": ("strouhal_number",),
+    "success": ("succeeded",),
+    "t": ("time",),
+    "times": ("time",),
+    "to_csv": ('save, as in trial.save("run.csv")',),
+    "to_dataframe": ("to_dataset().to_dataframe()",),
+    "torque": ("joint_torque", "peak_joint_torque"),
+    "torques": ("joint_torque", "peak_joint_torque"),
+    "trajectory": ("center_of_mass", "plot_path"),
+    "v": ("forward_velocity", "center_of_mass_velocity"),
+    "velocities": ("center_of_mass_velocity",),
+    "velocity": ("forward_velocity", "center_of_mass_velocity"),
+    "video": ("animate",),
+    "water": ("environment",),
+    "x": ("center_of_mass",),
+    "y": ("center_of_mass",),
+    "yaw": ("heading",),
+}
+"""Names of a trial by names that people try in vain; a name that is merely mistyped needs no entry."""
 
 
 class Figure:
@@ -57,8 +102,10 @@ class Figure:
         return value
 
 
-class Trial(contents.Contents):
+class Trial(Suggesting, contents.Contents):
     """The time-stamped log of one run, with its robot, its gait and how it ended: see `Contents`."""
+
+    _meant = MEANT
 
     # ---- figures: unit, title, definition; in the order of a table -------------------------------
 
@@ -251,14 +298,15 @@ class Trial(contents.Contents):
     def save(self, path: str | Path) -> None:
         """Write the trial to a file, from which `load_trial` restores an equal one.
 
-        The extension sets the format, see `Format`; any unknown one means netCDF. A CSV file holds
-        the time series only. An older file of the same name is replaced, but not before the new one
-        is complete.
+        The extension sets the format, see `Format`; a name without one means netCDF. A CSV file,
+        which Excel opens, holds the time series only. An older file of the same name is replaced,
+        but not before the new one is complete.
 
         Args:
             path: The file.
 
         Raises:
+            ValueError: If no format has the extension.
             StorageFailed: If the file cannot be written; the message gives its name and the reason.
             MissingExtra: If the format needs a package that is not installed.
         """

@@ -58,7 +58,11 @@ if TYPE_CHECKING:
         SimulationFailed as SimulationFailed,
         StorageFailed as StorageFailed,
         TrialFileError as TrialFileError,
+        UnitWarning as UnitWarning,
     )
+    from laticauda.values.misnamed import Suggesting as Suggesting, hint_at as hint_at
+    from laticauda.values.named_arguments import by_name_only as by_name_only
+    from laticauda.values.notices import warn_caller as warn_caller
     from laticauda.values.extensions import (
         Extensible as Extensible,
         Unknown as Unknown,
@@ -110,6 +114,7 @@ if TYPE_CHECKING:
         option as option,
         quantities_of as quantities_of,
         quantity as quantity,
+        show_call as show_call,
         texts_of as texts_of,
         value_class as value_class,
     )
@@ -177,7 +182,11 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "SimulationFailed",
             "StorageFailed",
             "TrialFileError",
+            "UnitWarning",
         ],
+        "laticauda.values.misnamed": ["Suggesting", "hint_at"],
+        "laticauda.values.named_arguments": ["by_name_only"],
+        "laticauda.values.notices": ["warn_caller"],
         "laticauda.values.extensions": ["Extensible", "Unknown", "name_of"],
         "laticauda.values.files": [
             "csv_text",
@@ -213,6 +222,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "option",
             "quantities_of",
             "quantity",
+            "show_call",
             "texts_of",
             "value_class",
         ],

@@ -8,6 +8,7 @@ field; `fields_of` reads it back.
 
 import dataclasses
 import functools
+import math
 import types
 import typing
 from collections.abc import Callable, Mapping
@@ -16,10 +17,13 @@ from typing import Any
 
 from laticauda.values.annotations import Annotation
 from laticauda.values.declared_quantities import Quantity
-from laticauda.values.display_units import DisplayUnit, display_unit
+from laticauda.values.display_units import CYCLES_PER_SECOND, DisplayUnit, display_unit
 
 Check = Callable[[str, Any], Any]
 """`check(name, value)` returns the cleaned value of a field, or raises a `BadArgument`."""
+
+DEGREES_DIGITS = 9
+"""Decimals of an angle as it is written [deg]."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +43,8 @@ class Field:
     """Function that makes the default; `dataclasses.MISSING` if there is none."""
     own_check: Check | None
     """Check that replaces the one implied by the type."""
+    in_hz: bool
+    """Whether it is the angular frequency of something that repeats."""
 
     @property
     def is_required(self) -> bool:
@@ -63,6 +69,29 @@ class Field:
         if not self.display.differs_from_si:
             return None
         return self.name + self.display.ending
+
+    @property
+    def argument_units(self) -> Mapping[str, DisplayUnit]:
+        """Units in which it may be given other than that of calculations, by the name of the argument."""
+        units: dict[str, DisplayUnit] = {}
+        if self.display_name is not None:
+            units[self.display_name] = self.display
+        if self.in_hz:
+            units[self.name + CYCLES_PER_SECOND.ending] = CYCLES_PER_SECOND
+        return units
+
+    def exact_in_display_unit(self, content: object) -> float | None:
+        """Return an angle in degrees if that converts back to exactly the same number, otherwise None.
+
+        Args:
+            content: Content of the field.
+        """
+        if self.display_name is None or not isinstance(content, float):
+            return None
+        degrees = round(math.degrees(content), DEGREES_DIGITS)
+        if math.radians(degrees) != content:
+            return None
+        return degrees
 
     # Annotations may name classes that are defined later: they are resolved when first asked for.
     @functools.cached_property
@@ -101,6 +130,7 @@ def fields_of(kind: type) -> Mapping[str, Field]:
             default=field.default,
             default_factory=field.default_factory,
             own_check=field.metadata.get("check"),
+            in_hz=field.metadata.get("in_hz", False),
         )
     return types.MappingProxyType(declared)
 

@@ -84,13 +84,20 @@ class Quantity:
     @property
     def in_display_unit(self) -> "Quantity":
         """The same quantity as people read and type it: angles in degrees, all others unchanged."""
-        display = self.display
+        return self.in_unit(self.display)
+
+    def in_unit(self, unit: DisplayUnit) -> "Quantity":
+        """Return the same quantity in another unit.
+
+        Args:
+            unit: The unit.
+        """
         return dataclasses.replace(
             self,
-            unit=display.name,
-            ge=display.from_si(self.ge),
-            gt=display.from_si(self.gt),
-            le=display.from_si(self.le),
+            unit=unit.name,
+            ge=unit.from_si(self.ge),
+            gt=unit.from_si(self.gt),
+            le=unit.from_si(self.le),
         )
 
     @property

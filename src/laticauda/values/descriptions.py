@@ -95,6 +95,26 @@ FIELDS = "\n\nFields:\n"
 """What stands between the docstring of a class and the list of its fields."""
 
 
+def show_call(value: Any) -> str:
+    """Return the call that makes an equal value, without defaults, and with round angles in degrees.
+
+    Args:
+        value: A value with declared fields.
+    """
+    kind: type = value.__class__
+    arguments: list[str] = []
+    for field in fields_of(kind).values():
+        content = getattr(value, field.name)
+        if not field.is_required and content == field.make_default():
+            continue
+        in_display_unit = field.exact_in_display_unit(content)
+        if in_display_unit is None or field.display_name is None:
+            arguments.append(f"{field.name}={content!r}")
+        else:
+            arguments.append(f"{field.display_name}={in_display_unit:.12g}")
+    return f"{kind.__name__}({', '.join(arguments)})"
+
+
 def docstring_with_fields(kind: type) -> str:
     """Return the docstring of a class with its fields appended.
 

@@ -55,6 +55,15 @@ DISPLAY_UNITS: Mapping[str, DisplayUnit] = MappingProxyType(
 """Units of calculations that people never see, with those that stand for them."""
 
 
+CYCLES_PER_SECOND = DisplayUnit(
+    name="Hz",
+    ending="_hz",
+    per_si_unit=1.0 / math.tau,
+    in_si_unit=math.tau,
+)
+"""Unit in which the angular frequency of something that repeats may be given, too."""
+
+
 def display_unit(unit: str) -> DisplayUnit:
     """Return the unit in which people read and type a quantity.
 

@@ -13,9 +13,6 @@ from laticauda.values.extensions import Unknown, name_of
 from laticauda.values.file_tables import Table
 from laticauda.values.quantities import Field, fields_of
 
-DEGREES_DIGITS = 9
-"""Decimals of an angle in a file [deg]."""
-
 
 def encode(value: Any, hint: Any = None) -> Any:
     """Return data that `decode` converts back to an equal value.
@@ -74,7 +71,7 @@ def _table_of_fields(value: Any) -> Table:
         content = getattr(value, name)
         if _is_omitted(content, field):
             continue
-        degrees = _exact_degrees(content, field)
+        degrees = field.exact_in_display_unit(content)
         if degrees is not None and field.display_name is not None:
             table[field.display_name] = degrees
             continue
@@ -90,16 +87,6 @@ def _is_omitted(content: Any, field: Field) -> bool:
         return True
     is_default = content == field.default
     return is_default and (not content or content == math.inf)  # JSON has no infinity
-
-
-def _exact_degrees(content: Any, field: Field) -> float | None:
-    """Return an angle in degrees if that converts back to exactly the same number, otherwise None."""
-    if field.display_name is None or not isinstance(content, float):
-        return None
-    degrees = round(math.degrees(content), DEGREES_DIGITS)
-    if math.radians(degrees) != content:
-        return None
-    return degrees
 
 
 def _encode_counted(objects: Sequence[Any], cycling_keys: tuple[str, ...]) -> list[Table]:

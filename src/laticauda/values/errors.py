@@ -52,6 +52,10 @@ class InfeasibleWarning(UserWarning):
     """A run demands more of a joint than the robot offers; the run itself went well."""
 
 
+class UnitWarning(UserWarning):
+    """A number that is accepted, but was probably meant in another unit."""
+
+
 class SimulationFailed(LaticaudaError, RuntimeError):
     """A run that blew up: the message states when, and what to try."""
 

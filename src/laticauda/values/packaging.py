@@ -23,6 +23,7 @@ from types import MappingProxyType, ModuleType
 from typing import TYPE_CHECKING, Any, cast
 
 from laticauda.values.arguments import explained
+from laticauda.values.misnamed import NOTHING_KNOWN, Meant, UnknownName, hint_at
 
 if TYPE_CHECKING:
     __version__: str  # read when it is first used
@@ -38,6 +39,7 @@ def lazy_exports(
     own: Sequence[str] = (),
     plain: Mapping[str, Sequence[str]] = _NO_NAMES,
     renamed: Mapping[str, str] = _NOTHING,
+    meant: Meant = NOTHING_KNOWN,
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
     """Return `__getattr__`, `__dir__` and `__all__` of a package whose names are imported when first used.
 
@@ -53,6 +55,8 @@ def lazy_exports(
         plain: Names for the other rooms of laticauda, by the module that defines them: handed on as
             they are, also what kernels call, and not shown to users.
         renamed: New names, by old ones, as in `renamed_names`.
+        meant: What is probably meant, by names that people try; a name that is merely mistyped
+            needs no entry.
     """
     plain_home_of = {name: home for home, names in plain.items() for name in names}
     home_of = {name: home for home, names in homes.items() for name in names}
@@ -61,14 +65,29 @@ def lazy_exports(
     for name in own:
         namespace[name] = explained(namespace[name], package)
 
+    def find_hint(name: str) -> str:
+        if name.startswith("_"):
+            return ""
+        if name not in meant and _is_module(f"{package}.{name}"):
+            return f": it is a module, `import {package}.{name}` first"
+        return hint_at(name, meant, public_names)
+
     def get(name: str) -> Any:
         if name in plain_home_of:
             return getattr(import_module(plain_home_of[name]), name)
-        if name not in home_of:
+        if name in home_of:
+            return explained(getattr(import_module(home_of[name]), name), package)
+        if name in renamed:
             return _get_renamed(package, name, renamed)
-        return explained(getattr(import_module(home_of[name]), name), package)
+        raise UnknownName(f"module {package!r}", name, lambda: find_hint(name))
 
     return get, lambda: public_names, public_names
+
+
+def _is_module(name: str) -> bool:
+    from importlib.util import find_spec  # rarely needed, and slow to import
+
+    return find_spec(name) is not None
 
 
 def renamed_names(module: str, renamed: Mapping[str, str]) -> Callable[[str], Any]:

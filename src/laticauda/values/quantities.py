@@ -38,14 +38,20 @@ from laticauda.values.descriptions import (
     docstring_with_fields,
     docstring_without_fields as docstring_without_fields,
     html_table as html_table,
+    show_call as show_call,
     value_as_table,
 )
-from laticauda.values.errors import BadArgument
 from laticauda.values.field_checks import (
     MOST_ITEMS as MOST_ITEMS,
     check_items as check_items,
     check_one_among as check_one_among,
     checks_of,
+)
+from laticauda.values.named_arguments import (
+    argument_units_of,
+    find_argument_error,
+    in_si_units,
+    refuse_positional,
 )
 from laticauda.values.packaging import renamed_names
 
@@ -55,10 +61,25 @@ Kind = TypeVar("Kind", bound=type[Any])
 
 @overload
 def quantity(
-    unit: str, text: str, *, default: T, ge: float = ..., gt: float = ..., le: float = ...
+    unit: str,
+    text: str,
+    *,
+    default: T,
+    ge: float = ...,
+    gt: float = ...,
+    le: float = ...,
+    in_hz: bool = ...,
 ) -> T: ...
 @overload
-def quantity(unit: str, text: str, *, ge: float = ..., gt: float = ..., le: float = ...) -> Any: ...
+def quantity(
+    unit: str,
+    text: str,
+    *,
+    ge: float = ...,
+    gt: float = ...,
+    le: float = ...,
+    in_hz: bool = ...,
+) -> Any: ...
 def quantity(
     unit: str,
     text: str,
@@ -67,6 +88,7 @@ def quantity(
     ge: float = -math.inf,
     gt: float = -math.inf,
     le: float = math.inf,
+    in_hz: bool = False,
 ) -> Any:
     """Declare a field that holds a number, several numbers, or None if its type allows it.
 
@@ -77,9 +99,12 @@ def quantity(
         ge: Minimum, inclusive.
         gt: Minimum, exclusive.
         le: Maximum, inclusive.
+        in_hz: Whether it is the angular frequency of something that repeats, which may be given in
+            Hz, too, under its name with ``_hz``.
     """
     declared = Quantity(unit=unit, text=text, ge=ge, gt=gt, le=le)
-    return dataclasses.field(default=default, metadata={"quantity": declared, "text": text})
+    metadata = {"quantity": declared, "text": text, "in_hz": in_hz}
+    return dataclasses.field(default=default, metadata=metadata)
 
 
 @overload
@@ -138,33 +163,30 @@ def value_class(kind: Kind) -> Kind:
     if display_names_of(checked_class):
         checked_class.__init__ = _accepting_display_units(checked_class.__init__)
     checked_class.__doc__ = docstring_with_fields(checked_class)
-    checked_class._repr_html_ = value_as_table
+    if "_repr_html_" not in vars(kind):
+        checked_class._repr_html_ = value_as_table
     return checked_class
 
 
 def _accepting_display_units(init: Callable[..., None]) -> Callable[..., None]:
-    """Return an ``__init__`` that also takes numbers in display units, such as angles in degrees."""
+    """Return an ``__init__`` that also takes numbers in other units, such as angles in degrees."""
 
     @functools.wraps(init)
-    def init_from_display_units(self: Any, **arguments: Any) -> None:
+    def init_from_display_units(self: Any, *unnamed: Any, **arguments: Any) -> None:
         kind: type = self.__class__
-        names = display_names_of(kind)
-        for key in names.keys() & arguments.keys():
-            field = fields_of(kind)[names[key]]
-            if field.name in arguments:
-                rule = f"must not be given together with `{field.name}`, the same in {field.unit}"
-                raise BadArgument(key, rule)
-            arguments[field.name] = _in_si_unit(field, key, arguments.pop(key))
-        init(self, **arguments)
+        if unnamed:
+            raise refuse_positional(kind.__name__, kind, unnamed)
+        if not arguments.keys().isdisjoint(argument_units_of(kind)):
+            arguments = in_si_units(kind, arguments)
+        try:
+            init(self, **arguments)
+        except TypeError:
+            argument_error = find_argument_error(kind, arguments)
+            if argument_error is None:
+                raise
+            raise argument_error from None
 
     return init_from_display_units
-
-
-def _in_si_unit(field: Field, key: str, number: Any) -> float | None:
-    if number is None or field.quantity is None:
-        return None
-    quantity = field.quantity
-    return quantity.display.to_si(quantity.in_display_unit.checked(key, number))
 
 
 # Names of 0.2, for one release.

@@ -508,7 +508,7 @@ def resume(
 
 def swim(
     robot: Scenario | Experiment | Robot | str | Path,
-    gait: Motion | None = None,
+    gait: Motion | str | None = None,
     duration: float = 30.0,
     *,
     link_forces: bool = False,
@@ -521,15 +521,16 @@ def swim(
     Args:
         robot: The scenario, also that of a trial (`Trial.scenario`); or a robot (`load_robot`),
             together with its gait.
-        gait: The commanded gait (`lateral_undulation`, `eel_like`, `custom_gait`), or a controller;
-            omitted with a scenario.
+        gait: The commanded gait (`lateral_undulation`, `eel_like`, `custom_gait`), the name of its
+            kind with its numbers among the changes, or a controller; omitted with a scenario.
         duration: With a robot: duration of the run [s].
         link_forces: Whether to log the force on every link as well.
         throw: Whether to raise an error when the run blows up, instead of returning a trial that
             says so.
         progress: Called repeatedly with the time reached [s].
-        changes: With a robot: other deviations from the defaults. `parameters`, a set of numbers
-            (name, path or value) for water, robot and joints; or `environment`, the water or ground;
+        changes: With a robot: the numbers of a gait that is given by name, such as
+            `amplitude_deg=30`, and other deviations from the defaults. `parameters`, a set of
+            numbers (name, path or value) for water, robot and joints; or `environment`, the water or ground;
             `current` of the water [m/s]; `joints` ("prescribed", "pd", "servo" or a joint law);
             `start`; `sample_interval` [s]; `dt`, the time step [s]; `offset_bandwidth` [rad/s] and
             `loop_delay` [s] of the steering; `ramp`, how long the gait fades in [s]. `model`,

@@ -6,7 +6,7 @@ of envelope.
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
-from math import pi, radians
+from math import pi, radians, tau
 from typing import TYPE_CHECKING, Any, ClassVar, TypedDict, Unpack
 
 from laticauda.motion.gaits.recorded import JointAngles
@@ -14,14 +14,19 @@ from laticauda.motion.gaits.reference import WaveTarget
 from laticauda.values import (
     BadArgument,
     Extensible,
+    Suggesting,
+    UnitWarning,
+    by_name_only,
     check_finite,
     check_items,
     check_whole_number,
     name_of,
     option,
     quantity,
+    show_call,
     show_value,
     value_class,
+    warn_caller,
 )
 
 # ---- envelopes -----------------------------------------------------------------------------------
@@ -158,20 +163,39 @@ def _spread(envelope: Envelope, n_links: int) -> tuple[float, ...]:
 
 
 class WaveFields(TypedDict, total=False):
-    """Parameters of a wave, each in rad (rad/s) or, under its other name, in degrees."""
+    """Parameters of a wave, each in rad (rad/s) or, under its other name, in degrees; a frequency also in Hz."""
 
     amplitude: float
     amplitude_deg: float
     frequency: float
     frequency_deg_s: float
+    frequency_hz: float
     phase_shift: float
     phase_shift_deg: float
     offset: float
     offset_deg: float
 
 
+_MEANT = {
+    "alpha": ("amplitude",),
+    "amp": ("amplitude",),
+    "angle": ("amplitude",),
+    "delta": ("phase_shift",),
+    "f": ("frequency",),
+    "freq": ("frequency",),
+    "omega": ("frequency",),
+    "period": ("frequency",),
+    "phase": ("phase_shift",),
+    "phase_lag": ("phase_shift",),
+    "phi_0": ("offset",),
+    "phi0": ("offset",),
+    "type": ("kind",),
+}
+"""Names of a gait's numbers by names that people try in vain."""
+
+
 @value_class
-class Wave:
+class Wave(Suggesting):
     """Second wave, of the pitch joints or of a driven fin: alpha g(k, n) sin(omega t + (k-1) delta + phase) + phi_0.
 
     k = 1 is the tail-most of n - 1 pitch joints; a driven fin has one joint and thus neither phase
@@ -181,6 +205,8 @@ class Wave:
     Raises:
         ValueError: If a field is out of its range.
     """
+
+    _meant = _MEANT
 
     if TYPE_CHECKING:
 
@@ -194,7 +220,7 @@ class Wave:
         ) -> None: ...
 
     amplitude: float = quantity("rad", "alpha, of the joint angles", ge=0.0, le=pi)
-    frequency: float = quantity("rad/s", "omega", ge=0.0)
+    frequency: float = quantity("rad/s", "omega", ge=0.0, in_hz=True)
     phase_shift: float = quantity(
         "rad", "delta between neighboring pitch joints", ge=-pi, le=pi, default=0.0
     )
@@ -207,6 +233,10 @@ class Wave:
     envelope: Envelope = option(
         "g, distribution of the amplitude over pitch joints", default=LateralUndulation()
     )
+
+    def __repr__(self) -> str:
+        """Return the call that makes it, with round angles in degrees."""
+        return show_call(self)
 
     def target(self, offset: float = 0.0) -> WaveTarget:
         """Return the wave's target for the reference generator; `offset` [rad] is added to the wave's own.
@@ -224,7 +254,7 @@ STRAIGHT = Wave(amplitude=0.0, frequency=0.0)
 
 
 @value_class
-class Gait:
+class Gait(Suggesting):
     """Traveling wave of joint angles, phi_i = alpha g(i, n) sin(omega t + (i-1) delta) + phi_0.
 
     Equation (3) of the paper: i = 1 is the tail-most joint and n the number of links, so a positive
@@ -238,12 +268,16 @@ class Gait:
         ValueError: If a field is out of its range.
     """
 
+    _meant = _MEANT
+
     if TYPE_CHECKING:
 
         def __init__(self, *, envelope: Envelope = ..., **fields: Unpack["GaitFields"]) -> None: ...
 
     amplitude: float = quantity("rad", "alpha, of the joint angles", ge=0.0, le=pi)
-    frequency: float = quantity("rad/s", "omega, an angular frequency as in the paper", ge=0.0)
+    frequency: float = quantity(
+        "rad/s", "omega, an angular frequency as in the paper", ge=0.0, in_hz=True
+    )
     phase_shift: float = quantity(
         "rad", "delta between neighboring joints; negative swims tail first", ge=-pi, le=pi
     )
@@ -265,6 +299,10 @@ class Gait:
             raise BadArgument(
                 "fin.phase_shift", f"must be 0: a fin has one joint, got {self.fin.phase_shift} rad"
             )
+
+    def __repr__(self) -> str:
+        """Return the call that makes it, with round angles in degrees."""
+        return show_call(self)
 
     @property
     def kind(self) -> str:
@@ -338,14 +376,64 @@ class GaitFields(WaveFields, total=False):
     recorded: JointAngles | None
 
 
+_FASTEST = 10.0
+"""Cycles per second that hardly any robot swims with; many that are given are degrees per second [Hz]."""
+_SMALLEST = 1.6
+"""An amplitude in degrees below this is rather one in rad [deg]."""
+
+
+def _warn_of_units(fields: GaitFields) -> None:
+    """Warn of numbers that are accepted, but are probably in another unit."""
+    amplitude = fields.get("amplitude_deg")
+    if isinstance(amplitude, float | int) and 0.0 < amplitude < _SMALLEST:
+        meaning = f"joints that bend {amplitude:g} of a degree"
+        warn_caller(
+            f"amplitude_deg={amplitude:g} is {meaning}; did you mean amplitude={amplitude:g}, in rad?",
+            UnitWarning,
+        )
+    frequency = fields.get("frequency")
+    if isinstance(frequency, float | int) and frequency > _FASTEST * tau:
+        cycles = f"{frequency / tau:.3g} cycles per second"
+        warn_caller(
+            f"frequency={frequency:g} in rad/s is {cycles}; did you mean frequency_deg_s={frequency:g}?",
+            UnitWarning,
+        )
+    frequency_deg_s = fields.get("frequency_deg_s")
+    if isinstance(frequency_deg_s, float | int) and frequency_deg_s > _FASTEST * 360.0:
+        cycles = f"{frequency_deg_s / 360.0:.3g} cycles per second"
+        warn_caller(
+            f"frequency_deg_s={frequency_deg_s:g} is {cycles}, more than a robot swims with",
+            UnitWarning,
+        )
+
+
+def gait_by_name(kind: str, **fields: Unpack[GaitFields]) -> Gait:
+    """Return a gait by the name of its kind.
+
+    Args:
+        kind: A kind defined by its name alone, such as `eel-like` or `eel_like`.
+        fields: Fields of `Gait`, as for `lateral_undulation`.
+
+    Raises:
+        ValueError: If there is no such kind, it needs values, or a number is out of range.
+
+    Example:
+        >>> gait_by_name("eel-like", amplitude_deg=30, frequency_hz=0.5, phase_shift_deg=40)
+        Gait(amplitude_deg=30, frequency_deg_s=180, phase_shift_deg=40, envelope=EelLike())
+    """
+    _warn_of_units(fields)
+    return Gait(envelope=envelope_of(kind), **fields)
+
+
+@by_name_only(Gait)
 def lateral_undulation(**fields: Unpack[GaitFields]) -> Gait:
     """Return body waves of constant amplitude, g(i, n) = 1.
 
     Args:
         fields: amplitude alpha [rad], frequency omega [rad/s], phase_shift delta [rad], offset
-            phi_0 [rad], or in degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg;
-            pitch and fin, the waves of pitch joints and of a driven fin; recorded, angles to which
-            the wave is added.
+            phi_0 [rad], or in degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg,
+            or frequency_hz; pitch and fin, the waves of pitch joints and of a driven fin; recorded,
+            angles to which the wave is added.
 
     Raises:
         ValueError: If a number is not finite, or amplitude or frequency is negative.
@@ -354,17 +442,19 @@ def lateral_undulation(**fields: Unpack[GaitFields]) -> Gait:
         >>> lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7).joint_envelope(4)
         (1.0, 1.0, 1.0)
     """
+    _warn_of_units(fields)
     return Gait(**fields)
 
 
+@by_name_only(Gait)
 def eel_like(**fields: Unpack[GaitFields]) -> Gait:
     """Return body waves that grow from head to tail, g(i, n) = (n-i)/(n+1).
 
     Args:
         fields: amplitude alpha [rad], frequency omega [rad/s], phase_shift delta [rad], offset
-            phi_0 [rad], or in degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg;
-            pitch and fin, the waves of pitch joints and of a driven fin; recorded, angles to which
-            the wave is added.
+            phi_0 [rad], or in degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg,
+            or frequency_hz; pitch and fin, the waves of pitch joints and of a driven fin; recorded,
+            angles to which the wave is added.
 
     Raises:
         ValueError: If a number is not finite, or amplitude or frequency is negative.
@@ -373,9 +463,11 @@ def eel_like(**fields: Unpack[GaitFields]) -> Gait:
         >>> eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7).joint_envelope(4)
         (0.6, 0.4, 0.2)
     """
+    _warn_of_units(fields)
     return Gait(envelope=EelLike(), **fields)
 
 
+@by_name_only(Gait)
 def custom_gait(
     *,
     envelope: Callable[[int, int], float] | Sequence[float],
@@ -390,9 +482,9 @@ def custom_gait(
         n_links: n; needed when `envelope` is a function, and checked against the number of its
             values otherwise.
         fields: amplitude alpha [rad], frequency omega [rad/s], phase_shift delta [rad], offset
-            phi_0 [rad], or in degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg;
-            pitch and fin, the waves of pitch joints and of a driven fin; recorded, angles to which
-            the wave is added.
+            phi_0 [rad], or in degrees amplitude_deg, frequency_deg_s, phase_shift_deg, offset_deg,
+            or frequency_hz; pitch and fin, the waves of pitch joints and of a driven fin; recorded,
+            angles to which the wave is added.
 
     Raises:
         ValueError: If a number is not finite, amplitude or frequency is negative, `n_links` is
@@ -413,6 +505,7 @@ def custom_gait(
     values = check_items(
         check_finite, "a sequence of numbers or a function g(i, n)", (), "envelope", envelope
     )
+    _warn_of_units(fields)
     gait = Gait(envelope=Custom(values=values), **fields)
     if n_links is not None:
         gait.joint_envelope(check_whole_number("n_links", n_links, 1))
