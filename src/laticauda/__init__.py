@@ -107,7 +107,7 @@ if not os.path.isdir(__path__[0]):
         "laticauda must be installed in a folder: it reads kernels and presets from files, not archives"
     )
 moved.accept_former_paths()
-MEANT = {
+_MEANT = {
     "controller": ("PathFollowing", "HeadingController", "OpenLoop"),
     "environment": ("load_water", "load_ground"),
     "fit": ("laticauda.identify.fit",),
@@ -208,6 +208,6 @@ __getattr__, __dir__, __all__ = lazy_exports(
         ],
         "laticauda.trials": ["Trial", "compare", "joined"],
     },
-    meant=MEANT,
+    meant=_MEANT,
     renamed={"plant": "build_plant", "scenario": "build_scenario", **moved.FORMER_PACKAGES},
 )

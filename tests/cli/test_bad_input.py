@@ -112,7 +112,7 @@ BAD = {
     "swim --trailing-egde none": "--trailing-edge {none,elongated}",
     "swim extra": "there is neither a robot nor a file 'extra'; `laticauda robots` lists them",
     "swimm": "there is no command `swimm`; did you mean `swim`?",
-    "": "Expected one of {swim, follow, reproduce, sweep, optimize, identify, design-experiment, view, lab,",
+    "": "Try first:  laticauda swim mamba",
     "--versio": "Unrecognized options: --versio",
     "robots nope": "NAME must be one of `amphibot`, `chain`, `mamba`,",
     "robots paper-eal": "got 'paper-eal'; did you mean `paper-eel`?",

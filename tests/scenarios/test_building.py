@@ -59,7 +59,7 @@ def test_a_scenario_swims_as_its_robot_and_gait_do():
         ),
         ({"dt": 0.0}, "`dt` must be between 1e-07 and 1000 s, got 0.0."),
         ({"duration": -1.0}, "`duration` must be > 0 s, got -1.0."),
-        ({"motion": 3}, "`gait` must be of class Gait or Controller, got int."),
+        ({"motion": 3}, "`gait` must be of class Gait or Controller, got int"),
     ],
 )
 def test_what_does_not_go_is_refused(changes, message):

@@ -1,3 +1,4 @@
+import dataclasses
 import json
 
 import numpy as np
@@ -58,13 +59,24 @@ def test_a_notebook_shows_a_trial_with_its_figures_in_words():
     trial = lc.swim("mamba", gait, 5.0)
     assert f", {trial.forward_velocity:.3g} m/s; " in repr(trial)
     shown = plain(trial)
-    assert f"<th>path length over time</th><td>{trial.path_speed:g} m/s</td>" in shown
+    assert shown.startswith('<img alt="Trial of mamba: lateral_undulation, 5 s in 101 samples')
+    assert shown.count("<table>") == 1 and len(shown) < 60_000
+    assert f"<th>path length over time</th><td>{trial.path_speed:.4g} m/s</td>" in shown
     assert (
-        f"<th>largest joint angle, first cycle left out</th><td>{np.degrees(trial.peak_joint_angle):g} deg</td>"
+        f"<th>largest joint angle, first cycle left out</th><td>{np.degrees(trial.peak_joint_angle):.4g} deg</td>"
         in shown
     )
     for one in (trial.robot, trial.gait, trial.scenario):
         assert one._repr_html_().startswith("<table><caption>")
     assert "<th>amplitude</th><td>28.6479 deg</td>" in plain(trial.gait)
     assert "<th>robot</th><td>mamba: 9 links" in plain(trial.scenario)
+    assert "<th>modules 0-8</th><td>length 0.18 m, mass 0.8 kg" in plain(trial.robot)
+    assert "<th>joints 0-7</th><td>limit 90 deg</td>" in plain(trial.robot)
+    assert "<th>actuators 0-7</th><td>proportional_gain 20 N m/rad" in plain(trial.robot)
     assert len(repr(trial.robot).splitlines()) == 1 and len(repr(trial.robot)) < 100
+    assert repr(trial.scenario) == (
+        "<Scenario of mamba: lateral undulation 28.65 deg, 131.8 deg/s, 40.11 deg, 5 s in paper-lateral, "
+        "planar model, prescribed joints>"
+    )
+    long_name = dataclasses.replace(trial.robot, name="mamba " * 100)
+    assert len(repr(dataclasses.replace(trial.scenario, robot=long_name))) <= 200

@@ -52,11 +52,37 @@ def _read_commands() -> dict[str, ListedCommand]:
 
 COMMANDS = _read_commands()
 """All commands by the words that are typed, such as `trial show`."""
+FIRST_TO_TRY = "laticauda swim mamba"
+COMMANDS_BY_PURPOSE: dict[str, tuple[str, ...]] = {
+    "Swim": ("swim", "follow", "cockpit", "robots"),
+    "Look at trials": ("view", "trial"),
+    "Study": ("sweep", "optimize", "reproduce"),
+    "Measure": ("identify", "predict", "design-experiment", "lab", "operate", "drivers", "replay"),
+    "Use elsewhere": ("export", "serve"),
+}
+"""Commands in the order in which a newcomer needs them; others come last."""
 GROUPS = {
     "export": "Write robots to files for other programs.",
     "trial": "Show, compare, plot and convert stored trials.",
 }
 """First words that several commands have in common."""
+
+
+MEANT_COMMANDS = {
+    "animate": "view",
+    "compare": "trial compare",
+    "convert": "trial convert",
+    "fit": "identify",
+    "list": "robots",
+    "plot": "trial plot",
+    "presets": "robots",
+    "run": "swim",
+    "show": "trial show",
+    "sim": "swim",
+    "simulate": "swim",
+    "start": "swim",
+}
+"""Commands by other words that people try."""
 
 
 def main(args: Sequence[str] | None = None) -> int:
@@ -124,7 +150,10 @@ def _read_command(typed: list[str]) -> Command:
         if name in COMMANDS and len(typed) >= n_words:
             command_class = _import_command(name)
             return command_class.read(typed[n_words:], f"{PROGRAM} {name}")
-    if not typed or typed[0].startswith("-"):
+    if not typed:
+        print(_overview(), file=sys.stderr)
+        raise SystemExit(STATUS_BAD_INPUT)
+    if typed[0].startswith("-"):
         return _refuse_with_list(PROGRAM, DESCRIPTION, _commands_of_group("") | GROUPS, typed)
     first_word = typed[0]
     if first_word in GROUPS:
@@ -132,9 +161,28 @@ def _read_command(typed: list[str]) -> Command:
         description = GROUPS[first_word]
         return _refuse_with_list(prog, description, _commands_of_group(first_word), typed[1:])
     hint = suggest_nearest(first_word, [*COMMANDS, *GROUPS])
+    if first_word in MEANT_COMMANDS:
+        hint = f"; did you mean `{MEANT_COMMANDS[first_word]}`?"
     if not hint:
         hint = f"; `{PROGRAM} --help` lists all commands."
     raise BadFlag(f"there is no command `{first_word}`{hint}")
+
+
+def _overview() -> str:
+    """Return all commands by purpose, below one to begin with."""
+    descriptions = _commands_of_group("") | GROUPS
+    width = max(map(len, descriptions))
+    lines = [DESCRIPTION.partition(". ")[0] + ".", "", f"Try first:  {FIRST_TO_TRY}"]
+    purposes = dict(COMMANDS_BY_PURPOSE)
+    placed = [name for names in purposes.values() for name in names]
+    purposes["More"] = tuple(name for name in descriptions if name not in placed)
+    for purpose, names in purposes.items():
+        rows = [
+            f"  {name:<{width}}  {descriptions[name]}" for name in names if name in descriptions
+        ]
+        if rows:
+            lines += ["", purpose, *rows]
+    return "\n".join([*lines, "", f"`{PROGRAM} COMMAND --help` explains a command."])
 
 
 def _import_command(name: str) -> type[Command]:

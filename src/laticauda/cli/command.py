@@ -3,6 +3,7 @@
 import signal
 import sys
 import threading
+import warnings
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -10,7 +11,7 @@ from typing import Any
 
 from laticauda.cli.flags import Options, parse_command
 from laticauda.cli.output_files import check_output, files_of
-from laticauda.values import option, to_json, value_class
+from laticauda.values import SkippedRowsWarning, option, to_json, value_class
 from laticauda.values.packaging import renamed_names
 
 
@@ -55,7 +56,8 @@ class Command(Options):
         """Do the work, print the outcome and return the exit status."""
         for file in files_of(self):
             check_output(file.option, file.path, file.endings)
-        outcome = self.run()
+        with _warnings_as_lines():
+            outcome = self.run()
         if outcome is None:
             return 0
         if outcome.problem:
@@ -71,6 +73,23 @@ class Command(Options):
             text: Text for people.
         """
         print(to_json(facts, None) if self.json else text, flush=True)
+
+
+@contextmanager
+def _warnings_as_lines() -> Generator[None]:
+    """Print warnings about what the user gave as one line each, without the code that found it."""
+
+    def print_line(message: Warning | str, category: type[Warning], *details: Any) -> None:
+        if issubclass(category, SkippedRowsWarning):
+            print(f"laticauda: {message}", file=sys.stderr)
+        else:
+            print_as_usual(message, category, *details)
+
+    with warnings.catch_warnings():
+        print_as_usual = warnings.showwarning
+        warnings.simplefilter("always", SkippedRowsWarning)
+        warnings.showwarning = print_line
+        yield
 
 
 @contextmanager

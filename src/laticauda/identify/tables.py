@@ -12,7 +12,14 @@ import laticauda as lc
 from laticauda.identify.measurements import Measurement
 from laticauda.scenarios import build_scenario
 from laticauda.trials import MeasuredTrials, measured, null_models
-from laticauda.values import RobotFileError, TrialFileError, check_choice, check_positive
+from laticauda.values import (
+    RobotFileError,
+    SkippedRowsWarning,
+    TrialFileError,
+    check_choice,
+    check_positive,
+    warn_caller,
+)
 
 TABLE_SIGMA = 0.05
 """Default noise of a table's numbers, as a fraction of each value; the paper states none [-]."""
@@ -20,6 +27,10 @@ TABLE_SELECTED_FROM = 3
 """Assumed number of equally good settings from which a starred row of Table 1 was selected [-]."""
 FIGURES = ("forward_velocity", "mean_power")
 """Figures that a table can hold."""
+WORDS_OF_FIGURES = {"forward_velocity": "speed", "mean_power": "power"}
+"""What people call them."""
+MOST_LISTED = 20
+"""Rows that a message lists at most."""
 _LONGEST_STRIDE = 2.0
 """Distance per cycle that no swimmer exceeds, in body lengths [-]."""
 
@@ -76,10 +87,13 @@ def from_table(
 
     Args:
         file: Path of the file.
-        figure: forward_velocity or mean_power; rows that lack it are skipped.
+        figure: forward_velocity or mean_power; rows that lack it are skipped, with a warning.
         sigma: Standard deviation of the noise as a fraction of the value, for rows that do not
             state their own [-].
         robot: Robot in rows that do not name one, a preset or a TOML file.
+
+    Warns:
+        SkippedRowsWarning: If rows lack the figure.
 
     Raises:
         TrialFileError: If anything in it is invalid.
@@ -90,13 +104,16 @@ def from_table(
     load_swimmer = cache(_load_swimmer)
     n_of_name = Counter[str]()
     measurements: list[Measurement] = []
-    for row in measured.load_speeds(file):
+    rows = measured.load_numbered_speeds(file)
+    empty_rows: list[int] = []
+    for row_number, row in rows.items():
         number = _number_in(row, figure)
         if number.value is None:
+            empty_rows.append(row_number)
             continue
         swimmer = load_swimmer(row.robot or robot, row.config)
         gait = row.motion
-        _check_stride(file, row, swimmer)
+        _check_stride(f"{file}: row {row_number}", row, swimmer)
         name = _name(gait, swimmer.caudal_fin is not None)
         n_of_name[name] += 1
         if n_of_name[name] > 1:
@@ -110,6 +127,8 @@ def from_table(
         measurements.append(measurement)
     if not measurements:
         raise TrialFileError(f"{file}: none of its rows has a {figure.replace('_', ' ')}.")
+    if empty_rows:
+        _warn_of_empty(file, figure, empty_rows, n_rows=len(rows))
     return tuple(measurements)
 
 
@@ -126,13 +145,26 @@ def _number_in(row: measured.SpeedTrial, figure: str) -> _Number:
     return _Number(value=row.P_avg_W, sigma=row.P_sigma_W)
 
 
-def _check_stride(file: str | Path, row: measured.SpeedTrial, robot: lc.Robot) -> None:
+def _warn_of_empty(file: str | Path, figure: str, empty_rows: list[int], *, n_rows: int) -> None:
+    """Say which rows are left out."""
+    verb, rows = "has", "row"
+    if len(empty_rows) > 1:
+        verb, rows = "have", "rows"
+    listed = ", ".join(map(str, empty_rows[:MOST_LISTED]))
+    if len(empty_rows) > MOST_LISTED:
+        listed += ", ..."
+    noun = WORDS_OF_FIGURES[figure]
+    message = f"{file}: {len(empty_rows)} of {n_rows} rows {verb} no {noun}: {rows} {listed}"
+    warn_caller(message, SkippedRowsWarning)
+
+
+def _check_stride(place: str, row: measured.SpeedTrial, robot: lc.Robot) -> None:
     """Reject a speed that nothing swims at, which is mostly one in another unit."""
     speed = row.v_m_s or 0.0
     stride = 2.0 * np.pi * speed / row.motion.frequency / robot.length
     if stride > _LONGEST_STRIDE:
         raise TrialFileError(
-            f"{file}: `v_m_s` of {row.v_m_s:g} at `omega_deg_s` of {row.omega_deg_s:g} is "
+            f"{place}: `v_m_s` of {row.v_m_s:g} at `omega_deg_s` of {row.omega_deg_s:g} is "
             f"{stride:.3g} lengths of `{robot.name}` per cycle, more than anything swims; "
             "is one in another unit, such as cm/s, rad/s or Hz?"
         )

@@ -39,7 +39,7 @@ def describe(thing: Robot | environment.Water | environment.Ground | Flow) -> st
         thing: A robot, water, ground or flow.
     """
     if isinstance(thing, Robot):
-        rows = [*_robot_rows(thing)]
+        rows = [*robot_rows(thing), *_textbook_rows(thing), *_power_rows(thing)]
     elif isinstance(thing, Flow):
         units = {
             name: f"{one.text} [{one.unit or '-'}]"
@@ -86,7 +86,12 @@ def in_a_line(facts: dict[str, str]) -> str:
     return ", ".join(f"{name} {text}" for name, text in facts.items())
 
 
-def _robot_rows(robot: Robot) -> Iterator[Row]:
+def robot_rows(robot: Robot) -> Iterator[Row]:
+    """Yield what a robot consists of: one fact per row, its name and the text.
+
+    Args:
+        robot: The robot.
+    """
     fin = robot.caudal_fin
     yield "robot", robot.name
     if robot.description:
@@ -124,7 +129,9 @@ def _robot_rows(robot: Robot) -> Iterator[Row]:
     if tether:
         yield "tether", in_a_line(tether)
     yield "surface, ends", f"{robot.surface}, {robot.nose} nose, {robot.tail} tail"
-    yield from _textbook_rows(robot)
+
+
+def _power_rows(robot: Robot) -> Iterator[Row]:
     if robot.idle_power:
         yield "power at rest", f"{robot.idle_power:g} W"
     if robot.active_power is not None:

@@ -14,6 +14,7 @@ from laticauda.values import (
     Suggesting,
     check_label,
     check_whole_number,
+    html_table,
     option,
     quantity,
     value_class,
@@ -113,6 +114,11 @@ class Robot(Suggesting):
     def __repr__(self) -> str:
         """Return `words` instead of the many fields."""
         return f"<Robot {self.words}>"
+
+    def _repr_html_(self) -> str:
+        from laticauda.robot.describe import robot_rows
+
+        return html_table(self.words, robot_rows(self))
 
     @property
     def n_links(self) -> int:

@@ -149,9 +149,9 @@ def _motion_of(motion: Any, gait_numbers: dict[str, Any]) -> Motion:
 
 
 def _gait_by_name(name: str, numbers: dict[str, Any]) -> Gait:
-    kind = name.replace(" ", "-")
-    if kind.replace("-", "_") not in list_kinds():
-        check_choice("gait", kind, [known.replace("_", "-") for known in list_kinds()])
+    kind = name.replace(" ", "-").replace("_", "-")
+    kinds = [listed_kind.replace("_", "-") for listed_kind in list_kinds()]
+    check_choice("gait", kind, kinds)
     if not numbers:
         example = "amplitude_deg=30, frequency_deg_s=130, phase_shift_deg=40"
         raise BadArgument("gait", f'by name needs its numbers, too: "{kind}", {example}')
@@ -213,8 +213,11 @@ def _refuse_setting(name: str, value: object) -> None:
     """Say why a model does not have a setting."""
     if name in {field.name for field in fields(Spatial)}:
         raise BadArgument(name, f"must be left out unless `model` is `spatial`, got {value!r}")
-    known = ["duration", *Changes.__annotations__]
-    raise TypeError(f"There is no argument `{name}`{hint_at(name, MEANT, known) or '.'}")
+    arguments = ["duration", *Changes.__annotations__]
+    hint = hint_at(name, MEANT, arguments)
+    if not hint:
+        hint = "."
+    raise TypeError(f"There is no argument `{name}`{hint}")
 
 
 MEANT = {

@@ -136,6 +136,18 @@ def settings_of(model: Model) -> dict[str, str | float | bool | None]:
     return settings
 
 
+LONGEST_SUMMARY = 180
+"""Characters of a summary at most, so that it fits on two lines."""
+
+
+def _describe_gait(gait: Gait) -> str:
+    """Return a gait in a few words: its kind, amplitude, frequency and phase shift."""
+    amplitude = math.degrees(gait.amplitude)
+    frequency = math.degrees(gait.frequency)
+    phase_shift = math.degrees(gait.phase_shift)
+    return f"{gait.words} {amplitude:.4g} deg, {frequency:.4g} deg/s, {phase_shift:.4g} deg"
+
+
 @value_class
 class Scenario:
     """Everything that determines a run: the same scenario always gives the same trial (`laticauda.swim`).
@@ -170,6 +182,28 @@ class Scenario:
         check_instance("motion", self.motion, Gait, Controller)
         if isinstance(self.model, Spatial) and self.model.scene is not None:
             self.model.scene.check(self.environment)
+
+    @property
+    def words(self) -> str:
+        """One-line summary: what swims, how, where, and by which model."""
+        motion = _describe_gait(self.gait)
+        if not isinstance(self.motion, Gait):
+            motion = f"{name_of(self.motion.__class__)} of {motion}"
+        model_class = type(self.model)
+        law_class = type(self.model.joints)
+        model_name = name_of(model_class)
+        law_name = name_of(law_class)
+        model = f"{model_name} model, {law_name} joints"
+        summary = (
+            f"{self.robot.name}: {motion}, {self.duration:g} s in {self.environment.name}, {model}"
+        )
+        if len(summary) <= LONGEST_SUMMARY:
+            return summary
+        return f"{summary[: LONGEST_SUMMARY - 3]}..."
+
+    def __repr__(self) -> str:
+        """Return `words` instead of the many fields."""
+        return f"<Scenario of {self.words}>"
 
     @property
     def gait(self) -> Gait:

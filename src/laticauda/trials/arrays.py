@@ -1,5 +1,6 @@
 """Checks of a trial's arrays and texts: each returns the value as stored, or raises a ValueError naming the field."""
 
+import dataclasses
 from collections.abc import Mapping
 from typing import TypeAlias, cast
 
@@ -100,8 +101,20 @@ def are_same(first: object, second: object) -> bool:
             return False
         return all(are_same(value, second_items[name]) for name, value in first_items.items())
     value = cast("object", first)
-    # The texts of values distinguish 1 from True and 0 from -0.
-    return type(value) is type(second) and value == second and repr(value) == repr(second)
+    other = second
+    if value is other:
+        return True
+    if type(value) is not type(other):  # 1 is not True here
+        return False
+    if isinstance(value, tuple):
+        items = cast("tuple[object, ...]", value)
+        other_items = cast("tuple[object, ...]", other)
+        return len(items) == len(other_items) and all(map(are_same, items, other_items))
+    if dataclasses.is_dataclass(value):
+        names = [field.name for field in dataclasses.fields(value)]
+        return all(are_same(getattr(value, name), getattr(other, name)) for name in names)
+    # The texts of numbers distinguish 0 from -0.
+    return value == other and repr(value) == repr(other)
 
 
 def _are_same_arrays(first: AnyArray, second: AnyArray) -> bool:

@@ -175,6 +175,28 @@ def gait_in_table(kind: str, alpha_deg: float, omega_deg_s: float, delta_deg: fl
     )
 
 
+MEANT_COLUMNS = {
+    "alpha": "alpha_deg",
+    "amplitude": "alpha_deg",
+    "amplitude_deg": "alpha_deg",
+    "delta": "delta_deg",
+    "fin": "config",
+    "forward_velocity": "v_m_s",
+    "frequency": "omega_deg_s",
+    "frequency_deg_s": "omega_deg_s",
+    "frequency_hz": "omega_deg_s",
+    "kind": "gait",
+    "omega": "omega_deg_s",
+    "p": "P_avg_W",
+    "phase": "delta_deg",
+    "phase_shift": "delta_deg",
+    "phase_shift_deg": "delta_deg",
+    "power": "P_avg_W",
+    "speed": "v_m_s",
+    "v": "v_m_s",
+    "velocity": "v_m_s",
+}
+"""Columns by headings that people write."""
 _COLUMNS = tuple(SpeedTrial.__dataclass_fields__)
 _NEVER_EMPTY = ("gait", "alpha_deg", "omega_deg_s", "delta_deg")
 _NEEDED = (*_NEVER_EMPTY, "v_m_s")
@@ -190,9 +212,18 @@ def load_speeds(path: str | Path) -> tuple[SpeedTrial, ...]:
         TrialFileError: If the file cannot be read, or anything in it is wrong; the message gives
             the row, counted as in a spreadsheet, with the header as row 1.
     """
+    return tuple(load_numbered_speeds(path).values())
+
+
+def load_numbered_speeds(path: str | Path) -> dict[int, SpeedTrial]:
+    """Load a table of speeds by the numbers of its rows; see `load_speeds`.
+
+    Args:
+        path: Path of the file.
+    """
     names, rows = files.read_rows(path, TrialFileError)
     _check_columns(path, names)
-    trials: list[SpeedTrial] = []
+    trials: dict[int, SpeedTrial] = {}
     for number, row in rows:
         try:
             cells = {
@@ -200,30 +231,45 @@ def load_speeds(path: str | Path) -> tuple[SpeedTrial, ...]:
                 for name, text in row.items()
                 if text or name in _NEVER_EMPTY
             }
-            trials.append(SpeedTrial(**cells))
+            trials[number] = SpeedTrial(**cells)
         except ValueError as error:
             raise TrialFileError(f"{path}: row {number}: {error}") from None
     if not trials:
         raise TrialFileError(f"{path}: the table has no rows.")
     for name in ("alpha_deg", "delta_deg"):
-        largest = max(abs(getattr(trial, name)) for trial in trials)
+        largest = max(abs(getattr(trial, name)) for trial in trials.values())
         if 0.0 < largest < _RADIANS:
             reason = f"only reaches {largest:g}, too little for deg; is it in rad?"
             raise TrialFileError(f"{path}: column `{name}` {reason}")
-    return tuple(trials)
+    return trials
 
 
 def _check_columns(path: str | Path, names: list[str]) -> None:
-    """Reject a table with doubled, unknown or missing columns; of several, the last one is reported."""
+    """Reject a table with doubled, unknown or missing columns; all unknown ones are reported."""
     for name in reversed(names):
         if names.count(name) > 1:
             raise TrialFileError(f"{path}: row 1: column `{name}` must not be given twice.")
-        if name not in _COLUMNS:
-            hint = suggest_nearest(name, _COLUMNS) or f"; they are {', '.join(_COLUMNS)}"
-            raise TrialFileError(f"{path}: row 1: column `{name}` is not known{hint}")
+    unknown = [name for name in names if name not in _COLUMNS]
+    if unknown:
+        raise TrialFileError(f"{path}: row 1: {_describe_unknown_columns(unknown)}")
     for name in _NEEDED:
         if name not in names:
             raise TrialFileError(f"{path}: row 1: column `{name}` is missing.")
+
+
+def _describe_unknown_columns(names: Sequence[str]) -> str:
+    """Return which columns are not known, each with the one that is probably meant."""
+    descriptions: list[str] = []
+    for name in names:
+        meant = MEANT_COLUMNS.get(name.casefold())
+        hint = suggest_nearest(name, _COLUMNS)
+        if meant is not None:
+            hint = f"; did you mean `{meant}`?"
+        descriptions.append(f"column `{name}` is not known{hint}")
+    sentence = " ".join(descriptions)
+    if sentence.endswith("?"):
+        return sentence
+    return f"{sentence}; they are {', '.join(_COLUMNS)}"
 
 
 def _parse_cell(name: str, text: str) -> Any:

@@ -14,7 +14,7 @@ import numpy as np
 from laticauda.trials import contents, cycles, metrics
 from laticauda.trials.dataset import fields_of, save, to_dataset
 from laticauda.trials.feasibility import Feasibility, judge_feasibility, make_peak_figure
-from laticauda.values import BadArgument, Quantity, Suggesting, describe_field, html_table
+from laticauda.values import BadArgument, Suggesting, display_unit, html_table
 
 if TYPE_CHECKING:
     import xarray
@@ -364,14 +364,17 @@ class Trial(Suggesting, contents.Contents):
         return f"<Trial of {self.robot.name}: {gait}, {log}; {status}>"
 
     def _repr_html_(self) -> str:
+        from laticauda.show.figures import picture_in_html
+
         values, _ = self.figures()
-        rows: dict[str, str] = {}
+        rows: list[tuple[str, str]] = []
         for figure in FIGURES:
             value = values[figure.name]
             if value is not None:
-                quantity = Quantity(unit=figure.unit, text="")
-                rows[figure.title] = describe_field(value, quantity) or "0"
-        return html_table(repr(self)[1:-1], rows)
+                unit = display_unit(figure.unit)
+                rows.append((figure.title, f"{unit.from_si(value):.4g} {unit.name}".rstrip()))
+        picture = picture_in_html(self.plot_path(), repr(self)[1:-1])
+        return f"{picture}{html_table(repr(self)[1:-1], rows)}"
 
 
 FIGURES = tuple(value for value in vars(Trial).values() if isinstance(value, Figure))

@@ -10,6 +10,8 @@ from laticauda.values.errors import BadArgument
 
 LONGEST_VALUE = 60
 """Characters of a value in a message at most."""
+SHORTEST_BEGINNING = 3
+"""Characters of a name that show which one is meant, at least."""
 
 
 def check_finite(name: str, value: object, unit: str = "") -> float:
@@ -237,7 +239,10 @@ def suggest_nearest(typed: str, choices: Sequence[str]) -> str:
     import difflib
 
     choice_of_simplified = {_simplify(choice): choice for choice in choices}
-    nearest = difflib.get_close_matches(_simplify(typed), choice_of_simplified, n=1)
+    simplified = _simplify(typed)
+    nearest = difflib.get_close_matches(simplified, choice_of_simplified, n=1)
+    if not nearest and len(simplified) >= SHORTEST_BEGINNING:
+        nearest = [choice for choice in choice_of_simplified if choice.startswith(simplified)]
     if not nearest:
         return ""
     return f"; did you mean `{choice_of_simplified[nearest[0]]}`?"

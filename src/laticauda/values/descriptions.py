@@ -4,7 +4,7 @@ import dataclasses
 import html
 import inspect
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable
 from typing import Any, cast
 
 from laticauda.values.declared_fields import Field, fields_of
@@ -74,10 +74,10 @@ def _describe_numbers(content: Any, quantity: Quantity) -> str:
     return f"{listed} {unit.name}".rstrip()
 
 
-def html_table(title: str, rows: Mapping[str, str]) -> str:
+def html_table(title: str, rows: Iterable[tuple[str, str]]) -> str:
     """Return a table with a `title`, and `rows` of names and texts, as shown by notebooks."""
     row = '<tr><th style="text-align:left">{}</th><td style="text-align:left">{}</td></tr>'
-    lines = [row.format(html.escape(name), html.escape(text)) for name, text in rows.items()]
+    lines = [row.format(html.escape(name), html.escape(text)) for name, text in rows]
     return f"<table><caption>{html.escape(title)}</caption>{''.join(lines)}</table>"
 
 
@@ -88,7 +88,7 @@ def value_as_table(value: Any) -> str:
         value: A value with declared fields.
     """
     title = getattr(value, "words", value.__class__.__name__)
-    return html_table(title, describe_fields(value))
+    return html_table(title, describe_fields(value).items())
 
 
 FIELDS = "\n\nFields:\n"

@@ -56,6 +56,10 @@ class UnitWarning(UserWarning):
     """A number that is accepted, but was probably meant in another unit."""
 
 
+class SkippedRowsWarning(UserWarning):
+    """Rows of a table that are left out, because they lack what is asked for."""
+
+
 class SimulationFailed(LaticaudaError, RuntimeError):
     """A run that blew up: the message states when, and what to try."""
 

@@ -164,6 +164,9 @@ def read_rows(
     except csv.Error as failure:
         raise error(f"{path}: row {reader.line_num}: {failure}") from None
     (_, names), *rows = rows or [(1, [])]
+    if len(names) == 1 and ";" in names[0]:
+        advice = "save it with commas between columns and points in numbers"
+        raise error(f"{path}: its columns are separated by semicolons; {advice}.")
     for number, row in rows:
         if len(row) != len(names):
             raise error(f"{path}: row {number}: it must have one cell per column.")

@@ -38,18 +38,18 @@ class UnknownName(AttributeError):
         return AttributeError, (str(self),)
 
 
-def hint_at(name: str, meant: Meant, known: Collection[str]) -> str:
+def hint_at(name: str, meant: Meant, choices: Collection[str]) -> str:
     """Return the end of a message about a name that does not exist: "; did you mean x?", or "".
 
     Args:
         name: The name.
         meant: What is probably meant, by names that people try.
-        known: All names that exist.
+        choices: All names that exist.
     """
     plain = name.casefold().replace("-", "_")
     if plain in meant:
         return f"; did you mean {', '.join(meant[plain])}?"
-    return suggest_nearest(name, [*known]).replace("`", "")
+    return suggest_nearest(name, [*choices]).replace("`", "")
 
 
 class _SuggestingClass(type):
@@ -81,7 +81,7 @@ def _unknown_name(owner: str, name: str, kind: type[Any]) -> AttributeError:
     def find_hint() -> str:
         if name.startswith("_"):
             return ""
-        public_names = [known for known in dir(kind) if not known.startswith("_")]
+        public_names = [member for member in dir(kind) if not member.startswith("_")]
         public_names += getattr(kind, "__dataclass_fields__", ())
         return hint_at(name, kind._meant, public_names)
 

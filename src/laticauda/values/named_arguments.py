@@ -120,10 +120,10 @@ def _spell_out(field: Field) -> str:
     text = f"`{field.name}`"
     if field.unit:
         text += f" [{field.unit}]"
-    others = [f"`{name}`" for name in field.argument_units]
-    if not others:
+    names_in_units = [f"`{name}`" for name in field.argument_units]
+    if not names_in_units:
         return text
-    return f"{text}, or {' or '.join(others)}"
+    return f"{text}, or {' or '.join(names_in_units)}"
 
 
 def by_name_only(kind: type) -> Callable[[Callable[P, T]], Callable[P, T]]:
@@ -154,16 +154,16 @@ def refuse_positional(name: str, kind: type, arguments: tuple[Any, ...]) -> Type
         arguments: The arguments.
     """
     named: list[str] = []
-    others: list[str] = []
+    names_in_si: list[str] = []
     units: list[str] = []
     for field, value in zip(fields_of(kind).values(), arguments, strict=False):
         display_name = field.display_name or field.name
         named.append(f"{display_name}={show_value(value)}")
         if field.display_name is not None:
-            others.append(f"{field.name}=")
+            names_in_si.append(f"{field.name}=")
             units.append(field.unit)
     rule = f"{name} takes its arguments by name, which states the unit"
     in_other_units = ""
-    if others:
-        in_other_units = f", or in {' and '.join(dict.fromkeys(units))}: {', '.join(others)}"
+    if names_in_si:
+        in_other_units = f", or in {' and '.join(dict.fromkeys(units))}: {', '.join(names_in_si)}"
     return TypeError(f"{rule}: {name}({', '.join(named)}){in_other_units}")

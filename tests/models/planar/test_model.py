@@ -273,7 +273,7 @@ def test_absurd_gains_end_as_a_failed_trial_that_says_when_and_what_to_try():
     wild = Joint(actuator=Actuator(proportional_gain=0.0, derivative_gain=0.0))
     robot = load_robot("mamba")
     robot = replace(robot, joints=(wild,) * robot.n_joints)
-    gait = lc.lateral_undulation(amplitude=3.0, frequency=300.0, phase_shift=0.7)
+    gait = lc.Gait(amplitude=3.0, frequency=300.0, phase_shift=0.7)
     trial = lc.swim(robot, gait, joints="pd")
     assert not trial.succeeded
     assert "The run diverged at t = " in trial.status
@@ -356,11 +356,11 @@ def test_a_start_that_is_no_number_is_refused():
         lc.Start(heading=float("nan"))
 
 
-def test_a_name_is_a_preset_of_a_robot_and_no_gait():
+def test_a_name_is_a_preset_of_a_robot_and_a_gait_needs_more():
     assert lc.swim("mamba", GAIT, 1.0).robot == load_robot("mamba")
     with pytest.raises(ValueError, match="there is no robot preset named `mambo`"):
         lc.swim("mambo", GAIT)
-    with pytest.raises(ValueError, match="`gait` must be of class Gait or Controller, got str"):
+    with pytest.raises(ValueError, match="`gait` by name needs its numbers, too"):
         lc.swim(load_robot("mamba"), "eel_like")
 
 

@@ -131,6 +131,30 @@ def test_a_trial_that_diverges_does_not_disturb_the_others():
         assert "The run diverged at t = " in swims.status[i]
 
 
+@pytest.mark.parametrize("model", ["planar", "spatial"])
+def test_a_batch_says_how_many_trials_failed_and_how_many_the_robot_cannot_do(model):
+    gaits = [replace(GAIT, frequency=frequency) for frequency in (1.0, 4.0, 1e6)]
+    scenarios = [lc.build_scenario(MAMBA, gait, 3.0, model=model, dt=0.05) for gait in gaits[:2]]
+    if model == "planar":
+        scenarios.append(lc.build_scenario(MAMBA, gaits[2], 3.0, dt=0.05))
+    swims = lc.swim_many(scenarios, feasibility=True)
+    singles = [lc.swim(scenario) for scenario in scenarios[:2]]
+    np.testing.assert_allclose(
+        swims.utilization[:2], [trial.utilization for trial in singles], rtol=1e-9
+    )
+    n_infeasible = sum(trial.utilization > 1.0 for trial in singles)
+    assert f"<Swims of {len(scenarios)} trials: " in repr(swims)
+    assert f"{n_infeasible or 'none'} of them demand more than the robot offers>" in repr(swims)
+    if model == "planar":
+        assert np.isnan(swims.utilization[2])
+        assert " W; 1 failed; " in repr(swims)
+    assert list(swims.to_dataset().utilization.values[:2]) == list(swims.utilization[:2])
+    unasked = lc.swim_many(scenarios)
+    assert unasked.utilization is None
+    assert "utilization" not in unasked.to_dataset()
+    assert "counted with feasibility=True>" in repr(unasked)
+
+
 def test_runs_of_many_samples_are_marched_in_parts_without_a_seam():
     gaits = [GAIT, replace(GAIT, amplitude=0.3)]
     swims = lc.swim_many(MAMBA, gaits, 15.0, sample_interval=0.006)

@@ -10,6 +10,7 @@ from laticauda.motion.gaits import (
     EelLike,
     Envelope,
     Gait,
+    Wave,
     custom_gait,
     eel_like,
     envelope_of,
@@ -190,3 +191,12 @@ def test_a_custom_envelope_fits_one_number_of_links_only():
         ValueError, match=r"`envelope` must have one value per joint, 8 for 9 links, got 2\."
     ):
         gait.joint_envelope(9)
+
+
+def test_a_gait_prints_as_the_call_that_makes_it_with_round_angles_in_degrees():
+    gait = eel_like(amplitude_deg=30, frequency_deg_s=130, phase_shift=0.7, offset_deg=-2.5)
+    call = "Gait(amplitude_deg=30, frequency_deg_s=130, phase_shift=0.7, offset_deg=-2.5, envelope=EelLike())"
+    assert repr(gait) == call
+    assert eval(call) == gait
+    fin = Wave(amplitude=0.25, frequency_hz=0.5)
+    assert repr(fin) == "Wave(amplitude=0.25, frequency_deg_s=180)"

@@ -10,7 +10,7 @@ WATER = lc.load_water("paper-lateral")
 
 
 def lateral(offset_deg: float = 0.0, frequency_deg_s: float = 130.0) -> lc.Gait:
-    return lc.lateral_undulation(
+    return lc.Gait(
         amplitude=math.radians(30),
         frequency=math.radians(frequency_deg_s),
         phase_shift=math.radians(40),

@@ -22,7 +22,11 @@ if TYPE_CHECKING:
     from laticauda.show.figures.path import path_strip as path_strip
     from laticauda.show.figures.several import plot_overlay as plot_overlay
     from laticauda.show.figures.sweep import sweep_sheet as sweep_sheet
-    from laticauda.show.figures.style import new_figure as new_figure, save_figure as save_figure
+    from laticauda.show.figures.style import (
+        new_figure as new_figure,
+        picture_in_html as picture_in_html,
+        save_figure as save_figure,
+    )
     from laticauda.show.figures.follow import follow_sheet as follow_sheet
     from laticauda.show.figures.sheets import sheet as sheet
     from laticauda.show.figures.swim import (
@@ -40,7 +44,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.show.figures.path": ["path_strip"],
         "laticauda.show.figures.several": ["plot_overlay"],
         "laticauda.show.figures.sweep": ["sweep_sheet"],
-        "laticauda.show.figures.style": ["new_figure", "save_figure"],
+        "laticauda.show.figures.style": ["new_figure", "picture_in_html", "save_figure"],
         "laticauda.show.figures.follow": ["follow_sheet"],
         "laticauda.show.figures.sheets": ["sheet"],
         "laticauda.show.figures.swim": [

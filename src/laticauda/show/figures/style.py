@@ -7,7 +7,9 @@ created in any thread and alongside those of the user.
 # matplotlib's own annotations are partial; this package passes on typed figures and axes.
 # pyright: reportUnknownMemberType=false
 
+import base64
 import functools
+import html
 import io
 from collections.abc import Sequence
 from pathlib import Path
@@ -33,6 +35,8 @@ LINE = 1.2
 """Width of lines [pt]."""
 DOTS_PER_INCH = 300
 """Resolution of pictures."""
+SCREEN_DOTS_PER_INCH = 80
+"""Resolution of small pictures beside a table."""
 
 # Okabe and Ito's colors, distinguishable by the color-blind and, as their lightness differs, in
 # gray print.
@@ -86,6 +90,21 @@ def new_figure(width: float, height: float) -> Figure:
     figure = Picture(figsize=(width, height), layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
     return figure
+
+
+def picture_in_html(ax: Axes, description: str) -> str:
+    """Return the figure of axes as a small picture inside a page.
+
+    Args:
+        ax: Axes of the figure.
+        description: What a reader hears who does not see it.
+    """
+    content = io.BytesIO()
+    figure = ax.get_figure(root=True)
+    assert figure is not None  # axes that were just drawn have one
+    figure.savefig(content, format="png", dpi=SCREEN_DOTS_PER_INCH)
+    data = base64.b64encode(content.getvalue()).decode()
+    return f'<img alt="{html.escape(description)}" src="data:image/png;base64,{data}">'
 
 
 def save_figure(figure: Figure, *paths: str | Path) -> None:
