@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from laticauda.scenarios.building import (
         Changes as Changes,
         ModelChanges as ModelChanges,
+        SwimChanges as SwimChanges,
         Motion as Motion,
         build_scenario as build_scenario,
         model_of as model_of,
@@ -75,6 +76,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.scenarios.building": [
             "Changes",
             "ModelChanges",
+            "SwimChanges",
             "Motion",
             "build_scenario",
             "model_of",

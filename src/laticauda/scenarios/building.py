@@ -38,11 +38,8 @@ class ModelChanges(TypedDict, total=False):
     rays: tuple[float, ...]
 
 
-class Changes(ModelChanges, GaitFields, total=False):
+class Changes(ModelChanges, total=False):
     """Settings of a scenario that may differ from its defaults: its fields and those of its model, see `ModelChanges`.
-
-    The numbers of a gait belong to a gait that is given by name, as in ``"eel-like",
-    amplitude_deg=30``.
 
     An environment, a current or parameters may be given by preset name or path, a model as
     ``"planar"`` or ``"spatial"``. The default environment is `default_water` of robot and gait; a
@@ -58,11 +55,15 @@ class Changes(ModelChanges, GaitFields, total=False):
     sample_interval: float
 
 
+class SwimChanges(Changes, GaitFields, total=False):
+    """`Changes`, and the numbers of a gait that is given by name, as in ``"eel-like", amplitude_deg=30``."""
+
+
 def build_scenario(
     robot: robots.Robot | str | Path,
     motion: Motion | str,
     duration: float = 30.0,
-    **changes: Unpack[Changes],
+    **changes: Unpack[SwimChanges],
 ) -> Scenario:
     """Make a scenario from a robot, a motion and deviations from the defaults.
 
@@ -134,7 +135,7 @@ def build_scenario(
 
 
 GAIT_NUMBERS = frozenset(GaitFields.__annotations__)
-"""Names in `Changes` that are the numbers of a gait."""
+"""Names in `SwimChanges` that are the numbers of a gait."""
 
 
 def _motion_of(motion: Any, gait_numbers: dict[str, Any]) -> Motion:
@@ -176,9 +177,7 @@ def _load(parameters: object) -> robots.Parameters:
     return cast(robots.Parameters, parameters)
 
 
-SCENARIO_CHANGES = (
-    frozenset(Changes.__annotations__) - frozenset(ModelChanges.__annotations__) - GAIT_NUMBERS
-)
+SCENARIO_CHANGES = frozenset(Changes.__annotations__) - frozenset(ModelChanges.__annotations__)
 """Names in `Changes` that are not settings of the model."""
 OPTIONAL_FIELDS = ("start", "sample_interval")
 """Those that are fields of `Scenario` as they are."""
@@ -213,7 +212,7 @@ def _refuse_setting(name: str, value: object) -> None:
     """Say why a model does not have a setting."""
     if name in {field.name for field in fields(Spatial)}:
         raise BadArgument(name, f"must be left out unless `model` is `spatial`, got {value!r}")
-    arguments = ["duration", *Changes.__annotations__]
+    arguments = ["duration", *SwimChanges.__annotations__]
     hint = hint_at(name, MEANT, arguments)
     if not hint:
         hint = "."

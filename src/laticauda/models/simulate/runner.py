@@ -23,7 +23,6 @@ from laticauda.models.simulate.plants import build_plant
 from laticauda.motion import gaits
 from laticauda.robot import Robot
 from laticauda.scenarios import (
-    Changes,
     Command,
     Controller,
     Experiment,
@@ -33,6 +32,7 @@ from laticauda.scenarios import (
     Resumed,
     Scenario,
     Start,
+    SwimChanges,
     build_scenario,
 )
 from laticauda.trials import REACHED_END, Trial
@@ -514,7 +514,7 @@ def swim(
     link_forces: bool = False,
     throw: bool = False,
     progress: Progress = silent,
-    **changes: Unpack[Changes],
+    **changes: Unpack[SwimChanges],
 ) -> Trial:
     """Run a scenario, or simulate a robot that swims a gait, starting straight and at rest.
 
