@@ -13,9 +13,8 @@ automatically.
 from dataclasses import replace
 from math import radians
 
-import matplotlib.pyplot as plt
-
 import laticauda as lc
+from laticauda.show.figures import new_panels, save_figure, style
 from laticauda.values.quantities import quantity, value_class
 from laticauda.values.scalars import magnitude
 from laticauda.water.fluid import DragLaw
@@ -45,14 +44,14 @@ class WashedDrag(DragLaw):
 
 robot, water = lc.load_robot("mamba"), lc.load_water("paper-lateral")
 gait = lc.lateral_undulation(
-    amplitude=radians(30), frequency=radians(130), phase_shift=radians(40)
+    amplitude=radians(30), frequency=radians(90), phase_shift=radians(40)
 )
 usual = lc.swim(robot, gait)
 print(
     f"{water.drag.words}: {usual.forward_velocity:.4f} m/s, "
     f"{usual.mean_power:.1f} W"
 )
-figure, ax = plt.subplots(layout="constrained")
+figure, (ax,) = new_panels(width=5.0)
 for wash in (0.0, 0.2, 0.4):
     own = lc.swim(
         robot, gait, environment=replace(water, drag=WashedDrag(wash=wash))
@@ -63,7 +62,7 @@ for wash in (0.0, 0.2, 0.4):
     )
     way = own.center_of_mass[:, 0]
     ax.plot(own.time, way, label=f"{wash:.0%} of the sideways speed")
-ax.plot(usual.time, usual.center_of_mass[:, 0], "k--", label="the usual law")
-ax.set(xlabel="time [s]", ylabel="distance [m]")
-ax.legend()
-figure.savefig("laws.png", dpi=150)
+ax.plot(usual.time, usual.center_of_mass[:, 0], label="the usual law")
+style.style_axes(ax, xlabel="time [s]", ylabel="distance [m]")
+style.add_legend(ax, loc="upper left")
+save_figure(figure, "laws.png")

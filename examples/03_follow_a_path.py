@@ -2,7 +2,7 @@
 
 Guidance computes a reference heading, and the heading controller an offset of the
 gait; `run` closes the loop with any plant. The log of the run also contains the
-controller's signals.
+controller's signals. Water and joints are those that were identified on the robot.
 
     python examples/03_follow_a_path.py
 """
@@ -22,8 +22,11 @@ controller = lc.PathFollowing(
     guidance=lc.LineOfSight(look_ahead_distance=0.18),
     heading=lc.HeadingController(gain=0.4, max_offset=radians(20)),
 )
-plant = lc.build_plant(lc.load_robot("mamba-fin"), lc.load_water("paper-lateral"))
-trial = lc.run(plant, controller, 80.0, start=lc.Start(center_of_mass=(0.0, 0.8)))
+swimmer = lc.build_scenario(
+    "mamba-fin", controller.gait, parameters="mamba-identified"
+)
+plant = lc.build_plant(swimmer)
+trial = lc.run(plant, controller, 50.0, start=lc.Start(center_of_mass=(0.0, 0.8)))
 
 error, along = (
     trial.signals["cross_track_error"],

@@ -10,10 +10,9 @@ with the measurements on the robot.
 from dataclasses import replace
 from math import degrees
 
-import matplotlib.pyplot as plt
-
 from laticauda.paper import find_fin_gains, load_efficiency_settings, run_efficiency
 from laticauda.paper.scores import score_study
+from laticauda.show.figures import new_panels, save_figure, style
 
 settings = replace(
     load_efficiency_settings(), sweeps=load_efficiency_settings().sweeps[:1]
@@ -50,16 +49,29 @@ for gain in find_fin_gains(study.cases):
             f"{change.velocity:5.1f} %, {simulated:5.1f} %"
         )
 
-figure, ax = plt.subplots(figsize=(5, 5), layout="constrained")
-for case in study.cases:
-    if case.measured.forward_velocity is not None:
-        color = "C1" if "eel" in case.group.name.lower() else "C0"
-        marker = "^" if "fin" in case.measured.robot else "o"
-        speeds = case.measured.forward_velocity, case.forward_velocity[0]
-        ax.plot(*speeds, marker, color=color)
-ax.axline((0.1, 0.1), slope=1, color="gray")
-ax.set(xlabel="measured [m/s]", ylabel="simulated [m/s]")
-ax.set_title(
-    "blue: lateral undulation, orange: eel-like; triangles: fin", fontsize=9
-)
-figure.savefig("table1.png", dpi=150)
+figure, panels = new_panels(2, height=4.0)
+titles = ("the paper's coefficients", "mamba-identified")
+for ax, title in zip(panels, titles, strict=True):
+    name = "analytical-set" if ax is panels[0] else title
+    model = study.models.index(name)
+    for group in settings.groups:
+        rows = [case for case in study.measured if case.group == group]
+        measured = [case.measured.forward_velocity for case in rows]
+        simulated = [case.forward_velocity[model] for case in rows]
+        color = style.ORANGE if group.gait == "eel_like" else style.BLUE
+        marker = "^" if group.has_fin else "o"
+        (line,) = ax.plot(
+            measured, simulated, marker, color=color, label=group.name
+        )
+        for case, x, y in zip(rows, measured, simulated, strict=True):
+            shift = (4, -3) if case.measured.case % 2 else (-9, -3)
+            style.add_note(ax, str(case.measured.case), (x, y), shift)
+    ax.axline((0.1, 0.1), slope=1, color=style.GRAY, linewidth=style.THIN)
+    ticks = [0.1, 0.15, 0.2, 0.25]
+    ax.set(xlim=(0.08, 0.28), ylim=(0.08, 0.28), xticks=ticks, yticks=ticks)
+    ax.set_aspect("equal")
+    ax.set_title(title, fontsize=style.LABEL, loc="left")
+    style.style_axes(ax, xlabel="measured [m/s]", ylabel="simulated [m/s]")
+handles, _ = ax.get_legend_handles_labels()
+style.outside_legend(figure, handles, "outside lower center", ncols=2)
+save_figure(figure, "table1.png")

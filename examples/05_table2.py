@@ -9,9 +9,8 @@ used; both affect the speed.
 
 from dataclasses import replace
 
-import matplotlib.pyplot as plt
-
 from laticauda.paper import load_path_following_settings, run_path_following
+from laticauda.show.figures import new_panels, save_figure, style
 
 settings = load_path_following_settings()
 first = replace(settings.groups[0], figures=settings.groups[0].figures[:1])
@@ -31,10 +30,26 @@ for run in (*case.band, case.cycle_mean):
         f"{run.last_third_largest:.3f} m off in the last third"
     )
 
-figure, ax = plt.subplots(figsize=(7, 3), layout="constrained")
-runs = (*case.band, case.cycle_mean)
-ax.barh([run.name for run in runs], [run.forward_velocity for run in runs])
-ax.axvline(case.measured.forward_velocity, color="C1", label="measured")
-ax.set_xlabel("forward velocity [m/s]")
-ax.legend(loc="lower left")
-figure.savefig("table2.png", dpi=150)
+figure, (ax,) = new_panels(height=2.2)
+runs = {
+    f"paper, {run.offset_bandwidth:g} rad/s, {run.heading_estimate.replace('_', ' ')}": run
+    for run in (*case.band, case.cycle_mean)
+}
+runs |= {
+    study.settings.coefficients.name: study.cases[0].run for study in study.own
+}
+bars = ax.barh(
+    [*runs], [run.forward_velocity for run in runs.values()], color=style.BLUE
+)
+ax.bar_label(
+    bars, fmt="%.4f", label_type="center", color="white", fontsize=style.TICK
+)
+measured = case.measured.forward_velocity
+ax.axvline(measured, **style.AIM)
+style.add_note(
+    ax, f"measured: {measured:.4f}", (measured, -0.5), (6, 0), color=style.ORANGE
+)
+ax.set_xlim(0.0, 0.135)
+ax.invert_yaxis()
+style.style_axes(ax, xlabel="forward velocity [m/s]", ylabel="")
+save_figure(figure, "table2.png")

@@ -6,16 +6,16 @@ python examples/06_sensitivities.py
 
 from math import radians
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
 from laticauda.models.simulate import compute_sensitivities
+from laticauda.show.figures import new_panels, save_figure, style
 
-robot = lc.load_robot("mamba-fin")
 gait = lc.lateral_undulation(
     amplitude=radians(30), frequency=radians(130), phase_shift=radians(40)
 )
+scenario = lc.build_scenario("mamba-fin", gait, parameters="mamba-identified")
 names = [
     "gait.amplitude",
     "gait.frequency",
@@ -28,7 +28,7 @@ names = [
     "robot.caudal_fin.length",
     "robot.caudal_fin.height",
 ]
-found = compute_sensitivities(robot, gait, names=names)
+found = compute_sensitivities([scenario], names=names)
 speed, power = (
     found.figures.index(figure) for figure in ("forward_velocity", "mean_power")
 )
@@ -44,11 +44,20 @@ for k, parameter in enumerate(found.parameters):
         f"power by {share[power]:+.2f} %"
     )
 
-figure, ax = plt.subplots(figsize=(8, 4), layout="constrained")
+figure, (ax,) = new_panels(height=3.6)
 rows = np.arange(len(names))
-ax.barh(rows - 0.2, found.elasticity[0, speed], 0.4, label="speed")
-ax.barh(rows + 0.2, found.elasticity[0, power], 0.4, label="power")
-ax.set_yticks(rows, names)
-ax.set_xlabel("change [%] for a change of 1 %")
-ax.legend()
-figure.savefig("sensitivities.png", dpi=150)
+for shift, figure_index, color, label in (
+    (-0.2, speed, style.BLUE, "speed"),
+    (0.2, power, style.AMBER, "power"),
+):
+    shares = found.elasticity[0, figure_index]
+    bars = ax.barh(rows + shift, shares, 0.4, color=color, label=label)
+    ax.bar_label(bars, fmt="%+.2f", padding=3, fontsize=style.TICK - 1)
+labels = [name.split(".", 1)[1].replace("_", " ") for name in names]
+ax.set_yticks(rows, [label.replace(".", " ") for label in labels])
+ax.invert_yaxis()
+ax.margins(x=0.12)
+style.style_axes(ax, xlabel="change [%] for a change of 1 %", ylabel="")
+handles, _ = ax.get_legend_handles_labels()
+style.outside_legend(figure, handles, "outside lower center", ncols=2)
+save_figure(figure, "sensitivities.png")

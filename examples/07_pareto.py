@@ -2,16 +2,16 @@
 motion, with and without the caudal fin.
 
 No other gait within the bounds is both faster and cheaper than one on the front.
+Water and joints are those that were identified on the robot: the fin makes it faster,
+for more power, and the servos limit both.
 
     python examples/07_pareto.py
 """
 
-from math import radians
-
-import matplotlib.pyplot as plt
-import numpy as np
+from math import degrees, radians
 
 import laticauda as lc
+from laticauda.show.figures import new_panels, save_figure, style
 from laticauda.studies import Optimization, optimize
 
 bounds = {
@@ -21,31 +21,37 @@ bounds = {
 }
 gait = lc.eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7)
 
-figure, ax = plt.subplots(layout="constrained")
-for name in ("mamba", "mamba-fin"):
+figure, (ax,) = new_panels(width=5.4, height=3.4)
+for name, label, side in (
+    ("mamba-fin", "with the fin", "right"),
+    ("mamba", "without the fin", "left"),
+):
     front = optimize(
-        Optimization(scenario=lc.build_scenario(name, gait), bounds=bounds),
+        Optimization(
+            scenario=lc.build_scenario(name, gait, parameters="mamba-identified"),
+            bounds=bounds,
+        ),
         budget=400,
         population=40,
         seed=1,
     )
+    speed = front.figures["forward_velocity"]
+    power = front.figures["mechanical_power"]
     print(name)
     for i in front.spread(5):
-        alpha, omega, delta = np.degrees(front.values[i])
-        speed, power = (
-            front.figures["forward_velocity"][i],
-            front.figures["mechanical_power"][i],
-        )
+        alpha, omega, delta = (degrees(angle) for angle in front.values[i])
         print(
-            f"  {speed:.3f} m/s for {power:6.2f} W: {alpha:.0f} deg, {omega:.0f} "
-            f"deg/s, {delta:.0f} deg"
+            f"  {speed[i]:.4f} m/s for {power[i]:5.2f} W: {alpha:.0f} deg, "
+            f"{omega:.0f} deg/s, {delta:.0f} deg"
         )
-    ax.plot(
-        front.figures["forward_velocity"],
-        front.figures["mechanical_power"],
-        ".",
-        label=name,
-    )
-ax.set(xlabel="forward velocity [m/s]", ylabel="mechanical power [W]")
-ax.legend()
-figure.savefig("front.png", dpi=150)
+    fastest = len(front) - 1
+    limits = ", ".join(front.limits(fastest))
+    print(f"  the fastest is limited by: {limits}")
+    ax.plot(power, speed, marker=".", markersize=4, label=label)
+    words = f"{speed[fastest]:.4f} m/s, limited by:\n" + limits.replace(", ", "\n")
+    end = (power[fastest], speed[fastest])
+    style.add_note(ax, words, end, (4, -14), va="top", ha=side, color=style.INK)
+ax.set(xlim=(0.0, 14.0), ylim=(0.0, 0.3))
+style.style_axes(ax, xlabel="mechanical power [W]", ylabel="forward velocity [m/s]")
+style.add_legend(ax, loc="lower right")
+save_figure(figure, "front.png")

@@ -10,11 +10,11 @@ A gait can have a second wave, for the pitch joints. This example needs the extr
 from dataclasses import replace
 from math import pi, radians
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
 from laticauda.models.spatial.scene import Shore
+from laticauda.show.figures import new_panels, save_figure, style
 
 robot = lc.load_robot("mamba-modules")
 # neutrally buoyant
@@ -60,14 +60,15 @@ for name in ("cross_track_error", "height_error"):
         f"{100 * abs(dive.signals[name][late]).max():.1f} cm"
     )
 
-figure, ax = plt.subplots(figsize=(8, 3), layout="constrained")
+figure, (ax,) = new_panels(height=2.6)
 ax.plot(
     dive.center_of_mass[:, 0], dive.center_of_mass[:, 2], label="center of mass"
 )
-ax.plot(*np.transpose(controller.profile.waypoints), "k.--", label="waypoints")
-ax.set(xlabel="x [m]", ylabel="height [m]")
-ax.legend()
-figure.savefig("dive.png", dpi=150)
+waypoints = np.transpose(controller.profile.waypoints)
+ax.plot(*waypoints, marker="o", label="waypoints")
+style.style_axes(ax, xlabel="x [m]", ylabel="height [m]")
+style.add_legend(ax)
+save_figure(figure, "dive.png")
 
 # Friction that fades out below 1 cm/s instead of 1 mm/s allows time steps ten times
 # as long.

@@ -9,16 +9,15 @@ A fin with hinges bends; `flexural_rigidity` is the E I of its plate, 2.2 N m^2 
 from dataclasses import replace
 from math import radians
 
-import matplotlib.pyplot as plt
-
 import laticauda as lc
 from laticauda.robot.hydrodynamics import bending_frequencies
+from laticauda.show.figures import new_panels, save_figure, style
 
-robot = lc.load_robot("mamba-fin")
-water = lc.load_water("paper-lateral")
 gait = lc.lateral_undulation(
     amplitude=radians(30), frequency=radians(130), phase_shift=radians(40)
 )
+scenario = lc.build_scenario("mamba-fin", gait, parameters="mamba-identified")
+robot, water = scenario.robot, scenario.environment
 
 stiffnesses = [0.03, 0.1, 0.3, 1.0, 2.0, 3.0, 10.0, 100.0]
 robots = [
@@ -30,8 +29,8 @@ robots = [
     )
     for stiffness in stiffnesses
 ]
-bent = lc.swim_many(robots, gait, 30.0, environments=water)
-rigid = lc.swim(robot, gait, 30.0, environment=water)
+bent = lc.swim_many([replace(scenario, robot=robot) for robot in robots])
+rigid = lc.swim(scenario)
 
 print("E I [N m^2]   swings at [Hz]   speed [m/s]   mean power [W]")
 for i, stiffness in enumerate(stiffnesses):
@@ -45,9 +44,19 @@ print(
     f"{rigid.mean_power:14.1f}"
 )
 
-figure, ax = plt.subplots(layout="constrained")
-ax.semilogx(stiffnesses, bent.forward_velocity, "o-", label="a fin that bends")
-ax.axhline(rigid.forward_velocity, color="gray", label="a rigid one")
-ax.set(xlabel="E I [N m^2]", ylabel="forward velocity [m/s]")
-ax.legend()
-figure.savefig("fin.png", dpi=150)
+figure, (ax,) = new_panels(width=5.0)
+ax.semilogx(
+    stiffnesses,
+    bent.forward_velocity,
+    marker="o",
+    markersize=4,
+    label="a fin that bends",
+)
+ax.axhline(rigid.forward_velocity, label="a rigid fin", **style.AIM)
+ax.axvline(2.2, color=style.GRID, zorder=0)
+style.add_note(ax, "5 mm of\npolycarbonate", (2.2, ax.get_ylim()[0]), (4, 4))
+style.style_axes(
+    ax, xlabel="bending stiffness E I [N m$^2$]", ylabel="forward velocity [m/s]"
+)
+style.add_legend(ax, loc="upper right")
+save_figure(figure, "fin.png")

@@ -6,11 +6,11 @@ python examples/10_identify.py
 
 from dataclasses import replace
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
 from laticauda.identify import Measurement, fit, from_trial, leave_out
+from laticauda.show.figures import new_panels, save_figure, style
 
 # Instead of a tank: three trials in water whose coefficients the fit does not
 # know, recorded by a noisy tracker.
@@ -22,7 +22,7 @@ truth = replace(
 measured: list[Measurement] = []
 for k, phase_shift in enumerate((0.5, 0.7, 0.9)):
     gait = lc.lateral_undulation(
-        amplitude=0.5, frequency=2.0, phase_shift=phase_shift, offset=0.03
+        amplitude=0.5, frequency=1.6, phase_shift=phase_shift, offset=0.03
     )
     trial = lc.swim(robot, gait, 12.0, environment=truth)
     tracked = replace(
@@ -71,18 +71,16 @@ print(
     f"trials that the fit did not see are predicted to {error:.2f} times the noise"
 )
 
-figure, axes = plt.subplots(1, 4, figsize=(9, 3), layout="constrained")
+figure, panels = new_panels(4, height=2.4)
 truths = (0.2, 1.4, 0.01, -0.02)
-for ax, name, true in zip(axes, names, truths, strict=False):
-    low, high = found[name].interval
-    ax.errorbar(
-        0,
-        found[name].value,
-        [[found[name].value - low], [high - found[name].value]],
-        fmt="o",
-        capsize=5,
-    )
-    ax.plot(0, true, "k_", markersize=20)
-    ax.set(title=name.removeprefix("water."), xticks=[])
-figure.suptitle("identified, with 95 % intervals; line: the truth")
-figure.savefig("identified.png", dpi=150)
+for ax, name, true in zip(panels, names, truths, strict=False):
+    estimate = found[name]
+    low, high = estimate.interval
+    errors = [[estimate.value - low], [high - estimate.value]]
+    ax.errorbar(0, estimate.value, errors, fmt="o", capsize=5, color=style.BLUE)
+    ax.axhline(true, **style.AIM)
+    label = name.removeprefix("water.").replace("_", " ")
+    style.style_axes(ax, xlabel="", ylabel=f"{label} [{estimate.unit or '-'}]")
+    ax.set_xticks([])
+style.add_title(figure, "Identified, with 95 % intervals; dashed: the truth")
+save_figure(figure, "identified.png")

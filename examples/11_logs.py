@@ -6,14 +6,13 @@ python examples/11_logs.py
 from math import degrees, radians
 from pathlib import Path
 
-import matplotlib.pyplot as plt
-
 import laticauda as lc
+from laticauda.show.figures import new_panels, save_figure, style
 
 gait = lc.lateral_undulation(
     amplitude=radians(30), frequency=radians(130), phase_shift=radians(40)
 )
-trial = lc.swim(lc.load_robot("mamba-fin"), gait, duration=30.0)
+trial = lc.swim("mamba-fin", gait, duration=30.0, parameters="mamba-identified")
 
 # Out: MCAP opens in Foxglove, .mat in MATLAB and Octave, Parquet in pandas. Each of
 # them loads back as an equal trial.
@@ -63,7 +62,9 @@ print(
 )
 print(f"Not measured: {', '.join(log.not_measured)}")
 
-figure, ax = plt.subplots(figsize=(8, 3), layout="constrained")
+figure, (ax,) = new_panels(height=2.0)
 ax.plot(*log.center_of_mass.T)
-ax.set(xlabel="x [m]", ylabel="y [m]", title="what the log says", aspect="equal")
-figure.savefig("log.png", dpi=150)
+ax.set_aspect("equal", adjustable="datalim")
+style.style_axes(ax, xlabel="x [m]", ylabel="y [m]")
+style.add_title(figure, "Path of the center of mass, as the log says")
+save_figure(figure, "log.png")

@@ -10,10 +10,9 @@ line between them; on the robot, `laticauda operate` is the same operator.
 
 from math import degrees, radians
 
-import matplotlib.pyplot as plt
-
 import laticauda as lc
 from laticauda.control import Following
+from laticauda.show.figures import new_panels, save_figure, style
 from laticauda.tank.lab import Fault, LabSettings, Tank, VirtualRobot
 from laticauda.tank.operate.loop import run_loop
 from laticauda.tank.operate.procedure.operator import Operator
@@ -82,9 +81,10 @@ def operated(*faults: Fault) -> None:
     ax.plot(true_x, true_y, "k:", linewidth=1)
 
 
-figure, ax = plt.subplots(figsize=(8, 3), layout="constrained")
+figure, (ax,) = new_panels(height=2.8)
 operated()
 operated(Fault(kind="leak", time=20.0, node=4))
-ax.set(xlabel="x [m]", ylabel="y [m]", title="dotted: the truth")
-ax.legend()
-figure.savefig("tank.png", dpi=150)
+style.style_axes(ax, xlabel="x [m]", ylabel="y [m]")
+style.add_title(figure, "Path of the center of mass; dotted: the truth")
+style.add_legend(ax, loc="lower left")
+save_figure(figure, "tank.png")

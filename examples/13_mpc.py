@@ -11,10 +11,9 @@ and chooses the frequency, within 15 W.
 from dataclasses import replace
 from math import degrees, radians
 
-import matplotlib.pyplot as plt
-
 import laticauda as lc
 from laticauda.control import ModelPredictive
+from laticauda.show.figures import new_panels, save_figure, style
 from laticauda.studies import averaged_model
 from laticauda.trials import following
 
@@ -38,7 +37,7 @@ sight = lc.PathFollowing(
     heading=lc.HeadingController(gain=0.4, max_offset=radians(20)),
 )
 current = lc.build_plant(robot, replace(water, current=(0.0, 0.06)))
-figure, ax = plt.subplots(figsize=(8, 3), layout="constrained")
+figure, (ax,) = new_panels(height=2.6)
 for name, controller in (("line of sight", sight), ("plan", plans)):
     trial = lc.run(
         current, controller, 90.0, start=lc.Start(center_of_mass=(0.0, 0.5))
@@ -57,6 +56,6 @@ print(
     f"the plan swims at {frequency:.0f} deg/s and reckons with a drift of "
     f"{drift:.3f} m/s"
 )
-ax.set(xlabel="time [s]", ylabel="cross-track error [cm]")
-ax.legend()
-figure.savefig("plan.png", dpi=150)
+style.style_axes(ax, xlabel="time [s]", ylabel="cross-track error [cm]")
+style.add_legend(ax)
+save_figure(figure, "plan.png")

@@ -13,10 +13,10 @@ three seeds; the episodes at the end are new to all of them.
 
 import cma
 import gymnasium
-import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
+from laticauda.show.figures import new_panels, save_figure, style
 from laticauda_gym import Pilots
 
 GENERATIONS, CANDIDATES, EPISODES = 20, 16, 4
@@ -77,7 +77,8 @@ for seed in range(3):
     worth = found[f"learner {seed}"].mean()
     print(f"learner, seed {seed}, {steps} steps: return {worth:.1f}")
 
-figure, ax = plt.subplots(layout="constrained")
-ax.boxplot(list(found.values()), tick_labels=list(found))
-ax.set_ylabel("return of an episode")
-figure.savefig("returns.png", dpi=150)
+figure, (ax,) = new_panels(width=5.0)
+median = {"color": style.ORANGE, "linewidth": style.LINE}
+ax.boxplot(list(found.values()), tick_labels=list(found), medianprops=median)
+style.style_axes(ax, xlabel="", ylabel="return of an episode [-]")
+save_figure(figure, "returns.png")

@@ -10,18 +10,18 @@ python examples/15_fmu.py
 from math import atan2, degrees, radians
 from os.path import abspath
 
-import matplotlib.pyplot as plt
 from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi2 import FMU2Slave
 
 import laticauda as lc
 from laticauda.connect import export_fmu
+from laticauda.show.figures import new_panels, save_figure, style
 
-robot = lc.load_robot("mamba-fin")
 gait = lc.lateral_undulation(
     amplitude=radians(30), frequency=radians(130), phase_shift=radians(40)
 )
-variables = export_fmu("mamba.fmu", robot, gait)
+swimmer = lc.build_scenario("mamba-fin", gait, parameters="mamba-identified")
+variables = export_fmu("mamba.fmu", swimmer)
 count = {
     kind: sum(v.causality == kind for v in variables)
     for kind in ("parameter", "input", "output")
@@ -32,7 +32,7 @@ print(
 
 # The same 30 s in FMPy and in Python.
 seen = simulate_fmu("mamba.fmu", stop_time=30.0, output_interval=0.05)
-trial = lc.swim(robot, gait, duration=30.0)
+trial = lc.swim(swimmer)
 there, here = (
     float(seen["center_of_mass.x"][-1]),
     float(trial.center_of_mass[-1, 0]),
@@ -75,9 +75,11 @@ print(
 )
 snake.freeInstance()
 
-figure, ax = plt.subplots(figsize=(8, 3), layout="constrained")
+figure, (ax,) = new_panels(height=2.6)
 ax.plot([k * step for k in range(2000)], way)
-ax.axvline(20.0, color="gray", label="the current sets in")
-ax.set(xlabel="time [s]", ylabel="cross-track error [m]")
-ax.legend()
-figure.savefig("fmu.png", dpi=150)
+ax.axvline(20.0, **style.AIM)
+style.add_note(
+    ax, "the current sets in", (20.0, max(way)), (5, -8), color=style.ORANGE
+)
+style.style_axes(ax, xlabel="time [s]", ylabel="cross-track error [m]")
+save_figure(figure, "fmu.png")

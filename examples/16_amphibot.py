@@ -7,11 +7,11 @@ models without hydrodynamics.
 python examples/16_amphibot.py
 """
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
 from laticauda.robot.files import PRESETS
+from laticauda.show.figures import new_panels, save_figure, style
 from laticauda.trials.markers import Track, marker_distance, marker_places
 
 # The water comes from textbook tables: friction of skin, nose and gaps; drag and
@@ -33,7 +33,7 @@ time, gap = marker_distance(trial, seen, along, fitted=(0.4, 1.1))
 
 middles = {"seen": (seen.time, seen.place.mean(axis=1))}
 middles["simulated"] = trial.time, marker_places(trial, along).mean(axis=1)
-figure, (left, right) = plt.subplots(1, 2, figsize=(10, 4), layout="constrained")
+figure, (left, right) = new_panels(2, height=2.8)
 for name, (when, middle) in middles.items():
     place = [np.interp(seen.time, when, one) for one in middle.T]
     way = np.hypot(*(one - one[0] for one in place))
@@ -44,10 +44,10 @@ for name, (when, middle) in middles.items():
         "to 4.5 s"
     )
 right.plot(time, 1000 * gap)
-left.set(xlabel="time [s]", ylabel="distance from the start [m]")
-left.legend()
-right.set(xlabel="time [s]", ylabel="RMS distance of the LEDs [mm]")
-figure.savefig("amphibot.png", dpi=150)
+style.style_axes(left, xlabel="time [s]", ylabel="distance from the start [m]")
+style.add_legend(left)
+style.style_axes(right, xlabel="time [s]", ylabel="RMS distance of the LEDs [mm]")
+save_figure(figure, "amphibot.png")
 print(
     f"the LEDs are {1000 * np.interp(4.5, time, gap):.0f} mm apart at 4.5 s, "
     "where the robot is 2 m from its start"

@@ -10,13 +10,13 @@ there is more gearing between servo and joint than was published.
 
 import math
 
-import matplotlib.pyplot as plt
-
 import laticauda as lc
 from laticauda.paper.measured import read_efficiency_trials
 from laticauda.robot import load_parameters, parameter_names, robot_names
+from laticauda.show.figures import new_panels, save_figure, style
 from laticauda.trials.feasibility import judge_feasibility
 
+COLORS = (style.BLUE, style.ORANGE, style.AMBER, style.INK)
 KINDS = {"lateral": lc.lateral_undulation, "eel": lc.eel_like}
 GAITS = [
     ("lateral", 30, 130, 40),
@@ -30,7 +30,7 @@ print(
     "default water; above 1: beyond it"
 )
 print(" " * 18 + "".join(f"{kind:>9} {a} {w:>3} {d}" for kind, a, w, d in GAITS))
-figure, ax = plt.subplots(figsize=(8, 4), layout="constrained")
+figure, (ax,) = new_panels(height=4.2)
 for name in robot_names():
     gaits = [
         KINDS[kind](amplitude_deg=a, frequency_deg_s=w, phase_shift_deg=d)
@@ -43,12 +43,20 @@ for name in robot_names():
     )
     shares = [lc.swim(name, gait).utilization for gait in gaits]
     print(f"{name:18}" + "".join(f"{share:19.2f}" for share in shares) + stated)
-    ax.plot(range(len(GAITS)), shares, "o-", label=name)
-ax.axhline(1.0, color="black", linewidth=1)
-ax.set_xticks(range(len(GAITS)), [f"{k}, {a} {w} {d}" for k, a, w, d in GAITS])
-ax.set_ylabel("share of the limit used")
-ax.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-figure.savefig("can-it.png", dpi=150)
+    ax.plot(shares, [name] * len(shares), color=style.GRID, zorder=0)
+    for share, marker, color in zip(shares, "os^D", COLORS, strict=True):
+        ax.plot(share, name, marker, color=color, markersize=5)
+handles = [
+    ax.plot([], [], marker, color=color, label=f"{kind}: {a}°, {w}°/s, {d}°")[0]
+    for (kind, a, w, d), marker, color in zip(GAITS, "os^D", COLORS, strict=True)
+]
+ax.axvline(1.0, **style.AIM)
+style.add_note(ax, "limit", (1.0, -0.6), (4, 0), color=style.ORANGE)
+ax.set_xscale("log")
+ax.invert_yaxis()
+style.style_axes(ax, xlabel="share of the limit used [-]", ylabel="")
+style.outside_legend(figure, handles, "outside lower center", ncols=2)
+save_figure(figure, "can-it.png")
 
 for name in parameter_names():
     model = load_parameters(name)

@@ -14,7 +14,6 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
@@ -23,6 +22,7 @@ from laticauda.identify.towing import Tow
 from laticauda.motion.joints import SpeedServo
 from laticauda.robot import textbook_water
 from laticauda.robot.kinematics import Posture
+from laticauda.show.figures import new_panels, save_figure, style
 
 rng, folder = np.random.default_rng(1), Path("day")
 robot = lc.load_robot("amphibot")
@@ -81,9 +81,9 @@ print(
 )
 tank_day.write_result(folder, day, found)
 
-figure, ax = plt.subplots(figsize=(8, 3), layout="constrained")
+figure, (ax,) = new_panels(height=2.6)
 for name, trial in (("swim", swim), ("glide", glide)):
     ax.plot(trial.time, trial.center_of_mass[:, 0], label=name)
-ax.set(xlabel="time [s]", ylabel="distance [m]")
-ax.legend()
-figure.savefig("day.png", dpi=150)
+style.style_axes(ax, xlabel="time [s]", ylabel="distance [m]")
+style.add_legend(ax)
+save_figure(figure, "day.png")

@@ -10,10 +10,10 @@ integrates. In bends, it runs wide.
 from dataclasses import replace
 from math import radians
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
+from laticauda.show.figures import new_panels, save_figure, style
 from laticauda.trials import following
 
 rate = {"frequency_deg_s": 90, "phase_shift_deg": 40}
@@ -34,9 +34,11 @@ laws = {
     "its integral": (integral, 0.25),
     "the paper's gains": (near, 0.4),
 }
-figure, (drift, bend, turn) = plt.subplots(
-    1, 3, figsize=(13, 4), layout="constrained"
-)
+figure, (drift, bend, turn) = new_panels(3, width=9.0, height=3.6)
+
+
+def steady(gait):
+    return lc.OpenLoop(command=lc.Command(gait=gait))
 
 
 def follow(ax, name, plant, gait, guidance, gain, duration, interval, path, **more):
@@ -86,7 +88,7 @@ for robot, gait, water in swimmers:
     ends = {"start": start, "until": lambda seen: seen.center_of_mass[0] >= 8.0}
     follow(bend, name, plant, gait, near, 0.4, 150.0, 0.1, path, **ends)
     turns = [
-        lc.swim(robot, replace(gait, offset=radians(one)), 60.0, environment=water)
+        lc.run(plant, steady(replace(gait, offset=radians(one))), 60.0)
         for one in offsets
     ]
     rates = np.degrees([one.turning_rate for one in turns])
@@ -97,12 +99,12 @@ for robot, gait, water in swimmers:
     turn.plot(
         offsets,
         [one.path_speed for one in turns] / np.radians(rates),
-        ".-",
+        marker=".",
         label=name,
     )
-drift.set(xlabel="time [s]", ylabel="error in a cross current [cm]")
-bend.set(xlabel="time [s]", ylabel="error along bends [cm]")
-turn.set(xlabel="offset [deg]", ylabel="radius of the turn [m]")
+style.style_axes(drift, xlabel="time [s]", ylabel="error in a current [cm]")
+style.style_axes(bend, xlabel="time [s]", ylabel="error along bends [cm]")
+style.style_axes(turn, xlabel="offset [deg]", ylabel="radius of the turn [m]")
 for ax in (drift, bend, turn):
-    ax.legend(fontsize=7)
-figure.savefig("beyond-the-tank.png", dpi=150)
+    ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), **style.LEGEND)
+save_figure(figure, "beyond-the-tank.png")

@@ -11,10 +11,10 @@ run too with `python examples/20_how_far_ahead.py all`.
 import sys
 from math import radians
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
+from laticauda.show.figures import new_panels, save_figure, style
 from laticauda.trials import following
 
 distances, gains = (
@@ -33,12 +33,8 @@ swimmers = [
     (robot, *how) for how in (lateral, eel) for robot in ("mamba", "mamba-fin")
 ]
 swimmers = swimmers if "all" in sys.argv else swimmers[:1]
-figure, panels = plt.subplots(
-    1,
-    len(swimmers),
-    figsize=(3.5 * len(swimmers), 4),
-    layout="constrained",
-    squeeze=False,
+figure, panels = new_panels(
+    len(swimmers), width=1.5 + 3.0 * len(swimmers), height=3.8
 )
 
 
@@ -65,7 +61,7 @@ def errors(plant, gait, distance, gain, heading_estimate):
     )
 
 
-for (robot, gait, water), ax in zip(swimmers, panels[0], strict=True):
+for (robot, gait, water), ax in zip(swimmers, panels, strict=True):
     name, plant = (
         f"{gait.words}, {robot}",
         lc.build_plant(lc.load_robot(robot), lc.load_water(water)),
@@ -100,6 +96,12 @@ for (robot, gait, water), ax in zip(swimmers, panels[0], strict=True):
     )
     ax.set_xticks(range(len(gains)), gains)
     ax.set_yticks(range(len(distances)), distances)
-    ax.set(title=name, xlabel="gain", ylabel="look-ahead distance [m]")
-figure.colorbar(image, ax=panels, label="rms error in the last third [cm]")
-figure.savefig("how-far-ahead.png", dpi=150)
+    paper = gains.index(0.4), distances.index(0.18)
+    ax.plot(*paper, **style.marker_style("o", 7.0, "white"))
+    style.add_note(ax, "the paper's gains", paper, (6, 4), color="white")
+    ax.set_title(name, fontsize=style.LABEL, loc="left")
+    style.style_axes(ax, xlabel="gain [-]", ylabel="look-ahead distance [m]")
+bar = figure.colorbar(image, ax=panels)
+bar.set_label("rms error in the last third [cm]", fontsize=style.LABEL)
+bar.ax.tick_params(labelsize=style.TICK)
+save_figure(figure, "how-far-ahead.png")

@@ -11,11 +11,11 @@ This example needs the extra `spatial`.
 from dataclasses import replace
 from math import pi, radians
 
-import matplotlib.pyplot as plt
 import numpy as np
 
 import laticauda as lc
 from laticauda.models.spatial.scene import HeightField
+from laticauda.show.figures import new_panels, save_figure, style
 
 robot = lc.load_robot("mamba-modules")
 gait = lc.lateral_undulation(
@@ -39,7 +39,7 @@ plain = replace(
     added_mass=0.0,
     added_inertia=0.0,
 )
-figure, ax = plt.subplots(figsize=(8, 3), layout="constrained")
+figure, (ax,) = new_panels(height=2.8)
 for place, environment in (("on land", bare), ("under water", plain)):
     for scene in (None, "pegs"):
         trial = lc.swim(
@@ -58,9 +58,9 @@ for place, environment in (("on land", bare), ("under water", plain)):
     )
     # laticauda view pegs-on-land.nc --video pegs.mp4
     trial.save(f"pegs-{place.replace(' ', '-')}.nc")
-ax.set(xlabel="time [s]", ylabel="distance [m]")
-ax.legend()
-figure.savefig("pegs.png", dpi=150)
+style.style_axes(ax, xlabel="time [s]", ylabel="distance [m]")
+style.add_legend(ax, loc="upper left")
+save_figure(figure, "pegs.png")
 
 skin = replace(bare, normal=0.5)
 for scene in (None, HeightField(amplitude=0.03), HeightField(amplitude=0.06)):

@@ -38,3 +38,13 @@ def test_a_title_that_is_wider_than_the_figure_is_broken_into_lines():
     assert len(lines) > 3
     assert text.get_window_extent().x1 <= figure.bbox.x1
     assert style.add_title(figure, "Short").get_text() == "Short"
+
+
+def test_lines_of_panels_differ_in_color_and_dashes_without_changes_for_others():
+    figure, panels = style.new_panels(2, width=5.0)
+    assert len(panels) == len(figure.axes) == 2
+    lines = [panels[0].plot([0.0, 1.0])[0] for _ in range(4)]
+    assert [line.get_color() for line in lines] == [color for color, _ in style.LINES]
+    assert len({str(line.get_linestyle()) for line in lines}) > 1
+    (plain,) = style.new_figure(2.0, 2.0).subplots().plot([0.0, 1.0])
+    assert plain.get_color() not in [color for color, _ in style.LINES]

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from laticauda.show.figures.sweep import sweep_sheet as sweep_sheet
     from laticauda.show.figures.style import (
         new_figure as new_figure,
+        new_panels as new_panels,
         picture_in_html as picture_in_html,
         save_figure as save_figure,
     )
@@ -44,7 +45,12 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.show.figures.path": ["path_strip"],
         "laticauda.show.figures.several": ["plot_overlay"],
         "laticauda.show.figures.sweep": ["sweep_sheet"],
-        "laticauda.show.figures.style": ["new_figure", "picture_in_html", "save_figure"],
+        "laticauda.show.figures.style": [
+            "new_figure",
+            "new_panels",
+            "picture_in_html",
+            "save_figure",
+        ],
         "laticauda.show.figures.follow": ["follow_sheet"],
         "laticauda.show.figures.sheets": ["sheet"],
         "laticauda.show.figures.swim": [

@@ -107,6 +107,29 @@ def picture_in_html(ax: Axes, description: str) -> str:
     return f'<img alt="{html.escape(description)}" src="data:image/png;base64,{data}">'
 
 
+def new_panels(
+    n_panels: int = 1, *, width: float = DOUBLE_COLUMN, height: float = 3.0
+) -> tuple[Figure, list[Axes]]:
+    """Create a figure with panels side by side, whose lines take the colors and dashes of `LINES` in turn.
+
+    Args:
+        n_panels: Number of panels.
+        width: Width of the figure [in].
+        height: Height of the figure [in].
+
+    Example:
+        >>> figure, (ax,) = new_panels()
+        >>> (line,) = ax.plot([0.0, 1.0], [0.0, 0.2])
+        >>> ax = style_axes(ax, xlabel="time [s]", ylabel="distance [m]")
+    """
+    figure = new_figure(width, height)
+    panels: list[Axes] = [*figure.subplots(1, n_panels, squeeze=False)[0]]
+    colors, dashes = zip(*LINES, strict=True)
+    for ax in panels:
+        ax.set_prop_cycle(color=colors, linestyle=dashes)
+    return figure, panels
+
+
 def save_figure(figure: Figure, *paths: str | Path) -> None:
     """Write a figure to one file or several; the same figure always gives the same files.
 
