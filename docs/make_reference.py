@@ -79,13 +79,9 @@ class Page:
 
     room: str
     label: str
+    name: str
+    """Name of its file."""
     entries: tuple[Entry, ...]
-
-    @property
-    def name(self) -> str:
-        """Name of its file."""
-        slug = re.sub(r"\W+", "-", self.label.partition(": ")[2])
-        return f"{self.room}-{slug}.md" if slug else f"{self.room}.md"
 
     @property
     def text(self) -> str:
@@ -231,9 +227,10 @@ def list_pages(sources: Any) -> Iterator[Page]:
             sheets[-1].append(entry)
         labels = label_sheets(room, sheets)
         if not sheets:
-            yield Page(room=room, label=room, entries=())
-        for label, sheet in zip(labels, sheets, strict=True):
-            yield Page(room=room, label=label, entries=tuple(sheet))
+            yield Page(room=room, label=room, name=f"{room}.md", entries=())
+        for number, (label, sheet) in enumerate(zip(labels, sheets, strict=True), start=1):
+            name = f"{room}.md" if len(sheets) == 1 else f"{room}-{number}.md"
+            yield Page(room=room, label=label, name=name, entries=tuple(sheet))
 
 
 def label_sheets(room: str, sheets: Sequence[Sequence[Entry]]) -> list[str]:
@@ -308,8 +305,9 @@ hide:
 # The names of `lc`
 
 What `import laticauda as lc` offers, by what you do with it. The examples run from top to bottom, after
-`from dataclasses import replace`. `help(lc.swim)` says more of each argument, with its unit; angles are in
-radians unless a name ends in `_deg`. What the packages offer beyond this stands in [All names](index.md).
+`import warnings` and `from dataclasses import replace`. `help(lc.swim)` says more of each argument, with its
+unit; angles are in radians unless a name ends in `_deg`. What the packages offer beyond this stands in
+[All names](index.md).
 """
 INDEX_HEAD = """\
 # All names
