@@ -161,8 +161,8 @@ def watched(operation: Operation, folder: Path) -> tuple[Result, Watch]:
     return result, watch
 
 
-def simulated(operation: Operation) -> lc.Trial:
-    """The same controller on the same model, with nothing in between."""
+def simulated(operation: Operation, duration: float) -> lc.Trial:
+    """The same controller on the same model for as long [s], with nothing in between."""
     body = lc.build_plant(
         operation.body(),
         operation.pool(),
@@ -171,14 +171,13 @@ def simulated(operation: Operation) -> lc.Trial:
         offset_bandwidth=operation.offset_bandwidth,
     )
     start = lc.Start(center_of_mass=operation.start.position, heading=operation.start.heading)
-    return lc.run(body, operation.controller(), operation.duration, start=start)
+    return lc.run(body, operation.controller(), duration, start=start)
 
 
 def run(number: int, repeat: int, folder: Path | None, changes: dict[str, Any]) -> Row:
     """One run of one setting."""
     operation = replace(load_operation(TABLE2).trials[number], **changes)
     measured = read_path_following_trials()[number]
-    plain = simulated(operation)
     with tempfile.TemporaryDirectory() as temporary:
         kept = Path(temporary) if folder is None else folder
         named = replace(operation, name=f"{operation.name}-{repeat}")
@@ -187,6 +186,7 @@ def run(number: int, repeat: int, folder: Path | None, changes: dict[str, Any]) 
         if result.trial is not None:
             figures = following.summarize_following(result.trial)
         summary = result.summary()
+    plain = simulated(operation, float(summary.get("duration", operation.duration)))
 
     def number_of(name: str) -> float:
         value = {**figures, **summary}.get(name)

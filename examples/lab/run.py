@@ -26,7 +26,7 @@ HERE = Path(__file__).parent
 BUS = "udp_multicast:239.74.163.2:43117"
 
 
-def simulated(operation, start) -> lc.Trial:
+def simulated(operation, start, duration) -> lc.Trial:
     """The same controller and model, with nothing in between."""
     plant = lc.build_plant(
         operation.body(),
@@ -35,7 +35,7 @@ def simulated(operation, start) -> lc.Trial:
         ramp=operation.ramp,
         offset_bandwidth=operation.offset_bandwidth,
     )
-    return lc.run(plant, operation.controller(), operation.duration, start=start)
+    return lc.run(plant, operation.controller(), duration, start=start)
 
 
 def main() -> int:
@@ -123,9 +123,8 @@ def main() -> int:
     print(json.dumps(found, indent=1))
     if trial is None:
         return 1
-    pure = simulated(
-        operation, lc.Start(center_of_mass=(x, y), heading=operation.start.heading)
-    )
+    start = lc.Start(center_of_mass=(x, y), heading=operation.start.heading)
+    pure = simulated(operation, start, trial.duration)  # the tank may end first
     ratio = trial.forward_velocity / pure.forward_velocity
     for name, one in (("operated", trial), ("simulated", pure)):
         error = one.signals["cross_track_error"]

@@ -72,6 +72,14 @@ def test_parameters_give_robot_water_and_joint_law_for_the_gait_of_the_trial():
     assert by_gait.pool() == load_parameters("paper").water("eel_like")
 
 
+def test_usual_times_of_an_operation_are_as_said():
+    operation = parse_operation(TRIAL)
+    assert isinstance(operation, Operation)
+    assert operation.calibration.still_time == 2.0
+    assert (operation.limits.straighten_time, operation.limits.joint_error_time) == (2.0, 2.0)
+    assert operation.offset_bandwidth == 200.0
+
+
 def test_without_parameters_or_with_those_of_prescribed_joints_modules_are_servos():
     plain = parse_operation(TRIAL)
     prescribed = parse_operation(f"parameters = 'paper'\n{TRIAL}")

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import campaign_scripts
 import pytest
@@ -12,6 +13,7 @@ from laticauda.paper import TABLE2, load_repeats
 from laticauda.tank.operate.series import Series, run_series
 from laticauda.tank.operate.settings import Calibration, load_operation
 
+ROOT = Path(__file__).parents[3]
 QUICK = Calibration(joint_zeros=True, idle_time=0.5, still_time=0.5)
 DURATION = 6.0
 
@@ -35,6 +37,14 @@ def done(campaign, tmp_path_factory) -> Series:
     )
     folder = tmp_path_factory.mktemp("series")
     return run_series(replace(series, trials=(what,), repeats=2), folder, campaign.operated)
+
+
+def test_the_table_of_the_page_is_that_of_the_stored_answer(campaign):
+    page = (ROOT / "docs/how-to/operate.md").read_text(encoding="utf-8")
+    rows = campaign.stored()
+    assert len(rows) == len(load_operation(TABLE2).trials)
+    assert campaign.table(rows) in page
+    assert campaign.summary(rows) in page
 
 
 def test_two_runs_swim_alike_but_not_the_same(done: Series):
@@ -69,7 +79,7 @@ def test_identification_takes_the_trials_of_a_series_that_does_not_steer(done: S
     found = fit(
         measured,
         parameters={"water.tangential_friction": (0.05, 1.0)},
-        joints="servo",
+        joints=operation.joint_law(),
         ramp=operation.ramp,
         offset_bandwidth=operation.offset_bandwidth,
         n_starts=1,

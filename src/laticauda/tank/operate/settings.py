@@ -236,7 +236,7 @@ class Calibration:
     still_rate: float = quantity(
         "rad/s", "the same for its turning rate", gt=0.0, default=math.radians(2.0)
     )
-    still_time: float = quantity("s", "time for which it has to be still", gt=0.0, default=200.0)
+    still_time: float = quantity("s", "time for which it has to be still", gt=0.0, default=2.0)
     patience: float = quantity(
         "s", "how long to wait for that before giving up", gt=0.0, default=120.0
     )
