@@ -18,7 +18,7 @@ ROOT = Path(__file__).parent.parent
 FOLDER = ROOT / "docs" / "gallery"
 INDEX = """# Gallery of examples
 
-One idea a script, with what it prints and what it draws, run when these pages were made.
+Each script shows one idea. What it prints and draws was made by running it when these pages were built.
 
 <div class="gallery" markdown>
 """

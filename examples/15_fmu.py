@@ -79,7 +79,7 @@ figure, (ax,) = new_panels(height=2.6)
 ax.plot([k * step for k in range(2000)], way)
 ax.axvline(20.0, **style.AIM)
 style.add_note(
-    ax, "the current sets in", (20.0, max(way)), (5, -8), color=style.ORANGE
+    ax, "the current sets in", (20.0, min(way)), (5, -2), color=style.ORANGE
 )
 style.style_axes(ax, xlabel="time [s]", ylabel="cross-track error [m]")
 save_figure(figure, "fmu.png")

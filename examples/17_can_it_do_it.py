@@ -43,7 +43,7 @@ for name in robot_names():
     )
     shares = [lc.swim(name, gait).utilization for gait in gaits]
     print(f"{name:18}" + "".join(f"{share:19.2f}" for share in shares) + stated)
-    ax.plot(shares, [name] * len(shares), color=style.GRID, zorder=0)
+    ax.plot(shares, [name] * len(shares), color=style.GRID, linestyle="-", zorder=0)
     for share, marker, color in zip(shares, "os^D", COLORS, strict=True):
         ax.plot(share, name, marker, color=color, markersize=5)
 handles = [
@@ -51,8 +51,11 @@ handles = [
     for (kind, a, w, d), marker, color in zip(GAITS, "os^D", COLORS, strict=True)
 ]
 ax.axvline(1.0, **style.AIM)
-style.add_note(ax, "limit", (1.0, -0.6), (4, 0), color=style.ORANGE)
+style.add_note(ax, "limit", (1.0, 0.0), (4, 0), color=style.ORANGE)
 ax.set_xscale("log")
+ticks = [0.3, 0.5, 1.0, 2.0, 3.0]
+ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+ax.minorticks_off()
 ax.invert_yaxis()
 style.style_axes(ax, xlabel="share of the limit used [-]", ylabel="")
 style.outside_legend(figure, handles, "outside lower center", ncols=2)

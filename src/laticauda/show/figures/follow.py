@@ -4,10 +4,12 @@
 # pyright: reportUnknownMemberType=false
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 from laticauda.show.figures import style
 from laticauda.show.figures.path import path_extent, path_strip
@@ -35,8 +37,20 @@ def plot_path_beside(trial: Trial, ax: Axes) -> Axes:
     if waypoints:
         look = style.marker_style("o", 4.0, style.ORANGE, markerfacecolor="white", zorder=0.6)
         ax.plot(*np.array(waypoints).T, **look)
-        style.add_note(ax, "end", waypoints[-1], (5, -9), color=style.ORANGE)
+        _add_path_note(ax, "end", waypoints[-1], shift=(5, -9))
+    else:
+        x, y = following.nearest_points(trial)[0]
+        _add_path_note(ax, "path", (float(x), float(y)), shift=(-4, -3), ha="right")
     return ax
+
+
+def _add_path_note(
+    ax: Axes, text: str, point: tuple[float, float], shift: tuple[float, float], **look: Any
+) -> None:
+    """Add a text at a point of the desired path, readable on a body that lies there."""
+    outline = [withStroke(linewidth=2.0, foreground="white")]
+    look |= {"color": style.ORANGE, "path_effects": outline, "zorder": 6}
+    style.add_note(ax, text, point, shift, **look)
 
 
 def plot_cross_track_error(trial: Trial, ax: Axes) -> Axes:
