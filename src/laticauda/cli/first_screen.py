@@ -24,7 +24,7 @@ def first_screen(trial: Trial, basis: str = "", more: str = MORE) -> str:
         more: What else can be asked for, in a sentence.
     """
     measured = _measured_beside(trial)
-    lines = [*_describe_who(trial), ""]
+    lines = [*describe_who(trial), ""]
     if not trial.succeeded:
         rows = [("FAILED", trial.status)]
         return "\n".join([*lines, wrap_rows(rows)])
@@ -32,7 +32,7 @@ def first_screen(trial: Trial, basis: str = "", more: str = MORE) -> str:
         ("speed", _describe_speed(trial, measured)),
         ("power", _describe_power(trial, measured)),
     ]
-    rows += _describe_joints(trial, measured)
+    rows += describe_joints(trial, measured)
     if "cross_track_error" in trial.signals:
         rows.append(("path", _describe_following(trial)))
     notes = [note for note in (basis, _note_on_measurement(trial, measured), more) if note]
@@ -50,8 +50,12 @@ def _measured_beside(trial: Trial) -> MeasuredTrial | None:
     return measured_counterpart(trial)
 
 
-def _describe_who(trial: Trial) -> list[str]:
-    """Return who swam how long in what, and how, in a line each."""
+def describe_who(trial: Trial) -> list[str]:
+    """Return who swam how long in what, and how, in a line each.
+
+    Args:
+        trial: Any trial.
+    """
     duration = trial.time[-1] - trial.time[0]
     kind = "ground" if isinstance(trial.environment, Ground) else "water"
     who = f"{trial.robot.name}, {duration:.4g} s, {kind} {trial.environment.name}"
@@ -81,8 +85,13 @@ def _describe_power(trial: Trial, measured: MeasuredTrial | None) -> str:
     return f"{power} (tank {in_tank} electrical, most of it lost in servos)"
 
 
-def _describe_joints(trial: Trial, measured: MeasuredTrial | None) -> list[tuple[str, str]]:
-    """Return whether the robot can do it, and what follows if it cannot."""
+def describe_joints(trial: Trial, measured: MeasuredTrial | None) -> list[tuple[str, str]]:
+    """Return rows on whether the robot can do it, and what follows if it cannot.
+
+    Args:
+        trial: Any trial.
+        measured: Measurement beside it; None: there is none.
+    """
     if "joint_angle" in trial.not_measured:
         return []
     problems = trial.feasibility.problems

@@ -25,6 +25,7 @@ from laticauda.cli.progress import SHARE, show_progress
 from laticauda.cli.shared_options import base_option, joint_law_option, threads_option
 from laticauda.cli.tables import format_table, parse_numbers
 from laticauda.identify import fitting, measurements, result, tasks, validation
+from laticauda.identify.prediction_basis import list_assumptions
 from laticauda.models.simulate import UNITS
 from laticauda.robot import load_parameters
 from laticauda.show.reports import (
@@ -339,11 +340,15 @@ def _describe(validated: validation.Validation, folder: Path) -> str:
     parts = [fit.status, format_table([_without_prior(row) for row in tables["parameters"]])]
     if "began" in tables:
         parts[-1] += f"\nand {len(tables['began'])} numbers for where the trials began."
-    if fit.warnings:
-        parts.append("\n".join(fit.warnings))
+    remarks = [*fit.warnings, *list_assumptions(fit.problem)]
+    if remarks:
+        parts.append("\n".join(remarks))
     if "errors" in tables:
         parts.append("Mean error of the forward velocity:\n" + format_table(tables["errors"]))
-    parts.append(f"{folder / 'identify.html'}\n{folder / 'parameters.toml'}: for --parameters")
+    parts.append(
+        f"{folder / 'identify.html'}\n{folder / 'parameters.toml'}: for --parameters\n"
+        f"Any other gait, with an interval: laticauda predict {folder} --amplitude-deg ..."
+    )
     return "\n\n".join(parts)
 
 

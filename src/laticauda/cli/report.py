@@ -162,7 +162,7 @@ def _notes(trial: Trial) -> str:
         if _is_of_textbook(trial):
             notes.append(_note_on_textbook())
         notes += _notes_on_missing_figures(trial)
-    return _wrap_notes(notes)
+    return wrap_notes(notes)
 
 
 def _note_on_textbook() -> str:
@@ -218,10 +218,15 @@ def interval_table(
         rows.append((figure.title, lowest, highest, unit))
     names = ", ".join(name.removeprefix("water.") for name in varied)
     note = f"Varied within the textbook's intervals: {names}. All other coefficients are taken as known."
-    return f"{align_columns(rows, right=(1, 2))}\n\n{_wrap_notes([note])}"
+    return f"{align_columns(rows, right=(1, 2))}\n\n{wrap_notes([note])}"
 
 
-def _wrap_notes(notes: Sequence[str]) -> str:
+def wrap_notes(notes: Sequence[str]) -> str:
+    """Return notes, one below the other, wrapped.
+
+    Args:
+        notes: The notes.
+    """
     return "\n".join(textwrap.fill(note, WIDTH, subsequent_indent="  ") for note in notes)
 
 

@@ -27,7 +27,7 @@ def write_out(arguments: Sequence[str], *, accepts_file: bool) -> list[str]:
     Raises:
         BadFlag: If a frequency in Hz is no number, or the first word is neither a robot nor a file.
     """
-    return _with_robot_option(_with_frequencies_in_degrees(arguments), accepts_file=accepts_file)
+    return _with_robot_option(write_out_frequencies(arguments), accepts_file=accepts_file)
 
 
 def _with_robot_option(arguments: list[str], *, accepts_file: bool) -> list[str]:
@@ -44,8 +44,15 @@ def _with_robot_option(arguments: list[str], *, accepts_file: bool) -> list[str]
     return ["--robot", *arguments]
 
 
-def _with_frequencies_in_degrees(arguments: Sequence[str]) -> list[str]:
-    """Return arguments with every frequency in deg/s."""
+def write_out_frequencies(arguments: Sequence[str]) -> list[str]:
+    """Return arguments with every frequency in deg/s.
+
+    Args:
+        arguments: What was typed after the name of a command.
+
+    Raises:
+        BadFlag: If a frequency in Hz is no number.
+    """
     written_out: list[str] = []
     words = iter(arguments)
     for word in words:

@@ -3,6 +3,7 @@
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import laticauda as lc
@@ -66,6 +67,8 @@ class Swim(ScenarioRun):
 
     def run(self) -> command.Outcome:
         """Run, and write the results."""
+        if self.interval:
+            self._refuse_fitted_numbers()
         if self.beside:
             return self._run_together()
         trial = self.run_scenario(self.scenario_to_run)
@@ -80,6 +83,21 @@ class Swim(ScenarioRun):
             further_text=f"\n\n{table}",
             further_facts={"interval": intervals},
             basis=self.basis,
+        )
+
+    def _refuse_fitted_numbers(self) -> None:
+        """Reject an interval that would hold numbers fixed that were fitted beside those it varies.
+
+        Raises:
+            BadFlag: If the parameters have such numbers.
+        """
+        name = self.choice.parameters
+        if name is None or not lc.load_parameters(name).fitted:
+            return
+        folder = Path(name).parent if Path(name).suffix else "FOLDER"
+        raise BadFlag(
+            f"--interval must not be given with numbers that were fitted, such as those of {name}: "
+            f"`laticauda predict {folder}` has the interval of a fit."
         )
 
     def _run_together(self) -> command.Outcome:

@@ -93,6 +93,13 @@ How a result is checked, and used:
     validation         all of these, and models without physics
     exporting          identified values in robots, waters and parameter files
 
+How a gait that was not measured is predicted:
+
+    prediction         speed, power and path of a gait with one interval
+    prediction_basis   what a fit leaves behind for that, in its files
+    held_fixed         numbers held fixed, and how the fitted ones follow them
+    model_error        what the model leaves out
+
 What is done from files and on a day at the tank:
 
     tasks              measurements, unknowns and method, from a file or not
@@ -150,6 +157,18 @@ if TYPE_CHECKING:
     )
     from laticauda.identify.identifiability import LIMIT as LIMIT, marginal as marginal
     from laticauda.identify.trial_information import known_from as known_from
+    from laticauda.identify.prediction import (
+        PredictedFigure as PredictedFigure,
+        PredictedPath as PredictedPath,
+        Prediction as Prediction,
+        Shares as Shares,
+        predict_scenario as predict_scenario,
+    )
+    from laticauda.identify.prediction_basis import (
+        PredictionBasis as PredictionBasis,
+        basis_of as basis_of,
+        load_basis as load_basis,
+    )
     from laticauda.identify.problem import Problem as Problem, make_problem as make_problem
     from laticauda.identify.reasons import format_share as format_share
     from laticauda.identify.series import SERIES as SERIES
@@ -164,6 +183,8 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.identify.measurements": ["Measurement"],
         "laticauda.identify.posterior_sample": ["sample_posterior"],
         "laticauda.identify.profiles": ["profile_interval"],
+        "laticauda.identify.prediction": ["Prediction", "predict_scenario"],
+        "laticauda.identify.prediction_basis": ["PredictionBasis", "basis_of", "load_basis"],
         "laticauda.identify.result": ["Fit", "ParameterEstimate"],
         "laticauda.identify.tables": ["from_table", "from_table1"],
         "laticauda.identify.tasks": ["compare_laws"],
@@ -183,6 +204,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         ],
         "laticauda.identify.identifiability": ["LIMIT", "marginal"],
         "laticauda.identify.trial_information": ["known_from"],
+        "laticauda.identify.prediction": ["PredictedFigure", "PredictedPath", "Shares"],
         "laticauda.identify.problem": ["Problem", "make_problem"],
         "laticauda.identify.reasons": ["format_share"],
         "laticauda.identify.series": ["SERIES"],

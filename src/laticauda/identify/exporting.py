@@ -13,6 +13,7 @@ import numpy as np
 import laticauda as lc
 from laticauda.identify.problem import Problem
 from laticauda.identify.resolving import with_tied
+from laticauda.identify.unknowns import NUISANCE
 from laticauda.models.simulate import change_parameters
 from laticauda.models.simulate.numbers import list_parameters
 from laticauda.robot import FIELDS_OF_ROBOT, GAITS, NAMES
@@ -64,11 +65,21 @@ def as_parameters(problem: Problem, values: Values, name: str, title: str) -> lc
     return lc.Parameters(
         name=name,
         title=title,
+        fitted=_names_for_other_trials(problem),
         joints=joints if law_has_numbers else extensions.name_of(type(joints)),
         every_gait=common_water,
         own=own_waters,
         changes=common_changes,
         own_changes=own_changes,
+    )
+
+
+def _names_for_other_trials(problem: Problem) -> tuple[str, ...]:
+    """Return the names of the unknowns that hold for other trials than the measured ones, too."""
+    return tuple(
+        unknown.name
+        for unknown in problem.unknowns
+        if unknown.scope in (_EVERY_GAIT, *GAITS) and unknown.parameter.name not in NUISANCE
     )
 
 

@@ -74,6 +74,8 @@ class Measurement:
     """Number of about equally good settings from which it was selected as the best [-]."""
     free_start: bool = True
     """Whether its start is unknown, if a path or a heading is used; False: it is exact."""
+    assumed: str = ""
+    """What was assumed about its noise, in a sentence; "": its noise was stated."""
     tow: Tow | None = None
     """How the straight robot was towed; if given, nothing swam, and the figures are loads."""
 

@@ -69,6 +69,7 @@ def from_table1(
             scenario=build_scenario(load_robot(trial.robot), trial.gait),
             figures={figure: (value, sigma * value)},
             selected_from=selected_from if trial.is_maximum else 1,
+            assumed=_assumed_noise(figure, sigma, _Number(value=value, sigma=None)),
         )
         rows.append(row)
     return tuple(rows)
@@ -123,6 +124,7 @@ def from_table(
             scenario=build_scenario(swimmer, gait, row.duration_s),
             figures={figure: (number.value, number.sigma or sigma * number.value)},
             selected_from=row.selected_from,
+            assumed=_assumed_noise(figure, sigma, number),
         )
         measurements.append(measurement)
     if not measurements:
@@ -130,6 +132,14 @@ def from_table(
     if empty_rows:
         _warn_of_empty(file, figure, empty_rows, n_rows=len(rows))
     return tuple(measurements)
+
+
+def _assumed_noise(figure: str, sigma: float, number: "_Number") -> str:
+    """Return the sentence about noise that a table does not state; "" if it, or the caller, does."""
+    if number.sigma or sigma != TABLE_SIGMA:
+        return ""
+    what = f"{WORDS_OF_FIGURES[figure]}s"
+    return f"The table states no noise of its {what}: {100.0 * sigma:g} % of each was assumed."
 
 
 class _Number(NamedTuple):

@@ -4,6 +4,7 @@
     name = "tank-2025"
     title = "our trials in the tank"
     basis = "C_f is fitted to five glides; all else is from tables."   # shown beside results
+    fitted = ["water.normal_drag"]                              # what was identified, by its dotted name
     joints = "prescribed"      # the joint law that goes with them: prescribed, pd, servo, speed-servo
 
     [water]                    # for every gait: the fields of `Water` except its name
@@ -24,7 +25,7 @@ out-of-range entries are rejected with their keys.
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 from laticauda.motion.gaits.gait import list_kinds
 from laticauda.motion.joints import JointLaw, Servo
@@ -196,6 +197,9 @@ class Parameters:
         "What the numbers rest on and how far to trust them, in sentences, shown beside results",
         default="",
     )
+    fitted: tuple[str, ...] = option(
+        "Numbers that were identified from measurements, by dotted name", default=()
+    )
     joints: JointLaw | str | None = option(
         "Joint law they belong to, by name or with parameters", default=None
     )
@@ -268,6 +272,8 @@ class Parameters:
         table: codec.Table = codec.stamped(KIND, {"name": self.name, "title": self.title})
         if self.basis:
             table["basis"] = self.basis
+        if self.fitted:
+            table["fitted"] = list(self.fitted)
         if self.joints is not None:
             table["joints"] = codec.encode(self.joints, JointLaw)
         water = {
@@ -323,7 +329,7 @@ def load_parameters(name_or_path: str | Path) -> Parameters:
 
 def _parameters(table: codec.Table) -> Parameters:
     codec.take_kind(table, KIND)
-    codec.check_keys(table, ("name", "title", "basis", "joints", "water", *NAMES, *GAITS))
+    codec.check_keys(table, ("name", "title", "basis", "fitted", "joints", "water", *NAMES, *GAITS))
     for key in ("name", "title", "water"):
         if key not in table:
             raise codec.BadKey(key, "is missing; every parameter file needs it")
@@ -349,12 +355,21 @@ def _parameters(table: codec.Table) -> Parameters:
             name=table["name"],
             title=table["title"],
             basis=table.get("basis", ""),
+            fitted=_read_names(table.get("fitted", [])),
             joints=joints,
             every_gait=every_gait,
             own=own,
             changes=read_adjustments({key: table[key] for key in NAMES if key in table}),
             own_changes=own_changes,
         )
+
+
+def _read_names(value: object) -> tuple[str, ...]:
+    """Return the names of the numbers that were identified."""
+    if not isinstance(value, list):
+        raise codec.BadKey("fitted", f"must be a list of dotted names, got {value!r}")
+    names = cast("list[object]", value)
+    return tuple(check_label("fitted", name) for name in names)
 
 
 def _differences(own: Any, usual: Any) -> codec.Table:

@@ -5,10 +5,17 @@ import hashlib
 from pathlib import Path
 from typing import Any
 
-from laticauda.identify import Fit, Task, Validation
+from laticauda import scenarios
+from laticauda.identify import Fit, Task, Validation, basis_of
+from laticauda.identify.prediction_basis import (
+    KEY,
+    SCENARIO_FILE,
+    first_scenario,
+    list_assumptions,
+)
 from laticauda.show.reports.chapter import Chapter, make_writable_folder, write_chapter
 from laticauda.show.reports.identify_tables import list_identification_tables
-from laticauda.values import extensions, packaging, to_json, to_plain, write
+from laticauda.values import BadArgument, extensions, packaging, to_json, to_plain, write
 
 DIGEST_DIGITS = 16
 """Hexadecimal digits of a file's SHA-256 that are shown [-]."""
@@ -17,7 +24,7 @@ DIGEST_DIGITS = 16
 def write_identification(
     validated: Validation, folder: str | Path, *, command: str = ""
 ) -> list[str]:
-    """Write parameters.toml, fit.json, tables, figures and identify.html.
+    """Write parameters.toml, scenario.toml, fit.json, tables, figures and identify.html.
 
     Args:
         validated: Validated result of the identification.
@@ -34,12 +41,15 @@ def write_identification(
     output_folder = make_writable_folder(folder)
     parameters = validated.task.parameters(validated.fit)
     parameters.save(output_folder / "parameters.toml")
+    fit = validated.fit
+    scenarios.save_scenario(first_scenario(fit), output_folder / SCENARIO_FILE)
     results = describe_identification(validated, command)
+    results[KEY] = _describe_basis(validated)
     write(output_folder / "fit.json", to_json(results) + "\n")
     chapter = build_identification_chapter(validated, command)
     file_names, html = write_chapter(chapter, output_folder)
     write(output_folder / "identify.html", html)
-    return ["identify.html", "parameters.toml", "fit.json", *file_names]
+    return ["identify.html", "parameters.toml", "fit.json", SCENARIO_FILE, *file_names]
 
 
 def build_identification_chapter(validated: Validation, command: str = "") -> Chapter:
@@ -81,6 +91,7 @@ def describe_identification(validated: Validation, command: str = "") -> dict[st
         "errors_percent": _describe_errors(validated),
         "starts": _describe_searches(fit),
         "warnings": list(fit.warnings),
+        "assumed": list(list_assumptions(fit.problem)),
         "joints": extensions.name_of(type(model.joints)),
         "model": extensions.name_of(type(model)),
         "sources": digest_sources(validated.task),
@@ -88,6 +99,14 @@ def describe_identification(validated: Validation, command: str = "") -> dict[st
         "version": packaging.__version__,
     }
     return to_plain(results)
+
+
+def _describe_basis(validated: Validation) -> dict[str, Any] | None:
+    """Return what predictions need; None if the fitted numbers do not hold for other trials."""
+    try:
+        return basis_of(validated.fit, validated.by_group).to_table()
+    except BadArgument:
+        return None
 
 
 def _describe_parameters(fit: Fit) -> list[dict[str, Any]]:
