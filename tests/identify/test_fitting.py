@@ -27,7 +27,7 @@ def test_without_noise_the_truth_comes_back_exactly():
     assert found[FRICTION].value == pytest.approx(0.2, rel=1e-6)
     assert found[DRAG].value == pytest.approx(1.4, rel=1e-6)
     assert found.chi2 < 1e-9
-    assert "2 of 2 starts agree" in found.status
+    assert "2 of 2 starts reached this minimum" in found.status
 
 
 def test_a_search_that_comes_to_where_another_one_ended_ends_there_and_one_that_leads_elsewhere_goes_on(

@@ -105,7 +105,7 @@ class Method(Options):
     noise: Literal["known", "estimated"] = option(
         "As stated, or times an estimated factor", default="estimated"
     )
-    starts: int = quantity("", "Number of starting points of the search", ge=1, default=4)
+    starts: int = quantity("", "Largest number of starting points of the search", ge=1, default=8)
     seed: int = quantity("", "Seed of the random starts", ge=0, default=0)
     profiles: bool = option("Also compute intervals from profile likelihoods", default=False)
     exact: bool = option(

@@ -72,6 +72,7 @@ How the measurements are predicted:
 How the unknowns are found:
 
     fitting            `fit`: searches from several starts
+    starts             where searches begin, and when there are enough of them
     local_search       one search
     method             settings of a fit, and losses
 
@@ -83,6 +84,9 @@ How well they are known:
     combinations       combinations of unknowns in words
     estimates          from the end of a search to a result
     fit_warnings       what is unusual about it
+    chi2               how large the sum of squares usually is
+    doubt              whether the model, not the noise, is in doubt
+    rival_laws         other laws of the water that are tried then
     result             `Fit`: the result
 
 How a result is checked, and used:

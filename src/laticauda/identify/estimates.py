@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.identify.correlated_noise import noise_widening
+from laticauda.identify.doubt import doubt_of
 from laticauda.identify.fit_warnings import list_warnings
 from laticauda.identify.identifiability import Direction, Identifiability, analyze_identifiability
 from laticauda.identify.local_search import LocalSearch
@@ -123,6 +124,7 @@ def assemble_fit(
         degrees_of_freedom=degrees,
         widening=widening,
         searches=tuple(searches),
+        doubt=doubt_of(method, residuals, degrees, lags),
         warnings=(*warnings, *by_data.words),
     )
 

@@ -4,13 +4,9 @@ A new warning is one more function that returns a sentence, or "" if there is no
 """
 
 from collections.abc import Mapping
-from typing import NamedTuple
 
+from laticauda.identify.chi2 import usual_chi2
 from laticauda.identify.problem import Problem
-from laticauda.values import optional_import
-
-_RARE = 5e-4
-"""Probability that chi^2 is below its range, and that it is above [-]."""
 
 
 def list_warnings(
@@ -43,7 +39,7 @@ def _warn_of_chi2(chi2: float | None, degrees: float, lags: Mapping[str, float])
     """Return a warning if the residuals do not fit the stated noise; "" if they do."""
     if chi2 is None or degrees <= 0.0:
         return ""
-    usual = _usual_chi2(degrees, lags)
+    usual = usual_chi2(degrees, lags)
     if usual.low <= chi2 <= usual.high:
         return ""
     return (
@@ -53,38 +49,14 @@ def _warn_of_chi2(chi2: float | None, degrees: float, lags: Mapping[str, float])
     )
 
 
-class _Chi2Range(NamedTuple):
-    """Range of chi^2 that the stated noise leaves only rarely."""
-
-    low: float
-    high: float
-
-
-def _usual_chi2(degrees: float, lags: Mapping[str, float]) -> _Chi2Range:
-    """Return the range of chi^2 that the stated noise leaves only rarely.
-
-    If neighboring samples share their noise, chi^2 scatters as for a fraction of the numbers.
-    """
-    special = optional_import("Identification", "scipy", "identify", "scipy.special")
-    square = max(lags.values(), default=0.0) ** 2
-    independent_share = (1.0 - square) / (1.0 + square)
-    half_degrees = 0.5 * independent_share * max(degrees, 1.0)
-    # Chi^2 of n numbers is twice a gamma-distributed number of shape n/2.
-    half_low = special.gammaincinv(half_degrees, _RARE)
-    half_high = special.gammaincinv(half_degrees, 1.0 - _RARE)
-    return _Chi2Range(
-        low=2.0 * half_low / independent_share, high=2.0 * half_high / independent_share
-    )
-
-
 def _warn_of_correlation(lags: Mapping[str, float], widening: float) -> str:
     """Return a warning if neighboring residuals are correlated; "" if they are not."""
     if not lags:
         return ""
     correlations = ", ".join(f"{lag:.2f} ({name})" for name, lag in lags.items())
     return (
-        "correlated residuals: the noise has a sample-to-sample correlation of "
-        f"{correlations}, which widens intervals by a factor of up to {widening:.2g}."
+        f"correlated residuals: from sample to sample by {correlations}, by noise that is correlated "
+        f"in time or an error of the model; intervals are wider for it, up to {widening:.2g} times."
     )
 
 

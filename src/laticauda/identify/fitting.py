@@ -7,6 +7,8 @@ from typing import Unpack
 
 import numpy as np
 
+from laticauda.identify.chi2 import chi2_at
+from laticauda.identify.doubt import residual_factor
 from laticauda.identify.estimates import Optimum, assemble_fit
 from laticauda.identify.identifiability import LIMIT
 from laticauda.identify.local_search import MOST_STEPS, LocalSearch, Vector, minimize
@@ -16,16 +18,18 @@ from laticauda.identify.model import predict
 from laticauda.identify.noise_factor import NoiseFactor, measure_noise_factor
 from laticauda.identify.problem import Problem, make_problem
 from laticauda.identify.result import Fit
-from laticauda.identify.unknowns import ResolvedUnknown, Unknown
+from laticauda.identify.rival_laws import list_rival_laws
+from laticauda.identify.starts import is_settled, spread_starts
+from laticauda.identify.unknowns import Unknown
 from laticauda.models.simulate import Progress, silent
 from laticauda.robot import Robot
-from laticauda.scenarios import Model, ModelChanges
+from laticauda.scenarios import Model, ModelChanges, Planar
 from laticauda.values import BadArgument, SimulationFailed
 
-SPREAD = 3.0
-"""Additional starts on a log scale lie within this factor of the first [-]."""
 _ROUNDS = 20
 """Iterations of the noise estimate when there are priors."""
+MOST_STARTS_OF_RIVALS = 4
+"""Largest number of starts of another law that is tried."""
 _SETTLED = 1e-6
 """Relative change of the noise factor at which it has settled [-]."""
 
@@ -42,7 +46,8 @@ def fit(
     model: Model | str | None = None,
     noise: str = "known",
     loss: str = "linear",
-    n_starts: int = 4,
+    n_starts: int = 8,
+    rivals: bool = True,
     seed: int = 0,
     confidence: float = 0.95,
     limit: float = LIMIT,
@@ -67,7 +72,11 @@ def fit(
         noise: known: the uncertainties use the noise stated by the measurements; estimated: a
             common factor on it is estimated from the residuals.
         loss: linear, or soft_l1, huber, cauchy or arctan, which give outliers less weight.
-        n_starts: Number of starts; the first uses the values that robot and water have.
+        n_starts: Largest number of starts; the first uses the values that robot and water have, the
+            others are spread over the ranges. No more are used than it takes for two to reach the
+            best minimum, or four if the stated noise cannot leave its residuals.
+        rivals: Whether other laws of the water are tried if the residuals are larger than the
+            stated noise leaves in 95 % of all cases; planar model only.
         seed: Seed of the random starts.
         confidence: Confidence level of the intervals [-].
         limit: Relative standard deviation from which on an unknown counts as not identified [-].
@@ -97,7 +106,49 @@ def fit(
         noise=noise, loss=loss, n_starts=n_starts, seed=seed, confidence=confidence, limit=limit
     )
     problem = make_problem(measurements, parameters, robot, threads=threads, model=model, **changes)
-    return solve(problem, method, progress=progress, keep=keep)
+    solution = solve(problem, method, progress=progress, keep=keep)
+    if rivals and isinstance(problem.model, Planar):
+        solution = _try_rival_laws(solution)
+    return _with_doubt_among_warnings(solution)
+
+
+def _try_rival_laws(solution: Fit) -> Fit:
+    """Fit the same data with other laws, if the stated noise cannot leave the residuals."""
+    doubt = solution.doubt
+    if doubt is None or INTERRUPTED in solution.warnings:
+        return solution
+    method = solution.method
+    n_starts = min(method.n_starts, MOST_STARTS_OF_RIVALS)
+    factors: dict[str, float] = {}
+    for rival in list_rival_laws(solution.problem):
+        try:
+            fitted = solve(rival.problem, replace(method, n_starts=n_starts))
+        except SimulationFailed:
+            continue  # a law with which the data cannot be simulated is no better one
+        except KeyboardInterrupt:
+            return replace(solution, warnings=(INTERRUPTED, *solution.warnings))
+        residuals = (fitted.predictions - rival.problem.observed) / rival.problem.sigma
+        factor = residual_factor(method, residuals, doubt.degrees)
+        factors[rival.name] = factor
+        if factor**2 * doubt.degrees < chi2_at(0.5, doubt.degrees, {}):
+            break  # it describes the data as well as can be
+        if INTERRUPTED in fitted.warnings:
+            return replace(solution, warnings=(INTERRUPTED, *solution.warnings))
+    least_first = dict(sorted(factors.items(), key=lambda named: named[1]))
+    return replace(solution, doubt=replace(doubt, rivals=least_first))
+
+
+def _with_doubt_among_warnings(solution: Fit) -> Fit:
+    """Return the fit with its doubt as the first warning.
+
+    If the noise is known, residuals beyond it that do not blame the model have their own warning.
+    """
+    doubt = solution.doubt
+    if doubt is None or not doubt.words:
+        return solution
+    if not (doubt.is_of_model or solution.method.estimates_noise):
+        return solution
+    return replace(solution, warnings=(doubt.words, *solution.warnings))
 
 
 def solve(
@@ -173,7 +224,8 @@ def _search_from_all_starts(
     Searches are added to `searches` as they end, so that an interrupt leaves those done so far.
     """
     failures: Mapping[str, str] = {}
-    for number, x in enumerate(_starting_points(problem, method, start), start=1):
+    first = problem.coordinates_of(start)
+    for number, x in enumerate(spread_starts(problem, method, first), start=1):
         predicted = predict(problem, problem.values_of(x))
         failures = predicted.failures or failures
         if np.all(np.isfinite(predicted.values)):
@@ -187,40 +239,15 @@ def _search_from_all_starts(
             searches.append(search)
         elif not predicted.failures:
             _refuse_missing_figure(problem, predicted.values)
+        if is_settled(problem, searches):
+            break
         progress(number / method.n_starts)
+    progress(1.0)
     if not searches:
         name, status = next(iter(failures.items()))
         raise SimulationFailed(
             f"The measurement `{name}` cannot be simulated at any start of the search: {status}"
         )
-
-
-def _starting_points(problem: Problem, method: Method, start: Vector) -> list[Vector]:
-    """Return the starting coordinates: the first, and a Latin hypercube around it."""
-    first = problem.coordinates_of(start)
-    n_others = method.n_starts - 1
-    rng = np.random.default_rng(method.seed)
-    coordinates_of_others: list[np.ndarray] = []
-    for unknown, center in zip(problem.unknowns, first, strict=True):
-        reach = _reach_of_starts(unknown)
-        lower_end, upper_end = unknown.ends
-        low = max(center - reach, lower_end)
-        high = min(center + reach, upper_end)
-        # A Latin hypercube: of the slices of the range, as many as starts, each holds one start.
-        slice_of_start = rng.permutation(n_others)
-        place_in_slice = rng.random(n_others)
-        share_of_range = (slice_of_start + place_in_slice) / max(n_others, 1)
-        coordinates_of_others.append(low + (high - low) * share_of_range)
-    return [first, *np.array(coordinates_of_others).T]
-
-
-def _reach_of_starts(unknown: ResolvedUnknown) -> float:
-    """Return how far from the first start others may lie, as a difference of coordinates."""
-    if unknown.is_log:
-        return math.log(SPREAD)
-    if unknown.prior is not None:
-        return unknown.prior.sd
-    return unknown.size
 
 
 def _optimum_with_estimated_noise(

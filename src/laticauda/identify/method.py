@@ -65,7 +65,7 @@ class Method:
         default="linear",
         check=check_one_among(*LOSSES),
     )
-    n_starts: int = quantity("", "Number of starts", default=4, ge=1)
+    n_starts: int = quantity("", "Largest number of starts", default=8, ge=1)
     seed: int = quantity("", "Seed of the random starts", default=0, ge=0)
     confidence: float = quantity("", "Confidence of the intervals", default=0.95, ge=0.5, le=0.9999)
     limit: float = quantity(

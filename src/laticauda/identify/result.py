@@ -8,12 +8,14 @@ from typing import Any, cast
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.identify.doubt import Doubt
 from laticauda.identify.exporting import applied, as_parameters
 from laticauda.identify.identifiability import Identifiability
-from laticauda.identify.local_search import LocalSearch, have_same_cost
+from laticauda.identify.local_search import LocalSearch
 from laticauda.identify.method import Method
 from laticauda.identify.problem import DataBlock, Problem
 from laticauda.identify.series import SERIES
+from laticauda.identify.starts import ENOUGH, count_reaching
 from laticauda.identify.towing import LOADS
 from laticauda.models.simulate import UNITS
 from laticauda.robot import Parameters, Robot, Water
@@ -90,6 +92,8 @@ class Fit:
     """Search from each start, best first."""
     warnings: tuple[str, ...]
     """Warnings about the data."""
+    doubt: Doubt | None = None
+    """What the residuals say against model or noise; None if the stated noise can leave them."""
 
     def __getitem__(self, name: str) -> ParameterEstimate:
         """Return the estimate of an unknown by name."""
@@ -114,8 +118,12 @@ class Fit:
     @property
     def n_agreeing(self) -> int:
         """Number of starts that ended as well as the best one."""
-        least_cost = self.searches[0].cost
-        return sum(have_same_cost(search.cost, least_cost) for search in self.searches)
+        return count_reaching(self.problem, self.searches)
+
+    @property
+    def is_model_doubted(self) -> bool:
+        """Whether residuals say that the model is wrong, so that intervals do not hold."""
+        return self.doubt is not None and self.doubt.is_of_model
 
     @property
     def status(self) -> str:
@@ -129,8 +137,21 @@ class Fit:
         return (
             f"{n_identified} of {len(shown)} parameters identified from "
             f"{len(self.problem.measurements)} measurements ({n_numbers} numbers); {noise}; "
-            f"{self.n_agreeing} of {len(self.searches)} starts agree."
+            f"{self._words_of_starts}."
         )
+
+    @property
+    def _words_of_starts(self) -> str:
+        """How many starts there were, and how many of them came to this minimum."""
+        n_starts = len(self.searches)
+        if n_starts == 1:
+            return "1 start, compared with no other"
+        text = f"{self.n_agreeing} of {n_starts} starts reached this minimum"
+        if n_starts < self.method.n_starts:
+            return text
+        if self.n_agreeing < ENOUGH:
+            return f"only {text}, and no more were allowed"
+        return text
 
     def table(self) -> list[dict[str, Any]]:
         """Return one row per unknown: name, value, sigma, low, high, unit, note."""

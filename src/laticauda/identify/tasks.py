@@ -171,6 +171,7 @@ class Task:
         options = dict(self.options)
         if law.joints is not None:
             options.setdefault("joints", law.joints)
+        options["rivals"] = False  # the laws to compare are given
         measurements = [
             apply_fixed_values(measurement, links=None, base=law)
             for measurement in self.measurements

@@ -77,7 +77,9 @@ def evaluate(day: Day, *, threads: int | None = None, progress: Progress = silen
     fits: dict[str, Fit] = {}
     for name, law in laws_of(day.robot).items():
         in_water = [_in_environment(measurement, law.water) for measurement in measurements]
-        fits[name] = fit(in_water, parameters=law.unknowns, n_starts=1, threads=threads)
+        fits[name] = fit(
+            in_water, parameters=law.unknowns, n_starts=1, rivals=False, threads=threads
+        )
         progress(len(fits) / _N_FITS)
     noise_factor = max(1.0, min(law_fit.noise_factor for law_fit in fits.values()))
     evidence = {name: log_evidence(law_fit, noise_factor) for name, law_fit in fits.items()}

@@ -1,0 +1,151 @@
+"""When a fit doubts its model, where its searches begin, and a slice of campaigns/fit_doubts.py."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from campaign_scripts import campaign
+from identify.trials import DRAG, FRICTION, speeds
+
+from laticauda.identify import Unknown
+from laticauda.identify.chi2 import usual_chi2
+from laticauda.identify.doubt import MARGIN, Doubt, doubt_of
+from laticauda.identify.local_search import LocalSearch
+from laticauda.identify.method import Method
+from laticauda.identify.problem import make_problem
+from laticauda.identify.rival_laws import list_rival_laws
+from laticauda.identify.starts import is_settled, spread_starts
+from laticauda.water.fluid.laws import TotalSpeedDrag
+
+doubts = campaign("fit_doubts")
+N = 12
+KNOWN = Method()
+
+
+def doubt_at(factor, **changes):
+    """Of residuals that are all as large."""
+    found = doubt_of(KNOWN, np.full(N, factor), float(N), {})
+    return found and replace(found, **changes)
+
+
+def test_residuals_that_noise_usually_leaves_are_not_doubted():
+    assert doubt_at(1.0) is None
+    assert doubt_of(KNOWN, np.full(N, 9.0), 0.0, {}) is None
+
+
+def test_residuals_far_above_the_noise_say_that_the_model_is_in_doubt():
+    usual = np.sqrt(usual_chi2(N, {}).high / N)
+    found = doubt_at(1.01 * MARGIN * usual)
+    assert found.is_of_model and found.better_law is None
+    assert found.words.startswith("model in doubt: ")
+    assert "the intervals do not hold" in found.words
+    between = doubt_at(0.99 * MARGIN * usual)
+    assert not between.is_of_model
+    assert between.words.startswith("residuals beyond the stated noise: ")
+
+
+def test_a_better_law_is_named_and_one_that_is_hardly_better_is_not():
+    found = doubt_at(1.6, rivals={"total-speed-drag beta 1": 1.1, "other": 3.0})
+    assert found.better_law == "total-speed-drag beta 1" and found.is_of_model
+    assert "total-speed-drag beta 1 leaves 1.1 times the stated noise, this one 1.6" in found.words
+    assert doubt_at(1.6, rivals={"other": 1.5}).words == ""
+    # what is as large with the best law is taken for noise
+    assert doubt_at(2.2, rivals={"other": 2.0}).better_law is None
+    assert "none is clearly better (best: other, 2 times)" in doubt_at(
+        4.0, rivals={"other": 3.9}
+    ).words.replace("None", "none")
+
+
+def test_outliers_do_not_cast_doubt_on_a_fit_with_a_robust_loss():
+    residuals = np.random.default_rng(1).standard_normal(40)
+    residuals[:4] = 10.0
+    assert isinstance(doubt_of(KNOWN, residuals, 39.0, {}), Doubt)
+    assert doubt_of(Method(loss="cauchy"), residuals, 39.0, {}) is None
+
+
+def test_noise_that_is_correlated_leaves_more():
+    residuals = np.full(200, 1.2)
+    assert doubt_of(KNOWN, residuals, 200.0, {}).is_of_model is False
+    assert doubt_of(KNOWN, residuals, 200.0, {"heading": 0.95}) is None
+
+
+def test_starts_are_spread_over_range_and_prior_and_are_the_same_again():
+    drag = Unknown(name=DRAG, prior=(1.75, 0.2))
+    problem = make_problem(speeds(2, duration=2.0), [FRICTION, drag])
+    first = problem.coordinates_of(problem.start)
+    starts = np.array(list(spread_starts(problem, Method(n_starts=4), first)))
+    again = np.array(list(spread_starts(problem, Method(n_starts=4), first)))
+    np.testing.assert_array_equal(starts, again)
+    np.testing.assert_array_equal(starts[0], first)
+    assert len({tuple(start) for start in starts}) == 4
+    values = np.array([problem.values_of(start) for start in starts])
+    assert np.all(np.abs(values[:, 1] - 1.75) <= 0.4 + 1e-9)
+    lower, upper = problem.unknowns[0].lower, problem.unknowns[0].upper
+    assert np.all((lower <= values[:, 0]) & (values[:, 0] <= upper))
+
+
+def test_no_more_starts_than_it_takes_for_two_to_agree_or_four_if_the_fit_is_bad():
+    problem = make_problem(speeds(6, duration=2.0), [FRICTION])
+
+    def searches(*costs):
+        x = np.zeros(1)
+        return [
+            LocalSearch(start=x, end=x, cost=cost, jacobian=np.zeros((6, 1)), converged=True)
+            for cost in costs
+        ]
+
+    assert not is_settled(problem, searches(4.0))
+    assert is_settled(problem, searches(4.0, 4.001))
+    assert not is_settled(problem, searches(4.0, 4.001, 3.0))
+    assert not is_settled(problem, searches(80.0, 80.0, 80.0))
+    assert is_settled(problem, searches(80.0, 80.0, 80.0, 80.0))
+
+
+def test_rival_laws_are_all_others_and_keep_what_is_not_of_the_drag_law():
+    measured = speeds(2, duration=2.0)
+    rivals = {
+        rival.name: rival.problem for rival in list_rival_laws(make_problem(measured, [DRAG]))
+    }
+    assert list(rivals) == [
+        "total-speed-drag beta 0",
+        "total-speed-drag beta 1",
+        "polynomial-drag, kirchhoff added mass",
+        "total-speed-drag beta 0, kirchhoff added mass",
+        "total-speed-drag beta 1, kirchhoff added mass",
+    ]
+    water = replace(measured[0].scenario.environment, drag=TotalSpeedDrag())
+    measured = [replace(one, scenario=replace(one.scenario, environment=water)) for one in measured]
+    fitted = make_problem(measured, [DRAG, "water.drag.beta"])
+    rivals = {rival.name: rival.problem for rival in list_rival_laws(fitted)}
+    assert list(rivals) == [
+        "polynomial-drag",
+        "total-speed-drag beta 0.5, kirchhoff added mass",
+        "polynomial-drag, kirchhoff added mass",
+    ]
+    assert rivals["polynomial-drag"].names == (DRAG,)
+    assert len(list(rivals.values())[1].names) == 2
+
+
+@pytest.mark.parametrize("number", [4, 1])
+def test_a_wrong_law_is_doubted_and_a_right_one_is_not(number):
+    right, wrong = doubts.rows_of(number)
+    assert not right.doubted and right.n_stated
+    assert right.chi2 <= right.best_chi2 + doubts.WORSE
+    assert wrong.doubted and wrong.named == wrong.true_law
+
+
+def test_rows_are_kept_and_not_done_again(tmp_path, monkeypatch):
+    table = tmp_path / "rows.csv"
+    (kept, *_) = doubts.stored() or [None]
+    assert kept is not None
+    monkeypatch.setattr(doubts, "rows_of", lambda number: [replace(kept, truth=number)])
+    assert doubts.go_on([0, 1], table) == doubts.stored(table)
+    monkeypatch.setattr(doubts, "rows_of", None)
+    assert len(doubts.go_on([0, 1], table)) == 2
+
+
+def test_the_stored_answer_is_what_is_claimed():
+    rows = doubts.stored()
+    right = [row for row in rows if row.law == "right"]
+    assert sum(row.doubted for row in right) <= 0.02 * len(right)
+    assert sum(row.chi2 > row.best_chi2 + doubts.WORSE for row in right) <= 0.01 * len(right)
