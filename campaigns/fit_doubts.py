@@ -1,6 +1,6 @@
 """Does a fit doubt its model when the law is wrong, and only then; and does it find the minimum?
 
-Question: 200 random robots of eight links in waters of random coefficients, with one of four laws
+Question: 200 random robots of six links in waters of random coefficients, with one of four laws
 of drag. Half of them are known by their mean speeds (16 gaits, 3 % noise), half by tracked paths (4
 gaits, 4 mm and 0.02 rad, four samples a second); a quarter have joints with an unknown speed limit;
 half of the fits trust the stated noise, half estimate it. Each is fitted with its own law and with
@@ -36,9 +36,9 @@ ANSWER = Path(__file__).with_name("fit_doubts.csv")
 TRUTHS = 200
 SEED = 46
 N_SPEEDS, N_PATHS = 16, 4
-LINKS = 8
-DT = 0.005  # of truths and fits [s]
-DURATION = 8.0  # of a trial [s]
+LINKS = 6
+DT = 0.01  # of truths and fits [s]
+DURATION = 5.0  # of a trial [s]
 EVERY = 5  # samples: four a second
 POSITION, HEADING = 0.004, 0.02  # standard deviations of the tracker's noise [m], [rad]
 SPEED = 0.03  # of a speed, as a fraction

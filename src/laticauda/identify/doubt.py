@@ -19,7 +19,7 @@ A robust loss declares some numbers to be outliers. Residuals are then judged by
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -49,6 +49,16 @@ class Doubt:
     """Share of independent numbers among all; less than 1 if noise is correlated in time [-]."""
     rivals: Mapping[str, float] = field(default_factory=dict[str, float])
     """Ratio that every other law that was tried leaves, by name, least first [-]."""
+
+    def after_trying(self, name: str, factor: float) -> "Doubt":
+        """Return the doubt with one more law.
+
+        Args:
+            name: Name of the law.
+            factor: Ratio of the residuals that it leaves to the stated noise [-].
+        """
+        factors = {**self.rivals, name: factor}
+        return replace(self, rivals=dict(sorted(factors.items(), key=lambda named: named[1])))
 
     @property
     def is_far_above(self) -> bool:
@@ -106,7 +116,7 @@ class Doubt:
     def _words_of_rivals(self) -> str:
         name, least = next(iter(self.rivals.items()))
         return (
-            f"of {len(self.rivals)} other laws tried, none is clearly better "
+            f"no other law of {len(self.rivals)} tried is clearly better "
             f"(best: {name}, {least:.2g} times)"
         )
 

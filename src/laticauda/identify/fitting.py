@@ -7,7 +7,6 @@ from typing import Unpack
 
 import numpy as np
 
-from laticauda.identify.chi2 import chi2_at
 from laticauda.identify.doubt import residual_factor
 from laticauda.identify.estimates import Optimum, assemble_fit
 from laticauda.identify.identifiability import LIMIT
@@ -28,7 +27,7 @@ from laticauda.values import BadArgument, SimulationFailed
 
 _ROUNDS = 20
 """Iterations of the noise estimate when there are priors."""
-MOST_STARTS_OF_RIVALS = 4
+MOST_STARTS_OF_RIVALS = 2
 """Largest number of starts of another law that is tried."""
 _SETTLED = 1e-6
 """Relative change of the noise factor at which it has settled [-]."""
@@ -119,23 +118,20 @@ def _try_rival_laws(solution: Fit) -> Fit:
         return solution
     method = solution.method
     n_starts = min(method.n_starts, MOST_STARTS_OF_RIVALS)
-    factors: dict[str, float] = {}
     for rival in list_rival_laws(solution.problem):
+        if rival.has_other_form and doubt.better_law is not None:
+            break
         try:
             fitted = solve(rival.problem, replace(method, n_starts=n_starts))
         except SimulationFailed:
             continue  # a law with which the data cannot be simulated is no better one
         except KeyboardInterrupt:
             return replace(solution, warnings=(INTERRUPTED, *solution.warnings))
-        residuals = (fitted.predictions - rival.problem.observed) / rival.problem.sigma
-        factor = residual_factor(method, residuals, doubt.degrees)
-        factors[rival.name] = factor
-        if factor**2 * doubt.degrees < chi2_at(0.5, doubt.degrees, {}):
-            break  # it describes the data as well as can be
         if INTERRUPTED in fitted.warnings:
             return replace(solution, warnings=(INTERRUPTED, *solution.warnings))
-    least_first = dict(sorted(factors.items(), key=lambda named: named[1]))
-    return replace(solution, doubt=replace(doubt, rivals=least_first))
+        residuals = (fitted.predictions - rival.problem.observed) / rival.problem.sigma
+        doubt = doubt.after_trying(rival.name, residual_factor(method, residuals, doubt.degrees))
+    return replace(solution, doubt=doubt)
 
 
 def _with_doubt_among_warnings(solution: Fit) -> Fit:

@@ -17,7 +17,9 @@ def interpolated(
         values: The samples, time first; may be complex.
         moments: Times at which to interpolate [s].
     """
-    step = (time[-1] - time[0]) / (time.size - 1)
+    step = (time[-1] - time[0]) / max(time.size - 1, 1)
+    if not step > 0.0:  # the run failed at once
+        return np.full((moments.size, *values.shape[1:]), np.nan, values.dtype)
     position = (moments - time[0]) / step
     n_points = min(_N_POINTS, time.size)
     # A moment lies between the second and the third of its samples, but for those at the ends.

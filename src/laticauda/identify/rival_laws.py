@@ -41,6 +41,8 @@ class RivalLaw:
 
     name: str
     """Name for messages."""
+    has_other_form: bool
+    """Whether its added mass has another form than that of the fit."""
     problem: Problem
     """The measurements in such a water, and the unknowns that it has."""
 
@@ -62,6 +64,8 @@ def name_law(water: Water) -> str:
 def list_rival_laws(problem: Problem) -> list[RivalLaw]:
     """Return the problems with other laws; none if there is no water whose law could be another.
 
+    Those with the same form of the added mass come first.
+
     Args:
         problem: Measurements and unknowns.
     """
@@ -74,14 +78,13 @@ def list_rival_laws(problem: Problem) -> list[RivalLaw]:
     assert isinstance(own, Water)
     other_drags = [drag for drag in DRAG_LAWS.values() if not _is_drag_of(problem, own, drag)]
     rivals: list[RivalLaw] = []
+    for drag in other_drags:
+        rivals.append(_rival_law(problem, {}, drag))
     for form in (_WITHOUT_WAKE, _WITH_WAKE):
-        if own.added_mass_form == form["added_mass_form"]:
-            form_changes: dict[str, Any] = {}
-        else:
-            form_changes = dict(form)
-            rivals.append(_rival_law(problem, form_changes))
-        for drag in other_drags:
-            rivals.append(_rival_law(problem, {**form_changes, "drag": drag}))
+        if own.added_mass_form != form["added_mass_form"]:
+            rivals.append(_rival_law(problem, form, None))
+            for drag in other_drags:
+                rivals.append(_rival_law(problem, form, drag))
     return rivals
 
 
@@ -97,8 +100,17 @@ def _is_tied_to_drag(tied: Mapping[str, float]) -> bool:
     return any(name.startswith(_OF_DRAG) for name in tied)
 
 
-def _rival_law(problem: Problem, changes: Mapping[str, Any]) -> RivalLaw:
-    """Return the problem with changed waters."""
+def _rival_law(problem: Problem, form: Mapping[str, Any], drag: DragLaw | None) -> RivalLaw:
+    """Return the problem with another form of the added mass, another drag law, or both.
+
+    Args:
+        problem: Measurements and unknowns.
+        form: Fields of the waters that change; none: the form stays.
+        drag: The drag law; None: each water keeps its own.
+    """
+    changes = dict(form)
+    if drag is not None:
+        changes["drag"] = drag
     changed_waters: dict[int, Water] = {}
     measurements: list[Measurement] = []
     for measurement in problem.measurements:
@@ -109,7 +121,7 @@ def _rival_law(problem: Problem, changes: Mapping[str, Any]) -> RivalLaw:
         scenario = replace(measurement.scenario, environment=changed_waters[id(water)])
         measurements.append(replace(measurement, scenario=scenario))
     kept = list(range(len(problem.unknowns)))
-    if "drag" in changes:
+    if drag is not None:
         kept = [
             k
             for k, unknown in enumerate(problem.unknowns)
@@ -117,6 +129,7 @@ def _rival_law(problem: Problem, changes: Mapping[str, Any]) -> RivalLaw:
         ]
     return RivalLaw(
         name=name_law(next(iter(changed_waters.values()))),
+        has_other_form=bool(form),
         problem=replace(
             problem,
             measurements=tuple(measurements),
