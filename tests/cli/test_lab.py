@@ -9,7 +9,7 @@ from patience import LONG, running
 
 from laticauda import load_trial
 from laticauda.cli import main
-from laticauda.cli.lab import LabCommand
+from laticauda.cli.lab import Lab
 from laticauda.robot import load_parameters, load_robot, load_water
 from laticauda.tank.protocol import JointState, Sync, bus_address, from_frame, open_bus, to_frame
 from laticauda.values import name_of
@@ -141,14 +141,14 @@ def test_bad_input_is_said_in_the_words_of_the_command_line(words, message, caps
     ],
 )
 def test_mamba_swims_as_identified_unless_something_else_is_chosen(words, parameters, law):
-    command = LabCommand.read(words, "laticauda lab")
+    command = Lab.read(words, "laticauda lab")
     assert command.body.parameters == parameters
     assert name_of(type(command.servos)) == law
 
 
 def test_parameters_are_those_of_the_kind_of_gait():
-    eel = LabCommand.read(["--parameters", "paper", "--gait", "eel-like"], "laticauda lab")
-    lateral = LabCommand.read(["--parameters", "paper"], "laticauda lab")
+    eel = Lab.read(["--parameters", "paper", "--gait", "eel-like"], "laticauda lab")
+    lateral = Lab.read(["--parameters", "paper"], "laticauda lab")
     assert eel.coefficients.tangential_friction == load_water("paper-eel").tangential_friction
     assert (
         lateral.coefficients.tangential_friction == load_water("paper-lateral").tangential_friction
@@ -156,7 +156,7 @@ def test_parameters_are_those_of_the_kind_of_gait():
 
 
 def test_the_robot_in_the_tank_has_the_numbers_of_the_parameters():
-    tank = LabCommand.read([], "laticauda lab")._tank()
+    tank = Lab.read([], "laticauda lab")._tank()
     parameters = load_parameters("mamba-identified")
     assert tank.body.robot == parameters.robot(load_robot("mamba-fin"), "lateral_undulation")
     assert tank.body.plant.environment == parameters.every_gait
