@@ -87,7 +87,7 @@ class Row:
     far_above: int
     """Whether it would be doubted without rival laws."""
     named: str
-    """Law that is named as better; "" if none is."""
+    """Law that is named as better, the best of them; "" if none is."""
     chi2: float
     best_chi2: float
     """From a search that begins at the truth; as `chi2` with the wrong law."""
@@ -309,8 +309,8 @@ def answer(rows: list[Row]) -> str:
     lines += [
         f"all: wrong law doubted {sum(row.doubted for row in wrong)} of {len(wrong)}, "
         f"right law doubted {sum(row.doubted for row in right)} of {len(right)}",
-        f"a better law named {len(named)} of {len(wrong)}; where the true one is tried, it is it in "
-        f"{sum(row.named == row.true_law for row in listed)} of {len(listed)}",
+        f"a better law named {len(named)} of {len(wrong)}; where the true one is among those tried, it "
+        f"is named first in {sum(row.named == row.true_law for row in listed)} of {len(listed)}",
         f"wrong minima {misses} of {len(right)}; starts {np.mean([row.n_starts for row in right]):.1f} "
         f"(right), {np.mean([row.n_starts for row in wrong]):.1f} (wrong)",
         f"intervals that hold the truth, right law: {sum(row.n_hold for row in right)} of "

@@ -44,11 +44,22 @@ def test_residuals_far_above_the_noise_say_that_the_model_is_in_doubt():
     assert between.words.startswith("residuals beyond the stated noise: ")
 
 
+def test_residuals_of_series_that_are_independent_are_noise_however_large():
+    residuals = np.full(100, 3.0)
+    white = doubt_of(KNOWN, residuals, 100.0, {}, is_of_series=True)
+    assert not white.is_of_model and "stated too small, as" in white.words
+    assert doubt_of(KNOWN, residuals, 100.0, {"heading": 0.5}, is_of_series=True).is_of_model
+    assert replace(white, rivals={"other": 1.0}).is_of_model
+
+
 def test_a_better_law_is_named_and_one_that_is_hardly_better_is_not():
     found = doubt_at(1.6, rivals={"total-speed-drag beta 1": 1.1, "other": 3.0})
     assert found.better_law == "total-speed-drag beta 1" and found.is_of_model
     assert "total-speed-drag beta 1 leaves 1.1 times the stated noise, this one 1.6" in found.words
     assert doubt_at(1.6, rivals={"other": 1.5}).words == ""
+    two = doubt_at(3.0, rivals={"first": 1.0, "second": 1.1, "third": 2.0})
+    assert two.better_laws == ("first", "second")
+    assert "first leaves 1 times the stated noise, second 1.1, this one 3." in two.words
     # what is as large with the best law is taken for noise
     assert doubt_at(2.2, rivals={"other": 2.0}).better_law is None
     far_above = doubt_at(4.0, rivals={"other": 3.9}).words

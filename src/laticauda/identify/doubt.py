@@ -10,7 +10,8 @@ the model. The stated noise, however rough, tells them apart:
        rival does so in more than about 1 of 1000 cases: the difference of the two has the mean -T
        and the standard deviation 2 sqrt(T), with T as in `discrimination`, and reaches 10 at best
        3.2 standard deviations above its mean.
-    3. Without such a law, the model is in doubt if the residuals are `MARGIN` times as large as the
+    3. Without such a law, and unless residuals of series are independent from sample to sample, as
+       errors of a model never are, the model is in doubt if the residuals are `MARGIN` times as large as the
        stated noise leaves in all but 1 of 2000 cases: that noise was stated so much too small is
        less likely. Below, either may be wrong.
 
@@ -47,6 +48,8 @@ class Doubt:
     """Degrees of freedom [-]."""
     share: float
     """Share of independent numbers among all; less than 1 if noise is correlated in time [-]."""
+    is_white: bool = False
+    """Whether they are those of series alone, and independent from sample to sample."""
     rivals: Mapping[str, float] = field(default_factory=dict[str, float])
     """Ratio that every other law that was tried leaves, by name, least first [-]."""
 
@@ -62,19 +65,33 @@ class Doubt:
 
     @property
     def is_far_above(self) -> bool:
-        """Whether residuals are far above the stated noise."""
-        return self.factor > MARGIN * self.usual_factor
+        """Whether residuals are so far above the stated noise that they are no noise."""
+        return self.factor > MARGIN * self.usual_factor and not self.is_white
+
+    @property
+    def better_laws(self) -> tuple[str, ...]:
+        """Names of the laws that describe the data clearly better, the best first.
+
+        Those that the best one is clearly better than in turn are not among them.
+        """
+        if not self.rivals:
+            return ()
+        least = min(self.rivals.values())
+        noise = least if least > self.usual_factor else 1.0
+        squares_per_evidence = EVIDENCE * noise**2 / (self.degrees * self.share)
+        if self.factor**2 - least**2 <= squares_per_evidence:
+            return ()
+        return tuple(
+            name
+            for name, factor in self.rivals.items()
+            if factor**2 - least**2 <= squares_per_evidence
+            and self.factor**2 - factor**2 > squares_per_evidence
+        )
 
     @property
     def better_law(self) -> str | None:
         """Name of the law that describes the data best, if it does so clearly better."""
-        for name, factor in self.rivals.items():
-            noise = factor if factor > self.usual_factor else 1.0
-            decrease = self.degrees * self.share * (self.factor**2 - factor**2) / noise**2
-            if decrease > EVIDENCE:
-                return name
-            break
-        return None
+        return next(iter(self.better_laws), None)
 
     @property
     def is_of_model(self) -> bool:
@@ -88,10 +105,10 @@ class Doubt:
         if not self.is_of_model and self.factor <= self.usual_factor:
             return ""
         if not self.is_of_model:
-            text = (
-                f"residuals beyond the stated noise: {self.factor:.2g} times, where {usual}: it was "
-                "stated too small, or the model is wrong"
-            )
+            cause = "it was stated too small, or the model is wrong"
+            if self.is_white:
+                cause = "it was stated too small, as neighboring residuals are independent"
+            text = f"residuals beyond the stated noise: {self.factor:.2g} times, where {usual}: {cause}"
             return f"{text}; {self._words_of_rivals}." if self.rivals else f"{text}."
         return (
             f"model in doubt: residuals are {self.factor:.2g} times the stated noise, where {usual} "
@@ -106,9 +123,10 @@ class Doubt:
         if self.better_law is None:
             text = self._words_of_rivals
             return f"{text[0].upper()}{text[1:]}."
-        least = self.rivals[self.better_law]
+        best, *others = self.better_laws
+        beside = "".join(f", {name} {self.rivals[name]:.2g}" for name in others)
         return (
-            f"{self.better_law} leaves {least:.2g} times the stated noise, this one "
+            f"{best} leaves {self.rivals[best]:.2g} times the stated noise{beside}, this one "
             f"{self.factor:.2g}."
         )
 
@@ -126,6 +144,8 @@ def doubt_of(
     residuals: Float[np.ndarray, " n_data"],
     degrees: float,
     lags: Mapping[str, float],
+    *,
+    is_of_series: bool = False,
 ) -> Doubt | None:
     """Return the doubt that residuals cast; None if the stated noise usually leaves as much.
 
@@ -134,6 +154,7 @@ def doubt_of(
         residuals: Residuals of the data in the stated noise.
         degrees: Degrees of freedom [-].
         lags: Sample-to-sample correlation of the noise, for series that show one [-].
+        is_of_series: Whether all data are samples of series.
     """
     if degrees < 1.0:
         return None
@@ -142,7 +163,11 @@ def doubt_of(
     if not factor > np.sqrt(chi2_at(1.0 - UNUSUAL, degrees, lags) / degrees):
         return None
     return Doubt(
-        factor=factor, usual_factor=usual_factor, degrees=degrees, share=independent_share(lags)
+        factor=factor,
+        usual_factor=usual_factor,
+        degrees=degrees,
+        share=independent_share(lags),
+        is_white=is_of_series and not lags,
     )
 
 

@@ -124,7 +124,13 @@ def assemble_fit(
         degrees_of_freedom=degrees,
         widening=widening,
         searches=tuple(searches),
-        doubt=doubt_of(method, residuals, degrees, lags),
+        doubt=doubt_of(
+            method,
+            residuals,
+            degrees,
+            lags,
+            is_of_series=all(block.is_series for block in problem.data_blocks),
+        ),
         warnings=(*warnings, *by_data.words),
     )
 

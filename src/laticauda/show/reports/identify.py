@@ -90,6 +90,8 @@ def describe_identification(validated: Validation, command: str = "") -> dict[st
         "confidence": fit.method.confidence,
         "errors_percent": _describe_errors(validated),
         "starts": _describe_searches(fit),
+        "model_in_doubt": fit.is_model_doubted,
+        "other_laws": _describe_rivals(fit),
         "warnings": list(fit.warnings),
         "assumed": list(list_assumptions(fit.problem)),
         "joints": extensions.name_of(type(model.joints)),
@@ -143,6 +145,13 @@ def _describe_errors(validated: Validation) -> dict[str, Any]:
         "left_out_is_linearized": validated.is_linearized,
         "null_models": null_models,
     }
+
+
+def _describe_rivals(fit: Fit) -> dict[str, float]:
+    """Return what other laws leave of the residuals, in units of the stated noise."""
+    if fit.doubt is None:
+        return {}
+    return dict(fit.doubt.rivals)
 
 
 def _describe_searches(fit: Fit) -> list[dict[str, Any]]:
