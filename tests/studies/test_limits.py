@@ -1,6 +1,8 @@
 from dataclasses import replace
 from math import radians
 
+import pytest
+
 import laticauda as lc
 from laticauda.studies import Optimization, optimize
 from laticauda.studies.limits import describe_limits, name_limits
@@ -44,6 +46,7 @@ def test_wide_gaits_come_to_the_angles_of_the_joints_or_to_other_links():
     assert limiting(170.0, wide) == "links that touch"
 
 
+@pytest.mark.filterwarnings("ignore::laticauda.values.errors.UnitWarning")
 def test_a_run_that_blows_up_comes_to_no_limit():
     hopeless = lc.lateral_undulation(amplitude_deg=30, frequency_deg_s=20000, phase_shift_deg=40)
     assert name_limits(scenario(hopeless)) == []

@@ -18,8 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from laticauda.show.figures import style
-from laticauda.show.figures.path import path_extent, path_strip
+from laticauda.show.figures import path_extent, path_strip, style
 from laticauda.trials import Trial, following
 
 STRIP_HEIGHTS = (0.9, 2.2)
@@ -97,10 +96,11 @@ def draw_following_sheet(
 
 def _draw_path(runs: Sequence[ModelRun], ax: Axes) -> Axes:
     """Draw the body along the path of the first model, and the paths of the others."""
-    first, *others = runs
+    first = runs[0]
     path_strip(first.trial, ax)
-    for run, look in zip(others, LINES[1:], strict=False):
-        x, y = run.trial.center_of_mass[:, :2].T
+    for run, look in zip(runs[1:], LINES[1:], strict=False):
+        path = run.trial.center_of_mass[:, :2]
+        x, y = path.T
         behind_the_body: dict[str, Any] = {**look, "zorder": 0.8}
         ax.plot(x, y, **behind_the_body)
     x, y = following.nearest_points(first.trial).T
@@ -130,7 +130,8 @@ def _draw_distance(runs: Sequence[ModelRun], measured_velocity: float | None, ax
     for run, look in zip(runs, LINES, strict=False):
         distance = _distance_from_start(run.trial)
         ax.plot(run.trial.time, distance, **look)
-        farthest = max(farthest, float(distance.max()))
+        run_farthest = float(distance.max())
+        farthest = max(farthest, run_farthest)
     if measured_velocity is not None:
         end = min(farthest / measured_velocity, _longest_time(runs))
         ax.plot([0.0, end], [0.0, measured_velocity * end], **style.AIM, zorder=4)
@@ -144,7 +145,8 @@ def _in_degrees(trial: Trial, signal: str) -> Float[np.ndarray, " n_samples"]:
 
 def _distance_from_start(trial: Trial) -> Float[np.ndarray, " n_samples"]:
     """Return the distance of the center of mass from its start [m]."""
-    way = trial.center_of_mass[:, :2] - trial.center_of_mass[0, :2]
+    path = trial.center_of_mass[:, :2]
+    way = path - path[0]
     return np.linalg.norm(way, axis=1)
 
 

@@ -115,10 +115,13 @@ class Front:
         limits = name_limits(self.scenario(point))
         parameters = list_parameters(self.optimization.scenario)
         bounds = self.optimization.bounds
-        for (name, (low, high)), value in zip(bounds.items(), self.values[point], strict=True):
+        for name, value in zip(bounds, self.values[point], strict=True):
+            low, high = bounds[name]
             tolerance = AT_BOUND * (high - low)
-            if min(abs(value - low), abs(value - high)) <= tolerance:
-                limits.append(f"range of the {parameters[name].phrase}")
+            distance = min(abs(value - low), abs(value - high))
+            if distance <= tolerance:
+                phrase = parameters[name].phrase
+                limits.append(f"range of the {phrase}")
         return limits
 
     def spread(self, count: int) -> list[int]:

@@ -1,7 +1,6 @@
 """What keeps a robot from swimming faster: the limits that a trial comes up against, in words."""
 
-from laticauda.models.simulate import build_plant
-from laticauda.models.simulate.runner import run_scenario
+from laticauda.models.simulate import build_plant, run_scenario
 from laticauda.scenarios import Scenario
 from laticauda.trials import Trial
 from laticauda.trials.feasibility import SERVOS

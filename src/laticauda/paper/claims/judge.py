@@ -121,9 +121,14 @@ def summarize_verdicts(claims: Sequence[Claim]) -> str:
     """
     parts: list[str] = []
     for verdict, count in count_verdicts(claims).items():
-        one, several = VERB_FORMS[verdict]
-        number = f"{count}" if parts else f"{count} of {len(claims)} claims"
-        parts.append(f"{number} {one if count == 1 else several}")
+        singular, plural = VERB_FORMS[verdict]
+        verb = plural
+        if count == 1:
+            verb = singular
+        number = f"{count}"
+        if not parts:
+            number = f"{count} of {len(claims)} claims"
+        parts.append(f"{number} {verb}")
     return ", ".join(parts)
 
 

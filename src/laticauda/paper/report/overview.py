@@ -51,13 +51,22 @@ def _collect_predictors(results: Mapping[str, Any]) -> dict[str, Predictors]:
         if study_name not in results:
             continue
         study = results[study_name]
-        scores = score_study(study)
-        physical = [score for score in scores if not score.is_null]
+        coefficients = _first_coefficients(study)
+        simulations: list[Score] = []
+        own: list[Score] = []
+        null: list[Score] = []
+        for score in score_study(study):
+            if score.is_null:
+                null.append(score)
+            elif score.n_fitted is None:
+                simulations.append(score)
+            else:
+                own.append(score)
         predictors[table] = Predictors(
-            name=name_coefficients(_first_coefficients(study)),
-            simulations=[score for score in physical if score.n_fitted is None],
-            own=[score for score in physical if score.n_fitted is not None],
-            null=min((score for score in scores if score.is_null), key=_error_of),
+            name=name_coefficients(coefficients),
+            simulations=simulations,
+            own=own,
+            null=min(null, key=_error_of),
         )
     return predictors
 
@@ -89,9 +98,11 @@ def build_summary_chapter(
     """
     predictors = _collect_predictors(results)
     first = next(iter(predictors.values()))
-    counts = {f"with {first.name}": count_verdicts(claims)}
-    for model, own_claims in (own or {}).items():
-        counts[f"with {model}"] = count_verdicts(own_claims)
+    claims_of_model = {first.name: claims, **(own or {})}
+    counts: dict[str, Any] = {}
+    for model, judged_claims in claims_of_model.items():
+        title = f"with {model}"
+        counts[title] = count_verdicts(judged_claims)
     return build_paper_chapter(
         name="summary",
         values={
@@ -122,17 +133,24 @@ def _list_error_rows(predictors: Mapping[str, Predictors]) -> list[ErrorRow]:
     for model in _names_of_own_models(tables)[:1]:
         errors = [_find_error(table.own, model) for table in tables]
         rows.append(ErrorRow(name=f"{model}, two numbers fitted to Table 1", errors=errors))
-    chosen = [_error_of(table.simulations[0]) for table in tables if table.simulations]
-    if len(chosen) == len(tables):
-        rows.append(ErrorRow(name=tables[0].name, errors=[*chosen]))
-    nulls = [table.null.leave_one_out or table.null.overall for table in tables]
-    rows.append(ErrorRow(name="best formula without physics, fitted to Table 1", errors=[*nulls]))
+    if all(table.simulations for table in tables):
+        chosen: list[float | None] = [table.simulations[0].overall for table in tables]
+        rows.append(ErrorRow(name=tables[0].name, errors=chosen))
+    null_errors: list[float | None] = []
+    for table in tables:
+        left_out = table.null.leave_one_out
+        null_errors.append(left_out or table.null.overall)
+    null_name = "best formula without physics, fitted to Table 1"
+    rows.append(ErrorRow(name=null_name, errors=null_errors))
     return rows
 
 
 def _names_of_own_models(tables: Sequence[Predictors]) -> list[str]:
-    names = [_short_name(score) for table in tables for score in table.own]
-    return list(dict.fromkeys(names))
+    names: dict[str, None] = {}
+    for table in tables:
+        for score in table.own:
+            names[_short_name(score)] = None
+    return list(names)
 
 
 def _short_name(score: Score) -> str:
@@ -160,7 +178,8 @@ def _draw_speeds(predictors: Mapping[str, Predictors]) -> Iterator[ReportFigure]
             marks.append(Mark(color=style.GRAY, marker=MARKERS[table]))
     for table, scores in predictors.items():
         for score in scores.own[:1]:
-            speeds[f"{table}: {_short_name(score)}"] = np.array([score.measured, score.speeds])
+            name = _short_name(score)
+            speeds[f"{table}: {name}"] = np.array([score.measured, score.speeds])
             marks.append(Mark(color=style.BLUE, marker=MARKERS[table]))
     side = 0.6 * style.DOUBLE_COLUMN
     figure = style.new_figure(side, side + LEGEND_HEIGHT)

@@ -231,13 +231,11 @@ def _draw_speeds(study: PathFollowingStudy) -> ReportFigure:
     best_null = _find_best_null(study)
     title = "Forward velocity in path following (Table 2)"
     chosen = study.cases[0].run.name
-    own_speeds = [
-        LabeledSpeeds(
-            label=name_coefficients(own_study.settings.coefficients),
-            speeds=[case.run.forward_velocity for case in own_study.cases],
-        )
-        for own_study in study.own[:1]
-    ]
+    own_speeds: list[LabeledSpeeds] = []
+    for own_study in study.own[:1]:
+        label = name_coefficients(own_study.settings.coefficients)
+        speeds = [case.run.forward_velocity for case in own_study.cases]
+        own_speeds.append(LabeledSpeeds(label=label, speeds=speeds))
     own_words = ""
     if own_speeds:
         own_words = f"simulated with {own_speeds[0].label}; "

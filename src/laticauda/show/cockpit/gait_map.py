@@ -200,7 +200,9 @@ def draw_gait_map(
     amplitude = math.degrees(gait.amplitude)
     frequency = math.degrees(gait.frequency)
     axes.plot(amplitude, frequency, **style.marker_style("o", 7.0, GAIT_COLOR))
-    note = f"limited by: {limit}" if limit else ""
+    note = ""
+    if limit:
+        note = f"limited by: {limit}"
     style.add_title(figure, LABELS[quantity], note)
     bar: Any = figure.colorbar(colors, ax=axes)
     bar.ax.tick_params(labelsize=style.TICK, labelcolor=style.INK)
@@ -212,12 +214,12 @@ def draw_gait_map(
 
 def _draw_limit(axes: Any, shares: np.ndarray) -> None:
     """Draw the line at the limit of the robot; beyond it the map is pale."""
-    known = np.nan_to_num(shares, nan=0.0)
-    if not np.any(known > CAN_DO):
+    finite_shares = np.nan_to_num(shares, nan=0.0)
+    if not np.any(finite_shares > CAN_DO):
         return
-    places = (AMPLITUDES, FREQUENCIES, known)
+    places = (AMPLITUDES, FREQUENCIES, finite_shares)
     axes.contourf(*places, levels=[1.0, np.inf], colors="white", alpha=0.45)
-    if known.min() < 1.0:
+    if finite_shares.min() < 1.0:
         axes.contour(*places, levels=[1.0], colors=style.ORANGE, linewidths=1.8)
 
 

@@ -80,14 +80,17 @@ def find_best_trial(values: np.ndarray, shares: np.ndarray, quantity: str) -> Tr
         shares: `SHARE` of every trial.
         quantity: Name of the quantity.
     """
-    is_known = np.isfinite(values)
-    is_possible = is_known & (shares <= CAN_DO)
-    candidates = is_possible if is_possible.any() else is_known
-    if not candidates.any():
+    is_candidate = np.isfinite(values)
+    if not is_candidate.any():
         return None
-    sign = -1.0 if quantity in COSTS else 1.0
-    worth = np.where(candidates, sign * values, -np.inf)
-    return _trial_at(int(np.argmax(worth)))
+    is_possible = is_candidate & (shares <= CAN_DO)
+    if is_possible.any():
+        is_candidate = is_possible
+    worth = values
+    if quantity in COSTS:
+        worth = -values
+    best = np.argmax(np.where(is_candidate, worth, -np.inf))
+    return _trial_at(int(best))
 
 
 def name_limit(scenario: lc.Scenario, results: Mapping[str, np.ndarray]) -> str:

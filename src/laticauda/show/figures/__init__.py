@@ -19,7 +19,7 @@ from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.show.figures.film import Film as Film, swim_film as swim_film
-    from laticauda.show.figures.path import path_strip as path_strip
+    from laticauda.show.figures.path import path_extent as path_extent, path_strip as path_strip
     from laticauda.show.figures.several import plot_overlay as plot_overlay
     from laticauda.show.figures.sweep import sweep_sheet as sweep_sheet
     from laticauda.show.figures.style import (
@@ -42,7 +42,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
     {
         "laticauda.show.figures.film": ["Film", "swim_film"],
-        "laticauda.show.figures.path": ["path_strip"],
+        "laticauda.show.figures.path": ["path_extent", "path_strip"],
         "laticauda.show.figures.several": ["plot_overlay"],
         "laticauda.show.figures.sweep": ["sweep_sheet"],
         "laticauda.show.figures.style": [

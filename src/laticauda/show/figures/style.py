@@ -197,18 +197,19 @@ def add_title(figure: Figure, title: str, note: str = "") -> Text:
     return text
 
 
-def _break_line(text: Text, words: str) -> list[str]:
-    """Return words as lines that fit between the margins of the figure of a text."""
+def _break_line(text: Text, line: str) -> list[str]:
+    """Return a line as several that fit between the margins of the figure of a text."""
     figure: Any = text.get_figure(root=True)
     most = (1.0 - 2.0 * TITLE_MARGIN) * float(figure.bbox.width)
-    lines: list[str] = []
-    for word in words.split(" "):
-        longer_line = f"{lines[-1]} {word}" if lines else word
+    first_part, *parts = line.split(" ")
+    lines = [first_part]
+    for part in parts:
+        longer_line = f"{lines[-1]} {part}"
         text.set_text(longer_line)
-        if lines and text.get_window_extent().width <= most:
+        if text.get_window_extent().width <= most:
             lines[-1] = longer_line
         else:
-            lines.append(word)
+            lines.append(part)
     return lines
 
 

@@ -180,18 +180,22 @@ def _mark_best(plane: _Plane, quantity: str, ax: Axes) -> None:
     value = plane.value(quantity, index)
     x, y = _position_of_best(plane, index, value)
     ax.plot([x], [y], **BEST_LOOK)
-    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
-    is_right = x > 0.5 * (left + right)
-    is_high = y > 0.5 * (low + high)
-    text_is_above = not is_high
+    x_shift = 7
+    alignment = "left"
+    if x > float(np.mean(ax.get_xlim())):
+        x_shift = -7
+        alignment = "right"
+    y_shift = 9
+    if y > float(np.mean(ax.get_ylim())):
+        y_shift = -9
     if len(plane.names) == 1:  # the line is on that side
-        text_is_above = is_high
+        y_shift = -y_shift
     style.add_note(
         ax,
         _format_value(plane.dataset, quantity, value),
         (x, y),
-        (-7 if is_right else 7, 9 if text_is_above else -9),
-        ha="right" if is_right else "left",
+        (x_shift, y_shift),
+        ha=alignment,
         va="center",
         color=style.INK,
         weight="bold",
@@ -312,13 +316,14 @@ class _Labels:
     @classmethod
     def around_best(cls, plane: _Plane, quantity: str, ax: Axes) -> "_Labels":
         """Return labels for a map whose best point is marked."""
-        (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
-        labels = cls(np.array([left, low]), np.array([right, high]))
+        low, high = np.transpose([ax.get_xlim(), ax.get_ylim()])
+        labels = cls(low, high)
         index = plane.find_best(quantity)
         if index is not None:
             star = labels._scale(np.array(_position_of_best(plane, index, 0.0)))
             # The text at the star reaches towards the middle.
-            labels._taken += [star, star + LABEL_REACH * np.sign(0.5 - star)]
+            to_the_middle = np.sign(0.5 - star)
+            labels._taken += [star, star + LABEL_REACH * to_the_middle]
         return labels
 
     def add(self, lines: Any, **look: Any) -> list[Any]:
@@ -347,8 +352,8 @@ class _Labels:
             return None
         if not self._taken:
             return places[len(places) // 2]
-        apart = [np.linalg.norm(places - taken, axis=1) for taken in self._taken]
-        nearest = np.min(apart, axis=0)
+        distances = [np.linalg.norm(places - label, axis=1) for label in self._taken]
+        nearest = np.min(distances, axis=0)
         if nearest.max() < LEAST_SPACE:
             return None
         return places[int(np.argmax(nearest))]
