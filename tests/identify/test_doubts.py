@@ -76,7 +76,10 @@ def test_outliers_do_not_cast_doubt_on_a_fit_with_a_robust_loss():
 def test_noise_that_is_correlated_leaves_more():
     residuals = np.full(200, 1.2)
     assert doubt_of(KNOWN, residuals, 200.0, {}).is_of_model is False
-    assert doubt_of(KNOWN, residuals, 200.0, {"heading": 0.95}) is None
+    correlated = doubt_of(KNOWN, residuals, 200.0, {"heading": 0.95})
+    assert correlated.words == ""
+    assert correlated.after_trying("other", 1.0, correlated.share).better_law is None
+    assert correlated.after_trying("other", 1.0, 1.0).better_law == "other"
 
 
 def test_starts_are_spread_over_range_and_prior_and_are_the_same_again():

@@ -3,19 +3,22 @@
 If the noise is estimated, intervals grow with the residuals, whether these are noise or errors of
 the model. The stated noise, however rough, tells them apart:
 
-    1. If chi^2 in the stated noise is below the value that this noise exceeds in 5 % of all cases,
-       nothing is doubted (`chi2`).
+    1. If chi^2 in the stated noise is below the value that this noise exceeds in 5 % of all cases
+       (`chi2`), and residuals are not correlated in time, nothing is doubted.
     2. Beyond it, other laws of the water are fitted to the same data (`rival_laws`). The model is in
        doubt if one of them leaves a chi^2 that is smaller by `EVIDENCE`. If the law is right, no
        rival does so in more than about 1 of 1000 cases: the difference of the two has the mean -T
        and the standard deviation 2 sqrt(T), with T as in `discrimination`, and reaches 10 at best
        3.2 standard deviations above its mean.
-    3. Without such a law, and unless residuals of series are independent from sample to sample, as
-       errors of a model never are, the model is in doubt if the residuals are `MARGIN` times as large as the
+    3. Without such a law, the model is in doubt if the residuals are `MARGIN` times as large as the
        stated noise leaves in all but 1 of 2000 cases: that noise was stated so much too small is
-       less likely. Below, either may be wrong.
+       less likely. Below, either may be wrong. Residuals of series that are independent from sample
+       to sample are noise, however large: errors of a model are not independent.
 
-If a rival itself leaves more than the stated noise does, its residuals are taken for the noise.
+Correlated residuals are those of correlated noise, or of a wrong model: chi^2 of a rival counts for
+as many numbers as are independent in the rival's own residuals. If a rival itself leaves more than
+the stated noise does, its residuals are taken for the noise.
+
 A robust loss declares some numbers to be outliers. Residuals are then judged by their median.
 """
 
@@ -47,21 +50,32 @@ class Doubt:
     degrees: float
     """Degrees of freedom [-]."""
     share: float
-    """Share of independent numbers among all; less than 1 if noise is correlated in time [-]."""
+    """Share of independent numbers among all; less than 1 if noise is correlated in time [-].
+
+    That of the fit itself, or of the best law that was tried.
+    """
     is_white: bool = False
     """Whether they are those of series alone, and independent from sample to sample."""
     rivals: Mapping[str, float] = field(default_factory=dict[str, float])
     """Ratio that every other law that was tried leaves, by name, least first [-]."""
 
-    def after_trying(self, name: str, factor: float) -> "Doubt":
+    def after_trying(self, name: str, factor: float, share: float) -> "Doubt":
         """Return the doubt with one more law.
+
+        What correlation of the noise there is, the law that leaves the least tells best.
 
         Args:
             name: Name of the law.
             factor: Ratio of the residuals that it leaves to the stated noise [-].
+            share: Share of independent numbers among its residuals [-].
         """
+        is_best = factor < min(self.rivals.values(), default=np.inf)
         factors = {**self.rivals, name: factor}
-        return replace(self, rivals=dict(sorted(factors.items(), key=lambda named: named[1])))
+        return replace(
+            self,
+            rivals=dict(sorted(factors.items(), key=lambda named: named[1])),
+            share=share if is_best else self.share,
+        )
 
     @property
     def is_far_above(self) -> bool:
@@ -160,7 +174,8 @@ def doubt_of(
         return None
     factor = residual_factor(method, residuals, degrees)
     usual_factor = float(np.sqrt(usual_chi2(degrees, lags).high / degrees))
-    if not factor > np.sqrt(chi2_at(1.0 - UNUSUAL, degrees, lags) / degrees):
+    is_usual = factor <= np.sqrt(chi2_at(1.0 - UNUSUAL, degrees, lags) / degrees)
+    if is_usual and not lags:
         return None
     return Doubt(
         factor=factor,

@@ -75,7 +75,7 @@ def fit(
             others are spread over the ranges. No more are used than it takes for two to reach the
             best minimum, or four if the stated noise cannot leave its residuals.
         rivals: Whether other laws of the water are tried if the residuals are larger than the
-            stated noise leaves in 95 % of all cases; planar model only.
+            stated noise leaves in 95 % of all cases, or correlated in time; planar model only.
         seed: Seed of the random starts.
         confidence: Confidence level of the intervals [-].
         limit: Relative standard deviation from which on an unknown counts as not identified [-].
@@ -130,7 +130,11 @@ def _try_rival_laws(solution: Fit) -> Fit:
         if INTERRUPTED in fitted.warnings:
             return replace(solution, warnings=(INTERRUPTED, *solution.warnings))
         residuals = (fitted.predictions - rival.problem.observed) / rival.problem.sigma
-        doubt = doubt.after_trying(rival.name, residual_factor(method, residuals, doubt.degrees))
+        factor = residual_factor(method, residuals, doubt.degrees)
+        share = 1.0
+        if fitted.doubt is not None:
+            share = fitted.doubt.share
+        doubt = doubt.after_trying(rival.name, factor, share)
     return replace(solution, doubt=doubt)
 
 
