@@ -77,7 +77,7 @@ def test_usual_times_of_an_operation_are_as_said():
     assert isinstance(operation, Operation)
     assert operation.calibration.still_time == 2.0
     assert (operation.limits.straighten_time, operation.limits.joint_error_time) == (2.0, 2.0)
-    assert operation.offset_bandwidth == 200.0
+    assert operation.offset_bandwidth == 25.0
 
 
 def test_without_parameters_or_with_those_of_prescribed_joints_modules_are_servos():

@@ -389,7 +389,7 @@ class Operation:
         "rad/s",
         "of the filter on the steering, which delays it by 2 divided by this",
         gt=0.0,
-        default=200.0,
+        default=25.0,
     )
     supply_voltage: float | None = quantity(
         "V",
