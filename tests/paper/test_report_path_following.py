@@ -167,7 +167,7 @@ def test_the_tables_hold_the_numbers_of_the_study(following):
         assert int(trial["figure"]) == case.figure
         assert float(trial["start: p_y [m]"]) == case.measured.initial_cross_track_error
         assert float(trial["last third: rms error [m]"]) == pytest.approx(case.run.last_third_rms)
-        assert (trial["converged after [m]"] == "") == (not case.run.converged)
+        assert (trial["converged after [m]"] == "") == (not case.run.has_come)
     assert len(cells(chapter, "following-runs")) == 12 * 3 + 1
     assert len(cells(chapter, "following-errors")) == 3 + 5
 

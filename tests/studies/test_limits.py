@@ -4,8 +4,7 @@ from math import radians
 import pytest
 
 import laticauda as lc
-from laticauda.studies import Optimization, optimize
-from laticauda.studies.limits import describe_limits, name_limits
+from laticauda.studies import Optimization, describe_limits, name_limits, optimize
 
 GAIT = lc.lateral_undulation(amplitude_deg=30, frequency_deg_s=130, phase_shift_deg=40)
 SLOW = lc.lateral_undulation(amplitude_deg=10, frequency_deg_s=30, phase_shift_deg=40)

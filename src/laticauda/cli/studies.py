@@ -34,9 +34,7 @@ from laticauda.cli.vary import (
 from laticauda.models.simulate.numbers import list_parameters
 from laticauda.scenarios import Scenario
 from laticauda.show import figures
-from laticauda.studies import Limits, Points, connected
-from laticauda.studies.limits import describe_limits
-from laticauda.studies.point_trials import scenarios_at
+from laticauda.studies import Limits, Points, connected, describe_limits, scenarios_at
 from laticauda.values import BadArgument, check_choice, option, quantity, value_class
 
 N_BEST = 5

@@ -12,6 +12,7 @@ search          which points to try next
 checkpoint      the points tried so far, in a file
 optimize        an optimization from beginning to end
 front           its result
+limits          what limits the robot at a point
 folder          folders of jobs that can be stopped and resumed
 averaged        averaged model of a gait, for model-predictive guidance
 """
@@ -49,6 +50,12 @@ if TYPE_CHECKING:
         LABELS as LABELS,
         Progress as Progress,
         attributes_of as attributes_of,
+        scenarios_at as scenarios_at,
+        swim_points as swim_points,
+    )
+    from laticauda.studies.limits import (
+        describe_limits as describe_limits,
+        name_limits as name_limits,
     )
 
 __getattr__, __dir__, __all__ = lazy_exports(
@@ -66,7 +73,15 @@ __getattr__, __dir__, __all__ = lazy_exports(
     plain={
         "laticauda.studies.cluster": ["connected"],
         "laticauda.studies.optimization": ["Limits"],
-        "laticauda.studies.point_trials": ["COSTS", "LABELS", "Progress", "attributes_of"],
+        "laticauda.studies.limits": ["describe_limits", "name_limits"],
+        "laticauda.studies.point_trials": [
+            "COSTS",
+            "LABELS",
+            "Progress",
+            "attributes_of",
+            "scenarios_at",
+            "swim_points",
+        ],
         "laticauda.studies.sampling": ["Points"],
     },
     renamed={"best": "best_points", "unbeaten": "pareto_front"},

@@ -8,9 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 import laticauda as lc
-from laticauda.studies import COSTS
-from laticauda.studies.limits import describe_limits
-from laticauda.studies.point_trials import swim_points
+from laticauda.studies import COSTS, describe_limits, swim_points
 from laticauda.trials.feasibility import ROUNDING
 
 AMPLITUDES = tuple(float(value) for value in range(5, 65, 5))
