@@ -141,16 +141,19 @@ def main() -> int:
             f"{error[-1]:+.3f} m"
         )
     print(f"the velocities differ by {100 * (ratio - 1):+.1f} %")
-    (measured,) = (
-        case
-        for case in read_path_following_trials()
-        if case.gait.kind == operation.gait.kind and case.has_fin and case.case == 1
-    )
-    error = trial.forward_velocity / measured.forward_velocity - 1
-    print(
-        f"the robot in the paper's tank: {measured.forward_velocity:.4f} m/s; the virtual "
-        f"one differs by {100 * error:+.1f} %"
-    )
+    if not options.duration:  # a shorter run is mostly turn and start
+        (measured,) = (
+            case
+            for case in read_path_following_trials()
+            if case.gait.kind == operation.gait.kind
+            and case.has_fin
+            and case.case == 1
+        )
+        error = trial.forward_velocity / measured.forward_velocity - 1
+        print(
+            f"the robot in the paper's tank: {measured.forward_velocity:.4f} m/s; the virtual "
+            f"one differs by {100 * error:+.1f} %"
+        )
     return 0 if abs(ratio - 1) < 0.05 else 1
 
 
