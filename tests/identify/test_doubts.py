@@ -121,9 +121,11 @@ def test_rival_laws_are_all_others_and_keep_what_is_not_of_the_drag_law():
     }
     assert list(rivals) == [
         "total-speed-drag beta 0",
+        "total-speed-drag beta 0.5",
         "total-speed-drag beta 1",
         "polynomial-drag, kirchhoff added mass",
         "total-speed-drag beta 0, kirchhoff added mass",
+        "total-speed-drag beta 0.5, kirchhoff added mass",
         "total-speed-drag beta 1, kirchhoff added mass",
     ]
     water = replace(measured[0].scenario.environment, drag=TotalSpeedDrag())

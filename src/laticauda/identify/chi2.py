@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from laticauda.values import optional_import
 
-UNUSUAL = 0.05
+UNUSUAL = 0.3
 """Probability that chi^2 is above its usual values [-]."""
 RARE = 5e-4
 """Probability that chi^2 is below its range, and that it is above [-]."""

@@ -3,7 +3,7 @@
 If the noise is estimated, intervals grow with the residuals, whether these are noise or errors of
 the model. The stated noise, however rough, tells them apart:
 
-    1. If chi^2 in the stated noise is below the value that this noise exceeds in 5 % of all cases
+    1. If chi^2 in the stated noise is below the value that this noise exceeds in 30 % of all cases
        (`chi2`), and residuals are not correlated in time, nothing is doubted.
     2. Beyond it, other laws of the water are fitted to the same data (`rival_laws`). The model is in
        doubt if one of them leaves a chi^2 that is smaller by `EVIDENCE`. If the law is right, no

@@ -75,7 +75,7 @@ def fit(
             others are spread over the ranges. No more are used than it takes for two to reach the
             best minimum, or four if the stated noise cannot leave its residuals.
         rivals: Whether other laws of the water are tried if the residuals are larger than the
-            stated noise leaves in 95 % of all cases, or correlated in time; planar model only.
+            stated noise leaves in 70 % of all cases, or correlated in time; planar model only.
         seed: Seed of the random starts.
         confidence: Confidence level of the intervals [-].
         limit: Relative standard deviation from which on an unknown counts as not identified [-].
@@ -119,7 +119,8 @@ def _try_rival_laws(solution: Fit) -> Fit:
     method = solution.method
     n_starts = min(method.n_starts, MOST_STARTS_OF_RIVALS)
     for rival in list_rival_laws(solution.problem):
-        if rival.has_other_form and doubt.better_law is not None:
+        is_explained = doubt.better_law is not None or doubt.factor <= doubt.usual_factor
+        if rival.has_other_form and is_explained:
             break
         try:
             fitted = solve(rival.problem, replace(method, n_starts=n_starts))

@@ -18,6 +18,7 @@ from laticauda.water.fluid.laws import DragLaw, PolynomialDrag, TotalSpeedDrag
 DRAG_LAWS: Mapping[str, DragLaw] = {
     "polynomial-drag": PolynomialDrag(),
     "total-speed-drag beta 0": TotalSpeedDrag(beta=0.0),
+    "total-speed-drag beta 0.5": TotalSpeedDrag(beta=0.5),
     "total-speed-drag beta 1": TotalSpeedDrag(beta=1.0),
 }
 """Drag laws that are tried, by name."""
