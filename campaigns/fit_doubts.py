@@ -27,6 +27,7 @@ from identify_coverage import random_robot
 
 import laticauda as lc
 from laticauda.identify import Fit, Measurement, fit, from_trial
+from laticauda.identify.doubt import EVIDENCE
 from laticauda.identify.local_search import minimize
 from laticauda.identify.rival_laws import DRAG_LAWS, name_law
 from laticauda.robot import Water
@@ -306,7 +307,11 @@ def answer(rows: list[Row]) -> str:
     misses = sum(row.chi2 > row.best_chi2 + WORSE for row in right)
     named = [row for row in wrong if row.named]
     listed = [row for row in named if row.true_law in ("polynomial-drag", *DRAG_LAWS)]
+    right_chi2 = {row.truth: row.chi2 for row in right}
+    apparent = [row for row in wrong if row.chi2 > right_chi2[row.truth] + EVIDENCE]
     lines += [
+        f"wrong laws whose chi^2 is more than {EVIDENCE:g} above that of the right one: doubted "
+        f"{sum(row.doubted for row in apparent)} of {len(apparent)}",
         f"all: wrong law doubted {sum(row.doubted for row in wrong)} of {len(wrong)}, "
         f"right law doubted {sum(row.doubted for row in right)} of {len(right)}",
         f"a better law named {len(named)} of {len(wrong)}; where the true one is among those tried, it "
