@@ -47,6 +47,8 @@ TURNED = math.radians(1.0)
 """The same for its heading, an assumption [rad]."""
 RATE = 50.0
 """Ticks per second: half of the usual, for speed [1/s]."""
+OFFSET_BANDWIDTH = 200.0
+"""Of the filter on the steering in the stored answer; the series has 50 [rad/s]."""
 LARGEST_ERROR = 10.0
 """Mean error of the speeds that is asked for [%]."""
 
@@ -190,7 +192,8 @@ def simulated(operation: Operation, duration: float) -> lc.Trial:
 
 def run(number: int, repeat: int, folder: Path | None, changes: dict[str, Any]) -> Row:
     """One run of one setting."""
-    operation = replace(load_operation(TABLE2).trials[number], rate=RATE, **changes)
+    usual = {"rate": RATE, "offset_bandwidth": OFFSET_BANDWIDTH}
+    operation = replace(load_operation(TABLE2).trials[number], **{**usual, **changes})
     measured = read_path_following_trials()[number]
     with tempfile.TemporaryDirectory() as temporary:
         kept = Path(temporary) if folder is None else folder
