@@ -24,8 +24,7 @@ from laticauda.cli.flags import (
 from laticauda.cli.progress import SHARE, show_progress
 from laticauda.cli.shared_options import base_option, joint_law_option, threads_option
 from laticauda.cli.tables import format_table, parse_numbers
-from laticauda.identify import fitting, measurements, result, tasks, validation
-from laticauda.identify.prediction_basis import list_assumptions
+from laticauda.identify import fitting, list_assumptions, measurements, result, tasks, validation
 from laticauda.models.simulate import UNITS
 from laticauda.robot import load_parameters
 from laticauda.show.reports import (

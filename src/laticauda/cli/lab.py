@@ -21,8 +21,13 @@ from laticauda.cli.scene import NO_COEFFICIENTS, warn_of_compiling
 from laticauda.cli.shared_options import THIS_COMPUTER, host_option, port_option
 from laticauda.motion.gaits.gait import list_kinds
 from laticauda.robot import Parameters, Robot, Scene, Water, load_parameters, load_robot
-from laticauda.scenarios import model_of, named_after, preset_water, water_for
-from laticauda.scenarios.choice import IDENTIFIED_PARAMETERS
+from laticauda.scenarios import (
+    IDENTIFIED_PARAMETERS,
+    model_of,
+    named_after,
+    preset_water,
+    water_for,
+)
 from laticauda.tank import lab, protocol
 from laticauda.values import (
     LOCAL,

@@ -19,8 +19,14 @@ from laticauda.cli.scene import Names, warn_of_compiling
 from laticauda.cli.shared_options import threads_option
 from laticauda.cli.short_forms import write_out_frequencies
 from laticauda.cli.tables import format_digits, wrap_rows
-from laticauda.identify import PredictedFigure, Prediction, load_basis, predict_scenario
-from laticauda.identify.prediction_basis import SCENARIO_FILE, PredictionBasis
+from laticauda.identify import (
+    SCENARIO_FILE,
+    PredictedFigure,
+    Prediction,
+    PredictionBasis,
+    load_basis,
+    predict_scenario,
+)
 from laticauda.motion.gaits import FIRST_GAIT
 from laticauda.scenarios import Scenario, load_scenario
 from laticauda.trials import Trial

@@ -134,6 +134,22 @@ if TYPE_CHECKING:
     from laticauda.identify.measurements import Measurement as Measurement
     from laticauda.identify.posterior_sample import sample_posterior as sample_posterior
     from laticauda.identify.profiles import profile_interval as profile_interval
+    from laticauda.identify.prediction import (
+        Prediction as Prediction,
+        predict_scenario as predict_scenario,
+        PredictedFigure as PredictedFigure,
+        PredictedPath as PredictedPath,
+        Shares as Shares,
+    )
+    from laticauda.identify.prediction_basis import (
+        PredictionBasis as PredictionBasis,
+        basis_of as basis_of,
+        load_basis as load_basis,
+        KEY_OF_BASIS as KEY_OF_BASIS,
+        SCENARIO_FILE as SCENARIO_FILE,
+        first_scenario as first_scenario,
+        list_assumptions as list_assumptions,
+    )
     from laticauda.identify.result import Fit as Fit, ParameterEstimate as ParameterEstimate
     from laticauda.identify.tables import from_table as from_table, from_table1 as from_table1
     from laticauda.identify.tasks import compare_laws as compare_laws, Task as Task
@@ -161,18 +177,6 @@ if TYPE_CHECKING:
     )
     from laticauda.identify.identifiability import LIMIT as LIMIT, marginal as marginal
     from laticauda.identify.trial_information import known_from as known_from
-    from laticauda.identify.prediction import (
-        PredictedFigure as PredictedFigure,
-        PredictedPath as PredictedPath,
-        Prediction as Prediction,
-        Shares as Shares,
-        predict_scenario as predict_scenario,
-    )
-    from laticauda.identify.prediction_basis import (
-        PredictionBasis as PredictionBasis,
-        basis_of as basis_of,
-        load_basis as load_basis,
-    )
     from laticauda.identify.problem import Problem as Problem, make_problem as make_problem
     from laticauda.identify.reasons import format_share as format_share
     from laticauda.identify.series import SERIES as SERIES
@@ -209,6 +213,12 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.identify.identifiability": ["LIMIT", "marginal"],
         "laticauda.identify.trial_information": ["known_from"],
         "laticauda.identify.prediction": ["PredictedFigure", "PredictedPath", "Shares"],
+        "laticauda.identify.prediction_basis": [
+            "KEY_OF_BASIS",
+            "SCENARIO_FILE",
+            "first_scenario",
+            "list_assumptions",
+        ],
         "laticauda.identify.problem": ["Problem", "make_problem"],
         "laticauda.identify.reasons": ["format_share"],
         "laticauda.identify.series": ["SERIES"],

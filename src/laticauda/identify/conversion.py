@@ -151,7 +151,9 @@ def from_tow(
     figures: dict[str, tuple[float, float]] = {}
     for load_name, load in loads.items():
         check_choice("loads", load_name, tuple(LOADS))
-        arm = 0.5 * robot.length if load_name == "yaw_moment" else 1.0
+        arm = 1.0
+        if load_name == "yaw_moment":
+            arm = 0.5 * robot.length
         by_misalignment = 0.5 * (turned_further[load_name] - turned_back[load_name])
         figures[load_name] = (load, math.hypot(arm * sigma, share * load, by_misalignment))
     return Measurement(

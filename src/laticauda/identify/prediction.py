@@ -211,7 +211,12 @@ def _problem_of(basis: PredictionBasis, scenario: Scenario, threads: int | None)
 def _take_derivatives(
     basis: PredictionBasis, problem: Problem, predicted: Predicted
 ) -> _Derivatives:
-    slopes = [number.value if number.is_log else 1.0 for number in basis.fitted]
+    slopes: list[float] = []
+    for number in basis.fitted:
+        slope = 1.0
+        if number.is_log:
+            slope = number.value
+        slopes.append(slope)
     n_fitted = len(basis.fitted)
     jacobian = predicted.jacobian
     return _Derivatives(

@@ -35,7 +35,7 @@ from laticauda.robot import GAITS, Robot
 from laticauda.scenarios import Scenario, Start
 from laticauda.values import BadArgument, TrialFileError, to_plain
 
-KEY = "prediction"
+KEY_OF_BASIS = "prediction"
 """Key of the basis in the file."""
 FILE = "fit.json"
 """Name of the file in the folder of an identification."""
@@ -180,14 +180,16 @@ def load_basis(folder: str | Path) -> PredictionBasis:
     try:
         return PredictionBasis.of_table(table)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise TrialFileError(f"{file}: `{KEY}` is not what laticauda wrote: {error!r}.") from None
+        raise TrialFileError(
+            f"{file}: `{KEY_OF_BASIS}` is not what laticauda wrote: {error!r}."
+        ) from None
 
 
 def _table_of(results: object) -> Mapping[str, Any] | None:
     """Return the table of the basis in what was read from a file; None: there is none."""
     if not isinstance(results, dict):
         return None
-    table = cast("dict[str, Any]", results).get(KEY)
+    table = cast("dict[str, Any]", results).get(KEY_OF_BASIS)
     if not isinstance(table, dict):
         return None
     return cast("dict[str, Any]", table)

@@ -74,7 +74,9 @@ def _longest_step(fit: Fit, k: int, sign: float) -> float:
     """Return the distance from the fit to the end of the range of unknown k, or to far away."""
     unknown = fit.problem.unknowns[k]
     lower_end, upper_end = unknown.ends
-    end_of_range = upper_end if sign > 0.0 else lower_end
+    end_of_range = lower_end
+    if sign > 0.0:
+        end_of_range = upper_end
     return min(abs(end_of_range - float(fit.x[k])), _FARTHEST_END * unknown.size)
 
 

@@ -145,8 +145,12 @@ class Unknown:
         """Check the fields against each other."""
         if self.prior is not None:
             check_positive(name_field("sd of the prior", self.name), self.prior[1])
-        lower = self.lower if self.lower is not None else -math.inf
-        upper = self.upper if self.upper is not None else math.inf
+        lower = -math.inf
+        if self.lower is not None:
+            lower = self.lower
+        upper = math.inf
+        if self.upper is not None:
+            upper = self.upper
         if lower >= upper:
             rule = f"must be < its `upper` of {upper:g}, got {lower:g}"
             raise BadArgument(name_field("lower", self.name), rule)

@@ -45,6 +45,10 @@ if TYPE_CHECKING:
     )
     from laticauda.studies.sweep import Sweep as Sweep
     from laticauda.studies.cluster import connected as connected
+    from laticauda.studies.limits import (
+        describe_limits as describe_limits,
+        name_limits as name_limits,
+    )
     from laticauda.studies.point_trials import (
         COSTS as COSTS,
         LABELS as LABELS,
@@ -52,10 +56,6 @@ if TYPE_CHECKING:
         attributes_of as attributes_of,
         scenarios_at as scenarios_at,
         swim_points as swim_points,
-    )
-    from laticauda.studies.limits import (
-        describe_limits as describe_limits,
-        name_limits as name_limits,
     )
 
 __getattr__, __dir__, __all__ = lazy_exports(

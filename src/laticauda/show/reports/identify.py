@@ -6,10 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from laticauda import scenarios
-from laticauda.identify import Fit, Task, Validation, basis_of
-from laticauda.identify.prediction_basis import (
-    KEY,
+from laticauda.identify import (
+    KEY_OF_BASIS,
     SCENARIO_FILE,
+    Fit,
+    Task,
+    Validation,
+    basis_of,
     first_scenario,
     list_assumptions,
 )
@@ -44,7 +47,7 @@ def write_identification(
     fit = validated.fit
     scenarios.save_scenario(first_scenario(fit), output_folder / SCENARIO_FILE)
     results = describe_identification(validated, command)
-    results[KEY] = _describe_basis(validated)
+    results[KEY_OF_BASIS] = _describe_basis(validated)
     write(output_folder / "fit.json", to_json(results) + "\n")
     chapter = build_identification_chapter(validated, command)
     file_names, html = write_chapter(chapter, output_folder)
