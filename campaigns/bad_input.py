@@ -130,7 +130,7 @@ def call(function: Callable[..., Any], given: dict[str, Any], name: str) -> Call
                 return "" if str(error).strip() else f"{type(error).__name__} says nothing"
             except TypeError as error:
                 if not re.search(
-                    r"missing \d+ required|unexpected keyword", str(error)
+                    r"missing \d+ required|unexpected keyword|also needs `", str(error)
                 ):  # said well by Python
                     raise
         return "" if "Warning:" not in err.getvalue() else err.getvalue()[-300:]
@@ -798,7 +798,8 @@ def values(rng: random.Random) -> Iterator[Case]:
             except (ValueError, LaticaudaError) as error:
                 return "" if str(error).strip() else "refused without a word"
             except TypeError as error:
-                return "" if "missing" in str(error) else repr(error)
+                is_named = re.search(r"missing|also needs `", str(error))  # by Python, or by us
+                return "" if is_named else repr(error)
             there = (
                 codec.decode(kind, json.loads(json.dumps(codec.encode(made, kind))))
                 if hints_of(kind)

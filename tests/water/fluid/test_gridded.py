@@ -225,10 +225,8 @@ def test_a_trial_over_a_dataset_in_memory_is_stored_without_it(tmp_path):
     with pytest.warns(
         UserWarning, match=r"`environment.current.source` is a Dataset in memory, which cannot"
     ):
-        trial.save(tmp_path / "trial.npz")
-    assert np.array_equal(
-        lc.load_trial(tmp_path / "trial.npz").center_of_mass, trial.center_of_mass
-    )
+        trial.save(tmp_path / "trial.nc")
+    assert np.array_equal(lc.load_trial(tmp_path / "trial.nc").center_of_mass, trial.center_of_mass)
 
 
 def test_what_reads_no_tables_refuses_it_by_name(tmp_path):

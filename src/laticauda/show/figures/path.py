@@ -56,7 +56,11 @@ def path_strip(trial: Trial, ax: Axes | None = None) -> Axes:
 
 
 def path_extent(trial: Trial) -> tuple[float, float]:
-    """Return the width and height of path and postures, with space for the times [m]."""
+    """Return the width and height of path and postures, with space for the times [m].
+
+    Args:
+        trial: Any trial.
+    """
     robot = trial.chain
     bodies = [outline(robot, trial, sample) for sample in choose_instants(trial)]
     width, height = np.ptp(np.vstack([*bodies, trial.center_of_mass[:, :2]]), axis=0)

@@ -98,7 +98,7 @@ def references(run, generator: Generator, gait: lc.Gait):
 
 
 def test_the_references_of_the_run_are_those_of_the_one_generator():
-    generator = Generator(n_links=9, bandwidth=2.0, ramp=3.0)
+    generator = Generator(n_links=9, bandwidth=25.0, ramp=3.0)
     for sample, state in references(running(following=None, rate=100.0), generator, GAIT):
         assert sample.angle == pytest.approx(generator.joints(state, GAIT)[0], abs=1e-12)
 
@@ -128,7 +128,7 @@ def test_pitch_joints_get_the_references_of_the_gaits_second_wave():
     run.tick(80)
     samples = [s for s in run.samples if isinstance(s, ReferenceSample) and s.time > begun + 1e-9]
     axes = tuple(joint.axis for joint in lc.load_robot("mamba-modules").joints)
-    generator = Generator(n_links=19, axes=axes, bandwidth=2.0, ramp=3.0)
+    generator = Generator(n_links=19, axes=axes, bandwidth=25.0, ramp=3.0)
     state = generator.init(gait)
     for sample in samples:
         state = generator.step(state, gait, sample.time - begun - state.time)
@@ -149,7 +149,7 @@ limit_deg = 90
 def test_a_driven_fin_is_the_node_behind_the_last_joint_and_follows_its_wave(tmp_path):
     (tmp_path / "driven.toml").write_text(DRIVEN_FIN)
     gait = replace(GAIT, fin=lc.Wave(amplitude=0.4, frequency=2.0, phase=0.2, offset=0.02))
-    generator = Generator(n_links=9, bandwidth=2.0, ramp=3.0)
+    generator = Generator(n_links=9, bandwidth=25.0, ramp=3.0)
     run = running(robot=str(tmp_path / "driven.toml"), gait=gait, following=None, rate=100.0)
     samples = []
     for sample, state in references(run, generator, gait):
