@@ -45,10 +45,10 @@ PLACED = 0.02
 """How well somebody puts the robot down, an assumption [m]."""
 TURNED = math.radians(1.0)
 """The same for its heading, an assumption [rad]."""
-RATE = 50.0
-"""Ticks per second: half of the usual, for speed [1/s]."""
-OFFSET_BANDWIDTH = 200.0
-"""Of the filter on the steering in the stored answer; the series has 50 [rad/s]."""
+RATE = 100.0
+"""Ticks per second [1/s]."""
+OFFSET_BANDWIDTH = 50.0
+"""Of the filter on the steering, as in the series [rad/s]."""
 LARGEST_ERROR = 10.0
 """Mean error of the speeds that is asked for [%]."""
 
