@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         Choice as Choice,
         Chosen as Chosen,
         IDENTIFIED_PARAMETERS as IDENTIFIED_PARAMETERS,
+        identified_parameters as identified_parameters,
     )
     from laticauda.scenarios.scenario import (
         Experiment as Experiment,
@@ -108,6 +109,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         ],
     },
     plain={
+        "laticauda.scenarios.choice": ["identified_parameters"],
         "laticauda.scenarios.interfaces": [
             "Command",
             "Controller",

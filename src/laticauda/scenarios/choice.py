@@ -23,6 +23,18 @@ IDENTIFIED_PARAMETERS = {"mamba": "mamba-identified", "mamba-fin": "mamba-identi
 """Presets of parameters that were identified on a robot, by the name of the robot."""
 
 
+def identified_parameters(robot_name: str) -> robots.Parameters | None:
+    """Return the parameters that were identified on a robot; None: there are none.
+
+    Args:
+        robot_name: Name of the robot.
+    """
+    name = IDENTIFIED_PARAMETERS.get(robot_name)
+    if name is None:
+        return None
+    return robots.load_parameters(name)
+
+
 class Chosen(NamedTuple):
     """Resolved values of the names in a `Choice`."""
 

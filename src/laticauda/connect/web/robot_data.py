@@ -80,9 +80,7 @@ def build_choice(robot: str | lc.Robot) -> RobotChoice:
     else:
         name = robot.name
         own_robot = robot
-    parameters: lc.Parameters | None = None
-    if name in scenarios.IDENTIFIED_PARAMETERS:
-        parameters = lc.load_parameters(scenarios.IDENTIFIED_PARAMETERS[name])
+    parameters = scenarios.identified_parameters(name)
     plants: dict[str, PlanarPlant] = {}
     for fin_name, body in _list_fins(own_robot).items():
         scenario = lc.build_scenario(body, FIRST_GAIT, parameters=parameters)

@@ -9,11 +9,11 @@ import laticauda as lc
 from laticauda import control
 from laticauda.robot import Current
 from laticauda.scenarios import (
-    IDENTIFIED_PARAMETERS,
     Model,
     Planar,
     Scenario,
     default_water,
+    identified_parameters,
     model_of,
 )
 from laticauda.trials import MeasuredTrial, measured_setting
@@ -70,14 +70,6 @@ def adapt_scenario(scenario: Scenario, **changes: Unpack[Changes]) -> Scenario:
     )
 
 
-def _identified_parameters(robot: lc.Robot) -> lc.Parameters | None:
-    """Return the parameters that were identified on a robot of this name, or None."""
-    name = IDENTIFIED_PARAMETERS.get(robot.name)
-    if name is None:
-        return None
-    return lc.load_parameters(name)
-
-
 def _has_water_of_start(scenario: Scenario) -> bool:
     """Return whether nobody has said anything of the water, except that it flows.
 
@@ -86,7 +78,7 @@ def _has_water_of_start(scenario: Scenario) -> bool:
     """
     assert isinstance(scenario.environment, lc.Water)
     still_water = replace(scenario.environment, current=STILL)
-    parameters = _identified_parameters(scenario.robot)
+    parameters = identified_parameters(scenario.robot.name)
     if parameters is not None:
         return still_water == parameters.water(scenario.gait.kind)
     is_default = still_water == default_water(scenario.robot, scenario.gait)
@@ -95,8 +87,8 @@ def _has_water_of_start(scenario: Scenario) -> bool:
 
 def _start_with(robot: lc.Robot, scenario: Scenario) -> Changes:
     """Return the changes of water and joints that come with a robot; none if both robots start alike."""
-    parameters = _identified_parameters(robot)
-    if parameters == _identified_parameters(scenario.robot):
+    parameters = identified_parameters(robot.name)
+    if parameters == identified_parameters(scenario.robot.name):
         return {}
     assert isinstance(scenario.environment, lc.Water)
     current = scenario.environment.current
@@ -110,7 +102,7 @@ def _start_with(robot: lc.Robot, scenario: Scenario) -> Changes:
 
 def _with_identified_numbers(robot: lc.Robot, gait: lc.Gait) -> lc.Robot:
     """Return a robot with the numbers that were identified on it, if there are any."""
-    parameters = _identified_parameters(robot)
+    parameters = identified_parameters(robot.name)
     if parameters is None:
         return robot
     return parameters.robot(robot, gait.kind)
