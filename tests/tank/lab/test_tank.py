@@ -244,6 +244,25 @@ def test_the_truth_is_a_trial(operator):
     )
 
 
+def test_modules_draw_their_share_of_the_active_power_while_their_motors_are_on():
+    robot = replace(load_robot("mamba"), active_power=80.0)
+    plant = build_plant(robot, load_water("paper-lateral"), joints="servo")
+    world = VirtualRobot(robot, plant)
+    still = np.zeros(robot.n_joints)
+    on = np.arange(robot.n_joints) < robot.n_joints // 2
+    nothing_on = np.zeros(robot.n_joints, dtype=bool)
+    world.advance(still, nothing_on, 1.0)
+    assert world.truth.electrical_work == pytest.approx(0.0, abs=1e-6)
+    world.advance(still, nothing_on, 1.0, jammed=on)  # held by what jams them
+    assert world.truth.electrical_work == pytest.approx(0.0, abs=1e-6)
+    world.advance(still, on, 1.0)
+    assert world.truth.electrical_work == pytest.approx(40.0)
+    world.carry(Start(center_of_mass=(1.0, 0.0)))
+    world.advance(still, on | True, 1.0)
+    assert world.truth.electrical_work == pytest.approx(120.0)
+    assert world.trial("0").electrical_power == pytest.approx(80.0)
+
+
 def test_only_robots_with_servos_and_no_more_joints_than_nodes_fit():
     robot, water = load_robot("mamba"), load_water("paper-lateral")
     with pytest.raises(

@@ -601,6 +601,40 @@ def test_a_driven_fin_swims_in_the_tank_and_follows_its_wave(tmp_path: Path):
     assert lc.load_trial(tmp_path / "session.nc").equals(trial)
 
 
+def test_the_meter_counts_the_electronics_of_a_robot_that_swims_not_of_one_that_lies_limp(tmp_path):
+    swimming = operation(
+        robot="mamba-fin",
+        parameters="mamba-identified",
+        gait=lc.lateral_undulation(
+            amplitude=math.radians(30), frequency=math.radians(130), phase_shift=math.radians(40)
+        ),
+        following=None,
+        duration=10.0,
+        rate=100.0,
+        ramp=1.0,
+    )
+    robot = swimming.body()
+    plant = lc.build_plant(robot, swimming.pool(), joints=swimming.joint_law())
+    tank_ = Tank(VirtualRobot(robot, plant), LabSettings(seed=1))
+    result = operate(swimming, tmp_path, tank=tank_, twin=plant, frames=False)
+    assert result.accepted, result.reason
+    assert result.trial is not None
+    simulated = lc.swim(
+        robot,
+        swimming.gait,
+        environment=swimming.pool(),
+        joints=swimming.joint_law(),
+        duration=result.trial.duration,
+        ramp=1.0,
+    )
+    assert result.idle_current == pytest.approx(robot.idle_power / 35.0, rel=0.01)
+    assert simulated.electrical_power > 0.9 * robot.active_power > 80.0
+    # The meter also counts what the cable takes, some 3 %.
+    assert result.trial.electrical_power == pytest.approx(simulated.electrical_power, rel=0.05)
+    total = result.summary()["total_power"]
+    assert total == pytest.approx(simulated.electrical_power + robot.idle_power, rel=0.05)
+
+
 SEA = Sea(significant_height=0.05, peak_period=1.2, components=4, seed=1)
 
 

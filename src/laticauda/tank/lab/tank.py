@@ -221,13 +221,11 @@ class Tank:
         )
         reference = reference - self.electronics.offset(zero)
         joint_reference = reference.copy()
-        is_driven = on.copy()
         jammed = np.zeros(n, dtype=bool)
         for i, angle in self._jammed.items():  # a jammed joint is held where it stands
             joint_reference[i] = angle
-            is_driven[i] = True
             jammed[i] = True
-        self.body.advance(joint_reference, is_driven, dt)
+        self.body.advance(joint_reference, on, dt, jammed=jammed)
         self.time = time
         self.electronics.advance(self.truth, reference, on, jammed, dt)
         self.meter.advance(self.electronics.supply_current, dt)

@@ -1,7 +1,7 @@
 """The robot in the water: one `Plant`, whose joints get their references from outside."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -37,7 +37,7 @@ class Truth:
     joint_torque: Float[np.ndarray, " n_joints"]
     """Torques of the motors [N m]."""
     electrical_work: float
-    """Energy that the servos have taken from the supply since the beginning [J]."""
+    """Energy above idle that the robot has taken from the supply since the beginning [J]."""
     modules: ModulePoses
     """Poses of the modules."""
 
@@ -91,6 +91,7 @@ class VirtualRobot:
         values = self.plant.init(start, Command(gait=STILL)).values.copy()
         values[0] = time
         self._state = PlantState(values=values)
+        self._work_of_limp_modules = 0.0
         n = len(self.driven)
         log = self._marched([0.0] * n, [False] * n, 1e-6)[1].at(slice(1))
         self._log = [log]
@@ -101,6 +102,8 @@ class VirtualRobot:
         references: Float[np.ndarray, " n_joints"],
         on: Bool[np.ndarray, " n_joints"],
         dt: float,
+        *,
+        jammed: Bool[np.ndarray, " n_joints"] | None = None,
     ) -> None:
         """Advance time by `dt` [s].
 
@@ -108,13 +111,17 @@ class VirtualRobot:
             references: Where the servo of every joint, and of a driven fin, is to go [rad].
             on: Whether the motor of each is on.
             dt: Time step [s].
+            jammed: Joints that are held at their references, with their motors on or off; None:
+                none is.
 
         Raises:
             SimulationFailed: If the body's motion diverges.
         """
+        held = on if jammed is None else on | jammed
         self._state, log = self._marched(
-            references[self.driven].tolist(), on[self.driven].tolist(), dt
+            references[self.driven].tolist(), held[self.driven].tolist(), dt
         )
+        log = self._without_limp_modules(log, on[self.driven], dt)
         self.truth = self._truth(log)
         if float(log.time[-1] - self._log[-1].time[-1]) >= SAMPLE_INTERVAL - 1e-9:
             self._log.append(log.at(slice(-1, None)))
@@ -129,6 +136,22 @@ class VirtualRobot:
         if failure is not None:
             raise SimulationFailed(failure)
         return state, log
+
+    def _without_limp_modules(
+        self, log: series.Log, on: Bool[np.ndarray, " n_driven"], dt: float
+    ) -> series.Log:
+        """Return a log without what the plant counts for the electronics of modules whose motors are off.
+
+        A plant swims from its beginning, and counts the robot's `active_power` all the time. A robot
+        in a tank lies limp as well, for instance while its power at rest is measured.
+        """
+        active_power = self.plant.robot.active_power
+        if active_power is None or log.electrical_work is None:
+            return log
+        limp_share = 1.0 - float(np.mean(on))
+        self._work_of_limp_modules += limp_share * active_power * dt
+        # The end of this stretch alone is read: its first sample is the end of the one before.
+        return replace(log, electrical_work=log.electrical_work - self._work_of_limp_modules)
 
     def trial(self, version: str) -> Trial:
         """Return the true motion since the robot was put into the water, regardless of measurements; at most an hour.
