@@ -25,14 +25,20 @@ POINTS = "--vary amplitude-deg=10:50:3 normal-drag=1,2"
 def test_the_command_fills_a_folder_and_prints_the_best(run, folder: Path):
     done = run(f"sweep {POINTS} {SHORT}")
     assert (done.status, done.err) == (0, "")
-    assert "All 6 trials reached their end. The best in forward velocity:" in done.out
+    assert (
+        "The robot can do 2 of them; the others come last. The best in forward velocity:"
+        in done.out
+    )
     assert "All results: a/results.zarr" in done.out
     found = open_sweep(folder / "a")
     assert found["gait.amplitude"].to_numpy() == pytest.approx(np.radians([10.0, 30.0, 50.0]))
-    # The table begins with the best.
+    # The table begins with the best that the robot can do.
     speeds = [float(row.split()[2]) for row in done.out.splitlines() if re.match(r"\s+\d", row)]
-    assert speeds == sorted(speeds, reverse=True) and len(speeds) == 5
-    assert speeds[0] == pytest.approx(float(found.forward_velocity.max()), rel=1e-3)
+    feasible, beyond = speeds[:2], speeds[2:]
+    assert feasible == sorted(feasible, reverse=True)
+    assert beyond == sorted(beyond, reverse=True) and len(beyond) == 3
+    best = found.forward_velocity.where(found.utilization <= 1.0).max()
+    assert speeds[0] == pytest.approx(float(best), rel=1e-3)
 
     # Run again it has nothing to do, and says the same.
     assert run(f"sweep {POINTS} {SHORT}").out == done.out
@@ -45,6 +51,21 @@ def test_the_command_fills_a_folder_and_prints_the_best(run, folder: Path):
     assert as_json["best"][0]["mechanical_power"] == float(found.mechanical_power.min())
     assert as_json["best"][0]["steady_velocity"] is None
     assert as_json["status"] and as_json["robot"] == "mamba"
+
+
+def test_the_best_are_those_that_the_robot_can_do_and_the_others_say_their_limit(run, folder: Path):
+    grid = "--joints prescribed --vary amplitude-deg=5,10,110 --duration 4 --output a"
+    done = run(f"sweep {grid}")
+    assert (done.status, done.err) == (0, "")
+    assert "The robot can do 2 of them; the others come last." in done.out
+    rows = [row.split() for row in done.out.splitlines() if re.match(r"\s*\d", row)]
+    assert [f"{float(row[0]):g}" for row in rows] == ["10", "5", "110"]
+    assert [row[-1] == "-" for row in rows] == [True, True, False]
+    as_json = json.loads(run(f"sweep {grid} --json").out)
+    assert as_json["n_infeasible"] == 1
+    beyond = [point["beyond"] for point in as_json["best"]]
+    assert beyond[:2] == [None, None]
+    assert beyond[2] == "servos"
 
 
 def test_what_is_varied_may_be_given_in_pieces(run, folder: Path):

@@ -17,6 +17,7 @@ from laticauda.studies import (
     Samples,
     best_points,
     count_failed,
+    count_infeasible,
     open_sweep,
     run_sweep,
     store,
@@ -335,6 +336,20 @@ def test_the_best_are_the_fastest_or_the_cheapest(tmp_path: Path):
     assert cheapest["cost_of_transport"] == float(found.cost_of_transport.min())
     assert len(best_points(tmp_path / "a", count=100)) == 12
     assert count_failed(tmp_path / "a") == 0
+
+
+def test_what_the_robot_cannot_do_comes_last_if_that_is_asked_for(tmp_path: Path):
+    found = run_sweep(small(), tmp_path / "a", region_size=5)
+    share = np.sort(found.utilization.to_numpy(), axis=None)
+    n_beyond = int(np.sum(share > 1.0))
+    assert 0 < n_beyond < share.size
+    assert count_infeasible(tmp_path / "a") == n_beyond
+    points = best_points(tmp_path / "a", count=100, feasible_first=True)
+    is_beyond = [point["utilization"] > 1.0 for point in points]
+    assert is_beyond == [False] * (share.size - n_beyond) + [True] * n_beyond
+    for group in (points[:-n_beyond], points[-n_beyond:]):
+        speeds = [point["forward_velocity"] for point in group]
+        assert speeds == sorted(speeds, reverse=True)
 
 
 def test_the_best_so_far_can_be_had_while_it_runs(tmp_path: Path):

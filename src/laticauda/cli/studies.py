@@ -35,6 +35,7 @@ from laticauda.models.simulate.numbers import list_parameters
 from laticauda.scenarios import Scenario
 from laticauda.show import figures
 from laticauda.studies import Limits, Points, connected, describe_limits, scenarios_at
+from laticauda.trials.feasibility import CAN_DO
 from laticauda.values import BadArgument, check_choice, option, quantity, value_class
 
 N_BEST = 5
@@ -136,18 +137,33 @@ class Sweep(Study):
         if n_failed:
             status = f"{n_failed} of {n_trials} trials blew up; a smaller `dt` may help."
         figure = self.best.replace("-", "_")
-        points = studies.best_points(self.output, figure, N_BEST)
+        n_infeasible = studies.count_infeasible(self.output)
+        points = studies.best_points(self.output, figure, N_BEST, feasible_first=True)
+        limits = [_name_limits_beyond(scenario, sweep.points.names, point) for point in points]
         facts: dict[str, Any] = {
             "status": status,
             "n_trials": n_trials,
             "n_failed": n_failed,
+            "n_infeasible": n_infeasible,
             "best_in": figure,
-            "best": points,
+            "best": [
+                {**point, "beyond": limit} for point, limit in zip(points, limits, strict=True)
+            ],
             "output": self.output,
             **shared_facts(scenario),
         }
-        table = format_points(scenario, sweep.points.names, [*SHOWN_OF_BEST, figure], points)
+        columns: dict[str, Sequence[str]] = {}
+        if any(limits):
+            columns["beyond the limit of"] = [limit or "-" for limit in limits]
+        figures_shown = [*SHOWN_OF_BEST, figure]
+        table = format_points(scenario, sweep.points.names, figures_shown, points, columns)
         title = f"{status} The best in {figure.replace('_', ' ')}:"
+        if n_infeasible:
+            n_feasible = n_trials - n_failed - n_infeasible
+            possible = f"The robot can do {n_feasible} of them; the others come last."
+            if n_feasible == 0:
+                possible = "The robot can do none of them."
+            title = f"{status} {possible} The best in {figure.replace('_', ' ')}:"
         text = f"{title}\n\n{table}\n\nAll results: {self.output}/results.zarr (xarray.open_zarr)"
         return Outcome(facts=facts, text=text, succeeded=n_failed < n_trials)
 
@@ -262,6 +278,15 @@ def _name_limits(scenario: Scenario, points: Sequence[Mapping[str, float]]) -> s
     names = tuple(points[0])
     table = np.array([[point[name] for name in names] for point in points])
     return describe_limits(scenarios_at(scenario, names, table))
+
+
+def _name_limits_beyond(
+    scenario: Scenario, names: Sequence[str], point: Mapping[str, float]
+) -> str | None:
+    """Return which limits of the robot the trial at a point is beyond; None: the robot can do it."""
+    if not point["utilization"] > CAN_DO:
+        return None
+    return _name_limits(scenario, [{name: point[name] for name in names}]) or "the robot"
 
 
 def _facts_of_front(front: studies.Front, folder: Path, pictures: Sequence[Path]) -> dict[str, Any]:

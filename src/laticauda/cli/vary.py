@@ -223,7 +223,11 @@ def _accepted_names(parameter: Parameter) -> dict[str, float]:
 
 
 def format_points(
-    scenario: Scenario, names: Sequence[str], figures: Sequence[str], points: Sequence[Any]
+    scenario: Scenario,
+    names: Sequence[str],
+    figures: Sequence[str],
+    points: Sequence[Any],
+    remarks: Mapping[str, Sequence[str]] | None = None,
 ) -> str:
     """Return some points as a table.
 
@@ -232,6 +236,7 @@ def format_points(
         names: Names of the parameters.
         figures: Names of the resulting figures.
         points: Mappings with both.
+        remarks: Further columns by their titles, with a text for every point.
     """
     parameters = list_parameters(scenario)
     rows: list[dict[str, Any]] = []
@@ -243,6 +248,9 @@ def format_points(
         for name in figures:
             row[LABELS[name]] = point[name]
         rows.append(row)
+    for title, texts in (remarks or {}).items():
+        for row, text in zip(rows, texts, strict=True):
+            row[title] = text
     return format_table(rows)
 
 

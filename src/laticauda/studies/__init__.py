@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from laticauda.studies.stored_sweep import (
         best_points as best_points,
         count_failed as count_failed,
+        count_infeasible as count_infeasible,
         open_sweep as open_sweep,
     )
     from laticauda.studies.sweep import Sweep as Sweep
@@ -66,7 +67,12 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.studies.optimization": ["OBJECTIVES", "Optimization", "SPEED_POWER"],
         "laticauda.studies.running": ["run_sweep"],
         "laticauda.studies.sampling": ["Grid", "Rows", "Samples"],
-        "laticauda.studies.stored_sweep": ["best_points", "count_failed", "open_sweep"],
+        "laticauda.studies.stored_sweep": [
+            "best_points",
+            "count_failed",
+            "count_infeasible",
+            "open_sweep",
+        ],
         "laticauda.studies.sweep": ["Sweep"],
     },
     own=["optimize"],

@@ -20,6 +20,7 @@ import numpy as np
 from laticauda.studies.folder import readable
 from laticauda.studies.point_trials import COSTS, FIGURES, QUANTITIES
 from laticauda.studies.regions import Regions
+from laticauda.trials.feasibility import CAN_DO
 from laticauda.values import (
     BadArgument,
     check_choice,
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 DEFINITION = "sweep.json"
 RESULTS = "results.zarr"
 DONE = "regions.done"
+UTILIZATION = "utilization"
 REGION_KEY = "region"
 """Key of the definition that holds the size of a region."""
 
@@ -166,6 +168,8 @@ def _parameter_names(path: Path) -> Iterable[str]:
 class _RankedPoint:
     """A point and its rank; of equal ones, the first in the sweep comes first."""
 
+    is_beyond: bool
+    """Whether it comes last, because it asks for more than the robot has."""
     loss: float
     """Value of the quantity; negative if the largest is best."""
     indices: tuple[int, ...]
@@ -173,7 +177,11 @@ class _RankedPoint:
 
 
 def best_points(
-    folder: str | Path, quantity: str = "forward_velocity", count: int = 5
+    folder: str | Path,
+    quantity: str = "forward_velocity",
+    count: int = 5,
+    *,
+    feasible_first: bool = False,
 ) -> list[dict[str, float]]:
     """Return the points of a sweep with the highest speed, or the lowest power or cost of transport, best first.
 
@@ -182,6 +190,8 @@ def best_points(
         quantity: Quantity by which the points are ranked.
         count: Maximum number of points; runs that diverged and points not yet computed are
             excluded.
+        feasible_first: Whether points that ask for more than the robot has, whose `utilization` is
+            above 1, come after all others.
 
     Returns:
         The parameters and all quantities of each point by name.
@@ -195,23 +205,34 @@ def best_points(
     dataset = open_sweep(folder)
     regions = regions_of(folder)
     values = dataset[quantity].variable
+    utilization = dataset[UTILIZATION].variable
     ranked: list[_RankedPoint] = []
     for index in range(regions.count):
         block = regions.at(index)
         with readable(Path(folder), RESULTS):
             losses: np.ndarray = sign * values[block].to_numpy()
-        best_of_region = np.argsort(losses, axis=None, kind="stable")[:count]  # nan comes last
+            is_beyond = np.isnan(losses)  # such runs come last
+            if feasible_first:
+                is_beyond |= utilization[block].to_numpy() > CAN_DO
+        best_of_region = np.lexsort((losses.ravel(), is_beyond.ravel()))[:count]
         for flat_index in map(int, best_of_region):
-            loss = float(losses.flat[flat_index])
-            if math.isnan(loss):
-                continue
-            within_block = np.unravel_index(flat_index, losses.shape)
-            indices = tuple(
-                part.start + int(i) for part, i in zip(block, within_block, strict=True)
+            point = _RankedPoint(
+                is_beyond=bool(is_beyond.flat[flat_index]),
+                loss=float(losses.flat[flat_index]),
+                indices=_indices_within(block, flat_index, losses.shape),
             )
-            ranked.append(_RankedPoint(loss, indices))
+            if not math.isnan(point.loss):
+                ranked.append(point)
         ranked = sorted(ranked)[:count]
     return [_read_point(dataset, point.indices) for point in ranked]
+
+
+def _indices_within(
+    block: tuple[slice, ...], flat_index: int, shape: tuple[int, ...]
+) -> tuple[int, ...]:
+    """Return the indices in the whole sweep of a point of a block."""
+    within_block = np.unravel_index(flat_index, shape)
+    return tuple(part.start + int(i) for part, i in zip(block, within_block, strict=True))
 
 
 def _read_point(dataset: Any, indices: tuple[int, ...]) -> dict[str, float]:
@@ -237,6 +258,22 @@ def count_failed(folder: str | Path) -> int:
             block = regions.at(index)
             n_succeeded += int(succeeded[block].to_numpy().sum())
     return int(dataset.attrs["n_finished"]) - n_succeeded
+
+
+def count_infeasible(folder: str | Path) -> int:
+    """Count the trials that ask for more than the robot has: their `utilization` is above 1.
+
+    Args:
+        folder: Folder of a sweep, finished or not.
+    """
+    dataset = open_sweep(folder)
+    regions = regions_of(folder)
+    utilization = dataset[UTILIZATION].variable
+    n_infeasible = 0
+    with readable(Path(folder), RESULTS):
+        for index in range(regions.count):
+            n_infeasible += int(np.sum(utilization[regions.at(index)].to_numpy() > CAN_DO))
+    return n_infeasible
 
 
 def import_zarr() -> Any:

@@ -9,7 +9,7 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.studies import COSTS, describe_limits, swim_points
-from laticauda.trials.feasibility import ROUNDING
+from laticauda.trials.feasibility import CAN_DO
 
 AMPLITUDES = tuple(float(value) for value in range(5, 65, 5))
 """Amplitudes of the map [deg]."""
@@ -19,8 +19,6 @@ QUANTITIES = ("forward_velocity", "mean_power", "cost_of_transport")
 """Mapped quantities of the trials."""
 SHARE = "utilization"
 """Share of what the robot offers, computed with them; a robot can do up to 1."""
-CAN_DO = 1.0 + ROUNDING
-"""Largest share of what the robot offers that it can do [-]."""
 DURATION = 20.0
 """Duration of every trial [s]."""
 SAMPLE_INTERVAL = 0.05

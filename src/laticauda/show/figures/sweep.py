@@ -15,6 +15,7 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 from matplotlib.ticker import MaxNLocator
 
 from laticauda.show.figures import style
+from laticauda.trials.feasibility import CAN_DO
 
 if TYPE_CHECKING:
     import xarray
@@ -39,7 +40,6 @@ LEAST_SPACE = 0.12
 """Smallest distance between two labels of lines, as a fraction of the axes [-]."""
 N_AT_LIMIT = 3
 """Points near the limit of the robot that say what limits it."""
-CAN_DO = 1.0 + 1e-9
 """Largest share of what the robot offers that it can do, with a margin for rounding [-]."""
 LIMIT_LOOK: Any = {"colors": style.ORANGE, "linewidths": 1.6, "linestyles": [(0, (4, 2))]}
 """Look of the line at the limit of the robot."""

@@ -8,6 +8,7 @@ judgment.py      the same of one run, in sentences
 
 from laticauda.trials.feasibility.actuators import duty as duty
 from laticauda.trials.feasibility.figures import (
+    CAN_DO as CAN_DO,
     NEEDS as NEEDS,
     ROUNDING as ROUNDING,
     compute_peaks as compute_peaks,

@@ -24,6 +24,8 @@ NEEDS = {
 """The figures of this module, and the series of a log that each needs."""
 ROUNDING = 1e-9
 """A share that exceeds 1 by no more than this counts as 1: servos do deliver all they have."""
+CAN_DO = 1.0 + ROUNDING
+"""Largest share of what the robot offers that it can do [-]."""
 MOST_POSTURES = 40
 """Number of postures that are checked for crossing links in each of many runs."""
 
