@@ -339,7 +339,8 @@ def test_the_best_are_the_fastest_or_the_cheapest(tmp_path: Path):
 
 
 def test_what_the_robot_cannot_do_comes_last_if_that_is_asked_for(tmp_path: Path):
-    found = run_sweep(small(), tmp_path / "a", region_size=5)
+    amplitudes = Grid(values={"gait.amplitude": [1.9, 0.05, 1.7, 0.1, 1.5]})
+    found = run_sweep(small(points=amplitudes, duration=4.0), tmp_path / "a", region_size=2)
     share = np.sort(found.utilization.to_numpy(), axis=None)
     n_beyond = int(np.sum(share > 1.0))
     assert 0 < n_beyond < share.size
