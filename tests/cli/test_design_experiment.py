@@ -38,6 +38,23 @@ def test_after_an_identification_its_fit_is_what_is_known(run, folder: Path):
     assert {one["trial"].split(", ")[-1] for one in found["candidates"]} >= {"with fin"}
 
 
+def test_after_an_identification_another_water_is_that_of_the_candidates(run, folder: Path):
+    (folder / "t.toml").write_text(
+        'kind = "identification"\nstarts = 1\nnoise = "estimated"\njoints = "prescribed"\n'
+        'parameters = ["water.tangential_friction"]\n[table1]\nselected_from = 1\n'
+    )
+    after = f"design-experiment --after t.toml --trials 1 --json --no-tow {FEW}"
+    of_fit = json.loads(run(after).out)
+    done = run(f"{after} --water paper-vortex")
+    assert done.status == 0, done.err
+    of_water = json.loads(done.out)
+    assert of_water["values"] == of_fit["values"]  # what was identified stays known
+    assert of_water["trials"][0]["relative_sigma"] != of_fit["trials"][0]["relative_sigma"]
+    refused = run(f"{after} --joints servo")
+    assert refused.status == 2
+    assert "--joints must not be given with --after, whose file defines them" in refused.err
+
+
 def test_rivals_are_told_apart_by_an_oblique_tow(run):
     done = run(
         f"design-experiment --rivals textbook paper-vortex --parameters {WANTED} --no-swims --trials 1 --json"

@@ -230,6 +230,8 @@ class DesignExperiment(Command):
         if self.unknowns.parameters:
             rule = "must not be given with --after, whose file defines them"
             raise BadArgument("parameters", rule)
+        if self.joints is not None:
+            raise BadArgument("joints", "must not be given with --after, whose file defines them")
         fit = tasks.load_task(file).run(threads=self.candidates.threads)
         of_interest = fit.problem.of_interest
         information = marginal(known_from(fit), of_interest)
@@ -273,7 +275,7 @@ class DesignExperiment(Command):
         self, gait: gaits.Gait, fitted: Sequence[scenarios.Scenario]
     ) -> Environment | None:
         """Return the water of the first fitted trial with this kind of gait."""
-        if self.base is not None:
+        if self.base is not None or self.water is not None:
             return None
         for scenario in fitted:
             if scenario.gait.kind == gait.kind:

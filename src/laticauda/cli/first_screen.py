@@ -9,6 +9,7 @@ from laticauda.cli.report import describe_gait
 from laticauda.cli.tables import WIDTH, format_digits, wrap_rows
 from laticauda.robot import Ground
 from laticauda.trials import MeasuredTrial, Trial, following, measured_counterpart
+from laticauda.trials.feasibility import describe_ability
 
 DIGITS = 3
 """Significant digits of the figures: a measured speed has no more."""
@@ -94,23 +95,10 @@ def describe_joints(trial: Trial, measured: MeasuredTrial | None) -> list[tuple[
     """
     if "joint_angle" in trial.not_measured:
         return []
-    problems = trial.feasibility.problems
-    if not problems:
-        return [("joints", _describe_share(trial))]
-    return [
-        ("joints", f"cannot do it: {'; '.join(problems)}"),
-        ("", _consequence(trial, measured)),
-    ]
-
-
-def _describe_share(trial: Trial) -> str:
-    figures, _ = trial.figures()
-    utilization = figures["utilization"]
-    if utilization is None:
-        return trial.feasibility.words
-    if not any(joint.actuator.stated for joint in trial.chain.driven_joints):
-        return "can do it as far as their angles go; no actuator is stated"
-    return f"can do it: {100.0 * utilization:.0f} % of angle, speed and torque are used"
+    rows = [("joints", describe_ability(trial.chain, trial.feasibility))]
+    if trial.feasibility.problems:
+        rows.append(("", _consequence(trial, measured)))
+    return rows
 
 
 def _consequence(trial: Trial, measured: MeasuredTrial | None) -> str:

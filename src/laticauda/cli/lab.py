@@ -4,7 +4,6 @@ import sys
 import threading
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import replace
 from typing import Any, Literal
 
 import laticauda as lc
@@ -13,19 +12,16 @@ from laticauda.cli.flags import (
     File,
     Options,
     TrialOutput,
-    options_of,
     parse_command,
-    was_typed,
 )
-from laticauda.cli.scene import NO_COEFFICIENTS, warn_of_compiling
+from laticauda.cli.scene import says_coefficients, warn_of_compiling
 from laticauda.cli.shared_options import THIS_COMPUTER, host_option, port_option
 from laticauda.motion.gaits.gait import list_kinds
 from laticauda.robot import Parameters, Robot, Scene, Water, load_parameters, load_robot
 from laticauda.scenarios import (
-    IDENTIFIED_PARAMETERS,
     model_of,
     named_after,
-    preset_water,
+    take_identified_parameters,
     water_for,
 )
 from laticauda.tank import lab, protocol
@@ -80,12 +76,6 @@ class Body(Options):
         if self.parameters is not None and self.water is not None:
             raise BadArgument("parameters", "must not be given with `water`: both define the water")
         check_choice("gait", self._gait_kind, list_kinds())
-
-    def with_identified_parameters(self) -> "Body":
-        """Return this with the parameters identified on its robot, unless something else is chosen."""
-        if any(name is not None for name in (self.water, self.parameters, self.joints)):
-            return self
-        return replace(self, parameters=IDENTIFIED_PARAMETERS.get(self.robot))
 
     @property
     def swimmer(self) -> Robot:
@@ -184,8 +174,8 @@ class Lab(Command):
     def read(cls, arguments: Sequence[str], prog: str) -> "Lab":
         """Return the command that was typed; see `Command.read`."""
         body: Body = parse_command(Body, arguments, prog, known_only=True)
-        if not _says_coefficients(arguments):
-            body = body.with_identified_parameters()
+        if not says_coefficients(arguments):
+            body = take_identified_parameters(body)
         changes: dict[str, Any] = {"joints": body.law}
         if body.scene is not None:
             changes["scene"] = body.scene
@@ -258,15 +248,6 @@ class Lab(Command):
         if host == THIS_COMPUTER and not bus.hops:
             text += " (this computer only)"
         self.announce(facts, text)
-
-
-def _says_coefficients(arguments: Sequence[str]) -> bool:
-    """Return whether a coefficient of the water is typed, whose base are the paper's coefficients."""
-    return any(
-        was_typed(field, arguments)
-        for field in options_of(preset_water("paper-lateral"))
-        if field.name not in NO_COEFFICIENTS
-    )
 
 
 def _obey_lines(server: "lab.Lab") -> None:

@@ -36,6 +36,7 @@ from laticauda.scenarios import (
     model_of,
     named_after,
     preset_water,
+    take_identified_parameters,
 )
 from laticauda.values import BadArgument, fields_of, name_of, option, quantity, value_class
 
@@ -127,7 +128,7 @@ class Names(Choice, Options):
         names = self.with_imports()
         # Whoever says nothing of the water or the joints gets what was identified on the robot.
         if not self._say_coefficients(arguments):
-            names = names.with_identified_parameters()
+            names = take_identified_parameters(names)
         choice = names.resolved(gait)
         scenario = Scenario(
             robot=choice.robot,
@@ -140,19 +141,11 @@ class Names(Choice, Options):
     def _say_coefficients(self, arguments: Sequence[str]) -> bool:
         """Return whether something is typed whose base are the paper's coefficients, with prescribed joints.
 
-        That is a law, joint angles over time, or a coefficient of the paper's water: as an option, or
-        as one of several numbers that a command varies (`normal-drag=1:2:10`).
+        That is a law, joint angles over time, or a coefficient of the paper's water.
         """
         if self.law is not None or self.joint_angles is not None:
             return True
-        words = [argument for argument in arguments if not argument.startswith("-")]
-        as_options = [f"--{word}" for word in words]  # normal-drag=1:2:10 like --normal-drag=...
-        coefficients = [
-            field
-            for field in options_of(preset_water("paper-lateral"))
-            if field.name not in NO_COEFFICIENTS
-        ]
-        return any(was_typed(field, [*arguments, *as_options]) for field in coefficients)
+        return says_coefficients(arguments)
 
     def _scenario_of_file(self, arguments: Sequence[str]) -> NamedScenario:
         """Return the scenario of a file, changed by the names that were typed."""
@@ -192,6 +185,23 @@ class Names(Choice, Options):
         name = f"{environment.name} with {name_of(type(law))}"
         changes: Any = {field_name: law, "name": name}
         return replace(environment, **changes)
+
+
+def says_coefficients(arguments: Sequence[str]) -> bool:
+    """Return whether a coefficient of the water is typed, whose base are the paper's coefficients.
+
+    Args:
+        arguments: What was typed: a coefficient as an option, or as one of several numbers that a
+            command varies (`normal-drag=1:2:10`).
+    """
+    words = [argument for argument in arguments if not argument.startswith("-")]
+    as_options = [f"--{word}" for word in words]  # normal-drag=1:2:10 like --normal-drag=...
+    coefficients = [
+        field
+        for field in options_of(preset_water("paper-lateral"))
+        if field.name not in NO_COEFFICIENTS
+    ]
+    return any(was_typed(field, [*arguments, *as_options]) for field in coefficients)
 
 
 @dataclass(frozen=True)

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from laticauda.scenarios.choice import (
         Choice as Choice,
         Chosen as Chosen,
-        IDENTIFIED_PARAMETERS as IDENTIFIED_PARAMETERS,
         identified_parameters as identified_parameters,
+        take_identified_parameters as take_identified_parameters,
     )
     from laticauda.scenarios.scenario import (
         Experiment as Experiment,
@@ -82,7 +82,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "build_scenario",
             "model_of",
         ],
-        "laticauda.scenarios.choice": ["Choice", "Chosen", "IDENTIFIED_PARAMETERS"],
+        "laticauda.scenarios.choice": ["Choice", "Chosen"],
         "laticauda.scenarios.scenario": [
             "Experiment",
             "MODELS",
@@ -109,7 +109,10 @@ __getattr__, __dir__, __all__ = lazy_exports(
         ],
     },
     plain={
-        "laticauda.scenarios.choice": ["identified_parameters"],
+        "laticauda.scenarios.choice": [
+            "identified_parameters",
+            "take_identified_parameters",
+        ],
         "laticauda.scenarios.interfaces": [
             "Command",
             "Controller",

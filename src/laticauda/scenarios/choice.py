@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Literal, NamedTuple, Self
+from typing import Any, Literal, NamedTuple, Protocol, TypeVar, cast
 
 from laticauda import robot as robots
 from laticauda.motion.gaits import Gait
@@ -33,6 +33,40 @@ def identified_parameters(robot_name: str) -> robots.Parameters | None:
     if name is None:
         return None
     return robots.load_parameters(name)
+
+
+class NamesOfSwimmer(Protocol):
+    """Names that say what swims: a `Choice`, or those of a command that has fewer of them."""
+
+    @property
+    def robot(self) -> str:
+        """Name of the robot."""
+        ...
+
+    @property
+    def parameters(self) -> str | None:
+        """Name of the parameters; None: none."""
+        ...
+
+
+NamesT = TypeVar("NamesT", bound=NamesOfSwimmer)
+DECIDING_NAMES = ("water", "ground", "parameters", "joints", "n_links")
+"""Names that decide what swims in what: beside one of them, nothing is taken as identified."""
+
+
+def take_identified_parameters(names: NamesT) -> NamesT:
+    """Return names with the parameters that were identified on their robot, where nothing else is chosen.
+
+    A water, a ground, parameters or a joint law that are named stay; so does a robot with another
+    number of links than the one that was measured.
+
+    Args:
+        names: Names of robot and parameters, in a dataclass; some lack the others that decide.
+    """
+    if any(getattr(names, name, None) is not None for name in DECIDING_NAMES):
+        return names
+    changes: Any = {"parameters": IDENTIFIED_PARAMETERS.get(names.robot)}
+    return replace(cast(Any, names), **changes)
 
 
 class Chosen(NamedTuple):
@@ -102,17 +136,6 @@ class Choice:
         for name in ("water", "parameters"):
             if self.ground is not None and getattr(self, name) is not None:
                 raise BadArgument(name, "must not be given with `ground`: it applies to water only")
-
-    def with_identified_parameters(self) -> Self:
-        """Return this choice with the parameters that were identified on its robot, where nothing else is chosen.
-
-        A water, a ground, parameters or a joint law that are named stay; so does a robot with
-        another number of links than the one that was measured.
-        """
-        decided = (self.water, self.ground, self.parameters, self.joints, self.n_links)
-        if any(name is not None for name in decided):
-            return self
-        return replace(self, parameters=IDENTIFIED_PARAMETERS.get(self.robot))
 
     def resolved(
         self, gait: Gait, find_robot: Callable[[str, int | None], robots.Robot] = robots.load_robot

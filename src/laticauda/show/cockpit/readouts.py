@@ -11,7 +11,7 @@ from laticauda.show.cockpit.live import Live, read_tilt
 from laticauda.show.cockpit.simulation import TICK, Simulation
 from laticauda.show.reports import format_number
 from laticauda.trials import MeasuredTrial, metrics
-from laticauda.trials.feasibility import judge_feasibility
+from laticauda.trials.feasibility import describe_ability, judge_feasibility
 from laticauda.values import Log
 
 RECENT = 800
@@ -85,12 +85,7 @@ def _describe_joints(robot: Robot, record: Log, period: float) -> str:
     """Return recent demands on the joints, or why the robot cannot meet them."""
     cycle = period if math.isfinite(period) else None
     feasibility = judge_feasibility(robot, record.at(slice(-RECENT, None)), cycle)
-    if feasibility.problems:
-        return f"cannot do it: {'; '.join(feasibility.problems)}"
-    if not any(joint.actuator.stated for joint in robot.driven_joints):
-        return feasibility.words
-    share = 100.0 * feasibility.figures["utilization"]
-    return f"can do it: {share:.0f} % of angle, speed and torque are used"
+    return describe_ability(robot, feasibility)
 
 
 # ---- as text -------------------------------------------------------------------------------------

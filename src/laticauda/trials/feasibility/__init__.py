@@ -18,6 +18,7 @@ from laticauda.trials.feasibility.figures import (
 from laticauda.trials.feasibility.judgment import (
     SERVOS as SERVOS,
     Feasibility as Feasibility,
+    describe_ability as describe_ability,
     exceeds_actuators as exceeds_actuators,
     judge_feasibility as judge_feasibility,
 )

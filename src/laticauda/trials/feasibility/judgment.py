@@ -55,6 +55,23 @@ class Demand:
     """Whether it cannot do it."""
 
 
+def describe_ability(robot: Robot, feasibility: Feasibility) -> str:
+    """Return in words whether the joints of a robot can do a run.
+
+    Args:
+        robot: The robot.
+        feasibility: What the run demands of it.
+    """
+    if feasibility.problems:
+        return f"cannot do it: {'; '.join(feasibility.problems)}"
+    utilization = feasibility.figures["utilization"]
+    if not math.isfinite(utilization):
+        return feasibility.words
+    if not any(joint.actuator.stated for joint in robot.driven_joints):
+        return "can do it as far as their angles go; no actuator is stated"
+    return f"can do it: {100.0 * utilization:.0f} % of angle, speed and torque are used"
+
+
 def judge_feasibility(robot: Robot, log: Log, period: float | None) -> Feasibility:
     """Compare what a run demands of the robot with what the robot offers.
 
