@@ -191,8 +191,8 @@ class Optimize(Study):
     """Search for the best gait, fin or number of links, or for the front between speed and power.
 
     For example: laticauda optimize --robot mamba --gait lateral-undulation --vary
-    amplitude-deg=10:50 frequency-deg-s=50:150 phase-shift-deg=10:60 --objective speed-power --seed
-    1 --output optimum
+    amplitude-deg=10:50 frequency-deg-s=50:150 phase-shift-deg=10:60 --objective speed-power --budget
+    400 --seed 1 --output optimum
 
     Writes front.csv, front.nc and, for two objectives, the figure front.png. After a stop or a
     kill, the same command resumes.
