@@ -179,6 +179,24 @@ def test_who_does_not_show_the_token_is_let_go_however_busy(monkeypatch):
         known.close()
 
 
+def test_silent_strangers_keep_out_nobody_who_has_the_token(monkeypatch):
+    monkeypatch.setattr("laticauda.connect.server.MOST_STRANGERS", 4)
+    with Server("0.0.0.0", 0, max_clients=2) as server:
+        token = server.access.token
+        strangers = [Client(server.port) for _ in range(9)]
+        first, second = Client(server.port), Client(server.port)
+        for known in (first, second):
+            assert "observation" in known.ask("reset", token=token)
+        assert all(stranger.is_let_go() for stranger in strangers[:5])
+        until(lambda: len(server._strangers) <= 4)
+        third = Client(server.port)
+        reply = third.ask("reset", token=token)
+        assert reply["error"].startswith("The server already has 2 clients, its maximum; try again")
+        assert third.is_let_go()
+        for client in (*strangers, first, second, third):
+            client.close()
+
+
 def test_a_port_that_is_taken_is_said():
     with (
         Server(port=0) as server,

@@ -28,6 +28,8 @@ IDLE_TIMEOUT = 600.0
 """Time that a client may stay silent [s]."""
 GREETING_TIMEOUT = 10.0
 """Time within which a client must send the token, if there is one [s]."""
+MOST_STRANGERS = 64
+"""Clients at a time of which no token has been seen yet; for one more, the one that came first has to leave [-]."""
 DRAINING_TIME = 1.0
 """Time during which excess input is still received, so that the client can read the reason [s]."""
 RETRY_INTERVAL = 0.05
@@ -47,7 +49,8 @@ class Server:
         host: Address to listen on; the default is this computer only. For others, the first request
             must hold a token.
         port: Port to listen on; 0: any free port.
-        max_clients: Maximum number of clients; further clients are told to try later.
+        max_clients: Maximum number of clients; further clients are told to try later. If a token is
+            required, only those count that have sent it.
         own_robots: Robots, by name, that clients may request in addition to the presets.
 
     Raises:
@@ -78,6 +81,8 @@ class Server:
         self._budget = Budget().share_among(max_clients)
         self._socket: socket.socket | None = None
         self._clients: set[socket.socket] = set()
+        self._strangers: dict[socket.socket, None] = {}
+        """Connections from which no token has come yet, in the order in which they came."""
         self._clients_lock = threading.Lock()
         self._thread: threading.Thread | None = None
 
@@ -119,7 +124,7 @@ class Server:
         if listening_socket is not None:
             _shut(listening_socket)
         with self._clients_lock:
-            clients = list(self._clients)
+            clients = [*self._clients, *self._strangers]
         for client in clients:
             _shut(client)
         if self._thread is not None:
@@ -139,21 +144,44 @@ class Server:
     def _serve(self, client: socket.socket) -> None:
         """Serve one client from its first line to its last, whatever it does."""
         try:
-            is_admitted = self._admit(client)
             client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             # Detects clients that left without closing.
             client.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
-            if is_admitted:
-                self._converse(client)
+            if self.access.token:
+                self._greet(client)
+            elif self._admit(client):
+                self._converse(client, is_known=True)
             else:
-                reason = f"The server already has {self.max_clients} clients, its maximum;"
-                _dismiss(client, f"{reason} try again later.")
+                self._turn_away(client)
         except OSError:
             pass  # the client has disconnected
         finally:
             with self._clients_lock:
                 self._clients.discard(client)
+                self._strangers.pop(client, None)
             _shut(client)
+
+    def _greet(self, client: socket.socket) -> None:
+        """Converse with a client that has `GREETING_TIMEOUT` to send the token; until then it counts as a stranger."""
+        with self._clients_lock:
+            self._strangers[client] = None
+            if len(self._strangers) > MOST_STRANGERS:
+                first_stranger = next(iter(self._strangers))
+                del self._strangers[first_stranger]
+                _hang_up(first_stranger)
+        greeting_timer = threading.Timer(GREETING_TIMEOUT, self._end_greeting, (client,))
+        greeting_timer.daemon = True
+        greeting_timer.start()
+        try:
+            self._converse(client, is_known=False)
+        finally:
+            greeting_timer.cancel()
+
+    def _end_greeting(self, client: socket.socket) -> None:
+        """Hang up on a client that is still a stranger."""
+        with self._clients_lock:
+            if client in self._strangers:
+                _hang_up(client)
 
     def _admit(self, client: socket.socket) -> bool:
         """Return whether there is room for a client, which is then counted."""
@@ -161,16 +189,16 @@ class Server:
             if len(self._clients) >= self.max_clients:
                 return False
             self._clients.add(client)
+            self._strangers.pop(client, None)
             return True
 
-    def _converse(self, client: socket.socket) -> None:
+    def _turn_away(self, client: socket.socket) -> None:
+        reason = f"The server already has {self.max_clients} clients, its maximum;"
+        _dismiss(client, f"{reason} try again later.")
+
+    def _converse(self, client: socket.socket, *, is_known: bool) -> None:
         """Answer a client's lines until it leaves, stays silent or is rejected."""
         session = Session(self._own_robots, self._budget)
-        is_known = not self.access.token
-        greeting_timer = threading.Timer(GREETING_TIMEOUT, _shut, (client,))
-        greeting_timer.daemon = True
-        if not is_known:
-            greeting_timer.start()
         client.settimeout(IDLE_TIMEOUT)
         with client.makefile("rb") as stream:
             while True:
@@ -184,7 +212,9 @@ class Server:
                 if reason:
                     _dismiss(client, f"{reason} Good-bye.")
                     return
-                greeting_timer.cancel()
+                if not is_known and not self._admit(client):
+                    self._turn_away(client)
+                    return
                 is_known = True
                 client.settimeout(SENDING_TIMEOUT)
                 client.sendall(session.answer(line))
@@ -221,6 +251,11 @@ def _dismiss(client: socket.socket, reason: str) -> None:
 
 def _shut(connection: socket.socket) -> None:
     """Close a socket that another thread may be waiting on."""
+    _hang_up(connection)
+    connection.close()
+
+
+def _hang_up(connection: socket.socket) -> None:
+    """Let the thread that waits on a socket go on, and close it."""
     with suppress(OSError):  # the other end has already closed it
         connection.shutdown(socket.SHUT_RDWR)
-    connection.close()
