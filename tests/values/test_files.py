@@ -209,3 +209,15 @@ def test_a_number_that_is_not_finite_is_null_in_json():
 def test_an_empty_text_is_the_name_of_no_file():
     with pytest.raises(StorageFailed, match="'': an empty text is not the name of a file"):
         read_text("")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no such pipes")
+def test_a_pipe_that_nobody_reads_is_refused_and_one_that_is_read_gets_all(tmp_path):
+    pipe = tmp_path / "a.txt"
+    os.mkfifo(pipe)
+    with pytest.raises(StorageFailed, match=r"a\.txt: cannot be written: it is a pipe that nobody"):
+        write(pipe, "x")
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    write(pipe, "whole")
+    assert os.read(reader, 100) == b"whole"
+    os.close(reader)

@@ -1,11 +1,9 @@
 """The program: finds the requested command, reads its options, runs it and turns errors into messages."""
 
-import os
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, make_dataclass
 from importlib import import_module
-from io import TextIOWrapper
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, NoReturn, Union
 
@@ -13,6 +11,12 @@ import tyro
 
 from laticauda.cli.command import Command
 from laticauda.cli.flags import BadFlag, spell_field, wrap_text
+from laticauda.cli.surroundings import (
+    check_memory,
+    settle_streams,
+    silence,
+    widen_narrow_terminal,
+)
 from laticauda.values import (
     BadArgument,
     LaticaudaError,
@@ -97,15 +101,14 @@ def main(args: Sequence[str] | None = None) -> int:
     typed = sys.argv[1:]
     if args is not None:
         typed = list(args)
-    for stream in (sys.stdout, sys.stderr):
-        # File names need not be UTF-8, and messages contain them.
-        if isinstance(stream, TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
     command: Command | None = None
     try:
+        settle_streams()
+        widen_narrow_terminal()
         if typed == ["--version"]:
             return _print_version()
         command = _read_command(typed)
+        check_memory()
         status = command()
         sys.stdout.flush()  # a closed pipe is noticed here, not after the end
         return status
@@ -116,9 +119,7 @@ def main(args: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as stop:
         return _complain(str(stop) or "stopped.", STATUS_STOPPED)
     except BrokenPipeError:
-        # The reader of our output has gone. Nothing may be written to it any more, not even at
-        # exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        silence("stdout")  # its reader has gone
         return STATUS_BROKEN_PIPE
     except BadArgument as error:
         subject = spell_field(error.name, command)
@@ -242,5 +243,8 @@ def _describe_refusal(error: OSError) -> str:
 
 
 def _complain(message: str, status: int) -> int:
-    print(f"{PROGRAM}: {message}", file=sys.stderr)
+    try:
+        print(f"{PROGRAM}: {message}", file=sys.stderr, flush=True)
+    except OSError:  # the status still tells
+        silence("stderr")
     return status

@@ -63,8 +63,8 @@ def check_output(option: str, path: str | None, endings: Sequence[str]) -> None:
         endings: Allowed endings of the file name.
 
     Raises:
-        ValueError: If it has another ending, its folder does not exist, it is a folder, or it is
-            not writable.
+        ValueError: If it has another ending, its folder does not exist, it is a folder or a
+            pipe, or it is not writable.
     """
     if path is None:
         return
@@ -75,6 +75,8 @@ def check_output(option: str, path: str | None, endings: Sequence[str]) -> None:
         raise BadArgument(option, f"must be a file in a folder that exists, got {path}")
     if file.is_dir():
         raise BadArgument(option, f"must be a file, got the folder {path}")
+    if file.is_fifo():
+        raise BadArgument(option, f"must be a file, got the pipe {path}")
     if not _is_writable(file):
         raise BadArgument(option, f"must be a writable file, got {path}: permission denied")
     if file.suffix.lower() == ".mp4":

@@ -12,16 +12,22 @@ With `laticauda.compiling.lanes`, this is the interface to Numba's compiler.
 from types import FunctionType, SimpleNamespace
 from typing import Any
 
-from numba import njit
+from numba import config, njit
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.dispatcher import Dispatcher
 from numba.core.types import unliteral
 
+from laticauda.values.errors import LaticaudaError
+
 OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
 """Options of Numba for all code: of "fast math" only fused multiply-adds, which reorder no operations."""
 INLINED: Any = {"forceinline": True, **OPTIONS}
 """Options for functions that are inlined, which lets the compiler optimize whole loops."""
+
+
+class CompilerIsOff(LaticaudaError, RuntimeError):
+    """Raised if the environment keeps Numba from compiling: without its kernels nothing swims."""
 
 
 class _Code(JITCodeLibrary):
@@ -46,7 +52,13 @@ def inlined(function: FunctionType, **options: Any) -> Any:
     Args:
         function: Function of numbers, lanes and rows.
         **options: Further options of Numba.
+
+    Raises:
+        CompilerIsOff: If the environment keeps Numba from compiling.
     """
+    settings: Any = config
+    if settings.DISABLE_JIT:
+        raise CompilerIsOff("NUMBA_DISABLE_JIT is set, but kernels must be compiled: unset it.")
     wrappers = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     inner: Any = njit(pipeline_class=_Compiler, **wrappers, **INLINED, **options)(function)
     template_of = inner.get_call_template

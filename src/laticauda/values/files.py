@@ -255,6 +255,8 @@ def write(path: str | Path, content: bytes | str | Callable[[Path], object]) -> 
             target, os.W_OK
         ):  # a move would need permission for the folder only
             raise PermissionError(errno.EACCES, "it is read-only")
+        if target.is_fifo():
+            _check_for_reader(target)
         _clear(target.parent)
         if callable(content):
             new.open(
@@ -281,6 +283,20 @@ def write(path: str | Path, content: bytes | str | Callable[[Path], object]) -> 
         if is_plain:
             with suppress(OSError):  # it could not be made
                 new.unlink()
+
+
+def _check_for_reader(pipe: Path) -> None:
+    """Reject a pipe that nobody reads, as it could not even be opened.
+
+    Raises:
+        OSError: If nobody does.
+    """
+    try:
+        os.close(os.open(pipe, os.O_WRONLY | os.O_NONBLOCK))
+    except OSError as error:
+        if error.errno == errno.ENXIO:
+            raise OSError(errno.ENXIO, "it is a pipe that nobody reads") from None
+        raise
 
 
 def is_full(error: OSError) -> bool:
