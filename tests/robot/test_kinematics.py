@@ -313,3 +313,8 @@ def test_a_spatial_body_is_where_its_model_has_it():
 def test_a_quaternion_gives_its_rotation_back(numbers):
     rotation = from_quaternion(*(np.array(numbers) / np.linalg.norm(numbers)).tolist())
     np.testing.assert_allclose(from_quaternion(*to_quaternion(rotation)), rotation, atol=1e-12)
+
+
+def test_a_turn_about_no_axis_is_refused():
+    with pytest.raises(ValueError, match=r"^`axis` must be one of `yaw`, `pitch`, `roll`, got"):
+        turn("up", 0.1)

@@ -69,6 +69,8 @@ def _figures(n: int) -> dict[str, np.ndarray]:
     ("changes", "message"),
     [
         ({"bounds": {}}, "`bounds` must hold at least one parameter, got none"),
+        ({"bounds": iter([1])}, "`bounds` must be of class Mapping, got list_iterator"),
+        ({"bounds": {"gait.amplitude": 3}}, "`gait.amplitude` must be a low and a high value, got 3"),
         ({"bounds": {"gait.amplitud": (0.1, 0.2)}}, "`bounds` must name numbers of gait.*nearest are `gait.amplitude`"),
         ({"bounds": {"gait.amplitude": (0.2, 0.2)}}, "`bounds` must have low < high, got 0.2 and 0.2 for `gait.ampl"),
         ({"bounds": {"gait.amplitude": (0.2,)}}, "`bounds` must be a low and a high value of `gait.amplitude`, got 1"),

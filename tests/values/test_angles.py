@@ -1,8 +1,12 @@
 """Laws of the angles."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from patience import LONG
 
 from laticauda.values.angles import wrap_to_pi
 
@@ -63,3 +67,24 @@ def test_one_angle_is_wrapped_as_an_array_of_them(angle: float):
 
 def test_what_is_no_angle_stays_nan():
     assert np.isnan(wrap_to_pi(float("nan")))
+
+
+def test_what_is_no_rotation_is_refused():
+    # In a process without the type checker of the tests, as users have it.
+    code = """
+import numpy as np
+from laticauda.values.angles import to_quaternion
+for rotation in ({"x": 1}, None, np.eye(2)):
+    try:
+        to_quaternion(rotation)
+    except ValueError as error:
+        print(error)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=LONG
+    )
+    assert done.stdout.splitlines() == [
+        "`rotation` must be an array of numbers, got dict of object.",
+        "`rotation` must be an array of numbers, got NoneType of object.",
+        "`rotation` must be a matrix of 3 x 3 numbers, got (2, 2).",
+    ]

@@ -139,3 +139,10 @@ def test_keywords_that_are_required_have_no_default_and_unnamed_ones_stay():
 
 class Required(TypedDict):
     size: float
+
+
+def test_a_class_that_only_type_checkers_import_is_named_too():
+    from laticauda.show import figures
+
+    with pytest.raises(ValueError, match=r"^`sweep` must be of class Dataset, got tuple\.$"):
+        figures.sweep_sheet(sweep=(0, 1))

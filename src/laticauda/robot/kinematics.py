@@ -25,6 +25,7 @@ from laticauda.robot import Robot
 from laticauda.values import (
     BadArgument,
     as_floats,
+    check_choice,
     check_instance,
     check_whole_number,
     explain,
@@ -44,6 +45,8 @@ __all__ = [
 ]
 __all__ += ["link_angles", "module_poses", "to_quaternion", "turn"]
 
+AXES = ("yaw", "pitch", "roll")
+"""Axes about which something turns, of a robot or of a part of it."""
 Angles = Float[np.ndarray, "*batch n_links"]
 FinAngles = Float[np.ndarray, "*batch n_fin_joints"]
 Vectors = Float[np.ndarray, "*batch 2"]
@@ -339,7 +342,11 @@ def turn(axis: str, angle: float) -> Float[np.ndarray, "3 3"]:
     Args:
         axis: yaw, pitch or roll.
         angle: Angle of the rotation [rad].
+
+    Raises:
+        ValueError: If there is no such axis.
     """
+    check_choice("axis", axis, AXES)
     c, s = np.cos(angle), np.sin(angle)
     if axis == "yaw":
         return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

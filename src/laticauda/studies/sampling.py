@@ -4,9 +4,9 @@ The points are generated region by region from their indices, never all at once,
 points take no more memory than one region.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, ClassVar, TypeAlias, cast
 
 import numpy as np
 from jaxtyping import Float
@@ -163,27 +163,27 @@ class Rows(_Values):
         }
 
 
-def check_ranges_of_numbers(
-    argument: str, ranges: Mapping[str, Sequence[float]]
-) -> dict[str, tuple[float, float]]:
+def check_ranges_of_numbers(argument: str, ranges: Any) -> dict[str, tuple[float, float]]:
     """Check ranges, and return the smallest and largest value of each parameter.
 
     Args:
         argument: Name of the argument that they come from, for messages.
-        ranges: Ranges as given.
+        ranges: Ranges as given, by name of parameter.
 
     Raises:
         ValueError: If there is none, or one is not a range.
     """
-    check_not_empty(argument, ranges, "parameter")
+    check_instance(argument, ranges, Mapping)
+    ends_by_name = cast("Mapping[str, Any]", ranges)
+    check_not_empty(argument, ends_by_name, "parameter")
     checked: dict[str, tuple[float, float]] = {}
-    for name, ends in ranges.items():
+    for name, given_ends in ends_by_name.items():
+        ends = check_items(check_finite, "a low and a high value", (), name, given_ends)
         if len(ends) != 2:
             raise BadArgument(
                 argument, f"must be a low and a high value of `{name}`, got {len(ends)} numbers"
             )
-        low = check_finite(name, ends[0])
-        high = check_finite(name, ends[1])
+        low, high = ends
         if not low < high:
             raise BadArgument(
                 argument, f"must have low < high, got {low:g} and {high:g} for `{name}`"

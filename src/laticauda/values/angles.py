@@ -7,6 +7,9 @@ import numpy as np
 from jaxtyping import Float
 from numpy.typing import NDArray
 
+from laticauda.values.errors import BadArgument
+from laticauda.values.series import as_floats
+
 
 @overload
 def wrap_to_pi(angle: float) -> float: ...
@@ -79,7 +82,13 @@ def to_quaternion(rotation: Float[np.ndarray, "3 3"]) -> tuple[float, float, flo
 
     Args:
         rotation: Rotation matrix [-].
+
+    Raises:
+        ValueError: If it is no matrix of 3 x 3 numbers.
     """
+    rotation = as_floats("rotation", rotation)
+    if rotation.shape != (3, 3):
+        raise BadArgument("rotation", f"must be a matrix of 3 x 3 numbers, got {rotation.shape}")
     (a, b, c), (d, e, f), (g, h, i) = rotation.tolist()
     outer = np.array(  # q q', whose column with the largest diagonal loses no digits
         [

@@ -12,6 +12,7 @@ import sys
 import types
 import typing
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib import import_module
 from itertools import islice
 from numbers import Integral, Real
 from typing import Any, cast, get_args, get_origin
@@ -135,15 +136,35 @@ def _find_bad_argument(
         if "VAR_" in signature.parameters[name].kind.name:  # *args or **kwargs
             continue
         annotation = plain_function.__annotations__.get(name, Any)
-        annotated = types.SimpleNamespace(__annotations__={name: annotation})
         try:
-            hint = typing.get_type_hints(annotated, plain_function.__globals__)[name]
+            hint = _resolve_annotation(annotation, plain_function.__globals__)
         except NameError:  # a type that exists only for type checkers
             continue
         bad_argument = misfit(name, value, hint)
         if bad_argument is not None:
             return bad_argument
     return None
+
+
+def _resolve_annotation(annotation: Any, module_names: Mapping[str, Any]) -> Any:
+    """Return the type that an annotation stands for, also if its module is imported by type checkers only.
+
+    Raises:
+        NameError: If it is not to be found.
+    """
+    annotated = types.SimpleNamespace(__annotations__={"argument": annotation})
+    names = dict(module_names)
+    try:
+        return typing.get_type_hints(annotated, names)["argument"]
+    except NameError as error:
+        package = getattr(annotation, "__forward_arg__", str(annotation)).partition(".")[0]
+        if package != error.name:
+            raise
+        try:
+            names[package] = import_module(package)
+        except ImportError:
+            raise error from None
+    return typing.get_type_hints(annotated, names)["argument"]
 
 
 def misfit(name: str, value: object, hint: Any) -> BadArgument | None:
