@@ -12,6 +12,7 @@ from rendering import skip_without_rendering
 from laticauda import load_trial
 from laticauda.cli.output_files import list_endings
 from laticauda.show.pictures import video, window
+from laticauda.trials import FIGURES
 
 
 @pytest.fixture
@@ -43,7 +44,9 @@ def test_a_stored_trial_can_be_read_by_a_program(run, stored):
 
 def test_trials_are_compared_with_the_first(run, stored):
     text = run("trial compare bare.nc fin.nc bare.nc").out
-    header, *rows = text.splitlines()
+    note, below, header, *rows = text.splitlines()
+    assert note == "Different robots: bare.nc mamba; fin.nc mamba-fin; bare.nc mamba."
+    assert not below
     assert header.split() == ["bare.nc", "fin.nc", "difference", "bare.nc", "difference"]
     (row,) = [row for row in rows if row.startswith("forward velocity")]
     assert row.endswith("+0.0 %")
@@ -73,6 +76,57 @@ def test_a_difference_from_next_to_nothing_is_shown_in_the_figures_unit(run, sto
     ]
     assert found["differences_percent"] == [None, None]
     assert found["differences"][1] == pytest.approx(load_trial("bare.nc").forward_velocity)
+
+
+WILD = "--joints prescribed --dt 0.5 --frequency-deg-s 700 --sample-interval 0.5"
+TASK = """
+kind = "identification"
+name = "tank"
+title = "in the tank"
+robot = "mamba"
+parameters = ["water.normal_drag"]
+
+[[trials]]
+file = "failed.nc"
+"""
+
+
+@pytest.fixture
+def failed(run) -> str:
+    done = run(f"swim {WILD} --save failed.nc --json")
+    assert done.status == 1
+    facts = json.loads(done.out)
+    assert not facts["succeeded"] and "diverged" in facts["status"]
+    assert {facts[figure.name] for figure in FIGURES} == {None}
+    return "failed.nc"
+
+
+def test_a_trial_that_failed_is_marked_by_every_command(run, stored, failed, folder: Path):
+    status = load_trial(failed).status
+    compared = run(f"trial compare bare.nc {failed} fin.nc")
+    head = " ".join(compared.out.split())
+    assert head.startswith(f"FAILED: failed.nc has no figures. {status} Different robots: bare.nc")
+    assert "Different durations: bare.nc 20 s; failed.nc " in head
+    assert "failed.nc FAILED" in compared.out
+    facts = json.loads(run(f"trial compare bare.nc {failed} --json").out)
+    assert facts["succeeded"] == [True, False] and facts["status"][1] == status
+    assert all(figure["values"][1] is None for figure in facts["figures"].values())
+    shown = run(f"trial show {failed}").out
+    assert "FAILED  " in shown and "forward velocity" not in shown
+    for files in (failed, f"bare.nc {failed}"):
+        drawn = run(f"trial plot {files} --output both.svg")
+        assert drawn.status == 0 and "failed.nc FAILED" in drawn.out
+        assert "FAILED" in (folder / "both.svg").read_text()
+    for options in ("--interval", "--all", ""):
+        again = run(f"swim {WILD} {options}")
+        assert again.status == 1 and "FAILED" in again.out and "Traceback" not in again.err
+
+
+def test_nothing_is_identified_from_a_trial_that_failed(run, failed, folder: Path):
+    (folder / "task.toml").write_text(TASK)
+    refused = run("identify task.toml --output found")
+    assert refused.status == 2
+    assert "failed.nc: A run that failed has no figures: The run diverged at" in refused.err
 
 
 def test_mechanical_and_electrical_power_are_not_compared(run, stored):
@@ -282,7 +336,8 @@ def test_one_trial_is_drawn_as_a_sheet_and_several_in_one_figure(run, folder: Pa
     assert run("trial plot bare.nc --output one.svg").out == "one.svg: bare.nc\n"
     assert "<svg" in (folder / "one.svg").read_text()
     done = run("trial plot bare.nc fin.nc --output two.png --json")
-    assert json.loads(done.out) == {"trials": ["bare.nc", "fin.nc"], "output": "two.png"}
+    facts = {"trials": ["bare.nc", "fin.nc"], "output": "two.png", "succeeded": [True, True]}
+    assert json.loads(done.out) == facts
     assert (folder / "two.png").read_bytes().startswith(b"\x89PNG")
 
 

@@ -134,8 +134,6 @@ def cut(whole: lc.Trial, begin: float, end: float) -> lc.Trial:
         signals={name: signal[kept] for name, signal in whole.signals.items()},
         scenario=whole.scenario,
         version=whole.version,
-        status="cut",
-        succeeded=False,
     )
 
 

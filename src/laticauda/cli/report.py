@@ -78,7 +78,7 @@ def describe_trial(trial: Trial, origin: str = "") -> str:
         (place, _describe_environment(trial, origin)),
         ("run", _describe_run(trial)),
     ]
-    if "joint_angle" not in trial.not_measured:
+    if "joint_angle" not in trial.not_measured and trial.succeeded:
         head.append(("joints", trial.feasibility.words))
     if trial.feasibility.problems:
         head.append(("WARNING", "; ".join(trial.feasibility.problems)))

@@ -72,7 +72,7 @@ class Swim(ScenarioRun):
         if self.beside:
             return self._run_together()
         trial = self.run_scenario(self.scenario_to_run)
-        if not self.interval:
+        if not self.interval or not trial.succeeded:
             return self.write_and_report(trial, self.origin, basis=self.basis)
         varied = simulate.intervals_of(self.scenario_to_run)
         intervals = simulate.figure_intervals(trial, varied)

@@ -8,7 +8,7 @@ from laticauda.cli import command, flags, report, tables
 from laticauda.cli.output_files import check_output, list_endings
 from laticauda.cli.trial_output import Filming
 from laticauda.show import figures
-from laticauda.trials import ComparedFigure, Format, logs
+from laticauda.trials import ComparedFigure, Format, logs, note_differences
 from laticauda.values import BadArgument, TrialFileError, option, quantity, value_class
 
 TRIAL = (
@@ -60,7 +60,8 @@ class View(Filming):
 
     def _describe_result(self, trial: lc.Trial) -> str:
         if not self.still:
-            return f"{self.video or self.file}: {trial.duration:g} s shown"
+            duration = trial.time[-1] - trial.time[0]
+            return f"{_mark_failed(self.video or self.file, trial)}: {duration:g} s shown"
         if self.time is None:
             return f"{self.still}: at the end"
         return f"{self.still}: at {self.time:g} s"
@@ -106,10 +107,22 @@ class Compare(OfTrials):
 
     def run(self) -> command.Outcome:
         """Read and compare."""
-        rows = lc.compare([_load(file, self.columns) for file in self.files])
+        trials = [_load(file, self.columns) for file in self.files]
+        rows = lc.compare(trials)
+        notes = note_differences(trials, self.files)
         facts_of_figures = {row.figure.name: _facts_of_figure(row) for row in rows}
-        facts = {"trials": self.files, "figures": facts_of_figures}
-        return command.Outcome(facts=facts, text=_table_of_comparison(self.files, rows))
+        facts = {
+            "trials": self.files,
+            "status": [trial.status for trial in trials],
+            "succeeded": [trial.succeeded for trial in trials],
+            "notes": notes,
+            "figures": facts_of_figures,
+        }
+        names = [_mark_failed(*pair) for pair in zip(self.files, trials, strict=True)]
+        text = _table_of_comparison(names, rows)
+        if notes:
+            text = f"{report.wrap_notes(notes)}\n\n{text}"
+        return command.Outcome(facts=facts, text=text)
 
 
 @value_class
@@ -136,8 +149,13 @@ class Plot(OfTrials):
         else:
             figure = figures.plot_overlay(trials, self.files)
         figures.save_figure(figure, self.output)
-        facts = {"trials": self.files, "output": self.output}
-        return command.Outcome(facts=facts, text=f"{self.output}: {', '.join(self.files)}")
+        names = [_mark_failed(*pair) for pair in zip(self.files, trials, strict=True)]
+        facts = {
+            "trials": self.files,
+            "output": self.output,
+            "succeeded": [trial.succeeded for trial in trials],
+        }
+        return command.Outcome(facts=facts, text=f"{self.output}: {', '.join(names)}")
 
 
 @value_class
@@ -174,6 +192,13 @@ class Convert(OfTrials):
             logs.write_bag(lc.load_trial(self.file, self.columns), self.output)
         text = f"{self.output}: a folder for rosbag2"
         return command.Outcome(facts={"output": self.output}, text=text)
+
+
+def _mark_failed(name: str, trial: lc.Trial) -> str:
+    """Return the name of a trial, marked if it failed."""
+    if trial.succeeded:
+        return name
+    return f"{name} FAILED"
 
 
 def _facts_of_figure(row: ComparedFigure) -> dict[str, object]:

@@ -168,6 +168,8 @@ def _check_trials(trials: Sequence[Trial]) -> None:
     shapes: set[tuple[object, ...]] = set()
     frequencies: set[float] = set()
     for i, trial in enumerate(trials):
+        if not trial.succeeded:
+            raise BadArgument(f"trials[{i}]", f"must not be of a run that failed: {trial.status}")
         trial.need("an averaged model", "heading", "work")
         gait = trial.gait
         if gait is None or gait.frequency <= 0.0:

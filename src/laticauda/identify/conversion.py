@@ -13,7 +13,13 @@ from laticauda.identify.series import SERIES, series_of_trial
 from laticauda.identify.towing import LOADS, Tow
 from laticauda.models.simulate import UNITS
 from laticauda.robot import Environment, Robot, Water
-from laticauda.values import BadArgument, check_choice, check_instance, check_whole_number
+from laticauda.values import (
+    BadArgument,
+    RunFailed,
+    check_choice,
+    check_instance,
+    check_whole_number,
+)
 
 STRAIGHT = lc.Gait(amplitude=0.0, frequency=1.0, phase_shift=0.5)
 """Gait without joint motion; without an amplitude, frequency and phase shift mean nothing."""
@@ -55,8 +61,11 @@ def from_trial(
 
     Raises:
         ValueError: If the trial has no gait, or an argument is out of its range.
+        RunFailed: If the trial is of a run that failed: its numbers say nothing about the robot.
     """
     check_instance("trial", trial, lc.Trial)
+    if not trial.succeeded:
+        raise RunFailed(trial.status)
     if trial.gait is None:
         raise BadArgument("trial", "must have a gait to be identified from, got one without")
     stride = check_whole_number("every", every, 1)

@@ -40,8 +40,10 @@ if TYPE_CHECKING:
     )
     from laticauda.trials.several import (
         ComparedFigure as ComparedFigure,
+        Comparison as Comparison,
         compare as compare,
         joined as joined,
+        note_differences as note_differences,
     )
     from laticauda.trials.trial import FIGURES as FIGURES, Figure as Figure, Trial as Trial
     from laticauda.trials.following import nearest_points as nearest_points
@@ -69,7 +71,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "measured_counterpart",
             "measured_setting",
         ],
-        "laticauda.trials.several": ["ComparedFigure", "compare", "joined"],
+        "laticauda.trials.several": ["ComparedFigure", "Comparison", "compare", "joined"],
         "laticauda.trials.trial": ["FIGURES", "Figure", "Trial"],
     },
     plain={
@@ -77,6 +79,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.trials.cycles": ["TRANSIENT", "hermite"],
         "laticauda.trials.dataset": ["AXES"],
         "laticauda.trials.following": ["nearest_points"],
+        "laticauda.trials.several": ["note_differences"],
         "laticauda.trials.null_models": [
             "NullModel",
             "PREDICTORS",

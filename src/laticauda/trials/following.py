@@ -283,6 +283,8 @@ FIGURES = {
 def summarize_following(trial: Trial) -> dict[str, float | None]:
     """Return the figures of a path-following run by the names of `FIGURES`; None where the run does not define one.
 
+    Those of a run that failed are all None.
+
     Args:
         trial: A run with the signals of `laticauda.control.PathFollowing`.
 
@@ -294,6 +296,8 @@ def summarize_following(trial: Trial) -> dict[str, float | None]:
             "trial", "must be a run that followed a path: it has no signal `cross_track_error`"
         )
     figures: dict[str, float | None] = dict.fromkeys(FIGURES)
+    if not trial.succeeded:
+        return figures
     time = trial.time
     error = trial.signals["cross_track_error"]
     distance = trial.signals["along_track_distance"]

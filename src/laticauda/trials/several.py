@@ -1,6 +1,7 @@
 """Several trials: compared side by side with their differences from the first, or two in a row joined into one."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -34,8 +35,32 @@ class ComparedFigure:
     negligible (`ROUNDING`, `LARGEST_PERCENT`), or the figure is an angle."""
 
 
-def compare(*trials: Trial | Sequence[Trial]) -> list[ComparedFigure]:
+class Comparison(list[ComparedFigure]):
+    """The figures of several trials side by side, one `ComparedFigure` each, and what must be known of them.
+
+    Args:
+        rows: The figures.
+        notes: What else differs between the trials, and which of them failed, in a sentence each.
+    """
+
+    def __init__(self, rows: Iterable[ComparedFigure], notes: Sequence[str] = ()) -> None:
+        super().__init__(rows)
+        self.notes = tuple(notes)
+
+    def __repr__(self) -> str:
+        """Return the notes, and then one line for each figure."""
+        lines = [*self.notes]
+        for row in self:
+            values = ", ".join("-" if value is None else f"{value:.4g}" for value in row.values)
+            lines.append(f"{row.figure.name}: {values} {row.figure.unit}".rstrip())
+        return "\n".join(lines)
+
+
+def compare(*trials: Trial | Sequence[Trial]) -> Comparison:
     """Compare the figures of several trials side by side, with their differences from the first.
+
+    A trial that failed has no figures: its values are None. The `notes` of the result say so, and in
+    what else the trials differ: robot, gait, water or ground, and duration.
 
     Args:
         trials: At least two trials, the reference first; or a list of them.
@@ -65,7 +90,54 @@ def compare(*trials: Trial | Sequence[Trial]) -> list[ComparedFigure]:
         is_misleading = has_both_powers and figure.name in _OF_MEAN_POWER
         if not is_misleading and any(value is not None for value in values):
             rows.append(_compare_values(figure, values))
-    return rows
+    names = [f"trial {i}" for i in range(len(compared_trials))]
+    return Comparison(rows, note_differences(compared_trials, names))
+
+
+def note_differences(trials: Sequence[Trial], names: Sequence[str]) -> list[str]:
+    """Return what must be known before figures of trials are compared, in a sentence each.
+
+    Args:
+        trials: The trials, the reference first.
+        names: Name of each trial.
+    """
+    notes: list[str] = []
+    for trial, name in zip(trials, names, strict=True):
+        if not trial.succeeded:
+            notes.append(f"FAILED: {name} has no figures. {trial.status}")
+    robots = [trial.robot for trial in trials]
+    notes += _note_difference("robots", robots, [robot.name for robot in robots], names)
+    gaits_of_trials = [trial.gait for trial in trials]
+    descriptions = [_describe_gait(gait) for gait in gaits_of_trials]
+    notes += _note_difference("gaits", gaits_of_trials, descriptions, names)
+    surroundings = [trial.environment for trial in trials]
+    labels = [environment.name for environment in surroundings]
+    notes += _note_difference("surroundings", surroundings, labels, names)
+    durations = [f"{trial.time[-1] - trial.time[0]:.4g} s" for trial in trials]
+    notes += _note_difference("durations", durations, durations, names)
+    return notes
+
+
+def _note_difference(
+    subject: str, parts: Sequence[object], descriptions: Sequence[str], names: Sequence[str]
+) -> list[str]:
+    """Return a note if some parts of trials differ, each described in words; none if all are equal."""
+    if all(part == parts[0] for part in parts):
+        return []
+    if len(set(descriptions)) == 1:
+        return [f"Different {subject}: each is {descriptions[0]}, but with other numbers."]
+    pairs = zip(names, descriptions, strict=True)
+    listed = [f"{name} {description}" for name, description in pairs]
+    return [f"Different {subject}: {'; '.join(listed)}."]
+
+
+def _describe_gait(gait: gaits.Gait | None) -> str:
+    if gait is None:
+        return "none"
+    amplitude = math.degrees(gait.amplitude)
+    frequency = math.degrees(gait.frequency)
+    phase_shift = math.degrees(gait.phase_shift)
+    return f"{gait.words} {amplitude:.4g} deg, {frequency:.4g} deg/s, {phase_shift:.4g} deg"
 
 
 def _flat(trials: Sequence[Trial | Sequence[Trial]]) -> list[Trial]:

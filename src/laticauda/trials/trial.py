@@ -14,7 +14,7 @@ import numpy as np
 from laticauda.trials import contents, cycles, metrics
 from laticauda.trials.dataset import fields_of, save, to_dataset
 from laticauda.trials.feasibility import Feasibility, judge_feasibility, make_peak_figure
-from laticauda.values import BadArgument, Suggesting, display_unit, html_table
+from laticauda.values import BadArgument, RunFailed, Suggesting, display_unit, html_table
 
 if TYPE_CHECKING:
     import xarray
@@ -75,7 +75,9 @@ class Figure:
         of: Function that computes the figure of a trial; it raises a ValueError that states why
             there is none.
 
-    Access to a figure that is not finite raises an error.
+    Access to a figure that is not finite raises an error, and so does access to any figure of a run
+    that failed: numbers of a motion that blew up look like others. The time series of such a run stay
+    readable.
     """
 
     def __init__(self, unit: str, title: str, of: Callable[[Any], float]) -> None:
@@ -89,10 +91,12 @@ class Figure:
     @overload
     def __get__(self, trial: None, owner: type) -> Self: ...
     @overload
-    def __get__(self, trial: object, owner: type) -> float: ...
-    def __get__(self, trial: object, owner: type) -> Self | float:
+    def __get__(self, trial: contents.Contents, owner: type) -> float: ...
+    def __get__(self, trial: contents.Contents | None, owner: type) -> Self | float:
         if trial is None:
             return self
+        if not trial.succeeded:
+            raise RunFailed(trial.status)
         with np.errstate(all="ignore"):
             value = float(self._of(trial))
         if not np.isfinite(value):
@@ -103,7 +107,11 @@ class Figure:
 
 
 class Trial(Suggesting, contents.Contents):
-    """The time-stamped log of one run, with its robot, its gait and how it ended: see `Contents`."""
+    """The time-stamped log of one run, with its robot, its gait and how it ended: see `Contents`.
+
+    A run that failed (`succeeded` is False) has no figures: each raises `RunFailed`, with the sentence of
+    its `status`. Its time series hold what was computed or recorded until then.
+    """
 
     _meant = MEANT
 
@@ -213,6 +221,8 @@ class Trial(Suggesting, contents.Contents):
     @property
     def speed_through_water(self) -> float:
         """`forward_velocity` relative to the water: the current is subtracted [m/s]."""
+        if not self.succeeded:
+            raise RunFailed(self.status)
         return metrics.speed_through_water(self)
 
     @cached_property
@@ -225,7 +235,10 @@ class Trial(Suggesting, contents.Contents):
         return metrics.heading_mean(self)
 
     def figures(self) -> tuple[dict[str, float | None], dict[str, str]]:
-        """Return all figures of `FIGURES` by name, None if meaningless for this run, and the reasons, by name."""
+        """Return all figures of `FIGURES` by name, None if meaningless for this run, and the reasons, by name.
+
+        Those of a run that failed are all None.
+        """
         values: dict[str, float | None] = {}
         reasons: dict[str, str] = {}
         for figure in FIGURES:
@@ -359,7 +372,9 @@ class Trial(Suggesting, contents.Contents):
         if self.succeeded and self.time.size > 1:
             log += f", {self.forward_velocity:.3g} m/s"
         status = self.status
-        if self.succeeded and self.feasibility.problems:
+        if not self.succeeded:
+            status = f"FAILED: {status}"
+        elif self.feasibility.problems:
             status += f" The robot cannot do it: {self.feasibility.problems[0]}."
         return f"<Trial of {self.robot.name}: {gait}, {log}; {status}>"
 
@@ -368,6 +383,8 @@ class Trial(Suggesting, contents.Contents):
 
         values, _ = self.figures()
         rows: list[tuple[str, str]] = []
+        if not self.succeeded:
+            rows.append(("FAILED", self.status))
         for figure in FIGURES:
             value = values[figure.name]
             if value is not None:

@@ -64,6 +64,21 @@ class SimulationFailed(LaticaudaError, RuntimeError):
     """A run that blew up: the message states when, and what to try."""
 
 
+class RunFailed(LaticaudaError, ValueError):
+    """A figure asked of a run that did not reach its end, and has none: the message states how the run ended.
+
+    Args:
+        status: How the run ended, in a sentence.
+    """
+
+    def __init__(self, status: str) -> None:
+        super().__init__(status)
+
+    def __str__(self) -> str:
+        """Return the sentence shown to the user."""
+        return f"A run that failed has no figures: {self.args[0]}"
+
+
 class TrialFileError(LaticaudaError, ValueError):
     """A trial file that cannot be read: the message states which file, and why."""
 

@@ -9,7 +9,7 @@ from laticauda import robot, scenarios
 from laticauda.models.simulate.numbers import change_parameters
 from laticauda.models.simulate.runner import swim
 from laticauda.trials import Trial
-from laticauda.values import BadArgument, check_choice
+from laticauda.values import BadArgument, RunFailed, check_choice
 
 Interval = tuple[float, float]
 """Lower and upper bound."""
@@ -73,12 +73,15 @@ def figure_intervals(
 
     Raises:
         ValueError: If the trial was not simulated, or there are no intervals.
+        RunFailed: If the trial is of a run that failed.
         SimulationFailed: If a run blows up.
     """
     scenario: Any = trial.scenario
     if not isinstance(scenario, scenarios.Scenario):
         rule = "must be a simulated run, which can be run again with other coefficients"
         raise BadArgument("trial", rule)
+    if not trial.succeeded:
+        raise RunFailed(trial.status)
     if intervals is None:
         intervals = intervals_of(scenario)
     if figures is None:

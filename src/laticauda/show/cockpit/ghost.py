@@ -37,9 +37,10 @@ class Ghost:
         """Return the sample at a time since the beginning [s]; after its end, the trial repeats."""
         trial = self._trial
         time_in_trial = 0.0
-        if trial.duration > 0.0:
-            time_in_trial = time % trial.duration
         begin = float(trial.time[0])
+        duration = float(trial.time[-1]) - begin  # a run that failed has one, too
+        if duration > 0.0:
+            time_in_trial = time % duration
         next_sample: int = np.searchsorted(trial.time, begin + time_in_trial).item()
         last_sample = trial.time.size - 1
         sample = trial.at(min(next_sample, last_sample))

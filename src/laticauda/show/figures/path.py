@@ -19,7 +19,7 @@ from laticauda.show.figures.posture import (
     outline,
 )
 from laticauda.show.figures.water import draw_water
-from laticauda.trials import Trial
+from laticauda.trials import Trial, metrics
 
 MARGIN = 0.05
 """Space around the path for the times beside the postures, as a fraction of its extent [-]."""
@@ -118,7 +118,8 @@ def _spot_of_time(trial: Trial, points: Points, sample: int, half_width: float) 
         if sample:
             return _Spot(direction=ahead, point=points[-1])
         return _Spot(direction=-ahead, point=points[0])
-    is_straight = trial.path_speed < STRAIGHT * trial.forward_velocity
+    log = trial.time, trial.center_of_mass  # a run that failed has them, but no figures
+    is_straight = metrics.path_speed(*log) < STRAIGHT * metrics.forward_velocity(*log)
     outward = center - 0.5 * (path.min(axis=0) + path.max(axis=0))
     side = left if is_straight or left @ outward > 0.0 else -left
     is_middle = np.abs((points - center) @ ahead) < 0.25 * np.ptp(points @ ahead)

@@ -25,7 +25,7 @@ def plot_overlay(trials: Sequence[Trial], names: Sequence[str]) -> Figure:
 
     Args:
         trials: Any trials; for one without whole gait cycles, the forward speed itself is drawn.
-        names: Name of each trial.
+        names: Name of each trial; one that failed is marked.
     """
     n_rows = math.ceil(len(trials) / 2)
     figure = style.new_figure(style.DOUBLE_COLUMN, HEIGHT + LEGEND_ROW * n_rows)
@@ -34,7 +34,8 @@ def plot_overlay(trials: Sequence[Trial], names: Sequence[str]) -> Figure:
         trials, names, itertools.cycle(_line_looks()), strict=False
     ):
         look: Any = {"color": color, "linestyle": dashes, "linewidth": style.LINE}
-        path.plot(*trial.center_of_mass[:, :2].T, **look, label=name)
+        label = name if trial.succeeded else f"{name}: FAILED"
+        path.plot(*trial.center_of_mass[:, :2].T, **look, label=label)
         path.plot(*trial.center_of_mass[-1, :2], **style.marker_style("o", 3.5, color))
         mean = cycle_mean_speed(trial)
         if mean is None:

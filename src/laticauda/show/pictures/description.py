@@ -20,13 +20,15 @@ def measure_speed(trial: Trial, time: float) -> float:
 
 
 def describe_run(trial: Trial, speed: float = 1.0) -> list[str]:
-    """Return text on the robot, its gait, and the playback speed.
+    """Return text on the robot, its gait, and the playback speed; a run that failed is marked.
 
     Args:
         trial: Any trial.
         speed: Playback speed; 2 is twice as fast [-].
     """
     name = trial.robot.name
+    if not trial.succeeded:
+        name = f"FAILED: {name}"
     if speed != 1.0:
         name += f"  (shown at {speed:g} times its speed)"
     gait = trial.gait

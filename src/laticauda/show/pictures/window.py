@@ -48,7 +48,7 @@ def show_in_window(trial: Trial, *, speed: float = 1.0) -> None:
             _place_camera(window.cam, trial, studio)
         while window.is_running():
             elapsed = (time.monotonic() - opened_at) * speed
-            shown = elapsed % max(trial.duration, 1e-9)
+            shown = elapsed % max(float(trial.time[-1]) - begin, 1e-9)
             posture = interpolate_posture(trial, begin + shown, studio.height)
             _update_window(window, studio, posture)
             time.sleep(1.0 / PICTURES_PER_SECOND)

@@ -13,7 +13,7 @@ from laticauda.tank.operate.recording.timing import Timing, describe_punctuality
 from laticauda.tank.operate.recording.to_trial import trial_of
 from laticauda.tank.operate.safety.supervisor import BY_EVENT, cause_of
 from laticauda.tank.operate.verdict import Verdict
-from laticauda.trials import Trial, following
+from laticauda.trials import Trial, following, metrics
 from laticauda.values import TrialFileError
 
 FIGURE_TEXTS: dict[str, Any] = tomllib.loads(
@@ -63,7 +63,7 @@ class Result:
     again."""
 
     def summary(self) -> dict[str, Any]:
-        """Return the figures of the run by name, ready for JSON."""
+        """Return the figures of the run by name, ready for JSON; a run that failed has only its duration."""
         figures: dict[str, Any] = {
             "name": self.name,
             "accepted": self.accepted,
@@ -89,11 +89,14 @@ class Result:
 
     def _figures_of_trial(self, trial: Trial) -> dict[str, Any]:
         figures: dict[str, Any] = {
-            "duration": trial.duration,
-            "forward_velocity": trial.forward_velocity,
+            "duration": metrics.log_duration(trial.time),
+            "forward_velocity": None,
             "electrical_power": None,
             "total_power": None,
         }
+        if not trial.succeeded:  # its reason is above
+            return figures
+        figures["forward_velocity"] = trial.forward_velocity
         if trial.electrical_work is not None and not self.lost_meter:
             figures["electrical_power"] = trial.electrical_power
             figures["total_power"] = trial.electrical_power + self._idle_power

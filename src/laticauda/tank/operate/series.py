@@ -59,7 +59,9 @@ class Repeats:
     def accepted(self) -> tuple[Result, ...]:
         """Results of the runs that count."""
         return tuple(
-            result for result in self.results if result.accepted and result.trial is not None
+            result
+            for result in self.results
+            if result.accepted and result.trial is not None and result.trial.succeeded
         )
 
     def figure(self, name: str) -> tuple[float, float | None] | None:
