@@ -296,24 +296,34 @@ def three_dimensions(folder: Path) -> None:
     )
 
 
-def cockpit(folder: Path) -> None:
-    """The live page: following a path with its plots, the controls, and the map of the gaits."""
+def first_scenario() -> lc.Scenario:
+    """What the cockpit starts with."""
+    gait = lc.lateral_undulation(
+        amplitude=radians(30), frequency=radians(130), phase_shift=radians(40)
+    )
+    return lc.build_scenario("mamba-fin", gait, parameters="mamba-identified")
+
+
+def cockpit_path(folder: Path) -> None:
+    """The live page: following a path, with its plots."""
     from page import camera  # here alone: it needs a browser
 
     from laticauda.show.cockpit.changes import adapt_scenario
 
-    robot = lc.load_robot("mamba-fin")
-    gait = lc.lateral_undulation(
-        amplitude=radians(30), frequency=radians(130), phase_shift=radians(40)
-    )
-    plain = lc.build_scenario(robot, gait)
+    plain = first_scenario()
     with camera(plain) as seen:
-        seen.swim(
-            adapt_scenario(plain, path=lc.StraightLine(point=(0.0, -0.6)), joints="servo"), 40.0
-        )
+        seen.swim(adapt_scenario(plain, path=lc.StraightLine(point=(0.0, -0.6))), 40.0)
         seen.open("Plots")
         seen.look((-0.45, -2.1, 1.2), 0.3)
         seen.shoot(folder / "cockpit-path.png")
+
+
+def cockpit(folder: Path) -> None:
+    """The live page: the controls, and the map of the gaits."""
+    from page import camera  # here alone: it needs a browser
+
+    plain = first_scenario()
+    with camera(plain) as seen:
         seen.cockpit.live.link_forces = True
         seen.swim(plain, 30.0)
         seen.open("Swim")
@@ -399,7 +409,8 @@ PICTURES = {
     "identified": Picture(
         lambda folder: save_figure(identified(), folder / "identified.png"), ("identified.png",)
     ),
-    "cockpit": Picture(cockpit, ("cockpit-path.png", "cockpit.png", "cockpit-map.png")),
+    "cockpit-path": Picture(cockpit_path, ("cockpit-path.png",)),
+    "cockpit": Picture(cockpit, ("cockpit.png", "cockpit-map.png")),
     "film": Picture(film, ("follow.webp",)),
     "street": Picture(street, ("street.png", "street.webp")),
     "currents": Picture(currents, ("currents.png",)),
