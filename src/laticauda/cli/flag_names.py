@@ -170,12 +170,14 @@ def marked_types_of(kind: type) -> Mapping[str, Any]:
     return MappingProxyType(typing.get_type_hints(kind, include_extras=True))
 
 
+@cache
 def marks_of(kind: type) -> Mapping[str, tuple[Any, ...]]:
     """Return the marks on the fields of a command or a part of it: `OutputFile`, for example."""
-    return {
+    marks = {
         name: getattr(marked_type, "__metadata__", ())
         for name, marked_type in marked_types_of(kind).items()
     }
+    return MappingProxyType(marks)
 
 
 def is_internal(field: Field) -> bool:
