@@ -288,7 +288,8 @@ def test_outliers_count_less_with_a_robust_loss():
     bad = replace(swum()[2], figures={"forward_velocity": (0.4, 0.002)})
     spoiled = [*swum()[:2], bad, *swum()[3:]]
     plain, robust = (
-        fit(spoiled, parameters=[FRICTION], n_starts=1, loss=loss) for loss in ("linear", "cauchy")
+        fit(spoiled, parameters=[FRICTION], n_starts=1, loss=loss, rivals=False)
+        for loss in ("linear", "cauchy")
     )
     assert abs(robust[FRICTION].value - 0.2) < 0.01 < abs(plain[FRICTION].value - 0.2)
 
@@ -388,7 +389,7 @@ def test_a_measurement_that_diverges_in_simulation_is_named():
 
 
 def test_table_1_gives_one_friction_for_both_gaits():
-    found = fit(from_table1(), parameters=[FRICTION], noise="estimated", n_starts=1)
+    found = fit(from_table1(), parameters=[FRICTION], noise="estimated", n_starts=1, rivals=False)
     assert found[FRICTION].is_identified
     assert len(found.residuals) == 20
     assert {row["group"] for row in found.residuals} == {

@@ -56,7 +56,10 @@ def test_what_was_left_out_is_described_worse(found):
 def test_a_group_whose_own_parameter_nothing_else_knows_cannot_be_predicted():
     rows = from_table1()[::3]
     own = fit(
-        rows, parameters=[f"lateral_undulation.{FRICTION}", f"eel_like.{FRICTION}"], n_starts=1
+        rows,
+        parameters=[f"lateral_undulation.{FRICTION}", f"eel_like.{FRICTION}"],
+        n_starts=1,
+        rivals=False,
     )
     assert np.isfinite(leave_out(own, "group").percentage_error())
     common = [
@@ -65,7 +68,10 @@ def test_a_group_whose_own_parameter_nothing_else_knows_cannot_be_predicted():
         if not (row.scenario.gait.kind == "eel_like" and row.scenario.robot.caudal_fin)
     ]
     alone = fit(
-        common, parameters=[f"lateral_undulation.{FRICTION}", f"eel_like.{FRICTION}"], n_starts=1
+        common,
+        parameters=[f"lateral_undulation.{FRICTION}", f"eel_like.{FRICTION}"],
+        n_starts=1,
+        rivals=False,
     )
     assert np.isnan(leave_out(alone, "group").percentage_error())
 
@@ -81,7 +87,9 @@ def test_null_models_stand_beside_it():
     rows = from_table1(selected_from=1)
     beside = {
         null.name: null
-        for null in compared_with_null_models(fit(rows, parameters=[FRICTION], n_starts=1))
+        for null in compared_with_null_models(
+            fit(rows, parameters=[FRICTION], n_starts=1, rivals=False)
+        )
     }
     simple = beside["constant + fin + eel"]
     assert simple.n_parameters == 3
