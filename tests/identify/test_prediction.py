@@ -16,6 +16,7 @@ from laticauda.identify import (
     leave_out,
     load_basis,
     predict_scenario,
+    with_checksum,
 )
 from laticauda.identify.model_error import measure_error_of_groups, measure_model_error
 from laticauda.robot import Joint, Module, Robot, Section, textbook_water
@@ -178,6 +179,15 @@ def test_other_folders_are_rejected(tmp_path, text, says):
     if text is not None:
         (tmp_path / "fit.json").write_text(text)
     with pytest.raises(TrialFileError, match=says):
+        load_basis(tmp_path)
+
+
+def test_a_basis_that_was_damaged_is_rejected(basis, tmp_path):
+    file = tmp_path / "fit.json"
+    file.write_text(json.dumps(with_checksum({"prediction": basis.to_table()}), indent=2))
+    assert load_basis(tmp_path).to_table() == basis.to_table()
+    file.write_text(file.read_text().replace("duration", "durations", 1))
+    with pytest.raises(TrialFileError, match=r"fit\.json: it is damaged: its checksum is wrong"):
         load_basis(tmp_path)
 
 

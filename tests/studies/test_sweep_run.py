@@ -22,6 +22,7 @@ from laticauda.studies import (
     run_sweep,
     store,
 )
+from laticauda.studies.checksums import read_checksums, write_checksums
 from laticauda.values.errors import StorageFailed
 
 
@@ -225,6 +226,9 @@ def test_results_that_do_not_say_any_more_what_was_varied_are_refused(
     run_sweep(small(points=points), tmp_path)
     damaged = tmp_path / "results.zarr" / file
     damaged.write_text(damaged.read_text().replace(f'"{word}"', f'"{word[:-1]}?"'))
+    with pytest.raises(ValueError, match=r"intact files, got .* with a damaged `results\.zarr/"):
+        open_sweep(tmp_path)
+    write_checksums(tmp_path, [*read_checksums(tmp_path)])  # as if it had been written so
     for read in (open_sweep, best_points):
         with pytest.raises(
             ValueError, match=r"readable `results\.zarr`, got .*`gait\.amplitude` is missing"

@@ -11,7 +11,7 @@ from typing import Any
 
 from laticauda.cli.flags import Options, parse_command
 from laticauda.cli.output_files import check_output, files_of
-from laticauda.values import SkippedRowsWarning, option, to_json, value_class
+from laticauda.values import SkippedRowsWarning, StoredResultsWarning, option, to_json, value_class
 from laticauda.values.packaging import renamed_names
 
 
@@ -80,7 +80,7 @@ def _warnings_as_lines() -> Generator[None]:
     """Print warnings about what the user gave as one line each, without the code that found it."""
 
     def print_line(message: Warning | str, category: type[Warning], *details: Any) -> None:
-        if issubclass(category, SkippedRowsWarning):
+        if issubclass(category, SkippedRowsWarning | StoredResultsWarning):
             print(f"laticauda: {message}", file=sys.stderr)
         else:
             print_as_usual(message, category, *details)

@@ -146,6 +146,7 @@ if TYPE_CHECKING:
         basis_of as basis_of,
         load_basis as load_basis,
         KEY_OF_BASIS as KEY_OF_BASIS,
+        with_checksum as with_checksum,
         SCENARIO_FILE as SCENARIO_FILE,
         first_scenario as first_scenario,
         list_assumptions as list_assumptions,
@@ -215,6 +216,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.identify.prediction": ["PredictedFigure", "PredictedPath", "Shares"],
         "laticauda.identify.prediction_basis": [
             "KEY_OF_BASIS",
+            "with_checksum",
             "SCENARIO_FILE",
             "first_scenario",
             "list_assumptions",

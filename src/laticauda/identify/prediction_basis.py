@@ -4,6 +4,7 @@ A `PredictionBasis` is made of a fit once (`basis_of`), kept in the file `fit.js
 and read back (`load_basis`). Predictions need nothing else of the measurements (`prediction`).
 """
 
+import hashlib
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -33,12 +34,14 @@ from laticauda.identify.unknowns import NUISANCE
 from laticauda.motion.gaits import Gait
 from laticauda.robot import GAITS, Robot
 from laticauda.scenarios import Scenario, Start
-from laticauda.values import BadArgument, TrialFileError, to_plain
+from laticauda.values import BadArgument, TrialFileError, to_json, to_plain
 
 KEY_OF_BASIS = "prediction"
 """Key of the basis in the file."""
 FILE = "fit.json"
 """Name of the file in the folder of an identification."""
+KEY_OF_CHECKSUM = "sha256"
+"""Key of the SHA-256 of all else in the file."""
 SCENARIO_FILE = "scenario.toml"
 """Name of the file with the robot and the water of the first trial, with the fitted values."""
 GAIT_NUMBERS = ("amplitude", "frequency", "phase_shift")
@@ -163,7 +166,7 @@ def load_basis(folder: str | Path) -> PredictionBasis:
         folder: Folder of an identification.
 
     Raises:
-        TrialFileError: If there is none, or it is of an older version.
+        TrialFileError: If there is none, or it is damaged, or of an older version.
     """
     file = Path(folder) / FILE
     try:
@@ -173,6 +176,9 @@ def load_basis(folder: str | Path) -> PredictionBasis:
         raise TrialFileError(f"{folder}: {rule}; it has no {FILE}.") from None
     except (OSError, ValueError) as error:
         raise TrialFileError(f"{file}: cannot be read: {error}") from None
+    if not _is_intact(results):
+        reason = "it is damaged: its checksum is wrong; run `laticauda identify` again"
+        raise TrialFileError(f"{file}: {reason}.")
     table = _table_of(results)
     if table is None:
         reason = "holds no basis of predictions; run `laticauda identify` again"
@@ -183,6 +189,31 @@ def load_basis(folder: str | Path) -> PredictionBasis:
         raise TrialFileError(
             f"{file}: `{KEY_OF_BASIS}` is not what laticauda wrote: {error!r}."
         ) from None
+
+
+def with_checksum(results: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the content of the file with a checksum of it.
+
+    Args:
+        results: Results of an identification, as far as JSON can hold them.
+    """
+    return {**results, KEY_OF_CHECKSUM: _checksum_of(results)}
+
+
+def _checksum_of(results: Mapping[str, Any]) -> str:
+    """Return the SHA-256 of a file's content, however it is laid out in lines."""
+    return hashlib.sha256(to_json(results, None).encode()).hexdigest()
+
+
+def _is_intact(results: object) -> bool:
+    """Return whether what was read from a file has the checksum that stands in it; older files have none."""
+    if not isinstance(results, dict):
+        return True
+    table = cast("dict[str, Any]", results)
+    if KEY_OF_CHECKSUM not in table:
+        return True
+    others = {name: entry for name, entry in table.items() if name != KEY_OF_CHECKSUM}
+    return table[KEY_OF_CHECKSUM] == _checksum_of(others)
 
 
 def _table_of(results: object) -> Mapping[str, Any] | None:

@@ -6,6 +6,8 @@ regions         pieces of a sweep that are computed in one go
 sweep           definition of a sweep
 store           writing a sweep's folder
 stored_sweep    reading it
+damage          which of its regions are damaged
+checksums       which of its other files are
 running         running a sweep, here or on a cluster (`cluster`)
 optimization    definition of an optimization, and the evaluation of its points
 search          which points to try next

@@ -68,13 +68,19 @@ class Checkpoint:
             ValueError: If the folder holds something else or another optimization; the message
                 names the differences.
         """
-        if self.folder is None or not (self.folder / CHECKPOINT).exists():
+        if self.folder is None:
+            return
+        path = self.folder / CHECKPOINT
+        if not path.exists():
             return
         with readable(self.folder, CHECKPOINT):
-            content = io.BytesIO((self.folder / CHECKPOINT).read_bytes())
+            content = io.BytesIO(path.read_bytes())
+            # numpy compares the checksum of every array with that in the file.
             with np.load(content, allow_pickle=False) as file:
-                stored: dict[str, Any] = dict(json.loads(str(file[DEFINITION])))
-                tried = {name: file[name] for name in (POINTS, *COLUMNS)}
+                definition = str(file[DEFINITION])
+                stored: dict[str, Any] = dict(json.loads(definition))
+                names = (POINTS, *COLUMNS)
+                tried = {name: file[name] for name in names}
         check_same(self.folder, JOB, stored, self.definition)
         if not self._is_intact(tried):
             raise BadArgument("folder", f"must hold an intact `{CHECKPOINT}`, got {self.folder}")
@@ -83,10 +89,14 @@ class Checkpoint:
     def _is_intact(self, tried: Columns) -> bool:
         """Return whether stored arrays have the kinds of ours, and all the same length."""
         for stored_column, column in zip(tried.values(), self.tried.values(), strict=True):
-            same_kind = stored_column.dtype == column.dtype and stored_column.ndim == column.ndim
-            if not same_kind or stored_column.shape[1:] != column.shape[1:]:
+            if stored_column.dtype != column.dtype:
                 return False
-        return len({len(column) for column in tried.values()}) <= 1
+            if stored_column.ndim != column.ndim:
+                return False
+            if stored_column.shape[1:] != column.shape[1:]:
+                return False
+        lengths = {len(column) for column in tried.values()}
+        return len(lengths) <= 1
 
     def add(self, generation: Columns) -> None:
         """Add a generation, and store it.
@@ -101,7 +111,8 @@ class Checkpoint:
         self.tried = join_columns(self.tried, generation)
         if self.folder is None:
             return
-        arrays: Any = {DEFINITION: np.array(json.dumps(self.definition)), **self.tried}
+        definition = json.dumps(self.definition)
+        arrays: Any = {DEFINITION: np.array(definition), **self.tried}
         with storage(self.folder, f"{n_before} trials are stored"):
             files.write(
                 self.folder / CHECKPOINT, lambda path: np.savez(path, allow_pickle=False, **arrays)

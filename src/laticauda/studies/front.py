@@ -165,7 +165,11 @@ class Front:
             path: Path of the file; an existing file is replaced.
         """
         dataset: Any = self.to_dataset()
-        write(path, lambda new_path: dataset.to_netcdf(new_path, engine="netcdf4"))
+        encoding = {name: {"fletcher32": True} for name in dataset.variables}  # checksums of HDF5
+        write(
+            path,
+            lambda new_path: dataset.to_netcdf(new_path, engine="netcdf4", encoding=encoding),
+        )
 
     def write_csv(self, path: str | Path) -> None:
         """Write the front to a CSV file: one row per point, SI units, angles in radians.

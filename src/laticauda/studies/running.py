@@ -12,7 +12,7 @@ from laticauda.studies.point_trials import Column, Progress, swim_points
 from laticauda.studies.regions import Regions
 from laticauda.studies.sampling import Table
 from laticauda.studies.store import open_store
-from laticauda.studies.stored_sweep import open_sweep
+from laticauda.studies.stored_sweep import open_unread
 from laticauda.studies.sweep import Sweep
 from laticauda.values import check_whole_number
 
@@ -70,7 +70,7 @@ def run_sweep(
             for index, table, results in regions:
                 store.write(index, table, results)
                 progress(store.n_done, sweep.n_trials)
-    return open_sweep(folder)
+    return open_unread(Path(folder))
 
 
 def _swim_regions(

@@ -1,8 +1,9 @@
 """Reading the folder of a sweep: its results as a Dataset, its best points, how many trials failed.
 
-    sweep.json      definition of the sweep: a folder belongs to one sweep
-    results.zarr    the Dataset; a region of the sweep is one chunk of every array, hence one file
-    regions.done    one byte per region, 1 once all of it is stored
+    sweep.json          definition of the sweep: a folder belongs to one sweep
+    results.zarr        the Dataset; a region of the sweep is one chunk of every array, hence one file
+    checksums.sha256    checksums of all files but the chunks, which have their own, and the marks
+    regions.done        one byte per region, not 0 once all of it is stored
 
 `laticauda.studies.store` writes such a folder.
 """
@@ -17,6 +18,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from laticauda.studies import damage
+from laticauda.studies.checksums import find_damaged_files
 from laticauda.studies.folder import readable
 from laticauda.studies.point_trials import COSTS, FIGURES, QUANTITIES
 from laticauda.studies.regions import Regions
@@ -42,7 +45,7 @@ REGION_KEY = "region"
 
 
 def open_sweep(folder: str | Path) -> "xarray.Dataset":
-    """Open the results of a sweep, finished or not; they are read when they are used.
+    """Open the results of a sweep, finished or not; all are checked, then read again when they are used.
 
     A grid has one dimension per parameter, with the parameter's values; lists and samples have the
     dimension `trial`, with the parameters as coordinates along it. Points not yet computed are nan
@@ -53,20 +56,47 @@ def open_sweep(folder: str | Path) -> "xarray.Dataset":
         folder: Where the sweep is stored.
 
     Raises:
-        ValueError: If the folder holds no sweep.
+        ValueError: If the folder holds no sweep, or a damaged one; the message says what is damaged.
         MissingExtra: If zarr is not installed.
+    """
+    path = Path(folder)
+    dataset = open_unread(path)
+    damage.warn_without_checksums(path)
+    regions = regions_of(path)
+    stored = damage.is_stored(path, read_marks(path, regions))
+    names = names_by_region(path)
+    damaged = damage.find_damaged_regions(path / RESULTS, regions, names, stored)
+    _refuse_damaged_regions(path, regions, damaged)
+    return dataset
+
+
+def open_unread(path: Path) -> "xarray.Dataset":
+    """Open the results of a sweep, as `open_sweep` does, without reading all of them to check them.
+
+    Whatever is read of them later is checked then.
+
+    Args:
+        path: The folder.
+
+    Raises:
+        ValueError: If the folder holds no sweep, or parts of it are missing or damaged.
     """
     import_zarr()
     xarray: Any = import_module("xarray")
-    path = Path(folder)
     regions = regions_of(path)
     if not (path / DONE).exists():
-        raise BadArgument("folder", f"must hold the results of a sweep, got {folder}")
-    done = read_marks(path, regions)
+        raise BadArgument("folder", f"must hold the results of a sweep, got {path}")
+    marks = read_marks(path, regions)
+    unknown_marks = damage.find_damaged_marks(path, marks)
+    _refuse_damaged_regions(path, regions, unknown_marks)
+    stored = damage.is_stored(path, marks)
+    missing = damage.find_missing(path / RESULTS, regions, names_by_region(path), stored)
+    _refuse_damaged_regions(path, regions, missing)
     with readable(path, RESULTS):
         dataset = xarray.open_zarr(str(path / RESULTS), consolidated=False, chunks=None)
         # In our order; folders of older releases have fewer.
-        dataset = dataset[[name for name in QUANTITIES if name in dataset]]
+        names = [name for name in QUANTITIES if name in dataset]
+        dataset = dataset[names]
         if any(variable.shape != regions.shape for variable in dataset.values()):
             raise BadArgument(RESULTS, f"must have shape {regions.shape}")
         for name in _parameter_names(path):
@@ -75,10 +105,32 @@ def open_sweep(folder: str | Path) -> "xarray.Dataset":
     for coordinate in dataset.coords.values():
         # For a netCDF file of it: no value of a coordinate is missing.
         coordinate.encoding["_FillValue"] = None
-    return dataset.assign_attrs(
-        n_trials=int(np.prod(regions.shape, dtype=np.int64)),
-        n_finished=count_points(regions, done),
-    )
+    n_trials = np.prod(regions.shape, dtype=np.int64)
+    n_finished = count_points(regions, stored)
+    return dataset.assign_attrs(n_trials=int(n_trials), n_finished=n_finished)
+
+
+def _refuse_damaged_regions(path: Path, regions: Regions, damaged: list[int]) -> None:
+    if damaged:
+        listed = damage.describe_regions(regions, damaged)
+        raise BadArgument(
+            "folder",
+            f"must hold intact results, got {path} with damage to {listed}; {damage.AGAIN}",
+        )
+
+
+def list_damaged_files(path: Path) -> list[str]:
+    """Return the files, other than results and marks, that are not as they were written.
+
+    Args:
+        path: The folder.
+    """
+    if not (path / DONE).exists():  # it is not complete yet, and will be made anew
+        return []
+    results = path / RESULTS
+    files = [path / DEFINITION, results / "zarr.json", *results.glob("*/zarr.json")]
+    names = [file.relative_to(path).as_posix() for file in files]
+    return find_damaged_files(path, names)
 
 
 def regions_of(folder: str | Path) -> Regions:
@@ -88,12 +140,17 @@ def regions_of(folder: str | Path) -> Regions:
         folder: Folder of a sweep.
 
     Raises:
-        ValueError: If it is not the folder of a sweep.
+        ValueError: If it is not the folder of a sweep, or one of its files is damaged.
     """
-    definition = read_definition(Path(folder))
+    path = Path(folder)
+    damaged = list_damaged_files(path)
+    if damaged:
+        rule = f"must hold intact files, got {folder} with a damaged `{damaged[0]}`"
+        raise BadArgument("folder", f"{rule}; {damage.AGAIN}")
+    definition = read_definition(path)
     if definition is None:
         raise BadArgument("folder", f"must hold the results of a sweep, got {folder}")
-    return regions_of_definition(Path(folder), definition)
+    return regions_of_definition(path, definition)
 
 
 def regions_of_definition(path: Path, definition: Mapping[str, Any]) -> Regions:
@@ -130,18 +187,31 @@ def read_definition(path: Path) -> dict[str, Any] | None:
 
 
 def read_marks(path: Path, regions: Regions) -> np.ndarray:
-    """Return whether each region is stored, according to the marks.
+    """Return the marks of the regions; `laticauda.studies.damage` says what they mean.
 
     Args:
         path: The folder.
         regions: The regions of its sweep.
     """
-    done = np.array(bytearray((path / DONE).read_bytes()), dtype=bool)
-    if done.size != regions.count:
+    marks = np.frombuffer((path / DONE).read_bytes(), dtype=np.uint8)
+    if marks.size != regions.count:
         raise BadArgument(
-            "folder", f"must hold intact files, got a `{DONE}` of {done.size} bytes in {path}"
+            "folder", f"must hold intact files, got a `{DONE}` of {marks.size} bytes in {path}"
         )
-    return done
+    return marks
+
+
+def names_by_region(path: Path) -> list[str]:
+    """Return the names of the arrays that have one chunk per region; folders of older releases have fewer.
+
+    Args:
+        path: The folder.
+    """
+    definition = read_definition(path) or {}
+    names = list(QUANTITIES)
+    if definition.get("points", {}).get("kind") != "grid":
+        names += _parameter_names(path)
+    return [name for name in names if (path / RESULTS / name).is_dir()]
 
 
 def count_points(regions: Regions, done: np.ndarray) -> int:
@@ -202,7 +272,7 @@ def best_points(
     check_choice("quantity", quantity, FIGURES)
     check_whole_number("count", count, 1)
     sign = 1.0 if quantity in COSTS else -1.0
-    dataset = open_sweep(folder)
+    dataset = open_unread(Path(folder))
     regions = regions_of(folder)
     values = dataset[quantity].variable
     utilization = dataset[UTILIZATION].variable
@@ -249,15 +319,17 @@ def count_failed(folder: str | Path) -> int:
     Args:
         folder: Folder of a sweep, finished or not.
     """
-    dataset = open_sweep(folder)
+    dataset = open_unread(Path(folder))
     regions = regions_of(folder)
     succeeded = dataset["succeeded"].variable
     n_succeeded = 0
     with readable(Path(folder), RESULTS):
         for index in range(regions.count):
             block = regions.at(index)
-            n_succeeded += int(succeeded[block].to_numpy().sum())
-    return int(dataset.attrs["n_finished"]) - n_succeeded
+            of_region = succeeded[block].to_numpy()
+            n_succeeded += int(of_region.sum())
+    n_finished = int(dataset.attrs["n_finished"])
+    return n_finished - n_succeeded
 
 
 def count_infeasible(folder: str | Path) -> int:

@@ -59,6 +59,7 @@ if TYPE_CHECKING:
         SimulationFailed as SimulationFailed,
         SkippedRowsWarning as SkippedRowsWarning,
         StorageFailed as StorageFailed,
+        StoredResultsWarning as StoredResultsWarning,
         TrialFileError as TrialFileError,
         UnitWarning as UnitWarning,
     )
@@ -185,6 +186,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "SimulationFailed",
             "SkippedRowsWarning",
             "StorageFailed",
+            "StoredResultsWarning",
             "TrialFileError",
             "UnitWarning",
         ],

@@ -60,6 +60,10 @@ class SkippedRowsWarning(UserWarning):
     """Rows of a table that are left out, because they lack what is asked for."""
 
 
+class StoredResultsWarning(UserWarning):
+    """Stored results that are damaged and made anew, or of which nobody can tell whether they are intact."""
+
+
 class SimulationFailed(LaticaudaError, RuntimeError):
     """A run that blew up: the message states when, and what to try."""
 

@@ -58,6 +58,25 @@ def test_a_damaged_chunk_is_left_out_and_said(content, tmp_path):
     assert "a chunk of" in open_recording(path).lost
 
 
+@pytest.mark.parametrize("sought", [b"keel", b"\x0f\x04", b"\x06\x00\x00"])
+def test_damage_outside_of_chunks_is_said(tmp_path, sought: bytes):
+    path = tmp_path / "bad.mcap"
+    with Recorder(path) as recorder:
+        recorder.metadata("robot", {"name": "keel"})
+        recorder.scalar("/x", 0.0, 1.0)
+    assert open_recording(path).lost == ""
+    content = bytearray(path.read_bytes())
+    if sought[0] == 6:  # the kind of a record: the chunk is no chunk any more
+        at = chunks(bytes(content))[0][0]
+    else:
+        at = content.index(sought)
+    content[at] ^= 1
+    path.write_bytes(content)
+    assert (
+        open_recording(path).lost == "bad.mcap is not intact: it is damaged: its checksum is wrong."
+    )
+
+
 def test_the_bytes_of_any_writer_are_read(tmp_path):
     path = tmp_path / "other.mcap"
     with path.open("wb") as file:

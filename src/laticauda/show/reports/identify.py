@@ -15,6 +15,7 @@ from laticauda.identify import (
     basis_of,
     first_scenario,
     list_assumptions,
+    with_checksum,
 )
 from laticauda.show.reports.chapter import Chapter, make_writable_folder, write_chapter
 from laticauda.show.reports.identify_tables import list_identification_tables
@@ -48,7 +49,7 @@ def write_identification(
     scenarios.save_scenario(first_scenario(fit), output_folder / SCENARIO_FILE)
     results = describe_identification(validated, command)
     results[KEY_OF_BASIS] = _describe_basis(validated)
-    write(output_folder / "fit.json", to_json(results) + "\n")
+    write(output_folder / "fit.json", to_json(with_checksum(results)) + "\n")
     chapter = build_identification_chapter(validated, command)
     file_names, html = write_chapter(chapter, output_folder)
     write(output_folder / "identify.html", html)

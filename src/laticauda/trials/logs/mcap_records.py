@@ -5,6 +5,7 @@ truncated one are read, too.
 """
 
 import io
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
@@ -22,6 +23,7 @@ CHANNEL = 0x04
 MESSAGE = 0x05
 CHUNK = 0x06
 METADATA = 0x0C
+DATA_END = 0x0F
 
 
 class RawRecord(NamedTuple):
@@ -32,6 +34,38 @@ class RawRecord(NamedTuple):
     content: bytes
     end: int
     """Byte offset in the file after the record."""
+
+    @property
+    def prefix(self) -> bytes:
+        """What precedes the content: its kind and its length."""
+        return bytes([self.kind]) + len(self.content).to_bytes(8, "little")
+
+
+class DataCheck:
+    """Comparison of all data of a file with the checksum that stands behind them, record by record."""
+
+    def __init__(self) -> None:
+        self.is_complete = False
+        """Whether the end of the data was seen."""
+        self.is_damaged = False
+        """Whether the data differ from those that were written; writers need not state a checksum."""
+        self._checksum = zlib.crc32(MAGIC)
+
+    def add(self, record: RawRecord) -> None:
+        """Take in the next record.
+
+        Args:
+            record: The record.
+        """
+        if self.is_complete:  # what follows repeats the data
+            return
+        if record.kind == DATA_END:
+            stated = int.from_bytes(record.content[:4], "little")
+            self.is_complete = True
+            self.is_damaged = stated not in (0, self._checksum)
+            return
+        self._checksum = zlib.crc32(record.prefix, self._checksum)
+        self._checksum = zlib.crc32(record.content, self._checksum)
 
 
 def iterate_records(path: Path, begin: int) -> Iterator[RawRecord]:

@@ -124,7 +124,7 @@ class Recorder:
         self._file: BinaryIO = self._guard(lambda: self.path.open(mode), "name another place")
         # The writer's own limit is disabled: chunks end here, so that each is passed on as soon as
         # it is complete.
-        self._writer = Writer(self._file, chunk_size=1 << 40)
+        self._writer = Writer(self._file, chunk_size=1 << 40, enable_data_crcs=True)
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, _Channel] = {}
         self._lock = threading.Lock()

@@ -181,9 +181,11 @@ class Recording:
         size = self.path.stat().st_size
         self._read_end = begin or len(mcap_records.MAGIC)
         last_kind = 0
+        check = mcap_records.DataCheck()
         for raw_record in mcap_records.iterate_records(self.path, self._read_end):
             self._read_end = raw_record.end
             last_kind = raw_record.kind
+            check.add(raw_record)
             parsed_records = list[Any]()
             try:
                 parsed_records = mcap_records.parse_record(raw_record)
@@ -203,12 +205,15 @@ class Recording:
         if last_kind != mcap_records.FOOTER:
             n_bytes = max(size - self._read_end, 0)
             losses.append(f"it is truncated, with {n_bytes} bytes of an incomplete chunk")
+        elif not losses and (check.is_damaged or not check.is_complete):
+            losses.append("it is damaged: its checksum is wrong")
 
 
 def open_recording(path: str | Path) -> Recording:
     """Open an MCAP file of any writer, and find out what is in it and what is lost.
 
     From a truncated file, all complete chunks are kept; a chunk with a wrong checksum is left out.
+    A complete file has a checksum of all its data besides, so that damage between chunks is told.
 
     Args:
         path: The file.
