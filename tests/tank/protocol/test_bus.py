@@ -3,6 +3,7 @@ import re
 import socket
 import subprocess
 import sys
+import tracemalloc
 from pathlib import Path
 
 import pytest
@@ -109,6 +110,55 @@ def test_frames_go_between_buses_of_one_computer_and_to_and_from_plain_python_ca
             foreign.send(to_frame(Sync(counter=9)))
             found = [from_frame(frame) for frame in iter(lambda: other.recv(0.5), None)]
             assert found == [Sync(counter=8), Sync(counter=9)]
+
+
+def garbage():
+    """Datagrams that are no frame, some of which say that they hold gigabytes."""
+    msgpack = pytest.importorskip("msgpack")
+    good = {
+        "arbitration_id": 5,
+        "is_extended_id": False,
+        "is_remote_frame": False,
+        "is_error_frame": False,
+        "channel": None,
+        "dlc": 1,
+        "data": b"1",
+        "is_fd": False,
+    }
+    changes = [
+        {"data": 2**40},
+        {"data": 2**31, "dlc": 2**31},
+        {"data": None},
+        {"data": [1]},
+        {"data": "1"},
+        {"data": b"1" * 4000, "dlc": 4000},
+        {"data": b"1" * 64, "dlc": 64},
+        {"data": b"1" * 64, "dlc": 64, "is_fd": True},
+        {"dlc": -1},
+        {"dlc": 1000},
+        {"arbitration_id": -1},
+        {"arbitration_id": 1 << 40},
+        {"arbitration_id": 5.5},
+        {"arbitration_id": "5"},
+        {"arbitration_id": True},
+        {"no_such_field": 1},
+    ]
+    yield from (b"", b"\0", b"\xff" * 500, b"\x91" * 500, b"\xdd\xff\xff\xff\xff")
+    yield from (msgpack.packb(content) for content in ({}, [1], None, 3, {"data": b"1"}))
+    yield from (msgpack.packb({**good, **change}) for change in changes)
+
+
+def test_datagrams_that_are_no_frame_are_not_heard_and_take_no_memory():
+    address = bus_address("udp_multicast:239.74.163.99:43194")
+    with open_bus(address) as one, open_bus(address) as other:
+        for datagram in garbage():
+            one._multicast.send(datagram)
+        one.send(to_frame(Sync(counter=7)))
+        tracemalloc.start()
+        assert from_frame(other.recv(5.0)) == Sync(counter=7)
+        _, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+    assert peak < 1 << 20
 
 
 def test_frames_go_between_processes():

@@ -9,7 +9,6 @@ import contextlib
 import ipaddress
 import socket
 import sys
-from collections.abc import Mapping
 from importlib import import_module
 from typing import Any, Literal, cast
 
@@ -32,6 +31,8 @@ PORT = 43113
 IP_MULTICAST_ALL = 49
 """Option of Linux's sockets, which Python does not define."""
 LOOPBACK = "127.0.0.1"
+LONGEST_DATAGRAM = 512
+"""Bytes of a datagram that holds a frame, at most; 8 bytes of data need 170 [bytes]."""
 DEFAULT_CHANNELS = {"virtual": "mamba", "udp_multicast": GROUP, "socketcan": "can0"}
 """Default channels, by interface."""
 
@@ -156,11 +157,9 @@ def open_bus(address: BusAddress) -> Any:
     settings: dict[str, Any] = {"interface": address.interface, "channel": address.channel}
     if address.interface == "udp_multicast":
         optional_import("The CAN bus", "msgpack", "hardware")
-        settings |= {"port": address.port, "hop_limit": address.hops, "fd": False}
-    is_local = address.interface == "udp_multicast" and not address.hops
     try:
-        if is_local:
-            return _local_bus(settings)
+        if address.interface == "udp_multicast":
+            return _udp_bus(address)
         return can.Bus(**settings)
     except (can.CanError, OSError) as error:
         raise BusFailed(
@@ -168,24 +167,52 @@ def open_bus(address: BusAddress) -> Any:
         ) from error
 
 
-def _local_bus(settings: Mapping[str, Any]) -> Any:
-    """Return a bus within this computer: python-can's except for its socket, which would join a group on a network."""
+def _udp_bus(address: BusAddress) -> Any:
+    """Return python-can's bus over UDP, except for what it does with datagrams that are no frames.
+
+    Within this computer its socket is ours too: python-can's would join a group on a network.
+    """
     module = import_module("can.interfaces.udp_multicast.bus")
 
-    class Wire(module.GeneralPurposeUdpMulticastBus):
+    class LocalWire(module.GeneralPurposeUdpMulticastBus):
         def _create_socket(self, address_family: int) -> socket.socket:
             self.timestamp_nanosecond = False
             return _local_socket(self.group, self.port)
 
-    class LocalBus(module.UdpMulticastBus):
-        def __init__(self, *, channel: str, port: int, hop_limit: int, fd: bool) -> None:
-            module.BusABC.__init__(self, channel)
-            self._multicast = Wire(channel, port, hop_limit)
+    class Bus(module.UdpMulticastBus):
+        def __init__(self) -> None:
+            module.BusABC.__init__(self, address.channel)
+            wire_class = LocalWire
+            if address.hops:
+                wire_class = module.GeneralPurposeUdpMulticastBus
+            self._multicast = wire_class(address.channel, address.port, address.hops)
             self._can_protocol = module.CanProtocol.CAN_20
 
-    arguments = dict(settings)
-    del arguments["interface"]
-    return LocalBus(**arguments)
+        def _recv_internal(self, timeout: float | None) -> tuple[Any, bool]:
+            received = self._multicast.recv(timeout)
+            if not received:
+                return None, False
+            datagram, _, timestamp = received
+            return _read_datagram(datagram, timestamp), False
+
+    return Bus()
+
+
+def _read_datagram(datagram: bytes, timestamp: float) -> Any:
+    """Return the `can.Message` in a datagram; None if it holds none, as anybody may send anything.
+
+    python-can would allocate as much memory as a number in the place of the data says.
+    """
+    if len(datagram) > LONGEST_DATAGRAM:
+        return None
+    try:
+        fields = import_module("msgpack").unpackb(datagram, raw=False)
+        if not isinstance(fields["data"], bytes) or type(fields["arbitration_id"]) is not int:
+            return None
+        frame = python_can().Message(check=True, **{**fields, "timestamp": timestamp})
+    except Exception:  # msgpack has a dozen kinds
+        return None
+    return None if frame.is_fd else frame
 
 
 def _local_socket(group: str, port: int) -> socket.socket:
