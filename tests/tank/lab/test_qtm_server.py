@@ -141,6 +141,16 @@ def test_versions_that_we_do_not_speak_are_refused(server):
     ]
 
 
+def test_silent_connections_keep_out_nobody_who_asks(server):
+    async def questions(client):
+        return await client.get_parameters(["general"])
+
+    silent = [socket.create_connection((server.host, server.port), timeout=5) for _ in range(40)]
+    assert b"<Frequency>100<" in ask(server, questions)
+    for wire in silent:
+        wire.close()
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_random_bytes_do_not_bring_the_server_down(server, seed):
     random = np.random.default_rng(

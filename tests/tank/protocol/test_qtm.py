@@ -169,3 +169,23 @@ def test_a_body_has_no_residual_where_none_was_asked_for():
     assert pose.position.tolist() == [1.0, 0.0, -0.5]
     assert math.isnan(pose.residual)
     assert body_pose((math.nan, *[0.0] * 11)) is None
+
+
+@pytest.mark.parametrize(
+    ("position", "rotation"),
+    [
+        ((3e38, 0.0, 0.0), np.eye(3)),
+        ((1.0, 2.0, 3.0), np.zeros((3, 3))),
+        ((1.0, 2.0, 3.0), 1e30 * np.ones((3, 3))),
+        ((1.0, 2.0, 3.0), -np.eye(3)),
+        ((1.0, 2.0, 3.0), 1.1 * np.eye(3)),
+    ],
+)
+def test_a_place_beyond_all_cameras_and_what_is_no_rotation_are_no_pose(position, rotation):
+    assert body_pose((*position, *rotation.ravel().tolist())) is None
+
+
+@pytest.mark.parametrize("residual", [math.inf, -math.inf, -1.0])
+def test_an_impossible_residual_is_unknown(residual):
+    pose = body_pose((1.0, 2.0, 3.0, *np.eye(3).ravel().tolist(), residual))
+    assert pose is not None and math.isnan(pose.residual)

@@ -48,6 +48,8 @@ class _Client:
     writer: asyncio.StreamWriter
     components: tuple[qtm.Component, ...] = ()
     """Components of its stream; empty: it has no stream."""
+    has_asked: bool = False
+    """Whether it has sent anything that is a packet."""
     divisor: int = 1
     """Interval of its stream, in frames."""
     reader: qtm.PacketReader = field(default_factory=qtm.PacketReader)
@@ -71,7 +73,8 @@ class QtmServer:
         self.host = check_hostname("host", host)
         self.port = port
         self._latest: MocapFrame | None = None
-        self._clients: set[_Client] = set()
+        self._clients: dict[_Client, None] = {}
+        """In the order in which they came."""
         self._loop: asyncio.AbstractEventLoop | None = None
         self._thread: threading.Thread | None = None
         self._server: asyncio.Server | None = None
@@ -143,21 +146,31 @@ class QtmServer:
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         client = _Client(writer)
-        if len(self._clients) >= MOST_CLIENTS:
+        if len(self._clients) >= MOST_CLIENTS and not self._drop_silent_client():
             writer.close()
             return
-        self._clients.add(client)
+        self._clients[client] = None
         client.send(qtm.encode_text(qtm.BANNER))
         try:
             while data := await reader.read(65536):
                 for kind, payload in client.reader.feed(data):
+                    client.has_asked = True
                     self._answer(client, kind, qtm.decode_text(payload))
                 await writer.drain()  # a client that asks and does not read gets no further answers
         except (ProtocolError, OSError):
             pass  # clients that speak something else are disconnected
         finally:
-            self._clients.discard(client)
+            self._clients.pop(client, None)
             writer.close()
+
+    def _drop_silent_client(self) -> bool:
+        """Disconnect the first client that has never asked for anything; return whether there was one."""
+        for client in self._clients:
+            if not client.has_asked:
+                del self._clients[client]
+                client.writer.transport.abort()
+                return True
+        return False
 
     def _answer(self, client: _Client, kind: int, text: str) -> None:
         if kind != qtm.PacketType.COMMAND or not text.split():

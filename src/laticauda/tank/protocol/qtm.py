@@ -47,6 +47,10 @@ SKELETON = struct.Struct("<ii7f")
 """Number of segments, number of the segment, its position [mm] and its quaternion, w last."""
 LOST_POSITION = np.full(3, np.nan)
 """Position of a body that is not seen."""
+FARTHEST = 1000.0
+"""Distance from the origin of the cameras' frame beyond which no camera sees anything [m]."""
+ROTATION_ERROR = 0.01
+"""Largest error of a rotation matrix that is one: of the products of its columns [-]."""
 NUMBERS_OF_POSE = 12
 """Numbers of a pose: three of its position, nine of its rotation."""
 
@@ -127,9 +131,14 @@ def encode_event(event: Event) -> bytes:
 
 
 class PacketReader:
-    """Splits a stream of bytes into packets; keeps the bytes of incomplete packets until the rest arrives."""
+    """Splits a stream of bytes into packets; keeps the bytes of incomplete packets until the rest arrives.
 
-    def __init__(self) -> None:
+    Args:
+        largest_packet: Bytes of a packet at most.
+    """
+
+    def __init__(self, largest_packet: int = LARGEST_PACKET) -> None:
+        self._largest_packet = largest_packet
         self._unfinished = b""
 
     def feed(self, data: bytes) -> Iterator[tuple[int, bytes]]:
@@ -142,7 +151,7 @@ class PacketReader:
         self._unfinished += data
         while len(self._unfinished) >= HEADER.size:
             size, kind = HEADER.unpack_from(self._unfinished)
-            if not HEADER.size <= size <= LARGEST_PACKET:
+            if not HEADER.size <= size <= self._largest_packet:
                 raise ProtocolError(f"a packet claims to have {size} bytes")
             if len(self._unfinished) < size:
                 return
@@ -273,12 +282,23 @@ def body_pose(numbers: Sequence[float]) -> BodyPose | None:
 
     Returns:
         The pose, or None if a number of its position or rotation is not finite: the body was not
-        seen.
+        seen. A place beyond all cameras and a matrix that turns nothing are no pose either.
     """
     if not all(math.isfinite(number) for number in numbers[:NUMBERS_OF_POSE]):
         return None
     residual = math.nan
-    if len(numbers) > NUMBERS_OF_POSE:
+    if len(numbers) > NUMBERS_OF_POSE and 0.0 <= numbers[NUMBERS_OF_POSE] < math.inf:
         residual = 1e-3 * numbers[NUMBERS_OF_POSE]
+    position = 1e-3 * np.array(numbers[:3])
     rotation = np.array(numbers[3:NUMBERS_OF_POSE]).reshape(3, 3).T
-    return BodyPose(position=1e-3 * np.array(numbers[:3]), rotation=rotation, residual=residual)
+    if np.abs(position).max() > FARTHEST or not _is_rotation(rotation):
+        return None
+    return BodyPose(position=position, rotation=rotation, residual=residual)
+
+
+def _is_rotation(matrix: Float[np.ndarray, "3 3"]) -> bool:
+    """Return whether a matrix is a rotation, and not a mirror or anything else."""
+    if np.abs(matrix).max() > 1.0 + ROTATION_ERROR:
+        return False
+    error = np.abs(matrix @ matrix.T - np.eye(3)).max()
+    return bool(error <= ROTATION_ERROR and np.linalg.det(matrix) > 0.0)

@@ -1,3 +1,7 @@
+import contextlib
+import socket
+import struct
+import threading
 import time
 
 import numpy as np
@@ -7,7 +11,7 @@ from patience import until
 from laticauda.tank.lab import BODY, QtmServer
 from laticauda.tank.operate.drivers import Clock, DeviceFailed
 from laticauda.tank.operate.drivers.mocap import MocapDriver
-from laticauda.tank.protocol import BodyPose, MocapFrame
+from laticauda.tank.protocol import BodyPose, MocapFrame, qtm
 
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 
@@ -105,3 +109,108 @@ def test_a_connection_that_breaks_is_told_and_made_again(server):
             assert published(again, driver, 2)
         finally:
             again.stop()
+
+
+GIANT = struct.pack("<II", 0x7FFFFFFF, 3)
+EMPTY = struct.pack("<II", 0, 1)
+GREETING = qtm.encode_text(qtm.BANNER)
+PARAMETERS = qtm.encode_text(qtm.answer_parameters(100.0, {"fish": ()}, {"6d"}), qtm.PacketType.XML)
+ENTITY_BOMB = qtm.encode_text(
+    '<!DOCTYPE a [<!ENTITY a "aaaaaaaaaa">'
+    + "".join(
+        f'<!ENTITY {b} "{f"&{a};" * 10}">' for a, b in zip("abcdefgh", "bcdefghi", strict=True)
+    )
+    + "]><X><The_6D><Body><Name>&i;</Name></Body></The_6D></X>",
+    qtm.PacketType.XML,
+)
+MANY_NAMES = qtm.encode_text(
+    f"<X>{'<Body><Name>fish</Name></Body>' * 5000}</X>", qtm.PacketType.XML
+)
+
+
+class HostileCameras:
+    """A server that speaks QTM's protocol up to a point, and then something else without end."""
+
+    def __init__(self, greeting=GREETING, parameters=PARAMETERS, stream=b""):
+        self._listening = socket.create_server(("127.0.0.1", 0))
+        self.address = f"127.0.0.1:{self._listening.getsockname()[1]}"
+        self._answers = {
+            b"version": qtm.encode_text("Version set to 1.25"),
+            b"getparameters": parameters,
+        }
+        self._greeting = greeting
+        self._stream = stream
+        self._wires = []
+        threading.Thread(target=self._serve, daemon=True).start()
+
+    def _serve(self):
+        while True:
+            try:
+                wire, _ = self._listening.accept()
+            except OSError:
+                return
+            self._wires.append(wire)
+            threading.Thread(target=self._talk, args=(wire,), daemon=True).start()
+
+    def _talk(self, wire):
+        try:
+            wire.sendall(self._greeting)
+            while question := wire.recv(1000).lower():
+                for word, answer in self._answers.items():
+                    if word in question:
+                        wire.sendall(answer)
+                while b"streamframes" in question and self._stream:
+                    wire.sendall(self._stream)
+        except OSError:
+            pass
+
+    def close(self):
+        for wire in (self._listening, *self._wires):
+            with contextlib.suppress(OSError):
+                wire.shutdown(socket.SHUT_RDWR)
+            wire.close()
+
+
+@pytest.mark.parametrize(
+    ("hostile", "message"),
+    [
+        ({"greeting": EMPTY}, "does not speak QTM's protocol: a packet claims to have 0 bytes"),
+        (
+            {"greeting": b"HTTP/1.1 400 no\r\n\r\n"},
+            "does not speak QTM's protocol: a packet claims",
+        ),
+        ({"greeting": b""}, ""),
+        ({"parameters": b""}, "does not answer: check that QTM runs there"),
+        ({"parameters": ENTITY_BOMB}, "gives parameters that are no XML: limit on input"),
+        ({"parameters": MANY_NAMES}, "the motion capture has (fish, ){19}fish and 4980 more"),
+    ],
+)
+def test_a_server_of_anything_else_is_refused_in_a_sentence(hostile, message, monkeypatch, capfd):
+    monkeypatch.setattr("laticauda.tank.operate.drivers.mocap.CONNECT_TIME", 0.5)
+    cameras = HostileCameras(**hostile)
+    if message:
+        with pytest.raises(DeviceFailed, match=message):
+            MocapDriver(cameras.address, Clock())
+    else:
+        MocapDriver(cameras.address, Clock()).close()
+    cameras.close()
+    assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("stream", "message"),
+    [
+        (GIANT + b"x" * 60000, "a packet claims to have 2147483647 bytes"),
+        (EMPTY, "a packet claims to have 0 bytes"),
+        (qtm.encode_packet(qtm.PacketType.DATA, b""), "unpack_from requires a buffer"),
+        (struct.pack("<II", 8, 99), "99 is not a valid QRTPacketType"),
+    ],
+)
+def test_a_stream_of_anything_else_is_told_and_printed_nowhere(stream, message, capfd):
+    cameras = HostileCameras(stream=stream)
+    with MocapDriver(cameras.address, Clock()) as driver:
+        until(lambda: driver.trouble)
+        assert f"does not speak QTM's protocol: {message}" in driver.trouble
+        assert driver.receive() == ()
+    cameras.close()
+    assert capfd.readouterr().err == ""

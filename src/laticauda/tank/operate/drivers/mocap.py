@@ -8,6 +8,7 @@ import asyncio
 import logging
 import threading
 from collections.abc import Callable, Sequence
+from importlib import import_module
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
@@ -16,7 +17,7 @@ import numpy as np
 from laticauda.control.estimation import PoseSample
 from laticauda.tank.operate.drivers.base import MotionCapture, host_and_port
 from laticauda.tank.protocol.clock import Clock
-from laticauda.tank.protocol.qtm import LOST_POSITION, BodyPose, body_pose
+from laticauda.tank.protocol.qtm import LOST_POSITION, BodyPose, PacketReader, body_pose
 from laticauda.tank.protocol.worker import DeviceFailed, hardware
 from laticauda.values import from_quaternion
 
@@ -26,6 +27,10 @@ ANSWER_TIME = CONNECT_TIME + 2.0
 """Longest wait until the body has been found, too [s, wall clock]."""
 LOOK_INTERVAL = 0.05
 """Time between two looks at whether the connection is to end [s, wall clock]."""
+LARGEST_PACKET = 1 << 24
+"""Bytes of a packet at most; the parameters of many skeletons are the largest."""
+N_LISTED = 20
+"""Names that a message lists at most."""
 TICKS_PER_SECOND = 1e6
 """Ticks of the clock by which packets are stamped [1/s]."""
 
@@ -123,10 +128,13 @@ class MocapDriver(MotionCapture):
         self._qtm = hardware("qtm-rt", "qtm_rt")
         # Our own messages report its errors.
         logging.getLogger("qtm_rt").addHandler(logging.NullHandler())
+        _bound_packets()
         self._form = _form_of(body)
         self._indices: list[int] = []
         """Indices of the body, or of its markers, in the server's list."""
         self._first_error: DeviceFailed | None = None
+        self._wire_error: Exception | None = None
+        """Why the vendor's client gave up the connection; None: it did not."""
         self._ready = threading.Event()
         self._start()
         has_answered = self._ready.wait(ANSWER_TIME)
@@ -155,11 +163,24 @@ class MocapDriver(MotionCapture):
     def _explain(self, error: Exception) -> DeviceFailed:
         if isinstance(error, DeviceFailed):
             return error
-        return DeviceFailed(f"The motion capture at {self._address} fails: {error!r}.")
+        device = f"The motion capture at {self._address}"
+        if self._wire_error is not None:
+            return DeviceFailed(f"{device} does not speak QTM's protocol: {self._wire_error}.")
+        if isinstance(error, TimeoutError):
+            return DeviceFailed(f"{device} does not answer: check that QTM runs there.")
+        if isinstance(error, ElementTree.ParseError):
+            return DeviceFailed(f"{device} gives parameters that are no XML: {error}.")
+        return DeviceFailed(f"{device} fails: {error!r}.")
+
+    def _note_wire_error(self, _: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+        """Keep an error that asyncio would print, with a traceback."""
+        self._wire_error = context.get("exception") or self._wire_error
 
     async def _connected(self) -> None:
         host, port = host_and_port(self._address)
         is_gone = asyncio.Event()
+        self._wire_error = None
+        asyncio.get_running_loop().set_exception_handler(self._note_wire_error)
         connecting = self._qtm.connect(
             host, port, on_disconnect=lambda _: is_gone.set(), timeout=CONNECT_TIME
         )
@@ -188,13 +209,18 @@ class MocapDriver(MotionCapture):
                 link.disconnect()
                 await asyncio.sleep(0.0)  # lets the transport close
         if is_gone.is_set() and not self._ended.is_set():
-            raise DeviceFailed(f"the motion capture at {self._address} closed the connection")
+            device = f"the motion capture at {self._address}"
+            if self._wire_error is not None:
+                raise DeviceFailed(f"{device} does not speak QTM's protocol: {self._wire_error}")
+            raise DeviceFailed(f"{device} closed the connection")
 
     async def _find_body(self, link: Any) -> None:
         """Find the indices of the body in the list."""
         answer = await link.get_parameters([self._form.parameters])
         names = _names(ElementTree.fromstring(answer))
-        listed = ", ".join(names) or "none"
+        listed = ", ".join(names[:N_LISTED]) or "none"
+        if len(names) > N_LISTED:
+            listed += f" and {len(names) - N_LISTED} more"
         if not self._body and len(names) != 1:
             raise DeviceFailed(
                 f"The body must be named by `mocap_body`: the motion capture has {listed}."
@@ -220,6 +246,26 @@ class MocapDriver(MotionCapture):
             self._trouble = f"invalid packet from the motion capture: {error}"
             return
         self._received.append((arrival, pose_sample(stamp, pose)))
+
+
+def _bound_packets() -> None:
+    """Let the vendor's client refuse packets of impossible sizes.
+
+    By itself it reads one of no bytes forever, and keeps all that comes of one of gigabytes.
+    """
+    vendor_receiver: Any = import_module("qtm_rt.receiver").Receiver
+
+    class BoundedReceiver(vendor_receiver):
+        def __init__(self, handlers: Any) -> None:
+            super().__init__(handlers)
+            self._reader = PacketReader(LARGEST_PACKET)
+
+        def data_received(self, data: bytes) -> None:
+            for kind, payload in self._reader.feed(data):
+                self._parse_received(payload, kind)
+
+    vendor_protocol: Any = import_module("qtm_rt.protocol")
+    vendor_protocol.Receiver = BoundedReceiver
 
 
 def _names(parameters: ElementTree.Element) -> list[str]:
