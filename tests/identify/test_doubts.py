@@ -5,21 +5,30 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from campaign_scripts import campaign
-from identify.trials import DRAG, FRICTION, speeds
+from identify.trials import DRAG, FRICTION, speeds, within
 
-from laticauda.identify import Unknown
+from laticauda.identify import Unknown, fit
 from laticauda.identify.chi2 import usual_chi2
-from laticauda.identify.doubt import MARGIN, Doubt, doubt_of
+from laticauda.identify.doubt import (
+    EVIDENCE,
+    MARGIN,
+    Doubt,
+    doubt_of,
+    is_usual,
+    judge_residuals,
+)
 from laticauda.identify.local_search import LocalSearch
 from laticauda.identify.method import Method
 from laticauda.identify.problem import make_problem
 from laticauda.identify.rival_laws import list_rival_laws
+from laticauda.identify.rival_search import PRECISION, _Enough
 from laticauda.identify.starts import is_settled, spread_starts
-from laticauda.water.fluid.laws import TotalSpeedDrag
+from laticauda.water.fluid.laws import PolynomialDrag, TotalSpeedDrag
 
 doubts = campaign("fit_doubts")
 N = 12
 KNOWN = Method()
+REFERENCE_SPEED = "water.drag.reference_speed"
 
 
 def doubt_at(factor, **changes):
@@ -64,6 +73,30 @@ def test_a_better_law_is_named_and_one_that_is_hardly_better_is_not():
     assert doubt_at(2.2, rivals={"other": 2.0}).better_law is None
     far_above = doubt_at(4.0, rivals={"other": 3.9}).words
     assert "No other law of 1 tried is clearly better (best: other, 3.9 times)." in far_above
+
+
+def test_a_law_that_fits_a_number_more_has_to_pay_for_it():
+    plain = doubt_at(1.6).after_trying("plain", 1.1, 1.0)
+    evidence_left = 12 * (1.6**2 - 1.1**2) - EVIDENCE
+    assert plain.better_laws == ("plain",)
+    dear = doubt_at(1.6).after_trying("fitted", 1.1, 1.0, evidence_left + 0.1)
+    assert dear.better_law is None and dear.rivals == {"fitted": 1.1}
+    assert doubt_at(1.6).after_trying("fitted", 1.1, 1.0, evidence_left - 0.1).is_of_model
+    # of two that leave as much, the one without a further number is named first
+    both = plain.after_trying("fitted", 1.09, 1.0, 2.5)
+    assert both.better_laws == ("plain", "fitted")
+
+
+def test_a_law_that_is_clearly_better_is_told_although_residuals_are_usual():
+    found = judge_residuals(KNOWN, np.full(240, 1.01), 238.0, {}, is_of_series=False)
+    assert is_usual(found) and found.words == ""
+    told = found.after_trying("other", 0.98, 1.0)
+    assert told.better_law == "other" and told.is_of_model
+    assert told.words == (
+        "model in doubt: residuals are 1 times the stated noise, which leaves as much, but another "
+        "law of the water describes the data clearly better (chi^2 less by 16): the intervals may "
+        "not hold. other leaves 0.98 times the stated noise, this one 1."
+    )
 
 
 def test_outliers_do_not_cast_doubt_on_a_fit_with_a_robust_loss():
@@ -127,7 +160,7 @@ def test_rival_laws_are_all_others_and_keep_what_is_not_of_the_drag_law():
         "total-speed-drag beta 0, kirchhoff added mass",
         "total-speed-drag beta 0.5, kirchhoff added mass",
         "total-speed-drag beta 1, kirchhoff added mass",
-    ]
+    ]  # two measurements are too few to fit a reference speed in addition
     water = replace(measured[0].scenario.environment, drag=TotalSpeedDrag())
     measured = [replace(one, scenario=replace(one.scenario, environment=water)) for one in measured]
     fitted = make_problem(measured, [DRAG, "water.drag.beta"])
@@ -139,6 +172,40 @@ def test_rival_laws_are_all_others_and_keep_what_is_not_of_the_drag_law():
     ]
     assert rivals["polynomial-drag"].names == (DRAG,)
     assert len(list(rivals.values())[1].names) == 2
+
+
+def test_linear_and_quadratic_drag_is_tried_with_its_reference_speed_fitted_too():
+    problem = make_problem(speeds(4, duration=2.0), [DRAG])
+    names = [rival.name for rival in list_rival_laws(problem)]
+    assert names[3] == "polynomial-drag with fitted U_ref"
+    assert names[-1] == "polynomial-drag with fitted U_ref, kirchhoff added mass"
+    rival = list_rival_laws(problem)[3]
+    assert rival.problem.names == (DRAG, REFERENCE_SPEED)
+    assert rival.name_with({REFERENCE_SPEED: 0.312}) == (
+        "polynomial-drag with fitted U_ref (linear and quadratic drag equal at 0.31 m/s)"
+    )
+    fitted_already = make_problem(speeds(4, duration=2.0), [DRAG, REFERENCE_SPEED])
+    names = [rival.name for rival in list_rival_laws(fitted_already)]
+    assert not any("fitted U_ref" in name for name in names)
+
+
+def test_a_rivals_search_ends_once_it_is_clear_or_hopeless():
+    enough = _Enough(cost_to_beat=20.0, precision=PRECISION)
+    assert not enough(100.0, 90.0)
+    assert not enough(100.0, 90.0)  # the first steps are made in any case
+    assert enough(100.0, 90.0)
+    assert not enough(100.0, 70.0)  # three times the promised gain would do
+    assert enough(15.0, 14.99)
+    assert not enough(15.0, 10.0)
+
+
+def test_a_reference_speed_that_is_not_the_usual_one_is_found_and_said():
+    measured = speeds(8, sigma=5e-4, duration=2.0, drag=PolynomialDrag(reference_speed=0.2))
+    wrong = replace(measured[0].scenario.environment, drag=TotalSpeedDrag(beta=1.0))
+    measured = [within(one, environment=wrong) for one in measured]
+    found = fit(measured, parameters=[FRICTION, DRAG], n_starts=2, threads=1)
+    name = "polynomial-drag with fitted U_ref (linear and quadratic drag equal at 0.2 m/s)"
+    assert found.doubt.better_law == name and name in found.warnings[0]
 
 
 @pytest.mark.parametrize("number", [70])

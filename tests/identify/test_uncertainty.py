@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from identify.trials import DRAG, FRICTION, speeds
+from identify.trials import DRAG, FRICTION, WATER, speeds
 
 from laticauda.identify import (
     Unknown,
@@ -12,6 +12,7 @@ from laticauda.identify import (
     profiles,
     sample_posterior,
 )
+from laticauda.identify.method import LOSSES
 from laticauda.identify.model import predict
 from laticauda.identify.posterior_sample import log_density
 from laticauda.identify.profiles import sum_of_squares
@@ -94,6 +95,35 @@ def test_a_robust_loss_tells_outliers_by_the_estimated_noise_and_not_by_the_stat
     assert less.interval == pytest.approx(plain.interval, rel=1e-4)
     ends = profile_interval(found[0], "measured.power_offset")
     assert ends == pytest.approx(plain.interval, abs=0.2 * plain.sigma)
+
+
+def test_a_robust_loss_leaves_a_prior_its_weight_however_far_it_is_from_the_data():
+    """All data are within their noise, where a huber loss is that of squares; the prior is not."""
+    friction = WATER.tangential_friction
+    exact = speeds(8, sigma=SIGMA, duration=1.0, figure="mean_power", tangential_friction=friction)
+    prior = Unknown(name="measured.power_offset", prior=(3.0 * SIGMA, SIGMA), size=10.0)
+    found = [
+        fit(exact, parameters=[prior], n_starts=1, threads=1, rivals=False, loss=loss)
+        for loss in ("linear", "huber")
+    ]
+    plain, robust = (one["measured.power_offset"] for one in found)
+    best = found[0], found[0].x
+    assert robust.value == pytest.approx(plain.value, rel=1e-6)
+    assert plain.value == pytest.approx(3.0 * SIGMA / 9.0, rel=1e-3)
+    assert robust.interval == pytest.approx(plain.interval, rel=1e-6)
+    assert sum_of_squares(found[1], found[1].x) == pytest.approx(sum_of_squares(*best), rel=1e-6)
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_the_derivatives_of_a_loss_are_those_of_its_values(loss):
+    squares = np.array([0.01, 0.5, 0.99, 1.01, 3.0, 40.0])
+    step = 1e-5
+    values, slopes, bends = LOSSES[loss](squares)
+    after, slopes_after, _ = LOSSES[loss](squares + step)
+    before, slopes_before, _ = LOSSES[loss](squares - step)
+    np.testing.assert_allclose(slopes, (after - before) / (2.0 * step), atol=1e-8)
+    np.testing.assert_allclose(bends, (slopes_after - slopes_before) / (2.0 * step), atol=1e-8)
+    assert np.all(values <= squares)
 
 
 @pytest.mark.parametrize("loss", ["linear", "soft_l1", "huber", "cauchy", "arctan"])

@@ -86,7 +86,8 @@ How well they are known:
     fit_warnings       what is unusual about it
     chi2               how large the sum of squares usually is
     doubt              whether the model, not the noise, is in doubt
-    rival_laws         other laws of the water that are tried then
+    rival_laws         other laws of the water that are tried
+    rival_search       their searches, which end early
     result             `Fit`: the result
 
 How a result is checked, and used:

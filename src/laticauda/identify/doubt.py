@@ -3,14 +3,14 @@
 If the noise is estimated, intervals grow with the residuals, whether these are noise or errors of
 the model. The stated noise, however rough, tells them apart:
 
-    1. If chi^2 in the stated noise is below the value that this noise exceeds in 30 % of all cases
-       (`chi2`), and residuals are not correlated in time, nothing is doubted.
-    2. Beyond it, other laws of the water are fitted to the same data (`rival_laws`). The model is in
-       doubt if one of them leaves a chi^2 that is smaller by `EVIDENCE`. If the law is right, no
-       rival does so in more than about 1 of 1000 cases: the difference of the two has the mean -T
-       and the standard deviation 2 sqrt(T), with T as in `discrimination`, and reaches 10 at best
-       3.2 standard deviations above its mean.
-    3. Without such a law, the model is in doubt if the residuals are `MARGIN` times as large as the
+    1. Other laws of the water are fitted to the same data (`rival_laws`). The model is in doubt if
+       one of them leaves a chi^2 that is smaller by `EVIDENCE`, even if its own residuals are no
+       larger than the noise usually leaves: of many numbers, chi^2 alone scatters more than two laws
+       differ. If the law is right, the difference to a rival has the mean -T and the standard
+       deviation 2 sqrt(T), with T as in `discrimination`. It reaches 7 at best 2.6 standard
+       deviations above its mean, in 1 of 245 cases; with four rivals, a right law is doubted in at
+       most 1.7 % of all cases. A rival that fits a further number has to pay for it (`handicaps`).
+    2. Without such a law, the model is in doubt if the residuals are `MARGIN` times as large as the
        stated noise leaves in all but 1 of 2000 cases: that noise was stated so much too small is
        less likely. Below, either may be wrong. Residuals of series that are independent from sample
        to sample are noise, however large: errors of a model are not independent.
@@ -33,7 +33,7 @@ from laticauda.identify.method import Method
 
 MARGIN = 1.5
 """Factor by which noise may have been stated too small without a doubt of the model [-]."""
-EVIDENCE = 10.0
+EVIDENCE = 7.0
 """Decrease of chi^2 by which another law casts doubt on that of a fit [-]."""
 _MEDIAN_OF_NORMAL = 0.6745
 """Median of |r| for standard normal r [-]."""
@@ -57,25 +57,45 @@ class Doubt:
     is_white: bool = False
     """Whether they are those of series alone, and independent from sample to sample."""
     rivals: Mapping[str, float] = field(default_factory=dict[str, float])
-    """Ratio that every other law that was tried leaves, by name, least first [-]."""
+    """Ratio that every other law that was tried leaves, by name, the best first [-].
 
-    def after_trying(self, name: str, factor: float, share: float) -> "Doubt":
+    The searches of laws that are clearly not the best end early, so that these may leave less.
+    """
+    handicaps: Mapping[str, float] = field(default_factory=dict[str, float])
+    """What laws have to pay in chi^2 for numbers that they fit in addition, by name [-]."""
+
+    def after_trying(
+        self, name: str, factor: float, share: float, handicap: float = 0.0
+    ) -> "Doubt":
         """Return the doubt with one more law.
 
-        What correlation of the noise there is, the law that leaves the least tells best.
+        What correlation of the noise there is, the law that describes the data best tells best.
 
         Args:
             name: Name of the law.
             factor: Ratio of the residuals that it leaves to the stated noise [-].
             share: Share of independent numbers among its residuals [-].
+            handicap: What it has to pay in chi^2 for numbers that it fits in addition [-].
         """
-        is_best = factor < min(self.rivals.values(), default=np.inf)
-        factors = {**self.rivals, name: factor}
-        return replace(
-            self,
-            rivals=dict(sorted(factors.items(), key=lambda named: named[1])),
-            share=share if is_best else self.share,
-        )
+        rivals = {**self.rivals, name: factor}
+        handicaps = {**self.handicaps, name: handicap}
+        judged = replace(self, rivals=rivals, handicaps=handicaps)
+        ranked = dict(sorted(rivals.items(), key=lambda named: judged.judged_square(named[0])))
+        is_best = next(iter(ranked)) == name
+        return replace(judged, rivals=ranked, share=share if is_best else self.share)
+
+    def judged_square(self, name: str) -> float:
+        """Return the square of the ratio that a law leaves, with its handicap [-].
+
+        Args:
+            name: Name of a law that was tried.
+        """
+        return self.rivals[name] ** 2 + self.handicaps.get(name, 0.0) / self.degrees
+
+    @property
+    def chi2(self) -> float:
+        """Sum of the squared residuals, of which the ratio is told [-]."""
+        return self.factor**2 * self.degrees
 
     @property
     def is_far_above(self) -> bool:
@@ -90,17 +110,21 @@ class Doubt:
         """
         if not self.rivals:
             return ()
-        least = min(self.rivals.values())
-        noise = least if least > self.usual_factor else 1.0
+        best, *_ = self.rivals
+        noise = 1.0
+        if self.rivals[best] > self.usual_factor:
+            noise = self.rivals[best]
+        least = self.judged_square(best)
         squares_per_evidence = EVIDENCE * noise**2 / (self.degrees * self.share)
-        if self.factor**2 - least**2 <= squares_per_evidence:
+        if self.factor**2 - least <= squares_per_evidence:
             return ()
-        return tuple(
-            name
-            for name, factor in self.rivals.items()
-            if factor**2 - least**2 <= squares_per_evidence
-            and self.factor**2 - factor**2 > squares_per_evidence
-        )
+        names: list[str] = []
+        for name in self.rivals:
+            square = self.judged_square(name)
+            is_better = self.factor**2 - square > squares_per_evidence
+            if is_better and square - least <= squares_per_evidence:
+                names.append(name)
+        return tuple(names)
 
     @property
     def better_law(self) -> str | None:
@@ -124,11 +148,23 @@ class Doubt:
                 cause = "it was stated too small, as neighboring residuals are independent"
             text = f"residuals beyond the stated noise: {self.factor:.2g} times, where {usual}: {cause}"
             return f"{text}; {self._words_of_rivals}." if self.rivals else f"{text}."
+        if self.factor <= self.usual_factor:
+            return (
+                f"model in doubt: residuals are {self.factor:.2g} times the stated noise, which leaves "
+                f"as much, but another law of the water describes the data clearly better (chi^2 less "
+                f"by {self._decrease:.0f}): the intervals may not hold. {self._sentence_of_rivals}"
+            )
         return (
             f"model in doubt: residuals are {self.factor:.2g} times the stated noise, where {usual} "
             f"(and noise {MARGIN:g} times as large {MARGIN * self.usual_factor:.2g}): the model, not "
             f"the noise, is in doubt, and the intervals do not hold. {self._sentence_of_rivals}"
         ).rstrip()
+
+    @property
+    def _decrease(self) -> float:
+        """How much less chi^2 the best law leaves [-]."""
+        best, *_ = self.rivals
+        return self.chi2 - self.rivals[best] ** 2 * self.degrees
 
     @property
     def _sentence_of_rivals(self) -> str:
@@ -172,18 +208,45 @@ def doubt_of(
     """
     if degrees < 1.0:
         return None
-    factor = residual_factor(method, residuals, degrees)
-    usual_factor = float(np.sqrt(usual_chi2(degrees, lags).high / degrees))
-    is_usual = factor <= np.sqrt(chi2_at(1.0 - UNUSUAL, degrees, lags) / degrees)
-    if is_usual and not lags:
+    doubt = judge_residuals(method, residuals, degrees, lags, is_of_series=is_of_series)
+    if not lags and is_usual(doubt):
         return None
+    return doubt
+
+
+def judge_residuals(
+    method: Method,
+    residuals: Float[np.ndarray, " n_data"],
+    degrees: float,
+    lags: Mapping[str, float],
+    *,
+    is_of_series: bool,
+) -> Doubt:
+    """Return how large residuals are, whether or not the stated noise usually leaves as much.
+
+    Args:
+        method: Loss of the fit.
+        residuals: Residuals of the data in the stated noise.
+        degrees: Degrees of freedom, at least 1 [-].
+        lags: Sample-to-sample correlation of the noise, for series that show one [-].
+        is_of_series: Whether all data are samples of series.
+    """
     return Doubt(
-        factor=factor,
-        usual_factor=usual_factor,
+        factor=residual_factor(method, residuals, degrees),
+        usual_factor=float(np.sqrt(usual_chi2(degrees, lags).high / degrees)),
         degrees=degrees,
         share=independent_share(lags),
         is_white=is_of_series and not lags,
     )
+
+
+def is_usual(doubt: Doubt) -> bool:
+    """Return whether noise as stated usually leaves such residuals, if it is not correlated.
+
+    Args:
+        doubt: How large they are.
+    """
+    return doubt.chi2 <= chi2_at(1.0 - UNUSUAL, doubt.degrees, {})
 
 
 def residual_factor(

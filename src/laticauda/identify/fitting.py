@@ -7,7 +7,6 @@ from typing import Unpack
 
 import numpy as np
 
-from laticauda.identify.doubt import residual_factor
 from laticauda.identify.estimates import Optimum, assemble_fit
 from laticauda.identify.identifiability import LIMIT
 from laticauda.identify.local_search import MOST_STEPS, LocalSearch, Vector, minimize
@@ -17,7 +16,7 @@ from laticauda.identify.model import predict
 from laticauda.identify.noise_factor import NoiseFactor, measure_noise_factor
 from laticauda.identify.problem import Problem, make_problem
 from laticauda.identify.result import Fit
-from laticauda.identify.rival_laws import list_rival_laws
+from laticauda.identify.rival_search import doubt_after_rivals
 from laticauda.identify.starts import is_settled, spread_starts
 from laticauda.identify.unknowns import Unknown
 from laticauda.models.simulate import Progress, silent
@@ -27,8 +26,6 @@ from laticauda.values import BadArgument, SimulationFailed
 
 _ROUNDS = 20
 """Iterations of the noise estimate when there are priors."""
-MOST_STARTS_OF_RIVALS = 2
-"""Largest number of starts of another law that is tried."""
 _SETTLED = 1e-6
 """Relative change of the noise factor at which it has settled [-]."""
 
@@ -74,8 +71,8 @@ def fit(
         n_starts: Largest number of starts; the first uses the values that robot and water have, the
             others are spread over the ranges. No more are used than it takes for two to reach the
             best minimum, or four if the stated noise cannot leave its residuals.
-        rivals: Whether other laws of the water are tried if the residuals are larger than the
-            stated noise leaves in 70 % of all cases, or correlated in time; planar model only.
+        rivals: Whether other laws of the water are fitted to the same data, in about the time of the
+            fit itself, to see whether one is clearly better; planar model only.
         seed: Seed of the random starts.
         confidence: Confidence level of the intervals [-].
         limit: Relative standard deviation from which on an unknown counts as not identified [-].
@@ -112,31 +109,13 @@ def fit(
 
 
 def _try_rival_laws(solution: Fit) -> Fit:
-    """Fit the same data with other laws, if the stated noise cannot leave the residuals."""
-    doubt = solution.doubt
-    if doubt is None or INTERRUPTED in solution.warnings:
+    """Return the fit with what other laws say of it."""
+    if INTERRUPTED in solution.warnings:
         return solution
-    method = solution.method
-    n_starts = min(method.n_starts, MOST_STARTS_OF_RIVALS)
-    for rival in list_rival_laws(solution.problem):
-        is_explained = doubt.better_law is not None or doubt.factor <= doubt.usual_factor
-        if rival.has_other_form and is_explained:
-            break
-        try:
-            fitted = solve(rival.problem, replace(method, n_starts=n_starts))
-        except SimulationFailed:
-            continue  # a law with which the data cannot be simulated is no better one
-        except KeyboardInterrupt:
-            return replace(solution, warnings=(INTERRUPTED, *solution.warnings))
-        if INTERRUPTED in fitted.warnings:
-            return replace(solution, warnings=(INTERRUPTED, *solution.warnings))
-        residuals = (fitted.predictions - rival.problem.observed) / rival.problem.sigma
-        factor = residual_factor(method, residuals, doubt.degrees)
-        share = 1.0
-        if fitted.doubt is not None:
-            share = fitted.doubt.share
-        doubt = doubt.after_trying(rival.name, factor, share)
-    return replace(solution, doubt=doubt)
+    try:
+        return replace(solution, doubt=doubt_after_rivals(solution))
+    except KeyboardInterrupt:
+        return replace(solution, warnings=(INTERRUPTED, *solution.warnings))
 
 
 def _with_doubt_among_warnings(solution: Fit) -> Fit:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from laticauda.identify.method import cost_of
+from laticauda.identify.method import cost_of, loss_for_search
 from laticauda.identify.model import Predicted, predict, scaled_jacobian
 from laticauda.identify.problem import Problem
 from laticauda.models.simulate import silent
@@ -25,8 +25,15 @@ _SAME_COST = 1e-3
 """Largest difference of the sums of squares of two searches with the same minimum [-]."""
 _SAME_RELATIVE_COST = 1e-3
 """The same relative to a sum of squares, of which `_SAME_COST` is taken: for very bad fits [-]."""
+_SEEN = 1e-6
+"""Directions that the residuals show less than this share of the clearest are not seen [-]."""
 
 Vector = Float[np.ndarray, " n"]
+Enough = Callable[[float, float], bool]
+"""Tells whether a search need not go on.
+
+It is called with the sum of squares, and with what one more step would leave if the model were linear.
+"""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -57,6 +64,15 @@ class _ArrivedAtKnownEnd(Exception):
         """Create it with the earlier search."""
         super().__init__()
         self.earlier = earlier
+
+
+class _IsEnough(Exception):
+    """Raised when a search need not go on."""
+
+    def __init__(self, search: LocalSearch) -> None:
+        """Create it with the search as far as it came."""
+        super().__init__()
+        self.search = search
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -98,6 +114,7 @@ class _Objective:
     free: Int[np.ndarray, " n_free"]
     observe: Callable[[Vector, float], None]
     earlier_searches: Sequence[LocalSearch]
+    enough: Enough | None = None
     last: _Evaluation | None = None
 
     def all_coordinates(self, free_coordinates: np.ndarray) -> Vector:
@@ -128,7 +145,9 @@ class _Objective:
         values = evaluation.values
         of_data = scaled_jacobian(self.problem, values, self.factor, evaluation.predicted)
         of_priors = self.problem.prior_slopes(values)
-        return np.concatenate([of_data, of_priors])[:, self.free]
+        jacobian = np.concatenate([of_data, of_priors])[:, self.free]
+        self._stop_if_enough(evaluation, jacobian)
+        return jacobian
 
     def _evaluation_at(self, free_coordinates: np.ndarray) -> _Evaluation:
         coordinates = self.all_coordinates(free_coordinates)
@@ -146,8 +165,25 @@ class _Objective:
             values=values,
             predicted=predicted,
             residuals=residuals,
-            cost=cost_of(residuals, self.loss),
+            cost=cost_of(residuals, self.loss, n_priors=self.problem.n_priors),
         )
+
+    def _stop_if_enough(self, evaluation: _Evaluation, jacobian: np.ndarray) -> None:
+        """Raise if the search need not go on."""
+        if self.enough is None or not np.all(np.isfinite(jacobian)):
+            return
+        in_sizes = jacobian * self.problem.sizes[self.free]
+        step, *_ = np.linalg.lstsq(in_sizes, -evaluation.residuals, rcond=_SEEN)
+        left = evaluation.residuals + in_sizes @ step
+        if self.enough(evaluation.cost, float(np.sum(left**2))):
+            search = LocalSearch(
+                start=self.start,
+                end=evaluation.coordinates,
+                cost=evaluation.cost,
+                jacobian=jacobian,
+                converged=False,
+            )
+            raise _IsEnough(search)
 
     def _stop_at_known_end(self, evaluation: _Evaluation) -> None:
         """Raise if an earlier search ended close by, equally well."""
@@ -168,6 +204,7 @@ def minimize(
     most_steps: int = MOST_STEPS,
     observe: Callable[[Vector, float], None] = silent,
     earlier_searches: Sequence[LocalSearch] = (),
+    enough: Enough | None = None,
 ) -> LocalSearch:
     """Run one search.
 
@@ -181,6 +218,7 @@ def minimize(
         observe: Called with all coordinates and the sum of squares at every step.
         earlier_searches: A search that comes close to the end of one of them, equally good, ends
             there.
+        enough: Tells whether it may end before it has converged; for squares alone.
 
     Returns:
         The finished search, with all coordinates and the Jacobian with respect to the free ones.
@@ -200,6 +238,7 @@ def minimize(
         free=free,
         observe=observe,
         earlier_searches=earlier_searches,
+        enough=enough,
     )
     ends = np.array([unknown.ends for unknown in problem.unknowns])
     lower, upper = ends[free].T
@@ -210,7 +249,7 @@ def minimize(
             jac=objective.jacobian,
             bounds=(lower, upper),
             x_scale=problem.sizes[free],
-            loss=loss,
+            loss=loss_for_search(loss, problem.n_priors),
             method="trf",
             xtol=_TOLERANCE,
             ftol=_TOLERANCE,
@@ -219,6 +258,8 @@ def minimize(
         )
     except _ArrivedAtKnownEnd as arrival:
         return replace(arrival.earlier, start=x)
+    except _IsEnough as enough_is_known:
+        return enough_is_known.search
     return LocalSearch(
         start=x,
         end=objective.all_coordinates(solution.x),

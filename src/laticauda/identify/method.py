@@ -1,12 +1,11 @@
 """Settings of a fit, and the losses among which it can choose.
 
-The losses are those that SciPy's search knows by name. Another one is an entry of `LOSSES` and, in
-`local_search`, a function that also returns its first two derivatives, which the search needs.
+The losses are those that SciPy's search knows by name. Another one is an entry of `LOSSES`.
 
-A loss is applied to the residuals of priors as to those of data, in the noise that applies: a prior
-that the data contradict strongly is an outlier too, and says less. If the noise is estimated, a
-residual of the data counts as an outlier by the estimated noise, which outliers make larger
-(`noise_factor`); that of a prior by the prior's own standard deviation.
+A loss is applied to the residuals of the data alone: it is the noise of measured numbers that has
+outliers. A prior is the normal distribution that the user states, and its residual counts by its
+square, however strongly the data contradict it. If the noise is estimated, a residual of the data
+counts as an outlier by the estimated noise, which outliers make larger (`noise_factor`).
 
 A robust loss is taken as what it is: another probability of the noise, exp(-rho(r^2)/2), with long
 tails. The covariance of a fit is therefore the inverse of the curvature of half the cost, which is
@@ -17,6 +16,7 @@ in 60 to 94 %.
 """
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -24,27 +24,46 @@ from laticauda.identify.identifiability import LIMIT
 from laticauda.values import check_one_among, option, optional_import, quantity, value_class
 
 Loss = Callable[[np.ndarray], np.ndarray]
-"""Function rho of squared residuals; a search minimizes its sum."""
+"""Function of squared residuals: rho, of which a search minimizes the sum, and its first two derivatives."""
 
 
 def _linear(squares: np.ndarray) -> np.ndarray:
-    return squares
+    return np.array([squares, np.ones_like(squares), np.zeros_like(squares)])
 
 
 def _soft_l1(squares: np.ndarray) -> np.ndarray:
-    return 2.0 * (np.sqrt(1.0 + squares) - 1.0)
+    root = np.sqrt(1.0 + squares)
+    return np.array([2.0 * (root - 1.0), 1.0 / root, -0.5 / root**3])
 
 
 def _huber(squares: np.ndarray) -> np.ndarray:
-    return np.where(squares <= 1.0, squares, 2.0 * np.sqrt(squares) - 1.0)
+    root = np.sqrt(np.maximum(squares, 1.0))  # 1 where the loss is linear in the square
+    is_outlier = squares > 1.0
+    return np.array(
+        [
+            np.where(is_outlier, 2.0 * root - 1.0, squares),
+            1.0 / root,
+            np.where(is_outlier, -0.5 / root**3, 0.0),
+        ]
+    )
+
+
+def _cauchy(squares: np.ndarray) -> np.ndarray:
+    slope = 1.0 / (1.0 + squares)
+    return np.array([np.log1p(squares), slope, -(slope**2)])
+
+
+def _arctan(squares: np.ndarray) -> np.ndarray:
+    slope = 1.0 / (1.0 + squares**2)
+    return np.array([np.arctan(squares), slope, -2.0 * squares * slope**2])
 
 
 LOSSES: dict[str, Loss] = {
     "linear": _linear,
     "soft_l1": _soft_l1,
     "huber": _huber,
-    "cauchy": np.log1p,
-    "arctan": np.arctan,
+    "cauchy": _cauchy,
+    "arctan": _arctan,
 }
 """Losses by name, as `scipy.optimize.least_squares` defines them."""
 NOISE = ("known", "estimated")
@@ -95,11 +114,34 @@ class Method:
         return float(special.stdtrit(degrees, probability))
 
 
-def cost_of(residuals: np.ndarray, loss: str) -> float:
-    """Compute what a search minimizes: the sum of rho(r^2), with the loss function rho.
+def cost_of(residuals: np.ndarray, loss: str, *, n_priors: int) -> float:
+    """Compute what a search minimizes: the sum of rho(r^2) of the data, and of r^2 of the priors.
 
     Args:
-        residuals: Residuals r, in standard deviations.
-        loss: Name of the loss.
+        residuals: Residuals r, in standard deviations; those of the priors come last.
+        loss: Name of the loss, whose function is rho.
+        n_priors: Number of residuals of priors.
     """
-    return float(np.sum(LOSSES[loss](residuals**2)))
+    squares = residuals**2
+    values, _, _ = _loss_of_data(squares, loss=loss, n_priors=n_priors)
+    return float(np.sum(values))
+
+
+def loss_for_search(loss: str, n_priors: int) -> str | Loss:
+    """Return the loss in the form that SciPy's search takes: by name, unless there are priors.
+
+    Args:
+        loss: Name of the loss of the data.
+        n_priors: Number of residuals of priors, which come last.
+    """
+    if loss == "linear" or n_priors == 0:
+        return loss
+    return partial(_loss_of_data, loss=loss, n_priors=n_priors)
+
+
+def _loss_of_data(squares: np.ndarray, *, loss: str, n_priors: int) -> np.ndarray:
+    """Return a loss of the data, and squares of the priors, with the first two derivatives."""
+    n_data = squares.size - n_priors
+    of_data = LOSSES[loss](squares[:n_data])
+    of_priors = _linear(squares[n_data:])
+    return np.concatenate([of_data, of_priors], axis=1)

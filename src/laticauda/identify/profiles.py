@@ -155,4 +155,4 @@ def sum_of_squares(fit: Fit, x: np.ndarray) -> float:
     """
     values = fit.problem.values_of(x)
     residuals = all_residuals(fit.problem, values, fit.used_noise_factor)
-    return cost_of(residuals, fit.method.loss)
+    return cost_of(residuals, fit.method.loss, n_priors=fit.problem.n_priors)

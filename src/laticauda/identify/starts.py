@@ -63,7 +63,8 @@ def _best_of(problem: Problem, method: Method, batch: np.ndarray) -> Vector | No
     least_cost = np.inf
     for x in batch:
         with np.errstate(all="ignore"):  # far from the truth, runs may diverge
-            cost = cost_of(all_residuals(problem, problem.values_of(x)), method.loss)
+            residuals = all_residuals(problem, problem.values_of(x))
+            cost = cost_of(residuals, method.loss, n_priors=problem.n_priors)
         if cost < least_cost:
             best = x
             least_cost = cost
