@@ -291,7 +291,15 @@ def summary(rows: list[Row]) -> str:
     """What the table says, in one sentence a line."""
     n = len(rows)
     mean = float(np.mean([abs(error(one)) for one in rows]))
-    powers = [100.0 * (one.electrical_power / one.measured_power - 1.0) for one in rows]
+    against_model = [one.electrical_power / one.simulated_power for one in rows]
+    with_fin, without_fin = (
+        [
+            one.electrical_power / one.measured_power
+            for one in rows
+            if ("-fin-" in one.setting) == has_fin
+        ]
+        for has_fin in (True, False)
+    )
     away = [abs(one.twin_velocity / one.true_velocity - 1.0) for one in rows if one.twin_alive]
     return "\n".join(
         (
@@ -300,7 +308,8 @@ def summary(rows: list[Row]) -> str:
             f"came to their path and stayed over the last three cycles: {sum(one.stays for one in rows)} of {n}",
             f"twins that were there at the end: {sum(one.twin_alive for one in rows)} of {n}; "
             f"their speed is off by up to {100.0 * max(away, default=math.nan):.1f} %",
-            f"electrical power above idle against measured: {min(powers):+.0f} to {max(powers):+.0f} %",
+            f"electrical power above idle: {_range_of(against_model)} against the plain simulation; "
+            f"against measured {_range_of(with_fin)} with the fin, {_range_of(without_fin)} without",
             *(
                 f"rejected: {one.setting}-{one.repeat}: {one.reason}"
                 for one in rows
@@ -308,6 +317,13 @@ def summary(rows: list[Row]) -> str:
             ),
         )
     )
+
+
+def _range_of(ratios: list[float]) -> str:
+    """Ratios to something, as percentages above it."""
+    if not ratios:
+        return "nothing"
+    return f"{100.0 * (min(ratios) - 1.0):+.0f} to {100.0 * (max(ratios) - 1.0):+.0f} %"
 
 
 def written(page: Path, rows: list[Row]) -> None:

@@ -1,8 +1,9 @@
 """Short forms that people type, written out before a command line is read.
 
-`swim mamba` is `swim --robot mamba`; `--frequency-hz 0.5` is `--frequency-deg-s 180`.
+`swim mamba` is `swim --robot mamba`, and so is a robot's file; `--frequency-hz 0.5` is `--frequency-deg-s 180`.
 """
 
+import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -35,6 +36,8 @@ def _with_robot_option(arguments: list[str], *, accepts_file: bool) -> list[str]
     if not arguments:
         return arguments
     first = arguments[0]
+    if _is_robot_file(first):
+        return ["--robot", *arguments]
     looks_like_file = first.startswith("-") or bool(Path(first).suffix)
     if looks_like_file or (accepts_file and Path(first).exists()):
         return arguments
@@ -42,6 +45,18 @@ def _with_robot_option(arguments: list[str], *, accepts_file: bool) -> list[str]
         hint = suggest_nearest(first, robot_names()) or LISTED
         raise BadFlag(f"there is neither a robot nor a file {first!r}{hint}")
     return ["--robot", *arguments]
+
+
+def _is_robot_file(word: str) -> bool:
+    """Return whether a word is a TOML file that says of itself that it is a robot."""
+    path = Path(word)
+    if path.suffix != ".toml":
+        return False
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):  # who reads it as a scenario says what is wrong with it
+        return False
+    return table.get("kind") == "robot"
 
 
 def write_out_frequencies(arguments: Sequence[str]) -> list[str]:
