@@ -4,6 +4,7 @@ Every module whose functions state array shapes is loaded through jaxtyping's ho
 `typechecker.check_shapes`.
 """
 
+import gc
 import os
 import signal
 import sys
@@ -19,6 +20,7 @@ SOURCES = Path(__file__).parent.parent / "src"
 # is half their time.
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+gc.set_threshold(10_000, 20, 20)  # tests and modules live as long as the process
 os.environ["MPLBACKEND"] = "Agg"
 os.environ["NUMBA_NRT_STATS"] = "1"  # lets a test count the allocations of compiled code
 if (

@@ -87,13 +87,19 @@ def shaped(*, typechecker: Callable[..., Any]) -> Callable[[Any], Any]:
 
 
 def _checked(function: Callable[..., Any], typechecker: Callable[..., Any]) -> Callable[..., Any]:
-    checked, key = typechecker(function), id(function)
+    key = id(function)
+
+    @functools.cache
+    def checking() -> Callable[..., Any]:
+        """Return the function with its checks, made when it is first called: many never are."""
+        return typechecker(function)
+
     if not _has_shapes(tuple(function.__annotations__.values())):
 
         @functools.wraps(function)
         def sometimes(*args: Any, **kwargs: Any) -> Any:
             __tracebackhide__ = True
-            return (checked if _is_checked(key) else function)(*args, **kwargs)
+            return (checking() if _is_checked(key) else function)(*args, **kwargs)
 
         return sometimes
 
@@ -104,7 +110,7 @@ def _checked(function: Callable[..., Any], typechecker: Callable[..., Any]) -> C
             return function(*args, **kwargs)
         try:
             with _scope("context"):
-                return checked(*args, **kwargs)
+                return checking()(*args, **kwargs)
         except BeartypeCallHintViolation as violation:
             raise jaxtyping.TypeCheckError(str(violation)) from violation
 
