@@ -3,6 +3,7 @@
 import dataclasses
 import sys
 import traceback
+import warnings
 from collections.abc import Mapping
 from typing import Any, cast
 
@@ -19,6 +20,7 @@ from laticauda.robot import Current, Robot, Water
 from laticauda.values import (
     SERIES,
     BadArgument,
+    InfeasibleWarning,
     LaticaudaError,
     check_choice,
     check_finite,
@@ -138,7 +140,9 @@ class Session:
         scenario = read_scenario(message, self._own_robots, duration)
         world = create_world(scenario, self._budget)
         n_values = check_work(world, scenario.duration, scenario.sample_interval)
-        with self._budget.lock_for(n_values):
+        with self._budget.lock_for(n_values), warnings.catch_warnings():
+            # A warning would reach the server's terminal, not the client.
+            warnings.simplefilter("ignore", InfeasibleWarning)
             trial = simulate.swim(scenario)
         results: dict[str, Any] = {"figures": trial.summary()}
         if names:

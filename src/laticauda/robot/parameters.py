@@ -160,6 +160,7 @@ GAITS = list_kinds()
 
 
 def _check_changes(name: str, changes: Adjustments) -> dict[str, dict[str, Any]]:
+    check_instance(name, changes, Mapping)
     for table in changes:
         check_choice(name, table, NAMES)
     try:
@@ -172,6 +173,7 @@ def _check_changes(name: str, changes: Adjustments) -> dict[str, dict[str, Any]]
 def _check_changes_by_gait(
     name: str, changes: Mapping[str, Adjustments]
 ) -> dict[str, dict[str, dict[str, Any]]]:
+    check_instance(name, changes, Mapping)
     checked: dict[str, dict[str, dict[str, Any]]] = {}
     for gait, tables in changes.items():
         check_choice(name, gait, GAITS)
@@ -217,6 +219,7 @@ class Parameters:
     def __post_init__(self) -> None:
         if isinstance(self.joints, str):
             check_choice("joints", self.joints, JointLaw.names())
+        check_instance("own", self.own, Mapping)
         for gait, water in self.own.items():
             check_choice("own", gait, GAITS)
             check_instance(f"own[{gait}]", water, Water)

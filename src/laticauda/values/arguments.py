@@ -133,14 +133,14 @@ def _find_bad_argument(
     except TypeError:  # too few arguments, for instance
         return None
     for name, value in values.items():
-        if "VAR_" in signature.parameters[name].kind.name:  # *args or **kwargs
+        parameter = signature.parameters[name]
+        if parameter.kind is inspect.Parameter.VAR_POSITIONAL:
             continue
         annotation = plain_function.__annotations__.get(name, Any)
-        try:
-            hint = _resolve_annotation(annotation, plain_function.__globals__)
-        except NameError:  # a type that exists only for type checkers
-            continue
-        bad_argument = misfit(name, value, hint)
+        if parameter.kind is inspect.Parameter.VAR_KEYWORD:
+            bad_argument = _find_bad_keyword(annotation, plain_function, value)
+        else:
+            bad_argument = _misfit_of_annotation(name, value, annotation, plain_function)
         if bad_argument is not None:
             return bad_argument
     return None
@@ -165,6 +165,32 @@ def _resolve_annotation(annotation: Any, module_names: Mapping[str, Any]) -> Any
         except ImportError:
             raise error from None
     return typing.get_type_hints(annotated, names)["argument"]
+
+
+def _find_bad_keyword(
+    annotation: Any, function: Callable[..., Any], given_keywords: Mapping[str, Any]
+) -> BadArgument | None:
+    """Return an error for the first wrong keyword of `**changes: Unpack[Changes]`."""
+    keywords = _find_keywords(annotation, function)
+    if keywords is None:
+        return None
+    hints = typing.get_type_hints(keywords)
+    for name, value in given_keywords.items():
+        bad_argument = misfit(name, value, hints.get(name, Any))
+        if bad_argument is not None:
+            return bad_argument
+    return None
+
+
+def _misfit_of_annotation(
+    name: str, value: object, annotation: Any, function: Callable[..., Any]
+) -> BadArgument | None:
+    """Return an error for a value that does not fit an annotation of a function, which may be a text."""
+    try:
+        hint = _resolve_annotation(annotation, function.__globals__)
+    except NameError:  # a type that exists only for type checkers
+        return None
+    return misfit(name, value, hint)
 
 
 def misfit(name: str, value: object, hint: Any) -> BadArgument | None:

@@ -9,5 +9,8 @@
 from laticauda.connect.fmu.exporting import export_fmu
 from laticauda.connect.native.linking import LinkingFailed
 from laticauda.connect.native.variable import Variable
+from laticauda.values import explain
 
 __all__ = ["LinkingFailed", "Variable", "export_fmu"]
+
+explain(globals())

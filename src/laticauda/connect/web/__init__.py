@@ -8,5 +8,8 @@
 """
 
 from laticauda.connect.web.exporting import export_web
+from laticauda.values import explain
 
 __all__ = ["export_web"]
+
+explain(globals())

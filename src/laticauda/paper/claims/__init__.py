@@ -20,6 +20,7 @@ from laticauda.paper.claims.judge import (
     summarize_verdicts,
 )
 from laticauda.paper.claims.misprints import Misprint, find_misprints
+from laticauda.values import explain
 
 __all__ = [
     "Claim",
@@ -30,3 +31,5 @@ __all__ = [
     "load_claims",
     "summarize_verdicts",
 ]
+
+explain(globals())

@@ -15,6 +15,7 @@ from laticauda.tank.operate.drivers.base import (
 )
 from laticauda.tank.protocol.clock import Clock
 from laticauda.tank.protocol.worker import DeviceFailed
+from laticauda.values import explain
 
 __all__ = [
     "KINDS",
@@ -27,3 +28,5 @@ __all__ = [
     "StopInput",
     "driver_named",
 ]
+
+explain(globals())

@@ -30,7 +30,13 @@ from laticauda.tank.operate.recording.entries import PowerReading
 from laticauda.tank.protocol import CanMessage
 from laticauda.tank.protocol.clock import Clock
 from laticauda.tank.protocol.worker import DeviceFailed, T, Worker
-from laticauda.values import BadArgument, Extensible, check_hostname
+from laticauda.values import (
+    BadArgument,
+    Extensible,
+    check_choice,
+    check_hostname,
+    check_instance,
+)
 
 
 class Frame(NamedTuple):
@@ -69,6 +75,7 @@ class Driver(Worker[T]):
     @classmethod
     def check(cls, address: str) -> None:
         """Reject an invalid `address` with a `ValueError`, before anything is connected."""
+        check_instance("address", address, str)
         if not address.strip():
             raise BadArgument("address", "must not be empty")
 
@@ -178,6 +185,7 @@ def driver_named(kind: str, name: str, address: str) -> Any:
         ValueError: If there is no driver of this name, or the address is invalid; it names `kind`,
             or ``KIND_address``.
     """
+    check_choice("kind", kind, tuple(KINDS))
     try:
         driver_class = KINDS[kind].named(name)
     except BadArgument as error:
