@@ -16,6 +16,7 @@ from laticauda.connect.session import Session
 from laticauda.values import quantity, value_class
 
 bad_input = campaign("bad_input")
+attempt = importlib.import_module("bad_inputs.attempt")
 surface = importlib.import_module("bad_inputs.surface")
 pantry = importlib.import_module("bad_inputs.pantry")
 
@@ -27,8 +28,7 @@ SLICE = {
     "texts": 2,
     "robots": 2,
     "columns": 2,
-    "damage": 3,
-    "environment": 1,
+    "damage": 1,
 }
 """Inputs of each kind."""
 
@@ -157,9 +157,20 @@ def test_a_new_public_function_is_attacked_and_its_traceback_is_found(monkeypatc
 
 
 def test_a_message_that_names_nothing_is_found():
-    answer = bad_input.attempt_command("swim", "--duration", "-1", names=("--no-such-name",))
+    answer = attempt.judge_command("swim", "--duration", "-1", names=("--no-such-name",))
     assert answer.verdict == "fault"
     assert answer.detail.startswith("names nothing: laticauda: --duration must be > 0 s")
+
+
+def test_a_traceback_under_odd_circumstances_is_found(folder, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    kinds = importlib.import_module("bad_inputs.environment_kinds")
+    narrow = kinds.Circumstance(title="COLUMNS=1", variables={"COLUMNS": "1"})
+    attack = kinds.UnderCircumstance(circumstance=narrow, command="nonsense", pantry=folder)
+    assert attack().verdict == "refused"
+    broken = kinds.Circumstance(title="no site", shell=">&2; echo Traceback >&2")
+    attack = kinds.UnderCircumstance(circumstance=broken, command="nonsense", pantry=folder)
+    assert attack().verdict == "fault"
 
 
 def test_what_is_read_wrongly_from_a_damaged_file_is_found(folder, tmp_path, monkeypatch):

@@ -17,7 +17,7 @@ import shutil
 import signal
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -26,11 +26,12 @@ import numpy as np
 
 import laticauda as lc
 from bad_inputs import odd
-from bad_inputs.attempt import Answer, Case, fault, type_command
-from laticauda.identify import load_basis
+from bad_inputs.attempt import Answer, Case, fault
+from laticauda.identify import from_table, load_basis
 from laticauda.studies import open_sweep
 from laticauda.trials.logs import load_column_map, load_trial
 from laticauda.values import LaticaudaError
+from laticauda.water.fluid.gridded import Gridded
 
 STRIDE = 97
 """Bytes from one damaged place to the next."""
@@ -82,13 +83,11 @@ def _read_through_map(path: Path) -> Any:
     return load_trial(path, columns=path.with_name("map.toml"))
 
 
-def _read_table(path: Path) -> Any:
-    """Let `identify` read a table; it goes no further than that, since the robot has no such joint."""
-    words = ("identify", "--table", str(path), "--robot", "mamba", "--parameters", "nonsense")
-    said = type_command(*words)
-    if path.name in said.err or "Traceback" in said.err:
-        raise LossesNamed(said.err)
-    return None
+def _read_flow(path: Path) -> Any:
+    """Read a current on a grid, and what it is at some places: it is read when it is first used."""
+    flow = Gridded(source=str(path))
+    places = np.array([[0.0, 0.0, 0.0], [1.0, -1.0, 0.0]])
+    return replace(lc.load_water("paper-lateral"), current=flow).velocity(places, 1.0)
 
 
 FORMATS = (
@@ -96,10 +95,10 @@ FORMATS = (
     Format(name="water.toml", read=lc.load_water, has_checksums=False),
     Format(name="parameters.toml", read=lc.load_parameters, has_checksums=False),
     Format(name="scenario.toml", read=lc.load_scenario, has_checksums=False),
-    Format(name="flow.nc", read=lc.load_current, has_checksums=False),
+    Format(name="flow.nc", read=_read_flow, has_checksums=False),
     Format(name="map.toml", read=load_column_map, has_checksums=False),
     Format(name="log.csv", read=_read_through_map, has_checksums=False),
-    Format(name="speeds.csv", read=_read_table, has_checksums=False),
+    Format(name="speeds.csv", read=from_table, has_checksums=False),
     Format(name="trial.mat", read=load_trial, has_checksums=False),
     Format(name="trial.parquet", read=load_trial, has_checksums=False),
     Format(name="trial.nc", read=load_trial, has_checksums=True),

@@ -8,11 +8,11 @@ from pathlib import Path
 from bad_inputs import pantry
 from bad_inputs.attempt import Answer, Case, fault, judge_command
 
-READ_BY: dict[str, tuple[str, ...]] = {
-    **{f"trial.{ending}": ("trial", "show") for ending in pantry.FORMATS},
-    "recording.mcap": ("replay",),
-    "flow.nc": ("swim", "--duration", "0.1", "--current"),
-    "scene.xml": ("swim", "--duration", "0.05", "--model", "spatial", "--scene"),
+READ_BY: dict[str, str] = {
+    **{f"trial.{ending}": f"trial show trial.{ending}" for ending in pantry.FORMATS},
+    "recording.mcap": "replay recording.mcap",
+    "flow.nc": "swim --duration 0.1 --current flow.toml",
+    "scene.xml": "swim --duration 0.05 --model spatial --scene scene.xml",
 }
 """Commands that read a good file."""
 
@@ -48,12 +48,16 @@ def damaged(rng: random.Random, folder: Path) -> Iterator[Case]:
         name = rng.choice(names)
         content = damaged_bytes(rng, (folder / name).read_bytes())
 
-        def attack(name: str = name, content: bytes = content) -> Answer:
-            Path(name).write_bytes(content)
-            return judge_command(*READ_BY[name], name, names=(name, "--"))
+        words = tuple(READ_BY[name].split())
 
-        shown = f"{' '.join(READ_BY[name])} {name}, {len(content)} bytes"
-        yield Case("damaged", shown, attack)
+        def attack(
+            name: str = name, content: bytes = content, words: tuple[str, ...] = words
+        ) -> Answer:
+            pantry.lay_out(folder, words)
+            Path(name).write_bytes(content)
+            return judge_command(*words, names=(name, "--"))
+
+        yield Case("damaged", f"{READ_BY[name]}, {len(content)} bytes of {name}", attack)
 
 
 STUDIES = (

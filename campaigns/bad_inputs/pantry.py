@@ -61,6 +61,7 @@ IDENTIFY = (
     "identify --table speeds.csv --robot eel.toml --starts 1 --threads 1 --output fit "
     "--parameters water.tangential_friction"
 )
+FLOW = 'kind = "gridded"\nsource = "flow.nc"\n'
 SWEEP = "sweep --duration 0.5 --vary amplitude-deg=10:60:50 --output swept"
 SCENE = (
     '<mujoco><worldbody><geom name="b" type="box" size=".1 .1 .1" pos="3 0 0"/>'
@@ -93,6 +94,7 @@ def fill_pantry(folder: Path) -> None:
     (folder / "operation.toml").write_text(OPERATION)
     (folder / "scene.xml").write_text(SCENE)
     _write_flow(folder / "flow.nc")
+    (folder / "flow.toml").write_text(FLOW)
     source = Path(lc.__file__).parent / "robot" / "presets" / "parameters"
     shutil.copy(source / "mamba-identified.toml", folder / "parameters.toml")
 

@@ -195,7 +195,12 @@ MODULES = ("robot.hydrodynamics", "robot.kinematics", "scenarios.interfaces")
 NO_CALLS = ("laticauda.cli",)
 """Packages whose names are attacked otherwise: the program is called with words."""
 LEFT_OUT_CALLS: Mapping[str, str] = {
-    "laticauda.Plant": "is a protocol, which nobody makes",
+    "laticauda.motion.joints.motor_power": "is a formula on numbers, which kernels compile",
+    "laticauda.motion.joints.servo": "is a formula on numbers, which kernels compile",
+    "laticauda.motion.joints.speed_servo": "is a formula on numbers, which kernels compile",
+    "laticauda.water.fluid.plate": "is a formula on numbers, which kernels compile",
+    "laticauda.robot.kinematics.from_quaternion": "is a formula on numbers, called for every sample",
+    "laticauda.scenarios.interfaces.fin_signals": "takes the arrays of a model, not of a user",
 }
 """Public names that are not called, and why; exceptions, protocols and types of keywords need no line."""
 

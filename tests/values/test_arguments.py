@@ -3,6 +3,7 @@
 import inspect
 import pickle
 import pydoc
+import re
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
@@ -146,3 +147,55 @@ def test_a_class_that_only_type_checkers_import_is_named_too():
 
     with pytest.raises(ValueError, match=r"^`sweep` must be of class Dataset, got tuple\.$"):
         figures.sweep_sheet(sweep=(0, 1))
+
+
+def test_a_wrong_keyword_that_a_function_hands_on_is_named():
+    def sized(**changes: Unpack[Required]) -> float:
+        return changes["size"] + 1.0
+
+    module = vars(sys.modules[__name__])
+    sized.__module__, module["sized"] = __name__, sized
+    with pytest.raises(ValueError, match=r"^`size` must be of class float, got str\.$"):
+        explained(sized, __name__)(size="large")
+
+
+def test_a_function_that_keeps_its_results_names_what_cannot_be_kept():
+    from laticauda.scenarios import preset_water
+
+    with pytest.raises(ValueError, match=r"^`name_or_path` must be of class str or Path, got list"):
+        preset_water(["paper-lateral"])
+
+
+NAMED = {
+    "claims": "`claims` must be of class Sequence[Claim], got int.",
+    "web": "`folder` must be of class str or PathLike[str], got int.",
+    "fmu": "`path` must be of class str or PathLike[str], got int.",
+    "driver": "`address` must be of class str, got tuple.",
+    "kind": "`kind` must be one of `bus`, `mocap`, `meter`, `stop`, got 'radio'.",
+    "own": "`own` must be of class Mapping, got float.",
+    "changes": "`changes` must be of class Mapping, got int.",
+}
+
+
+@pytest.mark.parametrize("subject", NAMED)
+def test_packages_that_are_no_tables_of_names_name_the_argument_too(subject):
+    from laticauda.connect.fmu import export_fmu
+    from laticauda.connect.web import export_web
+    from laticauda.paper.claims import count_verdicts
+    from laticauda.tank.operate import drivers
+
+    def parameters(**changes: Any) -> lc.Parameters:
+        water = lc.load_water("paper-lateral")
+        return lc.Parameters(name="a", title="b", every_gait=water, **changes)
+
+    calls: dict[str, Callable[[], Any]] = {
+        "claims": lambda: count_verdicts(3),
+        "web": lambda: export_web(3),
+        "fmu": lambda: export_fmu(3, "mamba"),
+        "driver": lambda: drivers.Bus((1,), drivers.Clock()),
+        "kind": lambda: drivers.driver_named("radio", "mamba", "x"),
+        "own": lambda: parameters(own=3.0),
+        "changes": lambda: parameters(changes=3),
+    }
+    with pytest.raises(ValueError, match=f"^{re.escape(NAMED[subject])}$"):
+        calls[subject]()

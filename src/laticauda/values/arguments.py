@@ -59,7 +59,8 @@ def explain(module: dict[str, Any]) -> None:
 
 @functools.cache
 def _explained(function: Callable[..., Any], package: str) -> Callable[..., Any]:
-    if hasattr(function, _MARK):  # re-exported by another of our packages
+    is_cached = hasattr(function, "cache_info")  # has the mark of the function that it caches
+    if hasattr(function, _MARK) and not is_cached:  # re-exported by another of our packages
         return function
 
     @functools.wraps(function)
