@@ -17,12 +17,12 @@ import pkgutil
 import types
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import MISSING, dataclass, field
 from enum import Enum
 from typing import Any
 
 import laticauda as lc
-from laticauda.cli import app, flags
+from laticauda.cli import app, flags, scene
 from laticauda.cli.flag_names import FLAG_NAMES, is_internal
 from laticauda.cli.wave_flags import wave_flags
 from laticauda.connect import message_schema, messages
@@ -127,18 +127,29 @@ def flags_of_run(command: str, run: tuple[str, ...]) -> list[str]:
         run: Words of a run that works.
     """
     arguments = run[len(command.split()) :]
-    command_class = app._import_command(command)
+    command_class: Any = app._import_command(command)
     with contextlib.redirect_stderr(io.StringIO()):
         try:
             value = command_class.read(arguments, f"{app.PROGRAM} {command}")
         except (SystemExit, ValueError, flags.BadFlag, LaticaudaError):
-            # A command whose files have no example in `RUNS`: from its class alone.
-            return [flags.spell_option(one) for one in fields_of(command_class).values()]
+            value = _unread_command(command_class)
     found: list[str] = []
     for part in flags.parts_of(value):
         for option in fields_of(type(part)).values():
             found += _flags_of_field(option, part)
     return list(dict.fromkeys(found))
+
+
+def _unread_command(command_class: Any) -> Any:
+    """Return a command of which no run is known whose files are there: with its defaults, and texts for the rest."""
+    values: dict[str, Any] = {}
+    for option in fields_of(command_class).values():
+        if option.make_default() is MISSING:
+            values[option.name] = "missing"
+    if issubclass(command_class, scene.OfScenario):
+        names = scene.Names()
+        values["scenario"] = names.resolve_scenario((), accepts_file=False).scenario
+    return command_class(**values)
 
 
 def _flags_of_field(option: Field, part: Any) -> list[str]:
