@@ -266,6 +266,10 @@ def judge_call(function: Callable[..., Any], arguments: dict[str, Any]) -> Answe
             if SAID_BY_PYTHON.search(str(error)):
                 return REFUSED
             raise
+        except Exception as error:
+            if type(error).__module__.startswith("beartype"):  # the tests check types of calls
+                return REFUSED
+            raise
     if UNWANTED_WARNING.search(err.getvalue()):
         return fault(err.getvalue()[-300:])
     return ACCEPTED
