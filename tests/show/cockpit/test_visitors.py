@@ -6,7 +6,9 @@ import http.client
 import logging
 import socket
 
+import msgspec
 import pytest
+from patience import until
 
 from laticauda.show.cockpit import server
 from laticauda.values.access import ServerAccess
@@ -139,6 +141,33 @@ def test_bytes_that_are_no_http_leave_one_line_and_no_bytes_leave_none(own, capl
                 pass
     assert own.get().status == 200
     assert [one.exc_info for one in caplog.records if one.levelno >= logging.WARNING] == [None]
+
+
+def test_a_page_changes_values_of_controls_and_nothing_else_of_them(own):
+    number = own.server.gui.add_number("number", initial_value=1.0)
+    changes = [{"removed": True}, {"label": "mine"}, {"value": 2.0, "visible": False}]
+
+    async def send(updates):
+        way = {"host": "127.0.0.1", "port": own.port, "subprotocols": [PROTOCOL]}
+        async with websockets.connect(f"ws://{own.host}/", **way) as wire:
+            message = {"type": "GuiUpdateMessage", "uuid": number._impl.uuid, "updates": updates}
+            await wire.send(msgspec.msgpack.encode(message))
+            await asyncio.sleep(0.3)
+
+    for change in changes:
+        asyncio.run(send(change))
+    assert (number.value, number.label, number.visible) == (1.0, "number", True)
+    assert not number._impl.removed
+    asyncio.run(send({"value": 3.0}))
+    until(lambda: number.value == 3.0)
+    assert number.value == 3.0
+    number.remove()
+
+
+def test_pages_that_leave_while_they_are_written_to_are_not_counted_on_the_screen(own, caplog):
+    logging.getLogger("asyncio").warning("socket.send() raised exception.")
+    logging.getLogger("asyncio").warning("something else")
+    assert [record.getMessage() for record in caplog.records] == ["something else"]
 
 
 def test_no_page_can_ask_for_an_address_on_the_internet(own):

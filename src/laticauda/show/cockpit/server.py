@@ -55,8 +55,22 @@ def start_server(door: ServerAccess, port: int) -> Any:
     # If a page requested it, viser would ask a service for a public address on the internet.
     messages = import_module("viser._messages")
     server._websock_server.unregister_handler(messages.ShareUrlRequest)
+    _limit_updates(server, messages)
     limit_uploads(server)
     return server
+
+
+def _limit_updates(server: Any, messages: Any) -> None:
+    """Let pages change the values of controls only; viser would set any attribute that one names, for all pages."""
+    update = server.gui._handle_gui_updates
+
+    async def update_value(page: int, message: Any) -> None:
+        if set(message.updates) == {"value"}:
+            await update(page, message)
+
+    sockets = server._websock_server
+    sockets.unregister_handler(messages.GuiUpdateMessage)
+    sockets.register_handler(messages.GuiUpdateMessage, update_value)
 
 
 def _free_port(host: str, port: int) -> int:
@@ -98,6 +112,14 @@ def _shorten_record(record: logging.LogRecord) -> bool:
 
 
 _WIRE.addFilter(_shorten_record)
+
+
+def _is_worth_printing(record: logging.LogRecord) -> bool:
+    """Return whether asyncio says more than that a page has left while it was written to, once for every write."""
+    return record.msg != "socket.send() raised exception."
+
+
+logging.getLogger("asyncio").addFilter(_is_worth_printing)
 
 
 @contextlib.contextmanager
