@@ -20,7 +20,7 @@ from laticauda.studies.point_trials import (
     scenarios_at,
 )
 from laticauda.studies.sampling import Table
-from laticauda.trials.logs import TableColumn, format_csv
+from laticauda.trials.logs import TableColumn, format_csv, write_dataset
 from laticauda.values import write
 
 if TYPE_CHECKING:
@@ -166,10 +166,7 @@ class Front:
         """
         dataset: Any = self.to_dataset()
         encoding = {name: {"fletcher32": True} for name in dataset.variables}  # checksums of HDF5
-        write(
-            path,
-            lambda new_path: dataset.to_netcdf(new_path, engine="netcdf4", encoding=encoding),
-        )
+        write(path, lambda new_path: write_dataset(dataset, new_path, encoding))
 
     def write_csv(self, path: str | Path) -> None:
         """Write the front to a CSV file: one row per point, SI units, angles in radians.

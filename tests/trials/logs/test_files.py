@@ -185,6 +185,19 @@ def test_a_failed_write_leaves_the_old_file_and_no_litter(
     assert os.listdir(path.parent) == ["run.nc"]
 
 
+def test_why_a_file_cannot_be_written_is_said_by_the_system(full_trial, path, monkeypatch):
+    def refuse(*_arguments: object, **_options: object) -> None:
+        raise PermissionError(13, "Permission denied")  # as netCDF says of a full disk
+
+    def fill(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("xarray.Dataset.to_netcdf", refuse)
+    monkeypatch.setattr("pathlib.Path.write_bytes", fill)
+    with pytest.raises(StorageFailed, match=r"run\.nc: cannot be written: No space left on device"):
+        full_trial.save(path)
+
+
 def test_where_nothing_can_be_written_the_reason_is_given(make_trial, tmp_path):
     trial = make_trial(duration=1.0)
     with pytest.raises(

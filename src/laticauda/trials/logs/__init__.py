@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         open_recording as open_recording,
         failures_of as failures_of,
     )
+    from laticauda.trials.logs.netcdf import write_dataset as write_dataset
     from laticauda.trials.logs.rates import interpolate_columns as interpolate_columns
     from laticauda.trials.logs.tabular import TableColumn as TableColumn, format_csv as format_csv
 
@@ -42,6 +43,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.trials.logs.recording": ["Logged", "Recording", "open_recording"],
     },
     plain={
+        "laticauda.trials.logs.netcdf": ["write_dataset"],
         "laticauda.trials.logs.rates": ["interpolate_columns"],
         "laticauda.trials.logs.recorder": ["CLOCK"],
         "laticauda.trials.logs.recording": ["failures_of"],

@@ -8,8 +8,9 @@ edited by another program has lost its checksum, and is accepted as it is.
 # pyright: reportMissingTypeStubs=false
 
 import hashlib
+from collections.abc import Hashable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -28,6 +29,9 @@ in place remove both.
 """
 SEAL_LENGTH = len(SEAL) + 64
 """Length of the mark and the checksum [bytes]."""
+
+SIZE_OF_PROBE = 1 << 16
+"""Number of bytes at least that are written to find out why a file cannot be [bytes]."""
 
 
 class NetCdfFile(Format):
@@ -53,10 +57,7 @@ class NetCdfFile(Format):
             "standard_name": "time",
             "units": f"seconds since {start}",
         }
-        try:
-            dataset.to_netcdf(path, engine="netcdf4", encoding=encoding)
-        except RuntimeError as error:  # netCDF states no other reason: most likely the disk is full
-            raise OSError(f"{error}; is the disk full?") from error
+        write_dataset(dataset, path, encoding)
         with path.open("rb+") as file:
             checksum = hashlib.sha256(file.read())
             file.write(SEAL + checksum.hexdigest().encode())
@@ -72,6 +73,30 @@ class NetCdfFile(Format):
         if MARK not in dataset.attrs:
             raise ValueError("it is a netCDF file, but not a trial of laticauda.")
         return dataset
+
+
+def write_dataset(
+    dataset: "xarray.Dataset", path: Path, encoding: Mapping[Hashable, Mapping[str, Any]]
+) -> None:
+    """Write a Dataset to a netCDF file.
+
+    Args:
+        dataset: The Dataset.
+        path: Path of the file.
+        encoding: How variables are stored, by name.
+
+    Raises:
+        OSError: If the file cannot be written.
+    """
+    try:
+        dataset.to_netcdf(path, engine="netcdf4", encoding=encoding)
+    except (RuntimeError, PermissionError) as error:
+        # netCDF does not state the reason, or a wrong one. Who writes as much to the same file is
+        # told it by the system.
+        path.write_bytes(bytes(max(dataset.nbytes, SIZE_OF_PROBE)))
+        if isinstance(error, PermissionError):
+            raise
+        raise OSError(f"{error}; is the disk full?") from error
 
 
 def _remove_seal(content: bytes) -> bytes:
