@@ -8,6 +8,7 @@ import gc
 import os
 import signal
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -36,6 +37,15 @@ check_shapes(SOURCES, "printed_equations")
 def pytest_runtest_setup() -> None:
     """Begin to count calls, see `typechecker`."""
     next_test()
+
+
+@pytest.fixture
+def limit_case() -> Iterator[None]:
+    """Let a test describe what cannot be: water without mass, motors without limits, a gait beyond all reason."""
+    from laticauda.scenarios import limit_case  # after the hook of the shapes
+
+    with limit_case():
+        yield
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:

@@ -111,7 +111,6 @@ IN_PYTHON: dict[str, tuple[Callable[[lc.Trial], object], str]] = {
 }
 NOT_ANSWERED = {
     "a run that diverged": "its figures do not raise yet, but `repr` and `status` say it",
-    "a robot in mm": "the reader of robots does not doubt units yet",
 }
 IN_SHELL: dict[str, tuple[str, str]] = {
     "no command": ("", "Try first: laticauda swim mamba"),

@@ -18,6 +18,7 @@ from laticauda.values.packaging import lazy_exports
 
 if TYPE_CHECKING:
     from laticauda.values.errors import (
+        ImplausibleWarning as ImplausibleWarning,
         InfeasibleWarning as InfeasibleWarning,
         UnitWarning as UnitWarning,
     )
@@ -132,7 +133,7 @@ _MEANT = {
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
     {
-        "laticauda.values.errors": ["InfeasibleWarning", "UnitWarning"],
+        "laticauda.values.errors": ["ImplausibleWarning", "InfeasibleWarning", "UnitWarning"],
         "laticauda.motion.joints": ["JointLaw", "PD", "Prescribed", "Servo", "SpeedServo"],
         "laticauda.control": [
             "Following",

@@ -11,7 +11,15 @@ from typing import Any
 
 from laticauda.cli.flags import Options, parse_command
 from laticauda.cli.output_files import check_output, files_of
-from laticauda.values import SkippedRowsWarning, StoredResultsWarning, option, to_json, value_class
+from laticauda.values import (
+    ImplausibleWarning,
+    SkippedRowsWarning,
+    StoredResultsWarning,
+    UnitWarning,
+    option,
+    to_json,
+    value_class,
+)
 from laticauda.values.packaging import renamed_names
 
 
@@ -75,12 +83,21 @@ class Command(Options):
         print(to_json(facts, None) if self.json else text, flush=True)
 
 
+ABOUT_WHAT_WAS_GIVEN = (
+    SkippedRowsWarning,
+    StoredResultsWarning,
+    ImplausibleWarning,
+    UnitWarning,
+)
+"""Warnings that are printed as one line each."""
+
+
 @contextmanager
 def _warnings_as_lines() -> Generator[None]:
     """Print warnings about what the user gave as one line each, without the code that found it."""
 
     def print_line(message: Warning | str, category: type[Warning], *details: Any) -> None:
-        if issubclass(category, SkippedRowsWarning | StoredResultsWarning):
+        if issubclass(category, ABOUT_WHAT_WAS_GIVEN):
             print(f"laticauda: {message}", file=sys.stderr)
         else:
             print_as_usual(message, category, *details)
@@ -88,6 +105,7 @@ def _warnings_as_lines() -> Generator[None]:
     with warnings.catch_warnings():
         print_as_usual = warnings.showwarning
         warnings.simplefilter("always", SkippedRowsWarning)
+        warnings.simplefilter("once", ImplausibleWarning)
         warnings.showwarning = print_line
         yield
 

@@ -9,6 +9,7 @@ from typing import Any
 from laticauda import robot
 from laticauda.cli import command, flags, tables
 from laticauda.robot import Ground, Parameters, Robot, Water, files, parameters
+from laticauda.scenarios import check_described
 from laticauda.values import BadArgument, check_choice, option, value_class
 from laticauda.water.fluid import Flow
 
@@ -51,7 +52,10 @@ class Robots(command.Command):
         if self.toml and self.json:
             raise BadArgument("toml", "must not be given together with --json")
         if self.name is not None:
-            return self._describe(_load(self.name))
+            preset = _load(self.name)
+            if isinstance(preset, Robot):
+                check_described(preset)
+            return self._describe(preset)
         if self.toml:
             raise BadArgument("toml", "must be given with the NAME to print")
         return self._list_all()

@@ -40,6 +40,12 @@ DECLARING_CLASSES = (
     scenarios.Choice,
 )
 """Classes whose fields are top-level fields of a message; for a repeated name, the later class takes precedence."""
+WARNINGS: Schema = {
+    "type": "array",
+    "items": TEXT,
+    "description": "What is accepted and hardly meant; left out if nothing is",
+}
+"""Field of answers with a sentence for each number that is probably in another unit."""
 UNDECLARED_FIELDS: Mapping[str, Schema] = {
     "id": {},
     "protocol": {"const": messages.PROTOCOL_VERSION},
@@ -100,11 +106,12 @@ def _answer_schemas() -> dict[str, Schema]:
     state = {"observation": _observation_schema()}
     for name in messages.LOAD_FIELDS:
         state[name] = _series_schema(SERIES[name])
+    state["warnings"] = WARNINGS
     series: Schema = {"type": "object", "additionalProperties": NUMBERS}
-    command = {"command": OBJECT}
+    command = {"command": OBJECT, "warnings": WARNINGS}
     log = {"series": series, "dropped": {"type": "integer", "minimum": 0}}
     description = {**state, **ROBOT_FIELDS, **command}
-    figures = {"figures": _figures_schema(), "series": series}
+    figures = {"figures": _figures_schema(), "series": series, "warnings": WARNINGS}
     return {
         "reset": _object_schema({**state, **ROBOT_FIELDS}, required=["observation", *ROBOT_FIELDS]),
         "step": _object_schema(state, required=["observation"]),

@@ -101,7 +101,12 @@ class Session:
         request = check_choice("do", message.get("do"), tuple(self._handlers))
         known_fields = (*messages.COMMON_FIELDS, *messages.REQUEST_FIELDS[request])
         codec.check_keys(message, known_fields)
-        return self._handlers[request](message)
+        warnings = dict[str, None]()  # in their order, each once
+        with scenarios.telling(lambda sentence: warnings.update({sentence: None})):
+            answer = self._handlers[request](message)
+        if warnings:
+            return {**answer, "warnings": list(warnings)}
+        return answer
 
     def _reset(self, message: Message) -> dict[str, Any]:
         scenario = read_scenario(message, self._own_robots)

@@ -14,6 +14,7 @@ from laticauda.connect.history import History
 from laticauda.connect.messages import Message
 from laticauda.models import simulate
 from laticauda.robot import Water
+from laticauda.scenarios import check_plausible
 from laticauda.values import BadArgument, Log, check_positive, check_within
 
 MOST_WORK = 20_000_000
@@ -88,11 +89,13 @@ def change_world(world: World, message: Message, *, is_tried: bool = True) -> Wo
         ValueError: If the plant does not accept the command.
     """
     scenario = change_scenario(world.scenario, message)
+    if "gait" in message or "current" in message:
+        check_plausible(scenario, before=world.scenario)
     plant = world.plant
     state = world.state
     if scenario.environment is not world.scenario.environment:
         world.budget.check_current(scenario)
-        plant = simulate.build_plant(scenario)
+        plant = simulate.plant_of_scenario(scenario)
         state = plant.unpack(world.plant.pack(state))
     changed_world = replace(world, scenario=scenario, plant=plant, state=state)
     if is_tried:

@@ -14,6 +14,7 @@ from laticauda.identify.series import SERIES, SERIES_KINDS
 from laticauda.identify.towing import LOADS, Tow
 from laticauda.identify.unknowns import Prior, name_field
 from laticauda.models.simulate import UNITS
+from laticauda.scenarios import warn_of_doubt
 from laticauda.trials import arrays
 from laticauda.values import (
     LARGEST,
@@ -160,7 +161,9 @@ class Measurement:
         if largest > LARGEST:
             raise BadArgument(argument, f"must hold numbers up to {LARGEST:g}, got {largest:g}")
         if np.ndim(sigma) == 0:
-            return checked_samples, _checked_sigma(argument, sigma, SERIES[series])
+            checked_sigma = _checked_sigma(argument, sigma, SERIES[series])
+            _doubt_sigma(argument, series, checked_sigma)
+            return checked_samples, checked_sigma
         return checked_samples, _checked_sigmas(argument, sigma, checked_samples.shape)
 
     @property
@@ -218,6 +221,24 @@ class Measurement:
 
 def _checked_sigma(argument: str, sigma: object, unit: str) -> float:
     return Quantity(unit=unit, text="", gt=0.0).checked(f"sigma of {argument}", sigma)
+
+
+LARGEST_SIGMAS: Mapping[str, tuple[float, str]] = {
+    "center_of_mass": (0.5, "did you mean {meant:g} ({sigma:g} mm)?"),
+    "heading": (1.0, "is it in degrees?"),
+    "joint_angle": (1.0, "is it in degrees?"),
+}
+"""Noise that no camera has, in the series' unit, and what was probably meant."""
+
+
+def _doubt_sigma(argument: str, series: str, sigma: float) -> None:
+    """Warn of noise that hides all motion, because it is in another unit."""
+    if series not in LARGEST_SIGMAS:
+        return
+    largest, hint = LARGEST_SIGMAS[series]
+    if sigma > largest:
+        noise = f"sigma of {argument} of {sigma:g} {SERIES[series]} hides all motion"
+        warn_of_doubt(f"{noise}; {hint.format(meant=1e-3 * sigma, sigma=sigma)}")
 
 
 def _checked_sigmas(argument: str, sigmas: object, shape: tuple[int, ...]) -> np.ndarray:

@@ -24,6 +24,10 @@ DURATION = 30.0
 _TOLERANCE = 1e-6
 """Tolerance of gait parameters, as the paper's are whole degrees [rad, rad/s]."""
 _COMPARED_PARAMETERS = ("amplitude", "frequency", "phase_shift", "offset")
+FRESH_WATER = 1000.0
+"""Density of the tank's water [kg/m^3]."""
+DENSITY_TOLERANCE = 10.0
+"""Densities of fresh water at any temperature differ by less; sea water has 25 more [kg/m^3]."""
 _MAMBA_PRESETS = ("mamba", "mamba-fin", "mamba-modules", "mamba-modules-fin")
 
 
@@ -247,9 +251,12 @@ class Table1(MeasuredTrials):
                 of one of Mamba's presets. Numbers that models and fits assign to the same machine
                 are not compared: actuators, power, the fin's coefficients.
             gait: Gait without steering.
-            environment: Environment of the trial.
+            environment: Environment of the trial: still water, as dense as the tank's. Its
+                coefficients are a model's, and not compared.
         """
         if isinstance(environment, Ground) or environment.current != (0.0, 0.0):
+            return None
+        if abs(environment.density - FRESH_WATER) > DENSITY_TOLERANCE:
             return None
         if not _is_mamba(robot):
             return None
@@ -274,6 +281,8 @@ def _is_same_gait(printed: gaits.Gait, gait: gaits.Gait) -> bool:
     for name in _COMPARED_PARAMETERS:
         if not abs(getattr(printed, name) - getattr(gait, name)) <= _TOLERANCE:
             return False
+    if gait.recorded is not None:
+        return False
     return printed.kind == gait.kind and printed.pitch == gait.pitch and printed.fin == gait.fin
 
 

@@ -6,6 +6,8 @@ waters.py    waters and grounds by default and by name
 choice.py    the names with which a command or a file chooses robot, environment and model
 toml.py      files that people write
 stored.py    text with every number, as trials store it
+
+plausibility  whether a run can be meant: what cannot be is refused, of what hardly is there is a warning
 """
 
 from typing import TYPE_CHECKING
@@ -26,6 +28,17 @@ if TYPE_CHECKING:
         Chosen as Chosen,
         identified_parameters as identified_parameters,
         take_identified_parameters as take_identified_parameters,
+    )
+    from laticauda.scenarios.plausibility import (
+        Doubt as Doubt,
+        judge_scenario as judge_scenario,
+        limit_case as limit_case,
+        check_described as check_described,
+        check_many as check_many,
+        check_plausible as check_plausible,
+        telling as telling,
+        warn_of_doubt as warn_of_doubt,
+        warn_of_speed as warn_of_speed,
     )
     from laticauda.scenarios.scenario import (
         Experiment as Experiment,
@@ -83,6 +96,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "model_of",
         ],
         "laticauda.scenarios.choice": ["Choice", "Chosen"],
+        "laticauda.scenarios.plausibility": ["Doubt", "judge_scenario", "limit_case"],
         "laticauda.scenarios.scenario": [
             "Experiment",
             "MODELS",
@@ -124,6 +138,14 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "Start",
             "check_waves",
             "fin_signals",
+        ],
+        "laticauda.scenarios.plausibility": [
+            "check_described",
+            "check_many",
+            "check_plausible",
+            "telling",
+            "warn_of_doubt",
+            "warn_of_speed",
         ],
         "laticauda.scenarios.scenario": ["NO_FILTER"],
         "laticauda.scenarios.toml": ["NAMES", "take_chosen"],

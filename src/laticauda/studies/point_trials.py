@@ -28,6 +28,7 @@ from laticauda.models.simulate import (
     silent,
 )
 from laticauda.models.simulate.numbers import list_parameters
+from laticauda.scenarios import telling, warn_of_doubt
 from laticauda.studies.sampling import Table
 from laticauda.trials.feasibility import NEEDS
 from laticauda.values import BadArgument, check_instance, codec, extensions, packaging
@@ -121,8 +122,13 @@ def check_ranges(
     for name, ends in ranges.items():
         parameter = look_up(name, parameters, argument)
         check_whole(parameter, np.array(ends))
-    for corner in _corners_of(ranges):
-        _check_point(scenario, dict(zip(ranges, corner, strict=True)), argument)
+    doubts: list[str] = []
+    with telling(doubts.append):
+        for corner in _corners_of(ranges):
+            _check_point(scenario, dict(zip(ranges, corner, strict=True)), argument)
+    doubt_of_argument = {doubt.split()[0]: doubt for doubt in doubts}
+    for doubt in doubt_of_argument.values():
+        warn_of_doubt(doubt)
 
 
 def _corners_of(ranges: Mapping[str, tuple[float, float]]) -> Iterable[tuple[float, ...]]:

@@ -110,8 +110,10 @@ def measured_counterpart(trial: Trial) -> MeasuredTrial | None:
     """Return the measurement in the setting of a run, or None.
 
     Args:
-        trial: A run.
+        trial: A run; one that starts with a speed has no counterpart, as all were measured from rest.
     """
+    if getattr(getattr(trial.scenario, "start", None), "velocity", 0.0) != 0.0:
+        return None
     return measured_setting(trial.robot, trial.gait, trial.environment)
 
 

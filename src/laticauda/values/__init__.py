@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from laticauda.values.errors import (
         BadArgument as BadArgument,
         ClusterFailed as ClusterFailed,
+        ImplausibleWarning as ImplausibleWarning,
         InfeasibleWarning as InfeasibleWarning,
         LaticaudaError as LaticaudaError,
         MissingExtra as MissingExtra,
@@ -177,6 +178,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.values.errors": [
             "BadArgument",
             "ClusterFailed",
+            "ImplausibleWarning",
             "InfeasibleWarning",
             "LaticaudaError",
             "MissingExtra",

@@ -56,6 +56,10 @@ class UnitWarning(UserWarning):
     """A number that is accepted, but was probably meant in another unit."""
 
 
+class ImplausibleWarning(UserWarning):
+    """Something described that hardly is, such as a robot that sinks; the text says which unit was probably meant."""
+
+
 class SkippedRowsWarning(UserWarning):
     """Rows of a table that are left out, because they lack what is asked for."""
 

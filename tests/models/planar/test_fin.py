@@ -384,6 +384,7 @@ def test_without_a_wave_a_driven_fin_stays_straight_and_steering_leaves_it_alone
     np.testing.assert_allclose(still.center_of_mass, rigid.center_of_mass, atol=1e-10)
 
 
+@pytest.mark.usefixtures("limit_case")
 def test_a_weak_servo_does_not_reach_what_is_asked_of_the_fin():
     asked = replace(GAIT, fin=lc.Wave(amplitude=1.0, frequency=4.0))
     missed = []

@@ -269,6 +269,7 @@ def test_a_steering_offset_turns_left_and_can_change_while_swimming():
     assert np.abs(np.diff(turned.joint_rate, axis=0)).max() < 1.0
 
 
+@pytest.mark.usefixtures("limit_case")
 def test_absurd_gains_end_as_a_failed_trial_that_says_when_and_what_to_try():
     wild = Joint(actuator=Actuator(proportional_gain=0.0, derivative_gain=0.0))
     robot = load_robot("mamba")
@@ -293,6 +294,7 @@ def by_function(function):
     return replace(WATER, drag=FunctionDrag(function=function))
 
 
+@pytest.mark.usefixtures("limit_case")
 @pytest.mark.parametrize(
     ("choices", "message"),
     [
@@ -364,6 +366,7 @@ def test_a_name_is_a_preset_of_a_robot_and_a_gait_needs_more():
         lc.swim(load_robot("mamba"), "eel_like")
 
 
+@pytest.mark.usefixtures("limit_case")
 def test_a_run_that_cannot_even_start_is_a_failed_trial_too():
     water = replace(WATER)
     object.__setattr__(water, "current", (1e300, 0.0))  # nothing that can be asked for does it

@@ -206,6 +206,7 @@ def with_motor(robot, **numbers):
     return adjust(load_robot(robot), {"actuator": numbers})
 
 
+@pytest.mark.usefixtures("limit_case")
 @pytest.mark.parametrize("robot", ["mamba-fin", "mamba-modules"])
 def test_a_robot_swims_as_with_the_servo_that_imitated_it(robot):
     strong = with_motor(robot, stall_torque=200.0, no_load_speed=LIMIT)
@@ -220,6 +221,7 @@ def test_a_robot_swims_as_with_the_servo_that_imitated_it(robot):
     assert own.mean_power_kind == "electrical"
 
 
+@pytest.mark.usefixtures("limit_case")
 def test_its_joints_turn_no_faster_than_their_limit_and_do_what_that_leaves_of_the_gait():
     spare = with_motor("mamba", stall_torque=200.0, no_load_speed=200.0)
     law = SpeedServo(speed_limit=0.708, position_gain=5.7 * 0.708, speed_gain=200.0 / 0.708)
@@ -233,6 +235,7 @@ def test_its_joints_turn_no_faster_than_their_limit_and_do_what_that_leaves_of_t
         )
 
 
+@pytest.mark.usefixtures("limit_case")
 def test_a_motor_without_the_torque_slows_it_down():
     weak, strong = (
         lc.swim(with_motor("mamba-fin", stall_torque=u), GAIT, 8.0, joints=SLOW)

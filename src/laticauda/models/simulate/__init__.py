@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from laticauda.models.simulate.plants import (
         needs_compiling as needs_compiling,
         build_plant as build_plant,
+        plant_of_scenario as plant_of_scenario,
         school_of as school_of,
     )
     from laticauda.models.simulate.runner import (
@@ -97,7 +98,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "suggest_names",
             "value_of",
         ],
-        "laticauda.models.simulate.plants": ["school_of"],
+        "laticauda.models.simulate.plants": ["plant_of_scenario", "school_of"],
         "laticauda.models.simulate.runner": ["Progress", "Until", "run_scenario", "silent"],
     },
     renamed={

@@ -7,7 +7,7 @@ from typing import NamedTuple, TypeVar, Unpack, cast
 
 from laticauda.models.planar.batch import Run
 from laticauda.models.planar.model import PlanarPlant
-from laticauda.models.simulate.plants import build_plant
+from laticauda.models.simulate.plants import plant_of_scenario
 from laticauda.motion.gaits import Gait
 from laticauda.robot import Environment, Ground, Robot, Water, load_robot
 from laticauda.scenarios import (
@@ -108,7 +108,7 @@ def runs_of(scenarios: Sequence[Scenario]) -> list[Run]:
         key = _PlantKey.of(scenario)
         if key not in plants:
             check_instance(f"scenarios[{i}].model", scenario.model, Planar)
-            plants[key] = cast(PlanarPlant, build_plant(scenario))
+            plants[key] = cast(PlanarPlant, plant_of_scenario(scenario))
         _check_same_sampling(scenario, scenarios[0])
         command = _command_of(scenario, i)
         start = cast(Start, check_instance(f"scenarios[{i}].start", scenario.start, Start))

@@ -16,7 +16,7 @@ from laticauda.models.simulate.runner import Progress, silent
 from laticauda.models.simulate.several import swim_each
 from laticauda.motion.gaits import Gait
 from laticauda.robot import Environment, Robot
-from laticauda.scenarios import ModelChanges, Scenario, Spatial, Start
+from laticauda.scenarios import ModelChanges, Scenario, Spatial, Start, check_many
 from laticauda.trials import AXES, Trial
 from laticauda.trials.feasibility import ROUNDING
 from laticauda.values import check_choice, check_instance
@@ -149,6 +149,8 @@ def swim_many(
         sample_interval=sample_interval,
         **changes,
     )
+    if scenarios:
+        check_many(scenarios)
     if scenarios and isinstance(getattr(scenarios[0], "model", None), Spatial):
         check_choice("device", device, (CPU,))
         result = run_spatial(scenarios, threads=threads, progress=progress)

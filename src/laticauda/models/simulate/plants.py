@@ -27,6 +27,9 @@ def build_plant(
         model: With a robot: the model or its name.
         changes: With a robot: the model's settings; see `laticauda.scenarios.ModelChanges`.
 
+    Warns:
+        ImplausibleWarning: If something of it hardly is, such as a robot that sinks.
+
     Returns:
         The plant.
 
@@ -38,17 +41,32 @@ def build_plant(
         rule = "must be that of a simulated run to be run again"
         raise BadArgument("scenario", f"{rule}; this one lacks {robot.lacks}")
     if isinstance(robot, Scenario):
-        _check_defined(robot)
-        return _plant_of_model(robot.robot, robot.environment, robot.model)
+        scenarios.check_plausible(robot)
+        return plant_of_scenario(robot)
     if isinstance(robot, str | Path):
         robot = load_robot(robot)
     check_instance("robot", robot, Robot)
     surroundings = scenarios.environment_of(environment, robot)
     check_instance("environment", surroundings, Water, Ground)
+    scenarios.check_described(robot, cast(Environment, surroundings))
     stated_changes = {name: value for name, value in changes.items() if value is not None}
     return _plant_of_model(
         robot, cast(Environment, surroundings), scenarios.model_of(model, **stated_changes)
     )
+
+
+def plant_of_scenario(scenario: Scenario) -> Plant[Any]:
+    """Make the plant of a scenario that was judged already, or is one of many between such ones.
+
+    Args:
+        scenario: The scenario.
+
+    Raises:
+        ValueError: As `build_plant` does.
+        MissingExtra: If the model needs a package that is not installed.
+    """
+    _check_defined(scenario)
+    return _plant_of_model(scenario.robot, scenario.environment, scenario.model)
 
 
 def _check_defined(scenario: Scenario) -> None:

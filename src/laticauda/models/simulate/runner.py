@@ -34,6 +34,7 @@ from laticauda.scenarios import (
     Start,
     SwimChanges,
     build_scenario,
+    warn_of_speed,
 )
 from laticauda.trials import REACHED_END, Trial
 from laticauda.trials.feasibility import exceeds_actuators
@@ -538,6 +539,8 @@ def swim(
             `rays`. See `laticauda.scenarios.Changes`.
 
     Warns:
+        ImplausibleWarning: If something hardly is as it is described, such as a robot that sinks,
+            or if the robot swims many times its length per second.
         InfeasibleWarning: If the run demands more of a joint than the robot offers.
 
     Returns:
@@ -563,6 +566,8 @@ def swim(
         plant = build_plant(scenario)
     trial = run_scenario(scenario, plant, link_forces=link_forces, throw=throw, progress=progress)
     _warn_if_infeasible(trial)
+    if trial.succeeded:
+        warn_of_speed(trial.robot, trial.forward_velocity, trial.environment)
     return trial
 
 

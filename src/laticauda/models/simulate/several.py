@@ -102,7 +102,7 @@ class _ParallelRuns(Generic[Result]):
             and scenario.model is last.model
         )
         if not is_same:
-            self._of_thread.plant = plants.build_plant(scenario)
+            self._of_thread.plant = plants.plant_of_scenario(scenario)
             self._of_thread.scenario = scenario
         return self._of_thread.plant
 

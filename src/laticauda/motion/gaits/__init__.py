@@ -22,8 +22,11 @@ if TYPE_CHECKING:
         list_kinds as list_kinds,
         lateral_undulation as lateral_undulation,
         recorded_gait as recorded_gait,
+        FASTEST as FASTEST,
         FIRST_GAIT as FIRST_GAIT,
+        SMALLEST_AMPLITUDE as SMALLEST_AMPLITUDE,
         STRAIGHT as STRAIGHT,
+        was_doubted as was_doubted,
     )
     from laticauda.motion.gaits.generator import (
         Generator as Generator,
@@ -64,7 +67,13 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.motion.gaits.reference": ["WaveState"],
     },
     plain={
-        "laticauda.motion.gaits.gait": ["FIRST_GAIT", "STRAIGHT"],
+        "laticauda.motion.gaits.gait": [
+            "FASTEST",
+            "FIRST_GAIT",
+            "SMALLEST_AMPLITUDE",
+            "STRAIGHT",
+            "was_doubted",
+        ],
         "laticauda.motion.gaits.reference": [
             "WaveTarget",
             "filter_step",

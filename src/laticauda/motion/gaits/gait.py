@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from math import pi, radians, tau
 from typing import TYPE_CHECKING, Any, ClassVar, TypedDict, Unpack
+from weakref import WeakValueDictionary
 
 from laticauda.motion.gaits.recorded import JointAngles
 from laticauda.motion.gaits.reference import WaveTarget
@@ -376,35 +377,51 @@ class GaitFields(WaveFields, total=False):
     recorded: JointAngles | None
 
 
-_FASTEST = 10.0
+FASTEST = 6.0
 """Cycles per second that hardly any robot swims with; many that are given are degrees per second [Hz]."""
-_SMALLEST = 1.6
+SMALLEST_AMPLITUDE = 1.6
 """An amplitude in degrees below this is rather one in rad [deg]."""
+_DOUBTED = WeakValueDictionary[int, Gait]()
+"""Gaits of whose numbers somebody was warned, by `id`."""
 
 
-def _warn_of_units(fields: GaitFields) -> None:
-    """Warn of numbers that are accepted, but are probably in another unit."""
+def was_doubted(gait: Gait) -> bool:
+    """Return whether there was a warning about the numbers of a gait when it was made.
+
+    Args:
+        gait: The gait.
+    """
+    return _DOUBTED.get(id(gait)) is gait
+
+
+def _warn_of_units(gait: Gait, fields: GaitFields) -> Gait:
+    """Return a gait; warn of numbers that are accepted, but are probably in another unit."""
+    warnings = _doubts_of_units(fields)
+    for warning in warnings:
+        warn_caller(warning, UnitWarning)
+    if warnings:
+        _DOUBTED[id(gait)] = gait
+    return gait
+
+
+def _doubts_of_units(fields: GaitFields) -> list[str]:
+    doubts: list[str] = []
     amplitude = fields.get("amplitude_deg")
-    if isinstance(amplitude, float | int) and 0.0 < amplitude < _SMALLEST:
+    if isinstance(amplitude, float | int) and 0.0 < amplitude < SMALLEST_AMPLITUDE:
         meaning = f"joints that bend {amplitude:g} of a degree"
-        warn_caller(
-            f"amplitude_deg={amplitude:g} is {meaning}; did you mean amplitude={amplitude:g}, in rad?",
-            UnitWarning,
-        )
+        hint = f"did you mean amplitude={amplitude:g}, in rad?"
+        doubts.append(f"amplitude_deg={amplitude:g} is {meaning}; {hint}")
     frequency = fields.get("frequency")
-    if isinstance(frequency, float | int) and frequency > _FASTEST * tau:
+    if isinstance(frequency, float | int) and frequency > FASTEST * tau:
         cycles = f"{frequency / tau:.3g} cycles per second"
-        warn_caller(
-            f"frequency={frequency:g} in rad/s is {cycles}; did you mean frequency_deg_s={frequency:g}?",
-            UnitWarning,
-        )
+        hint = f"did you mean frequency_deg_s={frequency:g}?"
+        doubts.append(f"frequency={frequency:g} in rad/s is {cycles}; {hint}")
     frequency_deg_s = fields.get("frequency_deg_s")
-    if isinstance(frequency_deg_s, float | int) and frequency_deg_s > _FASTEST * 360.0:
+    if isinstance(frequency_deg_s, float | int) and frequency_deg_s > FASTEST * 360.0:
         cycles = f"{frequency_deg_s / 360.0:.3g} cycles per second"
-        warn_caller(
-            f"frequency_deg_s={frequency_deg_s:g} is {cycles}, more than a robot swims with",
-            UnitWarning,
-        )
+        meaning = f"frequency_deg_s={frequency_deg_s:g} is {cycles}"
+        doubts.append(f"{meaning}, more than a robot swims with")
+    return doubts
 
 
 def gait_by_name(kind: str, **fields: Unpack[GaitFields]) -> Gait:
@@ -421,8 +438,7 @@ def gait_by_name(kind: str, **fields: Unpack[GaitFields]) -> Gait:
         >>> gait_by_name("eel-like", amplitude_deg=30, frequency_hz=0.5, phase_shift_deg=40)
         Gait(amplitude_deg=30, frequency_deg_s=180, phase_shift_deg=40, envelope=EelLike())
     """
-    _warn_of_units(fields)
-    return Gait(envelope=envelope_of(kind), **fields)
+    return _warn_of_units(Gait(envelope=envelope_of(kind), **fields), fields)
 
 
 @by_name_only(Gait)
@@ -442,8 +458,7 @@ def lateral_undulation(**fields: Unpack[GaitFields]) -> Gait:
         >>> lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7).joint_envelope(4)
         (1.0, 1.0, 1.0)
     """
-    _warn_of_units(fields)
-    return Gait(**fields)
+    return _warn_of_units(Gait(**fields), fields)
 
 
 @by_name_only(Gait)
@@ -463,8 +478,7 @@ def eel_like(**fields: Unpack[GaitFields]) -> Gait:
         >>> eel_like(amplitude=0.5, frequency=2.0, phase_shift=0.7).joint_envelope(4)
         (0.6, 0.4, 0.2)
     """
-    _warn_of_units(fields)
-    return Gait(envelope=EelLike(), **fields)
+    return _warn_of_units(Gait(envelope=EelLike(), **fields), fields)
 
 
 @by_name_only(Gait)
@@ -505,8 +519,7 @@ def custom_gait(
     values = check_items(
         check_finite, "a sequence of numbers or a function g(i, n)", (), "envelope", envelope
     )
-    _warn_of_units(fields)
-    gait = Gait(envelope=Custom(values=values), **fields)
+    gait = _warn_of_units(Gait(envelope=Custom(values=values), **fields), fields)
     if n_links is not None:
         gait.joint_envelope(check_whole_number("n_links", n_links, 1))
     return gait

@@ -3,10 +3,11 @@
 import functools
 import logging
 import threading
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Iterable
 from queue import SimpleQueue
 from typing import Any, NamedTuple, TypeVar
 
+from laticauda.scenarios import telling
 from laticauda.values import LaticaudaError
 
 NOTE_DURATION = 12.0
@@ -37,15 +38,26 @@ def show_refusal(page: Any, reason: str) -> None:
     page.add_notification("Refused", reason, color="red", auto_close_seconds=NOTE_DURATION)
 
 
+def show_doubts(page: Any, doubts: Iterable[str]) -> None:
+    """Show on a page what was accepted and is hardly meant."""
+    for doubt in doubts:
+        page.add_notification(
+            "Is this meant?", doubt, color="yellow", auto_close_seconds=NOTE_DURATION
+        )
+
+
 def refusing(action: Callable[[Owner, Any], None]) -> Callable[[Owner, Any], None]:
     """Wrap a method that handles an event, so that its errors are shown on the page from which the event came."""
 
     @functools.wraps(action)
     def act_or_refuse(owner: Owner, event: Any) -> None:
+        doubts: list[str] = []
         try:
-            action(owner, event)
+            with telling(doubts.append):
+                action(owner, event)
         except (ValueError, LaticaudaError) as error:
             show_refusal(event.client, str(error))
+        show_doubts(event.client, doubts)
 
     return act_or_refuse
 

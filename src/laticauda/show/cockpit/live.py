@@ -189,7 +189,7 @@ class Live:
     def reset(self) -> None:
         """Restart with the current scenario, at its original start."""
         with self._lock:
-            self.simulation = begin_simulation(self.scenario)
+            self.simulation = begin_simulation(self.scenario, before=self.scenario)
             self._plots.clear()
             self._record.clear()
             self._time_owed = 0.0

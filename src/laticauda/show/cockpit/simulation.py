@@ -8,7 +8,8 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 
 import laticauda as lc
-from laticauda.scenarios import Scenario
+from laticauda.models.simulate import plant_of_scenario
+from laticauda.scenarios import Scenario, check_plausible
 from laticauda.show.cockpit.changes import check_scenario, read_path
 from laticauda.values import check_instance, series
 
@@ -120,8 +121,9 @@ class Simulation:
             ValueError: If the scenario is inconsistent; the simulation stays unchanged.
         """
         if self.ticks == 0:
-            return begin_simulation(scenario)
+            return begin_simulation(scenario, before=self.scenario)
         check_scenario(scenario)
+        check_plausible(scenario, before=self.scenario)
         moved = self._with_body(scenario)
         steered = moved._with_steering(scenario)
         fading = steered._with_gait(scenario)
@@ -133,7 +135,7 @@ class Simulation:
         """Return the simulation with the plant of another scenario, in the state that continues this one's."""
         if _bodies_are_equal(scenario, self.scenario):
             return self
-        plant = lc.build_plant(scenario)
+        plant = plant_of_scenario(scenario)
         return replace(self, plant=plant, state=self._carry_state(plant, scenario.gait))
 
     def _carry_state(self, plant: lc.Plant[Any], gait: lc.Gait) -> Any:
@@ -259,16 +261,18 @@ def _bodies_are_equal(first: Scenario, second: Scenario) -> bool:
     )
 
 
-def begin_simulation(scenario: Scenario) -> Simulation:
+def begin_simulation(scenario: Scenario, before: Scenario | None = None) -> Simulation:
     """Create a simulation in which the robot lies straight, at the scenario's start.
 
     Args:
         scenario: The scenario to simulate.
+        before: The scenario that it was changed from, whose doubts are known.
 
     Raises:
         ValueError: If the scenario is inconsistent, or a page cannot show it.
     """
-    plant = lc.build_plant(check_scenario(scenario))
+    check_plausible(check_scenario(scenario), before)
+    plant = plant_of_scenario(scenario)
     start = scenario.start
     check_instance("start", start, lc.Start)
     command = lc.Command(gait=scenario.gait)

@@ -1,0 +1,86 @@
+"""Joint angles over time: whether they cover a run, and are fine enough to be a motion."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from laticauda.motion.gaits import JointAngles
+from laticauda.scenarios.plausibility.doubts import Doubt
+
+FEWEST = 4
+"""A recording with fewer of its times inside of a run is in another unit, or of another run."""
+MOST_UNCOVERED = 0.05
+"""Share of a run that a recording may leave out, as its angles are held before and after it."""
+GAP = 5.0
+"""How many times the usual step is a gap."""
+LONGEST_GAP = 0.2
+"""A step that is longer than this share of a cycle cuts something off."""
+COARSEST = 3.5
+"""Samples per cycle below which a recording is not the motion."""
+FEWEST_STEPS = 7
+"""From fewer steps no cycle can be told."""
+COARSEST_STEP = 0.75
+"""Steps above this hardly show how a robot swims [s]."""
+STILLEST = 1e-3
+"""Joints that move less than this do not move [rad]."""
+UNIX_TIME = 1e8
+"""Times above this are those of clocks [s]."""
+
+
+def judge_angles(angles: JointAngles) -> Iterator[Doubt]:
+    """Yield what is odd about joint angles, whatever run they are for.
+
+    Args:
+        angles: Joint angles over time.
+    """
+    values = np.array(angles.angle)
+    largest = float(np.max(np.abs(values), initial=0.0))
+    if largest > math.pi:
+        rule = f"must be within pi, 3.14 rad, got {largest:.4g}; did you mean degrees (angle_deg)?"
+        yield Doubt(name="recorded.angle", rule=rule, refuses=True)
+        return
+    if np.ptp(values, axis=1).max(initial=0.0) < STILLEST:
+        rule = "does not move: all joints hold their angles; is it sampled once a cycle?"
+        yield Doubt(name="recorded", rule=rule)
+        return
+    steps = np.diff(angles.time)
+    usual = float(np.median(steps))
+    longest = float(steps.max())
+    cycle = 2.0 * math.pi / angles.frequency if angles.frequency > 0.0 else math.inf
+    if longest > GAP * usual and longest > LONGEST_GAP * cycle:
+        begin = angles.time[int(steps.argmax())]
+        rule = f"has a gap of {longest:.3g} s at {begin:.4g} s, in which the angles are guessed"
+        yield Doubt(name="recorded.time", rule=rule)
+    is_aliased = usual * COARSEST > cycle and steps.size >= FEWEST_STEPS
+    if usual > COARSEST_STEP or is_aliased:
+        per_cycle = f", {cycle / usual:.2g} a cycle" if cycle / usual > 2.5 else ""
+        rule = f"has a sample every {usual:.3g} s{per_cycle}, too few to show how the joints move"
+        yield Doubt(name="recorded.time", rule=rule)
+
+
+def judge_times(angles: JointAngles, duration: float) -> Iterator[Doubt]:
+    """Yield a doubt if joint angles do not cover a run.
+
+    Args:
+        angles: Joint angles over time.
+        duration: Duration of the run [s].
+    """
+    first, last = angles.time[0], angles.time[-1]
+    n_inside = sum(1 for time in angles.time if 0.0 <= time <= duration)
+    span = last - first
+    if n_inside < min(FEWEST, len(angles.time)):
+        got = f"got {n_inside} of {len(angles.time)} times, from {first:.10g} to {last:.10g} s"
+        hint = ""
+        if first > UNIX_TIME:
+            hint = "; did you mean times since its start, not those of a clock?"
+        elif 1e-3 * span >= 0.05 * duration:
+            hint = f"; did you mean {1e-3 * first:.4g} to {1e-3 * last:.4g} ({last:.6g} ms)?"
+        rule = f"must lie in the run, from 0 to {duration:g} s: {got}{hint}"
+        yield Doubt(name="recorded.time", rule=rule, refuses=True)
+        return
+    uncovered = max(first, 0.0) + max(duration - last, 0.0)
+    if uncovered > MOST_UNCOVERED * duration + span / (len(angles.time) - 1):
+        covers = f"covers {first:.4g} to {last:.4g} s of a run of {duration:g} s"
+        rule = f"{covers}: before and after, the joints hold still"
+        yield Doubt(name="recorded.time", rule=rule)
