@@ -23,6 +23,7 @@ import numpy as np
 import laticauda as lc
 from laticauda.paper.measured import read_efficiency_trials, read_path_following_trials
 from laticauda.paper.settings import load_paper_coefficients
+from laticauda.scenarios import limit_case
 
 
 def simulated(rows: Sequence, joints: str) -> np.ndarray:
@@ -34,7 +35,8 @@ def simulated(rows: Sequence, joints: str) -> np.ndarray:
         joint = robot.joints[0]
         joint = replace(joint, actuator=replace(joint.actuator, stall_current=1.0))
         robot = replace(robot, joints=(joint,) * robot.n_joints, active_power=0.0)
-        trial = lc.swim(robot, row.gait, environment=water(row.gait.kind), joints=joints)
+        with limit_case():  # the current is a unit, not that of a motor
+            trial = lc.swim(robot, row.gait, environment=water(row.gait.kind), joints=joints)
         found.append(trial.electrical_power)
     return np.array(found)
 

@@ -21,6 +21,7 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.robot import PectoralFin
+from laticauda.scenarios import limit_case
 from laticauda.water.fluid.laws import PolynomialDrag
 
 STORE = Path(__file__).with_suffix(".npz")
@@ -263,7 +264,8 @@ def batch(device: str, robot: Any, count: int) -> lc.Swims:
         "ramp": 1.0,
         "device": device,
     }
-    return lc.swim_many(robot, gaits, duration, environments=waters, **settings)
+    with limit_case():
+        return lc.swim_many(robot, gaits, duration, environments=waters, **settings)
 
 
 def series(run: Any) -> Iterator[tuple[str, np.ndarray]]:

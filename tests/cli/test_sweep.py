@@ -223,6 +223,7 @@ def test_a_stopped_sweep_says_how_to_go_on(run, folder: Path, monkeypatch: pytes
     assert open_sweep(folder / "a").n_finished == 6
 
 
+@pytest.mark.usefixtures("limit_case")
 def test_a_sweep_in_which_every_trial_blows_up_ends_with_status_1(run):
     done = run(f"sweep --vary normal-drag=1e3,2e3 --dt 0.1 {SHORT}")
     assert done.status == 1

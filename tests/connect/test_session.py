@@ -259,6 +259,7 @@ def test_a_current_may_be_a_flow_as_a_table_or_by_the_name_of_a_preset(ask):
     assert named.environment == replace(water, current=lc.load_current("vortex"))
 
 
+@pytest.mark.usefixtures("limit_case")
 def test_a_robot_that_flies_apart_says_so_until_it_is_reset(ask):
     ask(
         "reset",

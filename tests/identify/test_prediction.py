@@ -252,6 +252,7 @@ def test_a_number_of_one_group_alone_is_refused():
         basis_of(found)
 
 
+@pytest.mark.usefixtures("limit_case")
 def test_a_run_that_blows_up_is_no_prediction(found, basis):
     wild = replace(NEW, frequency=400.0)
     with pytest.raises(SimulationFailed):

@@ -42,6 +42,7 @@ def test_a_swimmer_is_a_scenario_that_swim_knows():
     assert trial.scenario.model.offset_bandwidth == 4.0
 
 
+@pytest.mark.usefixtures("limit_case")
 def test_a_run_that_blows_up_is_named():
     swimmer = replace(
         swimmers()[0], motion=replace(swimmers()[0].gait, frequency=1e9), duration=3.0
@@ -67,6 +68,7 @@ def test_how_runs_were_made_leaves_the_controller_out_and_all_are_counted():
     assert told == [(1, 2), (2, 2)]
 
 
+@pytest.mark.usefixtures("limit_case")
 def test_a_run_of_many_that_blows_up_is_named():
     swimmer = replace(swimmers()[0], duration=20.0)
     hopeless = replace(swimmer, motion=replace(swimmer.gait, frequency=1e9))

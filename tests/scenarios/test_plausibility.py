@@ -131,7 +131,11 @@ WRONG: dict[str, tuple[Callable[[], lc.Scenario], str, str]] = {
     "a mass in t": (lambda: modules(mass=0.0008), REFUSED, "did you mean 0.8 (0.0008 t)?"),
     "a robot that sinks": (lambda: modules(mass=2.0), WARNED, "it would sink"),
     "a robot of foam": (lambda: modules(mass=0.1), WARNED, "it would lie on the water"),
-    "the robot's mass for every module": (lambda: modules(mass=7.2), WARNED, "that of a module"),
+    "the robot's mass for every module": (
+        lambda: modules(mass=7.2),
+        WARNED,
+        "that of the whole robot",
+    ),
     "an inertia in kg mm^2": (
         lambda: modules(inertia=2160.0),
         REFUSED,

@@ -21,6 +21,7 @@ SLICE = textwrap.dedent(
     import numpy as np
     import laticauda as lc
     import laticauda_cuda
+    from laticauda.scenarios import limit_case
 
     body = lc.load_robot("mamba-fin").planar()
     robot = replace(body, modules=body.modules[:3], joints=body.joints[:2])
@@ -29,7 +30,8 @@ SLICE = textwrap.dedent(
     waters = [replace(calm, normal_drag=1e7), calm, calm]  # the first one diverges
     for joints, duration in (("prescribed", 0.3), ("servo", 0.01)):
         settings = {"joints": joints, "environments": waters, "dt": 0.05 if joints == "prescribed" else 0.002}
-        here, there = (lc.swim_many(robot, gaits, duration, device=d, **settings) for d in ("cpu", "cuda"))
+        with limit_case():
+            here, there = (lc.swim_many(robot, gaits, duration, device=d, **settings) for d in ("cpu", "cuda"))
         assert here.succeeded.tolist() == [False, True, True]
         for name in ("forward_velocity", "net_power", "mean_power", "heading", "center_of_mass"):
             np.testing.assert_allclose(getattr(there, name), getattr(here, name), rtol=1e-9, err_msg=name)

@@ -125,9 +125,9 @@ def check_ranges(
     doubts: list[str] = []
     with telling(doubts.append):
         for corner in _corners_of(ranges):
+            doubts.clear()  # ranges may begin at little; of what hardly is, the last corner tells
             _check_point(scenario, dict(zip(ranges, corner, strict=True)), argument)
-    doubt_of_argument = {doubt.split()[0]: doubt for doubt in doubts}
-    for doubt in doubt_of_argument.values():
+    for doubt in doubts:
         warn_of_doubt(doubt)
 
 

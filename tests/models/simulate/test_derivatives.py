@@ -191,6 +191,7 @@ def test_a_modules_own_coefficient_begins_at_the_waters():
     )
 
 
+@pytest.mark.usefixtures("limit_case")
 def test_a_trial_that_diverges_has_no_derivatives():
     wild = replace(WATER, normal_drag=1e4)
     found = compute_sensitivities(

@@ -110,6 +110,7 @@ def test_neighbors_order_and_threads_do_not_matter(threads):
         np.testing.assert_array_equal(getattr(some, name), getattr(whole, name)[order])
 
 
+@pytest.mark.usefixtures("limit_case")
 def test_a_trial_that_diverges_does_not_disturb_the_others():
     gaits = [
         lc.lateral_undulation(amplitude=a, frequency=2.0, phase_shift=0.7)
@@ -162,6 +163,7 @@ def test_runs_of_many_samples_are_marched_in_parts_without_a_seam():
         check(swims, i, lc.swim(MAMBA, gait, 15.0, sample_interval=0.006))
 
 
+@pytest.mark.usefixtures("limit_case")
 def test_a_long_run_whose_whole_block_diverges_early_has_no_figures():
     water = replace(load_water("paper-lateral"), normal_drag=1e4)
     choices = {"dt": 0.05, "sample_interval": 0.005}

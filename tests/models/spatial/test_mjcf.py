@@ -406,6 +406,7 @@ def test_the_module_can_be_imported_without_loading_mujoco():
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
+@pytest.mark.usefixtures("limit_case")
 def test_one_module_alone_is_a_model_too():
     robot = lc.Robot(
         name="one",

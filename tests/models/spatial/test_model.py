@@ -127,6 +127,7 @@ def test_the_physical_robot_swims_upright_from_any_roll():
     assert log.center_of_mass[-1, 0] > 1.5
 
 
+@pytest.mark.usefixtures("limit_case")
 def test_a_heavy_robot_sinks_to_the_floor_of_the_tank_and_rests_there():
     robot = replace(ROBOT, modules=tuple(replace(m, mass=1.8) for m in ROBOT.modules))
     body = SpatialPlant(
@@ -202,6 +203,7 @@ def test_bad_settings_are_refused_by_name():
         build_plant(ROBOT, WATER, model="spatial").unpack({})
 
 
+@pytest.mark.usefixtures("limit_case")
 @pytest.mark.filterwarnings("ignore:`timestep`")
 def test_a_run_that_blows_up_is_a_trial_that_says_so():
     water = replace(WATER, normal_drag=1e4)

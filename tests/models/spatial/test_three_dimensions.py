@@ -48,6 +48,7 @@ def crawl(gait, duration, ground=SMOOTH, **settings):
 # ---- swimming ------------------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("limit_case")
 def test_with_circular_sections_a_pitch_wave_moves_the_robot_as_a_yaw_wave_does():
     # A moment of inertia that a round body can have; the robot's own is that of a thin rod.
     section = replace(ROBOT.modules[0].section, half_width=ROBOT.modules[0].section.half_height)

@@ -5,6 +5,7 @@ from dataclasses import replace
 from functools import cache
 
 import laticauda as lc
+from laticauda.scenarios import limit_case
 
 WATER = lc.load_water("paper-lateral")
 
@@ -22,6 +23,12 @@ def eel_like() -> lc.Gait:
     return lc.eel_like(
         amplitude=math.radians(50), frequency=math.radians(110), phase_shift=math.radians(40)
     )
+
+
+def failed_at_once() -> lc.Trial:
+    """A run that no robot can do."""
+    with limit_case():
+        return lc.swim(lc.load_robot("mamba"), lateral(frequency_deg_s=1e9), 3.0)
 
 
 RUNS = {
@@ -47,7 +54,7 @@ RUNS = {
     "failed": lambda: lc.swim(
         lc.load_robot("mamba"), lateral(frequency_deg_s=700.0), dt=0.5, sample_interval=0.5
     ),
-    "failed at once": lambda: lc.swim(lc.load_robot("mamba"), lateral(frequency_deg_s=1e9), 3.0),
+    "failed at once": failed_at_once,
 }
 
 

@@ -149,10 +149,9 @@ def swim_many(
         sample_interval=sample_interval,
         **changes,
     )
-    if scenarios:
-        check_many(scenarios)
     if scenarios and isinstance(getattr(scenarios[0], "model", None), Spatial):
         check_choice("device", device, (CPU,))
+        check_many(scenarios)
         result = run_spatial(scenarios, threads=threads, progress=progress)
         utilization = None
         if feasibility:
@@ -161,6 +160,7 @@ def swim_many(
     if feasibility:
         check_choice("device", device, (CPU,))
     runs = runs_of(scenarios)
+    check_many(scenarios)
     first = scenarios[0]
     largest_shares = np.full(len(runs), np.nan)
 

@@ -41,18 +41,20 @@ def build_plant(
         rule = "must be that of a simulated run to be run again"
         raise BadArgument("scenario", f"{rule}; this one lacks {robot.lacks}")
     if isinstance(robot, Scenario):
+        scenario_plant = plant_of_scenario(robot)
         scenarios.check_plausible(robot)
-        return plant_of_scenario(robot)
+        return scenario_plant
     if isinstance(robot, str | Path):
         robot = load_robot(robot)
     check_instance("robot", robot, Robot)
     surroundings = scenarios.environment_of(environment, robot)
     check_instance("environment", surroundings, Water, Ground)
-    scenarios.check_described(robot, cast(Environment, surroundings))
     stated_changes = {name: value for name, value in changes.items() if value is not None}
-    return _plant_of_model(
+    robot_plant = _plant_of_model(
         robot, cast(Environment, surroundings), scenarios.model_of(model, **stated_changes)
     )
+    scenarios.check_described(robot, robot_plant.environment)
+    return robot_plant
 
 
 def plant_of_scenario(scenario: Scenario) -> Plant[Any]:

@@ -10,6 +10,10 @@ from laticauda.scenarios.plausibility.doubts import (
     LENGTHS,
     MASSES,
     Doubt,
+    Range,
+    hardly_is,
+    is_within,
+    must_be,
     suggest_unit,
 )
 
@@ -24,10 +28,8 @@ USUAL_HALF_AXES = (0.002, 0.3)
 
 FRESH_WATER = 1000.0
 """Density of the water that a module is weighed against [kg/m^3]."""
-LIGHTEST_MODULE = 0.01
-"""Mass per displaced water of the lightest foam."""
-HEAVIEST_MODULE = 20.0
-"""Mass per displaced water of gold."""
+MODULES = (0.01, 20.0)
+"""Mass per displaced water of a module, from the lightest foam to gold."""
 LIGHTEST_ROBOT = 0.4
 """Mass per displaced water below which robots hardly swim. Mamba, as it was simulated, has 0.51, a tendon fish 0.43;
 sections that are given as diameters make a quarter of what is right."""
@@ -36,14 +38,19 @@ HEAVIEST_ROBOT = 1.15
 USUAL_ROBOT = (0.4, 1.15)
 """Mass per displaced water of a robot that somebody may have meant."""
 
+LEAST_USUAL_INERTIA = 0.3
+"""Share of a rod's inertia above which a module's may have been meant."""
 SLIMMEST_INERTIA = 0.01
 """Share of a rod's inertia below which a module's is hardly meant."""
 LARGEST_FIN = 5.0
 """Length and height of a fin are smaller [m]."""
 THICKEST_FIN = 0.25
 """A plate is thinner than this share of its length or height."""
+SMALLEST_FIN = 0.01
+"""Size of a fin that somebody may have meant, per length of the robot."""
 FIN_DENSITIES = (10.0, 20_000.0)
 """From foam to gold [kg/m^3]."""
+FIN_DENSITY_RULE = "between 10 and 20000 kg/m^3"
 
 
 def judge_body(robot: Robot) -> Iterator[Doubt]:
@@ -52,38 +59,48 @@ def judge_body(robot: Robot) -> Iterator[Doubt]:
     Args:
         robot: The robot.
     """
-    judged: set[int] = set()
-    for i, module in enumerate(robot.modules):
-        if id(module) not in judged:  # those of a chain are the same object
-            judged.add(id(module))
-            yield from _judge_size(f"modules[{i}]", module)
-            yield from _judge_mass(f"modules[{i}]", module)
-            yield from _judge_inertia(f"modules[{i}]", module)
+    for i, module in different_modules(robot):
+        name = f"modules[{i}]"
+        yield from _judge_size(name, module)
+        yield from _judge_mass(name, module)
+        yield from _judge_inertia(name, module)
     if robot.caudal_fin is not None:
         yield from _judge_fin(robot, robot.caudal_fin)
     yield from _judge_weight(robot)
 
 
-def _is_within(value: float, limits: tuple[float, float]) -> bool:
-    low, high = limits
-    return low <= value <= high
+def different_modules(robot: Robot) -> Iterator[tuple[int, Module]]:
+    """Yield the modules of a robot with their numbers; of a chain, whose modules are one object, the first.
+
+    Args:
+        robot: The robot.
+    """
+    judged: set[int] = set()
+    for i, module in enumerate(robot.modules):
+        if id(module) not in judged:
+            judged.add(id(module))
+            yield i, module
 
 
 def _judge_size(name: str, module: Module) -> Iterator[Doubt]:
-    share = module.mass / (FRESH_WATER * module.volume)
-    if module.length > LONGEST_MODULE:
-        hint = _suggest_length(module.length, USUAL_LENGTHS, share * module.length)
-        rule = f"must be <= {LONGEST_MODULE:g} m, got {module.length:g}{hint}"
-        yield Doubt(name=f"{name}.length", rule=rule, refuses=True)
+    share = _weigh(module)
+    length = module.length
+    if length > LONGEST_MODULE:
+        hint = _suggest_length(length, USUAL_LENGTHS, share * length)
+        yield must_be(f"{name}.length", f"<= {LONGEST_MODULE:g} m", length, hint)
     for axis in ("half_height", "half_width"):
         size = getattr(module.section, axis)
         if size > THICKEST_MODULE:
             hint = _suggest_length(size, USUAL_HALF_AXES, share * size**2, power=2)
-            rule = f"must be <= {THICKEST_MODULE:g} m, got {size:g}{hint}"
-            yield Doubt(name=f"{name}.section.{axis}", rule=rule, refuses=True)
+            yield must_be(f"{name}.section.{axis}", f"<= {THICKEST_MODULE:g} m", size, hint)
 
 
-def _suggest_length(value: float, usual: tuple[float, float], weight: float, power: int = 1) -> str:
+def _weigh(module: Module) -> float:
+    """Return the mass of a module per displaced water."""
+    return module.mass / (FRESH_WATER * module.volume)
+
+
+def _suggest_length(value: float, usual: Range, weight: float, power: int = 1) -> str:
     """Return the end of a rule with the unit of a length that makes the module float, or is usual.
 
     Args:
@@ -92,19 +109,26 @@ def _suggest_length(value: float, usual: tuple[float, float], weight: float, pow
         weight: Mass per displaced water, times the power of the length.
         power: Power of the length to which the displaced water is proportional.
     """
-    hint = suggest_unit(value, LENGTHS, lambda m: _is_within(weight / m**power, USUAL_ROBOT))
-    return hint or suggest_unit(value, LENGTHS, lambda m: _is_within(m, usual))
+    lightest, heaviest = USUAL_ROBOT
+    root = 1.0 / power
+    floating = ((weight / heaviest) ** root, (weight / lightest) ** root)
+    hint = suggest_unit(value, LENGTHS, floating)
+    return hint or suggest_unit(value, LENGTHS, usual)
 
 
 def _judge_mass(name: str, module: Module) -> Iterator[Doubt]:
-    water = FRESH_WATER * module.volume
-    if LIGHTEST_MODULE <= module.mass / water <= HEAVIEST_MODULE:
+    if is_within(_weigh(module), MODULES):
         return
-    hint = suggest_unit(module.mass, MASSES, lambda kg: _is_within(kg / water, USUAL_ROBOT))
-    lowest, highest = LIGHTEST_MODULE * water, HEAVIEST_MODULE * water
-    limits = f"between {lowest:.3g} and {highest:.3g} kg for a module that displaces {water:.3g} kg"
-    rule = f"must be {limits} of water, got {module.mass:g}{hint}"
-    yield Doubt(name=f"{name}.mass", rule=rule, refuses=True)
+    water = FRESH_WATER * module.volume
+    lowest, highest = _scaled(MODULES, water)
+    rule = f"between {lowest:.3g} and {highest:.3g} kg for a module that displaces {water:.3g} kg of water"
+    hint = suggest_unit(module.mass, MASSES, _scaled(USUAL_ROBOT, water))
+    yield must_be(f"{name}.mass", rule, module.mass, hint)
+
+
+def _scaled(limits: Range, factor: float) -> Range:
+    low, high = limits
+    return low * factor, high * factor
 
 
 def _judge_inertia(name: str, module: Module) -> Iterator[Doubt]:
@@ -112,56 +136,58 @@ def _judge_inertia(name: str, module: Module) -> Iterator[Doubt]:
     inertia = module.inertia
     if inertia is None:
         return
-    farthest = math.hypot(module.half_length + abs(module.center), module.section.half_width)
+    argument = f"{name}.inertia"
+    end = module.half_length + abs(module.center)
+    farthest = math.hypot(end, module.section.half_width)
     largest = module.mass * farthest**2
     rod = module.mass * module.half_length**2 / 3.0
-    hint = suggest_unit(inertia, INERTIAS, lambda value: 0.3 * rod <= value <= largest)
+    hint = suggest_unit(inertia, INERTIAS, (LEAST_USUAL_INERTIA * rod, largest))
     if inertia > largest:
-        rule = f"must be <= {largest:.3g} kg m^2, all of {module.mass:g} kg at the corners"
-        yield Doubt(name=f"{name}.inertia", rule=f"{rule}, got {inertia:g}{hint}", refuses=True)
+        rule = f"<= {largest:.3g} kg m^2, all of {module.mass:g} kg at the corners"
+        yield must_be(argument, rule, inertia, hint)
     elif inertia < SLIMMEST_INERTIA * rod:
-        rule = f"of {inertia:g} kg m^2 is little beside a rod's, {rod:.3g} kg m^2{hint}"
-        yield Doubt(name=f"{name}.inertia", rule=rule)
+        remark = f"is little beside a rod's, {rod:.3g} kg m^2"
+        yield hardly_is(argument, inertia, "kg m^2", remark, hint)
 
 
 def _judge_weight(robot: Robot) -> Iterator[Doubt]:
     """Compare the mass of a robot with that of the water it displaces."""
-    water = FRESH_WATER * robot.volume
-    share = robot.mass / water
-    weight = f"of {robot.mass:.3g} kg in all is {share:.2g} of the water that the robot displaces"
+    share = robot.mass / (FRESH_WATER * robot.volume)
+    weight = f"in all is {share:.2g} of the water that the robot displaces"
     if share < LIGHTEST_ROBOT:
-        hint = (
-            "are `half_height` and `half_width` diameters, or is the mass in other units than kg?"
-        )
-        yield Doubt(name="mass", rule=f"{weight}: it would lie on the water; {hint}")
+        remark = f"{weight}: it would lie on the water"
+        yield hardly_is("mass", robot.mass, "kg", remark, LIGHT_HINT)
     if share > HEAVIEST_ROBOT:
-        yield Doubt(name="mass", rule=f"{weight}: it would sink; is it that of a module, in kg?")
+        yield hardly_is("mass", robot.mass, "kg", f"{weight}: it would sink", HEAVY_HINT)
+
+
+LIGHT_HINT = (
+    "; are `half_height` and `half_width` diameters, or is the mass in other units than kg?"
+)
+HEAVY_HINT = "; is the mass of each module that of the whole robot, or in another unit than kg?"
 
 
 def _judge_fin(robot: Robot, fin: CaudalFin) -> Iterator[Doubt]:
     for name in ("length", "height"):
-        size = getattr(fin, name)
-        hint = suggest_unit(size, LENGTHS, lambda m: 0.01 * robot.length <= m <= robot.length)
-        if size > LARGEST_FIN:
-            rule = f"must be <= {LARGEST_FIN:g} m, got {size:g}{hint}"
-            yield Doubt(name=f"caudal_fin.{name}", rule=rule, refuses=True)
-        elif size > robot.length:
-            rule = (
-                f"of {size:g} m is more than the robot's whole length, {robot.length:.3g} m{hint}"
-            )
-            yield Doubt(name=f"caudal_fin.{name}", rule=rule)
+        yield from _judge_fin_size(robot, f"caudal_fin.{name}", getattr(fin, name))
     smaller = min(fin.length, fin.height)
+    thickest = THICKEST_FIN * smaller
+    name = "caudal_fin.thickness"
     if fin.thickness > smaller:
-        hint = suggest_unit(fin.thickness, LENGTHS, lambda m: m <= THICKEST_FIN * smaller)
-        rule = f"must be <= {smaller:g} m, as the fin is a plate, got {fin.thickness:g}{hint}"
-        yield Doubt(name="caudal_fin.thickness", rule=rule, refuses=True)
-    elif fin.thickness > THICKEST_FIN * smaller:
-        rule = f"of {fin.thickness:g} m is much for a plate of {smaller:g} m"
-        yield Doubt(name="caudal_fin.thickness", rule=rule)
-    if not _is_within(fin.density, FIN_DENSITIES):
-        low, high = FIN_DENSITIES
-        hint = suggest_unit(
-            fin.density, DENSITIES, lambda density: _is_within(density, FIN_DENSITIES)
-        )
-        rule = f"must be between {low:g} and {high:g} kg/m^3, got {fin.density:g}{hint}"
-        yield Doubt(name="caudal_fin.density", rule=rule, refuses=True)
+        hint = suggest_unit(fin.thickness, LENGTHS, (0.0, thickest))
+        yield must_be(name, f"<= {smaller:g} m, as the fin is a plate", fin.thickness, hint)
+    elif fin.thickness > thickest:
+        yield hardly_is(name, fin.thickness, "m", f"is much for a plate of {smaller:g} m")
+    if not is_within(fin.density, FIN_DENSITIES):
+        hint = suggest_unit(fin.density, DENSITIES, FIN_DENSITIES)
+        yield must_be("caudal_fin.density", FIN_DENSITY_RULE, fin.density, hint)
+
+
+def _judge_fin_size(robot: Robot, name: str, size: float) -> Iterator[Doubt]:
+    length = robot.length
+    hint = suggest_unit(size, LENGTHS, (SMALLEST_FIN * length, length))
+    if size > LARGEST_FIN:
+        yield must_be(name, f"<= {LARGEST_FIN:g} m", size, hint)
+    elif size > length:
+        remark = f"is more than the robot's whole length, {length:.3g} m"
+        yield hardly_is(name, size, "m", remark, hint)

@@ -1,10 +1,13 @@
 """A doubt about something described, and the unit in which a number was probably meant."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from laticauda.values import BadArgument
+
+Range: TypeAlias = tuple[float, float]
+"""Smallest and largest value."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,16 +54,53 @@ TIMES = (Unit("ms", 1e-3),)
 """Other units than s."""
 
 
-def suggest_unit(value: float, units: Sequence[Unit], is_likely: Callable[[float], bool]) -> str:
-    """Return the end of a rule: "; did you mean 0.1 (100 mm)?", or "" if no unit makes the value likely.
+def must_be(name: str, rule: str, value: float, hint: str = "") -> Doubt:
+    """Return a doubt about something that cannot be.
+
+    Args:
+        name: Name of the argument.
+        rule: What it must be, with its unit.
+        value: The value given.
+        hint: What was probably meant, or "".
+    """
+    return Doubt(name=name, rule=f"must be {rule}, got {value:.6g}{hint}", refuses=True)
+
+
+def hardly_is(name: str, value: float, unit: str, remark: str, hint: str = "") -> Doubt:
+    """Return a doubt about something that hardly is.
+
+    Args:
+        name: Name of the argument.
+        value: The value given.
+        unit: Its unit, or "".
+        remark: What it means, after the value.
+        hint: What was probably meant, or "".
+    """
+    amount = f"{value:.4g} {unit}".rstrip()
+    return Doubt(name=name, rule=f"of {amount} {remark}{hint}")
+
+
+def suggest_unit(value: float, units: Sequence[Unit], usual: Range) -> str:
+    """Return the end of a rule: "; did you mean 0.1 (100 mm)?", or "" if no unit makes the value usual.
 
     Args:
         value: The value given.
         units: Units in which it may have been meant.
-        is_likely: Whether a value in our unit is a usual one.
+        usual: Smallest and largest value that somebody means, in our unit.
     """
     for unit in units:
         meant = value * unit.size
-        if is_likely(meant):
+        if is_within(abs(meant), usual):
             return f"; did you mean {meant:.4g} ({value:g} {unit.name})?"
     return ""
+
+
+def is_within(value: float, limits: Range) -> bool:
+    """Return whether a value lies between two others.
+
+    Args:
+        value: The value.
+        limits: The smallest and the largest.
+    """
+    low, high = limits
+    return low <= value <= high

@@ -63,9 +63,9 @@ class _Memory(Generic[Judged]):
             judged: The object.
         """
         key = id(judged)
-        known = self._doubts.get(key)
-        if known is not None and known[0]() is judged:
-            return known[1]
+        entry = self._doubts.get(key)
+        if entry is not None and entry[0]() is judged:
+            return entry[1]
         doubts = tuple(self._judge(judged))
         forget = self._doubts.pop
         self._doubts[key] = (weakref.ref(judged, lambda _: forget(key, None)), doubts)
@@ -128,8 +128,8 @@ def check_plausible(scenario: Scenario, before: Scenario | None = None) -> None:
     """
     doubts = list(judge_scenario(scenario))
     if doubts and before is not None:
-        known = {doubt.name for doubt in judge_scenario(before)}
-        doubts = [doubt for doubt in doubts if doubt.refuses or doubt.name not in known]
+        names_before = {doubt.name for doubt in judge_scenario(before)}
+        doubts = [doubt for doubt in doubts if doubt.refuses or doubt.name not in names_before]
     _settle(doubts)
 
 
@@ -157,22 +157,22 @@ EXTREMES: tuple[Callable[[Scenario], float], ...] = (
     lambda scenario: abs(getattr(scenario.start, "heading", 0.0)),
     lambda scenario: abs(getattr(scenario.start, "velocity", 0.0)),
 )
-"""Numbers whose smallest and largest are judged."""
+"""Numbers whose largest is judged; batches may begin at little."""
 
 
 def _extremes(scenarios: Sequence[Scenario]) -> Iterable[Scenario]:
     """Return scenarios that have everything between them that could be odd."""
     chosen: dict[int, Scenario] = {}
-    seen: set[int] = set()
+    judged: set[int] = set()
     for i, scenario in enumerate(scenarios):
         for part in (scenario.robot, scenario.environment, scenario.model, scenario.gait.recorded):
-            if id(part) not in seen:
-                seen.add(id(part))
+            if id(part) not in judged:
+                judged.add(id(part))
                 chosen[i] = scenario
     for number in EXTREMES:
         values = [number(scenario) for scenario in scenarios]
-        for i in (values.index(min(values)), values.index(max(values))):
-            chosen[i] = scenarios[i]
+        i = values.index(max(values))
+        chosen[i] = scenarios[i]
     return chosen.values()
 
 
@@ -192,9 +192,9 @@ def check_described(robot: Robot, environment: Environment | None = None) -> Non
 def _settle(doubts: Iterable[Doubt]) -> None:
     if _IS_LIMIT_CASE.get():
         return
-    found = list(doubts)
-    for doubt in found:
+    all_doubts = list(doubts)
+    for doubt in all_doubts:
         if doubt.refuses:
             raise doubt.error
-    for doubt in found:
+    for doubt in all_doubts:
         warn_of_doubt(str(doubt.error))

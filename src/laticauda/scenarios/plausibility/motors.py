@@ -5,7 +5,13 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from laticauda.robot import Actuator, Robot
-from laticauda.scenarios.plausibility.doubts import Doubt, Unit
+from laticauda.scenarios.plausibility.doubts import (
+    Doubt,
+    Unit,
+    hardly_is,
+    is_within,
+    must_be,
+)
 
 LARGEST_EFFICIENCY = 1.01
 """Stall torque times no-load speed per voltage times stall current; 1 without any loss, and 1 % for rounded data."""
@@ -62,17 +68,24 @@ def judge_mounted(robot: Robot) -> Iterator[Doubt]:
         actuator = joint.actuator
         if actuator.stated and id(actuator) not in judged:  # those of a chain are the same object
             judged.add(id(actuator))
-            yield from _judge_motor(f"joints[{i}].actuator", actuator)
-    if robot.electronics_power > LARGEST_POWER:
-        watts = robot.electronics_power
-        rule = f"of {watts:g} W is more than robots have; did you mean {1e-3 * watts:.4g} ({watts:g} mW)?"
-        yield Doubt(name="electronics_power", rule=rule)
+            name = f"joints[{i}].actuator"
+            yield from _judge_motor(name, actuator)
+            yield from _judge_idling(name, actuator)
+    power = robot.electronics_power
+    if power > LARGEST_POWER:
+        hint = _show_meant(power, Unit("mW", 1e-3))
+        yield hardly_is("electronics_power", power, "W", "is more than robots have", hint)
+    weight = robot.mass * GRAVITY
     for i, thruster in enumerate(robot.thrusters):
-        weight = robot.mass * GRAVITY
-        if abs(thruster.thrust) > STRONGEST_THRUST * weight:
-            times = abs(thruster.thrust) / weight
-            rule = f"of {thruster.thrust:g} N is {times:.3g} times the weight of the robot"
-            yield Doubt(name=f"thrusters[{i}].thrust", rule=rule)
+        ratio = abs(thruster.thrust) / weight
+        if ratio > STRONGEST_THRUST:
+            remark = f"is {ratio:.3g} times the weight of the robot"
+            yield hardly_is(f"thrusters[{i}].thrust", thruster.thrust, "N", remark)
+
+
+def _show_meant(value: float, unit: Unit) -> str:
+    meant = value * unit.size
+    return f"; did you mean {meant:.4g} ({value:g} {unit.name})?"
 
 
 def _judge_motor(name: str, actuator: Actuator) -> Iterator[Doubt]:
@@ -80,37 +93,59 @@ def _judge_motor(name: str, actuator: Actuator) -> Iterator[Doubt]:
 
     A geared motor without losses has a stall torque times no-load speed of its voltage times stall current.
     """
-    given = actuator.stall_torque * actuator.no_load_speed
-    efficiency = given / actuator.stall_power
-    taken = f"`voltage` * `stall_current` {actuator.stall_power:.3g} W"
-    shown = f"`stall_torque` * `no_load_speed` is {given:.3g} W, {taken}"
+    output = actuator.stall_torque * actuator.no_load_speed
+    efficiency = output / actuator.stall_power
     if efficiency > LARGEST_EFFICIENCY:
-        field, hint = _suggest(actuator, efficiency, gives_too_much=True)
-        value = getattr(actuator, field)
-        rule = f"must not let the motor give more than it takes: {shown}, got {value:g}{hint}"
-        yield Doubt(name=f"{name}.{field}", rule=rule, refuses=True)
-    if efficiency < SMALLEST_EFFICIENCY:
-        field, hint = _suggest(actuator, efficiency, gives_too_much=False)
-        value = getattr(actuator, field)
-        rule = f"of {value:g} makes a motor of {100.0 * efficiency:.2g} % efficiency: {shown}{hint}"
-        yield Doubt(name=f"{name}.{field}", rule=rule)
-    if actuator.idle_current > actuator.stall_current:
-        rule = f"must be <= {actuator.stall_current:g} A, the `stall_current`, got {actuator.idle_current:g}"
-        milli = 1e-3 * actuator.idle_current
-        hint = f"; did you mean {milli:.4g} ({actuator.idle_current:g} mA)?"
-        yield Doubt(name=f"{name}.idle_current", rule=f"{rule}{hint}", refuses=True)
+        suspect = _suspect_too_strong(actuator, efficiency)
+    elif efficiency < SMALLEST_EFFICIENCY:
+        suspect = _suspect_too_thirsty(actuator, efficiency)
+    else:
+        return
+    argument = f"{name}.{suspect.field}"
+    value = getattr(actuator, suspect.field)
+    input_power = f"`voltage` * `stall_current` {actuator.stall_power:.3g} W"
+    powers = f"`stall_torque` * `no_load_speed` is {output:.3g} W, {input_power}"
+    if efficiency > LARGEST_EFFICIENCY:
+        rule = f"less, as no motor gives more than it takes: {powers}"
+        yield must_be(argument, rule, value, suspect.hint)
+    else:
+        remark = f"makes a motor of {100.0 * efficiency:.2g} % efficiency: {powers}"
+        yield hardly_is(argument, value, "", remark, suspect.hint)
 
 
-def _suggest(actuator: Actuator, efficiency: float, *, gives_too_much: bool) -> tuple[str, str]:
-    """Return the field that is probably in another unit, and the end of a rule that says which unit."""
-    is_fast = actuator.no_load_speed > FASTEST_SERVO
-    candidates = (*FAST, *STRONG) if is_fast else STRONG
-    if not gives_too_much:
-        candidates = THIRSTY[::-1] if actuator.voltage > LARGEST_VOLTAGE else THIRSTY
-    low, high = USUAL_EFFICIENCIES
-    for field, unit in candidates:
-        corrected = efficiency * unit.size if gives_too_much else efficiency / unit.size
-        if low <= corrected <= high:
-            value = getattr(actuator, field)
-            return field, f"; did you mean {value * unit.size:.4g} ({value:g} {unit.name})?"
-    return candidates[0].field, ""
+def _judge_idling(name: str, actuator: Actuator) -> Iterator[Doubt]:
+    current = actuator.idle_current
+    if current > actuator.stall_current:
+        rule = f"<= {actuator.stall_current:g} A, the `stall_current`"
+        hint = _show_meant(current, Unit("mA", 1e-3))
+        yield must_be(f"{name}.idle_current", rule, current, hint)
+
+
+class Suspect(NamedTuple):
+    """A field that is probably in another unit."""
+
+    field: str
+    hint: str
+    """The end of a rule with that unit; "" if none makes the motor usual."""
+
+
+def _suspect_too_strong(actuator: Actuator, efficiency: float) -> Suspect:
+    """Return the field because of which a motor gives more than it takes."""
+    units = STRONG
+    if actuator.no_load_speed > FASTEST_SERVO:
+        units = (*FAST, *STRONG)
+    for field, unit in units:
+        if is_within(efficiency * unit.size, USUAL_EFFICIENCIES):
+            return Suspect(field, _show_meant(getattr(actuator, field), unit))
+    return Suspect(units[0].field, "")
+
+
+def _suspect_too_thirsty(actuator: Actuator, efficiency: float) -> Suspect:
+    """Return the field because of which a motor takes far more than it gives."""
+    units = THIRSTY
+    if actuator.voltage > LARGEST_VOLTAGE:
+        units = THIRSTY[::-1]
+    for field, unit in units:
+        if is_within(efficiency / unit.size, USUAL_EFFICIENCIES):
+            return Suspect(field, _show_meant(getattr(actuator, field), unit))
+    return Suspect(units[0].field, "")

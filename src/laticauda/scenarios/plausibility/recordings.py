@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from laticauda.motion.gaits import JointAngles
-from laticauda.scenarios.plausibility.doubts import Doubt
+from laticauda.scenarios.plausibility.doubts import Doubt, must_be
 
 FEWEST = 4
 """A recording with fewer of its times inside of a run is in another unit, or of another run."""
@@ -35,27 +35,34 @@ def judge_angles(angles: JointAngles) -> Iterator[Doubt]:
         angles: Joint angles over time.
     """
     values = np.array(angles.angle)
-    largest = float(np.max(np.abs(values), initial=0.0))
+    largest = np.max(np.abs(values), initial=0.0)
     if largest > math.pi:
-        rule = f"must be within pi, 3.14 rad, got {largest:.4g}; did you mean degrees (angle_deg)?"
-        yield Doubt(name="recorded.angle", rule=rule, refuses=True)
+        hint = "; did you mean degrees (angle_deg)?"
+        yield must_be("recorded.angle", "within pi, 3.14 rad", float(largest), hint)
         return
-    if np.ptp(values, axis=1).max(initial=0.0) < STILLEST:
+    swings = np.ptp(values, axis=1)
+    if swings.max(initial=0.0) < STILLEST:
         rule = "does not move: all joints hold their angles; is it sampled once a cycle?"
         yield Doubt(name="recorded", rule=rule)
         return
+    yield from _judge_steps(angles)
+
+
+def _judge_steps(angles: JointAngles) -> Iterator[Doubt]:
+    """Look for gaps, and for steps that are too long for the motion."""
     steps = np.diff(angles.time)
     usual = float(np.median(steps))
     longest = float(steps.max())
-    cycle = 2.0 * math.pi / angles.frequency if angles.frequency > 0.0 else math.inf
-    if longest > GAP * usual and longest > LONGEST_GAP * cycle:
+    cycle = math.inf
+    if angles.frequency > 0.0:
+        cycle = 2.0 * math.pi / angles.frequency
+    if longest > max(GAP * usual, LONGEST_GAP * cycle):
         begin = angles.time[int(steps.argmax())]
         rule = f"has a gap of {longest:.3g} s at {begin:.4g} s, in which the angles are guessed"
         yield Doubt(name="recorded.time", rule=rule)
     is_aliased = usual * COARSEST > cycle and steps.size >= FEWEST_STEPS
     if usual > COARSEST_STEP or is_aliased:
-        per_cycle = f", {cycle / usual:.2g} a cycle" if cycle / usual > 2.5 else ""
-        rule = f"has a sample every {usual:.3g} s{per_cycle}, too few to show how the joints move"
+        rule = f"has a sample every {usual:.3g} s, too few to show how the joints move"
         yield Doubt(name="recorded.time", rule=rule)
 
 
@@ -66,21 +73,28 @@ def judge_times(angles: JointAngles, duration: float) -> Iterator[Doubt]:
         angles: Joint angles over time.
         duration: Duration of the run [s].
     """
+    time = np.array(angles.time)
     first, last = angles.time[0], angles.time[-1]
-    n_inside = sum(1 for time in angles.time if 0.0 <= time <= duration)
-    span = last - first
-    if n_inside < min(FEWEST, len(angles.time)):
-        got = f"got {n_inside} of {len(angles.time)} times, from {first:.10g} to {last:.10g} s"
-        hint = ""
-        if first > UNIX_TIME:
-            hint = "; did you mean times since its start, not those of a clock?"
-        elif 1e-3 * span >= 0.05 * duration:
-            hint = f"; did you mean {1e-3 * first:.4g} to {1e-3 * last:.4g} ({last:.6g} ms)?"
-        rule = f"must lie in the run, from 0 to {duration:g} s: {got}{hint}"
-        yield Doubt(name="recorded.time", rule=rule, refuses=True)
+    n_inside = int(np.count_nonzero((time >= 0.0) & (time <= duration)))
+    if n_inside < min(FEWEST, time.size):
+        range_of_times = f"{n_inside} of {time.size} times do, from {first:.10g} to {last:.10g} s"
+        rule = f"must lie in the run, from 0 to {duration:g} s: {range_of_times}"
+        hint = _suggest_clock(first, last, duration)
+        yield Doubt(name="recorded.time", rule=f"{rule}{hint}", refuses=True)
         return
     uncovered = max(first, 0.0) + max(duration - last, 0.0)
-    if uncovered > MOST_UNCOVERED * duration + span / (len(angles.time) - 1):
-        covers = f"covers {first:.4g} to {last:.4g} s of a run of {duration:g} s"
-        rule = f"{covers}: before and after, the joints hold still"
-        yield Doubt(name="recorded.time", rule=rule)
+    step = (last - first) / (time.size - 1)
+    if uncovered > MOST_UNCOVERED * duration + step:
+        rule = f"covers {first:.4g} to {last:.4g} s of a run of {duration:g} s"
+        hint = ": before and after, the joints hold still"
+        yield Doubt(name="recorded.time", rule=f"{rule}{hint}")
+
+
+def _suggest_clock(first: float, last: float, duration: float) -> str:
+    """Return the end of a rule for times that are not those of a run."""
+    if first > UNIX_TIME:
+        return "; did you mean times since its start, not those of a clock?"
+    begin, end = 1e-3 * first, 1e-3 * last
+    if end - begin < MOST_UNCOVERED * duration:
+        return ""
+    return f"; did you mean {begin:.4g} to {end:.4g} ({last:.6g} ms)?"

@@ -4,16 +4,21 @@ import math
 from collections.abc import Iterator, Mapping
 
 from laticauda.robot import Environment, Robot, Water
+from laticauda.scenarios.plausibility.bodies import different_modules
 from laticauda.scenarios.plausibility.doubts import (
     DENSITIES,
     LENGTHS,
     SPEEDS,
     Doubt,
+    hardly_is,
+    is_within,
+    must_be,
     suggest_unit,
 )
 
 DENSITY_RANGE = (500.0, 1500.0)
 """Densities of liquids that robots swim in [kg/m^3]."""
+DENSITY_RULE = "between 500 and 1500 kg/m^3"
 DEEPEST = 11_000.0
 """Depth of the deepest sea [m]."""
 FAST_CURRENT = 4.0
@@ -30,33 +35,34 @@ LARGEST_COEFFICIENTS: Mapping[str, float] = {
 """Coefficients above these are hardly measured on anything that swims."""
 IMPOSSIBLE = 10.0
 """How many times as large a coefficient cannot be."""
+USUAL_CURRENTS = (0.0, 1.0)
+"""Currents that somebody may have meant [m/s]."""
+NO_UNIT = "it is a coefficient without unit, about 1"
 
 
 def judge_environment(environment: Environment) -> Iterator[Doubt]:
-    """Yield what is odd about a water; nothing is known of grounds.
+    """Yield what is odd about a water; nothing is said of grounds.
 
     Args:
         environment: Water or ground.
     """
     if not isinstance(environment, Water):
         return
-    low, high = DENSITY_RANGE
-    if not low <= environment.density <= high:
-        hint = suggest_unit(environment.density, DENSITIES, lambda density: low <= density <= high)
-        rule = f"must be between {low:g} and {high:g} kg/m^3, got {environment.density:g}{hint}"
-        yield Doubt(name="density", rule=rule, refuses=True)
+    density = environment.density
+    if not is_within(density, DENSITY_RANGE):
+        hint = suggest_unit(density, DENSITIES, DENSITY_RANGE)
+        yield must_be("density", DENSITY_RULE, density, hint)
     yield from judge_coefficients("", environment)
     speed = math.hypot(*environment.uniform)
-    hint = suggest_unit(speed, SPEEDS, lambda speed: speed <= 1.0)
+    hint = suggest_unit(speed, SPEEDS, USUAL_CURRENTS)
     if speed > FASTEST_CURRENT:
-        rule = f"must be <= {FASTEST_CURRENT:g} m/s, got {speed:.4g}{hint}"
-        yield Doubt(name="current", rule=rule, refuses=True)
+        yield must_be("current", f"<= {FASTEST_CURRENT:g} m/s", speed, hint)
     elif speed > FAST_CURRENT:
-        yield Doubt(name="current", rule=f"of {speed:.4g} m/s is a torrent{hint}")
-    if environment.depth is not None and environment.depth > DEEPEST:
-        hint = suggest_unit(environment.depth, LENGTHS, lambda depth: depth <= DEEPEST)
-        rule = f"must be <= {DEEPEST:g} m, got {environment.depth:g}{hint}"
-        yield Doubt(name="depth", rule=rule, refuses=True)
+        yield hardly_is("current", speed, "m/s", "is a torrent", hint)
+    depth = environment.depth
+    if depth is not None and depth > DEEPEST:
+        hint = suggest_unit(depth, LENGTHS, (0.0, DEEPEST))
+        yield must_be("depth", f"<= {DEEPEST:g} m", depth, hint)
 
 
 def judge_own_coefficients(robot: Robot) -> Iterator[Doubt]:
@@ -68,12 +74,9 @@ def judge_own_coefficients(robot: Robot) -> Iterator[Doubt]:
     Args:
         robot: The robot.
     """
-    judged: set[int] = set()
-    for i, module in enumerate(robot.modules):
-        if id(module) not in judged:
-            judged.add(id(module))
-            flatness = module.section.half_height / module.section.half_width
-            yield from judge_coefficients(f"modules[{i}].", module, max(1.0, flatness))
+    for i, module in different_modules(robot):
+        flatness = module.section.half_height / module.section.half_width
+        yield from judge_coefficients(f"modules[{i}].", module, max(1.0, flatness))
     if robot.caudal_fin is not None:
         yield from judge_coefficients("caudal_fin.", robot.caudal_fin)
 
@@ -86,14 +89,14 @@ def judge_coefficients(prefix: str, owner: object, flatness: float = 1.0) -> Ite
         owner: Water, module or fin.
         flatness: How much larger than usual they may be.
     """
-    for name, largest in LARGEST_COEFFICIENTS.items():
-        value = getattr(owner, name, None)
-        if value is None or value <= largest * flatness:
+    for field, usual in LARGEST_COEFFICIENTS.items():
+        value = getattr(owner, field, None)
+        largest = usual * flatness
+        if value is None or value <= largest:
             continue
-        limit = IMPOSSIBLE * largest * flatness
-        reason = "it is a coefficient without unit, about 1"
+        limit = IMPOSSIBLE * largest
+        name = f"{prefix}{field}"
         if value > limit:
-            rule = f"must be <= {limit:g}: {reason}, got {value:g}"
-            yield Doubt(name=f"{prefix}{name}", rule=rule, refuses=True)
+            yield must_be(name, f"<= {limit:.4g}: {NO_UNIT}", value)
         else:
-            yield Doubt(name=f"{prefix}{name}", rule=f"of {value:g} is large: {reason}")
+            yield hardly_is(name, value, "", f"is large: {NO_UNIT}")
