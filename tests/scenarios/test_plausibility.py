@@ -396,7 +396,7 @@ IN_SHELL: dict[str, tuple[str, str, int]] = {
     "density": ("swim mamba --density 1.0 --duration 0.1", "did you mean 1000 (1 g/cm^3)?", 2),
     "phase shift": (
         "swim mamba --phase-shift-deg 172 --duration 0.1",
-        "`phase_shift` of 3 rad is 172 deg",
+        "`phase_shift` of 3.002 rad is 172 deg",
         0,
     ),
     "heading": ("swim mamba --heading-deg 720 --duration 0.1", "within a turn", 2),
