@@ -511,3 +511,19 @@ def test_an_interval_says_which_coefficients_were_varied(run):
         note,
     )
     assert "normal_drag" not in note
+
+def test_in_a_current_both_speeds_stand_on_the_first_screen_and_a_swept_robot_is_told(run):
+    done = run("swim --joints prescribed --current -1 0 --duration 12")
+    screen = " ".join(done.out.split())
+    assert " m/s over ground, " in screen and " m/s through the water " in screen
+    assert "The water sweeps the robot backward: it heads " in screen
+    everything = run("swim --joints prescribed --current -1 0 --duration 12 --all").out
+    assert "speed through the water, straight line" in everything
+    assert "costs per distance rest on the speed through the water" in " ".join(everything.split())
+    facts = json.loads(run("swim --joints prescribed --current -1 0 --duration 12 --json").out)
+    assert facts["forward_velocity"] > 0.7
+    assert facts["speed_through_water"] < 0.3
+    assert facts["joules_per_meter"] == facts["mean_power"] / facts["speed_through_water"]
+    assert facts["swept"].startswith("The water sweeps the robot backward")
+    still = run("swim --joints prescribed --duration 2 --all").out
+    assert "through the water" not in still.split("robot")[-1]

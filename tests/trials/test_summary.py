@@ -38,7 +38,7 @@ def test_a_run_that_failed_at_once_has_a_summary_too(make_trial):
     assert summary["succeeded"] is False
     assert summary["forward_velocity"] is None
     assert summary["not_available"]["forward_velocity"] == (
-        "`time` must have at least 2 samples for a mean over time, got 1."
+        "A run that failed has no figures: It blew up at 0 s. Try smaller gains."
     )
     json.dumps(summary, allow_nan=False)
 

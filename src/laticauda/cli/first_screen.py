@@ -8,7 +8,14 @@ import textwrap
 from laticauda.cli.report import describe_gait
 from laticauda.cli.tables import WIDTH, format_digits, wrap_rows
 from laticauda.robot import Ground
-from laticauda.trials import MeasuredTrial, Trial, following, measured_counterpart
+from laticauda.trials import (
+    MeasuredTrial,
+    Trial,
+    describe_sweeping,
+    following,
+    measured_counterpart,
+    water_moves,
+)
 from laticauda.trials.feasibility import describe_ability
 
 DIGITS = 3
@@ -31,8 +38,10 @@ def first_screen(trial: Trial, basis: str = "", more: str = MORE) -> str:
         return "\n".join([*lines, wrap_rows(rows)])
     rows = [
         ("speed", _describe_speed(trial, measured)),
+        ("", describe_sweeping(trial)),
         ("power", _describe_power(trial, measured)),
     ]
+    rows = [(name, text) for name, text in rows if text]
     rows += describe_joints(trial, measured)
     if "cross_track_error" in trial.signals:
         rows.append(("path", _describe_following(trial)))
@@ -66,6 +75,9 @@ def describe_who(trial: Trial) -> list[str]:
 
 def _describe_speed(trial: Trial, measured: MeasuredTrial | None) -> str:
     speed = f"{format_digits(trial.forward_velocity, DIGITS)} m/s"
+    if water_moves(trial.environment):
+        through_water = format_digits(trial.speed_through_water, DIGITS)
+        return f"{speed} over ground, {through_water} m/s through the water"
     if measured is None or measured.forward_velocity is None:
         return speed
     return f"{speed} (tank {format_digits(measured.forward_velocity, DIGITS)})"

@@ -18,7 +18,16 @@ from laticauda.cli.tables import (
 )
 from laticauda.motion import gaits
 from laticauda.robot import SEEN, TEXTBOOK, Ground, describe_coefficients, in_a_line
-from laticauda.trials import FIGURES, MeasuredTrial, Trial, following, measured_counterpart
+from laticauda.trials import (
+    MOVING_WATER_NOTE,
+    MeasuredTrial,
+    Trial,
+    describe_sweeping,
+    following,
+    measured_counterpart,
+    shown_figures,
+    water_moves,
+)
 from laticauda.values import describe_fields
 
 LEFT_OUT = ("duration",)  # stated once, at the top
@@ -30,6 +39,7 @@ def facts_of_trial(trial: Trial) -> dict[str, Any]:
         **trial.summary(),
         "not_measured": list(trial.not_measured),
         "infeasible": list(trial.feasibility.problems),
+        "swept": describe_sweeping(trial),
         "measured": _measured_facts(trial),
         "gait_parameters": _gait_parameters(trial),
         "certainty": SEEN if _is_of_textbook(trial) else None,
@@ -109,7 +119,7 @@ def figure_table(trial: Trial) -> str:
     # The power that `mean_power` stands for need not be listed twice.
     left_out = (*LEFT_OUT, f"{trial.mean_power_kind}_power")
     rows: list[tuple[str, ...]] = [heads]
-    for figure in FIGURES:
+    for figure in shown_figures(trial):
         value: Any = summary[figure.name]
         reference = measured.get(figure.name)
         if figure.name in left_out or (value is None and reference is None):
@@ -159,6 +169,8 @@ def _notes(trial: Trial) -> str:
     if measured is not None:
         notes.append(_note_on_measurement(measured, trial))
     if trial.succeeded:  # otherwise its status says more
+        if water_moves(trial.environment):
+            notes += filter(None, [MOVING_WATER_NOTE, describe_sweeping(trial)])
         if _is_of_textbook(trial):
             notes.append(_note_on_textbook())
         notes += _notes_on_missing_figures(trial)
@@ -179,8 +191,9 @@ def _notes_on_missing_figures(trial: Trial) -> list[str]:
     """Return a note for each reason why figures are missing."""
     _, reasons = trial.figures()
     names_by_reason: dict[str, list[str]] = {}
-    for name, reason in reasons.items():
-        names_by_reason.setdefault(reason, []).append(name)
+    for figure in shown_figures(trial):
+        if figure.name in reasons:
+            names_by_reason.setdefault(reasons[figure.name], []).append(figure.name)
     notes: list[str] = []
     for reason, names in names_by_reason.items():
         # Whoever reads the text passes no argument `time`.
@@ -209,7 +222,7 @@ def interval_table(
         varied: Names of the coefficients that were varied.
     """
     rows = [("if the coefficients lie in their intervals", "from", "to", "")]
-    for figure in FIGURES:
+    for figure in shown_figures(trial):
         if figure.name not in intervals or figure.name in LEFT_OUT:
             continue
         low, high = intervals[figure.name]

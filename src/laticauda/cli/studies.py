@@ -45,10 +45,13 @@ N_SHOWN = 8
 SHOWN_OF_BEST = ("forward_velocity", "mean_power", "cost_of_transport", "utilization")
 SHOWN_OF_FRONT = ("forward_velocity", "mechanical_power", "cost_of_transport", "utilization")
 SPEED_AND_POWER = "speed-power"
+IN_MOVING_WATER = "The water moves: speeds and costs of transport are ranked through the water."
 OBJECTIVES = (
     SPEED_AND_POWER,
     "forward-velocity",
     "steady-velocity",
+    "speed-through-water",
+    "steady-speed-through-water",
     "mechanical-power",
     "mean-power",
     "cost-of-transport",
@@ -93,12 +96,15 @@ class Sweep(Study):
     best: Literal[
         "forward-velocity",
         "steady-velocity",
+        "speed-through-water",
+        "steady-speed-through-water",
         "mechanical-power",
         "net-power",
         "mean-power",
         "cost-of-transport",
     ] = option(
-        "Figure by which the best points in the table are ranked", default="forward-velocity"
+        "Figure by which the best points in the table are ranked; where the water moves, a speed is that through it",
+        default="forward-velocity",
     )
 
     def run_study(self, scenario: Scenario, parameters: Parameters) -> Outcome:
@@ -136,7 +142,10 @@ class Sweep(Study):
         status = f"All {n_trials} trials reached their end."
         if n_failed:
             status = f"{n_failed} of {n_trials} trials blew up; a smaller `dt` may help."
-        figure = self.best.replace("-", "_")
+        varied = sweep.points.names
+        figure = studies.swum_figure(self.best.replace("-", "_"), scenario, varied)
+        if studies.moves_water(scenario, varied):
+            status += f" {IN_MOVING_WATER}"
         n_infeasible = studies.count_infeasible(self.output)
         points = studies.best_points(self.output, figure, N_BEST, feasible_first=True)
         limits = [_name_limits_beyond(scenario, sweep.points.names, point) for point in points]
@@ -204,8 +213,8 @@ class Optimize(Study):
         default=(),
     )
     objective: Words = option(
-        "One or two of forward-velocity, steady-velocity (maximized), mechanical-power, mean-power, "
-        "cost-of-transport (minimized). Two give the front between them; "
+        "One or two of forward-velocity, steady-velocity (maximized; where the water moves, through it), "
+        "mechanical-power, mean-power, cost-of-transport (minimized). Two give the front between them; "
         "speed-power is short for forward-velocity mechanical-power",
         default=(SPEED_AND_POWER,),
     )
@@ -351,5 +360,10 @@ def _describe_status(front: studies.Front) -> str:
             "runs blow up (a smaller --dt may help), are too slow, or are too short for the objective."
         )
     if len(optimization.objectives) > 1:
-        return f"{status}, {len(front)} on the front."
+        status = f"{status}, {len(front)} on the front."
+        if studies.moves_water(scenario, optimization.names):
+            status += f" {IN_MOVING_WATER}"
+        return status
+    if studies.moves_water(scenario, optimization.names):
+        return f"{status}. {IN_MOVING_WATER} The best is:"
     return f"{status}; the best is:"

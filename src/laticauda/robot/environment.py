@@ -101,6 +101,11 @@ class Water:
         return replace(self, current=(0.0, 0.0))
 
     @property
+    def is_still(self) -> bool:
+        """Whether the water does not move: no flow, and no current."""
+        return self.flow is None and not any(self.uniform)
+
+    @property
     def uniform(self) -> tuple[float, float, float]:
         """Velocity of the water if it is uniform and constant; 0 if a flow describes the motion [m/s]."""
         if isinstance(self.current, Flow):

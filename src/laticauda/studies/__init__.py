@@ -57,8 +57,10 @@ if TYPE_CHECKING:
         LABELS as LABELS,
         Progress as Progress,
         attributes_of as attributes_of,
+        moves_water as moves_water,
         scenarios_at as scenarios_at,
         swim_points as swim_points,
+        swum_figure as swum_figure,
     )
 
 __getattr__, __dir__, __all__ = lazy_exports(
@@ -87,8 +89,10 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "LABELS",
             "Progress",
             "attributes_of",
+            "moves_water",
             "scenarios_at",
             "swim_points",
+            "swum_figure",
         ],
         "laticauda.studies.sampling": ["Points"],
     },

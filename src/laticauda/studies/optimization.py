@@ -20,6 +20,7 @@ from laticauda.studies.point_trials import (
     definition_of,
     scenarios_at,
     swim_points,
+    swum_figure,
 )
 from laticauda.studies.sampling import Table
 from laticauda.trials.feasibility import ROUNDING
@@ -28,6 +29,8 @@ from laticauda.values import BadArgument, check_choice, option, quantity, value_
 OBJECTIVES = (
     "forward_velocity",
     "steady_velocity",
+    "speed_through_water",
+    "steady_speed_through_water",
     "mechanical_power",
     "mean_power",
     "cost_of_transport",
@@ -62,7 +65,7 @@ class Limits:
     )
     least_velocity: float | None = quantity(
         "m/s",
-        "Smallest acceptable velocity; without it, the cheapest gait hardly moves",
+        "Smallest acceptable velocity, through the water if it moves; without it, the cheapest gait hardly moves",
         gt=0.0,
         default=None,
     )
@@ -79,6 +82,10 @@ class Optimization(Limits):
     `joint_rate_limit`), the run demands no more than joints and actuators provide and no links
     overlap (its `utilization` is at most 1), it reaches its end, it is fast enough for
     `least_velocity`, and every objective has a value.
+
+    Where the water moves, `forward_velocity` and `steady_velocity` among the objectives become
+    `speed_through_water` and `steady_speed_through_water`, and `least_velocity` is one through the
+    water, too: the fastest gait over ground would be the one that drifts best.
 
     Raises:
         ValueError: If a field is out of its range, or a parameter does not exist (the message has
@@ -101,13 +108,17 @@ class Optimization(Limits):
         check=sampling.check_ranges_of_numbers,
     )
     objectives: Sequence[str] = option(
-        "One of `OBJECTIVES`, two for a front", default=SPEED_POWER, check=_check_objectives
+        "One of `OBJECTIVES`, two for a front; where the water moves, speeds become those through it",
+        default=SPEED_POWER,
+        check=_check_objectives,
     )
 
     def __post_init__(self) -> None:
         """Check the fields against each other."""
         check_scenario(self.scenario)
         check_ranges(self.scenario, self.bounds, "bounds")
+        objectives = [swum_figure(name, self.scenario, self.bounds) for name in self.objectives]
+        object.__setattr__(self, "objectives", _check_objectives("objectives", objectives))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -183,7 +194,8 @@ def evaluate(
         excess = results["utilization"] - 1.0
         violation = np.where(swims & (excess > ROUNDING), excess, violation)
     if optimization.least_velocity is not None:
-        shortfall = 1.0 - results["forward_velocity"] / optimization.least_velocity
+        speed = swum_figure("forward_velocity", scenario, names)
+        shortfall = 1.0 - results[speed] / optimization.least_velocity
         is_slow = swims & (shortfall > 0.0)
         violation = np.where(is_slow, np.maximum(shortfall, violation), violation)
     has_values = np.all([np.isfinite(results[name]) for name in optimization.objectives], axis=0)

@@ -30,6 +30,7 @@ from laticauda.models.simulate import (
 from laticauda.models.simulate.numbers import list_parameters
 from laticauda.scenarios import telling, warn_of_doubt
 from laticauda.studies.sampling import Table
+from laticauda.trials import water_moves
 from laticauda.trials.feasibility import NEEDS
 from laticauda.values import BadArgument, check_instance, codec, extensions, packaging
 
@@ -47,6 +48,11 @@ LABELS = {
     name: f"{name.replace('_', ' ')} [{getattr(lc.Trial, name).unit or '-'}]" for name in FIGURES
 }
 """The figures in words, with their units, as shown in tables and on axes."""
+THROUGH_WATER = {
+    "forward_velocity": "speed_through_water",
+    "steady_velocity": "steady_speed_through_water",
+}
+"""Speeds through the water by those over ground, which a current makes without any swimming."""
 COSTS = ("mechanical_power", "net_power", "mean_power", "cost_of_transport")
 """Figures of which the smallest is best; of all others, the largest."""
 PART_OF_ROOT = {
@@ -58,6 +64,32 @@ PART_OF_ROOT = {
 """Field of a scenario that a parameter changes, by the first word of the parameter's name."""
 MOST_CORNERS = 256
 """Corners of the ranges that are tried; more are not worth the time."""
+
+
+def swum_figure(name: str, scenario: lc.Scenario, varied: Iterable[str] = ()) -> str:
+    """Return a figure by which trials are ranked: where the water moves, a speed is that through it.
+
+    The fastest over ground would be the gait that leaves most to the current.
+
+    Args:
+        name: Name of a figure.
+        scenario: What the trials share.
+        varied: Names of the parameters that differ between them.
+    """
+    if moves_water(scenario, varied):
+        return THROUGH_WATER.get(name, name)
+    return name
+
+
+def moves_water(scenario: lc.Scenario, varied: Iterable[str] = ()) -> bool:
+    """Return whether the water moves in some trials.
+
+    Args:
+        scenario: What the trials share.
+        varied: Names of the parameters that differ between them.
+    """
+    has_current = any(name.startswith("water.current") for name in varied)
+    return has_current or water_moves(scenario.environment)
 
 
 def check_scenario(scenario: lc.Scenario) -> None:

@@ -4,6 +4,7 @@ contents.py     what a trial holds, validated
 arrays.py       checks of its arrays and texts
 trial.py        `Trial`: the contents, with figures, pictures and files
 metrics.py      formulas of the figures
+moving_water.py what a current does to a run, in words
 cycles.py       whole gait cycles of a log, and means over them
 feasibility/    whether the robot can do what the run demands
 following.py    figures of path following
@@ -45,7 +46,17 @@ if TYPE_CHECKING:
         joined as joined,
         note_differences as note_differences,
     )
-    from laticauda.trials.trial import FIGURES as FIGURES, Figure as Figure, Trial as Trial
+    from laticauda.trials.trial import (
+        FIGURES as FIGURES,
+        Figure as Figure,
+        Trial as Trial,
+        shown_figures as shown_figures,
+    )
+    from laticauda.trials.moving_water import (
+        MOVING_WATER_NOTE as MOVING_WATER_NOTE,
+        describe_sweeping as describe_sweeping,
+        water_moves as water_moves,
+    )
     from laticauda.trials.following import nearest_points as nearest_points
     from laticauda.trials.null_models import (
         NullModel as NullModel,
@@ -80,6 +91,8 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.trials.dataset": ["AXES"],
         "laticauda.trials.following": ["nearest_points"],
         "laticauda.trials.several": ["note_differences"],
+        "laticauda.trials.moving_water": ["MOVING_WATER_NOTE", "describe_sweeping", "water_moves"],
+        "laticauda.trials.trial": ["shown_figures"],
         "laticauda.trials.null_models": [
             "NullModel",
             "PREDICTORS",

@@ -6,6 +6,8 @@ steady velocity of a run of two seconds, the function raises a `ValueError` that
 none returns nan.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from jaxtyping import Bool, Float
 
@@ -234,20 +236,48 @@ def electrical_power(trial: Contents) -> float:
 
 
 def speed_through_water(trial: Contents) -> float:
-    """Compute the `forward_velocity` of a trial relative to the water: the local current is subtracted [m/s]."""
-    velocity = mean_velocity(trial.time, trial.center_of_mass)
-    water = trial.environment
-    if isinstance(water, Water):
-        velocity -= _mean_current(trial, water)
+    """Compute the `forward_velocity` of a trial relative to the water: the local current is subtracted [m/s].
+
+    The water's velocity is that where the center of mass was, averaged over the run: of waves, which
+    carry the robot back and forth with them, only their slow drift remains. Raises a ValueError on
+    ground.
+    """
+    water = _water(trial, "a speed through the water")
+    return speed_relative_to(water, trial.time, trial.center_of_mass)
+
+
+def speed_relative_to(water: Water, time: Time, center_of_mass: Path) -> float:
+    """Compute the straight-line displacement relative to the water where the robot was / duration [m/s].
+
+    Args:
+        water: Water in which it swam.
+        time: Times of the samples, since the start of the run [s].
+        center_of_mass: p [m], world axes.
+
+    Raises:
+        ValueError: If the log has fewer than two samples.
+    """
+    velocity = mean_velocity(time, center_of_mass)
+    velocity -= _mean_current(water, time, center_of_mass)
     return float(np.linalg.norm(velocity))
 
 
-def _mean_current(trial: Contents, water: Water) -> Float[np.ndarray, " n_axes"]:
+def transport_speed(trial: Contents) -> float:
+    """Compute the speed on which costs per distance rest: through the water, on ground that over ground [m/s].
+
+    A robot that drifts with a current covers ground without swimming.
+    """
+    if isinstance(trial.environment, Ground):
+        return forward_velocity(trial.time, trial.center_of_mass)
+    return speed_through_water(trial)
+
+
+def _mean_current(water: Water, time: Time, center_of_mass: Path) -> Float[np.ndarray, " n_axes"]:
     """Return the velocity of the water where the robot was, averaged over the run [m/s]."""
-    velocity = water.velocity(trial.center_of_mass, trial.time)
+    velocity = water.velocity(center_of_mass, time)
     if water.flow is None:
         return velocity[0]
-    return cumulative_integral(trial.time, velocity)[-1] / np.ptp(trial.time)
+    return cumulative_integral(time, velocity)[-1] / np.ptp(time)
 
 
 def steady_velocity(trial: Contents) -> float:
@@ -258,7 +288,23 @@ def steady_velocity(trial: Contents) -> float:
     the start nor the gait's ripple.
     """
     part = cycles.steady_part(trial.time, trial.period)
-    return float(np.linalg.norm(_displacement(trial, part))) / (part.stop - part.start)
+    displacement = _displacement(trial.time, _path_over_ground(trial), part)
+    return float(np.linalg.norm(displacement)) / (part.stop - part.start)
+
+
+def steady_speed_through_water(trial: Contents) -> float:
+    """Compute the `speed_through_water` over the steady part of a trial only [m/s]; see `steady_velocity`.
+
+    Raises a ValueError if the run is too short, or on ground.
+    """
+    _water(trial, "a speed through the water")
+    return _steady_transport_speed(trial)
+
+
+def _steady_transport_speed(trial: Contents) -> float:
+    part = cycles.steady_part(trial.time, trial.period)
+    displacement = _displacement(trial.time, _path_through_water(trial), part)
+    return float(np.linalg.norm(displacement)) / (part.stop - part.start)
 
 
 def course(trial: Contents) -> float:
@@ -266,7 +312,8 @@ def course(trial: Contents) -> float:
 
     Raises a ValueError if the trial is too short or the robot stands still.
     """
-    displacement = _displacement(trial, cycles.steady_part(trial.time, trial.period))
+    part = cycles.steady_part(trial.time, trial.period)
+    displacement = _displacement(trial.time, _path_over_ground(trial), part)
     return float(cycles.direction_of(displacement[np.newaxis])[0])
 
 
@@ -324,7 +371,7 @@ def turning_rate(trial: Contents) -> float:
 def strouhal_number(trial: Contents) -> float:
     """Compute the Strouhal number f A / U of the tail of a trial [-].
 
-    f = 1 / period, U the steady velocity, A the peak-to-peak excursion of the fin's trailing edge
+    f = 1 / period, U the steady velocity through the water, A the peak-to-peak excursion of the fin's trailing edge
     (without a fin, of the tail end) across the course. A is computed for each cycle of the steady
     part, across the course of that cycle, and averaged: on a straight path this is the excursion
     over the whole steady part; on a curved path the curve itself does not count. Eels swim at about
@@ -332,18 +379,19 @@ def strouhal_number(trial: Contents) -> float:
     """
     trial.need("a Strouhal number", "link_angle")
     period = _period(trial)
-    return _excursion_across_course(trial, period) / (period * steady_velocity(trial))
+    return _excursion_across_course(trial, period) / (period * _steady_transport_speed(trial))
 
 
 def _excursion_across_course(trial: Contents, period: float) -> float:
     """Return the peak-to-peak excursion of the trailing edge, the mean over the steady cycles [m]."""
     time = trial.time
-    position = trial.center_of_mass
+    path = _path_through_water(trial)
     part = cycles.steady_part(time, period)
-    posture = Posture(trial.chain, position[:, :2], trial.link_angle, fin_angle=trial.fin_angle)
+    center = path.position[:, :2]
+    posture = Posture(trial.chain, center, trial.link_angle, fin_angle=trial.fin_angle)
     trailing_edge = posture.trailing_edge
     bounds = np.linspace(part.start, part.stop, (part.n_cycles or 1) + 1)
-    positions_at_bounds = cycles.interpolated(time, position, trial.center_of_mass_velocity, bounds)
+    positions_at_bounds = cycles.interpolated(time, path.position, path.velocity, bounds)
     courses = cycles.direction_of(np.diff(positions_at_bounds, axis=0))
     excursion = 0.0
     for begin, end, course_angle in zip(bounds[:-1], bounds[1:], courses, strict=True):
@@ -361,8 +409,9 @@ def quasi_propulsive_efficiency(trial: Contents) -> float:
     body: thrust and drag are one force. Raises a ValueError on ground, or if the joints did no
     work.
     """
+    water = _water(trial, "a towing drag")
     speed = speed_through_water(trial)
-    drag = towing_drag(trial.chain, _water(trial, "a towing drag"), speed)
+    drag = towing_drag(trial.chain, water, speed)
     power = work_power(trial, 0)
     if not power > 0.0:
         raise BadArgument("mechanical_power", f"must be > 0 W for an efficiency, got {power}")
@@ -390,10 +439,34 @@ def _water(trial: Contents, figure: str) -> Water:
     return trial.environment
 
 
-def _displacement(trial: Contents, part: SteadyPart) -> Float[np.ndarray, " n_axes"]:
+class _Motion(NamedTuple):
+    """Motion of the center of mass, over ground or relative to the water."""
+
+    position: Path
+    """Position at the samples [m]."""
+    velocity: Path
+    """Velocity at the samples [m/s]."""
+
+
+def _path_over_ground(trial: Contents) -> _Motion:
+    return _Motion(trial.center_of_mass, trial.center_of_mass_velocity)
+
+
+def _path_through_water(trial: Contents) -> _Motion:
+    """Return the motion relative to the water where the robot was; on ground, or in still water, that over ground."""
+    motion = _path_over_ground(trial)
+    water = trial.environment
+    if isinstance(water, Ground) or water.is_still:
+        return motion
+    water_velocity = water.velocity(trial.center_of_mass, trial.time)
+    drift = cumulative_integral(trial.time, water_velocity)
+    return _Motion(motion.position - drift, motion.velocity - water_velocity)
+
+
+def _displacement(time: Time, motion: _Motion, part: SteadyPart) -> Float[np.ndarray, " n_axes"]:
     bounds = np.array([part.start, part.stop])
     position_at_start, position_at_stop = cycles.interpolated(
-        trial.time, trial.center_of_mass, trial.center_of_mass_velocity, bounds
+        time, motion.position, motion.velocity, bounds
     )
     return position_at_stop - position_at_start
 

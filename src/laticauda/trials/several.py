@@ -9,7 +9,7 @@ import numpy as np
 
 from laticauda.motion import gaits
 from laticauda.scenarios import Experiment, Scenario
-from laticauda.trials.trial import FIGURES, Figure, Trial
+from laticauda.trials.trial import Figure, Trial, shown_figures
 from laticauda.values import BadArgument, angles, check_instance, concatenated
 
 _OF_MEAN_POWER = ("mean_power", "cost_of_transport", "joules_per_meter")
@@ -66,7 +66,8 @@ def compare(*trials: Trial | Sequence[Trial]) -> Comparison:
         trials: At least two trials, the reference first; or a list of them.
 
     Returns:
-        One row per figure that has a meaning for any of the trials, in the order of `FIGURES`. If
+        One row per figure that has a meaning for any of the trials, in the order of `FIGURES`; those
+        through the water only if it moves. If
         only some of the trials have a power model, the figures based on `mean_power` are left out.
 
     Raises:
@@ -85,7 +86,7 @@ def compare(*trials: Trial | Sequence[Trial]) -> Comparison:
     # misleading.
     has_both_powers = len({trial.mean_power_kind for trial in compared_trials}) > 1
     rows: list[ComparedFigure] = []
-    for figure in FIGURES:
+    for figure in shown_figures(*compared_trials):
         values = tuple(column[figure.name] for column in columns)
         is_misleading = has_both_powers and figure.name in _OF_MEAN_POWER
         if not is_misleading and any(value is not None for value in values):

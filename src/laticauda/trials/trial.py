@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self, overload
 
 import numpy as np
 
-from laticauda.trials import contents, cycles, metrics
+from laticauda.trials import contents, cycles, metrics, moving_water
 from laticauda.trials.dataset import fields_of, save, to_dataset
 from laticauda.trials.feasibility import Feasibility, judge_feasibility, make_peak_figure
 from laticauda.values import BadArgument, RunFailed, Suggesting, display_unit, html_table
@@ -123,7 +123,7 @@ class Trial(Suggesting, contents.Contents):
         "forward velocity, straight line over the whole run",
         lambda t: metrics.forward_velocity(t.time, t.center_of_mass),
     )
-    """Straight-line displacement / time over the whole run (5) [m/s]."""
+    """Straight-line displacement over ground / time over the whole run (5): a current is part of it [m/s]."""
     steady_velocity = Figure(
         "m/s",
         "steady velocity, over whole gait cycles after the transient",
@@ -134,6 +134,19 @@ class Trial(Suggesting, contents.Contents):
         "m/s", "path length over time", lambda t: metrics.path_speed(t.time, t.center_of_mass)
     )
     """Length of the center of mass's path / time [m/s]."""
+    speed_through_water = Figure(
+        "m/s",
+        "speed through the water, straight line over the whole run",
+        metrics.speed_through_water,
+    )
+    """`forward_velocity` relative to the water where the robot was: currents, and the drift of waves, are subtracted
+    [m/s]; raises an error on ground."""
+    steady_speed_through_water = Figure(
+        "m/s",
+        "steady speed through the water, over whole gait cycles after the transient",
+        metrics.steady_speed_through_water,
+    )
+    """`steady_velocity` relative to the water where the robot was [m/s]; raises an error on ground."""
     mean_power = Figure(
         "W",
         "mean power, mechanical unless there is a power model",
@@ -159,17 +172,20 @@ class Trial(Suggesting, contents.Contents):
         "",
         "cost of transport: mean power / (weight * speed)",
         lambda t: metrics.cost_of_transport(
-            t.mean_power, metrics.carried_weight(t.robot, t.environment), t.forward_velocity
+            t.mean_power,
+            metrics.carried_weight(t.robot, t.environment),
+            metrics.transport_speed(t),
         ),
     )
-    """`mean_power` / (W v) with W the weight of the displaced water, on ground the robot's own [-]; raises an error if
-    the robot did not move."""
+    """`mean_power` / (W v) with W the weight of the displaced water and v the speed through it, on ground the robot's
+    own weight and its speed [-]; raises an error if the robot did not move."""
     joules_per_meter = Figure(
         "J/m",
         "energy per meter, from mean power",
-        lambda t: metrics.joules_per_meter(t.mean_power, t.forward_velocity),
+        lambda t: metrics.joules_per_meter(t.mean_power, metrics.transport_speed(t)),
     )
-    """`mean_power` / `forward_velocity` [J/m]; raises an error if the robot did not move."""
+    """`mean_power` / `speed_through_water`, on ground `forward_velocity` [J/m]; raises an error if the robot did not
+    move."""
     quasi_propulsive_efficiency = Figure(
         "",
         "towing power of the straight robot / mechanical power",
@@ -188,7 +204,7 @@ class Trial(Suggesting, contents.Contents):
     turning_rate = Figure("rad/s", "slope of the heading's cycle mean", metrics.turning_rate)
     """Slope of `heading_cycle_mean` over the steady part; positive to the left [rad/s]."""
     strouhal_number = Figure("", "Strouhal number of the trailing edge", metrics.strouhal_number)
-    """Strouhal number f A / U of the trailing edge over the steady part [-]."""
+    """Strouhal number f A / U of the trailing edge over the steady part, with U through the water [-]."""
 
     peak_joint_angle = Figure(
         "rad", "largest joint angle, first cycle left out", make_peak_figure("peak_joint_angle")
@@ -217,13 +233,6 @@ class Trial(Suggesting, contents.Contents):
         if self.electrical_work is None:
             return "mechanical"
         return "electrical"
-
-    @property
-    def speed_through_water(self) -> float:
-        """`forward_velocity` relative to the water: the current is subtracted [m/s]."""
-        if not self.succeeded:
-            raise RunFailed(self.status)
-        return metrics.speed_through_water(self)
 
     @cached_property
     def heading_cycle_mean(self) -> cycles.CycleMean:
@@ -385,13 +394,25 @@ class Trial(Suggesting, contents.Contents):
         rows: list[tuple[str, str]] = []
         if not self.succeeded:
             rows.append(("FAILED", self.status))
-        for figure in FIGURES:
+        for figure in shown_figures(self):
             value = values[figure.name]
             if value is not None:
                 unit = display_unit(figure.unit)
                 rows.append((figure.title, f"{unit.from_si(value):.4g} {unit.name}".rstrip()))
         picture = picture_in_html(self.plot_path(), repr(self)[1:-1])
         return f"{picture}{html_table(repr(self)[1:-1], rows)}"
+
+
+def shown_figures(*trials: Trial) -> list[Figure]:
+    """Return the figures that tables of some trials show: those through the water only if it moves in one of them.
+
+    Args:
+        trials: Any trials.
+    """
+    is_moving = any(moving_water.water_moves(trial.environment) for trial in trials)
+    if is_moving:
+        return list(FIGURES)
+    return [figure for figure in FIGURES if figure.name not in moving_water.THROUGH_WATER]
 
 
 FIGURES = tuple(value for value in vars(Trial).values() if isinstance(value, Figure))

@@ -39,6 +39,9 @@ def test_twenty_settings_by_chance_swim_as_in_python_and_are_said_rightly(folder
             trial.forward_velocity, abs=most_of(scenario)
         )
         assert found["figures"]["power"] == pytest.approx(trial.mean_power, rel=most_of(scenario))
+        if not scenario.environment.is_still:
+            through_water = found["figures"]["through"]
+            assert through_water == pytest.approx(trial.speed_through_water, abs=most_of(scenario))
 
 
 @needs_node

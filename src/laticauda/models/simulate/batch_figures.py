@@ -12,9 +12,10 @@ from jaxtyping import Float, Inexact, Int
 
 from laticauda.models.planar import rows, sample_format
 from laticauda.models.planar.batch import PATH_ROWS, STEP, Block, Run
+from laticauda.models.simulate import water_paths
 from laticauda.models.simulate.run_figures import Figure, RunFigures
 from laticauda.motion.gaits import Gait
-from laticauda.robot import has_power_model
+from laticauda.robot import Ground, has_power_model
 from laticauda.trials import cycles, feasibility, metrics
 
 
@@ -86,17 +87,20 @@ HEADING = 12
 """Row of the heading at the end [rad]."""
 WORK = slice(13, 17)
 """Rows of the work at the end: absolute, net and positive work of the joints, electrical work [J]."""
-N_SAMPLED_NUMBERS = 17
+WATER = slice(17, 17 + water_paths.N_NUMBERS)
+"""Rows of the motion of the water where the robot was, see `water_paths.sample_water`."""
+N_SAMPLED_NUMBERS = WATER.stop
 """Number of rows."""
 
 _PATH = [sample_format.column_of(row) for row in (rows.X, rows.Y, rows.VX, rows.VY)]
 """Rows of position and velocity in the log of a block, which begins at TIME."""
 
 
-def sample_block(block: Block, before: np.ndarray) -> np.ndarray:
+def sample_block(runs: Sequence[Run], block: Block, before: np.ndarray) -> np.ndarray:
     """Return the numbers that are kept of the runs of a block.
 
     Args:
+        runs: Runs of the block.
         block: Results of the runs.
         before: Index of the last sample before the steady part of each run.
     """
@@ -112,6 +116,7 @@ def sample_block(block: Block, before: np.ndarray) -> np.ndarray:
             sample_after.T,
             block.heading[np.newaxis],
             block.work,
+            water_paths.sample_water(runs, block, before),
         )
     )
 
@@ -130,22 +135,37 @@ def compute_figures(
         steady: Start of their steady parts.
     """
     end = numbers[END]
+    water = _WaterNumbers(*numbers[WATER].reshape(5, 2, -1))
+    is_on_ground = [isinstance(run.plant.environment, Ground) for run in runs]
     duration = float(steady.time[-1])
     has_power_models = _have_power_models(runs)
     with np.errstate(all="ignore"):
-        speed = _magnitude(end - numbers[START]) / duration
+        displacement = end - numbers[START]
+        speed = _magnitude(displacement) / duration
+        transport_speed = _magnitude(displacement - water.end) / duration
         mechanical, net, positive, electrical = numbers[WORK] / duration
         mean_power = cast(np.ndarray, np.where(has_power_models, electrical, mechanical))
         steady_displacement = end - _position_at_start_of(steady, numbers)
-        cost_of_transport = mean_power / (weight * speed)
+        steady_drift = water.end - _interpolate_at_start_of(
+            steady,
+            (water.position_before, water.position_after),
+            (water.velocity_before, water.velocity_after),
+        )
+        steady_duration = duration - steady.start
+        steady_transport_speed = _magnitude(steady_displacement - steady_drift) / steady_duration
+        cost_of_transport = mean_power / (weight * transport_speed)
         figures = RunFigures(
             forward_velocity=speed,
-            steady_velocity=_magnitude(steady_displacement) / (duration - steady.start),
+            steady_velocity=_magnitude(steady_displacement) / steady_duration,
+            speed_through_water=np.where(is_on_ground, np.nan, transport_speed),
+            steady_speed_through_water=np.where(is_on_ground, np.nan, steady_transport_speed),
             mechanical_power=mechanical,
             net_power=net,
             positive_power=positive,
             mean_power=mean_power,
-            cost_of_transport=np.where(speed.real > metrics.STILL, cost_of_transport, np.nan),
+            cost_of_transport=np.where(
+                transport_speed.real > metrics.STILL, cost_of_transport, np.nan
+            ),
         )
     values = {**vars(figures), "x": end[0], "y": end[1], "heading": numbers[HEADING]}
     return {name: np.where(np.isfinite(value), value, np.nan) for name, value in values.items()}
@@ -159,14 +179,35 @@ def _have_power_models(runs: Sequence[Run]) -> list[bool]:
 
 def _position_at_start_of(steady: Steady, numbers: np.ndarray) -> np.ndarray:
     """Return where every run was when its steady part began [m]."""
-    time_before = steady.time[steady.before]
-    interval = steady.time[steady.before + 1] - time_before
-    return cycles.hermite(
-        (steady.start - time_before) / interval,
-        interval,
+    return _interpolate_at_start_of(
+        steady,
         (numbers[POSITION_BEFORE], numbers[POSITION_AFTER]),
         (numbers[VELOCITY_BEFORE], numbers[VELOCITY_AFTER]),
     )
+
+
+def _interpolate_at_start_of(
+    steady: Steady, values: tuple[np.ndarray, np.ndarray], rates: tuple[np.ndarray, np.ndarray]
+) -> np.ndarray:
+    """Return values at the start of the steady part, from those and their rates at the samples around it."""
+    time_before = steady.time[steady.before]
+    interval = steady.time[steady.before + 1] - time_before
+    return cycles.hermite((steady.start - time_before) / interval, interval, values, rates)
+
+
+class _WaterNumbers(NamedTuple):
+    """What is kept of the water of all runs, see `water_paths.sample_water`."""
+
+    end: np.ndarray
+    """Displacement of the water at the end [m]."""
+    position_before: np.ndarray
+    """Displacement at the last sample before the steady part [m]."""
+    velocity_before: np.ndarray
+    """Velocity at that sample [m/s]."""
+    position_after: np.ndarray
+    """Displacement at the next sample [m]."""
+    velocity_after: np.ndarray
+    """Velocity at that sample [m/s]."""
 
 
 def _magnitude(vector: np.ndarray) -> np.ndarray:

@@ -120,7 +120,8 @@ class _KeptRuns:
     def add(self, block: Block) -> None:
         """Keep what is needed of a block."""
         last_before = self.steady.before[block.index]
-        self.numbers[:, block.index] = batch_figures.sample_block(block, last_before)
+        block_runs = [self.runs[int(i)] for i in block.index]
+        self.numbers[:, block.index] = batch_figures.sample_block(block_runs, block, last_before)
         reached_end = block.n_samples == self.sample_times.size
         self.succeeded[block.index] = reached_end
         failed_runs = block.index[~reached_end]

@@ -24,6 +24,10 @@ class RunFigures:
     """Straight-line displacement / time over the whole run (5) [m/s]."""
     steady_velocity: Figure
     """Displacement / time over whole gait cycles after the first third of the run and 10 s [m/s]."""
+    speed_through_water: Figure
+    """`forward_velocity` relative to the water where the robot was [m/s]; nan on ground."""
+    steady_speed_through_water: Figure
+    """`steady_velocity` relative to the water where the robot was [m/s]; nan on ground."""
     mechanical_power: Figure
     """Mean of sum |u phi'| [W]."""
     net_power: Figure
@@ -33,7 +37,8 @@ class RunFigures:
     mean_power: Figure
     """Electrical power with servo joints or a `Robot.active_power`, otherwise mechanical power [W]."""
     cost_of_transport: Figure
-    """`mean_power` / (weight of the displaced water x `forward_velocity`) [-]."""
+    """`mean_power` / (weight of the displaced water x `speed_through_water`) [-]; on ground, the robot's own weight and
+    `forward_velocity`."""
 
 
 FIGURES_OF_TRIAL = tuple(field.name for field in fields(RunFigures))

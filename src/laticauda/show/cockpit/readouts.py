@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from laticauda.robot import Robot
+from laticauda.robot import Robot, Water
 from laticauda.show.cockpit.changes import find_measured
 from laticauda.show.cockpit.live import Live, read_tilt
 from laticauda.show.cockpit.simulation import TICK, Simulation
@@ -23,8 +23,9 @@ SLOWEST_TRANSPORT = 1e-6
 def read_figures(live: Live) -> dict[str, Any]:
     """Return the figures of a `live` run since the scenario was last changed, by name; nan if not yet available.
 
-    The elapsed `time` [s], the forward velocity (5), that over the last gait cycle [m/s], the mean
-    power, electrical with servos or a power model [W], the resulting cost of transport [-],
+    The elapsed `time` [s], the forward velocity (5), that over the last gait cycle, the speed through
+    the water if it moves [m/s], the mean power, electrical with servos or a power model [W], the
+    resulting cost of transport, which rests on the speed through the water [-],
     cross-track error [m], heading [rad], and `joints`: recent demands on the joints and their
     actuators, and why the robot cannot meet them, if so.
 
@@ -37,6 +38,7 @@ def read_figures(live: Live) -> dict[str, Any]:
         "cross_track_error": simulation.cross_track_error,
         "heading": float(live.latest().heading),
         "forward_velocity": math.nan,
+        "speed_through_water": math.nan,
         "cycle_velocity": math.nan,
         "mean_power": math.nan,
         "cost_of_transport": math.nan,
@@ -62,10 +64,14 @@ def _measure_transport(record: Log, simulation: Simulation) -> dict[str, float]:
         work = record.electrical_work
     power = metrics.mean_power(record.time, work)
     figures = {"forward_velocity": velocity, "mean_power": power}
-    if velocity > SLOWEST_TRANSPORT:
-        environment = simulation.scenario.environment
+    environment = simulation.scenario.environment
+    transport_speed = velocity
+    if isinstance(environment, Water) and not environment.is_still:
+        transport_speed = metrics.speed_relative_to(environment, record.time, record.center_of_mass)
+        figures["speed_through_water"] = transport_speed
+    if transport_speed > SLOWEST_TRANSPORT:
         weight = metrics.carried_weight(simulation.plant.robot, environment)
-        figures["cost_of_transport"] = metrics.cost_of_transport(power, weight, velocity)
+        figures["cost_of_transport"] = metrics.cost_of_transport(power, weight, transport_speed)
     return figures
 
 
@@ -126,6 +132,7 @@ def format_figures(live: Live) -> str:
         kind_of_power = "mechanical"
     rows = {
         "speed": VELOCITY.format(figures["forward_velocity"]),
+        **_format_speed_through_water(figures["speed_through_water"]),
         "over the last gait cycle": VELOCITY.format(figures["cycle_velocity"]),
         f"power, {kind_of_power}": POWER.format(figures["mean_power"]),
         "cost of transport": RATIO.format(figures["cost_of_transport"]),
@@ -140,6 +147,13 @@ def format_figures(live: Live) -> str:
     if measured is not None:
         lines += _format_measured(measured)
     return "\n".join(lines)
+
+
+def _format_speed_through_water(speed: float) -> dict[str, str]:
+    """Return the speed through the water; nothing where it does not move."""
+    if not math.isfinite(speed):
+        return {}
+    return {"through the water": VELOCITY.format(speed)}
 
 
 def _format_tilt(tilt: dict[str, float]) -> dict[str, str]:

@@ -20,8 +20,12 @@ from laticauda.trials.feasibility import CAN_DO
 if TYPE_CHECKING:
     import xarray
 
-SHOWN = {"forward_velocity": "forward velocity", "cost_of_transport": "cost of transport"}
-"""Quantities of a sweep that are drawn, and their names on an axis."""
+SHOWN = {
+    "forward_velocity": "forward velocity",
+    "speed_through_water": "speed through the water",
+    "cost_of_transport": "cost of transport",
+}
+"""Quantities of a sweep that are drawn, and their names on an axis; of the speeds only one, see `_speed_of`."""
 SMALLEST_IS_BEST = ("cost_of_transport",)
 """Quantities whose smallest value is best."""
 HEIGHT = 3.0
@@ -113,6 +117,8 @@ class _Plane:
 def sweep_sheet(sweep: "xarray.Dataset", name_limits: NameLimits | None = None) -> Figure:
     """Plot forward velocity and cost of transport over the varied quantities: lines for one, maps for two.
 
+    Where the water moves, the speed is that through it.
+
     A star marks the best point that the robot can do, and a line where it comes to its limit. For a
     grid of more, the map lies in the plane of the first two through the fastest point, and the
     figure says so; for lists and samples, every point is a dot over the first two.
@@ -124,9 +130,10 @@ def sweep_sheet(sweep: "xarray.Dataset", name_limits: NameLimits | None = None) 
     plane = _plane_of(sweep)
     dataset = plane.dataset
     figure = style.new_figure(style.DOUBLE_COLUMN, HEIGHT)
-    axes: Sequence[Axes] = figure.subplots(1, len(SHOWN))
+    quantities = (_speed_of(dataset), "cost_of_transport")
+    axes: Sequence[Axes] = figure.subplots(1, len(quantities))
     limit = _describe_limit(plane, name_limits)
-    for quantity, ax in zip(SHOWN, axes, strict=True):
+    for quantity, ax in zip(quantities, axes, strict=True):
         if len(plane.names) == 1:
             _plot_line(plane, quantity, limit, ax)
         else:
@@ -142,6 +149,17 @@ def sweep_sheet(sweep: "xarray.Dataset", name_limits: NameLimits | None = None) 
     title = f"Sweep of {dataset.attrs['robot']}, {gait}, {dataset.attrs['duration']:g} s"
     style.add_title(figure, title, "; ".join(remarks))
     return figure
+
+
+def _speed_of(sweep: "xarray.Dataset") -> str:
+    """Return the speed that is drawn: through the water if it moves, else, and of older sweeps, over ground."""
+    if "speed_through_water" not in sweep:
+        return "forward_velocity"
+    through_water = sweep.speed_through_water.to_numpy()
+    is_known = np.isfinite(through_water)
+    if np.any(through_water[is_known] != sweep.forward_velocity.to_numpy()[is_known]):
+        return "speed_through_water"
+    return "forward_velocity"
 
 
 # ---- best point and limit ------------------------------------------------------------------------
@@ -160,7 +178,7 @@ def _describe_limit(plane: _Plane, name_limits: NameLimits | None) -> str:
 
 def _describe_best(plane: _Plane, limit: str, name_limits: NameLimits | None) -> list[str]:
     """Return a remark on the fastest point that the robot can do."""
-    fastest = plane.find_best("forward_velocity")
+    fastest = plane.find_best(_speed_of(plane.dataset))
     if fastest is None:
         return [f"all points are beyond the limit of {limit}"]
     if name_limits is None:
@@ -236,7 +254,7 @@ def _plane_of(sweep: "xarray.Dataset") -> _Plane:
         dims = {str(dim) for dim in sweep.dims}
         fixed_dims = dims.intersection(names).difference(shown)
         return _Plane(sweep.squeeze(fixed_dims), shown, remark)
-    speed = np.nan_to_num(sweep.forward_velocity.to_numpy(), nan=-np.inf)
+    speed = np.nan_to_num(sweep[_speed_of(sweep)].to_numpy(), nan=-np.inf)
     fastest = np.unravel_index(int(np.argmax(speed)), speed.shape)
     indices = {dim: int(i) for dim, i in zip(sweep.dims, fastest, strict=True) if dim not in shown}
     plane = sweep.isel(indices)

@@ -46,6 +46,8 @@ function sampled() {
   while (page.history.length > 2 && page.history[1][0] <= time - period + 1e-9) page.history.shift();
   const [first] = page.history, since = time - first[0], whole = since > 0 && since > period - PAGE.interval && Number.isFinite(period);
   page.speed = whole ? Math.hypot(get("center_of_mass.x") - first[1], get("center_of_mass.y") - first[2]) / since : NaN;
+  const swum = ["x", "y"].map((axis, k) => get(`center_of_mass.${axis}`) - first[k + 1] - get(`current.${axis}`) * since);
+  page.through = whole && Math.hypot(get("current.x"), get("current.y")) > 0 ? Math.hypot(...swum) / since : NaN;
   page.power = whole ? (work - first[3]) / since : NaN;
   const degrees = (one) => (one * 180) / Math.PI, n = swimmer.body.limits.length, now = (name) => degrees(get(name));
   const speed = Math.hypot(get("center_of_mass_velocity.x"), get("center_of_mass_velocity.y"));
@@ -98,6 +100,7 @@ function show(values, passed, ran) {
   const rows = [
     ["time", said(values[swimmer.body.number.time], 1, "s")],
     ["speed over a cycle", said(page.speed, 3, "m/s")],
+    ...(Number.isFinite(page.through) ? [["through the water", said(page.through, 3, "m/s")]] : []),
     ["power over a cycle", said(page.power, 1, "W")],
     ...(swimmer.path ? [["beside the path", said(page.error, 2, "m")]] : []),
   ];

@@ -202,7 +202,10 @@ function figuresOf({ rows, body, failed }) {
   const duration = value("time"), electrical = "electrical_work" in body.number;
   const speed = Math.hypot(value("center_of_mass.x"), value("center_of_mass.y")) / duration;
   const power = value(electrical ? "electrical_work" : "mechanical_work") / duration;
-  return { failed, duration, speed, power, electrical, share: shareOf({ rows, body }) };
+  const current = ["x", "y"].map((axis) => last[body.number[`current.${axis}`]]);
+  const swum = ["x", "y"].map((axis, k) => value(`center_of_mass.${axis}`) / duration - current[k]);
+  const through = current.some((one) => one !== 0) ? Math.hypot(...swum) : NaN;
+  return { failed, duration, speed, through, power, electrical, share: shareOf({ rows, body }) };
 }
 
 /** The largest share of a joint's angle and of its motor's torque at its speed that a run takes, after its first cycle; NaN if
@@ -233,10 +236,11 @@ function measuredIn(setting) {
 }
 
 /** The figures of a trial in words: speed, power and whether the robot can do it, beside what was measured. */
-function inWords(setting, { speed, power, electrical, share }) {
+function inWords(setting, { speed, through, power, electrical, share }) {
   const measured = measuredIn(setting), tank = (number, digits) => (number ? ` (tank ${number.toFixed(digits)})` : "");
   const kind = electrical ? "electrical" : "mechanical", used = `${(100 * share).toFixed(0)} % of angle, speed and torque`;
-  const words = [`speed ${speed.toFixed(3)} m/s${tank(measured?.speed, 3)}`, `power ${power.toFixed(electrical ? 0 : 2)} W ${kind}${electrical ? tank(measured?.power, 0) : ""}`];
+  const moving = Number.isFinite(through) ? ` over ground, ${through.toFixed(3)} m/s through the water` : "";
+  const words = [`speed ${speed.toFixed(3)} m/s${moving}${tank(measured?.speed, 3)}`, `power ${power.toFixed(electrical ? 0 : 2)} W ${kind}${electrical ? tank(measured?.power, 0) : ""}`];
   if (share <= 1) words.push(`the joints can do it: they use ${used}`);
   if (share > 1) words.push(`the joints cannot do it: they would need ${used}`);
   return `${words.join("; ")}.`;
