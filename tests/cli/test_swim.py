@@ -512,6 +512,7 @@ def test_an_interval_says_which_coefficients_were_varied(run):
     )
     assert "normal_drag" not in note
 
+
 def test_in_a_current_both_speeds_stand_on_the_first_screen_and_a_swept_robot_is_told(run):
     done = run("swim --joints prescribed --current -1 0 --duration 12")
     screen = " ".join(done.out.split())

@@ -105,11 +105,10 @@ def test_a_batch_has_the_same_speeds_through_the_water_as_single_runs(current: F
     [
         ((-0.2, 0.1), "gait.frequency"),
         ((0.0, 0.0), "water.current_x"),
-        (Waves(height=0.1, length=6.0), "water.normal_drag"),
     ],
 )
 def test_the_speed_through_the_water_is_differentiated_as_differences_say(
-    current: tuple[float, float] | Flow, name: str
+    current: tuple[float, float], name: str
 ):
     scenario = in_water(current, 15.0).scenario
     step = 1e-4
@@ -127,13 +126,6 @@ def test_the_speed_through_the_water_is_differentiated_as_differences_say(
 
     of_cost = relative_slope("mean_power") - relative_slope("speed_through_water")
     assert relative_slope("cost_of_transport") == pytest.approx(of_cost, rel=1e-9)
-
-
-def test_how_the_speed_through_the_water_changes_with_a_number_of_a_flow_is_not_known():
-    scenario = in_water(Waves(height=0.1, length=6.0), 15.0).scenario
-    found = compute_sensitivities([scenario], names=["water.current.height"])
-    assert np.isnan(found.of("speed_through_water", "water.current.height")[0])
-    assert np.isfinite(found.of("forward_velocity", "water.current.height")[0])
 
 
 def test_the_best_gait_in_a_current_is_the_best_in_still_water_and_not_the_one_that_drifts():

@@ -9,12 +9,12 @@ none returns nan.
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Inexact
 
 from laticauda.robot import Ground, Posture, Robot, Water
 from laticauda.trials import cycles
 from laticauda.trials.contents import Contents
-from laticauda.trials.cycles import CycleMean, Signal, SteadyPart, Time
+from laticauda.trials.cycles import CycleMean, SteadyPart, Time
 from laticauda.values import BadArgument, check_positive
 from laticauda.water.fluid import Element
 
@@ -93,7 +93,9 @@ def mean_power(time: Time, work: Time) -> float:
     return float(work[-1] - work[0]) / log_duration(time)
 
 
-def cumulative_integral(time: Time, values: Signal) -> Signal:
+def cumulative_integral(
+    time: Time, values: Inexact[np.ndarray, "n_samples ..."]
+) -> Inexact[np.ndarray, "n_samples ..."]:
     """Compute the cumulative integral of values, starting from 0, by the trapezoidal rule.
 
     Args:
