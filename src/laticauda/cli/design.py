@@ -232,7 +232,8 @@ class DesignExperiment(Command):
             raise BadArgument("parameters", rule)
         if self.joints is not None:
             raise BadArgument("joints", "must not be given with --after, whose file defines them")
-        fit = tasks.load_task(file).run(threads=self.candidates.threads)
+        task = tasks.load_task(file).without_rivals()  # no doubt of the fit is reported here
+        fit = task.run(threads=self.candidates.threads)
         of_interest = fit.problem.of_interest
         information = marginal(known_from(fit), of_interest)
         known = {"values": fit.best[of_interest], "information": information}

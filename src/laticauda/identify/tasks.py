@@ -162,6 +162,10 @@ class Task:
                 raise
             raise RobotFileError(f"{self.sources[0]}: key `{error.name}`: {error.rule}") from None
 
+    def without_rivals(self) -> "Task":
+        """Return the task for a fit whose doubt nobody reads: no other laws are tried."""
+        return replace(self, options={**self.options, "rivals": False})
+
     def with_law(self, law: lc.Parameters) -> "Task":
         """Return the task with all values of a parameter file that the task does not set itself.
 
