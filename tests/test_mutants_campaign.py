@@ -162,13 +162,6 @@ def test_faults_are_noticed_hang_or_live_in_functions_and_where_a_file_is_import
     }
 
 
-rewritten = pytest.mark.xfail(
-    reason="The answer is of before the rooms were rewritten: run campaigns/mutants.py anew, then remove this.",
-    strict=False,
-)
-
-
-@rewritten
 def test_of_the_faults_in_safety_code_and_estimation_enough_are_noticed():
     rows = {row["file"]: row for row in mutants.stored()}
     asked = [file for target in mutants.TARGETS for file in target.files]
@@ -180,7 +173,6 @@ def test_of_the_faults_in_safety_code_and_estimation_enough_are_noticed():
         assert noticed / tried >= mutants.ENOUGH
 
 
-@rewritten
 def test_a_mutant_that_is_called_equivalent_is_one_that_can_be_made_and_has_a_reason():
     every = {
         mutants.key_of(work)
