@@ -954,27 +954,58 @@ def test_a_model_of_nothing_that_moves_is_refused():
         )
 
 
+def element_of_mesh(vertices: np.ndarray) -> Element:
+    """Return the element of the convex hull of points."""
+    text = " ".join(f"{x:.17g}" for x in vertices.ravel())
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><asset><mesh name="m" vertex="{text}"/></asset><worldbody><body><freejoint/>'
+        '<geom name="g" type="mesh" mesh="m"/></body></worldbody></mujoco>'
+    )
+    return water.geom_element(model, "g")
+
+
+@given(st.tuples(*[st.floats(0.05, 0.5)] * 3), st.tuples(*[st.floats(-1.0, 1.0)] * 3))
+@settings(max_examples=20, deadline=None)
+def test_a_mesh_that_is_a_box_has_the_element_of_the_box(half, shift):
+    corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
+    element = element_of_mesh(corners + shift)
+    size = " ".join(map(str, half))
+    box = water.geom_element(
+        mujoco.MjModel.from_xml_string(body("box", size, option="", density=500.0)), "g"
+    )
+    turn = np.abs(element.rotation)  # vertices are kept in single precision
+    assert element.shape == "box"
+    assert element.volume == pytest.approx(box.volume, rel=1e-5)
+    np.testing.assert_allclose(element.position, shift, atol=1e-5)
+    for name in ("half_size", "added_mass", "added_inertia", "drag"):
+        np.testing.assert_allclose(turn @ getattr(element, name), getattr(box, name), rtol=1e-3)
+
+
 @given(st.tuples(*[st.floats(0.05, 0.5)] * 3), st.tuples(*[st.floats(-1.0, 1.0)] * 3))
 @settings(max_examples=20, deadline=None)
 def test_a_mesh_has_the_element_of_its_volume_and_its_moments(half, shift):
-    corners = (
-        np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half + shift
-    )
-    vertices = " ".join(f"{x:.17g}" for x in corners.ravel())
-    model = mujoco.MjModel.from_xml_string(
-        f'<mujoco><asset><mesh name="m" vertex="{vertices}"/></asset><worldbody><body><freejoint/>'
-        '<geom name="g" type="mesh" mesh="m"/></body></worldbody></mujoco>'
-    )
-    element = water.geom_element(model, "g")
-    assert element.volume == pytest.approx(
-        8.0 * np.prod(half), rel=1e-5
-    )  # vertices are kept in single precision
-    np.testing.assert_allclose(
-        element.half_size, np.sqrt(5.0 / 3.0) * np.sort(half)[::-1], rtol=1e-4
-    )
-    np.testing.assert_allclose(element.position, shift, atol=1e-5)
+    corners = np.vstack([np.zeros(3), np.eye(3)]) * half  # a tetrahedron
+    element = element_of_mesh(corners + shift)
+    volume = np.prod(half) / 6.0
+    assert element.shape == "ellipsoid"
+    assert element.volume == pytest.approx(volume, rel=1e-4)
+    np.testing.assert_allclose(element.position, np.array(half) / 4.0 + shift, atol=1e-5)
     moments = element.rotation @ np.diag(np.square(element.half_size)) @ element.rotation.T / 5.0
-    np.testing.assert_allclose(moments, np.diag(np.square(half)) / 3.0, atol=1e-5)
+    spread = np.outer(half, half) * (4.0 * np.eye(3) - 1.0) / 80.0
+    np.testing.assert_allclose(moments, spread, atol=1e-5)
+
+
+def test_a_mesh_of_a_prism_with_many_sides_has_the_element_of_the_cylinder():
+    angle = np.arange(32) * np.pi / 16.0
+    ring = np.column_stack([0.1 * np.cos(angle), 0.1 * np.sin(angle), np.zeros(32)])
+    element = element_of_mesh(
+        np.vstack([ring - np.array([0, 0, 0.4]), ring + np.array([0, 0, 0.4])])
+    )
+    text = body("cylinder", "0.1 0.4", option="", density=500.0)
+    cylinder = water.geom_element(mujoco.MjModel.from_xml_string(text), "g")
+    assert element.shape == "cylinder"
+    for name in ("half_size", "added_mass", "added_inertia", "drag"):
+        np.testing.assert_allclose(getattr(element, name), getattr(cylinder, name), rtol=0.03)
 
 
 def test_a_mesh_that_encloses_nothing_is_refused_by_name():
@@ -983,7 +1014,9 @@ def test_a_mesh_that_encloses_nothing_is_refused_by_name():
         ' face="0 1 2 0 2 1"/></asset><worldbody><body><freejoint/><geom size=".1"/>'
         '<geom name="sail" type="mesh" mesh="m"/></body></worldbody></mujoco>'
     )
-    with pytest.raises(ValueError, match=r"`geom` must have a volume, got `sail`, whose mesh has"):
+    with pytest.raises(
+        ValueError, match=r"`geom` must have a volume, got `sail`, whose mesh has none"
+    ):
         water.geom_element(model, "sail")
 
 

@@ -19,7 +19,9 @@ from laticauda.values import (
 )
 from laticauda.water.fluid.laws import DragLaw, PolynomialDrag
 from laticauda.water.mujoco.elements import Element, Quaternion, Shape, Three
-from laticauda.water.mujoco.lamb import lamb
+from laticauda.water.mujoco.mesh_shapes import fit_mesh, read_mesh, volume_of
+from laticauda.water.mujoco.shape_drag import drag_across_rod, drag_along_rod, drag_of_box
+from laticauda.water.mujoco.shape_mass import AddedMass, MassShape, added_mass
 
 DISK = math.pi / 4.0
 """Area of a circle over that of the square around it [-]."""
@@ -37,16 +39,13 @@ LARGEST_OVERLAP = 0.5
 """Share of a geom in larger ones beyond which it is left out [-]."""
 POINTS_PER_SIDE = 12
 """Points along each axis of the box in which an element is filled with points."""
-SMALLEST_MESH = 1e-6
-"""Volume of a mesh over that of the box around it, below which it counts as none [-]."""
 
 
 @value_class
 class GeomCoefficients:
     """Dimensionless coefficients that turn a geom into an `Element`; areas are those of the geom's projections.
 
-    Added mass and inertia are shares of those of the fitted ellipsoid (Lamb, 1932, art. 114 and
-    115).
+    Added mass and inertia are shares of those of the geom's own shape in unbounded water.
     """
 
     drag: Three = quantity(
@@ -56,7 +55,7 @@ class GeomCoefficients:
         "", "Share of the rotational drag that `drag` implies", default=0.0, ge=0.0
     )
     added_mass: float = quantity(
-        "", "Share of that of the fitted ellipsoid (Lamb)", default=1.0, ge=0.0
+        "", "Share of what the shape has in unbounded water", default=1.0, ge=0.0
     )
     law: DragLaw = option(
         "Drag versus speed; quadratic if omitted", default=PolynomialDrag(reference_speed=0.0)
@@ -72,7 +71,9 @@ def geom_element(
 ) -> Element:
     """Return the element that fits a geom: a sphere, capsule, ellipsoid, cylinder, box or mesh.
 
-    A mesh is represented by the ellipsoid with its moments of inertia, and keeps its own volume.
+    Added mass and inertia are those of the shape in unbounded water. A mesh that is a box or a
+    cylinder counts as one; any other as the ellipsoid with its moments of inertia and its own
+    volume.
 
     Args:
         model: A `mujoco.MjModel`.
@@ -90,10 +91,10 @@ def geom_element(
     fit = _fit_shape(model, number)
     half = fit.half_size
     if coefficients is None:
-        coefficients = _usual_coefficients(fit.kind, half)
+        coefficients = _usual_coefficients(fit.mass_shape, half)
     volume = fit.share_of_box * 8.0 * half[0] * half[1] * half[2]
-    shares = lamb(half)
-    mass = coefficients.added_mass * density * volume
+    loads = _added_mass_of(fit, volume)
+    share_of_mass = coefficients.added_mass * density
     areas = _projected_areas(fit.shape, half)
     drag = [0.5 * density * k * area for k, area in zip(coefficients.drag, areas, strict=True)]
     spread = coefficients.rotational_drag
@@ -108,8 +109,8 @@ def geom_element(
         drag=_three(drag),
         torque_linear=_three(spread * _moment_about(i, drag, half, 2) / 3.0 for i in range(3)),
         torque_quadratic=_three(spread * _moment_about(i, drag, half, 3) / 4.0 for i in range(3)),
-        added_mass=_three(mass * share for share in shares.mass),
-        added_inertia=_three(mass * share for share in shares.inertia),
+        added_mass=_three(share_of_mass * loads.mass),
+        added_inertia=_three(share_of_mass * loads.inertia),
         volume=volume,
         shape=fit.shape,
         half_size=half,
@@ -167,9 +168,10 @@ class _Piece(NamedTuple):
 class _FittedShape(NamedTuple):
     """The shape of an element that fits a geom."""
 
-    kind: str
-    """MuJoCo's name of the geom's type."""
     shape: Shape
+    """Shape cut by the surface."""
+    mass_shape: MassShape
+    """Shape whose added mass it has."""
     half_size: Three
     """Half the length, width and height of the shape [m]."""
     share_of_box: float
@@ -256,17 +258,28 @@ def _contains(element: Element, points: np.ndarray) -> np.ndarray:
     return (y**2 + z**2 < 1.0) & (x <= 1.0)
 
 
-def _usual_coefficients(kind: str, half: Three) -> GeomCoefficients:
+def _added_mass_of(fit: _FittedShape, volume: float) -> AddedMass:
+    """Return added mass and inertia of a fitted shape for water of 1 kg/m^3; an ellipsoid's go with the volume."""
+    loads = added_mass(fit.mass_shape, fit.half_size)
+    if fit.mass_shape != "ellipsoid":
+        return loads
+    of_ellipsoid = BALL * 8.0 * math.prod(fit.half_size)
+    share = volume / of_ellipsoid
+    return AddedMass(mass=share * loads.mass, inertia=share * loads.inertia)
+
+
+def _usual_coefficients(shape: MassShape, half: Three) -> GeomCoefficients:
     """Return the drag of shapes that move along an axis; an ellipsoid's from plate (1.17) to sphere to slender body."""
     x, y, z = (_drag_of_ellipsoid(half, i) for i in range(3))
-    drag = (x, y, z)
-    if kind == "box":
-        drag = (1.05, 1.05, 1.05)
-    elif kind == "cylinder":
-        drag = (0.87, 0.74, 0.74)
-    elif kind == "capsule":
-        drag = (x, 0.74, 0.74)
-    return GeomCoefficients(drag=drag, rotational_drag=1.0)
+    if shape == "box":
+        x, y, z = (drag_of_box(half, i) for i in range(3))
+    elif shape != "ellipsoid":
+        slenderness = half[0] / half[1]
+        y = drag_across_rod(slenderness)
+        z = y
+        if shape == "cylinder":
+            x = drag_along_rod(slenderness)
+    return GeomCoefficients(drag=(x, y, z), rotational_drag=1.0)
 
 
 def _drag_of_ellipsoid(half: Three, axis: int) -> float:
@@ -325,28 +338,32 @@ def _fit_plain_shape(kind: str, size: Three) -> _FittedShape | None:
     x, y, _ = size
     axes = UNTURNED
     shape: Shape = "ellipsoid"
+    mass_shape: MassShape = "ellipsoid"
     half = size
     share = BALL
     if kind == "sphere":
         half = (x, x, x)
     elif kind == "box":
         shape = "box"
+        mass_shape = "box"
         share = 1.0
     elif kind == "cylinder":
         shape = "cylinder"
+        mass_shape = "cylinder"
         half = (y, x, x)
         share = DISK
         axes = ALONG_Z
     elif kind == "capsule":
         shape = "cylinder"
+        mass_shape = "capsule"
         half = (y + x, x, x)
         share = (DISK * y + BALL * x) / (y + x or 1.0)
         axes = ALONG_Z
     elif kind != "ellipsoid":
         return None
     return _FittedShape(
-        kind=kind,
         shape=shape,
+        mass_shape=mass_shape,
         half_size=half,
         share_of_box=share,
         center=np.zeros(3),
@@ -355,55 +372,24 @@ def _fit_plain_shape(kind: str, size: Three) -> _FittedShape | None:
 
 
 def _fit_mesh(model: Any, number: int) -> _FittedShape:
-    """Fit the ellipsoid with the moments of a mesh, summed over tetrahedra from the origin to its faces."""
-    mesh = _read_mesh(model, number)
-    share: np.ndarray = np.linalg.det(mesh.corners) / 6.0
-    volume = float(share.sum())
-    total = mesh.corners.sum(axis=1)
-    if not volume > SMALLEST_MESH * math.prod(np.ptp(mesh.vertices, axis=0).tolist()):
+    """Return the shape that a mesh is, or the ellipsoid with its moments."""
+    mesh = read_mesh(model, number)
+    if volume_of(mesh) == 0.0:
         name = _name_of_geom(model, number)
-        raise BadArgument(
-            "geom", f"must have a volume, got `{name}`, whose mesh has {volume:g} m^3"
-        )
-    center = share @ total / 4.0 / volume
-    of_sums = np.einsum("n,ni,nj->ij", share, total, total)
-    of_corners = np.einsum("n,nki,nkj->ij", share, mesh.corners, mesh.corners)
-    second = of_sums + of_corners
-    spread, axes = np.linalg.eigh(second / 20.0 / volume - np.outer(center, center))
-    longest_first = axes[:, ::-1]
-    right_handed = longest_first * np.linalg.det(longest_first)
-    half = _three(np.sqrt(5.0 * spread[::-1]))
-    turn = np.zeros(4)
-    load_mujoco().mju_mat2Quat(turn, right_handed.ravel())
+        rule = f"must have a volume, got `{name}`, whose mesh has none of note"
+        raise BadArgument("geom", rule)
+    fit = fit_mesh(mesh)
+    cut_as: Shape = "ellipsoid"
+    if fit.shape in ("box", "cylinder"):
+        cut_as = fit.shape
     return _FittedShape(
-        kind="mesh",
-        shape="ellipsoid",
-        half_size=half,
-        share_of_box=volume / (8.0 * math.prod(half)),
-        center=center,
-        axes=(turn[0], turn[1], turn[2], turn[3]),
+        shape=cut_as,
+        mass_shape=fit.shape,
+        half_size=fit.half_size,
+        share_of_box=fit.volume / (8.0 * math.prod(fit.half_size)),
+        center=fit.center,
+        axes=fit.axes,
     )
-
-
-class _Mesh(NamedTuple):
-    """The triangles of a mesh."""
-
-    vertices: np.ndarray
-    """All vertices, shape (n_vertices, 3) [m]."""
-    corners: np.ndarray
-    """Corners of each triangle, shape (n_faces, 3, 3) [m]."""
-
-
-def _read_mesh(model: Any, number: int) -> _Mesh:
-    """Read the mesh of a geom."""
-    mesh = model.geom_dataid[number]
-    first_vertex = model.mesh_vertadr[mesh]
-    end_of_vertices = first_vertex + model.mesh_vertnum[mesh]
-    first_face = model.mesh_faceadr[mesh]
-    end_of_faces = first_face + model.mesh_facenum[mesh]
-    vertices = model.mesh_vert[first_vertex:end_of_vertices].astype(float)
-    faces = model.mesh_face[first_face:end_of_faces]
-    return _Mesh(vertices=vertices, corners=vertices[faces])
 
 
 def _moment_about(i: int, drag: Sequence[float], half: Three, power: int) -> float:
