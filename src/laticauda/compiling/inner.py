@@ -18,7 +18,7 @@ from numba.core.compiler import Compiler
 from numba.core.dispatcher import Dispatcher
 from numba.core.types import unliteral
 
-from laticauda.values.errors import LaticaudaError
+from laticauda.values import LaticaudaError
 
 OPTIONS: Any = {"error_model": "numpy", "fastmath": {"contract"}}
 """Options of Numba for all code: of "fast math" only fused multiply-adds, which reorder no operations."""

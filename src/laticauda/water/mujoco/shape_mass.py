@@ -158,16 +158,20 @@ def _box_table() -> _BoxTable:
 def _box_shares(thin: float, slender: float) -> np.ndarray:
     """Interpolate linearly in both proportions."""
     table = _box_table()
-    of_slender = np.array(
-        [np.interp(slender, table.slender, row) for row in _columns(table.shares)]
-    )
-    by_thin = of_slender.reshape(len(table.thin), 6)
-    return np.array([np.interp(thin, table.thin, column) for column in by_thin.T])
+    row, in_row = _place_in(table.thin, thin)
+    column, in_column = _place_in(table.slender, slender)
+    shares = table.shares[row : row + 2, column : column + 2]
+    of_rows: np.ndarray = (1.0 - in_row) * shares[0] + in_row * shares[1]
+    return (1.0 - in_column) * of_rows[0] + in_column * of_rows[1]
 
 
-def _columns(shares: np.ndarray) -> np.ndarray:
-    """Return one row per thinness and quantity, along which slenderness varies."""
-    return np.moveaxis(shares, 1, 2).reshape(-1, shares.shape[1])
+def _place_in(grid: np.ndarray, value: float) -> tuple[int, float]:
+    """Return the interval of a grid in which a value lies, and the share of the interval before it."""
+    last = len(grid) - 2
+    interval = min(int(np.searchsorted(grid, value, side="right")) - 1, last)
+    start = float(grid[interval])
+    end = float(grid[interval + 1])
+    return interval, (value - start) / (end - start)
 
 
 @functools.cache
@@ -179,7 +183,10 @@ def _round_table(shape: str) -> np.ndarray:
 
 def _round_shares(shape: str, length: float) -> np.ndarray:
     table = _round_table(shape)
-    return np.array([np.interp(length, table[:, 0], column) for column in table.T[1:]])
+    interval, share = _place_in(table[:, 0], length)
+    before = table[interval, 1:]
+    after = table[interval + 1, 1:]
+    return (1.0 - share) * before + share * after
 
 
 def _read(name: str) -> list[dict[str, str]]:
