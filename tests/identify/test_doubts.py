@@ -229,5 +229,7 @@ def test_rows_are_kept_and_not_done_again(tmp_path, monkeypatch):
 def test_the_stored_answer_is_what_is_claimed():
     rows = doubts.stored()
     right = [row for row in rows if row.law == "right"]
+    wrong = [row for row in rows if row.law == "wrong"]
+    assert sum(row.doubted for row in wrong) >= 0.95 * len(wrong)
     assert sum(row.doubted for row in right) <= 0.02 * len(right)
     assert sum(row.chi2 > row.best_chi2 + doubts.WORSE for row in right) <= 0.01 * len(right)
