@@ -131,9 +131,14 @@ def _limits() -> list[Circumstance]:
         "-u 1": False,
         "-c 0": False,
     }
+    # Python keeps what it could write of a module that it compiled: where files are cut, it writes none.
+    variables: dict[str, str | None] = {"PYTHONDONTWRITEBYTECODE": "1"}
     return [
         Circumstance(
-            title=f"ulimit {words}", before=f"ulimit {words};", may_be_killed=may_be_killed
+            title=f"ulimit {words}",
+            before=f"ulimit {words};",
+            variables=variables,
+            may_be_killed=may_be_killed,
         )
         for words, may_be_killed in limits.items()
     ]
