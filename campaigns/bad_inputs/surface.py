@@ -268,7 +268,7 @@ def public_things() -> dict[str, Callable[..., Any]]:
 
 
 def is_callable(thing: Any) -> bool:
-    """Return whether this is a function or a class that users call: no error, protocol or type of keywords.
+    """Return whether this is a function or a class that users call: no error, enumeration, protocol, abstract class or type of keywords.
 
     Args:
         thing: What has a public name.
@@ -281,7 +281,7 @@ def is_callable(thing: Any) -> bool:
         return False
     if not isinstance(thing, type):
         return True
-    is_protocol = getattr(thing, "_is_protocol", False)
+    is_protocol = getattr(thing, "_is_protocol", False) or inspect.isabstract(thing)
     return not (issubclass(thing, (BaseException, Enum)) or is_protocol)
 
 
