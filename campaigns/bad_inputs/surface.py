@@ -268,7 +268,7 @@ def public_things() -> dict[str, Callable[..., Any]]:
 
 
 def is_callable(thing: Any) -> bool:
-    """Return whether this is a function or a class that users call: no error, enumeration, protocol, abstract class or type of keywords.
+    """Return whether this is a function or a class that users call: nothing abstract, no error or type of keywords.
 
     Args:
         thing: What has a public name.
