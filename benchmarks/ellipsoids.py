@@ -2,7 +2,8 @@
 
 Question: ten of Mamba's links in the plane, pd joints, 30 s. MuJoCo's force law differs: its
 ellipsoid model has drag and added-mass velocity terms of its own, on each geom, and no added-mass
-inertia; so the two swim differently, and the speeds are printed to say so. Printed: time of one
+inertia; so the two swim differently, and the speeds are printed to say so. MuJoCo's integrator is
+implicitfast; under Euler, its ellipsoids take less time per step. Printed: time of one
 core, ratio, and each one's error against its own run at a fine step, over the distance. It needs
 the extra `spatial`.
 """

@@ -15,7 +15,8 @@ K, all of B and the upper triangle of N of [[K, B], [B^T, N]].
 # pyright: reportCallIssue=false
 
 import ctypes
-from functools import cache
+import warnings
+from functools import cache, wraps
 from threading import Lock
 from typing import Any
 
@@ -29,6 +30,7 @@ from laticauda.water.mujoco.element_loads import element_load
 from laticauda.water.mujoco.registry import (
     PREVIOUS_PASSIVE,
     REGISTRY_SIZE,
+    has_waters,
     publish_rows,
     registry,
     registry_address,
@@ -242,3 +244,24 @@ def install() -> None:
         registry[PREVIOUS_PASSIVE] = current_address
         _previous[:] = [previous]
         mujoco.set_mjcb_passive(callback().ctypes)
+        _watch(mujoco)
+
+
+def _watch(mujoco: Any) -> None:
+    """Let `mujoco.set_mjcb_passive` warn when it replaces this callback: no code of ours runs after that."""
+    set_callback = mujoco.set_mjcb_passive
+    if hasattr(set_callback, "__wrapped__"):
+        return
+
+    @wraps(set_callback)
+    def set_and_warn(new: Any) -> None:
+        was_installed = is_installed()
+        set_callback(new)
+        if was_installed and not is_installed() and has_waters():
+            warnings.warn(
+                "models with water have lost it: another callback replaces `mjcb_passive`, through which it acts; "
+                "unset that and attach the water again, or let that callback call the one before it",
+                stacklevel=2,
+            )
+
+    mujoco.set_mjcb_passive = set_and_warn

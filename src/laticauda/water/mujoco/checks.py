@@ -1,18 +1,23 @@
 """Checks that reject models for which water in MuJoCo is not valid, and changes that make others valid."""
 
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from laticauda.values import BadArgument, load_mujoco
-from laticauda.water.mujoco.bodies import dofs_above, name_of
+from laticauda.water.mujoco.bodies import body_of, dofs_above, element_pose, name_of
+from laticauda.water.mujoco.elements import Element
 
 INTEGRATORS = ("Euler", "RK4", "implicit", "implicitfast")
 """Integrators of MuJoCo that work with water."""
 INTEGRATORS_OF_IMPLICIT_DRAG = ("euler", "implicitfast")
 """Those that work with the drag's slope in the inertia, in small letters."""
+POSES_TRIED = 4
+"""Random poses in which the added mass is compared with the room for it."""
+ROUNDING = 1e-9
+"""Share of the added mass up to which an entry counts as zero [-]."""
 
 
 class _Rule(NamedTuple):
@@ -24,11 +29,14 @@ class _Rule(NamedTuple):
     """What it must have, and why."""
 
 
-def check_model(model: Any, heavy: set[int], implicit_drag: bool) -> None:
+def check_model(
+    model: Any, elements: Sequence[Element], heavy: set[int], implicit_drag: bool
+) -> None:
     """Reject a model for which added mass in the passive callback is not valid.
 
     Args:
         model: The `mujoco.MjModel`.
+        elements: The elements that it will have.
         heavy: IDs of the bodies that will have added mass.
         implicit_drag: Whether the drag's slope will be added to the inertia.
 
@@ -48,7 +56,7 @@ def check_model(model: Any, heavy: set[int], implicit_drag: bool) -> None:
             f"must be used with the integrator Euler or implicitfast, got {integrator}",
         )
     for body in heavy:
-        _check_full_inertia(model, body)
+        _check_full_inertia(model, elements, body, implicit_drag)
 
 
 def _rules_of_all_water(model: Any) -> Iterator[_Rule]:
@@ -90,34 +98,93 @@ def _name_of_integrator(model: Any) -> str:
     return name.removeprefix("mjINT_").lower()
 
 
-def _check_full_inertia(model: Any, body: int) -> None:
-    """Reject a body whose inertia has only its diagonal in MuJoCo's matrix, which has no room for added mass."""
+def _check_full_inertia(
+    model: Any, elements: Sequence[Element], body: int, implicit_drag: bool
+) -> None:
+    """Reject a body whose inertia has only its diagonal in MuJoCo's matrix, if that has no room for the added mass."""
     dofs = dofs_above(model, body)
     if all(model.M_rownnz[dof] == above + 1 for above, dof in enumerate(dofs)):
         return
+    if not implicit_drag and _is_diagonal_always(model, elements, dofs):
+        return
     rule = f"must store the full inertia matrix of body {name_of(model, body)}"
     problem = "but stores only its diagonal"
-    cure = "compile its MjSpec with `laticauda.water.mujoco.compile_spec`"
+    cure = (
+        "attach the water to its file or `MjSpec` instead, which then is compiled with room for it"
+    )
     raise BadArgument("model", f"{rule}, {problem}; {cure}")
 
 
-def make_room(model: Any) -> None:
-    """Disable MuJoCo's own medium, which would act in addition, and the sparse Jacobian of 4.0.0's Newton solver.
+def _is_diagonal_always(model: Any, elements: Sequence[Element], dofs: list[int]) -> bool:
+    """Return whether the added mass of a body couples none of its motions, as that of a sphere; tried in some poses."""
+    mujoco = load_mujoco()
+    own = [
+        element for element in elements if dofs_above(model, body_of(model, element.body)) == dofs
+    ]
+    data = mujoco.MjData(model)
+    random = np.random.default_rng(0)
+    linear = np.zeros((3, model.nv))
+    turning = np.zeros((3, model.nv))
+    for _ in range(POSES_TRIED):
+        mujoco.mj_integratePos(model, data.qpos, random.uniform(-1.0, 1.0, model.nv), 1.0)
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        added = np.zeros((len(dofs), len(dofs)))
+        for element in own:
+            pose = element_pose(model, data, element)
+            mujoco.mj_jac(model, data, linear, turning, pose.center, pose.body)
+            along = pose.axes.T @ linear[:, dofs]
+            about = pose.axes.T @ turning[:, dofs]
+            added += along.T @ (np.array(element.added_mass)[:, np.newaxis] * along)
+            added += about.T @ (np.array(element.added_inertia)[:, np.newaxis] * about)
+        coupling = np.abs(added - np.diag(np.diag(added)))
+        if np.any(coupling > ROUNDING * np.max(added)):
+            return False
+    return True
+
+
+def make_room(model: Any, elements: Sequence[Element]) -> None:
+    """Disable what the water replaces, and the sparse Jacobian of 4.0.0's Newton solver.
+
+    The water replaces MuJoCo's own medium and, of bodies that displace water, the compensation of
+    gravity by which models without water float: both would act in addition.
 
     That solver's factorization of a sparse Hessian can be wrong: errors in accelerations were as
     large as the accelerations where constraints join branches of the tree; 4.0.1 is correct again.
 
     Args:
-        model: The `mujoco.MjModel`; its options `density`, `viscosity` and `jacobian` may be
-            changed.
+        model: The `mujoco.MjModel`; its options `density`, `viscosity` and `jacobian`, and the
+            `gravcomp` of its bodies, may be changed.
+        elements: The elements of its water.
     """
     mujoco = load_mujoco()
     option = model.opt
-    if option.density > 0.0 or option.viscosity > 0.0:
-        medium = f"{option.density:g} kg/m^3 and {option.viscosity:g} Pa s"
-        warnings.warn(f"the water replaces MuJoCo's own medium of {medium}", stacklevel=3)
-        option.density = 0.0
-        option.viscosity = 0.0
+    displacing = {body_of(model, element.body) for element in elements if element.volume > 0.0}
+    lifted = [body for body in sorted(displacing) if model.body_gravcomp[body] != 0.0]
+    for message in _replaced(model, lifted):
+        warnings.warn(message, stacklevel=3)
+    option.density = 0.0
+    option.viscosity = 0.0
+    model.body_gravcomp[lifted] = 0.0
     is_newton = option.solver == mujoco.mjtSolver.mjSOL_NEWTON
     if mujoco.__version__ == "4.0.0" and is_newton and mujoco.mj_isSparse(model):
         option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+
+
+def _replaced(model: Any, lifted: list[int]) -> Iterator[str]:
+    """Return what the water replaces, in words.
+
+    Args:
+        model: The `mujoco.MjModel`.
+        lifted: Bodies that displace water and have a `gravcomp`.
+    """
+    option = model.opt
+    if option.density > 0.0 or option.viscosity > 0.0:
+        medium = f"{option.density:g} kg/m^3 and {option.viscosity:g} Pa s"
+        yield f"the water replaces MuJoCo's own medium of {medium}"
+    if lifted:
+        names = ", ".join(name_of(model, body) for body in lifted)
+        yield (
+            f"buoyancy replaces `gravcomp` of {names}; where that stands for something else, set "
+            "`model.body_gravcomp` again after `attach`"
+        )

@@ -59,7 +59,7 @@ def fill_table(model: Any, elements: Sequence[Element], options: dict[str, Any])
     heavy: set[int] = set()
     if has_inertia:
         heavy = set(bodies.tolist())
-    check_model(model, heavy, implicit_drag)
+    check_model(model, elements, heavy, implicit_drag)
 
     terrain = options["terrain"] or Terrain()
     arrays = _arrays_of_model(model)

@@ -1,6 +1,7 @@
 """Added mass and inertia of ellipsoids, by Lamb's integrals."""
 
 from collections.abc import Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -48,7 +49,7 @@ def _alpha(a: np.ndarray) -> np.ndarray:
 
     With t = s^2 x^2 / (1 - x)^2 for Gauss' rule on (0, 1).
     """
-    node, weight = np.polynomial.legendre.leggauss(N_NODES)
+    node, weight = _gauss_rule()
     x = 0.5 * (node + 1.0)
     scale = float(np.prod(a)) ** (2.0 / 3.0)
     t = scale * (x / (1.0 - x)) ** 2
@@ -56,3 +57,9 @@ def _alpha(a: np.ndarray) -> np.ndarray:
     squares = a[:, np.newaxis] ** 2
     delta = np.sqrt(np.prod(squares + t, axis=0))
     return np.prod(a) * np.sum(dt / ((squares + t) * delta), axis=1)
+
+
+@cache
+def _gauss_rule() -> tuple[np.ndarray, np.ndarray]:
+    """Return nodes and weights of Gauss' rule on (-1, 1), which take longer than all the rest."""
+    return np.polynomial.legendre.leggauss(N_NODES)

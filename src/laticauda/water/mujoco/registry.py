@@ -138,6 +138,11 @@ def find_water(model: Any) -> Any:
     return entry.water
 
 
+def has_waters() -> bool:
+    """Return whether any model that still exists has water."""
+    return any(entry.finalizer.alive for entry in list(_entries.values()))
+
+
 def enter(model: Any, water: Any) -> None:
     """Set the mark of a water in a model, replacing any previous entry of this model.
 

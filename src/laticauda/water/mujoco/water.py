@@ -9,8 +9,9 @@ import copyreg
 import weakref
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from pathlib import Path
 from threading import Lock
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from laticauda.water.mujoco.elements import Element
 from laticauda.water.mujoco.filling import fill_table
 from laticauda.water.mujoco.geoms import geom_elements
 from laticauda.water.mujoco.ground import Terrain
+from laticauda.water.mujoco.specs import compile_file, compile_spec
 
 FORMS = ("relative", "kirchhoff", "classic")
 """Velocity terms of the added mass, see `attach`."""
@@ -31,6 +33,11 @@ OUTPUTS = ("drag", "added_mass", "buoyancy", "effector")
 """Loads of an element in the order in which the compiled code writes them, three numbers each."""
 WET_SHARE = 3 * len(OUTPUTS)
 """Place of the submerged share, which follows them."""
+LOST = (
+    "must be that of the water, but another callback has replaced it; unset that "
+    "(`mujoco.set_mjcb_passive(None)`) and attach the water again"
+)
+"""What is wrong when the water does not act."""
 _force_lock = Lock()
 """One evaluation of forces at a time: their destination is in the table."""
 
@@ -40,7 +47,7 @@ class Water:
     """Water attached to a model; created by `attach`. It stays as long as the model lives, or until `detach`."""
 
     model: Any
-    """Weak reference to the `mujoco.MjModel`."""
+    """Weak reference to the `mujoco.MjModel`: call it to get the model."""
     elements: tuple[Element, ...]
     """The elements, in the order in which they were given."""
     options: dict[str, Any]
@@ -51,6 +58,8 @@ class Water:
     """Arrays that the table points to, by name; see `filling`."""
     flows: FlowStore
     """Flows that this water and its copies were given."""
+    compiled: Any = None
+    """The model, if `attach` compiled it and no one else may have it; else None."""
 
     def detach(self) -> None:
         """Remove the water from the model; copies of it keep theirs."""
@@ -94,8 +103,12 @@ class Water:
             Arrays of shape (n_elements, 3), world axes: `drag`, `added_mass` (with the force of
             accelerating water on the displaced volume), `buoyancy` and `effector` (thrust, tether,
             wake, plate) [N]. `added_mass` is that for the accelerations in `data` after the call.
+
+        Raises:
+            ValueError: If the water does not act, because another package has replaced the
+                callback.
         """
-        out = np.zeros((len(self.elements), rows.OUT_SIZE))
+        out = np.full((len(self.elements), rows.OUT_SIZE), np.nan)
         model = self._live()
         with _force_lock:
             self.table[rows.OUT] = out.ctypes.data
@@ -103,6 +116,9 @@ class Water:
                 load_mujoco().mj_forward(model, data)
             finally:
                 self.table[rows.OUT] = 0
+        if not self.active and np.all(np.isnan(out)):
+            raise BadArgument("mjcb_passive", LOST)
+        out[np.isnan(out).all(axis=1)] = 0.0  # elements that are dry
         loads = {name: out[:, 3 * i : 3 * i + 3].copy() for i, name in enumerate(OUTPUTS)}
         loads["added_mass"] -= self._inertial_forces(model, data) * out[:, WET_SHARE:]
         return loads
@@ -146,8 +162,10 @@ def attach(
     model loaded from it is rejected.
 
     Args:
-        model: A `mujoco.MjModel` from `mujoco` or `compiled`, or an object that holds one as `ptr`,
-            as in dm_control.
+        model: A file (MJCF or URDF) or a `mujoco.MjSpec`, which is compiled with room for added
+            mass: the handle's `model()` is the model. Or a `mujoco.MjModel`, or an object that
+            holds one as `ptr`, as in dm_control; some of those have no room for added mass and are
+            rejected.
         elements: Elements on which the water acts; None: `geom_elements`.
         density: Density rho, for the buoyancy [kg/m^3].
         current: Motion of the water: its velocity, world axes [m/s]; or a flow
@@ -167,12 +185,13 @@ def attach(
         A handle. The water stays attached without it, for as long as the model lives.
 
     Raises:
-        ValueError: If the model or an argument is not supported; the message gives the reason.
+        ValueError: If the model or an argument is not supported; the message gives the reason, and
+            the model is as before.
         MissingExtra: If MuJoCo is not installed.
     """
-    model = _plain_model(model)
+    compiled = _compile(model)
+    model = _plain_model(model if compiled is None else compiled)
     check_positive("usual_speed", usual_speed, "m/s")
-    make_room(model)
     fitted = elements is None
     if elements is None:
         elements = geom_elements(model, density=density)
@@ -186,10 +205,13 @@ def attach(
         "implicit_drag": implicit_drag,
         "terrain": terrain,
     }
-    water = _attach(model, elements, options)
+    filled = _fill(model, elements, options)
+    make_room(model, elements)
+    water = _enter(model, elements, options, filled)
     checked_speed = None if implicit_drag else usual_speed
     warn_of_mistakes(model, water, checked_speed, fitted)
-    return water
+    # The registry must not hold a model, or it would live forever.
+    return replace(water, compiled=compiled)
 
 
 def attached(model: Any) -> Water | None:
@@ -203,6 +225,15 @@ def attached(model: Any) -> Water | None:
     if water is None:
         return None
     return replace(water, model=weakref.ref(model))
+
+
+def _compile(model: Any) -> Any:
+    """Return the compiled model of a file or `MjSpec`; None: it is neither."""
+    if isinstance(model, (str, Path)):
+        return compile_file(model)
+    if isinstance(model, load_mujoco().MjSpec):
+        return compile_spec(model)
+    return None
 
 
 def _plain_model(model: Any) -> Any:
@@ -219,20 +250,41 @@ def _check_elements(elements: tuple[Any, ...]) -> None:
         )
 
 
-def _attach(model: Any, elements: tuple[Element, ...], options: dict[str, Any]) -> Water:
-    """Attach water to a model, with all arguments of `attach` but one."""
+class _Filled(NamedTuple):
+    """What the compiled code needs, before the model refers to it."""
+
+    table: np.ndarray
+    """Addresses and offsets."""
+    arrays: dict[str, np.ndarray]
+    """Arrays that the table points to, by name."""
+    flows: FlowStore
+    """Flows that the water has."""
+    motion: Any
+    """How its current is written into the model."""
+
+
+def _fill(model: Any, elements: tuple[Element, ...], options: dict[str, Any]) -> _Filled:
+    """Prepare water with all arguments of `attach` but one; whatever is rejected is rejected here."""
     check_choice("form", options["form"], FORMS)
     table, arrays = fill_table(model, elements, options)
     flows = FlowStore()
     table[rows.FLOWS] = flows.rows.ctypes.data
     motion = flows.store(options["current"])
+    callback.install()
+    return _Filled(table=table, arrays=arrays, flows=flows, motion=motion)
 
+
+def _enter(
+    model: Any, elements: tuple[Element, ...], options: dict[str, Any], filled: _Filled
+) -> Water:
+    """Let a model have the water that was prepared for it."""
+    table = filled.table
+    arrays = filled.arrays
     arrays["sensors"] = sensors.take_over(model)
     table[rows.SENSORS] = arrays["sensors"].ctypes.data
     table[rows.N_SENSORS] = arrays["sensors"].size // sensors.COLUMNS
     if arrays["sensors"].size:
         sensors.install()
-    callback.install()
     copyreg.pickle(load_mujoco().MjModel, _reduce_model)
     water = Water(
         model=weakref.ref(model),
@@ -240,10 +292,10 @@ def _attach(model: Any, elements: tuple[Element, ...], options: dict[str, Any]) 
         options=options,
         table=table,
         numbers=arrays,
-        flows=flows,
+        flows=filled.flows,
     )
     registry.enter(model, water)
-    write_motion(model, motion)
+    write_motion(model, filled.motion)
     return water
 
 
@@ -263,5 +315,6 @@ def _restore_model(
     model_class = load_mujoco().MjModel
     model = model_class.__new__(model_class)
     model.__setstate__(state)
-    _attach(model, elements, options).set_current(current)
+    filled = _fill(model, elements, options)
+    _enter(model, elements, options, filled).set_current(current)
     return model
