@@ -339,7 +339,7 @@ def answer(rows: list[Row]) -> str:
         f"all: wrong law doubted {sum(row.doubted for row in wrong)} of {len(wrong)}, "
         f"right law doubted {sum(row.doubted for row in right)} of {len(right)}",
         f"a better law named {len(named)} of {len(wrong)}, the true one first in "
-        f"{sum(_is_true_law(row) for row in named)}",
+        f"{sum(is_true_law(row) for row in named)}",
         f"wrong minima {misses} of {len(right)}; starts {np.mean([row.n_starts for row in right]):.1f} "
         f"(right), {np.mean([row.n_starts for row in wrong]):.1f} (wrong)",
         f"intervals that hold the truth, right law: {sum(row.n_hold for row in right)} of "
@@ -354,7 +354,7 @@ def _share(rows: list[Row], law: str) -> str:
     return f"{sum(row.doubted for row in fits)} of {len(fits)}"
 
 
-def _is_true_law(row: Row) -> bool:
+def is_true_law(row: Row) -> bool:
     """Whether the law that is named is the true one, whatever reference speed was fitted to it."""
     if row.true_law.startswith("polynomial-drag"):
         return row.named.startswith("polynomial-drag")
