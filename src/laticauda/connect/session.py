@@ -103,10 +103,10 @@ class Session:
         codec.check_keys(message, known_fields)
         warnings = dict[str, None]()  # in their order, each once
         with scenarios.telling(lambda sentence: warnings.update({sentence: None})):
-            answer = self._handlers[request](message)
+            fields = self._handlers[request](message)
         if warnings:
-            return {**answer, "warnings": list(warnings)}
-        return answer
+            return {**fields, "warnings": list(warnings)}
+        return fields
 
     def _reset(self, message: Message) -> dict[str, Any]:
         scenario = read_scenario(message, self._own_robots)

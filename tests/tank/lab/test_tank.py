@@ -291,12 +291,12 @@ class Recorded(VirtualRobot):
         super().__init__(robot, build_plant(robot, water, joints="servo"))
         self.done, self.again = [], iter(done or ())
 
-    def advance(self, references, on, dt):
-        self.truth = next(self.again, None) or self._swum(references, on, dt)
+    def advance(self, references, on, dt, *, jammed=None):
+        self.truth = next(self.again, None) or self._swum(references, on, dt, jammed=jammed)
         self.done.append(self.truth)
 
-    def _swum(self, references, on, dt):
-        super().advance(references, on, dt)
+    def _swum(self, references, on, dt, *, jammed):
+        super().advance(references, on, dt, jammed=jammed)
         return self.truth
 
 

@@ -117,9 +117,9 @@ class VirtualRobot:
         Raises:
             SimulationFailed: If the body's motion diverges.
         """
-        held = on if jammed is None else on | jammed
+        is_held = on if jammed is None else on | jammed
         self._state, log = self._marched(
-            references[self.driven].tolist(), held[self.driven].tolist(), dt
+            references[self.driven].tolist(), is_held[self.driven].tolist(), dt
         )
         log = self._without_limp_modules(log, on[self.driven], dt)
         self.truth = self._truth(log)

@@ -178,7 +178,8 @@ def _place_in(grid: np.ndarray, value: float) -> tuple[int, float]:
 def _round_table(shape: str) -> np.ndarray:
     """Return length and three shares, (N, 4) [-]."""
     rows = [row for row in _read("shape_mass_round.csv") if row["shape"] == shape]
-    return np.array([[float(row[name]) for name in ROUND_COLUMNS[1:]] for row in rows])
+    numbers = [list(row.values())[1:] for row in rows]
+    return np.array(numbers, dtype=float)
 
 
 def _round_shares(shape: str, length: float) -> np.ndarray:
