@@ -121,10 +121,6 @@ IN_SHELL: dict[str, tuple[str, str]] = {
     "no unit of the amplitude": ("swim --amplitude 30", "did you mean --amplitude-deg?"),
     "half a gait": ("swim mamba --gait lateral", "did you mean `lateral-undulation`?"),
     "no picture": ("trial plot run.nc", "--output FILE"),
-    "a German table": (
-        "identify --table german.csv --parameters water.normal_drag",
-        "separated by semicolons",
-    ),
     "own columns": (
         "identify --table own.csv --parameters water.normal_drag",
         "column `amplitude` is not known; did you mean `alpha_deg`? "
@@ -143,7 +139,6 @@ IN_SHELL: dict[str, tuple[str, str]] = {
     "a robot in mm": ("robots mm.toml", "mm"),
 }
 FILES = {
-    "german.csv": "gait;alpha_deg;omega_deg_s;delta_deg;v_m_s\nLU;30;130;40;0,15\n",
     "own.csv": "gait,amplitude,frequency,phase,speed\nLU,30,130,40,0.15\n",
     "cm.csv": f"{HEADER}{ROW}LU,30,130,40,15\n",
     "mm.toml": MM_ROBOT,

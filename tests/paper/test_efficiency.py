@@ -162,12 +162,12 @@ def test_a_row_without_a_velocity_is_no_trial(load):
             HEAD + "lateral,fin,30,130,40,0.1,\n",
             "row 2: `gait` must be one of `LU`, `EEL`, got 'lateral'",
         ),
-        (HEAD + "LU,nofin,30,130,40\n", "row 2: it must have one cell per column."),
-        (HEAD + "LU,nofin,30,130,40,0.1,1,2\n", "row 2: it must have one cell per column."),
+        (HEAD + "LU,nofin,30,130,40\n", "row 2 must have 7 cells, as row 1 has, got 5."),
+        (HEAD + "LU,nofin,30,130,40,0.1,1,2\n", "row 2 must have 7 cells, as row 1 has, got 8."),
         (HEAD, "the table has no rows."),
-        ("", "row 1: column `gait` is missing."),
+        ("", "it is not a text file of columns, or it is empty."),
         (HEAD.replace("v_m_s", "v_ms"), "row 1: column `v_ms` is not known; did you mean `v_m_s`?"),
-        (HEAD.replace("v_m_s", "gait"), "row 1: column `gait` must not be given twice."),
+        (HEAD.replace("v_m_s", "gait"), "row 1 must name every column once, got `gait` twice."),
     ],
 )
 def test_what_is_wrong_is_refused_with_its_row(load, text, message):
@@ -180,5 +180,5 @@ def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path):
     with pytest.raises(TrialFileError, match=r"none\.csv: no such file$"):
         load_repeats(tmp_path / "none.csv")
     (tmp_path / "latin.csv").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(TrialFileError, match=r"latin\.csv: is not UTF-8 text"):
+    with pytest.raises(TrialFileError, match=r"latin\.csv: it is not a text file of columns"):
         load_repeats(tmp_path / "latin.csv")

@@ -15,6 +15,7 @@ from laticauda.values import (
     ImplausibleWarning,
     SkippedRowsWarning,
     StoredResultsWarning,
+    TableWarning,
     UnitWarning,
     option,
     to_json,
@@ -87,6 +88,7 @@ ABOUT_WHAT_WAS_GIVEN = (
     SkippedRowsWarning,
     StoredResultsWarning,
     ImplausibleWarning,
+    TableWarning,
     UnitWarning,
 )
 """Warnings that are printed as one line each."""
@@ -106,6 +108,7 @@ def _warnings_as_lines() -> Generator[None]:
         print_as_usual = warnings.showwarning
         warnings.simplefilter("always", SkippedRowsWarning)
         warnings.simplefilter("once", ImplausibleWarning)
+        warnings.simplefilter("always", TableWarning)
         warnings.showwarning = print_line
         yield
 

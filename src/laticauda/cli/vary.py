@@ -18,7 +18,13 @@ from laticauda.models.simulate import Parameter, suggest_names
 from laticauda.models.simulate.numbers import list_parameters
 from laticauda.scenarios import Scenario
 from laticauda.studies import LABELS, attributes_of
-from laticauda.values import BadArgument, display_unit, files, option, value_class
+from laticauda.values import (
+    BadArgument,
+    display_unit,
+    option,
+    read_rows as read_table_rows,
+    value_class,
+)
 
 ROOTS_LEFT_OUT = ("gait", "water", "ground")
 """Fields of these are named by their last word alone, like the options."""
@@ -160,7 +166,7 @@ def read_rows(path: str, parameters: Parameters) -> studies.Rows:
         ValueError: If the file is not such a table.
         OSError: If the file cannot be read at all.
     """
-    names, lines = files.read_rows(path)
+    names, lines = read_table_rows(path)
     if not names:
         rule = "must be a CSV file with the names of parameters in its first line"
         raise BadArgument("list", f"{rule}, got {path}")

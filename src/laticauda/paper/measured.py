@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from laticauda.motion import gaits
 from laticauda.robot import Actuator, Environment, Ground, Robot, load_robot
 from laticauda.trials import MeasuredTrial, MeasuredTrials, measured, null_models
-from laticauda.values import files
+from laticauda.values import read_rows
 from laticauda.values.packaging import renamed_names
 
 PRINTED_TO = 0.02
@@ -204,7 +204,7 @@ def _read_path_following_row(cells: Mapping[str, str]) -> MeasuredPathFollowing:
 
 def _read_cells(table: str) -> list[dict[str, str]]:
     """Return the cells of every row of a table, by column."""
-    _, numbered_rows = files.read_rows(Path(__file__).parent / "data" / table)
+    _, numbered_rows = read_rows(Path(__file__).parent / "data" / table)
     return [cells for _, cells in numbered_rows]
 
 

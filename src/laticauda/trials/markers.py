@@ -9,7 +9,7 @@ from jaxtyping import Bool, Complex, Float
 
 from laticauda.robot import kinematics
 from laticauda.trials.trial import Trial
-from laticauda.values import BadArgument, TrialFileError, files
+from laticauda.values import BadArgument, TrialFileError, read_columns
 
 Places = Float[np.ndarray, "n_samples n_markers 2"]
 ComplexPlaces = Complex[np.ndarray, "n_times n_markers"]
@@ -36,7 +36,7 @@ class Track:
         Raises:
             TrialFileError: If the file cannot be read, or anything in it is wrong.
         """
-        columns = files.read_columns(path, TrialFileError)
+        columns = read_columns(path, TrialFileError)
         names = [name.removesuffix("_x_m") for name in columns if name.endswith("_x_m")]
         try:
             series = [_numbers(columns["time_s"])]

@@ -30,9 +30,9 @@ from laticauda.values import (
     BadArgument,
     TrialFileError,
     extensions,
-    files,
     option,
     quantity,
+    read_rows,
     suggest_nearest,
     value_class,
 )
@@ -223,7 +223,7 @@ def load_numbered_speeds(path: str | Path) -> dict[int, SpeedTrial]:
     Args:
         path: Path of the file.
     """
-    names, rows = files.read_rows(path, TrialFileError)
+    names, rows = read_rows(path, TrialFileError)
     _check_columns(path, names)
     trials: dict[int, SpeedTrial] = {}
     for number, row in rows:

@@ -61,6 +61,7 @@ if TYPE_CHECKING:
         SkippedRowsWarning as SkippedRowsWarning,
         StorageFailed as StorageFailed,
         StoredResultsWarning as StoredResultsWarning,
+        TableWarning as TableWarning,
         TrialFileError as TrialFileError,
         UnitWarning as UnitWarning,
     )
@@ -78,8 +79,6 @@ if TYPE_CHECKING:
         local as local,
         locked as locked,
         parse_toml as parse_toml,
-        read_columns as read_columns,
-        read_rows as read_rows,
         read_text as read_text,
         read_toml as read_toml,
         to_json as to_json,
@@ -129,6 +128,10 @@ if TYPE_CHECKING:
         table_row as table_row,
         tanh as tanh,
         where as where,
+    )
+    from laticauda.values.tables.opening import (
+        read_columns as read_columns,
+        read_rows as read_rows,
     )
     from laticauda.values.series import (
         LINK_FORCE as LINK_FORCE,
@@ -189,6 +192,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "SkippedRowsWarning",
             "StorageFailed",
             "StoredResultsWarning",
+            "TableWarning",
             "TrialFileError",
             "UnitWarning",
         ],
@@ -202,8 +206,6 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "local",
             "locked",
             "parse_toml",
-            "read_columns",
-            "read_rows",
             "read_text",
             "read_toml",
             "to_json",
@@ -242,6 +244,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "tanh",
             "where",
         ],
+        "laticauda.values.tables.opening": ["read_columns", "read_rows"],
         "laticauda.values.series": [
             "LINK_FORCE",
             "Log",

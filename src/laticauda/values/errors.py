@@ -64,6 +64,10 @@ class SkippedRowsWarning(UserWarning):
     """Rows of a table that are left out, because they lack what is asked for."""
 
 
+class TableWarning(UserWarning):
+    """A table that was not taken as it is written: whole turns, times since 1970, markers that were lost."""
+
+
 class StoredResultsWarning(UserWarning):
     """Stored results that are damaged and made anew, or of which nobody can tell whether they are intact."""
 

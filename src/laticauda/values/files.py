@@ -66,6 +66,41 @@ def read_bytes(path: str | Path, most_bytes: int = MOST_DATA) -> bytes:
     return content
 
 
+def read_content(
+    path: str | Path,
+    error: type[LaticaudaError] = StorageFailed,
+    *,
+    missing: type[LaticaudaError] | None = None,
+    most_bytes: int = MOST_BYTES,
+) -> bytes:
+    """Read all bytes of a file.
+
+    Args:
+        path: Path of the file.
+        error: Error raised if the file cannot be read; the message states which file and why.
+        missing: Error raised if the file does not exist; None: `error`.
+        most_bytes: Maximum size; a larger file is rejected before it fills the memory.
+
+    Raises:
+        LaticaudaError: The error given as `error` or `missing`.
+    """
+    local(path)
+    try:
+        return read_bytes(path, most_bytes)
+    except FileNotFoundError:
+        raise (missing or error)(f"{path}: no such file") from None
+    except IsADirectoryError:
+        raise error(f"{path}: is a folder, not a file") from None
+    except (OSError, ValueError) as failure:  # a null byte in the name is a ValueError
+        if getattr(failure, "errno", None) == errno.EFBIG:
+            raise error(
+                f"{path}: is larger than {most_bytes >> 20} MiB, too large for a file of this kind"
+            ) from None
+        raise error(
+            f"{path}: cannot be read: {getattr(failure, 'strerror', None) or failure}"
+        ) from None
+
+
 def read_text(
     path: str | Path,
     error: type[LaticaudaError] = StorageFailed,
@@ -84,21 +119,7 @@ def read_text(
     Raises:
         LaticaudaError: The error given as `error` or `missing`.
     """
-    local(path)
-    try:
-        content = read_bytes(path, most_bytes)
-    except FileNotFoundError:
-        raise (missing or error)(f"{path}: no such file") from None
-    except IsADirectoryError:
-        raise error(f"{path}: is a folder, not a file") from None
-    except (OSError, ValueError) as failure:  # a null byte in the name is a ValueError
-        if getattr(failure, "errno", None) == errno.EFBIG:
-            raise error(
-                f"{path}: is larger than {most_bytes >> 20} MiB, too large for a file of this kind"
-            ) from None
-        raise error(
-            f"{path}: cannot be read: {getattr(failure, 'strerror', None) or failure}"
-        ) from None
+    content = read_content(path, error, missing=missing, most_bytes=most_bytes)
     try:
         return content.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as failure:
@@ -143,48 +164,6 @@ def read_toml(
         missing: Error raised if the file does not exist; None: `error`.
     """
     return parse_toml(read_text(path, error, missing=missing), path, error)
-
-
-def read_rows(
-    path: str | Path, error: type[LaticaudaError] = StorageFailed
-) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
-    """Read a CSV file: its column names, and for each row below them its row number (from 1) and its cells by column.
-
-    Empty rows and lines that begin with # are ignored.
-
-    Args:
-        path: Path of the file.
-        error: Error raised if the file cannot be read, or its rows differ in length; the message
-            gives file and reason.
-    """
-    lines = ["" if line.startswith("#") else line for line in read_text(path, error).splitlines()]
-    reader = csv.reader(lines, strict=True)
-    try:
-        rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if any(row)]
-    except csv.Error as failure:
-        raise error(f"{path}: row {reader.line_num}: {failure}") from None
-    (_, names), *rows = rows or [(1, [])]
-    if len(names) == 1 and ";" in names[0]:
-        advice = "save it with commas between columns and points in numbers"
-        raise error(f"{path}: its columns are separated by semicolons; {advice}.")
-    for number, row in rows:
-        if len(row) != len(names):
-            raise error(f"{path}: row {number}: it must have one cell per column.")
-    return names, [(number, dict(zip(names, row, strict=True))) for number, row in rows]
-
-
-def read_columns(
-    path: str | Path, error: type[LaticaudaError] = StorageFailed
-) -> dict[str, list[str]]:
-    """Read the cells of a CSV file by column.
-
-    Args:
-        path: Path of the file.
-        error: Error raised if the file cannot be read, or its rows differ in length; the message
-            gives file and reason.
-    """
-    names, rows = read_rows(path, error)
-    return {name: [row[name] for _, row in rows] for name in names}
 
 
 def csv_text(rows: Iterable[Iterable[object]], newline: str = "\r\n") -> str:

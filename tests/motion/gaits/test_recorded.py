@@ -199,10 +199,18 @@ def test_the_command_line_takes_a_table_or_a_trial(tmp_path, capsys):
     [
         ("time_s,joint_2_deg\n0,1\n1,2\n", "must have a column `time_s` and columns `joint_1_deg`"),
         ("joint_1_deg\n1\n2\n", "must have a column `time_s`"),
-        ("time_s,joint_1_deg\n0,1\n0,2\n", "must be at least two increasing times"),
-        ("time_s,joint_1_deg\n0,1\n1,left\n", "could not convert"),
-        ("time_s,joint_1_deg\n", "two increasing times|indices"),
-        ("time_s,joint_1_deg\n0,1\n1,nan\n", "must be a finite number"),
+        (
+            "time_s,joint_1_deg\n0,1\n0,2\n",
+            "`time_s` must increase strictly, got 0.0 s and then 0.0 s in row 3",
+        ),
+        (
+            "time_s,joint_1_deg\n0,1\n1,left\n",
+            "`joint_1_deg` must hold numbers, got 'left' in row 3",
+        ),
+        ("time_s,joint_1_deg\n", "at least a row of names and a row of numbers"),
+        ("time_s,joint_1_deg\n0,1\n", "`time_s` must have at least two times, got one"),
+        ("time_s,joint_1_deg\n0,1\n1,nan\n", "a number in every row, but has none in row 3"),
+        ("time_s,joint_1_deg\n0,1\n1,\n2,3\n3,\n", "but has none in row 3, row 5"),
     ],
 )
 def test_a_table_that_makes_no_sense_is_refused(tmp_path, text, match):

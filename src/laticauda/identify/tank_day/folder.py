@@ -10,7 +10,15 @@ from laticauda.identify.conversion import from_tow
 from laticauda.identify.measurements import Measurement
 from laticauda.identify.towing import Tow
 from laticauda.robot import Robot, load_robot, read_table, textbook_water, to_toml
-from laticauda.values import RobotFileError, TrialFileError, codec, files, quantity, value_class
+from laticauda.values import (
+    RobotFileError,
+    TrialFileError,
+    codec,
+    files,
+    quantity,
+    read_rows,
+    value_class,
+)
 
 FILES = Path(__file__).parent.parent / "tank_day_files"
 """Folder of the files that every tank day begins with."""
@@ -113,7 +121,7 @@ def _load_tows(path: Path, robot: Robot, noise: Noise) -> tuple[Measurement, ...
     """Return the measured loads, one measurement for each row that holds some."""
     water = textbook_water(robot).water
     tows: list[Measurement] = []
-    _, rows = files.read_rows(path, TrialFileError)
+    _, rows = read_rows(path, TrialFileError)
     for number, row in rows:
         try:
             loads = _loads_of(row)

@@ -2,20 +2,18 @@
 
 import itertools
 import math
-import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.motion.gaits.angle_tables import read_angles
 from laticauda.motion.gaits.reference import between_knots
-from laticauda.values import BadArgument, Log, TrialFileError, quantity, read_columns, value_class
+from laticauda.values import BadArgument, Log, quantity, value_class
 
-JOINT = re.compile(r"joint_(\d+)(_deg|_rad)?")
-"""Pattern for the names of angle columns; 1 is the tail-most joint."""
 ZERO_PADDING = 32
 """Factor by which zeros lengthen the angles, for frequencies between those of whole cycles."""
 
@@ -61,34 +59,23 @@ class JointAngles:
 
     @classmethod
     def read(cls, path: str | Path) -> "JointAngles":
-        """Read the angles in a CSV file.
+        """Read the angles in a table, see `laticauda.motion.gaits.angle_tables`.
 
         The file has a column of times (`time_s`) and one per yaw joint, where `joint_1_deg` (or
         `joint_1_rad`) is the tail-most; other columns, and lines that begin with #, are ignored.
+        Time counts from the first row.
 
         Args:
             path: Path of the file.
 
+        Warns:
+            TableWarning: If times or angles were not taken as they are written.
+
         Raises:
             TrialFileError: If the file cannot be read or is invalid.
         """
-        columns = read_columns(path, TrialFileError)
-        joint_columns = _find_joint_columns(columns)
-        numbers = [joint_column.number for joint_column in joint_columns]
-        expected_numbers = list(range(1, max(len(numbers), 1) + 1))
-        if "time_s" not in columns or numbers != expected_numbers:
-            rule = "a column `time_s` and columns `joint_1_deg`, `joint_2_deg`, ... starting at the tail"
-            raise TrialFileError(f"{path}: must have {rule}, got {', '.join(columns)}")
-        units = np.array([[joint_column.unit] for joint_column in joint_columns])
-        try:
-            time = [float(cell) for cell in columns["time_s"]]
-            angles: list[list[float]] = []
-            for joint_column in joint_columns:
-                cells = columns[joint_column.name]
-                angles.append([float(cell) for cell in cells])
-            return cls(time=tuple(time), angle=_rows(np.array(angles) * units))
-        except ValueError as error:
-            raise TrialFileError(f"{path}: {error}") from None
+        recording = read_angles(path)
+        return cls(time=tuple(recording.time.tolist()), angle=_rows(recording.angle))
 
     @classmethod
     def of(cls, log: Log) -> "JointAngles":
@@ -157,29 +144,6 @@ class JointAngles:
             strict=True,
         )
         return np.array([between_knots(time, begin, end, *numbers) for numbers in joints]).T
-
-
-class _JointColumn(NamedTuple):
-    """A column with the angles of a joint."""
-
-    number: int
-    """Number of the joint; 1 is the tail-most."""
-    name: str
-    unit: float
-    """Size of its unit [rad]."""
-
-
-def _find_joint_columns(names: Iterable[str]) -> list[_JointColumn]:
-    """Return the columns of joints among all columns, tail first."""
-    joint_columns: list[_JointColumn] = []
-    for name in names:
-        match = JOINT.fullmatch(name)
-        if match is not None:
-            unit = 1.0
-            if name.endswith("_deg"):
-                unit = math.radians(1.0)
-            joint_columns.append(_JointColumn(number=int(match[1]), name=name, unit=unit))
-    return sorted(joint_columns)
 
 
 def _rows(table: np.ndarray) -> tuple[tuple[float, ...], ...]:

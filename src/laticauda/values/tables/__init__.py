@@ -1,0 +1,48 @@
+"""Tables that people bring: one reader for all of them, and one set of checks.
+
+Numbers come from delimited text of any form, from Excel, or from a format with a reader of its
+own (`trials.logs`). All of them become a `Table`, and pass the same checks.
+
+decoding.py   bytes to text: encodings
+splitting.py  text to cells: separators, comments
+workbooks.py  Excel workbooks to cells
+sheets.py     names, units and decimal signs of the cells
+opening.py    files by name
+columns.py    columns of numbers
+units.py      units, and how people write them
+times.py      times: units, clocks, order
+angles.py     joint angles: units, whole turns, jumps
+positions.py  positions: where a marker was lost, jumps
+"""
+
+from laticauda.values.tables.angles import (
+    LARGEST_BEND as LARGEST_BEND,
+    check_jumps as check_jumps,
+    check_unit as check_unit,
+    mend_turns as mend_turns,
+)
+from laticauda.values.tables.columns import (
+    Table as Table,
+    build_table as build_table,
+    convert_numbers as convert_numbers,
+)
+from laticauda.values.tables.opening import (
+    failures_of_table as failures_of_table,
+    open_sheet as open_sheet,
+)
+from laticauda.values.tables.sheets import Sheet as Sheet, parse_sheet as parse_sheet
+from laticauda.values.tables.times import (
+    check_increasing as check_increasing,
+    check_sampling as check_sampling,
+    read_times as read_times,
+)
+from laticauda.values.tables.units import (
+    ANGLES as ANGLES,
+    LENGTHS as LENGTHS,
+    RATES as RATES,
+    TIMES as TIMES,
+    TORQUES as TORQUES,
+    read_unit as read_unit,
+    split_unit as split_unit,
+    unit_in_name as unit_in_name,
+)
