@@ -318,8 +318,13 @@ def test_semicolons_decimal_commas_comments_and_a_byte_order_mark_are_read(swum,
     path.write_text("\ufeff# made by hand\n" + path.read_text().replace(".", ","), encoding="utf-8")
     text = MAP.replace("\n[gait]", 'decimal = ","\n[gait]') + BODY + JOINTS
     assert_same(load_trial(path, mapped(tmp_path, text)), swum)
+    read = load_trial(path, mapped(tmp_path, MAP + BODY + JOINTS))
+    assert_same(read, swum)
+    assert read.settings["reading"] == (
+        "3001 of 3001 rows, from 0 to 30 s; semicolons between columns; decimal commas"
+    )
     with pytest.raises(TrialFileError, match=r"in row 3; is `decimal` a comma\?"):
-        load_trial(path, mapped(tmp_path, MAP + BODY + JOINTS))
+        load_trial(path, mapped(tmp_path, text.replace('decimal = ","', 'decimal = "."')))
 
 
 def test_a_parquet_file_and_a_mat_file_of_others(swum, tmp_path):
@@ -536,7 +541,7 @@ def test_trajectories_of_qtm_with_and_without_the_row_of_names(swum, tmp_path):
         ),
         (
             lambda log: log | {"phi_3": 60.0 * log["phi_3"]},
-            r"`joint_angle` must be between -pi and pi rad, got",
+            r"`joint_angle` must be between -180 and 180 deg, got",
         ),
         (
             lambda log: {k: v for k, v in log.items() if k != "yaw"},

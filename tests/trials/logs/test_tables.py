@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from laticauda.trials.logs import tables
+from laticauda.values import tables
 
 
 def test_what_is_infinite_was_not_measured_and_what_is_absurd_is_refused():

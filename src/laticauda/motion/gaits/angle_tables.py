@@ -8,7 +8,7 @@ A table has a column of times and one for every yaw joint, in any order:
 
 Joint 1 is the tail-most. The last part of a name is its unit (s, ms, us or ns; deg or rad); it may
 stand in brackets, or in a row below the names. Times since 1970 are recognized; whatever the file
-counts from, the first row is time 0. Other columns are ignored.
+counts from, the first row is time 0, unless it is within a step of 0 already. Other columns are ignored.
 """
 
 import re
@@ -86,7 +86,8 @@ def read_angles(path: str | Path) -> RecordedAngles:
         if len(file_times.seconds) < 2:
             raise ValueError(f"column `{time_name}` must have at least two times, got one.")
         check_sampling(time_name, file_times.seconds)
-        time = file_times.seconds - file_times.seconds[0]
+        start = _find_start(file_times.seconds)
+        time = file_times.seconds - start
         angles: list[Float[np.ndarray, " n_times"]] = []
         turned: list[str] = []
         for joint_column in joint_columns:
@@ -94,12 +95,12 @@ def read_angles(path: str | Path) -> RecordedAngles:
             mended = mend_turns(radians)
             if mended.n_turns:
                 turned.append(joint_column.name)
-            check_jumps(table, joint_column.name, time, mended.radians)
+            check_jumps(joint_column.name, time, mended.radians, table.row_numbers)
             angles.append(mended.radians)
         for unit in ANGLES:
             of_unit = [i for i, column in enumerate(joint_columns) if column.unit == unit]
             check_unit(f"joint_1_{unit}", np.array(angles)[of_unit], unit)
-        _warn_of_remarks(path, file_times.remark, file_times.seconds[0], turned)
+        _warn_of_remarks(path, file_times.remark, start, turned)
     return RecordedAngles(time=time, angle=np.array(angles))
 
 
@@ -110,6 +111,15 @@ def _find_time(table: Table) -> str | None:
     if len(names) == 1:
         return names[0]
     return None
+
+
+def _find_start(seconds: Float[np.ndarray, " n_times"]) -> float:
+    """Return the time in the file that is time 0: that of the first row, unless it is within a step of 0."""
+    first = float(seconds[0])
+    usual_step = float(np.median(np.diff(seconds)))
+    if 0.0 <= first <= usual_step:
+        return 0.0
+    return first
 
 
 def _find_joint_columns(table: Table) -> list[_JointColumn]:
@@ -148,14 +158,14 @@ def _read_complete(table: Table, name: str) -> Float[np.ndarray, " n_times"]:
 
 
 def _warn_of_remarks(
-    path: str | Path, remark_on_time: str, first_time: float, turned: Sequence[str]
+    path: str | Path, remark_on_time: str, start: float, turned: Sequence[str]
 ) -> None:
     """Say what was not taken as it is written."""
     remarks: list[str] = []
     if remark_on_time:
         remarks.append(remark_on_time)
-    elif first_time != 0.0:
-        remarks.append(f"its times begin at {first_time:.6g} s; time 0 is its first row")
+    elif start != 0.0:
+        remarks.append(f"its times begin at {start:.6g} s; time 0 is its first row")
     if turned:
         listed = ", ".join(turned[:MOST_LISTED_JOINTS])
         if len(turned) > MOST_LISTED_JOINTS:

@@ -3,14 +3,14 @@
 import io
 import struct
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from laticauda.trials.arrays import Samples
 from laticauda.trials.logs.map_sections import AXES
-from laticauda.trials.logs.tables import Table
 from laticauda.values import optional_import
+from laticauda.values.tables import Table, describe_twice, read_unit
 
 BLOCK = 512
 """Length of the blocks that make up a file [bytes]."""
@@ -20,6 +20,16 @@ BIG_ENDIAN = 86
 """Number of the processors whose numbers are big-endian, in the fourth byte of the parameters."""
 FRAME_RANGE_OFFSET = 6
 """Position in the header of the numbers of the first and the last frame [bytes]."""
+NUMBERS_OFFSET = 2
+"""Position in the header of the numbers of points, and of analog samples per frame [bytes]."""
+NUMBERS_PER_POINT = 4
+"""Three coordinates, and the residual."""
+SCALE_OFFSET = 12
+"""Position in the header of the scale, which is negative if the numbers are floating-point [bytes]."""
+MOST_FRAMES_IN_HEADER = 65534
+"""Frames that the header can count, or one less, as some programs count from 0."""
+WORD = 1 << 16
+"""Number of values of 16 bits."""
 DATA_BLOCK_OFFSET = 16
 """Position in the header of the number of the first block with data [bytes]."""
 
@@ -39,11 +49,14 @@ def read_c3d(path: Path) -> Table:
     """
     library = optional_import("Reading C3D", "ezc3d", "logs")
     try:
-        n_frames = _check_complete(path)
+        size = _check_complete(path)
         content = library.c3d(str(path))
         n_frames_read = content["data"]["points"].shape[2]
-        if n_frames_read < n_frames:  # the library accepts incomplete files
-            raise ValueError(f"it must have {n_frames} frames, got {n_frames_read}: it is cut off")
+        if n_frames_read < size.n_frames:  # the library accepts incomplete files
+            raise ValueError(
+                f"it must have {size.n_frames} frames, got {n_frames_read}: it is cut off"
+            )
+        _check_all_frames(content["parameters"], size, n_frames_read)
         return _build_table(content["parameters"], content["data"])
     except FileNotFoundError:
         raise
@@ -51,12 +64,17 @@ def read_c3d(path: Path) -> Table:
         raise ValueError(f"it is not an intact C3D file ({error}).") from error
 
 
-def _check_complete(path: Path) -> int:
-    """Reject a file that is not C3D, or is cut off in its parameters, where the library would count for minutes.
+class _Size(NamedTuple):
+    """How much the file holds."""
 
-    Returns:
-        Number of frames stated in the file.
-    """
+    n_frames: int
+    """Number of frames stated in the header, whose fields count to 65535."""
+    n_frames_by_length: int
+    """Number of frames that the length of the file has place for; the last block may be padded."""
+
+
+def _check_complete(path: Path) -> _Size:
+    """Reject a file that is not C3D, or is cut off in its parameters, where the library would count for minutes."""
     # Errors of the file system are raised here, with their own messages.
     with path.open("rb") as file:
         header = file.read(BLOCK)
@@ -79,7 +97,38 @@ def _check_complete(path: Path) -> int:
     )
     if size < n_blocks_before_data * BLOCK:
         raise ValueError("it ends in its parameters")
-    return last_frame - first_frame + 1
+    n_points, n_analog = struct.unpack_from(byte_order + "HH", header, NUMBERS_OFFSET)
+    (scale,) = struct.unpack_from(byte_order + "f", header, SCALE_OFFSET)
+    bytes_per_number = 2
+    if scale < 0.0:
+        bytes_per_number = 4
+    bytes_per_frame = bytes_per_number * (NUMBERS_PER_POINT * n_points + n_analog)
+    n_frames_by_length = 0
+    if bytes_per_frame:
+        n_frames_by_length = (size - n_blocks_before_data * BLOCK) // bytes_per_frame
+    return _Size(n_frames=last_frame - first_frame + 1, n_frames_by_length=n_frames_by_length)
+
+
+def _check_all_frames(parameters: Any, size: _Size, n_frames_read: int) -> None:
+    """Reject a file that holds more frames than its header can count, of which the library reads the first ones."""
+    n_frames = n_frames_read
+    if n_frames_read >= MOST_FRAMES_IN_HEADER:
+        n_frames = size.n_frames_by_length
+    if "TRIAL" in parameters and "ACTUAL_END_FIELD" in parameters["TRIAL"]:
+        first = _join_words(parameters["TRIAL"]["ACTUAL_START_FIELD"]["value"])
+        last = _join_words(parameters["TRIAL"]["ACTUAL_END_FIELD"]["value"])
+        n_frames = max(n_frames_read, last - first + 1)
+    if n_frames > n_frames_read:
+        raise ValueError(
+            f"it holds about {n_frames} frames, of which only the first {n_frames_read} can be read: "
+            "export it in parts, or as TSV"
+        )
+
+
+def _join_words(words: Any) -> int:
+    """Return a number that is stored as two of 16 bits, the lower one first."""
+    low, high = (int(word) % WORD for word in words)
+    return low + WORD * high
 
 
 def _build_table(parameters: Any, data: Any) -> Table:
@@ -89,25 +138,41 @@ def _build_table(parameters: Any, data: Any) -> Table:
     unit = _length_unit(point_parameters)
     columns: dict[str, Samples | str] = {}
     units: dict[str, str] = {}
-    for i, label in enumerate(point_parameters["LABELS"]["value"]):
+    for i, label in enumerate(_labels_of_points(point_parameters)):
         marker = str(label).strip()
-        # A negative residual is the format's mark for a point that was not seen.
+        # A negative residual is the format's mark for a point that was not seen; some programs
+        # write zeros instead.
         is_lost = data["meta_points"]["residuals"][0, i] < 0.0
+        is_lost = is_lost | np.all(points[:3, i] == 0.0, axis=0)
         for axis, axis_name in enumerate(AXES):
-            columns[f"{marker} {axis_name}"] = np.where(is_lost, np.nan, points[axis, i])
-            units[f"{marker} {axis_name}"] = unit
+            name = f"{marker} {axis_name}"
+            positions = np.where(is_lost, np.nan, points[axis, i])
+            columns[name] = describe_twice(marker) if name in columns else positions
+            units[name] = unit
     if "ANALOG" in parameters:
         n_frames = points.shape[2]
         for i, label in enumerate(parameters["ANALOG"]["LABELS"]["value"]):
             samples = np.asarray(data["analogs"][0, i], dtype=np.float64)
-            columns[str(label).strip()] = samples.reshape(n_frames, -1).mean(axis=1)
+            name = str(label).strip()
+            means = samples.reshape(n_frames, -1).mean(axis=1)
+            columns[name] = describe_twice(name) if name in columns else means
     rate = float(point_parameters["RATE"]["value"][0])
     return Table(columns=columns, units=units, rate=rate)
+
+
+def _labels_of_points(point_parameters: Any) -> list[str]:
+    """Return the names of all markers; beyond 255, they go on in parameters with a number."""
+    labels = list(point_parameters["LABELS"]["value"])
+    number = 2
+    while f"LABELS{number}" in point_parameters:
+        labels += point_parameters[f"LABELS{number}"]["value"]
+        number += 1
+    return labels
 
 
 def _length_unit(point_parameters: Any) -> str:
     """Return the unit of all positions, mm unless the file states another one."""
     if "UNITS" in point_parameters:
         for unit in point_parameters["UNITS"]["value"]:
-            return str(unit).strip()
+            return read_unit(str(unit)) or str(unit).strip()
     return "mm"

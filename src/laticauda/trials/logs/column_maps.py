@@ -89,7 +89,9 @@ class ColumnMap:
     separator: str | None = option(
         "Separator of the cells of a text file; None: detected", default=None
     )
-    decimal: Literal[".", ","] = option("Decimal point or comma", default=".")
+    decimal: Literal[".", ","] | None = option(
+        "Decimal point or comma; None: detected", default=None
+    )
     time: TimeColumn = option("Times of the rows", default=TimeColumn())
     frame: Frame = option("World axes", default=Frame())
     center_of_mass: Position | None = option(

@@ -3,10 +3,11 @@
 from pathlib import Path
 
 from laticauda.trials import Format, Trial
-from laticauda.trials.logs import c3d, column_maps, mat, qtm, tables, tabular
+from laticauda.trials.logs import c3d, column_maps, mat, qtm, tabular
 from laticauda.trials.logs.measuring import build_measured_trial
 from laticauda.trials.logs.recording import failures_of
 from laticauda.values import TrialFileError, files
+from laticauda.values.tables import Table, build_table, decode_text, is_workbook, parse_sheet
 
 
 def load_trial(
@@ -14,7 +15,7 @@ def load_trial(
 ) -> Trial:
     """Read a trial from a file that `Trial.save` wrote, or build one from an external log.
 
-    A log is CSV, TSV, Parquet, .mat, C3D, or a TSV export of Qualisys Track Manager; the how-to
+    A log is CSV, TSV, Excel, Parquet, .mat, C3D, or a TSV export of Qualisys Track Manager; the how-to
     "Bring your own measurements" explains what the trial takes from it.
 
     Args:
@@ -57,14 +58,14 @@ def _load_own_file(path: Path) -> Trial:
         return Trial.from_dataset(file_format.read(path))
 
 
-def read_table(path: Path, separator: str | None = None, decimal: str = ".") -> tables.Table:
-    """Read a file of columns: CSV, TSV, QTM's TSV, C3D, Parquet, .mat.
+def read_table(path: Path, separator: str | None = None, decimal: str | None = None) -> Table:
+    """Read a file of columns: CSV, TSV, Excel, QTM's TSV, C3D, Parquet, .mat.
 
     Args:
         path: The file; its extension sets the format, and its first line shows whether a table is
             QTM's.
         separator: Separator between the cells of a text file; detected if None.
-        decimal: Decimal separator of a text file, point or comma.
+        decimal: Decimal separator of a text file, point or comma; detected if None.
 
     Raises:
         ValueError: If the content is invalid.
@@ -75,24 +76,12 @@ def read_table(path: Path, separator: str | None = None, decimal: str = ".") -> 
     if ending == ".c3d":
         return c3d.read_c3d(path)
     if ending == ".parquet":
-        return tables.Table(columns=tabular.read_parquet_columns(path))
+        return Table(columns=tabular.read_parquet_columns(path))
     if ending == ".mat":
-        return tables.Table(columns=mat.read_mat_columns(path))
-    lines = _read_lines(path)
-    if lines[0].startswith("NO_OF_FRAMES"):
-        return qtm.parse_qtm(lines)
-    return tables.parse_csv(lines, separator, decimal)
-
-
-def _read_lines(path: Path) -> list[str]:
-    """Return the lines of a text file, at least one; a text that is not UTF-8 is taken for Latin-1."""
+        return Table(columns=mat.read_mat_columns(path))
     content = files.read_bytes(path)
-    lines = list[str]()
-    try:
-        lines = content.decode("utf-8-sig").splitlines()
-    except UnicodeDecodeError:
-        if b"\x00" not in content:
-            lines = content.decode("latin-1").splitlines()
-    if not lines:
-        raise ValueError("it is not a text file of columns, or it is empty.")
-    return lines
+    if not is_workbook(content):
+        text = decode_text(content)
+        if text.startswith("NO_OF_FRAMES"):
+            return qtm.parse_qtm(text.splitlines())
+    return build_table(parse_sheet(content, separator, decimal))

@@ -4,21 +4,11 @@ Every section is a value class; `column_maps` joins them to a map. Units are tho
 factors convert them to SI.
 """
 
-import math
 from typing import Any, Literal, TypeAlias
 
 from laticauda.values import BadArgument, check_finite, option, quantity, value_class
+from laticauda.values.tables import ANGLES, RATES, TORQUES
 
-LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
-"""Length of each unit [m]; as in all these tables, the first unit is the default."""
-ANGLES = {"rad": 1.0, "deg": math.pi / 180.0}
-"""Angle of each unit [rad]."""
-TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6}
-"""Time of each unit [s]."""
-RATES = {"rad/s": 1.0, "deg/s": math.pi / 180.0}
-"""Angular rate of each unit [rad/s]."""
-TORQUES = {"N m": 1.0, "N cm": 1e-2, "N mm": 1e-3}
-"""Torque of each unit [N m]."""
 JOINT_UNITS = {
     "joint_angle": ANGLES,
     "joint_angle_ref": ANGLES,
@@ -46,7 +36,11 @@ class TimeColumn:
     """Times of the rows; if neither field is given, the file itself must state them."""
 
     column: str | None = option("Name of the column", default=None)
-    unit: Literal["s", "ms", "us"] = option("Unit of the column", default="s")
+    unit: Literal["s", "ms", "us", "ns"] | None = option(
+        "Unit of the column; None: the one that the file or its name states, else s; times since "
+        "1970 are recognized",
+        default=None,
+    )
     rate: float | None = quantity(
         "Hz", "Rows per second, instead of a column", default=None, gt=0.0
     )
@@ -165,7 +159,9 @@ class JointColumns:
         "", "Number of the tail-most joint, if they are numbered", default=0, ge=0
     )
     head_first: bool = option("Whether the first column is of the head-most joint", default=False)
-    unit: str | None = option("Unit of the columns; None: SI", default=None)
+    unit: str | None = option(
+        "Unit of the columns; None: the one stated in the file, else SI", default=None
+    )
     sign: float = quantity(
         "", "-1 if positive values in the file turn the robot right", default=1.0
     )

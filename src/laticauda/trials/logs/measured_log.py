@@ -8,9 +8,8 @@ from jaxtyping import Bool, Float
 
 from laticauda.trials.arrays import Samples
 from laticauda.trials.logs.column_maps import ColumnMap
-from laticauda.trials.logs.map_sections import ANGLES, LENGTHS
-from laticauda.trials.logs.tables import Table
 from laticauda.values import BadArgument
+from laticauda.values.tables import ANGLES, LENGTHS, Table, find_lost_samples, unit_in_name
 
 SMALLEST_EXCESS = 1e-9
 """A gap is too long if it exceeds the longest allowed one by this, relative to it."""
@@ -33,6 +32,8 @@ class MeasuredLog:
     """Whether any quantity had a gap at each sample; updated by `fill`."""
     filled_columns: list[str] = field(default_factory=list[str])
     """Names of the quantities that had a gap; updated by `fill`."""
+    remarks: list[str] = field(default_factory=list[str])
+    """What was not taken as the file says it; updated by `read_positions`, and others."""
 
     def read(self, name: str) -> Samples:
         """Return the column `name` as it is in the file, including its gaps."""
@@ -53,23 +54,46 @@ class MeasuredLog:
         """Return the columns `names` as lengths [m], including gaps; `unit` if the map states it."""
         columns: list[Samples] = []
         for name in names:
-            factor = LENGTHS[self._find_unit(name, unit, LENGTHS)]
+            factor = LENGTHS[self.find_unit(name, unit, LENGTHS)]
             columns.append(factor * self.read(name))
         return np.stack(columns, axis=1)
 
+    def read_positions(
+        self, names: Sequence[str], unit: str | None, *, body_length: float
+    ) -> Float[np.ndarray, "n_samples n_columns"]:
+        """Return a position [m], nan where it is missing, or is a constant that stands for a lost marker."""
+        position = self.read_lengths(names, unit)
+        label = _name_of_point(names)
+        lost = find_lost_samples(label, self.time, position, body_length=body_length)
+        if lost.code is not None:
+            code = ", ".join(f"{coordinate:g}" for coordinate in lost.code)
+            self.remarks.append(f"`{label}` was lost in {lost.n_lost} samples, at ({code}) m")
+        return np.where(lost.is_lost[:, np.newaxis], np.nan, position)
+
     def read_angle(self, name: str, unit: str | None) -> Samples:
         """Return the column `name` as angles [rad], including gaps; `unit` if the map states it."""
-        return ANGLES[self._find_unit(name, unit, ANGLES)] * self.read(name)
+        return ANGLES[self.find_unit(name, unit, ANGLES)] * self.read(name)
 
-    def _find_unit(self, name: str, unit_in_map: str | None, units: Mapping[str, float]) -> str:
+    def find_unit(self, name: str, unit_in_map: str | None, units: Mapping[str, float]) -> str:
         """Return the unit that the map states for a column, else that of the file, else the default."""
         default = next(iter(units))
-        unit = unit_in_map or self.table.units.get(name) or default
+        unit = unit_in_map or self.table.unit_of(name) or default
+        if unit not in units and unit_in_map is None and unit == unit_in_name(name):
+            unit = default  # the name only ends like a unit
         if unit not in units:
             raise ValueError(
                 f"Column `{name}` must be in {', '.join(units)}, but the file says {unit!r}."
             )
         return unit
+
+
+def _name_of_point(names: Sequence[str]) -> str:
+    """Return what the names of coordinates have in common, such as `head` of `head X` and `head Y`."""
+    first, *others = names
+    n_common = 0
+    while n_common < len(first) and all(name.startswith(first[: n_common + 1]) for name in others):
+        n_common += 1
+    return first[:n_common].strip(" _.:") or ", ".join(names)
 
 
 def fill_gaps(

@@ -1,5 +1,6 @@
 """A trial from the table of an external log: units, axes, kinematics, gaps, rates and work."""
 
+from collections.abc import Sequence
 from importlib.metadata import version
 from typing import Any
 
@@ -16,13 +17,11 @@ from laticauda.trials.logs.measured_log import MeasuredLog
 from laticauda.trials.logs.placing import measure_placement, read_joints
 from laticauda.trials.logs.rates import differentiate_signal
 from laticauda.trials.logs.row_times import select_rows
-from laticauda.trials.logs.tables import Table
 from laticauda.values import series
+from laticauda.values.tables import Table
 
 FASTEST = 5.0
 """Speed in robot lengths per second [1/s]; anything faster is in another unit."""
-LARGEST_BEND = np.pi
-"""Angle of a joint [rad]; anything larger is in another unit."""
 N_LISTED_COLUMNS = 4
 """Columns with gaps that the status of a trial lists by name at most."""
 RATES = {
@@ -62,12 +61,15 @@ def build_measured_trial(table: Table, column_map: ColumnMap, source: str) -> Tr
         time=rows.time,
         has_gap=np.zeros(rows.time.size, dtype=np.bool_),
     )
+    if rows.remark:
+        log.remarks.append(rows.remark)
     arrays = _read_series(log)
     if column_map.power is not None:
         arrays["electrical_work"] = _integrate_power(log, column_map.power)
     signals = {
         name: log.fill(column, log.read(column)) for name, column in column_map.signals.items()
     }
+    notes["reading"] = _describe_reading(log)
     notes["filled_samples"] = int(np.count_nonzero(log.has_gap))
     return Trial.measured(
         arrays,
@@ -115,12 +117,6 @@ def _check_plausible(arrays: dict[str, Any], chain: robot.Robot) -> None:
             f"The robot of {chain.length:.3g} m must swim at most {FASTEST:g} lengths per second, got {speed:.3g} m/s; "
             "is `length_unit` mm?"
         )
-    for name in ("joint_angle", "joint_angle_ref"):
-        largest = float(np.max(np.abs(arrays.get(name, 0.0)), initial=0.0))
-        if largest > LARGEST_BEND:
-            raise ValueError(
-                f"`{name}` must be between -pi and pi rad, got {largest:.4g} rad; is its `unit` deg?"
-            )
 
 
 def _integrate_power(log: MeasuredLog, meter: Power) -> Samples:
@@ -146,19 +142,31 @@ def _read_voltage(log: MeasuredLog, meter: Power) -> Samples | float:
     return meter.voltage
 
 
+def _describe_reading(log: MeasuredLog) -> str:
+    """Return in one line what was read: rows, span, and all that was not taken as the file says it."""
+    n_rows = f"{log.time.size} of {log.table.n_rows} rows"
+    span = f"from {log.time[0]:.6g} to {log.time[-1]:.6g} s"
+    return "; ".join([f"{n_rows}, {span}", *log.table.remarks, *log.remarks])
+
+
 def _describe_gaps(log: MeasuredLog) -> str:
     if not log.filled_columns:
-        return "Measured, without gaps."
+        return " ".join(["Measured, without gaps.", *_sentences(log.remarks)])
     n_samples_with_gap = int(np.count_nonzero(log.has_gap))
     columns = sorted(set(log.filled_columns))
     n_not_listed = len(columns) - N_LISTED_COLUMNS
     listed = ", ".join(columns[:N_LISTED_COLUMNS])
     if n_not_listed > 0:
         listed += f" and {n_not_listed} more"
-    return (
+    gaps = (
         f"Measured; {n_samples_with_gap} of {log.time.size} samples had gaps in {listed}, "
         "filled by straight lines."
     )
+    return " ".join([gaps, *_sentences(log.remarks)])
+
+
+def _sentences(remarks: Sequence[str]) -> list[str]:
+    return [f"{remark[0].upper()}{remark[1:]}." for remark in remarks]
 
 
 # ---- tables that laticauda wrote -----------------------------------------------------------------

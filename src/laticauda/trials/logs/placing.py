@@ -23,8 +23,8 @@ from laticauda.trials.logs.map_sections import (
     Position,
 )
 from laticauda.trials.logs.measured_log import MeasuredLog
-from laticauda.trials.logs.tables import Table
 from laticauda.values import BadArgument
+from laticauda.values.tables import ANGLES, Table, check_jumps, check_unit, mend_turns
 
 Points: TypeAlias = Float[np.ndarray, "n_samples 2"]
 Directions: TypeAlias = Float[np.ndarray, "n_samples 3"]
@@ -201,7 +201,8 @@ def _rotation_of_trial(frame: Frame) -> Float[np.ndarray, "2 2"]:
 def _read_position(log: MeasuredLog, names: Sequence[str], unit: str | None) -> Points:
     """Return a position in the trial's axes [m], without gaps, from its two or three columns."""
     frame = log.column_map.frame
-    columns = log.read_lengths(names, unit).T
+    body_length = log.column_map.robot.planar().length
+    columns = log.read_positions(names, unit, body_length=body_length).T
     axes = _axes_of_trial(frame)
     filled = [log.fill(name, column) for name, column in zip(names, columns, strict=True)]
     position = np.stack(filled, axis=1)
@@ -244,13 +245,32 @@ def read_joints(log: MeasuredLog, section: str, chain: robot.Robot) -> Angles:
             number of joints.
     """
     columns: JointColumns = getattr(log.column_map, section)
-    units = JOINT_UNITS[section]
-    default_unit = next(iter(units))
-    factor = columns.sign * units[columns.unit or default_unit]
     try:
         names = columns.names(chain.n_joints)
     except ValueError as error:
         raise ValueError(str(error).replace("`columns`", f"`{section}.columns`")) from error
     if not names:
         return np.zeros((log.time.size, 0))
-    return np.stack([log.fill(name, factor * log.read(name)) for name in names], axis=1)
+    joints: list[Samples] = []
+    for name in names:
+        values = _read_joint(log, section, name, columns.unit)
+        joints.append(log.fill(name, columns.sign * values))
+    angles = np.stack(joints, axis=1)
+    if JOINT_UNITS[section] is ANGLES:
+        unit = log.find_unit(names[0], columns.unit, ANGLES)
+        check_unit(section, angles, unit)
+    return angles
+
+
+def _read_joint(log: MeasuredLog, section: str, name: str, unit_in_map: str | None) -> Samples:
+    """Return the values of one joint in SI units, nan where one is missing; angles without whole turns."""
+    units = JOINT_UNITS[section]
+    unit = log.find_unit(name, unit_in_map, units)
+    values = units[unit] * log.read(name)
+    if units is not ANGLES:
+        return values
+    mended = mend_turns(values)
+    if mended.n_turns:
+        log.remarks.append(f"whole turns were taken out of `{name}` at {mended.n_turns} samples")
+    check_jumps(name, log.time, mended.radians)
+    return mended.radians

@@ -11,7 +11,7 @@ import numpy as np
 
 from laticauda.trials.arrays import Samples
 from laticauda.trials.logs.map_sections import AXES
-from laticauda.trials.logs.tables import Table, convert_numbers
+from laticauda.values.tables import Table, convert_numbers, describe_twice
 
 PARTS_OF_MARKER = AXES
 """Numbers of a marker in each row, in the order of the file."""
@@ -102,15 +102,18 @@ def parse_qtm(lines: Sequence[str]) -> Table:
     n_frames = int(float(head.value("NO_OF_FRAMES", default="-1")))
     _check_rows(rows, width=len(names), n_frames=n_frames)
     columns: dict[str, Samples | str] = {}
+    row_numbers = [rows.n_lines_above + 1 + i for i in range(len(rows.cells))]
     for i, name in enumerate(names):
         cells = [row[i] for row in rows.cells]
-        columns[name] = convert_numbers(name, cells, first_row=rows.n_lines_above + 1)
+        numbers = convert_numbers(name, cells, row_numbers)
+        is_twice = name in columns
+        columns[name] = describe_twice(name) if is_twice else numbers
     for object_name in object_names:
         _forget_lost_frames(columns, object_name)
     rate = None
     if "FREQUENCY" in head.values:
         rate = float(head.values["FREQUENCY"][0])
-    return Table(columns=columns, units=_units_of(number_names), rate=rate)
+    return Table(columns=columns, units=_units_of(number_names), rate=rate, row_numbers=row_numbers)
 
 
 def _parse_head(lines: Sequence[str]) -> _Head:
@@ -131,7 +134,9 @@ def _parse_rows(lines: Sequence[str], n_lines_of_head: int) -> _Rows:
         if line.strip():
             # Every line also ends with a tab.
             cells.append(line.rstrip("\r\n").removesuffix("\t").split("\t"))
-    has_header = bool(cells) and isinstance(convert_numbers("", cells[0][:1], n_lines_of_head), str)
+    has_header = bool(cells) and isinstance(
+        convert_numbers("", cells[0][:1], [n_lines_of_head]), str
+    )
     if not has_header:
         return _Rows(header=[], cells=cells, n_lines_above=n_lines_of_head)
     return _Rows(header=cells[0], cells=cells[1:], n_lines_above=n_lines_of_head + 1)

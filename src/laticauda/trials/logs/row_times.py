@@ -7,12 +7,9 @@ from jaxtyping import Bool
 
 from laticauda.trials.arrays import Samples, check_times
 from laticauda.trials.logs.column_maps import ColumnMap
-from laticauda.trials.logs.map_sections import TIMES
-from laticauda.trials.logs.tables import Table
 from laticauda.values import BadArgument
+from laticauda.values.tables import Table, check_sampling, read_times
 
-SLOWEST_SAMPLING = 1.0
-"""Longest usual step between samples [s]; anything longer is in another unit."""
 SMALLEST_GAP_IN_STEPS = 3.0
 """Steps up to which the time between two samples is no gap, whatever the map allows."""
 
@@ -24,13 +21,16 @@ class TrialRows(NamedTuple):
     """Their times since the start of the trial [s]."""
     is_included: Bool[np.ndarray, " n_rows"]
     """Whether each row of the file is one of them."""
+    remark: str
+    """How the times were recognized, if they do not simply count seconds; else ""."""
 
 
 class _NamedTimes(NamedTuple):
     name: str
     """What the times are called in messages."""
-    values: Samples
+    seconds: Samples
     """Times of all rows [s]."""
+    remark: str
 
 
 def select_rows(table: Table, column_map: ColumnMap) -> TrialRows:
@@ -43,11 +43,7 @@ def select_rows(table: Table, column_map: ColumnMap) -> TrialRows:
     Raises:
         ValueError: If times are missing, do not increase, have a long gap, or are in another unit.
     """
-    name, times = _read_times(table, column_map)
-    is_finite = np.isfinite(times)
-    if not np.all(is_finite):
-        first_row = int(np.argmin(is_finite)) + 1
-        raise BadArgument(name, f"must hold numbers, but has none in its row {first_row}")
+    name, times, remark = _read_times(table, column_map)
     is_included = np.ones(table.n_rows, dtype=np.bool_)
     if column_map.start is not None:
         is_included &= times >= column_map.start
@@ -55,20 +51,21 @@ def select_rows(table: Table, column_map: ColumnMap) -> TrialRows:
         is_included &= times <= column_map.stop
     _check_count(name, times, n_included=int(np.count_nonzero(is_included)))
     included_times = check_times(name, times[is_included])
+    check_sampling(name, included_times)
     _check_steps(name, included_times, column_map.longest_gap)
     # Time counts from the start requested by the user, or from the first row.
     start = column_map.start
     if start is None:
         start = float(included_times[0])
-    return TrialRows(time=included_times - start, is_included=is_included)
+    return TrialRows(time=included_times - start, is_included=is_included, remark=remark)
 
 
 def _read_times(table: Table, column_map: ColumnMap) -> _NamedTimes:
     """Return the times of all rows: from a column, or else from a rate stated in the map or the file."""
     column = column_map.time.column
     if column is not None:
-        factor = TIMES[column_map.time.unit]
-        return _NamedTimes(name=column, values=factor * table[column])
+        file_times = read_times(table, column, column_map.time.unit)
+        return _NamedTimes(name=column, seconds=file_times.seconds, remark=file_times.remark)
     rate = column_map.time.rate
     if rate is None:
         rate = table.rate
@@ -81,7 +78,8 @@ def _read_times(table: Table, column_map: ColumnMap) -> _NamedTimes:
             "The map must say `time.column` or `time.rate`: "
             f"the file states a rate of {rate:g} Hz, which gives its rows no times."
         )
-    return _NamedTimes(name="time", values=np.arange(table.n_rows) / rate)
+    seconds = np.arange(table.n_rows) / rate
+    return _NamedTimes(name="time", seconds=seconds, remark="")
 
 
 def _check_count(name: str, times: Samples, n_included: int) -> None:
@@ -96,14 +94,9 @@ def _check_count(name: str, times: Samples, n_included: int) -> None:
 
 
 def _check_steps(name: str, times: Samples, longest_gap: float) -> None:
-    """Reject times in another unit, and times with a gap longer than the map allows [s]."""
+    """Reject times with a gap longer than the map allows [s]."""
     steps = np.diff(times)
     usual_step = float(np.median(steps))
-    if usual_step > SLOWEST_SAMPLING:
-        raise ValueError(
-            f"`{name}` must have steps of at most {SLOWEST_SAMPLING:g} s, "
-            f"got {usual_step:g} s; is its unit ms?"
-        )
     longest_step = float(np.max(steps))
     if longest_step > max(longest_gap, SMALLEST_GAP_IN_STEPS * usual_step):
         time_before = float(times[np.argmax(steps)])

@@ -25,17 +25,21 @@ from laticauda.values.tables.columns import (
     Table as Table,
     build_table as build_table,
     convert_numbers as convert_numbers,
+    describe_twice as describe_twice,
 )
+from laticauda.values.tables.decoding import decode_text as decode_text
 from laticauda.values.tables.opening import (
     failures_of_table as failures_of_table,
     open_sheet as open_sheet,
 )
+from laticauda.values.tables.positions import find_lost_samples as find_lost_samples
 from laticauda.values.tables.sheets import Sheet as Sheet, parse_sheet as parse_sheet
 from laticauda.values.tables.times import (
     check_increasing as check_increasing,
     check_sampling as check_sampling,
     read_times as read_times,
 )
+from laticauda.values.tables.workbooks import is_workbook as is_workbook
 from laticauda.values.tables.units import (
     ANGLES as ANGLES,
     LENGTHS as LENGTHS,

@@ -1,13 +1,14 @@
 """Angles of joints over time: their unit, whole turns between samples, and jumps that no joint makes."""
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
 from laticauda.values.errors import BadArgument
-from laticauda.values.tables.columns import Samples, Table
+from laticauda.values.tables.columns import Samples
 
 LARGEST_BEND = math.pi
 """Angle of a joint [rad]; anything larger is in another unit."""
@@ -76,17 +77,19 @@ def check_unit(name: str, radians: Float[np.ndarray, "..."], unit: str) -> None:
         raise BadArgument(name, f"{rule}; is its `unit` deg?")
 
 
-def check_jumps(table: Table, name: str, seconds: Samples, radians: Samples) -> None:
+def check_jumps(
+    name: str, seconds: Samples, radians: Samples, row_numbers: Sequence[int] = ()
+) -> None:
     """Reject angles that jump as no joint does.
 
     Args:
-        table: The table, whose rows are named in the message.
         name: Name of the column.
         seconds: Times of its rows [s], increasing.
         radians: Angles [rad]; nan where one is missing.
+        row_numbers: Numbers of the rows in the file, for the message.
 
     Raises:
-        ValueError: If they jump; the message names the rows.
+        ValueError: If they jump; the message says where.
     """
     samples = np.flatnonzero(np.isfinite(radians))
     changes = np.abs(np.diff(radians[samples]))
@@ -95,9 +98,9 @@ def check_jumps(table: Table, name: str, seconds: Samples, radians: Samples) -> 
     if not np.any(is_jump):
         return
     i = int(np.argmax(is_jump))
-    before = table.describe_row(int(samples[i]))
-    after = table.describe_row(int(samples[i + 1]))
-    jump = math.degrees(changes[i])
-    interval = float(seconds[samples[i + 1]] - seconds[samples[i]])
-    rule = f"jumps by {jump:.3g} deg within {interval:.3g} s, from {before} to {after}"
+    after = int(samples[i + 1])
+    begin, end = float(seconds[samples[i]]), float(seconds[after])
+    rule = f"jumps by {math.degrees(changes[i]):.3g} deg from {begin:.6g} s to {end:.6g} s"
+    if row_numbers:
+        rule += f", in row {row_numbers[after]}"
     raise BadArgument(name, f"{rule}: no joint turns that fast")

@@ -155,6 +155,15 @@ def convert_numbers(name: str, cells: Sequence[str], row_numbers: Sequence[int])
     return numbers
 
 
+def describe_twice(name: str) -> str:
+    """Return the sentence about a column whose name the file has more than once.
+
+    Args:
+        name: Name of the column, or of a marker.
+    """
+    return f"The file has `{name}` more than once: name every column and every marker once."
+
+
 def _parse_number(text: str) -> float:
     if _CALENDAR_TIME.fullmatch(text):
         moment = datetime.datetime.fromisoformat(text.replace(",", "."))
