@@ -397,3 +397,12 @@ def test_table_1_gives_one_friction_for_both_gaits():
         for gait in ("lateral undulation", "eel-like motion")
         for fin in ("with", "without")
     }
+
+
+def test_noise_in_mm_is_said_when_it_is_fitted_and_a_measurement_may_hold_any():
+    (first, *_) = swum()
+    time = np.linspace(0.0, 1.0, 5)
+    path = replace(first, time=time, series={"center_of_mass": (np.zeros((5, 2)), 5.0)})
+    sentence = r"sigma of center_of_mass of 5 m hides all motion; did you mean 0.005 \(5 mm\)\?"
+    with pytest.warns(lc.ImplausibleWarning, match=sentence):
+        fit([path], parameters=[FRICTION], n_starts=1)

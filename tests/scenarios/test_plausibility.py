@@ -339,6 +339,20 @@ WRONG: dict[str, tuple[Callable[[], lc.Scenario], str, str]] = {
 """What is given, whether it is refused or warned of, and what the answer must hold."""
 
 
+TRUE: dict[str, Callable[[], lc.Scenario]] = {
+    "the lowest frequency of the gait map, 20 deg/s": lambda: gait(frequency=math.radians(20.0)),
+    "a recording that begins with its first sample": lambda: recorded(begin=0.008),
+    "a recording after which the robot glides": lambda: recorded(n_samples=371),
+    "a motor that is off": lambda: servo(stall_torque=1e-9, stall_current=1e-9),
+}
+"""What is meant as it is given, and looks odd only at first sight."""
+
+
+@pytest.mark.parametrize("case", TRUE)
+def test_what_is_odd_only_at_first_sight_is_not_doubted(case):
+    assert list(judge_scenario(TRUE[case]())) == []
+
+
 def test_there_are_40_and_more():
     assert len(WRONG) >= 40
 

@@ -156,6 +156,7 @@ def test_a_folder_whose_making_was_cut_short_is_made_anew(tmp_path: Path):
     assert run_sweep(small(), tmp_path / "a").n_finished == 12
 
 
+@pytest.mark.usefixtures("limit_case")
 def test_a_run_that_blows_up_is_counted_and_has_no_numbers(tmp_path: Path):
     points = Grid(values={"water.normal_drag": [1.75, 1e3]})
     found = run_sweep(small(points=points, dt=0.1), tmp_path / "a")

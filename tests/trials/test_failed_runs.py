@@ -14,6 +14,7 @@ from laticauda.connect.session import Session
 from laticauda.control.averaged_fit import fit_averaged
 from laticauda.identify import from_trial
 from laticauda.models.simulate import figure_intervals, swim_many
+from laticauda.scenarios import limit_case
 from laticauda.trials import FIGURES, following
 from laticauda.values import RunFailed
 
@@ -24,7 +25,8 @@ GAIT = dataclasses.replace(SLOW, frequency=130.0)
 
 @pytest.fixture(scope="module")
 def diverged() -> lc.Trial:
-    trial = lc.swim("mamba", GAIT, 5.0)
+    with limit_case():
+        trial = lc.swim("mamba", GAIT, 5.0)
     assert not trial.succeeded and trial.time.size > 2
     return trial
 
@@ -118,6 +120,7 @@ def test_a_server_answers_a_diverged_run_with_its_status_and_no_number():
     assert [figures[figure.name] for figure in FIGURES] == [None] * len(FIGURES)
 
 
+@pytest.mark.usefixtures("limit_case")
 @pytest.mark.filterwarnings("ignore:`timestep`")
 @pytest.mark.parametrize("changes", [{}, {"model": "spatial", "dt": 0.02}])
 def test_a_batch_has_nan_and_the_status_where_a_run_diverged(changes: dict[str, Any]):

@@ -10,7 +10,7 @@ import numpy as np
 from laticauda.identify.estimates import Optimum, assemble_fit
 from laticauda.identify.identifiability import LIMIT
 from laticauda.identify.local_search import MOST_STEPS, LocalSearch, Vector, minimize
-from laticauda.identify.measurements import Measurement
+from laticauda.identify.measurements import Measurement, warn_of_noise
 from laticauda.identify.method import Method
 from laticauda.identify.model import predict
 from laticauda.identify.noise_factor import NoiseFactor, measure_noise_factor
@@ -102,6 +102,8 @@ def fit(
         noise=noise, loss=loss, n_starts=n_starts, seed=seed, confidence=confidence, limit=limit
     )
     problem = make_problem(measurements, parameters, robot, threads=threads, model=model, **changes)
+    for measurement in problem.measurements:
+        warn_of_noise(measurement)
     solution = solve(problem, method, progress=progress, keep=keep)
     if rivals and isinstance(problem.model, Planar):
         solution = _try_rival_laws(solution)

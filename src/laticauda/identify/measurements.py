@@ -161,9 +161,7 @@ class Measurement:
         if largest > LARGEST:
             raise BadArgument(argument, f"must hold numbers up to {LARGEST:g}, got {largest:g}")
         if np.ndim(sigma) == 0:
-            checked_sigma = _checked_sigma(argument, sigma, SERIES[series])
-            _doubt_sigma(argument, series, checked_sigma)
-            return checked_samples, checked_sigma
+            return checked_samples, _checked_sigma(argument, sigma, SERIES[series])
         return checked_samples, _checked_sigmas(argument, sigma, checked_samples.shape)
 
     @property
@@ -231,14 +229,20 @@ LARGEST_SIGMAS: Mapping[str, tuple[float, str]] = {
 """Noise that no camera has, in the series' unit, and what was probably meant."""
 
 
-def _doubt_sigma(argument: str, series: str, sigma: float) -> None:
-    """Warn of noise that hides all motion, because it is in another unit."""
-    if series not in LARGEST_SIGMAS:
-        return
-    largest, hint = LARGEST_SIGMAS[series]
-    if sigma > largest:
-        noise = f"sigma of {argument} of {sigma:g} {SERIES[series]} hides all motion"
-        warn_of_doubt(f"{noise}; {hint.format(meant=1e-3 * sigma, sigma=sigma)}")
+def warn_of_noise(measurement: Measurement) -> None:
+    """Warn of stated noise that hides all motion, because it is in another unit.
+
+    Args:
+        measurement: A measurement that is about to be fitted; others may hold any noise.
+    """
+    for name, (largest, hint) in LARGEST_SIGMAS.items():
+        if name not in measurement.series:
+            continue
+        sigma = float(np.min(measurement.series[name][1]))
+        if sigma > largest:
+            noise = f"`series` of `{measurement.name}`: sigma of {name} of {sigma:g} {SERIES[name]}"
+            meant = hint.format(meant=1e-3 * sigma, sigma=sigma)
+            warn_of_doubt(f"{noise} hides all motion; {meant}")
 
 
 def _checked_sigmas(argument: str, sigmas: object, shape: tuple[int, ...]) -> np.ndarray:

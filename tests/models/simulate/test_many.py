@@ -132,6 +132,7 @@ def test_a_trial_that_diverges_does_not_disturb_the_others():
         assert "The run diverged at t = " in swims.status[i]
 
 
+@pytest.mark.usefixtures("limit_case")
 @pytest.mark.parametrize("model", ["planar", "spatial"])
 def test_a_batch_says_how_many_trials_failed_and_how_many_the_robot_cannot_do(model):
     gaits = [replace(GAIT, frequency=frequency) for frequency in (1.0, 4.0, 1e6)]

@@ -13,6 +13,7 @@ import laticauda as lc
 from laticauda.models.planar import rows
 from laticauda.models.planar.layout import build_layout
 from laticauda.robot import CaudalFin, Joint
+from laticauda.scenarios import limit_case
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -68,9 +69,11 @@ def test_accelerations_are_the_planar_ones_in_any_state(seed, n_hinges, driven, 
     )
     expected = body[is_free, rows.ACCELERATION]
 
-    model = lc.build_plant(
-        robot, water, model="spatial", root="planar", gravity=False, dt=0.001
-    ).model
+    with limit_case():  # the fin may be longer than the robot
+        plant = lc.build_plant(
+            robot, water, model="spatial", root="planar", gravity=False, dt=0.001
+        )
+    model = plant.model
     data = mujoco.MjData(model)
     own = is_free.sum() - 3
     # There the joints of the body come first, and those of the fin follow from its root on.

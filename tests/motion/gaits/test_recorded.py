@@ -109,6 +109,7 @@ def test_a_joint_that_does_a_share_does_it_of_the_recording_too():
     np.testing.assert_allclose(lazy.joint_angle_ref, full.joint_angle_ref, atol=1e-14)
 
 
+@pytest.mark.usefixtures("limit_case")  # one recording ends early
 def test_a_batch_of_recordings_and_gaits_gives_what_single_runs_give():
     short = lc.JointAngles(time=(0.0, 1.0), angle=((0.0, 0.5), (0.0, -0.5)))
     gaits = [

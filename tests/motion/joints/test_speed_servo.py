@@ -278,6 +278,7 @@ def test_the_model_in_space_agrees_with_that_in_the_plane_with_friction_and_skin
     np.testing.assert_allclose(spatial.joint_angle, planar.joint_angle, atol=2e-3)
 
 
+@pytest.mark.usefixtures("limit_case")
 @pytest.mark.parametrize("stall", [1.0, 2.9, 200.0])
 def test_its_usual_step_is_converged_with_and_without_torque_to_spare(stall):
     robot = with_motor("mamba-fin", stall_torque=stall)

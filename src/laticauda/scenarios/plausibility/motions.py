@@ -13,6 +13,8 @@ SLOWEST = 0.45
 """Angular frequencies below this hardly move a robot; many that are given are cycles per second [rad/s]."""
 SLOWEST_IN_HZ = 0.08
 """Angular frequencies below this are rather in deg/s than in Hz [rad/s]."""
+ROUNDING = 1e-9
+"""How far a number that was converted is from the one that was given, relatively."""
 LARGEST_PHASE_SHIFT = 2.4
 """Phase shifts beyond this fold neighboring joints against each other [rad]."""
 SMALLEST_PHASE_SHIFT = 0.05
@@ -69,11 +71,17 @@ def _judge_frequency(name: str, frequency: float) -> Iterator[Doubt]:
     elif cycles > FASTEST:
         remark = f"is {cycles:.3g} cycles per second"
         yield hardly_is(name, frequency, "rad/s", remark, in_degrees)
-    elif 0.0 < frequency < SLOWEST:
+    elif 0.0 < frequency < SLOWEST and not _was_converted(frequency):
         hint = f"; did you mean frequency_hz={frequency:.3g}?"
         if frequency < SLOWEST_IN_HZ:
             hint = f"; did you mean {math.degrees(frequency):.3g} rad/s?"
         yield hardly_is(name, frequency, "rad/s", f"is one cycle in {1.0 / cycles:.3g} s", hint)
+
+
+def _was_converted(frequency: float) -> bool:
+    """Return whether a slow frequency is a whole number of deg/s: it was given so, and not in Hz."""
+    degrees = math.degrees(frequency)
+    return frequency >= SLOWEST_IN_HZ and math.isclose(degrees, round(degrees), rel_tol=ROUNDING)
 
 
 def judge_gait_of_robot(robot: Robot, gait: Gait) -> Iterator[Doubt]:

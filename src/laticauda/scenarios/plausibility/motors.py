@@ -23,6 +23,8 @@ FASTEST_SERVO = 20.0
 """No-load speeds of servos above this are rather given in another unit [rad/s]."""
 STRONGEST_THRUST = 5.0
 """Thrust per weight of the robot that hardly any thruster has."""
+OFF = 1e-6
+"""A motor that takes less is off, and its data are not judged [W]."""
 GRAVITY = 9.81
 """Standard gravity [m/s^2]."""
 LARGEST_POWER = 2000.0
@@ -93,6 +95,8 @@ def _judge_motor(name: str, actuator: Actuator) -> Iterator[Doubt]:
 
     A geared motor without losses has a stall torque times no-load speed of its voltage times stall current.
     """
+    if actuator.stall_power < OFF:
+        return
     output = actuator.stall_torque * actuator.no_load_speed
     efficiency = output / actuator.stall_power
     if efficiency > LARGEST_EFFICIENCY:

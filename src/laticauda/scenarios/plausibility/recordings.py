@@ -10,8 +10,12 @@ from laticauda.scenarios.plausibility.doubts import Doubt, must_be
 
 FEWEST = 4
 """A recording with fewer of its times inside of a run is in another unit, or of another run."""
-MOST_UNCOVERED = 0.05
-"""Share of a run that a recording may leave out, as its angles are held before and after it."""
+LATEST_BEGIN = 0.05
+"""Share of a run after which a recording that has not begun belongs to another time."""
+MOST_UNCOVERED = 0.5
+"""Share of a run that a recording may leave out: joints that hold still after it let a robot glide."""
+SHORTEST_IN_MS = 0.05
+"""Share of a run that a recording covers at least if its times are in ms."""
 GAP = 5.0
 """How many times the usual step is a gap."""
 LONGEST_GAP = 0.2
@@ -82,9 +86,10 @@ def judge_times(angles: JointAngles, duration: float) -> Iterator[Doubt]:
         hint = _suggest_clock(first, last, duration)
         yield Doubt(name="recorded.time", rule=f"{rule}{hint}", refuses=True)
         return
-    uncovered = max(first, 0.0) + max(duration - last, 0.0)
+    before, after = max(first, 0.0), max(duration - last, 0.0)
     step = (last - first) / (time.size - 1)
-    if uncovered > MOST_UNCOVERED * duration + step:
+    begins_late = before > LATEST_BEGIN * duration + step
+    if begins_late or before + after > MOST_UNCOVERED * duration:
         rule = f"covers {first:.4g} to {last:.4g} s of a run of {duration:g} s"
         hint = ": before and after, the joints hold still"
         yield Doubt(name="recorded.time", rule=f"{rule}{hint}")
@@ -95,6 +100,6 @@ def _suggest_clock(first: float, last: float, duration: float) -> str:
     if first > UNIX_TIME:
         return "; did you mean times since its start, not those of a clock?"
     begin, end = 1e-3 * first, 1e-3 * last
-    if end - begin < MOST_UNCOVERED * duration:
+    if end - begin < SHORTEST_IN_MS * duration:
         return ""
     return f"; did you mean {begin:.4g} to {end:.4g} ({last:.6g} ms)?"
