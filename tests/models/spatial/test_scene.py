@@ -128,11 +128,82 @@ def test_what_cannot_be_is_refused_by_name(tmp_path):
         ValueError, match="`scene` must compile in MuJoCo together with the robot; MuJoCo says: "
     ):
         swim(str(tmp_path / "none.xml"))
-    (tmp_path / "twice.xml").write_text(
-        "<mujoco><worldbody><body name='module_1'/></worldbody></mujoco>"
+
+
+@pytest.mark.parametrize(
+    "contents",
+    [
+        "<body name='leaf'><joint name='root' type='slide' {x}/><geom name='floor' {box}/></body>",
+        "<body name='module_1'><joint name='joint_1' type='slide' {x}/><geom {box}/></body>",
+        "<body name='leaf'><joint name='hinge' type='slide' {x}/><geom name='wall' {box}/></body>",
+    ],
+)
+def test_a_scene_whose_names_are_the_robot_s_is_the_same_as_with_other_names(
+    tmp_path, contents, capfd
+):
+    ways = []
+    for text in (contents, contents.replace("root", "other").replace("_1", "_a")):
+        file = tmp_path / f"{len(ways)}.xml"
+        text = text.replace("<body ", "<body pos='.865 0 -.5' ")
+        text = text.format(
+            x="axis='1 0 0' damping='50'", box="size='.05 .3 .4' type='box' mass='1'"
+        )
+        file.write_text(f"<mujoco><worldbody>{text}</worldbody></mujoco>")
+        trial = run(
+            build_plant(ROBOT, WATER, model="spatial", scene=Mjcf(file=str(file)), root="free"),
+            OpenLoop(command=Command(gait=STILL)),
+            0.5,
+            start=Start(velocity=0.5),
+        )
+        assert np.max(np.abs(trial.link_force["contact"])) > 0.0
+        ways.append(trial.center_of_mass)
+    np.testing.assert_array_equal(*ways)
+    assert "WARNING" not in "".join(capfd.readouterr())
+
+
+# ---- nets ----------------------------------------------------------------------------------------
+
+NET = """<mujoco><worldbody><flexcomp name="net" type="grid" count="5 5 1" spacing=".1 .1 .1" radius=".005"
+ pos="{x} 0 -.5" euler="0 90 0" dim="2" mass=".2">{pin}<edge equality="true"/></flexcomp>
+</worldbody></mujoco>"""
+
+
+def test_a_robot_that_swims_into_a_net_is_slowed_by_forces_that_the_trial_has(tmp_path):
+    file = tmp_path / "net.xml"
+    file.write_text(NET.format(x=".86", pin='<pin id="0 1 2 3 4 20 21 22 23 24"/>'))
+    body = build_plant(ROBOT, WATER, model="spatial", scene=str(file), joints="servo")
+    trial = run(
+        body,
+        OpenLoop(command=Command(gait=STILL)),
+        0.4,
+        start=Start(velocity=0.5),
+        sample_interval=0.002,
     )
-    with pytest.raises(ValueError, match=r"`scene` must .*module_1"):
-        swim(Mjcf(file=str(tmp_path / "twice.xml")))
+    force = trial.link_force["contact"]
+    assert np.all(force[:, :-1] == 0.0)
+    assert np.min(force[:, -1, 0]) < -0.2
+    # The solver's force along the root's slides is the sum of all contacts, here still those of the last sample.
+    last = body._twin._data.qfrc_constraint
+    assert last[0] != 0.0
+    np.testing.assert_allclose(force[-1].sum(axis=0)[:2], last[:2], rtol=1e-9, atol=1e-15)
+
+
+def test_a_start_in_a_net_is_refused_by_the_net_s_name(tmp_path):
+    file = tmp_path / "net.xml"
+    file.write_text(NET.format(x=".3", pin=""))
+    with pytest.raises(ValueError, match=r"must not put the robot into `net` of the scene, but"):
+        swim(str(file))
+
+
+def test_a_net_that_is_elsewhere_blames_nobody(tmp_path):
+    file = tmp_path / "net.xml"
+    text = NET.format(x="3", pin="").replace(
+        "</worldbody>",
+        '<body pos="3 .05 -.5"><freejoint/><geom size=".03" mass=".1"/></body></worldbody>',
+    )
+    file.write_text(text)
+    trial = swim(str(file), 0.1)
+    assert np.all(trial.link_force["contact"] == 0.0)
 
 
 # ---- locomotion by obstacles, terrain ------------------------------------------------------------
@@ -140,6 +211,17 @@ def test_what_cannot_be_is_refused_by_name(tmp_path):
 SNAKE = lc.load_robot("mamba-modules")
 SLOW = replace(GAIT, frequency=radians(60.0))
 BARE = lc.Ground(friction=lc.CoulombFriction(regularization_speed=1e-2), tangential=0.1, normal=0.1)
+
+
+def test_the_ground_of_a_file_is_ground_whatever_prefix_its_names_get(tmp_path):
+    file = tmp_path / "scene.xml"
+    file.write_text(
+        """<mujoco><worldbody><geom name="floor" type="plane" size="9 9 1"/>
+        <body name="module_1" pos="3 0 1"><geom size=".1"/></body></worldbody></mujoco>"""
+    )
+    body = build_plant(ROBOT, BARE, model="spatial", scene=Mjcf(file=str(file)), root="free")
+    assert body.model.geom("scene_floor").contype[0] == 0
+    assert body.model.geom("scene_floor").conaffinity[0] == 0
 
 
 def same_in_all_directions():

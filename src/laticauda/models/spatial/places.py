@@ -132,6 +132,9 @@ def build_setup(model: Any, data: Any, robot: LocatedRobot) -> Int[np.ndarray, "
     setup[rows.IS_IMPLICIT] = not settings.joints.prescribed or has_hinges(robot.member.robot)
     setup[rows.IS_PLANAR] = is_planar
     setup[rows.HAS_SCENE] = settings.scene is not None
+    setup[rows.N_FLEXES] = model.nflex
+    setup[rows.CONTACTS : rows.GEOM_BODY] = native.contact_layout()
+    setup[rows.GEOM_BODY] = model.geom_bodyid.ctypes.data
     setup[rows.N_FIN_BODIES] = len(robot.bodies) - n_links
     return setup
 

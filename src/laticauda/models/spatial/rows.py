@@ -70,7 +70,13 @@ HAS_SCENE = MODEL + 10
 """Whether there is a scene: contact forces are then part of the state."""
 N_FIN_BODIES = MODEL + 11
 """Bodies of the fin, whose contacts count toward the tail link."""
-SETUP_SIZE = MODEL + 12
+N_FLEXES = MODEL + 12
+"""Flexes in the scene: MuJoCo does not count their contacts toward the bodies."""
+CONTACTS = MODEL + 13
+"""The fields of `native.ContactLayout`."""
+GEOM_BODY = CONTACTS + 5
+"""Address of the body of every geom, 32 bits each."""
+SETUP_SIZE = GEOM_BODY + 1
 
 # --- Start of each robot's part in the arrays of all robots in one scene; a last row holds the ends
 FIRST_STATE = 0

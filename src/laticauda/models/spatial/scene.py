@@ -35,6 +35,29 @@ N_STAVES = 24
 """Number of staves of a pipe."""
 LEAST_RISE = 1e-3
 """Least difference between the heights of a terrain that MuJoCo accepts [m]."""
+SCENE_PREFIX = "scene_"
+"""Prefix of all names of a file in which a name is one of the robot's."""
+NAMED_KINDS = (
+    "bodies",
+    "joints",
+    "geoms",
+    "sites",
+    "cameras",
+    "lights",
+    "meshes",
+    "hfields",
+    "textures",
+    "materials",
+    "skins",
+    "flexes",
+    "pairs",
+    "excludes",
+    "equalities",
+    "tendons",
+    "actuators",
+    "sensors",
+)
+"""Parts of a `mujoco.MjSpec` that have names, each kind for itself."""
 SKIN = Ground(
     name="skin", friction=CoulombFriction(regularization_speed=1e-2), tangential=0.1, normal=0.5
 )
@@ -287,14 +310,29 @@ class Tank(Scene):
 
 @value_class
 class Mjcf(Scene):
-    """Contents of an MJCF file: its bodies with their joints and assets; its options are ignored."""
+    """Contents of an MJCF file: its bodies with their joints and assets; its options are ignored.
+
+    If one of its names is the robot's, too, all of them get a prefix in the model, `scene_`.
+    """
 
     file: str = option("The file (.xml), which must exist whenever the scenario runs")
 
     def __call__(self, spec: Any) -> None:
         """See `Scene`."""
         contents = load_mujoco().MjSpec.from_file(self.file)
-        spec.attach(contents, frame=spec.worldbody.add_frame(), prefix="")
+        prefix = ""
+        if names_in(contents) & names_in(spec):
+            prefix = SCENE_PREFIX
+        spec.attach(contents, frame=spec.worldbody.add_frame(), prefix=prefix)
+
+
+def names_in(spec: Any) -> set[tuple[str, str]]:
+    """Return the kinds and names of what is in a `mujoco.MjSpec`, other than the world."""
+    names: set[tuple[str, str]] = set()
+    for kind in NAMED_KINDS:
+        for element in getattr(spec, kind, ()):
+            names.add((kind, element.name))
+    return {(kind, name) for kind, name in names if name not in ("", "world")}
 
 
 @value_class

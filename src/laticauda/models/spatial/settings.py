@@ -4,7 +4,7 @@ from typing import Any
 
 from laticauda.models.spatial import mjcf, water_robot
 from laticauda.models.spatial.ground_robot import lay_on_ground
-from laticauda.models.spatial.surroundings import GROUNDS
+from laticauda.models.spatial.surroundings import is_ground
 from laticauda.robot import Environment, Ground, Robot
 from laticauda.scenarios import Spatial
 from laticauda.values import load_mujoco
@@ -84,7 +84,7 @@ def build_plant_spec(robot: Robot, environment: Environment, setup: Spatial) -> 
 def _let_ground_act_through_loads(spec: Any) -> None:
     """Let no geom of the ground touch the robot, because the ground acts on its elements."""
     for geom in spec.geoms:
-        if geom.name in GROUNDS:
+        if is_ground(geom.name):
             geom.contype = 0
             geom.conaffinity = 0
 

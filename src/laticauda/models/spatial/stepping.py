@@ -16,6 +16,7 @@ contacts, accelerations); with free joints, the steps are those of the planar mo
 
 # pyright: reportUnknownParameterType=false, reportMissingParameterType=false, reportUnknownVariableType=false
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false, reportWildcardImportFromLibrary=false
+# pyright: reportCallIssue=false
 
 import numpy as np
 
@@ -25,6 +26,7 @@ from laticauda.models.dynamics import stages
 from laticauda.models.dynamics.stages import FARTHEST, GAMMA, STRONGEST
 from laticauda.models.spatial.rows import *
 from laticauda.water.mujoco import field, forces_after, forward_skip, integrate_positions, numbers
+from laticauda.water.mujoco.native import contact_force, flags_at, word_at
 
 _drives = bindings(__name__)["drives"]
 drive_joint = _drives.drive_joint
@@ -256,6 +258,32 @@ def sum_contacts(N, order, forces):
         link = i if i < n else 0
         for k in range(3):
             forces[3 * link + k] += on_body[6 * order[i] + 3 + k]
+    if N[N_FLEXES] > 0:
+        add_contacts_with_flexes(N, order, forces)
+
+
+@kernel
+def add_contacts_with_flexes(N, order, forces):
+    """Add the forces of the contacts whose other side is a flex, which has no geom, to those on every link."""
+    first, count, size, geom_offset, frame_offset = N[CONTACTS:GEOM_BODY]
+    start = word_at(N[DATA] + first)
+    load = np.zeros(6)
+    for c in range(flags_at(N[DATA] + count)):
+        contact = start + c * size
+        geom_1 = flags_at(contact + geom_offset)
+        geom_2 = flags_at(contact + geom_offset + 4)
+        if (geom_1 < 0) == (geom_2 < 0):
+            continue
+        body = flags_at(N[GEOM_BODY] + 4 * max(geom_1, geom_2))
+        sign = 1.0 if geom_1 < 0 else -1.0  # the load acts on the second side
+        contact_force(N[MODEL], N[DATA], np.int32(c), load.ctypes.data)
+        frame = numbers(contact + frame_offset, 9)
+        for i in range(N[N_LINKS] + N[N_FIN_BODIES]):
+            if order[i] == body:
+                link = i if i < N[N_LINKS] else 0
+                for k in range(3):
+                    along = frame[k] * load[0] + frame[3 + k] * load[1] + frame[6 + k] * load[2]
+                    forces[3 * link + k] += sign * along
 
 
 @kernel

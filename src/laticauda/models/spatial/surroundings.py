@@ -6,11 +6,13 @@ where a `Ground`, that of the scene or the environment, defines the friction alo
 robot. The ground of a scene consists of its geoms with the names in `GROUNDS`.
 """
 
+import sys
+import warnings
 from collections.abc import Collection, Generator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, NamedTuple
 
-from laticauda.models.spatial.scene import TANK_LENGTH, TANK_WIDTH, Tank
+from laticauda.models.spatial.scene import SCENE_PREFIX, TANK_LENGTH, TANK_WIDTH, Tank
 from laticauda.models.spatial.solids import add_solid
 from laticauda.robot import Environment, Ground, Scene
 from laticauda.values import BadArgument, load_mujoco
@@ -19,8 +21,15 @@ GROUNDS = ("ground", "shore", "ramp", "floor", "terrain")
 """Names of the geoms that are ground."""
 SURFACE = "water"
 """Name of the water's surface, which is visual only."""
+EMPTY_PREFIX = "empty prefix"
+"""What MuJoCo warns of when a file is attached with its own names."""
 DEEPEST = 2e-3
 """Maximum initial penetration of a robot [m]."""
+
+
+def is_ground(name: str) -> bool:
+    """Return whether a geom of this name is ground, be it in a file whose names have a prefix."""
+    return name.removeprefix(SCENE_PREFIX) in GROUNDS
 
 
 def add_surroundings(
@@ -62,11 +71,32 @@ def _add_surface(model: Any, scene: Scene) -> None:
 def reporting_scene_errors() -> Generator[None]:
     """Turn errors of MuJoCo within this context into errors about the scene; the robot alone causes none."""
     try:
-        yield
+        with _ignoring_empty_prefix():
+            yield
     except ValueError as error:
         message = " ".join(str(error).removeprefix("Error: ").split())
         rule = f"must compile in MuJoCo together with the robot; MuJoCo says: {message}"
         raise BadArgument("scene", rule) from error
+
+
+@contextmanager
+def _ignoring_empty_prefix() -> Generator[None]:
+    """Keep from the user MuJoCo's warning of a prefix that is empty, on both ways on which it comes."""
+    mujoco = load_mujoco()
+    handler = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(_print_warning)
+    try:
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", message=f".*{EMPTY_PREFIX}")
+            yield
+    finally:
+        mujoco.set_mju_user_warning(handler)
+
+
+def _print_warning(message: str) -> None:
+    """Print a warning of MuJoCo, unless it is that of an empty prefix."""
+    if EMPTY_PREFIX not in message:
+        sys.stderr.write(f"WARNING: {message}\n")
 
 
 def check_free(model: Any, data: Any, robots: Collection[int]) -> None:
@@ -77,20 +107,39 @@ def check_free(model: Any, data: Any, robots: Collection[int]) -> None:
         data: A `mujoco.MjData` at the start, with computed kinematics.
         robots: IDs of the robots' bodies.
     """
-    load_mujoco().mj_collision(model, data)
+    mujoco = load_mujoco()
+    mujoco.mj_flex(model, data)
+    mujoco.mj_collision(model, data)
     for contact in data.contact[: data.ncon]:
-        geoms = [int(geom) for geom in contact.geom]
-        of_robots = [geom for geom in geoms if int(model.geom_bodyid[geom]) in robots]
+        sides = [_side_of(model, contact, k) for k in range(2)]
+        of_robots = [side for side in sides if side.body in robots]
         if not of_robots or contact.dist >= -DEEPEST:
             continue
         touching = of_robots[0]
-        geoms.remove(touching)
-        touched = geoms[0]
-        part = model.geom(touching).name.removesuffix("_hull")
+        sides.remove(touching)
+        part = touching.name.removesuffix("_hull")
         depth = f"{part} is {-1e3 * contact.dist:.0f} mm deep in it"
-        name = _name_of_object(model, touched)
-        rule = f"must not put the robot into `{name}` of the scene, but {depth}"
+        rule = f"must not put the robot into `{sides[0].name}` of the scene, but {depth}"
         raise BadArgument("start", rule)
+
+
+class _Side(NamedTuple):
+    """One of the two objects that touch."""
+
+    name: str
+    """Name of the geom, of its body if it has none, or of the flex."""
+    body: int
+    """Number of the geom's body; a flex is on many: -1."""
+
+
+def _side_of(model: Any, contact: Any, k: int) -> _Side:
+    geom = int(contact.geom[k])
+    if geom < 0:
+        flex = int(contact.flex[k])
+        mujoco = load_mujoco()
+        name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_FLEX, flex)
+        return _Side(name=name or f"flex {flex}", body=-1)
+    return _Side(name=_name_of_object(model, geom), body=int(model.geom_bodyid[geom]))
 
 
 def _name_of_object(model: Any, geom: int) -> str:

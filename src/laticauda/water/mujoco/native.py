@@ -14,7 +14,7 @@ import ctypes
 import os
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import llvmlite.binding
 import numpy as np
@@ -32,6 +32,8 @@ _PROBE = """
 <body pos="1 0 0"><joint/><geom size=".1" pos=".2 0 0"/><site name="s"/></body></body></worldbody>
 <sensor><force site="s"/></sensor></mujoco>
 """
+_CONTACTS_TRIED = (5, 3, 4, 1)
+"""Numbers of contacts by which their counter is found."""
 _RARE = 0.7310585786300049
 """A number that occurs nowhere else."""
 _RARE_FLAGS = 0x2A5C39D6
@@ -60,6 +62,7 @@ integrate_positions = _function(
     "mj_integratePos", types.void, _integer, _integer, _integer, types.float64
 )
 forces_after = _function("mj_rnePostConstraint", types.void, _integer, _integer)
+contact_force = _function("mj_contactForce", types.void, _integer, _integer, _flag, _integer)
 stop = _function("mju_error", types.void, _integer)
 _FUNCTIONS = (
     factor_inertia,
@@ -69,6 +72,7 @@ _FUNCTIONS = (
     forward_skip,
     integrate_positions,
     forces_after,
+    contact_force,
     stop,
 )
 
@@ -147,6 +151,58 @@ def model_offsets() -> dict[str, int]:
         "o_margin": _last(content, np.float64(margin).view(np.uint64), "o_margin"),
         "dof_armature": _last(content, armature, "dof_armature"),
     }
+
+
+class ContactLayout(NamedTuple):
+    """Where `mjData` has its contacts, and a contact its fields [bytes]."""
+
+    first: int
+    """Offset in the data of the address of the first contact."""
+    n_contacts: int
+    """Offset in the data of the number of contacts, 32 bits."""
+    size: int
+    """Size of a contact."""
+    geom: int
+    """Offset in a contact of its two geoms, 32 bits each; -1: a flex."""
+    frame: int
+    """Offset in a contact of its axes, nine numbers, row by row."""
+
+
+@cache
+def contact_layout() -> ContactLayout:
+    """Return where the contacts are, measured on balls of which as many touch a plane as are tried."""
+    mujoco = load_mujoco()
+    ball = '<body pos="{x} 0 1"><freejoint/><geom size=".1"/></body>'
+    balls = "".join(ball.format(x=x) for x in range(max(_CONTACTS_TRIED)))
+    plane = '<geom type="plane" size="9 9 1"/>'
+    model = mujoco.MjModel.from_xml_string(
+        f"<mujoco><worldbody>{plane}{balls}</worldbody></mujoco>"
+    )
+    data = mujoco.MjData(model)
+    signature = np.uint64(data.signature)
+    counters: set[int] | None = None
+    content = np.zeros(0, dtype=np.uint64)
+    for n_contacts in _CONTACTS_TRIED:
+        heights = data.qpos[2::7]
+        heights[:] = 1.0
+        heights[:n_contacts] = 0.05
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_collision(model, data)
+        content = _words(data._address, signature, "data")
+        places = set(np.flatnonzero(content.view(np.int32) == n_contacts).tolist())
+        counters = places if counters is None else counters & places
+    contacts = data.contact
+    start = contacts.dist.ctypes.data
+    if not counters:
+        raise OSError("the number of contacts was not found in this build of MuJoCo")
+    return ContactLayout(
+        first=_last(content, np.uint64(start), "contact"),
+        n_contacts=4 * max(counters),
+        size=int(contacts.geom.strides[0]),
+        geom=contacts.geom.ctypes.data - start,
+        frame=contacts.frame.ctypes.data - start,
+    )
 
 
 def _words(start: int, target: np.uint64, structure: str) -> np.ndarray:
