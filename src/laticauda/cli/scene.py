@@ -44,6 +44,8 @@ NO_COEFFICIENTS = ("name", "density", "current", "depth")
 """Options of a water that say where and in what the robot swims, not how it is loaded."""
 IMPORTED_NAMES = ("gait", "law", "joints", "scene")
 """Names that may be MODULE:CLASS, of a class of the user's own, which is imported."""
+TABLE_ENDINGS = (".tsv", ".txt", ".xlsx")
+"""Endings of tables other than .csv, which presets have, too."""
 COMPILING_TIME = 10
 """Typical time to compile the kernels of the planar model [s]."""
 COMPILING_TIME_IN_SPACE = 25
@@ -281,8 +283,11 @@ def _motion_with_gait(scenario: Scenario, gait: lc.Gait) -> Any:
 
 def _load_joint_angles(name: str) -> lc.JointAngles:
     """Return the joint angles of a preset, a table, or a trial in any of its formats."""
-    if Path(name).suffix in ("", ".csv"):
+    ending = Path(name).suffix.lower()
+    if ending in ("", ".csv"):
         return lc.load_joint_angles(name)
+    if ending in TABLE_ENDINGS:
+        return lc.load_joint_angles(Path(name))
     from laticauda.trials.logs import load_trial
 
     return lc.JointAngles.of(load_trial(name))

@@ -1,6 +1,7 @@
 """Measurements from tables of speeds: the paper's Table 1, or your own."""
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -107,6 +108,7 @@ def from_table(
     measurements: list[Measurement] = []
     rows = measured.load_numbered_speeds(file)
     empty_rows: list[int] = []
+    too_fast: dict[int, str] = {}
     for row_number, row in rows.items():
         number = _number_in(row, figure)
         if number.value is None:
@@ -114,7 +116,10 @@ def from_table(
             continue
         swimmer = load_swimmer(row.robot or robot, row.config)
         gait = row.motion
-        _check_stride(f"{file}: row {row_number}", row, swimmer)
+        doubt = _doubt_stride(row, swimmer)
+        if doubt:
+            too_fast[row_number] = doubt
+            continue
         name = _name(gait, swimmer.caudal_fin is not None)
         n_of_name[name] += 1
         if n_of_name[name] > 1:
@@ -127,6 +132,9 @@ def from_table(
             assumed=_assumed_noise(figure, sigma, number),
         )
         measurements.append(measurement)
+    if too_fast:
+        first = next(iter(too_fast))
+        raise TrialFileError(f"{file}: {_list_rows(list(too_fast))}: {too_fast[first]}")
     if not measurements:
         raise TrialFileError(f"{file}: none of its rows has a {figure.replace('_', ' ')}.")
     if empty_rows:
@@ -157,27 +165,37 @@ def _number_in(row: measured.SpeedTrial, figure: str) -> _Number:
 
 def _warn_of_empty(file: str | Path, figure: str, empty_rows: list[int], *, n_rows: int) -> None:
     """Say which rows are left out."""
-    verb, rows = "has", "row"
+    verb = "has"
     if len(empty_rows) > 1:
-        verb, rows = "have", "rows"
-    listed = ", ".join(map(str, empty_rows[:MOST_LISTED]))
-    if len(empty_rows) > MOST_LISTED:
-        listed += ", ..."
+        verb = "have"
     noun = WORDS_OF_FIGURES[figure]
-    message = f"{file}: {len(empty_rows)} of {n_rows} rows {verb} no {noun}: {rows} {listed}"
+    message = (
+        f"{file}: {len(empty_rows)} of {n_rows} rows {verb} no {noun}: {_list_rows(empty_rows)}"
+    )
     warn_caller(message, SkippedRowsWarning)
 
 
-def _check_stride(place: str, row: measured.SpeedTrial, robot: lc.Robot) -> None:
-    """Reject a speed that nothing swims at, which is mostly one in another unit."""
+def _list_rows(rows: Sequence[int]) -> str:
+    """Return the numbers of rows as a message shows them."""
+    if len(rows) == 1:
+        return f"row {rows[0]}"
+    listed = ", ".join(map(str, rows[:MOST_LISTED]))
+    if len(rows) > MOST_LISTED:
+        listed += ", ..."
+    return f"rows {listed}"
+
+
+def _doubt_stride(row: measured.SpeedTrial, robot: lc.Robot) -> str:
+    """Return why nothing swims at a speed, which is mostly one in another unit; "" if something does."""
     speed = row.v_m_s or 0.0
     stride = 2.0 * np.pi * speed / row.motion.frequency / robot.length
-    if stride > _LONGEST_STRIDE:
-        raise TrialFileError(
-            f"{place}: `v_m_s` of {row.v_m_s:g} at `omega_deg_s` of {row.omega_deg_s:g} is "
-            f"{stride:.3g} lengths of `{robot.name}` per cycle, more than anything swims; "
-            "is one in another unit, such as cm/s, rad/s or Hz?"
-        )
+    if stride <= _LONGEST_STRIDE:
+        return ""
+    return (
+        f"`v_m_s` of {row.v_m_s:g} at `omega_deg_s` of {row.omega_deg_s:g} is "
+        f"{stride:.3g} lengths of `{robot.name}` per cycle, more than anything swims; "
+        "is one in another unit, such as cm/s, rad/s or Hz?"
+    )
 
 
 def _load_swimmer(name: str, config: str | None) -> lc.Robot:

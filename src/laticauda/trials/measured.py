@@ -36,6 +36,7 @@ from laticauda.values import (
     suggest_nearest,
     value_class,
 )
+from laticauda.values.tables import split_unit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -263,7 +264,7 @@ def _describe_unknown_columns(names: Sequence[str]) -> str:
     """Return which columns are not known, each with the one that is probably meant."""
     descriptions: list[str] = []
     for name in names:
-        meant = MEANT_COLUMNS.get(name.casefold())
+        meant = MEANT_COLUMNS.get(split_unit(name)[0].casefold())
         hint = suggest_nearest(name, _COLUMNS)
         if meant is not None:
             hint = f"; did you mean `{meant}`?"

@@ -82,7 +82,7 @@ def read_angles(path: str | Path) -> RecordedAngles:
         if time_name is None or not _are_numbered(joint_columns):
             raise ValueError(f"must have {FORM}, got {', '.join(sheet.names)}")
         file_times = read_times(table, time_name)
-        check_increasing(table, time_name, file_times.seconds)
+        check_increasing(time_name, file_times.seconds, table.row_numbers)
         if len(file_times.seconds) < 2:
             raise ValueError(f"column `{time_name}` must have at least two times, got one.")
         check_sampling(time_name, file_times.seconds)
@@ -95,11 +95,12 @@ def read_angles(path: str | Path) -> RecordedAngles:
             mended = mend_turns(radians)
             if mended.n_turns:
                 turned.append(joint_column.name)
+            if joint_column.unit == "rad":
+                check_unit(joint_column.name, mended.radians, "rad")
             check_jumps(joint_column.name, time, mended.radians, table.row_numbers)
             angles.append(mended.radians)
-        for unit in ANGLES:
-            of_unit = [i for i, column in enumerate(joint_columns) if column.unit == unit]
-            check_unit(f"joint_1_{unit}", np.array(angles)[of_unit], unit)
+        in_deg = [i for i, column in enumerate(joint_columns) if column.unit == "deg"]
+        check_unit("joint_1_deg", np.array(angles)[in_deg], "deg")
         _warn_of_remarks(path, file_times.remark, start, turned)
     return RecordedAngles(time=time, angle=np.array(angles))
 

@@ -42,6 +42,28 @@ def write_bag(source: Trial | str | Path, folder: str | Path) -> None:
     files.write(bag / METADATA, f"{json.dumps(metadata, indent=2)}\n")  # JSON is valid YAML
 
 
+def find_file_in_bag(folder: Path) -> Path:
+    """Return the MCAP file of a folder for rosbag2.
+
+    Args:
+        folder: The folder.
+
+    Raises:
+        ValueError: If it holds no MCAP file, or several.
+    """
+    if not (folder / METADATA).is_file():
+        raise ValueError(f"it is a folder without {METADATA}: not a bag; name a file.")
+    recordings = sorted(folder.glob("*.mcap"))
+    if not recordings:
+        raise ValueError(
+            "its messages are not in MCAP; run `ros2 bag convert` with `storage_id: mcap`."
+        )
+    if len(recordings) > 1:
+        names = ", ".join(recording.name for recording in recordings)
+        raise ValueError(f"it is split into {names}; name one of these files.")
+    return recordings[0]
+
+
 def _check_complete(source: str | Path) -> None:
     """Reject a recording of which something is lost."""
     lost = open_recording(source).lost

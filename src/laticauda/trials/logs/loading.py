@@ -3,11 +3,17 @@
 from pathlib import Path
 
 from laticauda.trials import Format, Trial
-from laticauda.trials.logs import c3d, column_maps, mat, qtm, tabular
+from laticauda.trials.logs import bags, c3d, column_maps, mat, qtm, tabular
 from laticauda.trials.logs.measuring import build_measured_trial
 from laticauda.trials.logs.recording import failures_of
 from laticauda.values import TrialFileError, files
 from laticauda.values.tables import Table, build_table, decode_text, is_workbook, parse_sheet
+
+FOREIGN_BAGS = {
+    ".db3": "it is a bag of rosbag2 in SQLite; run `ros2 bag convert` with `storage_id: mcap`.",
+    ".bag": "it is a bag of ROS 1; `rosbags-convert` of the package `rosbags` makes one of ROS 2.",
+}
+"""What to do with files of ROS that are not read, by their extension."""
 
 
 def load_trial(
@@ -47,7 +53,12 @@ def load_trial(
 
 
 def _load_own_file(path: Path) -> Trial:
-    """Read a trial from a file that laticauda wrote."""
+    """Read a trial from a file that laticauda wrote, or from the only file in a folder for rosbag2."""
+    if path.is_dir():
+        with failures_of(path):
+            path = bags.find_file_in_bag(path)
+    if path.suffix.lower() in FOREIGN_BAGS:
+        raise TrialFileError(f"Cannot load {path}: {FOREIGN_BAGS[path.suffix.lower()]}")
     file_format = Format.of(path)
     if not file_format.is_whole:
         raise TrialFileError(

@@ -13,6 +13,8 @@ from laticauda.values.tables import ANGLES, LENGTHS, Table, find_lost_samples, u
 
 SMALLEST_EXCESS = 1e-9
 """A gap is too long if it exceeds the longest allowed one by this, relative to it."""
+N_LISTED_ROWS = 5
+"""Rows with a gap that are listed at most."""
 ADVICE = "cut it off with `start` and `stop`, or fill it by hand"
 
 
@@ -32,6 +34,8 @@ class MeasuredLog:
     """Whether any quantity had a gap at each sample; updated by `fill`."""
     filled_columns: list[str] = field(default_factory=list[str])
     """Names of the quantities that had a gap; updated by `fill`."""
+    empty_cells: list[str] = field(default_factory=list[str])
+    """Rows in which quantities had no number; updated by `fill`."""
     remarks: list[str] = field(default_factory=list[str])
     """What was not taken as the file says it; updated by `read_positions`, and others."""
 
@@ -46,7 +50,26 @@ class MeasuredLog:
         if np.any(is_missing):
             self.filled_columns.append(name)
             self.has_gap |= is_missing
+            self._remember_rows(name, is_missing)
         return filled
+
+    @property
+    def row_numbers(self) -> list[int]:
+        """Numbers in the file of the rows that belong to the trial; empty if the file has none."""
+        if not len(self.table.row_numbers):
+            return []
+        return np.asarray(self.table.row_numbers)[self.rows].tolist()
+
+    def _remember_rows(self, name: str, is_missing: Bool[np.ndarray, " n_samples"]) -> None:
+        """Keep the rows in which a quantity has no number, as far as the file has rows."""
+        row_numbers = self.row_numbers
+        if not row_numbers:
+            return
+        missing = [row_numbers[int(i)] for i in np.flatnonzero(is_missing)]
+        listed = ", ".join(map(str, missing[:N_LISTED_ROWS]))
+        if len(missing) > N_LISTED_ROWS:
+            listed += f" and {len(missing) - N_LISTED_ROWS} more"
+        self.empty_cells.append(f"`{name}` filled in row {listed}")
 
     def read_lengths(
         self, names: Sequence[str], unit: str | None

@@ -146,7 +146,7 @@ def _describe_reading(log: MeasuredLog) -> str:
     """Return in one line what was read: rows, span, and all that was not taken as the file says it."""
     n_rows = f"{log.time.size} of {log.table.n_rows} rows"
     span = f"from {log.time[0]:.6g} to {log.time[-1]:.6g} s"
-    return "; ".join([f"{n_rows}, {span}", *log.table.remarks, *log.remarks])
+    return "; ".join([f"{n_rows}, {span}", *log.table.remarks, *log.remarks, *log.empty_cells])
 
 
 def _describe_gaps(log: MeasuredLog) -> str:

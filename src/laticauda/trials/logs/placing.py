@@ -272,5 +272,7 @@ def _read_joint(log: MeasuredLog, section: str, name: str, unit_in_map: str | No
     mended = mend_turns(values)
     if mended.n_turns:
         log.remarks.append(f"whole turns were taken out of `{name}` at {mended.n_turns} samples")
-    check_jumps(name, log.time, mended.radians)
+    if unit == "rad":
+        check_unit(section, mended.radians, unit)
+    check_jumps(name, log.time, mended.radians, log.row_numbers)
     return mended.radians

@@ -1,14 +1,15 @@
 """Times of the rows of an external log, and which rows form the trial."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool
 
-from laticauda.trials.arrays import Samples, check_times
+from laticauda.trials.arrays import Samples
 from laticauda.trials.logs.column_maps import ColumnMap
 from laticauda.values import BadArgument
-from laticauda.values.tables import Table, check_sampling, read_times
+from laticauda.values.tables import Table, check_increasing, check_sampling, read_times
 
 SMALLEST_GAP_IN_STEPS = 3.0
 """Steps up to which the time between two samples is no gap, whatever the map allows."""
@@ -43,6 +44,9 @@ def select_rows(table: Table, column_map: ColumnMap) -> TrialRows:
     Raises:
         ValueError: If times are missing, do not increase, have a long gap, or are in another unit.
     """
+    sentences = [column for column in table.columns.values() if isinstance(column, str)]
+    if not table.n_rows and sentences:
+        raise ValueError(sentences[0])
     name, times, remark = _read_times(table, column_map)
     is_included = np.ones(table.n_rows, dtype=np.bool_)
     if column_map.start is not None:
@@ -50,7 +54,11 @@ def select_rows(table: Table, column_map: ColumnMap) -> TrialRows:
     if column_map.stop is not None:
         is_included &= times <= column_map.stop
     _check_count(name, times, n_included=int(np.count_nonzero(is_included)))
-    included_times = check_times(name, times[is_included])
+    included_times = times[is_included]
+    row_numbers: Sequence[int] = ()
+    if len(table.row_numbers):
+        row_numbers = np.asarray(table.row_numbers)[is_included].tolist()
+    check_increasing(name, included_times, row_numbers)
     check_sampling(name, included_times)
     _check_steps(name, included_times, column_map.longest_gap)
     # Time counts from the start requested by the user, or from the first row.

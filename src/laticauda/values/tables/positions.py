@@ -9,10 +9,14 @@ from laticauda.values.tables.columns import Samples
 
 Points: TypeAlias = Float[np.ndarray, "n_samples n_axes"]
 
-FASTEST_PART = 10.0
+FASTEST_PART = 5.0
 """Speed of any part of a swimming body in lengths of the body per second, at most [1/s]."""
 SMALLEST_JUMP = 0.1
 """Change between two samples that counts as a jump, at least, in lengths of the body [-]."""
+SMALLEST_JUMP_TO_ORIGIN = 0.02
+"""The same for jumps to the origin of the file, or from it."""
+N_USUAL_STEPS = 20
+"""How many times the usual step such a jump is at least."""
 MOST_JUMPS = 0.5
 """Share of the steps that are jumps because a marker was lost, or confused with another one, at most [-]."""
 
@@ -56,10 +60,12 @@ def find_lost_samples(
         return LostSamples(is_lost=is_lost, code=code)
     if np.any(is_jump):
         pieces = np.split(samples, np.flatnonzero(is_jump) + 1)
-        largest = max(range(len(pieces)), key=lambda i: pieces[i].size)
+        are_constant = [not np.any(np.ptp(position[piece], axis=0)) for piece in pieces]
+        sizes = [piece.size for piece in pieces]
+        # The robot is where the marker moves; if it moves nowhere, where it is for the longest time.
+        motion = max(range(len(pieces)), key=lambda i: (not are_constant[i], sizes[i]))
         for i, piece in enumerate(pieces):
-            is_constant = not np.any(np.ptp(position[piece], axis=0))
-            if i != largest and is_constant:
+            if i != motion and are_constant[i]:
                 is_lost[piece] = True
                 code = position[piece[0]] if code is None else code
     _check_smooth(name, time, position, samples[~is_lost[samples]], body_length)
@@ -71,7 +77,14 @@ def _find_jumps(
 ) -> Bool[np.ndarray, " n_steps"]:
     distances = np.linalg.norm(np.diff(position, axis=0), axis=1)
     reach = np.maximum(SMALLEST_JUMP, FASTEST_PART * np.diff(time))
-    return distances > body_length * reach
+    is_jump = distances > body_length * reach
+    # The origin itself stands for a lost marker so often that smaller jumps to it count.
+    is_origin = np.all(position == 0.0, axis=1)
+    if distances.size:
+        usual_distance = float(np.median(distances))
+        least = max(SMALLEST_JUMP_TO_ORIGIN * body_length, N_USUAL_STEPS * usual_distance)
+        is_jump |= (np.diff(is_origin.astype(int)) != 0) & (distances > least)
+    return is_jump
 
 
 def _check_smooth(

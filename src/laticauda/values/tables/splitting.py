@@ -96,7 +96,8 @@ def _find_names_in_comment(
 ) -> _Line | None:
     """Return the comment right above numbers if it has as many cells: names, as NumPy writes them."""
     first_cells = _split_line(first_row.text, separator)
-    if not all(NUMBER.fullmatch(cell.strip()) for cell in first_cells):
+    n_numbers = sum(NUMBER.fullmatch(cell.strip()) is not None for cell in first_cells)
+    if n_numbers <= len(first_cells) // 2:
         return None
     above = [line for line in lines if line.number == first_row.number - 1]
     if not above or not _is_comment(above[0]):
@@ -127,5 +128,5 @@ def _split_lines(lines: Sequence[_Line], separator: str) -> list[SheetRow]:
             if any(row.cells):
                 rows.append(row)
     except csv.Error as error:
-        raise ValueError(f"row {lines[n_lines_before].number}: {error}") from None
+        raise ValueError(f"row {lines[n_lines_before].number}: {error}.") from None
     return rows

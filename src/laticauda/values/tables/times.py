@@ -1,5 +1,6 @@
 """Times of rows: their unit, clocks that count from 1970, and that they increase."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -82,23 +83,24 @@ def _check_complete(table: Table, name: str, times: Samples) -> None:
         raise BadArgument(name, f"must hold numbers, but has none in {row}")
 
 
-def check_increasing(table: Table, name: str, seconds: Samples) -> None:
+def check_increasing(name: str, seconds: Samples, row_numbers: Sequence[int] = ()) -> None:
     """Reject times that do not increase strictly.
 
     Args:
-        table: The table.
-        name: Name of its column of times.
-        seconds: Times of all its rows [s].
+        name: Name of the column of times.
+        seconds: Times of the rows [s].
+        row_numbers: Numbers of these rows in the file, for the message.
 
     Raises:
-        ValueError: If they do not; the message names the row.
+        ValueError: If they do not.
     """
     increases = np.diff(seconds) > 0.0
     if np.all(increases):
         return
     i = int(np.argmin(increases))
-    row = table.describe_row(i + 1)
-    rule = f"must increase strictly, got {seconds[i]} s and then {seconds[i + 1]} s in {row}"
+    rule = f"must increase strictly, got {seconds[i]} s and then {seconds[i + 1]} s"
+    if len(row_numbers):
+        rule += f" in row {row_numbers[i + 1]}"
     raise BadArgument(name, rule)
 
 
