@@ -108,7 +108,8 @@ def main() -> None:
     parser.add_argument("--update", action="store_true", required=True)
     parser.parse_args()
     for face in find_faces():
-        if face.imports != face.homes:
+        is_outdated = face.lines is not None and face.updated() != face.path.read_text("utf-8")
+        if is_outdated or face.imports != face.homes:
             face.path.write_text(face.updated(), encoding="utf-8")
 
 

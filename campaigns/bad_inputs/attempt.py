@@ -239,6 +239,9 @@ SAID_BY_PYTHON = re.compile(
 UNWANTED_WARNING = re.compile(r"\b(?!ComplexWarning|InfeasibleWarning|UnitWarning)\w+Warning:")
 """A warning that does not say what is wrong with an argument."""
 
+CHECKERS_OF_TYPES = ("beartype", "jaxtyping")
+"""Packages with which the tests check types of calls: their errors count as refusals."""
+
 
 def judge_call(function: Callable[..., Any], arguments: dict[str, Any]) -> Answer:
     """Call something with a bad argument: it works, or a ValueError or an error of our own says what is wrong.
@@ -267,7 +270,7 @@ def judge_call(function: Callable[..., Any], arguments: dict[str, Any]) -> Answe
                 return REFUSED
             raise
         except Exception as error:
-            if type(error).__module__.startswith("beartype"):  # the tests check types of calls
+            if type(error).__module__.startswith(CHECKERS_OF_TYPES):
                 return REFUSED
             raise
     if UNWANTED_WARNING.search(err.getvalue()):

@@ -52,12 +52,12 @@ if TYPE_CHECKING:
         Trial as Trial,
         shown_figures as shown_figures,
     )
+    from laticauda.trials.following import nearest_points as nearest_points
     from laticauda.trials.moving_water import (
         MOVING_WATER_NOTE as MOVING_WATER_NOTE,
         describe_sweeping as describe_sweeping,
         water_moves as water_moves,
     )
-    from laticauda.trials.following import nearest_points as nearest_points
     from laticauda.trials.null_models import (
         NullModel as NullModel,
         PREDICTORS as PREDICTORS,

@@ -18,6 +18,8 @@ from laticauda.water.fluid.laws import FunctionDrag
 FIGURES = (
     "forward_velocity",
     "steady_velocity",
+    "speed_through_water",
+    "steady_speed_through_water",
     "mechanical_power",
     "net_power",
     "positive_power",
@@ -192,7 +194,7 @@ def test_a_law_that_branches_works_in_a_batch():
 def test_figures_without_meaning_are_nan():
     still = replace(GAIT, amplitude=0.0)
     swims = lc.swim_many(MAMBA, [GAIT, still], 5.0)
-    assert np.isnan(swims.steady_velocity).all()
+    assert np.isnan([swims.steady_velocity, swims.steady_speed_through_water]).all()
     assert swims.forward_velocity[0] > 0.0
     assert np.isnan(swims.cost_of_transport[1])
 
@@ -246,9 +248,9 @@ def test_spatial_trials_on_threads_have_the_bits_of_single_ones(threads):
             trial.heading[-1],
         ]
         assert (swims.succeeded[k], swims.status[k]) == (True, trial.status)
-        for name in set(FIGURES) - {"steady_velocity"}:
+        for name in set(FIGURES) - {"steady_velocity", "steady_speed_through_water"}:
             assert getattr(swims, name)[k] == getattr(trial, name), name
-    assert np.isnan(swims.steady_velocity).all()
+    assert np.isnan([swims.steady_velocity, swims.steady_speed_through_water]).all()
 
 
 def test_a_spatial_trial_that_cannot_be_is_named_by_its_place():
