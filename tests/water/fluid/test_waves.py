@@ -217,6 +217,15 @@ def test_a_sea_that_cannot_be_is_refused_with_the_limit(settings, message):
         Sea(**settings)
 
 
+@pytest.mark.parametrize(
+    ("period", "highest"), [(1.0, 0.1041), (2.0, 0.4163), (8.0, 6.66), (11.5, 11.01), (16.0, 15.98)]
+)
+def test_a_sea_steeper_than_those_of_nature_is_warned_of(period, highest):
+    Sea(significant_height=0.99 * highest, peak_period=period)
+    with pytest.warns(UserWarning, match="is more than seas with a peak period of .* s reach"):
+        Sea(significant_height=1.01 * highest, peak_period=period)
+
+
 def test_a_robot_below_the_bed_of_its_waves_is_refused():
     water, waves = load_water("paper-lateral"), Waves(height=0.05, period=1.5, depth=0.9)
     assert replace(water, current=waves, depth=0.9).depth == 0.9

@@ -215,6 +215,50 @@ def test_a_callback_that_replaces_the_water_is_noticed_at_once_and_by_the_forces
         mujoco.set_mjcb_passive(ours)
 
 
+# ---- what turns over -----------------------------------------------------------------------------
+
+
+def final_tilt(model) -> float:
+    data = mujoco.MjData(model)
+    start = data.qpos[3:7].copy()
+    mujoco.mj_forward(model, data)
+    axis = data.xmat[1].reshape(3, 3).T[:, 2].copy()  # what is up, in its axes
+    assert np.linalg.norm(start) > 0.0
+    for _ in range(8000):
+        mujoco.mj_step(model, data)
+        data.qvel[:] *= 0.995
+    return float(np.degrees(np.arccos((data.xmat[1].reshape(3, 3) @ axis)[2])))
+
+
+@pytest.mark.parametrize(
+    ("kind", "size", "euler", "turns"),
+    [
+        ("ellipsoid", ".3 .1 .1", "0 5 30", False),
+        ("ellipsoid", ".3 .1 .1", "0 20 30", False),
+        ("ellipsoid", ".3 .1 .1", "0 -40 0", False),
+        ("ellipsoid", ".3 .2 .1", "15 20 70", False),
+        ("box", ".3 .2 .05", "10 -15 0", False),
+        ("ellipsoid", ".3 .1 .1", "0 90 0", True),
+        ("ellipsoid", ".3 .1 .1", "0 85 0", True),
+        ("box", ".1 .1 .3", "0 0 0", True),
+        ("box", ".1 .1 .3", "3 1 0", True),
+        ("cylinder", ".1 .3", "2 1 0", True),
+    ],
+)
+@pytest.mark.parametrize("density", [300.0, 500.0, 800.0])
+def test_only_what_turns_over_is_said_to_turn_over(kind, size, euler, turns, density):
+    option = 'integrator="implicitfast" timestep="0.002"'
+    spec = mujoco.MjSpec.from_string(
+        floating(kind, size, option=option, body=f'euler="{euler}"', density=density)
+    )
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        handle = water.attach(spec, surface=0.0)
+    assert any("turns over" in str(one.message) for one in caught) == turns
+    if turns == ("90" not in euler and euler != "0 0 0"):
+        assert (final_tilt(handle.model()) > 60.0) == turns
+
+
 # ---- speed ---------------------------------------------------------------------------------------
 
 

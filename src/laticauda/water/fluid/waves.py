@@ -8,6 +8,7 @@ at the bed.
 """
 
 import math
+import warnings
 from functools import cached_property
 from typing import Any, Literal
 
@@ -20,6 +21,9 @@ GRAVITY = 9.81
 """Standard gravity [m/s^2]."""
 STEEPEST = 0.142
 """Height per length at which waves break, to be multiplied by tanh kd (Miche's limit) [-]."""
+STEEPEST_SEAS = ((8.0, 1.0 / 15.0), (15.0, 1.0 / 25.0))
+"""Peak period [s] and the H_s over the length at the peak in deep water up to which seas are found in
+nature [-]; straight between them, constant beyond (DNV-RP-C205, 3.5.4; from memory)."""
 DEEP = 300.0
 """k d beyond which water counts as infinitely deep, and up to which exp(k d) does not overflow [-]."""
 BAND = (0.5, 3.0)
@@ -194,6 +198,25 @@ def check_unbroken(name: str, height: float, omega: float, depth: float) -> None
         raise BadArgument(name, f"{limit}, got {height:g}")
 
 
+def warn_of_steep_sea(significant_height: float, peak_period: float) -> None:
+    """Warn of a sea that is steeper than those found in nature: breaking would take its energy.
+
+    Args:
+        significant_height: H_s [m].
+        peak_period: T_p [s].
+    """
+    periods, steepnesses = zip(*STEEPEST_SEAS, strict=True)
+    steepness = float(np.interp(peak_period, periods, steepnesses))
+    length = GRAVITY * peak_period**2 / (2.0 * math.pi)
+    highest = steepness * length
+    if significant_height > highest:
+        warnings.warn(
+            f"`significant_height` {significant_height:g} m is more than seas with a peak period of {peak_period:g} s "
+            f"reach, {highest:.2g} m: their waves break, which is not modeled",
+            stacklevel=3,
+        )
+
+
 @value_class
 class Waves(Flow):
     """Regular waves of one period, which is given or follows from their length and the depth."""
@@ -270,6 +293,7 @@ class Sea(Flow):
     def __post_init__(self) -> None:
         peak = 2.0 * math.pi / self.peak_period
         check_unbroken("significant_height", self.significant_height, peak, self.depth)
+        warn_of_steep_sea(self.significant_height, self.peak_period)
 
     @cached_property
     def parts(self) -> tuple[Flow, ...]:  # pyright: ignore[reportIncompatibleMethodOverride]

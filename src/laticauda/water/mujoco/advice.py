@@ -7,11 +7,11 @@ import numpy as np
 
 from laticauda.values import load_mujoco
 from laticauda.water.mujoco.bodies import body_of, dofs_above, name_of
-from laticauda.water.mujoco.floating import metacentric_height
+from laticauda.water.mujoco.floating import overturning_lever
 from laticauda.water.mujoco.steps import stable_step
 
-OVERTURNING = -1e-5
-"""Metacentric height below which a body counts as one that turns over [m]."""
+OVERTURNING = 1e-5
+"""Depth of the metacenter below the center of mass from which on a body turns over [m]."""
 
 
 def warn_of_mistakes(model: Any, water: Any, speed: float | None, fitted: bool) -> None:
@@ -51,12 +51,12 @@ def _problem_of_tree(
     if _is_free(model, root):
         if not is_heavy:
             return None
-        height = metacentric_height(model, root, water)
-        if height >= OVERTURNING:
+        lever = overturning_lever(model, root, water)
+        if lever <= OVERTURNING:
             return None
         return (
             f"turns over: as modeled, its metacenter (if submerged, its center of buoyancy) is "
-            f"{-height:.2g} m below its center of mass"
+            f"{lever:.2g} m below its center of mass"
         )
     if not any(dofs_above(model, body) for body in bodies):
         return "is in the water but cannot move: it has no joint"
