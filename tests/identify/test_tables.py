@@ -111,6 +111,12 @@ def test_wrong_units_and_wrong_robots_are_refused_by_name(written, changes, word
     assert words in str(refused.value)
 
 
+def test_a_speed_in_another_unit_is_refused_with_all_its_rows(written):
+    fast = {**ROW, "v_m_s": 15.0}
+    with pytest.raises(TrialFileError, match=r"mine.csv: rows 2, 4: `v_m_s` of 15 at"):
+        from_table(written(fast, ROW, fast, ROW))
+
+
 def test_a_table_without_a_power_has_none_to_identify_from(written):
     with pytest.raises(TrialFileError, match="none of its rows has a mean power"):
         from_table(written(ROW), "mean_power")

@@ -10,7 +10,7 @@ import numpy as np
 from laticauda.trials.arrays import Samples
 from laticauda.trials.logs.map_sections import AXES
 from laticauda.values import optional_import
-from laticauda.values.tables import Table, describe_twice, read_unit
+from laticauda.values.tables import Table, add_column, read_unit
 
 BLOCK = 512
 """Length of the blocks that make up a file [bytes]."""
@@ -70,7 +70,9 @@ class _Size(NamedTuple):
     n_frames: int
     """Number of frames stated in the header, whose fields count to 65535."""
     n_frames_by_length: int
-    """Number of frames that the length of the file has place for; the last block may be padded."""
+    """Number of frames that the length of the file has place for."""
+    most_padding: int
+    """Frames of these that may be padding, as the file ends with a whole block."""
 
 
 def _check_complete(path: Path) -> _Size:
@@ -104,31 +106,42 @@ def _check_complete(path: Path) -> _Size:
         bytes_per_number = 4
     bytes_per_frame = bytes_per_number * (NUMBERS_PER_POINT * n_points + n_analog)
     n_frames_by_length = 0
+    most_padding = 0
     if bytes_per_frame:
         n_frames_by_length = (size - n_blocks_before_data * BLOCK) // bytes_per_frame
-    return _Size(n_frames=last_frame - first_frame + 1, n_frames_by_length=n_frames_by_length)
+        most_padding = BLOCK // bytes_per_frame + 1
+    return _Size(
+        n_frames=last_frame - first_frame + 1,
+        n_frames_by_length=n_frames_by_length,
+        most_padding=most_padding,
+    )
 
 
 def _check_all_frames(parameters: Any, size: _Size, n_frames_read: int) -> None:
     """Reject a file that holds more frames than its header can count, of which the library reads the first ones."""
-    n_frames = n_frames_read
-    if n_frames_read >= MOST_FRAMES_IN_HEADER:
-        n_frames = size.n_frames_by_length
-    if "TRIAL" in parameters and "ACTUAL_END_FIELD" in parameters["TRIAL"]:
-        first = _join_words(parameters["TRIAL"]["ACTUAL_START_FIELD"]["value"])
-        last = _join_words(parameters["TRIAL"]["ACTUAL_END_FIELD"]["value"])
-        n_frames = max(n_frames_read, last - first + 1)
-    if n_frames > n_frames_read:
+    n_more = size.n_frames_by_length - n_frames_read
+    if n_more <= size.most_padding:
+        return
+    is_header_full = n_frames_read >= MOST_FRAMES_IN_HEADER
+    has_header_overflown = n_more >= MOST_FRAMES_IN_HEADER
+    if is_header_full or has_header_overflown or _stated_frames(parameters) > n_frames_read:
         raise ValueError(
-            f"it holds about {n_frames} frames, of which only the first {n_frames_read} can be read: "
-            "export it in parts, or as TSV"
+            f"it holds about {size.n_frames_by_length} frames, of which only the first "
+            f"{n_frames_read} can be read: export it in parts, or as TSV"
         )
 
 
-def _join_words(words: Any) -> int:
-    """Return a number that is stored as two of 16 bits, the lower one first."""
-    low, high = (int(word) % WORD for word in words)
-    return low + WORD * high
+def _stated_frames(parameters: Any) -> int:
+    """Return the number of frames that the parameters state by two numbers of 16 bits each; 0 if they do not."""
+    trial = parameters.get("TRIAL", {})
+    ends: list[int] = []
+    for name in ("ACTUAL_START_FIELD", "ACTUAL_END_FIELD"):
+        words = [int(word) % WORD for word in trial.get(name, {}).get("value", [])]
+        if len(words) != 2:
+            return 0
+        low, high = words
+        ends.append(low + WORD * high)
+    return ends[1] - ends[0] + 1
 
 
 def _build_table(parameters: Any, data: Any) -> Table:
@@ -147,7 +160,7 @@ def _build_table(parameters: Any, data: Any) -> Table:
         for axis, axis_name in enumerate(AXES):
             name = f"{marker} {axis_name}"
             positions = np.where(is_lost, np.nan, points[axis, i])
-            columns[name] = describe_twice(marker) if name in columns else positions
+            add_column(columns, name, positions, owner=marker)
             units[name] = unit
     if "ANALOG" in parameters:
         n_frames = points.shape[2]
@@ -155,7 +168,7 @@ def _build_table(parameters: Any, data: Any) -> Table:
             samples = np.asarray(data["analogs"][0, i], dtype=np.float64)
             name = str(label).strip()
             means = samples.reshape(n_frames, -1).mean(axis=1)
-            columns[name] = describe_twice(name) if name in columns else means
+            add_column(columns, name, means)
     rate = float(point_parameters["RATE"]["value"][0])
     return Table(columns=columns, units=units, rate=rate)
 

@@ -112,9 +112,11 @@ class MeasuredLog:
 
 def _name_of_point(names: Sequence[str]) -> str:
     """Return what the names of coordinates have in common, such as `head` of `head X` and `head Y`."""
-    first, *others = names
+    first, *further_names = names
     n_common = 0
-    while n_common < len(first) and all(name.startswith(first[: n_common + 1]) for name in others):
+    while n_common < len(first) and all(
+        name.startswith(first[: n_common + 1]) for name in further_names
+    ):
         n_common += 1
     return first[:n_common].strip(" _.:") or ", ".join(names)
 

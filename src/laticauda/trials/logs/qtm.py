@@ -11,7 +11,7 @@ import numpy as np
 
 from laticauda.trials.arrays import Samples
 from laticauda.trials.logs.map_sections import AXES
-from laticauda.values.tables import Table, convert_numbers, describe_twice
+from laticauda.values.tables import Table, add_column, convert_numbers
 
 PARTS_OF_MARKER = AXES
 """Numbers of a marker in each row, in the order of the file."""
@@ -106,8 +106,7 @@ def parse_qtm(lines: Sequence[str]) -> Table:
     for i, name in enumerate(names):
         cells = [row[i] for row in rows.cells]
         numbers = convert_numbers(name, cells, row_numbers)
-        is_twice = name in columns
-        columns[name] = describe_twice(name) if is_twice else numbers
+        add_column(columns, name, numbers)
     for object_name in object_names:
         _forget_lost_frames(columns, object_name)
     rate = None

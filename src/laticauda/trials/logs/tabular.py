@@ -94,7 +94,12 @@ def read_parquet_columns(path: Path) -> dict[str, Samples]:
         ValueError: If the file is not a Parquet file.
         OSError: If the file cannot be read.
     """
-    return _numeric_columns(_read_parquet(path))
+    table = _read_parquet(path)
+    names = list(table.column_names)
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"it must name every column once, got `{name}` twice.")
+    return _numeric_columns(table)
 
 
 def _numeric_columns(table: Any) -> dict[str, Samples]:

@@ -23,9 +23,9 @@ from laticauda.values.tables.angles import (
 )
 from laticauda.values.tables.columns import (
     Table as Table,
+    add_column as add_column,
     build_table as build_table,
     convert_numbers as convert_numbers,
-    describe_twice as describe_twice,
 )
 from laticauda.values.tables.decoding import decode_text as decode_text
 from laticauda.values.tables.opening import (

@@ -155,13 +155,23 @@ def convert_numbers(name: str, cells: Sequence[str], row_numbers: Sequence[int])
     return numbers
 
 
-def describe_twice(name: str) -> str:
-    """Return the sentence about a column whose name the file has more than once.
+def add_column(
+    columns: dict[str, Samples | str], name: str, values: Samples | str, owner: str | None = None
+) -> None:
+    """Add a column of a file to those before it; one whose name was there already cannot be used.
 
     Args:
-        name: Name of the column, or of a marker.
+        columns: Columns by name, which are changed.
+        name: Name of the column.
+        values: Its numbers, or the sentence that says why it has none.
+        owner: Name of the marker or channel that it belongs to; None: that of the column.
     """
-    return f"The file has `{name}` more than once: name every column and every marker once."
+    if name in columns:
+        values = (
+            f"The file has `{owner or name}` more than once: "
+            "name every column and every marker once."
+        )
+    columns[name] = values
 
 
 def _parse_number(text: str) -> float:
