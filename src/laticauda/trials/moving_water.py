@@ -37,7 +37,7 @@ def describe_sweeping(trial: Contents) -> str:
     cause = "The water sweeps the robot backward"
     if speeds_ahead[1] < 0.0:
         cause = "The robot moves tail first, through the water and over ground"
-    return f"{cause}: it heads {heading:.0f} deg, but travels toward {course:.0f} deg."
+    return f"{cause}: it heads {heading:z.0f} deg, but travels toward {course:z.0f} deg."
 
 
 def _mean_speeds_ahead(trial: Contents) -> tuple[float, float]:
