@@ -15,7 +15,8 @@ recording, which they would not replace.
     python campaigns/full_disk.py              # as root, on Linux: file systems are mounted, rights given up
     python campaigns/full_disk.py --moments 8  # more moments
 
-The answer is in full_disk.csv; the tests run a slice. Ctrl-C is in interruptions.py.
+The answer is in full_disk.csv; the tests run a slice. Here the disk is bad from the beginning; one
+that fails in the middle of writing is in failing_disk.py. Ctrl-C is in interruptions.py.
 """
 
 import argparse
