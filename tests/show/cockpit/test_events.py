@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from laticauda.show.cockpit.events import EventQueue
+from laticauda.show.cockpit.events import MOST_WAITING, EventQueue
 
 
 @pytest.fixture
@@ -61,3 +61,17 @@ def test_a_fault_is_logged_and_the_next_event_is_answered(events, caplog):
     events.close()
     assert done == [2]
     assert "A control of the cockpit failed: RuntimeError('one')" in caplog.text
+
+
+def test_a_page_that_sends_more_than_can_be_answered_does_not_fill_the_memory(events):
+    done, all_there = [], threading.Event()
+
+    def act(event):
+        all_there.wait(10.0)
+        done.append(event.value)
+
+    come(events.handler(act), *range(3 * MOST_WAITING))
+    all_there.set()
+    events.close()
+    assert done[:MOST_WAITING] == list(range(MOST_WAITING))
+    assert len(done) <= MOST_WAITING + 1

@@ -70,7 +70,9 @@ def loop():
     thread = threading.Thread(target=found.run_forever)
     thread.start()
     yield SimpleNamespace(
-        thread=thread, wait=lambda what: asyncio.run_coroutine_threadsafe(what, found).result(10.0)
+        thread=thread,
+        wait=lambda what: asyncio.run_coroutine_threadsafe(what, found).result(10.0),
+        call=found.call_soon_threadsafe,
     )
     found.call_soon_threadsafe(found.stop)
     thread.join()
@@ -129,3 +131,18 @@ def test_the_camera_of_a_phone_stands_further_off_and_looks_below_the_robot():
     np.testing.assert_allclose((camera.position, camera.look_at), (at + position, at + look_at))
     camera.report(at + position, at + look_at)
     assert view.is_home
+
+
+def test_a_loop_that_is_slower_than_the_frames_shows_the_last_place_once(loop):
+    server, client = Server(), Client()
+    cameras = PageCameras(server)
+    loop.wait(server.welcome(client))
+    shown = []
+    cameras.all()[0].show = shown.append
+    busy = threading.Event()
+    loop.call(busy.wait)
+    for x in range(50):
+        cameras.show(np.array([float(x), 0.0]))
+    busy.set()
+    loop.wait(asyncio.sleep(0))
+    np.testing.assert_array_equal(shown, [[49.0, 0.0]])

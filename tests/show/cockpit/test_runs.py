@@ -2,6 +2,7 @@
 
 import asyncio
 import sys
+import threading
 import time
 from types import SimpleNamespace
 
@@ -9,9 +10,9 @@ import msgspec
 import pytest
 
 import laticauda as lc
-from laticauda.show.cockpit import files, server, uploads
+from laticauda.show.cockpit import files, runs, server, uploads
 from laticauda.values.access import ServerAccess
-from laticauda.values.errors import TrialFileError
+from laticauda.values.errors import LaticaudaError, TrialFileError
 
 viser = pytest.importorskip("viser")
 websockets = pytest.importorskip("websockets")
@@ -53,7 +54,8 @@ def test_a_file_that_takes_too_long_is_refused(saved, monkeypatch):
 CAMERA = msgspec.msgpack.encode(
     {
         "type": "ViewerCameraMessage",
-        **dict.fromkeys(("position", "look_at", "up_direction"), (0.0, 0.0, 1.0)),
+        **dict.fromkeys(("position", "up_direction"), (0.0, 0.0, 1.0)),
+        "look_at": (0.0, 1.0, 0.0),
         **dict.fromkeys(("fov", "near", "far"), 1.0),
         **{"wxyz": (1.0, 0.0, 0.0, 0.0), "image_height": 1, "image_width": 1},
     }
@@ -78,7 +80,7 @@ def sending(monkeypatch):
         ) as wire:
             await wire.send(CAMERA)  # or it is no page yet
             for kind, fields in said:
-                fields |= {"source_component_uuid": button._impl.uuid}
+                fields = {"source_component_uuid": button._impl.uuid} | fields
                 await wire.send(msgspec.msgpack.encode({"type": f"FileTransfer{kind}", **fields}))
             await (await wire.ping())
             end, held = time.monotonic() + 1.0, 0
@@ -136,3 +138,54 @@ def test_what_pages_were_told_of_their_files_is_not_kept_for_ever(sending):
         sending.send([begun(name, 50, 9), *(part(name, i, 0) for i in range(49))])
     told = [one for one in kept.values() if type(one).__name__ == "FileTransferPartAck"]
     assert len(told) <= 49
+
+
+def test_only_buttons_for_files_take_files_and_names_and_sizes_have_to_be_some(sending):
+    gui = sending.server.gui
+    number = gui.add_number("number", initial_value=1.0)
+    kind, fields = begun("a", 0, 0)
+    for change in (
+        {"source_component_uuid": number._impl.uuid},
+        {"source_component_uuid": None},
+        {"filename": "x" * 10_000},
+        {"transfer_uuid": "x" * 10_000},
+        {"size_bytes": "many", "part_count": 3},
+        {"part_count": -1},
+    ):
+        sending.send([(kind, fields | change)])
+    assert sending.got == []
+    assert number.value == 1.0
+    assert gui._current_file_upload_states == {}
+
+
+def test_while_a_file_is_read_another_one_is_refused_at_once(monkeypatch):
+    reading, read = threading.Event(), threading.Event()
+
+    def load(path, name):
+        reading.set()
+        read.wait(20.0)
+        raise TrialFileError("It was read.")
+
+    monkeypatch.setattr(runs, "load_uploaded_trial", load)
+    owner, said = object.__new__(runs.Runs), []
+    owner._file_lock = threading.Lock()
+    page = SimpleNamespace(add_notification=lambda title, text, **how: said.append(text))
+    file = SimpleNamespace(name="run.nc", content=b"")
+    event = SimpleNamespace(client=page, target=SimpleNamespace(value=file))
+    first = threading.Thread(target=owner._load, args=[event])
+    first.start()
+    assert reading.wait(20.0)
+    for _ in range(100):
+        owner._load(event)
+    assert said == ["Another file is being read or written: try again in a moment."] * 100
+    read.set()
+    first.join()
+    assert said[100:] == ["It was read."]
+
+
+def test_a_page_that_does_not_take_its_files_is_sent_no_more_of_them():
+    unsent = dict.fromkeys(range(runs.MOST_UNSENT + 1))
+    buffer = SimpleNamespace(message_from_id=unsent)
+    wire = SimpleNamespace(get_message_buffer=lambda: buffer)
+    with pytest.raises(LaticaudaError, match=r"^This page has not yet received the files before"):
+        runs._send_file(SimpleNamespace(_websock_connection=wire), "run.nc", b"")

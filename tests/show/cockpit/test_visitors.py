@@ -18,6 +18,15 @@ websockets = pytest.importorskip("websockets")
 PROTOCOL = f"viser-v{viser.__version__}"
 
 
+CAMERA = {
+    "type": "ViewerCameraMessage",
+    **dict.fromkeys(("position", "up_direction"), (0.0, 0.0, 1.0)),
+    **dict.fromkeys(("fov", "near", "far"), 1.0),
+    **{"look_at": (0.0, 1.0, 0.0), "wxyz": (1.0, 0.0, 0.0, 0.0)},
+    **{"image_height": 1, "image_width": 1},
+}
+
+
 class Served:
     """A server of empty pages, and what it answers."""
 
@@ -162,6 +171,51 @@ def test_a_page_changes_values_of_controls_and_nothing_else_of_them(own):
     until(lambda: number.value == 3.0)
     assert number.value == 3.0
     number.remove()
+
+
+def send_and_wait(own, *messages):
+    """Send messages from a page, and look once they have been handled."""
+
+    async def talk():
+        way = {"host": "127.0.0.1", "port": own.port, "subprotocols": [PROTOCOL]}
+        async with websockets.connect(f"ws://{own.host}/", **way, max_size=None) as wire:
+            for message in (CAMERA, *messages):
+                await wire.send(msgspec.msgpack.encode(message))
+            await asyncio.sleep(0.3)
+            pages = own.server.get_clients().values()
+            return [(page.camera.position, page.camera.aspect) for page in pages]
+
+    return asyncio.run(talk())
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"image_height": 0},
+        {"position": (float("nan"), 0.0, 0.0)},
+        {"position": (1e308, 0.0, 0.0), "look_at": (-1e308, 0.0, 0.0)},
+        {"look_at": (0.0, 0.0, 1.0)},
+        {"wxyz": (0.0, 0.0, 0.0, 0.0)},
+    ],
+    ids=str,
+)
+def test_a_camera_that_cannot_be_is_ignored(own, change, caplog):
+    ((position, aspect),) = send_and_wait(own, CAMERA | change)
+    assert position.tolist() == [0.0, 0.0, 1.0] and aspect == 1.0
+    assert caplog.records == []
+
+
+def test_nothing_is_kept_of_messages_that_no_page_sends(own):
+    kept = own.server._websock_server.get_message_buffer().message_from_id
+    dirty = [{"type": "GuiFormDirtyMessage", "uuid": f"{k}" + "x" * 1000} for k in range(9)]
+    send_and_wait(own, *dirty)
+    assert not [message for message in kept.values() if "x" * 100 in getattr(message, "uuid", "")]
+
+
+def test_a_page_of_another_version_is_refused_and_nothing_of_it_is_printed(own, capfd):
+    for protocol in ("viser-v9.9.9", "viser-v" + "x" * 500):
+        assert own.messages(protocol=protocol) == 400
+    assert capfd.readouterr().out == ""
 
 
 def test_pages_that_leave_while_they_are_written_to_are_not_counted_on_the_screen(own, caplog):

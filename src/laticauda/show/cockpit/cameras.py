@@ -9,6 +9,7 @@ import asyncio
 import math
 import time
 import warnings
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -58,6 +59,36 @@ PHONE = View(
     look_at=BELOW,
 )
 """`HOME` for a page that is much taller than wide."""
+
+
+FARTHEST = 1e6
+"""Largest coordinate of a camera that is believed [m]."""
+LARGEST_IMAGE = 1e5
+"""Largest width and height of a page's picture that are believed [px]."""
+
+
+def is_camera(report: Any) -> bool:
+    """Return whether a page's report of its camera can be computed with.
+
+    Args:
+        report: viser's message, with whatever a page has sent.
+    """
+    vectors: tuple[Sequence[float], ...] = (report.position, report.look_at, report.up_direction)
+    lenses = (report.fov, report.near, report.far)
+    sizes = (report.image_width, report.image_height)
+    return (
+        all(_are_numbers(vector, 3, -FARTHEST, FARTHEST) for vector in vectors)
+        and math.dist(vectors[0], vectors[1]) > 0.0
+        and _are_numbers(report.wxyz, 4, -2.0, 2.0)
+        and any(report.wxyz)
+        and _are_numbers(lenses, 3, 0.0, math.inf)
+        and _are_numbers(sizes, 2, 1.0, LARGEST_IMAGE)
+    )
+
+
+def _are_numbers(values: Sequence[float], count: int, least: float, most: float) -> bool:
+    """Return whether these are so many numbers within these limits; viser has made numbers of them."""
+    return len(values) == count and all(least <= value <= most for value in values)
 
 
 class PageCamera:
@@ -129,6 +160,8 @@ class PageCameras:
     def __init__(self, server: Any) -> None:
         self._cameras: dict[int, PageCamera] = {}
         self._loop: asyncio.AbstractEventLoop | None = None
+        self._center: np.ndarray | None = None
+        """Where the robot is, until the loop has shown it [m]."""
         # The loop awaits both, so no page can be removed before it has been added.
         server.on_client_connect(self._add)
         server.on_client_disconnect(self._remove)
@@ -143,10 +176,18 @@ class PageCameras:
         Args:
             center: Position of the robot [m].
         """
-        if self._loop is not None and not self._loop.is_closed():
-            self._loop.call_soon_threadsafe(self._show, center)
+        if self._loop is None or self._loop.is_closed():
+            return
+        is_waiting = self._center is not None
+        self._center = center
+        # With many pages a loop may need longer than a frame: calls for older ones would pile up.
+        if not is_waiting:
+            self._loop.call_soon_threadsafe(self._show)
 
-    def _show(self, center: np.ndarray) -> None:
+    def _show(self) -> None:
+        center, self._center = self._center, None
+        if center is None:
+            return
         for camera in self._cameras.values():
             camera.show(center)
 

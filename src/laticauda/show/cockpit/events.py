@@ -14,6 +14,8 @@ NOTE_DURATION = 12.0
 """How long a page shows why something was refused [s]."""
 CLOSING_TIME = 5.0
 """How long closing waits for the events that are left [s]."""
+MOST_WAITING = 1000
+"""Events that wait at most; those of a page that sends more are dropped, and it is shown the values that hold."""
 Owner = TypeVar("Owner")
 
 
@@ -110,6 +112,8 @@ class EventQueue:
         async def enqueue(viser_event: Any) -> None:
             if viser_event.client is None:
                 return  # the program itself set the control
+            if self._queue.qsize() >= MOST_WAITING:
+                return
             event = Event(viser_event.client, viser_event.target, read(viser_event))
             self._queue.put(QueuedEvent(action, then, event))
 
@@ -142,4 +146,5 @@ def _call_guarded(function: Callable[[], None]) -> None:
     try:
         function()
     except Exception as error:
-        logging.getLogger(__name__).error("A control of the cockpit failed: %r", error)
+        message = f"A control of the cockpit failed: {error!r:.200}"
+        logging.getLogger(__name__).error("%s", message)

@@ -2,6 +2,8 @@
 
 import tempfile
 import threading
+from collections.abc import Generator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +23,12 @@ from laticauda.show.cockpit.ghost import Ghost
 from laticauda.show.cockpit.live import Live
 from laticauda.show.cockpit.scene import Scene
 from laticauda.trials import Trial
+from laticauda.values import LaticaudaError
 
 SAVED = "cockpit-run.nc"
 """Name of a saved run."""
+MOST_UNSENT = 500
+"""Messages that may wait for a page that is sent a file; a file is one for each MiB [-]."""
 GAP = 0.5
 """From the robot to a ghost next to it, to the left of the robot's heading [m]."""
 HINT_OF_SAVE = (
@@ -49,7 +54,8 @@ class Runs:
         self._ghost: Ghost | None = None
         self._ghost_start = 0.0
         """Simulated time at which the ghost began [s]."""
-        self._upload_lock = threading.Lock()
+        self._file_lock = threading.Lock()
+        """Held while a file is read or written; each of them occupies one of the server's few threads."""
         save = gui.add_button("save the run", hint=HINT_OF_SAVE)
         save.on_click(self._save)
         download = gui.add_button("download the scenario", hint=HINT_OF_SCENARIO)
@@ -99,12 +105,12 @@ class Runs:
 
     @refusing
     def _save(self, event: Any) -> None:
-        trial = self._live.trial()
-        with tempfile.TemporaryDirectory() as folder:
+        with self._one_file(), tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / SAVED
-            trial.save(path)
+            self._live.trial().save(path)
             _send_file(event.client, SAVED, path.read_bytes())
 
+    @refusing
     def _send_scenario(self, event: Any) -> None:
         file = write_scenario(self._live.scenario)
         _send_file(event.client, FILE, file.encode())
@@ -112,11 +118,25 @@ class Runs:
     @refusing
     def _load(self, event: Any) -> None:
         file = event.target.value
-        with self._upload_lock, tempfile.TemporaryDirectory() as folder:
+        with self._one_file(), tempfile.TemporaryDirectory() as folder:
             ending = Path(file.name).suffix.lower()
             path = Path(folder) / f"uploaded{ending}"
             path.write_bytes(file.content)
             self.play(load_uploaded_trial(path, file.name))
+
+    @contextmanager
+    def _one_file(self) -> Generator[None]:
+        """Read or write a file unless another one is being read or written.
+
+        Raises:
+            LaticaudaError: If another one is.
+        """
+        if not self._file_lock.acquire(blocking=False):
+            raise LaticaudaError("Another file is being read or written: try again in a moment.")
+        try:
+            yield
+        finally:
+            self._file_lock.release()
 
     def _place(self, event: Any = None) -> None:
         """Place the ghost beside the robot, or where it was recorded."""
@@ -142,4 +162,11 @@ class Runs:
 
 
 def _send_file(page: Any, name: str, content: bytes) -> None:
+    """Send a file to a page that receives what it is sent.
+
+    Raises:
+        LaticaudaError: If many messages to it still wait.
+    """
+    if len(page._websock_connection.get_message_buffer().message_from_id) > MOST_UNSENT:
+        raise LaticaudaError("This page has not yet received the files before: wait for them.")
     page.send_file_download(name, content, save_immediately=True)

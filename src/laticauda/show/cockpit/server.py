@@ -15,6 +15,7 @@ from http import HTTPStatus
 from importlib import import_module
 from typing import Any
 
+from laticauda.show.cockpit.cameras import is_camera
 from laticauda.show.cockpit.uploads import limit_uploads
 from laticauda.values import LaticaudaError, ServerAccess, optional_import
 
@@ -22,6 +23,14 @@ POLICY = "connect-src 'self' data: blob:; frame-ancestors 'none'"
 """A page connects only to its own server (viser's would follow an address in the link), and cannot be embedded."""
 MOST_RECEIVED = 4 << 20
 """Largest size of one message from a page [bytes]."""
+
+UNUSED_MESSAGES = (
+    "GuiButtonHoldMessage",
+    "GuiFormDirtyMessage",
+    "GuiFormSubmitMessage",
+    "CommandTriggerMessage",
+)
+"""Messages of viser's pages about controls that the cockpit does not have."""
 
 
 class PortTaken(LaticaudaError, OSError):
@@ -57,6 +66,7 @@ def start_server(door: ServerAccess, port: int) -> Any:
     server._websock_server.unregister_handler(messages.ShareUrlRequest)
     _limit_updates(server, messages)
     limit_uploads(server)
+    _limit_messages(server, messages)
     return server
 
 
@@ -71,6 +81,35 @@ def _limit_updates(server: Any, messages: Any) -> None:
     sockets = server._websock_server
     sockets.unregister_handler(messages.GuiUpdateMessage)
     sockets.register_handler(messages.GuiUpdateMessage, update_value)
+
+
+def _limit_messages(server: Any, messages: Any) -> None:
+    """Ignore what no page of ours sends: viser would keep it for all pages, however large it is."""
+    unused = [getattr(messages, name) for name in UNUSED_MESSAGES]
+    uploads = [messages.FileTransferStartUpload, messages.FileTransferPart]
+    for message in unused:
+        server._websock_server.unregister_handler(message)
+
+    def limit_page(page: Any) -> None:
+        # A page's own controls take no files, and these would not be limited.
+        for message in (*unused, *uploads):
+            page.unregister_handler(message)
+        _check_cameras(page, messages.ViewerCameraMessage)
+
+    # viser registers those of a page when it connects; its callback comes before this one.
+    server._websock_server.on_client_connect(limit_page)
+
+
+def _check_cameras(page: Any, report: Any) -> None:
+    """Ignore reports of a camera that cannot be: computing with one would stop the cameras of all pages."""
+    (take_report,) = page._incoming_handlers[report]
+
+    async def take_valid_report(number: int, message: Any) -> None:
+        if is_camera(message):
+            await take_report(number, message)
+
+    page.unregister_handler(report)
+    page.register_handler(report, take_valid_report)
 
 
 def _free_port(host: str, port: int) -> int:
@@ -143,6 +182,7 @@ def guard_websockets(door: ServerAccess) -> Generator[None]:
             "process_request": functools.partial(_answer_request, door, process_request),
             "logger": _WIRE,
             "max_size": MOST_RECEIVED,
+            "select_subprotocol": _select_protocol,
         }
         return original_serve(handler, host, port, **options)
 
@@ -155,6 +195,18 @@ def guard_websockets(door: ServerAccess) -> Generator[None]:
         raise LaticaudaError(
             "This version of viser serves its pages unprotected: install viser 1.1."
         )
+
+
+def _select_protocol(connection: Any, offered: list[str]) -> str:
+    """Return viser's protocol; viser would print what a page of another version offers on standard output.
+
+    Raises:
+        NegotiationError: If the page does not offer it.
+    """
+    protocol = f"viser-v{load_viser().__version__}"
+    if protocol in offered:
+        return protocol
+    raise import_module("websockets").NegotiationError("the page is of another version: reload it")
 
 
 def _log_failure(loop: Any, context: dict[str, Any]) -> None:
