@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from patience import LONG
 
 # Nobody has a graphics card here: Mesa draws some five pictures a second, Chromium's own software
 # two.
@@ -21,6 +22,9 @@ FLAGS = (
     f"--use-angle={DRAWN_BY}",
     "--ignore-gpu-blocklist",
     "--enable-unsafe-swiftshader",
+    # Smooth edges are two fifths of the work of a picture.
+    "--webgl-antialiasing-mode=none",
+    "--webgl-msaa-sample-count=0",
 )
 SIZE = {"width": 1024, "height": 640}
 SMALL = {"width": 640, "height": 400}
@@ -55,9 +59,9 @@ def open_page(found, address, size=SIZE):
     from playwright.sync_api import TimeoutError as TooLate
 
     page = found.new_page(viewport=size)
-    page.set_default_timeout(30_000)
+    page.set_default_timeout(1e3 * LONG)
     page.goto(f"{address}?fixedDpr=1")
-    page.wait_for_selector("text=amplitude [°]", timeout=60_000)
+    page.wait_for_selector("text=amplitude [°]")
     # The page warns that no graphics card draws it.
     with contextlib.suppress(TooLate):
         page.wait_for_selector("text=Software WebGL", timeout=5_000)
@@ -72,7 +76,7 @@ def close_notes(page):
     )
 
 
-def until(condition, patience=40.0):
+def until(condition, patience=LONG):
     """Wait until a condition holds; whether it did."""
     end = time.monotonic() + patience
     while time.monotonic() < end:

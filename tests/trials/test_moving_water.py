@@ -105,10 +105,12 @@ def test_a_batch_has_the_same_speeds_through_the_water_as_single_runs(current: F
     [
         ((-0.2, 0.1), "gait.frequency"),
         ((0.0, 0.0), "water.current_x"),
+        (Waves(height=0.1, length=6.0), "gait.frequency"),
+        (Waves(height=0.1, length=6.0), "water.normal_drag"),
     ],
 )
 def test_the_speed_through_the_water_is_differentiated_as_differences_say(
-    current: tuple[float, float], name: str
+    current: tuple[float, float] | Flow, name: str
 ):
     scenario = in_water(current, 15.0).scenario
     step = 1e-4
