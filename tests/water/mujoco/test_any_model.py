@@ -259,6 +259,56 @@ def test_only_what_turns_over_is_said_to_turn_over(kind, size, euler, turns, den
         assert (final_tilt(handle.model()) > 60.0) == turns
 
 
+# ---- nets and ropes ------------------------------------------------------------------------------
+
+NET = """<mujoco><option gravity="0 0 {g}"/><worldbody>
+<body name="frame" pos="0 0 -2"><freejoint/><geom size=".05" mass="1"/></body>
+<flexcomp name="net" type="{kind}" count="{count}" spacing=".1 .1 .1" radius=".005" pos="0 0 -1" euler="20 30 40"
+ dim="{dim}" mass=".2"><edge equality="true"/><contact selfcollide="none"/></flexcomp></worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize(("count", "edges"), [("5 5 1", 40), ("4 6 1", 38), ("2 2 1", 4)])
+def test_a_net_in_a_current_feels_the_drag_of_its_twine_as_cylinders(count, edges):
+    text = NET.format(kind="grid", count=count, dim=2, g=0)
+    handle = water.attach(mujoco.MjSpec.from_string(text))
+    model = handle.model()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    corners = data.flexvert_xpos
+    normal = np.cross(corners[1] - corners[0], corners[-1] - corners[0])
+    normal /= np.linalg.norm(normal)
+    handle.set_current(tuple(0.3 * normal))
+    force = handle.forces(data)["drag"][1:].sum(axis=0)
+    twine = 0.5 * 1000.0 * 1.2 * 0.01 * 0.1 * edges * 0.3**2
+    np.testing.assert_allclose(force, twine * normal, rtol=1e-6, atol=1e-9)
+    volume = np.pi * 0.005**2 * 0.1 * edges
+    assert sum(element.volume for element in handle.elements[1:]) == pytest.approx(volume)
+
+
+def test_a_rope_along_the_current_feels_next_to_nothing():
+    text = NET.format(kind="grid", count="8 1 1", dim=1, g=0).replace('euler="20 30 40"', "")
+    handle = water.attach(mujoco.MjSpec.from_string(text), current=(0.3, 0.0, 0.0))
+    along = handle.forces(mujoco.MjData(handle.model()))["drag"][1:].sum(axis=0)
+    handle.set_current((0.0, 0.3, 0.0))
+    across = handle.forces(mujoco.MjData(handle.model()))["drag"][1:].sum(axis=0)
+    assert across[1] == pytest.approx(0.5 * 1000.0 * 1.2 * 0.01 * 0.7 * 0.3**2)
+    assert along[0] == pytest.approx(across[1] * 0.05 / 1.2)
+
+
+def test_a_model_of_a_net_alone_gets_water():
+    text = NET.format(kind="grid", count="5 5 1", dim=2, g=-9.81)
+    begin, end = text.index("<body"), text.index("<flexcomp")
+    handle = water.attach(mujoco.MjSpec.from_string(text[:begin] + text[end:]))
+    assert len(handle.elements) == 25
+
+
+def test_a_soft_body_gets_no_water_and_one_warning_says_so():
+    text = NET.format(kind="grid", count="3 3 3", dim=3, g=-9.81)
+    with pytest.warns(UserWarning, match="no water acts on flexes that are neither nets .*`net`"):
+        handle = water.attach(mujoco.MjSpec.from_string(text))
+    assert len(handle.elements) == 1
+
+
 # ---- speed ---------------------------------------------------------------------------------------
 
 

@@ -210,7 +210,7 @@ class SpatialPlant(Plant[Spatial]):
         return f"{super()._description} with a {self.settings.root} root"
 
     def _stable_step(self) -> float:
-        elements = self._twin.water.elements
+        elements = self._twin.elements_of_robots
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             dt = DRAG_SHARE * water.stable_step(self._twin.model, elements, 0.5)

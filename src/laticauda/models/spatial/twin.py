@@ -35,6 +35,7 @@ from laticauda.scenarios import Spatial
 from laticauda.values import load_mujoco
 from laticauda.water import mujoco as water
 from laticauda.water.mujoco import callback, table
+from laticauda.water.mujoco.flexes import flex_elements
 
 TEMPLATES = {"drives": ("joint_law",), "stepping": ("joint_law",)}
 """Templates of the kernels, and what each is specialized for; see `laticauda.compiling.templates`."""
@@ -129,6 +130,8 @@ class Twin:
             self._ends_of_elements.append(len(elements))
         setup = members[0].setup
         scene = setup.scene or Scene()
+        if isinstance(environment, Water):
+            elements.extend(flex_elements(self.model, density=environment.density))
         if isinstance(environment, Ground):
             return water.attach(self.model, elements, terrain=scene.terrain)
         return water.attach(
@@ -140,6 +143,11 @@ class Twin:
             form=environment.added_mass_form,
             terrain=scene.terrain,
         )
+
+    @property
+    def elements_of_robots(self) -> tuple[water.Element, ...]:
+        """Elements of all robots, without those of nets in the scene."""
+        return self.water.elements[: self._ends_of_elements[-1]]
 
     def run(
         self,
@@ -243,7 +251,7 @@ class Twin:
         """Return forces on every link after the last run, (3, n_links, 3) [N]; the tail link's include the fin's."""
         loads = self.water.forces(self._data)
         total = np.zeros((len(FORCES), self._n_links, 3))
-        for i, element in enumerate(self.water.elements):
+        for i, element in enumerate(self.elements_of_robots):
             link = _link_of_body(str(element.body))
             for k, name in enumerate(FORCES):
                 total[k, link] += loads[name][i]

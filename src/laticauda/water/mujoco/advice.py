@@ -47,6 +47,8 @@ def _problem_of_tree(
     model: Any, root: int, bodies: list[int], water: Any, fitted: bool
 ) -> str | None:
     """Return what is likely wrong with a tree of bodies in water; None: nothing."""
+    if np.any(model.flex_vertbodyid == root):
+        return None  # a vertex of a net or rope
     is_heavy = _has_gravity(model)
     if _is_free(model, root):
         if not is_heavy:

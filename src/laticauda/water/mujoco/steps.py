@@ -34,18 +34,26 @@ def stable_step(model: Any, elements: Iterable[Element], speed: float) -> float:
     mujoco.mj_forward(model, data)
     inertia = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, inertia)
-    slopes = np.zeros_like(inertia)
+    slopes: dict[int, np.ndarray] = {}
     linear = np.zeros((3, model.nv))
     turning = np.zeros((3, model.nv))
+    root_of_dof = model.body_rootid[model.dof_bodyid]
     for element in elements:
         pose = element_pose(model, data, element)
         mujoco.mj_jac(model, data, linear, turning, pose.center, pose.body)
         own = _steepest_slopes(element, speed)
-        J = pose.axes.T @ linear
-        K = pose.axes.T @ turning
-        slopes += J.T @ (own.along[:, np.newaxis] * J) + K.T @ (own.about[:, np.newaxis] * K)
-    rates = np.linalg.eigvals(np.linalg.solve(inertia, slopes))
-    fastest = float(np.max(np.real(rates)))
+        root = int(model.body_rootid[pose.body])
+        dofs = np.flatnonzero(root_of_dof == root)
+        J = pose.axes.T @ linear[:, dofs]
+        K = pose.axes.T @ turning[:, dofs]
+        slope = J.T @ (own.along[:, np.newaxis] * J) + K.T @ (own.about[:, np.newaxis] * K)
+        slopes[root] = slopes.get(root, 0.0) + slope
+    fastest = 0.0
+    for root, slope in slopes.items():
+        dofs = np.flatnonzero(root_of_dof == root)
+        if dofs.size:
+            rates = np.linalg.eigvals(np.linalg.solve(inertia[np.ix_(dofs, dofs)], slope))
+            fastest = max(fastest, float(np.max(np.real(rates))))
     if fastest > 0.0:
         return 2.0 / fastest
     return math.inf

@@ -23,6 +23,7 @@ from laticauda.water.mujoco.checks import make_room
 from laticauda.water.mujoco.currents import Current, FlowStore, read_motion, write_motion
 from laticauda.water.mujoco.elements import Element
 from laticauda.water.mujoco.filling import fill_table
+from laticauda.water.mujoco.flexes import flex_elements
 from laticauda.water.mujoco.geoms import geom_elements
 from laticauda.water.mujoco.ground import Terrain
 from laticauda.water.mujoco.specs import compile_file, compile_spec
@@ -166,7 +167,8 @@ def attach(
             mass: the handle's `model()` is the model. Or a `mujoco.MjModel`, or an object that
             holds one as `ptr`, as in dm_control; some of those have no room for added mass and are
             rejected.
-        elements: Elements on which the water acts; None: `geom_elements`.
+        elements: Elements on which the water acts; None: `geom_elements`, and cylinders along the
+            edges of nets and ropes (flexes).
         density: Density rho, for the buoyancy [kg/m^3].
         current: Motion of the water: its velocity, world axes [m/s]; or a flow
             (`laticauda.water.fluid.flow.Flow`), or a function of x, y, z [m] and t [s] like one, which
@@ -194,7 +196,7 @@ def attach(
     check_positive("usual_speed", usual_speed, "m/s")
     fitted = elements is None
     if elements is None:
-        elements = geom_elements(model, density=density)
+        elements = _fit_elements(model, density)
     elements = tuple(elements)
     _check_elements(elements)
     options = {
@@ -225,6 +227,17 @@ def attached(model: Any) -> Water | None:
     if water is None:
         return None
     return replace(water, model=weakref.ref(model))
+
+
+def _fit_elements(model: Any, density: float) -> tuple[Element, ...]:
+    """Return elements for all geoms and flexes; a model may consist of flexes alone."""
+    of_flexes = flex_elements(model, density=density)
+    try:
+        return geom_elements(model, density=density) + of_flexes
+    except BadArgument:
+        if not of_flexes:
+            raise
+        return of_flexes
 
 
 def _compile(model: Any) -> Any:
