@@ -34,7 +34,7 @@ def test_every_value_of_the_map_is_what_swim_says(gaits):
     for i, j in ((0, 0), (5, 5), (-1, 2)):
         gait = change_wave(GAIT, AMPLITUDES[j], FREQUENCIES[i])
         trial = lc.swim(SCENARIO.robot, gait, DURATION, environment=SCENARIO.environment)
-        assert values[i, j] == pytest.approx(trial.forward_velocity, rel=1e-6)
+        assert values[i, j] == pytest.approx(trial.speed_through_water, rel=1e-6)
 
 
 def test_scenarios_that_differ_in_what_the_map_spans_share_it():
