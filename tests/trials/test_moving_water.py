@@ -18,6 +18,7 @@ from laticauda.water.fluid.waves import Waves
 GAIT = lc.lateral_undulation(amplitude=0.5, frequency=2.3, phase_shift=0.7)
 STILL = lc.load_water("paper-lateral")
 OF_SWIMMING = ("steady_speed_through_water", "strouhal_number", "mechanical_power")
+EDDIES = replace(lc.load_current("turbulence"), modes=6)
 SPEEDS = ("speed_through_water", "steady_speed_through_water")
 
 
@@ -107,6 +108,8 @@ def test_a_batch_has_the_same_speeds_through_the_water_as_single_runs(current: F
         ((0.0, 0.0), "water.current_x"),
         (Waves(height=0.1, length=6.0), "gait.frequency"),
         (Waves(height=0.1, length=6.0), "water.normal_drag"),
+        (EDDIES, "gait.amplitude"),
+        (EDDIES, "water.normal_drag"),
     ],
 )
 def test_the_speed_through_the_water_is_differentiated_as_differences_say(
