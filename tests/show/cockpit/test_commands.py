@@ -55,6 +55,10 @@ class Page:
     def __init__(self):
         self.files = {}
 
+    _websock_connection = SimpleNamespace(
+        get_message_buffer=lambda: SimpleNamespace(message_from_id={})
+    )
+
     def send_file_download(self, name, content, **settings):
         self.files[name] = content
 

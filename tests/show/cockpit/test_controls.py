@@ -40,6 +40,10 @@ class Page:
     def add_notification(self, title, text, **settings):
         self.told.append(text)
 
+    _websock_connection = SimpleNamespace(
+        get_message_buffer=lambda: SimpleNamespace(message_from_id={})
+    )
+
     def send_file_download(self, name, content, **settings):
         self.files[name] = content
 
