@@ -309,6 +309,18 @@ def test_a_soft_body_gets_no_water_and_one_warning_says_so():
     assert len(handle.elements) == 1
 
 
+@pytest.mark.skipif(mujoco.__version__ != "4.0.0", reason="the fault of that version alone")
+def test_a_large_net_is_solved_without_the_wrong_matrices_and_without_dense_ones():
+    text = NET.format(kind="grid", count="12 12 1", dim=2, g=-9.81)
+    with pytest.warns(UserWarning, match="438 degrees of freedom, the solver CG replaces Newton"):
+        handle = water.attach(mujoco.MjSpec.from_string(text))
+    model = handle.model()
+    data = mujoco.MjData(model)
+    for _ in range(3):
+        mujoco.mj_step(model, data)
+    assert np.all(np.isfinite(data.qpos)) and mujoco.mj_isSparse(model)
+
+
 # ---- speed ---------------------------------------------------------------------------------------
 
 

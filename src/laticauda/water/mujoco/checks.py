@@ -14,6 +14,8 @@ INTEGRATORS = ("Euler", "RK4", "implicit", "implicitfast")
 """Integrators of MuJoCo that work with water."""
 INTEGRATORS_OF_IMPLICIT_DRAG = ("euler", "implicitfast")
 """Those that work with the drag's slope in the inertia, in small letters."""
+MOST_DENSE = 300
+"""Degrees of freedom up to which matrices may be dense."""
 POSES_TRIED = 4
 """Random poses in which the added mass is compared with the room for it."""
 ROUNDING = 1e-9
@@ -152,9 +154,11 @@ def make_room(model: Any, elements: Sequence[Element]) -> None:
     That solver's factorization of a sparse Hessian can be wrong: errors in accelerations were as
     large as the accelerations where constraints join branches of the tree; 4.0.1 is correct again.
 
+    Large models get the solver CG instead, as their arena has no room for dense matrices.
+
     Args:
-        model: The `mujoco.MjModel`; its options `density`, `viscosity` and `jacobian`, and the
-            `gravcomp` of its bodies, may be changed.
+        model: The `mujoco.MjModel`; its options `density`, `viscosity`, `jacobian` and `solver`,
+            and the `gravcomp` of its bodies, may be changed.
         elements: The elements of its water.
     """
     mujoco = load_mujoco()
@@ -166,9 +170,18 @@ def make_room(model: Any, elements: Sequence[Element]) -> None:
     option.density = 0.0
     option.viscosity = 0.0
     model.body_gravcomp[lifted] = 0.0
-    is_newton = option.solver == mujoco.mjtSolver.mjSOL_NEWTON
-    if mujoco.__version__ == "4.0.0" and is_newton and mujoco.mj_isSparse(model):
-        option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+    if _is_solved_wrongly(model):
+        if model.nv > MOST_DENSE:
+            option.solver = mujoco.mjtSolver.mjSOL_CG
+        else:
+            option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+
+
+def _is_solved_wrongly(model: Any) -> bool:
+    """Return whether MuJoCo 4.0.0 would factor a sparse Hessian."""
+    mujoco = load_mujoco()
+    is_newton = model.opt.solver == mujoco.mjtSolver.mjSOL_NEWTON
+    return mujoco.__version__ == "4.0.0" and is_newton and bool(mujoco.mj_isSparse(model))
 
 
 def _replaced(model: Any, lifted: list[int]) -> Iterator[str]:
@@ -182,6 +195,11 @@ def _replaced(model: Any, lifted: list[int]) -> Iterator[str]:
     if option.density > 0.0 or option.viscosity > 0.0:
         medium = f"{option.density:g} kg/m^3 and {option.viscosity:g} Pa s"
         yield f"the water replaces MuJoCo's own medium of {medium}"
+    if _is_solved_wrongly(model) and model.nv > MOST_DENSE:
+        yield (
+            f"with {model.nv} degrees of freedom, the solver CG replaces Newton, whose sparse matrices are wrong in "
+            "MuJoCo 4.0.0; other versions are right"
+        )
     if lifted:
         names = ", ".join(name_of(model, body) for body in lifted)
         yield (
