@@ -168,7 +168,7 @@ def test_while_a_file_is_read_another_one_is_refused_at_once(monkeypatch):
 
     monkeypatch.setattr(runs, "load_uploaded_trial", load)
     owner, said = object.__new__(runs.Runs), []
-    owner._file_lock = threading.Lock()
+    owner._reading = threading.Lock()
     page = SimpleNamespace(add_notification=lambda title, text, **how: said.append(text))
     file = SimpleNamespace(name="run.nc", content=b"")
     event = SimpleNamespace(client=page, target=SimpleNamespace(value=file))

@@ -54,8 +54,10 @@ class Runs:
         self._ghost: Ghost | None = None
         self._ghost_start = 0.0
         """Simulated time at which the ghost began [s]."""
-        self._file_lock = threading.Lock()
-        """Held while a file is read or written; each of them occupies one of the server's few threads."""
+        self._reading = threading.Lock()
+        """Held while an uploaded file is read, which occupies one of the server's few threads."""
+        self._writing = threading.Lock()
+        """Held while a run is saved, likewise."""
         save = gui.add_button("save the run", hint=HINT_OF_SAVE)
         save.on_click(self._save)
         download = gui.add_button("download the scenario", hint=HINT_OF_SCENARIO)
@@ -105,7 +107,7 @@ class Runs:
 
     @refusing
     def _save(self, event: Any) -> None:
-        with self._one_file(), tempfile.TemporaryDirectory() as folder:
+        with hold_at_once(self._writing), tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / SAVED
             self._live.trial().save(path)
             _send_file(event.client, SAVED, path.read_bytes())
@@ -118,25 +120,11 @@ class Runs:
     @refusing
     def _load(self, event: Any) -> None:
         file = event.target.value
-        with self._one_file(), tempfile.TemporaryDirectory() as folder:
+        with hold_at_once(self._reading), tempfile.TemporaryDirectory() as folder:
             ending = Path(file.name).suffix.lower()
             path = Path(folder) / f"uploaded{ending}"
             path.write_bytes(file.content)
             self.play(load_uploaded_trial(path, file.name))
-
-    @contextmanager
-    def _one_file(self) -> Generator[None]:
-        """Read or write a file unless another one is being read or written.
-
-        Raises:
-            LaticaudaError: If another one is.
-        """
-        if not self._file_lock.acquire(blocking=False):
-            raise LaticaudaError("Another file is being read or written: try again in a moment.")
-        try:
-            yield
-        finally:
-            self._file_lock.release()
 
     def _place(self, event: Any = None) -> None:
         """Place the ghost beside the robot, or where it was recorded."""
@@ -159,6 +147,21 @@ class Runs:
         """Show or hide the controls of the ghost."""
         self._beside.visible = is_visible
         self._removal.visible = is_visible
+
+
+@contextmanager
+def hold_at_once(lock: threading.Lock) -> Generator[None]:
+    """Hold a lock without waiting for it.
+
+    Raises:
+        LaticaudaError: If it is held for another file.
+    """
+    if not lock.acquire(blocking=False):
+        raise LaticaudaError("Another file is being read or written: try again in a moment.")
+    try:
+        yield
+    finally:
+        lock.release()
 
 
 def _send_file(page: Any, name: str, content: bytes) -> None:
