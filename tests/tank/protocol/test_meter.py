@@ -5,13 +5,19 @@ from laticauda.tank.protocol import MeterReading, ProtocolError, meter
 from laticauda.tank.protocol.meter import LineReader, decode_displayed, displayed_text
 
 AMPERES = st.integers(-(10**6), 10**6).map(lambda raw: raw * 1e-5)
+RECORDS = st.tuples(AMPERES, AMPERES, AMPERES).map(sorted)
+"""Minimum, average and maximum."""
+
+
+def shows(live, record, duration):
+    minimum, average, maximum = record
+    return MeterReading(
+        live=live, average=average, minimum=minimum, maximum=maximum, duration=duration
+    )
+
+
 READINGS = st.builds(MeterReading, live=AMPERES) | st.builds(
-    MeterReading,
-    live=AMPERES,
-    average=AMPERES,
-    minimum=AMPERES,
-    maximum=AMPERES,
-    duration=st.integers(0, 10**6),
+    shows, AMPERES, RECORDS, st.integers(0, 10**6)
 )
 
 
@@ -110,3 +116,24 @@ def test_an_answer_begins_with_how_it_went_and_may_have_a_line_of_data():
     assert meter.encode_answer() == b"0\r"
     assert meter.encode_answer("1,2") == b"0\r1,2\r"
     assert meter.encode_answer(acknowledgment=meter.Acknowledgment.NO_DATA) == b"5\r"
+
+
+def answered(**values):
+    """An answer to QDDA with these readings, at 100 s."""
+    fields = [f"{name},{value},ADC,0,4,5,NORMAL,NONE,100" for name, value in values.items()]
+    return ",".join([f"A_DC,NONE,AUTO,ADC,10,0,OFF,0,1,MIN_MAX_AVG,{len(fields)}", *fields])
+
+
+def test_a_record_that_contradicts_itself_is_no_reading():
+    usual = {"LIVE": 2.0, "AVERAGE": 2.0, "MINIMUM": 1.0, "MAXIMUM": 3.0}
+    assert meter.decode_displayed(answered(**usual)).average == 2.0
+    for text in (
+        answered(**usual | {"AVERAGE": 9.0}),
+        answered(**usual | {"MINIMUM": 4.0}),
+        answered(**usual).replace(",OFF,0,", ",OFF,1000,"),
+    ):
+        with pytest.raises(ProtocolError, match=r"^the meter's record contradicts itself"):
+            meter.decode_displayed(text)
+    doubled = answered(**usual).replace("AVERAGE", "LIVE")
+    with pytest.raises(ProtocolError, match=r"^the meter's answer to QDDA has two 'LIVE'"):
+        meter.decode_displayed(doubled)

@@ -178,6 +178,8 @@ def _decode_displayed_fields(text: str, fields: list[str]) -> MeterReading:
     times: list[float] = []
     for begin in range(0, len(reading_fields), READING_FIELDS):
         reading = _DisplayedValue.of(reading_fields[begin : begin + READING_FIELDS])
+        if reading.name in values:
+            raise ProtocolError(f"the meter's answer to QDDA has two {reading.name!r:.40}")
         if reading.unit == "ADC" and reading.state == "NORMAL":
             values[reading.name] = _current(reading.value)
         times.append(float(reading.time))
@@ -188,6 +190,9 @@ def _decode_displayed_fields(text: str, fields: list[str]) -> MeterReading:
     record_names = ("AVERAGE", "MINIMUM", "MAXIMUM")
     if not all(name in values for name in record_names) or not math.isfinite(duration):
         return MeterReading(live=live)
+    is_ordered = values["MINIMUM"] <= values["AVERAGE"] <= values["MAXIMUM"]
+    if not is_ordered or duration < 0.0:
+        raise ProtocolError(f"the meter's record contradicts itself: {text!r:.80}")
     return MeterReading(
         live=live,
         average=values["AVERAGE"],
