@@ -33,6 +33,8 @@ LONGEST_LINE = 1000
 """Bytes of a line at most; valid ones are far shorter."""
 READING_FIELDS = 9
 """Fields of a reading in the answer to QDDA."""
+RECORD_ROUNDING = 1e-5
+"""Share of the record's values by which the average may lie beyond them, as they are rounded [-]."""
 OVERLOAD = 9.99999999e37
 """Number that the meter gives if it is overloaded."""
 
@@ -190,14 +192,16 @@ def _decode_displayed_fields(text: str, fields: list[str]) -> MeterReading:
     record_names = ("AVERAGE", "MINIMUM", "MAXIMUM")
     if not all(name in values for name in record_names) or not math.isfinite(duration):
         return MeterReading(live=live)
-    is_ordered = values["MINIMUM"] <= values["AVERAGE"] <= values["MAXIMUM"]
+    minimum, average, maximum = values["MINIMUM"], values["AVERAGE"], values["MAXIMUM"]
+    rounding = RECORD_ROUNDING * max(abs(minimum), abs(maximum))
+    is_ordered = minimum - rounding <= average <= maximum + rounding
     if not is_ordered or duration < 0.0:
         raise ProtocolError(f"the meter's record contradicts itself: {text!r:.80}")
     return MeterReading(
         live=live,
-        average=values["AVERAGE"],
-        minimum=values["MINIMUM"],
-        maximum=values["MAXIMUM"],
+        average=average,
+        minimum=minimum,
+        maximum=maximum,
         duration=duration,
     )
 
