@@ -259,6 +259,12 @@ def test_only_what_turns_over_is_said_to_turn_over(kind, size, euler, turns, den
         assert (final_tilt(handle.model()) > 60.0) == turns
 
 
+def test_a_model_in_centimeters_is_warned_of_as_the_water_s_density_is_not():
+    spec = mujoco.MjSpec.from_string(floating("sphere", ".1", option='gravity="0 0 -981"'))
+    with pytest.warns(UserWarning, match="gravity is 981: if the model is not in meters and kilo"):
+        water.attach(spec)
+
+
 # ---- nets and ropes ------------------------------------------------------------------------------
 
 NET = """<mujoco><option gravity="0 0 {g}"/><worldbody>

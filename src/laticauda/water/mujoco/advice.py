@@ -10,6 +10,8 @@ from laticauda.water.mujoco.bodies import body_of, dofs_above, name_of
 from laticauda.water.mujoco.floating import overturning_lever
 from laticauda.water.mujoco.steps import stable_step
 
+LARGEST_GRAVITY = 50.0
+"""Gravity beyond which a model is hardly in SI units [m/s^2]."""
 OVERTURNING = 1e-5
 """Depth of the metacenter below the center of mass from which on a body turns over [m]."""
 
@@ -32,6 +34,13 @@ def warn_of_mistakes(model: Any, water: Any, speed: float | None, fitted: bool) 
         problem = _problem_of_tree(model, root, bodies_of_tree, water, fitted)
         if problem:
             messages.append(f"body {name_of(model, root)} {problem}")
+    gravity = float(np.linalg.norm(model.opt.gravity))
+    if gravity > LARGEST_GRAVITY:
+        density = water.options["density"]
+        messages.append(
+            f"gravity is {gravity:g}: if the model is not in meters and kilograms, `density` {density:g} has to be in "
+            "its units, too (1 in centimeters and grams)"
+        )
     if speed is not None:
         limit = stable_step(model, water.elements, speed)
         if model.opt.timestep > limit:
