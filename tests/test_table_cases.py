@@ -1,5 +1,6 @@
 """Cases from the field, each with its source in tests/cases/*/case.md: tables and recordings that others brought."""
 
+import json
 import shutil
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 
 import laticauda as lc
+from laticauda.cli import main
 from laticauda.identify import from_table
 from laticauda.trials.logs import load_trial
 from laticauda.trials.logs.recording import open_recording
@@ -28,6 +30,16 @@ def case_f01_unix_time(_):
     with pytest.warns(TableWarning, match="`time_s` counts s since 1970; time 0 is its first row"):
         found = lc.load_joint_angles(CASES / "f01_unix_time" / "ja_unixtime.csv")
     assert_same_angles(found)
+
+
+def test_a_command_says_in_a_line_what_it_did_not_take_as_it_is_written(capsys):
+    file = CASES / "f01_unix_time" / "ja_unixtime.csv"
+    words = ["swim", "--robot", "chain", "--n-links", "9", "--joint-angles", str(file)]
+    assert main([*words, "--duration", "6", "--json"]) == 0
+    printed = capsys.readouterr()
+    line = f"laticauda: {file}: `time_s` counts s since 1970; time 0 is its first row"
+    assert line in printed.err.splitlines()
+    assert json.loads(printed.out)["forward_velocity"] > 0.03
 
 
 def case_f03_wrap_360(_):

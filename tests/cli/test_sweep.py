@@ -159,7 +159,7 @@ def test_degrees_are_in_the_name():
         ("--list nothing.csv", "nothing.csv: no such file"),
         (
             "--list empty.csv",
-            "--list must be a CSV file with the names of parameters in its first line",
+            "empty.csv: it is not a text file of columns, or it is empty",
         ),
         (
             "--list strange.csv",
@@ -169,7 +169,7 @@ def test_degrees_are_in_the_name():
             "--list negative.csv",
             "--list of negative.csv must be within the bounds of the parameters",
         ),
-        ("--list ragged.csv", "ragged.csv: row 3: it must have one cell per column"),
+        ("--list ragged.csv", "ragged.csv: row 3 must have 2 cells, as row 1 has, got 1"),
         ("--list words.csv", "--list must be a table of numbers, got 'x in words.csv, line 2'"),
         (
             "--list words.csv --samples 3",

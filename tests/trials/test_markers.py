@@ -60,5 +60,5 @@ def test_a_track_is_read_from_a_table(tmp_path):
     with pytest.raises(TrialFileError, match="must have columns `time_s`, `NAME_x_m`, `NAME_y_m`"):
         Track.read(path)
     path.write_text("time_s,a_x_m,a_y_m\n0,1\n", encoding="utf-8")
-    with pytest.raises(TrialFileError, match="row 2: it must have one cell per column"):
+    with pytest.raises(TrialFileError, match="row 2 must have 3 cells, as row 1 has, got 2"):
         Track.read(path)

@@ -9,7 +9,7 @@ from typing import Annotated, Any, NamedTuple, NoReturn, Union
 
 import tyro
 
-from laticauda.cli.command import Command
+from laticauda.cli.command import Command, warnings_as_lines
 from laticauda.cli.flags import BadFlag, spell_field, wrap_text
 from laticauda.cli.surroundings import (
     check_memory,
@@ -107,7 +107,8 @@ def main(args: Sequence[str] | None = None) -> int:
         widen_narrow_terminal()
         if typed == ["--version"]:
             return _print_version()
-        command = _read_command(typed)
+        with warnings_as_lines():
+            command = _read_command(typed)
         check_memory()
         status = command()
         sys.stdout.flush()  # a closed pipe is noticed here, not after the end

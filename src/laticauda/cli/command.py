@@ -65,7 +65,7 @@ class Command(Options):
         """Do the work, print the outcome and return the exit status."""
         for file in files_of(self):
             check_output(file.option, file.path, file.endings)
-        with _warnings_as_lines():
+        with warnings_as_lines():
             outcome = self.run()
         if outcome is None:
             return 0
@@ -95,7 +95,7 @@ ABOUT_WHAT_WAS_GIVEN = (
 
 
 @contextmanager
-def _warnings_as_lines() -> Generator[None]:
+def warnings_as_lines() -> Generator[None]:
     """Print warnings about what the user gave as one line each, without the code that found it."""
 
     def print_line(message: Warning | str, category: type[Warning], *details: Any) -> None:

@@ -167,9 +167,6 @@ def read_rows(path: str, parameters: Parameters) -> studies.Rows:
         OSError: If the file cannot be read at all.
     """
     names, lines = read_table_rows(path)
-    if not names:
-        rule = "must be a CSV file with the names of parameters in its first line"
-        raise BadArgument("list", f"{rule}, got {path}")
     columns: dict[str, list[float]] = {}
     for name in names:
         parameter, factor = _find_parameter(name, parameters, columns)

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda import robot
+from laticauda.motion.gaits import Gait
 from laticauda.robot import kinematics
 from laticauda.trials.arrays import Samples
 from laticauda.trials.logs.map_sections import (
@@ -24,7 +25,14 @@ from laticauda.trials.logs.map_sections import (
 )
 from laticauda.trials.logs.measured_log import MeasuredLog
 from laticauda.values import BadArgument
-from laticauda.values.tables import ANGLES, Table, check_jumps, check_unit, mend_turns
+from laticauda.values.tables import (
+    ANGLES,
+    SMALLEST_SWING,
+    Table,
+    check_jumps,
+    check_unit,
+    mend_turns,
+)
 
 Points: TypeAlias = Float[np.ndarray, "n_samples 2"]
 Directions: TypeAlias = Float[np.ndarray, "n_samples 3"]
@@ -258,8 +266,13 @@ def read_joints(log: MeasuredLog, section: str, chain: robot.Robot) -> Angles:
     angles = np.stack(joints, axis=1)
     if JOINT_UNITS[section] is ANGLES:
         unit = log.find_unit(names[0], columns.unit, ANGLES)
-        check_unit(section, angles, unit)
+        check_unit(section, angles, unit, are_moving=_is_swimming(log.column_map.gait))
     return angles
+
+
+def _is_swimming(gait: Gait | None) -> bool:
+    """Return whether joints are known to swing so far that angles in rad would show."""
+    return gait is not None and gait.amplitude > SMALLEST_SWING
 
 
 def _read_joint(log: MeasuredLog, section: str, name: str, unit_in_map: str | None) -> Samples:

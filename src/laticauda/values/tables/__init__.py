@@ -17,6 +17,7 @@ positions.py  positions: where a marker was lost, jumps
 
 from laticauda.values.tables.angles import (
     LARGEST_BEND as LARGEST_BEND,
+    SMALLEST_SWING as SMALLEST_SWING,
     check_jumps as check_jumps,
     check_unit as check_unit,
     mend_turns as mend_turns,

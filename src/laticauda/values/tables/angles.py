@@ -14,6 +14,8 @@ LARGEST_BEND = math.pi
 """Angle of a joint [rad]; anything larger is in another unit."""
 SMALLEST_SWING_DEG = 3.2
 """If no angle [deg] exceeds this, the angles can only be radians."""
+SMALLEST_SWING = math.radians(SMALLEST_SWING_DEG)
+"""The same [rad]."""
 FASTEST_JOINT = 40.0
 """Rate of the fastest joints [rad/s]: small servos without load reach 20."""
 SMALLEST_JUMP = 0.35
@@ -52,13 +54,17 @@ def mend_turns(radians: Samples) -> MendedAngles:
     return MendedAngles(radians=mended, n_turns=n_turns)
 
 
-def check_unit(name: str, radians: Float[np.ndarray, "..."], unit: str) -> None:
+def check_unit(
+    name: str, radians: Float[np.ndarray, "..."], unit: str, *, are_moving: bool = True
+) -> None:
     """Reject angles of joints that can only be in the other unit.
 
     Args:
         name: Name of the column, or of all columns together.
         radians: Angles of one or all joints [rad], as converted from that unit.
         unit: The unit, deg or rad.
+        are_moving: Whether joints are known to move; those that hold still have small angles in
+            any unit.
 
     Raises:
         ValueError: If they are; the message says which unit was probably meant.
@@ -66,7 +72,7 @@ def check_unit(name: str, radians: Float[np.ndarray, "..."], unit: str) -> None:
     largest = float(np.max(np.abs(radians), initial=0.0, where=np.isfinite(radians)))
     if unit == "deg":
         largest_deg = math.degrees(largest)
-        if 0.0 < largest_deg < SMALLEST_SWING_DEG:
+        if are_moving and 0.0 < largest_deg < SMALLEST_SWING_DEG:
             reason = f"only reaches {largest_deg:.3g}, too little for deg"
             raise BadArgument(name, f"{reason}; is it in rad?")
         if largest > LARGEST_BEND:
