@@ -129,10 +129,7 @@ if TYPE_CHECKING:
         tanh as tanh,
         where as where,
     )
-    from laticauda.values.tables.opening import (
-        read_columns as read_columns,
-        read_rows as read_rows,
-    )
+    from laticauda.values.tables.opening import read_columns as read_columns, read_rows as read_rows
     from laticauda.values.series import (
         LINK_FORCE as LINK_FORCE,
         Log as Log,

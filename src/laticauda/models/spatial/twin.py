@@ -35,7 +35,6 @@ from laticauda.scenarios import Spatial
 from laticauda.values import load_mujoco
 from laticauda.water import mujoco as water
 from laticauda.water.mujoco import callback, table
-from laticauda.water.mujoco.flexes import flex_elements
 
 TEMPLATES = {"drives": ("joint_law",), "stepping": ("joint_law",)}
 """Templates of the kernels, and what each is specialized for; see `laticauda.compiling.templates`."""
@@ -131,7 +130,7 @@ class Twin:
         setup = members[0].setup
         scene = setup.scene or Scene()
         if isinstance(environment, Water):
-            elements.extend(flex_elements(self.model, density=environment.density))
+            elements.extend(water.flex_elements(self.model, density=environment.density))
         if isinstance(environment, Ground):
             return water.attach(self.model, elements, terrain=scene.terrain)
         return water.attach(
