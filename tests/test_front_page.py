@@ -19,7 +19,7 @@ PLACES = (
     "src/laticauda/__init__.py",
 )
 HAS_A_SOURCE = re.compile(
-    r"\]\(|`benchmarks/|^not found$|^same script$|\(same script\)|^as in MuJoCo$|^part of the flow$|^has none$"
+    r"\]\(|`benchmarks/|^not found$|^same script$|\(same script[,)]|^as in MuJoCo$|^part of the flow$|^has none$"
 )
 
 

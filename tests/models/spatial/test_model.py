@@ -40,7 +40,8 @@ def test_the_water_is_there_again_when_somebody_took_the_callback():
     command = Command(gait=GAIT)
     start = body.init(Start(), command)
     expected = body.march(start, command, 1.0, 0.1)[0].values
-    mujoco.set_mjcb_passive(None)
+    with pytest.warns(UserWarning, match="models with water have lost it"):
+        mujoco.set_mjcb_passive(None)
     np.testing.assert_array_equal(body.march(start, command, 1.0, 0.1)[0].values, expected)
 
 

@@ -218,7 +218,7 @@ def test_where_nothing_can_be_read_the_reason_is_given(tmp_path):
         TrialFileError, match=r"Cannot read .*none\.nc: no such file or directory\."
     ):
         load_trial(tmp_path / "none.nc")
-    with pytest.raises(TrialFileError, match=r"Cannot read .*: is a directory\."):
+    with pytest.raises(TrialFileError, match=r"Cannot load .*: it is a folder without metadata"):
         load_trial(tmp_path)
 
 
