@@ -24,9 +24,9 @@ seeds 24 to 30 were tried anew with that.
 
 Last answer (2 shared cores, busy with other work, 2026-11-29): 20 freezes and 10 cables, torque
 returned 0 times, 0 orders to switch on after a motor had gone off, every recording complete, a
-verdict on each of the 27 runs that began. Six seeds were tried anew: in three the tank of the busy
-computer answered after more than a second, and no run began; in three the monitor left while the
-bus was still cut.
+verdict on each of the 27 runs that began. `replay` ended each time with the sentence of a run that
+failed, which has no figures any more; this campaign had still asked for them. Seeds 29 and 30 were
+tried again after that was mended, and are right in every column.
 """
 
 import argparse
@@ -529,7 +529,9 @@ def _replay(path: Path) -> str:
     done = subprocess.run(
         [*PROGRAM, "replay", str(path)], capture_output=True, text=True, check=False
     )
-    if done.returncode in (0, 1) and "forward velocity" in done.stdout:
+    has_figures = done.returncode == 0 and "forward velocity" in done.stdout
+    has_status = done.returncode == 1 and "FAILED" in done.stdout
+    if has_figures or has_status:
         return "shows it"
     return f"{done.returncode}: {done.stderr.strip()[-200:]}"
 
