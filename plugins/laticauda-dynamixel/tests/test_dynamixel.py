@@ -126,6 +126,7 @@ def test_a_zero_that_is_set_counts(servos):
         until(lambda: len(angles(driver)) == N)
         driver.send((NodeCommand(order=Order.SET_ZERO, node=2, angle=0.3),))
         until(lambda: angles(driver).get(2) == pytest.approx(0.3, abs=0.03))
+        until(lambda: 1 in angles(driver))  # answers of all servos come one by one
         assert angles(driver)[1] == pytest.approx(0.0, abs=0.03)
 
 
