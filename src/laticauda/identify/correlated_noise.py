@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.identify.information import invert_information
 from laticauda.identify.problem import Problem
 from laticauda.values import optional_import
 
@@ -27,8 +28,6 @@ _SURE = 3.1
 """White noise is this many standard deviations off in 1 of 1000 cases [-]."""
 _ROUNDING = 1e-3
 """Residuals smaller than this fraction of the stated noise do not come from a measurement [-]."""
-_SMALLEST_STRENGTH = 1e-13
-"""Eigenvalues of the information below this share of the largest are rounding errors [-]."""
 _N_DRAWS = 50
 """Samples of random noise from which its correlation after a fit is computed."""
 _N_ROUNDS = 12
@@ -68,9 +67,7 @@ def noise_widening(
     """
     data_rows, prior_rows = np.split(jacobian * problem.sizes, [residuals.size])
     prior_information = prior_rows.T @ prior_rows
-    covariance = np.linalg.pinv(
-        data_rows.T @ data_rows + prior_information, rcond=_SMALLEST_STRENGTH, hermitian=True
-    )
+    covariance = invert_information(data_rows.T @ data_rows + prior_information)
 
     def remove_fitted(noise: np.ndarray) -> np.ndarray:
         return noise - data_rows @ (covariance @ (data_rows.T @ noise))

@@ -11,6 +11,7 @@ from laticauda.identify.correlated_noise import noise_widening
 from laticauda.identify.doubt import doubt_of
 from laticauda.identify.fit_warnings import list_warnings
 from laticauda.identify.identifiability import Direction, Identifiability, analyze_identifiability
+from laticauda.identify.information import invert_information
 from laticauda.identify.local_search import LocalSearch
 from laticauda.identify.method import Method
 from laticauda.identify.model import predict
@@ -25,8 +26,6 @@ _TAKES_PART = 0.1
 """Weight in a unit vector from which on an unknown takes part in a direction [-]."""
 _UNSEEN = 1e9
 """Standard deviation that stands for an infinite one, so that weights still count [-]."""
-_SMALLEST_STRENGTH = 1e-13
-"""Eigenvalues of the information below this share of the largest are rounding errors [-]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -142,7 +141,7 @@ def _covariance_in_sizes(problem: Problem, jacobian: np.ndarray) -> np.ndarray:
     seen. What is not seen at all has no covariance here.
     """
     scaled = jacobian * problem.sizes
-    return np.linalg.pinv(scaled.T @ scaled, rcond=_SMALLEST_STRENGTH, hermitian=True)
+    return invert_information(scaled.T @ scaled)
 
 
 def _covariance_of_coordinates(

@@ -18,14 +18,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.identify.information import invert_information
 from laticauda.identify.problem import Problem
 from laticauda.identify.resolving import list_numbers
 from laticauda.identify.unknowns import ResolvedUnknown
 from laticauda.models.simulate import Parameter, intervals_of, value_of
 from laticauda.values import BadArgument
-
-_SMALLEST_STRENGTH = 1e-13
-"""Eigenvalues of the information below this share of the largest are rounding errors [-]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,6 +130,5 @@ def follow_held_numbers(
         sizes: Large changes of the coordinates, in whose units the step is computed.
     """
     scaled = jacobian * sizes
-    information = scaled.T @ scaled
-    covariance = np.linalg.pinv(information, rcond=_SMALLEST_STRENGTH, hermitian=True)
+    covariance = invert_information(scaled.T @ scaled)
     return -sizes[:, np.newaxis] * (covariance @ (scaled.T @ jacobian_of_held))

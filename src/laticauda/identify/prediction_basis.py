@@ -21,6 +21,7 @@ from laticauda.identify.held_fixed import (
     list_held_numbers,
     with_numbers,
 )
+from laticauda.identify.information import invert_information
 from laticauda.identify.leaving_out import LeftOut
 from laticauda.identify.model import predict
 from laticauda.identify.model_error import (
@@ -48,8 +49,6 @@ GAIT_NUMBERS = ("amplitude", "frequency", "phase_shift")
 """Numbers of a gait whose measured range is kept."""
 _PATH = "center_of_mass"
 _VELOCITY = "forward_velocity"
-_SMALLEST_STRENGTH = 1e-13
-"""Eigenvalues of the information below this share of the largest are rounding errors [-]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -389,7 +388,7 @@ def _leverage(
 ) -> Float[np.ndarray, " n_data"]:
     """Return the share of each measured number in its own fitted value."""
     scaled = jacobian * problem.sizes
-    covariance = np.linalg.pinv(scaled.T @ scaled, rcond=_SMALLEST_STRENGTH, hermitian=True)
+    covariance = invert_information(scaled.T @ scaled)
     data = scaled[: problem.observed.size]
     return np.clip(np.sum((data @ covariance) * data, axis=1), 0.0, 1.0)
 
