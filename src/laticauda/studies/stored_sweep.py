@@ -10,7 +10,7 @@
 
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -320,16 +320,8 @@ def count_failed(folder: str | Path) -> int:
         folder: Folder of a sweep, finished or not.
     """
     dataset = open_unread(Path(folder))
-    regions = regions_of(folder)
-    succeeded = dataset["succeeded"].variable
-    n_succeeded = 0
-    with readable(Path(folder), RESULTS):
-        for index in range(regions.count):
-            block = regions.at(index)
-            of_region = succeeded[block].to_numpy()
-            n_succeeded += int(of_region.sum())
     n_finished = int(dataset.attrs["n_finished"])
-    return n_finished - n_succeeded
+    return n_finished - _count_points_where(folder, dataset["succeeded"].variable, np.asarray)
 
 
 def count_infeasible(folder: str | Path) -> int:
@@ -338,14 +330,27 @@ def count_infeasible(folder: str | Path) -> int:
     Args:
         folder: Folder of a sweep, finished or not.
     """
-    dataset = open_sweep(folder)
+    utilization = open_unread(Path(folder))[UTILIZATION].variable
+    return _count_points_where(folder, utilization, lambda values: values > CAN_DO)
+
+
+def _count_points_where(
+    folder: str | Path, variable: Any, holds: Callable[[np.ndarray], np.ndarray]
+) -> int:
+    """Count the points of which something holds, one region after the other.
+
+    Args:
+        folder: Folder of a sweep.
+        variable: One of its results.
+        holds: Says of a region's values of which of them it holds.
+    """
     regions = regions_of(folder)
-    utilization = dataset[UTILIZATION].variable
-    n_infeasible = 0
+    count = 0
     with readable(Path(folder), RESULTS):
         for index in range(regions.count):
-            n_infeasible += int(np.sum(utilization[regions.at(index)].to_numpy() > CAN_DO))
-    return n_infeasible
+            values = variable[regions.at(index)].to_numpy()
+            count += int(np.sum(holds(values)))
+    return count
 
 
 def import_zarr() -> Any:
