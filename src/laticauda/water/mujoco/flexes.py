@@ -7,12 +7,13 @@ directions, so that MuJoCo's diagonal of a vertex's inertia holds it.
 
 import math
 import warnings
+from collections import Counter
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from laticauda.values import load_mujoco
+from laticauda.values import load_mujoco, to_quaternion
 from laticauda.water.mujoco.elements import Element
 
 DRAG_ACROSS = 1.2
@@ -96,9 +97,6 @@ def _elements_of(model: Any, data: Any, flex: int, density: float) -> Iterator[E
         body_axes = data.xmat[body].reshape(3, 3)
         along_axes, axes = np.linalg.eigh(body_axes.T @ drag[vertex] @ body_axes)
         axes *= np.linalg.det(axes)  # right-handed
-        orientation = np.zeros(4)
-        load_mujoco().mju_mat2Quat(orientation, axes.ravel())
-        q_w, q_x, q_y, q_z = orientation.tolist()
         volume = math.pi * radius**2 * lengths[vertex]
         added = MEAN_ACROSS * density * volume
         c_x, c_y, c_z = np.maximum(along_axes, 0.0).tolist()
@@ -106,7 +104,7 @@ def _elements_of(model: Any, data: Any, flex: int, density: float) -> Iterator[E
         yield Element(
             body=model.body(body).name or str(body),
             position=(float(x), float(y), float(z)),
-            orientation=(q_w, q_x, q_y, q_z),
+            orientation=to_quaternion(axes),
             drag=(c_x, c_y, c_z),
             added_mass=(added, added, added),
             volume=volume,
@@ -143,7 +141,7 @@ def _diagonals_of(model: Any, flex: int, places: np.ndarray) -> set[frozenset[in
             places, by_length[-2]
         ):
             longest.append(by_length[-1])
-    return {side for side in longest if longest.count(side) > 1}
+    return {side for side, n_triangles in Counter(longest).items() if n_triangles > 1}
 
 
 def _length_between(places: np.ndarray, ends: frozenset[int]) -> float:

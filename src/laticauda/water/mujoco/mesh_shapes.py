@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from laticauda.values import load_mujoco
+from laticauda.values import to_quaternion
 from laticauda.water.mujoco.elements import Quaternion, Three
 from laticauda.water.mujoco.shape_mass import MassShape
 
@@ -78,15 +78,12 @@ def fit_mesh(mesh: Mesh) -> MeshShape:
             shape = "cylinder"
             order = (axis, (axis + 1) % 3, (axis + 2) % 3)
             half = _cylinder_half_size(moments.spread, axis)
-    axes = moments.axes[:, order]
-    turn = np.zeros(4)
-    load_mujoco().mju_mat2Quat(turn, np.ascontiguousarray(axes).ravel())
     return MeshShape(
         shape=shape,
         half_size=(float(half[0]), float(half[1]), float(half[2])),
         volume=moments.volume,
         center=moments.center,
-        axes=(turn[0], turn[1], turn[2], turn[3]),
+        axes=to_quaternion(moments.axes[:, order]),
     )
 
 
