@@ -101,11 +101,11 @@ class Session:
         request = check_choice("do", message.get("do"), tuple(self._handlers))
         known_fields = (*messages.COMMON_FIELDS, *messages.REQUEST_FIELDS[request])
         codec.check_keys(message, known_fields)
-        warnings = dict[str, None]()  # in their order, each once
-        with scenarios.telling(lambda sentence: warnings.update({sentence: None})):
+        doubts = dict[str, None]()  # in their order, each once
+        with scenarios.telling(lambda sentence: doubts.update({sentence: None})):
             fields = self._handlers[request](message)
-        if warnings:
-            return {**fields, "warnings": list(warnings)}
+        if doubts:
+            return {**fields, "warnings": list(doubts)}
         return fields
 
     def _reset(self, message: Message) -> dict[str, Any]:
