@@ -39,17 +39,22 @@ def gone_on(
     left = [job for job in jobs if job not in done]
     with multiprocessing.Pool(workers) as pool:
         for found in pool.imap(functools.partial(_ran, run_one), left):
-            row = asdict(found)
-            is_new = not path.exists()
-            with path.open("a", newline="") as file:
-                writer = csv.DictWriter(file, list(row), lineterminator="\n")
-                if is_new:
-                    writer.writeheader()
-                writer.writerow(row)
+            append_row(path, found)
             rows.append(found)
-            told = (one for name, one in row.items() if name != "fault")
+            told = (one for name, one in asdict(found).items() if name != "fault")
             print(found.fault or "good", *told, file=sys.stderr, flush=True)
     return rows
+
+
+def append_row(path: Path, found: Any) -> None:
+    """Add a row, an object of a dataclass, to a file; a new file gets its header first."""
+    row = asdict(found)
+    is_new = not path.exists()
+    with path.open("a", newline="") as file:
+        writer = csv.DictWriter(file, list(row), lineterminator="\n")
+        if is_new:
+            writer.writeheader()
+        writer.writerow(row)
 
 
 def _ran(run_one: Callable[[str, int], Any], job: tuple[str, int]) -> Any:

@@ -38,7 +38,6 @@ the netCDF library busy for more than a minute, and Numba warns of NUMBA_NUM_THR
 """
 
 import argparse
-import csv
 import importlib
 import random
 import sys
@@ -46,9 +45,10 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from _rows import append_row, stored
 from bad_inputs import (
     call_kinds,
     command_kinds,
@@ -172,14 +172,7 @@ def describe(case: Case, answer: Answer) -> str:
 
 def read_rows() -> list[Row]:
     """Return the rows of the last answer."""
-    if not ANSWERS.exists():
-        return []
-    kinds = {field.name: field.type for field in fields(Row)}
-    with ANSWERS.open(newline="") as file:
-        return [
-            Row(**{name: kinds[name](text) for name, text in row.items()})
-            for row in csv.DictReader(file)
-        ]
+    return stored(ANSWERS, Row)
 
 
 def keep_row(row: Row) -> None:
@@ -188,12 +181,7 @@ def keep_row(row: Row) -> None:
     Args:
         row: The row.
     """
-    is_new = not ANSWERS.exists()
-    with ANSWERS.open("a", newline="") as file:
-        writer = csv.DictWriter(file, list(asdict(row)), lineterminator="\n")
-        if is_new:
-            writer.writeheader()
-        writer.writerow(asdict(row))
+    append_row(ANSWERS, row)
 
 
 def choose_seeds(typed: Sequence[int]) -> list[int]:

@@ -11,6 +11,7 @@ from copy import deepcopy
 from importlib import import_module
 
 import pytest
+from odd_robots import MM_ROBOT
 
 import laticauda as lc
 from laticauda.cli import app
@@ -21,19 +22,6 @@ NUMBERS = {"amplitude_deg": 30, "frequency_deg_s": 130, "phase_shift_deg": 40}
 GAIT = lc.lateral_undulation(**NUMBERS)
 HEADER = "gait,alpha_deg,omega_deg_s,delta_deg,v_m_s\n"
 ROW = "LU,30,130,40,0.15\n"
-MM_ROBOT = """
-kind = "robot"
-name = "in mm"
-[[modules]]
-count = 4
-length = 100
-mass = 300
-[modules.section]
-half_height = 30
-half_width = 30
-[[joints]]
-count = 3
-"""
 
 
 @pytest.fixture(scope="module")

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from odd_robots import MM_ROBOT
 
 import laticauda as lc
 from laticauda.cli import app
@@ -428,19 +429,6 @@ IN_SHELL: dict[str, tuple[str, str, int]] = {
         2,
     ),
 }
-MM_ROBOT = """
-kind = "robot"
-name = "in mm"
-[[modules]]
-count = 4
-length = 100
-mass = 300
-[modules.section]
-half_height = 30
-half_width = 30
-[[joints]]
-count = 3
-"""
 
 
 @pytest.mark.parametrize("mistake", IN_SHELL)

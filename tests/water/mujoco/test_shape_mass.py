@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from campaign_scripts import campaign
 from hypothesis import given, strategies as st
 
 from laticauda.water.mujoco.lamb import lamb
@@ -11,52 +12,13 @@ from laticauda.water.mujoco.shape_drag import drag_across_rod, drag_along_rod, d
 from laticauda.water.mujoco.shape_mass import added_mass
 
 SIZES = st.floats(0.01, 1.0)
-WATER = 1000.0
+shapes = campaign("added_mass")
 
 
-@pytest.mark.parametrize(
-    ("shape", "half", "axis", "right", "tolerance"),
-    [
-        # Lamb (1932), art. 92 and 108.
-        ("capsule", (0.1, 0.1, 0.1), 0, 2.0 / 3.0 * math.pi, 0.02),
-        ("capsule", (0.1, 0.1, 0.1), 1, 2.0 / 3.0 * math.pi, 0.02),
-        ("cylinder", (2.5e-4, 0.25, 0.25), 0, 8.0 / 3.0 * 0.25**3 * WATER, 0.01),
-        # DNV-RP-H103 (2011), tables of plates, prisms and cylinders.
-        ("box", (2.5e-4, 0.25, 0.25), 0, 0.579 * math.pi / 4.0 * 0.5**3 * WATER, 0.02),
-        ("box", (1e-4, 0.05, 0.5), 0, 0.947 * math.pi / 4.0 * 0.1**2 * WATER, 0.02),
-        ("box", (0.1, 0.1, 0.1), 0, 0.68 * 0.2**3 * WATER, 0.10),
-        ("box", (0.5, 0.1, 0.1), 0, 0.15 * 0.2 * 0.2 * 1.0 * WATER, 0.10),
-        ("cylinder", (0.5, 0.05, 0.05), 1, 0.96 * math.pi * 0.05**2 * WATER, 0.02),
-        # A second boundary-element code (capytaine 3.0.0).
-        ("cylinder", (0.25, 0.05, 0.05), 0, 0.50, 0.03),
-        ("box", (0.25, 0.05, 0.05), 1, 5.17, 0.03),
-        ("box", (0.2285, 0.169, 0.127), 0, 16.5, 0.03),
-        ("box", (0.2285, 0.169, 0.127), 1, 24.4, 0.03),
-        ("box", (0.2285, 0.169, 0.127), 2, 37.1, 0.03),
-    ],
-)
-def test_added_mass_is_that_of_the_books_and_of_another_code(shape, half, axis, right, tolerance):
-    assert WATER * added_mass(shape, half).mass[axis] == pytest.approx(right, rel=tolerance)
-
-
-@pytest.mark.parametrize(
-    ("shape", "half", "axis", "right"),
-    [
-        ("cylinder", (2.5e-4, 0.25, 0.25), 1, 16.0 / 45.0 * 0.25**5 * WATER),
-        ("cylinder", (0.25, 0.05, 0.05), 1, 0.0579),
-        ("cylinder", (0.1, 0.05, 0.05), 1, 0.00241),
-        ("capsule", (0.25, 0.05, 0.05), 1, 0.0455),
-        ("capsule", (0.665, 0.0955, 0.0955), 1, 3.74),
-        ("box", (0.2285, 0.169, 0.127), 0, 0.171),
-        ("box", (0.2285, 0.169, 0.127), 1, 0.340),
-        ("box", (0.2285, 0.169, 0.127), 2, 0.266),
-        ("box", (0.1, 0.1, 0.1), 2, 0.0127),
-        ("box", (0.25, 0.05, 0.05), 0, 0.00233),
-        ("box", (0.25, 0.05, 0.05), 1, 0.0833),
-    ],
-)
-def test_added_inertia_is_that_of_another_code_and_of_a_disc(shape, half, axis, right):
-    assert WATER * added_mass(shape, half).inertia[axis] == pytest.approx(right, rel=0.05)
+@pytest.mark.parametrize("known", shapes.KNOWN, ids=lambda known: known.what)
+def test_added_mass_and_inertia_are_those_of_the_books_and_of_another_code(known):
+    value = shapes.WATER * shapes.from_tables(known.shape, known.half)[known.quantity]
+    assert value == pytest.approx(known.right, rel=known.tolerance)
 
 
 @given(SIZES, SIZES, SIZES)
