@@ -321,7 +321,9 @@ def count_failed(folder: str | Path) -> int:
     """
     dataset = open_unread(Path(folder))
     n_finished = int(dataset.attrs["n_finished"])
-    return n_finished - _count_points_where(folder, dataset["succeeded"].variable, np.asarray)
+    succeeded = dataset["succeeded"].variable
+    n_succeeded = _count_points_where(folder, succeeded, np.asarray)
+    return n_finished - n_succeeded
 
 
 def count_infeasible(folder: str | Path) -> int:
@@ -330,7 +332,8 @@ def count_infeasible(folder: str | Path) -> int:
     Args:
         folder: Folder of a sweep, finished or not.
     """
-    utilization = open_unread(Path(folder))[UTILIZATION].variable
+    dataset = open_unread(Path(folder))
+    utilization = dataset[UTILIZATION].variable
     return _count_points_where(folder, utilization, lambda values: values > CAN_DO)
 
 
@@ -348,7 +351,8 @@ def _count_points_where(
     count = 0
     with readable(Path(folder), RESULTS):
         for index in range(regions.count):
-            values = variable[regions.at(index)].to_numpy()
+            block = regions.at(index)
+            values = variable[block].to_numpy()
             count += int(np.sum(holds(values)))
     return count
 
