@@ -9,6 +9,7 @@ from test_house import ROOT
 
 GUESTS = {
     "paper": ["paper"],
+    "films": ["film"],
     "cockpit": ["show/cockpit"],
     "exports": ["connect/fmu", "connect/native", "connect/web"],
     "model-predictive control": ["control/mpc"],

@@ -1,0 +1,18 @@
+"""From film to forces: bodies that were tracked on video; needs the extra `film`.
+
+- points: points tracked on one body, what all else here takes and returns
+"""
+
+from typing import TYPE_CHECKING
+
+from laticauda.values import lazy_exports
+
+if TYPE_CHECKING:
+    from laticauda.film.points import TrackedPoints as TrackedPoints
+
+__getattr__, __dir__, __all__ = lazy_exports(
+    __name__,
+    {
+        "laticauda.film.points": ["TrackedPoints"],
+    },
+)
