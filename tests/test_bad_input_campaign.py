@@ -192,10 +192,6 @@ def test_what_is_read_wrongly_from_a_damaged_file_is_found(folder, tmp_path, mon
     )
 
 
-@pytest.mark.xfail(
-    reason="Two are left: a damaged gridded flow that takes a minute to read, Numba's own warning.",
-    strict=True,
-)
 def test_the_stored_answer_has_no_fault():
     rows = bad_input.read_rows()
     assert {row.kind for row in rows} <= set(bad_input.KINDS)

@@ -92,3 +92,13 @@ def test_a_compiler_that_is_switched_off_is_said():
     assert done.stderr == (
         "laticauda: NUMBA_DISABLE_JIT is set, but kernels must be compiled: unset it.\n"
     )
+
+
+def test_a_variable_that_the_compiler_cannot_read_is_said_in_one_line():
+    done = run_in_shell("LATICAUDA swim --duration 0.5", NUMBA_NUM_THREADS="x")
+    assert done.returncode == 0
+    lines = [line for line in done.stderr.splitlines() if not line.startswith("compiling")]
+    assert lines == [
+        "laticauda: Environment variable 'NUMBA_NUM_THREADS' is defined but its associated value "
+        "'x' could not be parsed. Numba goes on without it."
+    ]

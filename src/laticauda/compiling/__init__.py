@@ -16,6 +16,9 @@ from pathlib import Path
 from types import CellType, CodeType, FunctionType
 from typing import Any, cast, no_type_check
 
+# Before Numba: it catches what Numba says of its variables while it is imported.
+from laticauda.compiling.numba_variables import say_unread_variables
+
 from numba import cfunc, config, njit
 from numba.core.errors import NumbaError
 from numba.extending import overload
@@ -44,6 +47,7 @@ def _find_folder() -> str:
     return ""
 
 
+say_unread_variables()
 _temporary_folder_message = _find_folder()
 
 

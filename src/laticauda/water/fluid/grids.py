@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from laticauda.values import BadArgument, check_instance, show_value
+from laticauda.values import BadArgument, check_heaps, check_instance, show_value
 
 if TYPE_CHECKING:
     import xarray
@@ -123,6 +123,7 @@ def read_grid(file: str) -> Grid:
 @functools.lru_cache(maxsize=N_CACHED_FILES)
 def _read(file: str, changed: int) -> Grid:
     xarray: Any = import_module("xarray")
+    check_heaps(file)
     with xarray.open_dataset(file, engine="netcdf4", decode_timedelta=False) as dataset:
         return grid_of(dataset)
 
