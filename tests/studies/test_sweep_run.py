@@ -21,6 +21,7 @@ from laticauda.studies import (
     open_sweep,
     run_sweep,
     store,
+    stored_sweep,
 )
 from laticauda.studies.checksums import read_checksums, write_checksums
 from laticauda.values.errors import StorageFailed
@@ -341,6 +342,20 @@ def test_the_best_are_the_fastest_or_the_cheapest(tmp_path: Path):
     assert cheapest["cost_of_transport"] == float(found.cost_of_transport.min())
     assert len(best_points(tmp_path / "a", count=100)) == 12
     assert count_failed(tmp_path / "a") == 0
+
+
+def test_a_figure_that_an_older_sweep_does_not_store_is_refused_with_those_it_has(
+    tmp_path: Path, monkeypatch
+):
+    run_sweep(small(), tmp_path / "a")
+    unread = stored_sweep.open_unread(tmp_path / "a").drop_vars("speed_through_water")
+    monkeypatch.setattr(stored_sweep, "open_unread", lambda folder: unread)
+    with pytest.raises(
+        ValueError,
+        match=r"`quantity` must be stored in .*/a, got `speed_through_water`; "
+        "this older sweep has `forward_velocity`",
+    ):
+        best_points(tmp_path / "a", "speed_through_water")
 
 
 def test_what_the_robot_cannot_do_comes_last_if_that_is_asked_for(tmp_path: Path):

@@ -273,6 +273,12 @@ def best_points(
     check_whole_number("count", count, 1)
     sign = 1.0 if quantity in COSTS else -1.0
     dataset = open_unread(Path(folder))
+    if quantity not in dataset:
+        stored_figures = ", ".join(f"`{name}`" for name in FIGURES if name in dataset)
+        rule = (
+            f"must be stored in {folder}, got `{quantity}`; this older sweep has {stored_figures}"
+        )
+        raise BadArgument("quantity", rule)
     regions = regions_of(folder)
     values = dataset[quantity].variable
     utilization = dataset[UTILIZATION].variable
