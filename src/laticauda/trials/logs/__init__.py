@@ -6,9 +6,10 @@ truncated one, from its `mcap_records`; `ros2` encodes and decodes them; `bags` 
 rosbag2.
 
 Logs of other programs: `tables` holds columns by name and reads delimited text, `qtm` and `c3d` read
-files of motion capture. `column_maps` says what columns mean, in its `map_sections`. `loading` reads
-any file, `measuring` builds a trial from a table: `row_times` gives its samples, `measured_log`
-its columns without gaps, `placing` the position and shape of the robot, `rates` slopes.
+files of motion capture, `c3d_frames` those with many frames. `column_maps` says what columns mean,
+in its `map_sections`. `loading` reads any file, `measuring` builds a trial from a table: `row_times`
+gives its samples, `measured_log` its columns without gaps, `placing` the position and shape of the
+robot, `rates` slopes.
 """
 
 from typing import TYPE_CHECKING
