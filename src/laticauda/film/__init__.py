@@ -1,6 +1,7 @@
 """From film to forces: bodies that were tracked on video; needs the extra `film`.
 
 - points: points tracked on one body, what all else here takes and returns
+- formats: files of DeepLabCut, SLEAP, TRex, idtracker.ai, and plain tables of points
 """
 
 from typing import TYPE_CHECKING
@@ -8,11 +9,13 @@ from typing import TYPE_CHECKING
 from laticauda.values import lazy_exports
 
 if TYPE_CHECKING:
+    from laticauda.film.formats.reading import read_points as read_points
     from laticauda.film.points import TrackedPoints as TrackedPoints
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
     {
+        "laticauda.film.formats.reading": ["read_points"],
         "laticauda.film.points": ["TrackedPoints"],
     },
 )

@@ -61,6 +61,13 @@ HOMES: Mapping[str, Mapping[str, str]] = {
         "polyline": "laticauda.control.paths",
         "spline": "laticauda.control.paths",
     },
+    "point_formats": {
+        "deeplabcut": "laticauda.film.formats.deeplabcut",
+        "sleap": "laticauda.film.formats.sleap",
+        "trex": "laticauda.film.formats.trex",
+        "idtracker": "laticauda.film.formats.idtracker",
+        "points": "laticauda.film.formats.plain",
+    },
     "scenes": {
         "pegs": "laticauda.models.spatial.scene",
         "slope": "laticauda.models.spatial.scene",

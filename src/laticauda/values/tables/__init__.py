@@ -34,7 +34,11 @@ from laticauda.values.tables.opening import (
     open_sheet as open_sheet,
 )
 from laticauda.values.tables.positions import find_lost_samples as find_lost_samples
-from laticauda.values.tables.sheets import Sheet as Sheet, parse_sheet as parse_sheet
+from laticauda.values.tables.sheets import (
+    NAME_JOINT as NAME_JOINT,
+    Sheet as Sheet,
+    parse_sheet as parse_sheet,
+)
 from laticauda.values.tables.times import (
     check_increasing as check_increasing,
     check_sampling as check_sampling,

@@ -17,6 +17,8 @@ from laticauda.values.tables.units import NO_UNIT, read_unit, unit_in_name
 
 DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+([eE][-+]?\d+)?")
 DECIMAL_POINT = re.compile(r"[-+]?\d*\.\d+([eE][-+]?\d+)?")
+NAME_JOINT = " / "
+"""Between the parts of a name that stands in several rows."""
 N_NAMES_SHOWN = 3
 """Cells of a row without names that a message shows."""
 
@@ -51,13 +53,19 @@ class Sheet:
         return [row.number for row in self.rows]
 
 
-def parse_sheet(content: bytes, separator: str | None = None, decimal: str | None = None) -> Sheet:
+def parse_sheet(
+    content: bytes,
+    separator: str | None = None,
+    decimal: str | None = None,
+    n_header_rows: int = 1,
+) -> Sheet:
     """Read a table: delimited text in any usual form, or an Excel workbook.
 
     Args:
         content: All bytes of the file.
         separator: Separator between cells; detected if None.
         decimal: Decimal sign, point or comma; detected if None.
+        n_header_rows: Rows that a name stands in; its parts are joined by `NAME_JOINT`.
 
     Raises:
         ValueError: If it is no table; the message names the row.
@@ -65,12 +73,26 @@ def parse_sheet(content: bytes, separator: str | None = None, decimal: str | Non
     """
     if workbooks.is_workbook(content):
         rows = workbooks.read_workbook(content)
+        rows = _join_header(rows, n_header_rows)
         return _build_sheet(rows, decimal, remarks=["an Excel workbook"])
     split = split_text(decode_text(content), separator)
     remarks: list[str] = []
     if split.separator in SEPARATOR_NAMES:
         remarks.append(f"{SEPARATOR_NAMES[split.separator]} between columns")
-    return _build_sheet(split.rows, decimal, remarks=remarks)
+    return _build_sheet(_join_header(split.rows, n_header_rows), decimal, remarks=remarks)
+
+
+def _join_header(rows: Sequence[SheetRow], n_header_rows: int) -> Sequence[SheetRow]:
+    """Return the rows of a table with those of its names as one."""
+    header = rows[:n_header_rows]
+    if len(header) < 2:
+        return rows
+    widths = {len(row.cells) for row in header}
+    if len(widths) > 1:
+        raise ValueError(f"rows {header[0].number} to {header[-1].number} must be equally long.")
+    columns = zip(*(row.cells for row in header), strict=True)
+    names = [NAME_JOINT.join(cell.strip() for cell in column) for column in columns]
+    return [SheetRow(header[-1].number, names), *rows[n_header_rows:]]
 
 
 def _build_sheet(
