@@ -22,7 +22,9 @@ from bad_inputs.attempt import ACCEPTED, REFUSED, Answer, Case, fault, type_comm
 from laticauda.robot import robot_names
 from laticauda.robot.files import to_toml
 
-LIST = Path(__file__).parents[2] / "tests" / "scenarios" / "test_plausibility.py"
+TESTS = Path(__file__).parents[2] / "tests"
+"""Where the tests find the modules that they share."""
+LIST = TESTS / "scenarios" / "test_plausibility.py"
 """Where the mistakes are listed, with their verdicts."""
 DOORS = ("file", "batch")
 TRUE_SPREAD = 0.1
@@ -36,6 +38,8 @@ def listed_mistakes() -> dict[str, Any]:
     spec = importlib.util.spec_from_file_location("listed_plausibility", LIST)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
+    if str(TESTS) not in sys.path:
+        sys.path.append(str(TESTS))
     sys.modules[spec.name] = module
     spec.loader.exec_module(module)
     return module.WRONG

@@ -5,6 +5,7 @@ of links, or for the front between speed and power.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -34,7 +35,16 @@ from laticauda.cli.vary import (
 from laticauda.models.simulate.numbers import list_parameters
 from laticauda.scenarios import Scenario
 from laticauda.show import figures
-from laticauda.studies import Limits, Points, connected, describe_limits, scenarios_at
+from laticauda.studies import (
+    Limits,
+    Merged,
+    Points,
+    Share,
+    connected,
+    describe_limits,
+    parse_share,
+    scenarios_at,
+)
 from laticauda.trials.feasibility import CAN_DO
 from laticauda.values import BadArgument, check_choice, option, quantity, value_class
 
@@ -87,6 +97,15 @@ class Sweep(Study):
     scheduler: str | None = option(
         "Run on a Dask cluster: its scheduler, such as tcp://host:8786", default=None
     )
+    share: str | None = option(
+        "Run share K of N only, given as K/N, in a folder of its own beside --output, as one job of an array; "
+        "--merge puts all shares together",
+        default=None,
+    )
+    merge: bool = option(
+        "Put the shares that lie beside --output together in it, instead of running anything",
+        default=False,
+    )
     output: Folder = option(
         "Folder of results, where the same command resumes after a stop", default="sweep"
     )
@@ -109,19 +128,68 @@ class Sweep(Study):
 
     def run_study(self, scenario: Scenario, parameters: Parameters) -> Outcome:
         """Run all trials that are not stored yet."""
+        self._check_way_of_running()
         sweep = self._make_sweep(scenario, parameters)
-        with stored_trials(self.output) as show, connected(self.scheduler) as client:
-            if client is None:
-                warn_of_compiling(scenario.environment, scenario.model)
-            studies.run_sweep(
-                sweep, self.output, progress=show, client=client, threads=self.threads
-            )
+        if self.share is not None:
+            return self._run_share(sweep, parse_share(self.share))
+        if self.merge:
+            merged = self._merge(sweep)
+            if merged.n_done < sweep.n_trials:
+                return _report_unfinished(sweep, merged, self.output)
+        else:
+            self._run(sweep, share=None)
         if self.plot is not None:
             sheet = figures.sweep_sheet(
                 studies.open_sweep(self.output), lambda points: _name_limits(scenario, points)
             )
             figures.save_figure(sheet, self.plot)
         return self._report(scenario, sweep)
+
+    def _check_way_of_running(self) -> None:
+        """Refuse options that contradict each other."""
+        if self.share is not None and self.merge:
+            raise BadArgument("share", "must not be given together with --merge: first all shares")
+        if self.share is not None and self.plot is not None:
+            raise BadArgument("plot", "must not be given with --share, but with --merge")
+        if self.merge and self.scheduler is not None:
+            raise BadArgument("scheduler", "must not be given with --merge, which runs no trial")
+
+    def _run(self, sweep: studies.Sweep, share: Share | None) -> str:
+        """Run all trials of the sweep, or of a share, that are not stored yet; return their folder."""
+        scenario = sweep.scenario
+        folder = self.output
+        if share is not None:
+            folder = str(share.folder(self.output))
+        with stored_trials(folder) as show, connected(self.scheduler) as client:
+            if client is None:
+                warn_of_compiling(scenario.environment, scenario.model)
+            studies.run_sweep(
+                sweep, self.output, progress=show, client=client, threads=self.threads, share=share
+            )
+        return folder
+
+    def _run_share(self, sweep: studies.Sweep, share: Share) -> Outcome:
+        """Run a share, and report how many of its trials failed."""
+        folder = self._run(sweep, share)
+        n_done = studies.open_sweep(folder).n_finished
+        n_failed = studies.count_failed(folder)
+        status = f"Share {self.share}: {n_done} of {sweep.n_trials} trials are in {folder}."
+        if n_failed:
+            status += f" {n_failed} of them blew up; a smaller `dt` may help."
+        facts: dict[str, Any] = {
+            "status": status,
+            "n_trials": sweep.n_trials,
+            "n_done": n_done,
+            "n_failed": n_failed,
+            "output": folder,
+            **shared_facts(sweep.scenario),
+        }
+        text = f"{status}\nWhen all shares are done: the same command with --merge for --share."
+        return Outcome(facts=facts, text=text, succeeded=n_done == 0 or n_failed < n_done)
+
+    def _merge(self, sweep: studies.Sweep) -> Merged:
+        with stored_trials(self.output) as show:
+            return studies.merge_shares(sweep, self.output, progress=show)
 
     def _make_sweep(self, scenario: Scenario, parameters: Parameters) -> studies.Sweep:
         """Return the requested sweep; errors about points of a list name the file."""
@@ -193,6 +261,25 @@ class Sweep(Study):
             return parse_grid(typed, parameters)
         ranges = parse_ranges(typed, parameters, SAMPLES_FORM)
         return studies.Samples(ranges=ranges, n_points=self.samples, seed=self.seed or 0)
+
+
+def _report_unfinished(sweep: studies.Sweep, merged: Merged, output: str) -> Outcome:
+    """Report which shares are missing in a folder that they were merged in."""
+    missing = ", ".join(f"{share.number}/{share.count}" for share in merged.unfinished)
+    status = (
+        f"{merged.n_done} of {sweep.n_trials} trials are in {output}: "
+        f"not finished yet are the shares {missing}."
+    )
+    facts: dict[str, Any] = {
+        "status": status,
+        "n_trials": sweep.n_trials,
+        "n_done": merged.n_done,
+        "unfinished": [asdict(share) for share in merged.unfinished],
+        "output": output,
+        **shared_facts(sweep.scenario),
+    }
+    advice = "Run them, and merge again; or run the same command without --merge, which does the rest here."
+    return Outcome(facts=facts, text=f"{status}\n{advice}", succeeded=False)
 
 
 @value_class

@@ -9,6 +9,7 @@ stored_sweep    reading it
 damage          which of its regions are damaged
 checksums       which of its other files are
 running         running a sweep, here or on a cluster (`cluster`)
+sharing         shares of a sweep, each run by a process of its own, and their merger
 optimization    definition of an optimization, and the evaluation of its points
 search          which points to try next
 checkpoint      the points tried so far, in a file
@@ -39,6 +40,12 @@ if TYPE_CHECKING:
         Rows as Rows,
         Samples as Samples,
         Points as Points,
+    )
+    from laticauda.studies.sharing import (
+        Share as Share,
+        merge_shares as merge_shares,
+        Merged as Merged,
+        parse_share as parse_share,
     )
     from laticauda.studies.stored_sweep import (
         best_points as best_points,
@@ -71,6 +78,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.studies.optimization": ["OBJECTIVES", "Optimization", "SPEED_POWER"],
         "laticauda.studies.running": ["run_sweep"],
         "laticauda.studies.sampling": ["Grid", "Rows", "Samples"],
+        "laticauda.studies.sharing": ["Share", "merge_shares"],
         "laticauda.studies.stored_sweep": [
             "best_points",
             "count_failed",
@@ -95,6 +103,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "swum_figure",
         ],
         "laticauda.studies.sampling": ["Points"],
+        "laticauda.studies.sharing": ["Merged", "parse_share"],
     },
     renamed={"best": "best_points", "unbeaten": "pareto_front"},
 )

@@ -11,6 +11,7 @@ from laticauda.models.simulate import silent
 from laticauda.studies.point_trials import Column, Progress, swim_points
 from laticauda.studies.regions import Regions
 from laticauda.studies.sampling import Table
+from laticauda.studies.sharing import Share, region_size_for
 from laticauda.studies.store import open_store
 from laticauda.studies.stored_sweep import open_unread
 from laticauda.studies.sweep import Sweep
@@ -29,6 +30,7 @@ def run_sweep(
     threads: int | None = None,
     region_size: int | None = None,
     resume: bool = True,
+    share: Share | None = None,
 ) -> "xarray.Dataset":
     """Run a sweep, or the rest of it, and store the results in a folder.
 
@@ -47,11 +49,14 @@ def run_sweep(
         threads: Number of threads in this process; None uses one per core. A cluster uses every
             thread of a worker.
         region_size: Maximum number of trials in a region of a new folder; None takes about a second
-            of work. The results depend on it only through rounding.
+            of work, less where every share is to have some. The results depend on it only through rounding.
         resume: False rejects a folder that already has results.
+        share: Only this share of the sweep, in a folder of its own, see `Share.folder`; all shares
+            are put together by `merge_shares`. None runs all of it.
 
     Returns:
-        The whole sweep, read from the folder when it is used; see `open_sweep`.
+        The whole sweep, or its share with nan for all other points, read from the folder when it is
+        used; see `open_sweep`.
 
     Raises:
         ValueError: If an argument is out of its range, or the folder holds something else or
@@ -63,14 +68,23 @@ def run_sweep(
     """
     if threads is not None:
         check_whole_number("threads", threads, 1)
-    with open_store(folder, sweep, region_size=region_size, resume=resume) as store:
-        progress(store.n_done, sweep.n_trials)
+    path = Path(folder)
+    if share is not None:
+        path = share.folder(path)
+        if region_size is None:
+            region_size = region_size_for(sweep, share.count)
+    with open_store(path, sweep, region_size=region_size, resume=resume) as store:
         pending = np.flatnonzero(~store.done).tolist()
+        n_wanted = sweep.n_trials
+        if share is not None:
+            pending = [index for index in pending if share.has_region(index)]
+            n_wanted = store.n_done + sum(map(store.regions.n_points, pending))
+        progress(store.n_done, n_wanted)
         with closing(_swim_regions(sweep, store.regions, pending, client, threads)) as regions:
             for index, table, results in regions:
                 store.write(index, table, results)
-                progress(store.n_done, sweep.n_trials)
-    return open_unread(Path(folder))
+                progress(store.n_done, n_wanted)
+    return open_unread(path)
 
 
 def _swim_regions(

@@ -70,10 +70,10 @@ class Sweep:
             size: Maximum number of points in a region; None chooses it from the cost of a trial.
         """
         if size is None:
-            size = self._default_region_size()
+            size = self.default_region_size()
         return divide_regions(self.points.shape, check_whole_number("region_size", size, 1))
 
-    def _default_region_size(self) -> int:
+    def default_region_size(self) -> int:
         """Return the number of trials that take about `REGION_TIME`."""
         scenario = self.scenario
         cost = DRIVEN_TRIAL_TIME
