@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from clusters import local_cluster
 
 import laticauda as lc
 from laticauda.cli.studies import _describe_front
@@ -100,6 +101,14 @@ def test_a_stopped_optimization_says_how_to_go_on(
     )
     resumed = run(f"optimize {SHORT}")
     assert resumed.out == run(f"optimize {SHORT.replace(' a', ' b')}").out.replace("b/", "a/")
+
+
+def test_an_optimization_on_a_cluster_comes_to_the_same_bits(run, folder: Path):
+    with local_cluster() as address:
+        done = run(f"optimize {SHORT} --scheduler {address}")
+    assert (done.status, done.err) == (0, "")
+    assert run(f"optimize {SHORT.replace(' a', ' b')}").status == 0
+    assert (folder / "a/front.csv").read_bytes() == (folder / "b/front.csv").read_bytes()
 
 
 def test_where_nothing_is_feasible_it_ends_with_status_1(run):

@@ -2,13 +2,12 @@ import json
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from math import radians
 from pathlib import Path
 
 import numpy as np
 import pytest
+from clusters import local_cluster
 
 import laticauda as lc
 from laticauda.cli import vary
@@ -230,19 +229,8 @@ def test_a_sweep_in_which_every_trial_blows_up_ends_with_status_1(run):
     assert "2 of 2 trials blew up" in done.out
 
 
-@contextmanager
-def dask() -> Iterator[str]:
-    """The address of a scheduler with a worker in this process."""
-    from distributed import LocalCluster
-
-    with LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=False, protocol="tcp", dashboard_address=":0"
-    ) as it:
-        yield it.scheduler_address
-
-
 def test_a_sweep_runs_on_a_cluster(run, folder: Path):
-    with dask() as address:
+    with local_cluster() as address:
         done = run(f"sweep {POINTS} --scheduler {address} {SHORT}")
     assert (done.status, done.err) == (0, "")
     assert run(f"sweep {POINTS} --duration 1 --output b").status == 0

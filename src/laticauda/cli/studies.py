@@ -314,6 +314,9 @@ class Optimize(Study):
     seed: int = quantity(
         "", "Seed of all random numbers; another seed searches differently", ge=0, default=0
     )
+    scheduler: str | None = option(
+        "Run on a Dask cluster: its scheduler, such as tcp://host:8786", default=None
+    )
     limits: Limits = option("Limits that gaits must observe", default=Limits())
     output: Folder = option(
         "Folder of results, where a stopped search resumes when run again", default="optimum"
@@ -347,8 +350,9 @@ class Optimize(Study):
             objectives=objectives,
             **vars(self.limits),
         )
-        warn_of_compiling(scenario.environment, scenario.model)
-        with stored_trials(folder) as show:
+        with stored_trials(folder) as show, connected(self.scheduler) as client:
+            if client is None:
+                warn_of_compiling(scenario.environment, scenario.model)
             return studies.optimize(
                 optimization,
                 folder,
@@ -356,6 +360,7 @@ class Optimize(Study):
                 budget=self.budget,
                 population=self.population,
                 seed=self.seed,
+                client=client,
                 threads=self.threads,
             )
 

@@ -19,6 +19,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from laticauda import scenarios
 from laticauda.studies.point_trials import Column, swim_points
 from laticauda.studies.sampling import Table
@@ -169,6 +171,32 @@ def swim_on(
             client.cancel(list(tasks), force=True)
 
 
+def swim_points_on(
+    client: Any, scenario: scenarios.Scenario, names: tuple[str, ...], table: Table
+) -> dict[str, Column]:
+    """Simulate the trials of some points on the workers of a cluster, in pieces for all of its threads.
+
+    Args:
+        client: A `dask.distributed.Client`.
+        scenario: What all trials share.
+        names: Names of the parameters, one per column of the table.
+        table: The points, one per row.
+
+    Returns:
+        As `swim_points` does in this process, to the same bits (on processors of one kind).
+
+    Raises:
+        ClusterFailed: As `swim_on`.
+    """
+    n_pieces = min(len(table), TASKS_PER_THREAD * next(_watch_threads(client)))
+    pieces = np.array_split(table, max(n_pieces, 1))
+    results_of_piece = {
+        index: results for index, _, results in swim_on(client, scenario, names, enumerate(pieces))
+    }
+    in_order = [results_of_piece[index] for index in range(len(pieces))]
+    return {name: np.concatenate([results[name] for results in in_order]) for name in in_order[0]}
+
+
 def _task_after_death(task: _Task, error: Exception) -> _Task:
     """Return the task to submit again after its workers died; raise if they died too often."""
     n_deaths = task.n_deaths + 1
@@ -208,4 +236,4 @@ def _swim_on_worker(
 
 
 def _import_distributed() -> Any:
-    return optional_import("A sweep on a cluster", "dask", "scale", "distributed")
+    return optional_import("A cluster", "dask", "scale", "distributed")

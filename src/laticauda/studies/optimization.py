@@ -162,7 +162,7 @@ class Optimization(Limits):
 
 
 def evaluate(
-    optimization: Optimization, table: Table, threads: int | None = None
+    optimization: Optimization, table: Table, threads: int | None = None, client: Any = None
 ) -> dict[str, Column]:
     """Evaluate points; those beyond the limits are not simulated.
 
@@ -170,6 +170,7 @@ def evaluate(
         optimization: The optimization.
         table: The points, one per row.
         threads: Number of threads; None uses all cores available to this process.
+        client: A `dask.distributed.Client` whose cluster simulates; None does so in this process.
 
     Returns:
         By name, one value per point: every quantity of a sweep, nan where there is none, and
@@ -188,7 +189,13 @@ def evaluate(
     results: dict[str, Column] = {name: np.full(len(table), np.nan) for name in QUANTITIES}
     results["succeeded"] = np.zeros(len(table), dtype=bool)
     if swims.any():
-        for name, values in swim_points(scenario, names, table[swims], threads).items():
+        if client is None:
+            figures = swim_points(scenario, names, table[swims], threads)
+        else:
+            from laticauda.studies.cluster import swim_points_on
+
+            figures = swim_points_on(client, scenario, names, table[swims])
+        for name, values in figures.items():
             results[name][swims] = values
     if not optimization.beyond_actuators:
         excess = results["utilization"] - 1.0

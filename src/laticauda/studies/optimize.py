@@ -7,6 +7,7 @@
 from collections.abc import Mapping
 from contextlib import nullcontext
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -40,6 +41,7 @@ def optimize(
     population: int | None = None,
     seed: int = 0,
     progress: Progress = silent,
+    client: Any = None,
     threads: int | None = None,
 ) -> Front:
     """Search for the best points: by NSGA-II for two objectives, by differential evolution for one.
@@ -57,8 +59,10 @@ def optimize(
         seed: Seed of all random numbers; another seed takes another path.
         progress: Called at the start and after every generation with the number of points tried and
             the total.
-        threads: Number of threads; None uses all cores available to this process. The result does
-            not depend on it.
+        client: A `dask.distributed.Client`: the trials run on its cluster, to the same bits (on
+            processors of one kind). None runs them in this process.
+        threads: Number of threads in this process; None uses all cores available to it. A cluster
+            uses every thread of a worker. The result does not depend on either.
 
     Returns:
         The nondominated points of all that were tried.
@@ -67,6 +71,8 @@ def optimize(
         ValueError: If an argument is out of its range, or the folder holds something else or
             another optimization; the message names the differences.
         StorageFailed: If the checkpoint cannot be written. Nothing that was stored is lost.
+        ClusterFailed: If the cluster's scheduler goes away, or workers die repeatedly. Nothing that
+            was stored is lost.
         MissingExtra: If pymoo is not installed.
     """
     n_objectives = len(optimization.objectives)
@@ -86,7 +92,7 @@ def optimize(
     checkpoint = Checkpoint(definition, len(optimization.names), path)
     with nullcontext() if path is None else owned(path, JOB, CHECKPOINT):
         checkpoint.load()
-        _search(optimization, search, checkpoint, budget, progress, threads)
+        _search(optimization, search, checkpoint, budget, progress, threads, client)
     tried = {name: column[:budget] for name, column in checkpoint.tried.items()}
     return _front_of(optimization, tried, seed)
 
@@ -98,6 +104,7 @@ def _search(
     budget: int,
     progress: Progress,
     threads: int | None,
+    client: Any,
 ) -> None:
     """Let the search try points until the budget is spent; remembered points are not simulated again."""
     remembered = checkpoint.tried
@@ -120,7 +127,7 @@ def _search(
             )
         new_points = generation[n_remembered:n_points]
         if len(new_points):
-            figures = evaluate(optimization, optimization.points(new_points), threads)
+            figures = evaluate(optimization, optimization.points(new_points), threads, client)
             new_results = {POINTS: new_points, **figures}
             checkpoint.add(new_results)
             results = join_columns(results, new_results)

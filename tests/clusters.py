@@ -1,0 +1,15 @@
+"""Clusters of this process for the tests."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def local_cluster() -> Iterator[str]:
+    """The address of a scheduler with a worker in this process."""
+    from distributed import LocalCluster
+
+    with LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, protocol="tcp", dashboard_address=":0"
+    ) as cluster:
+        yield cluster.scheduler_address
