@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from laticauda.values import files, optional_import
+from laticauda.values import check_heaps, files, optional_import
 
 HDF_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """First bytes of a file of HDF5."""
@@ -87,6 +87,7 @@ def open_hdf(path: Path) -> Generator[Any]:
         MissingExtra: If h5py is not installed.
     """
     h5py = optional_import("Reading HDF5 files", "h5py", "film")
+    check_heaps(path)
     try:
         opened = h5py.File(path, "r")
     except OSError as error:
