@@ -1,0 +1,93 @@
+"""Where the fit of all frames begins: a chain through the points of every frame, smoothed a little."""
+
+import numpy as np
+from jaxtyping import Bool, Complex, Float
+
+from laticauda.film.chain.geometry import ChainGeometry, PointPlaces, link_begins
+
+JUMP = 8.0
+"""Jumps out of line by more than this many times the usual one are left out of the first guess [-]."""
+NORMAL_MEDIAN = 1.4826
+"""Standard deviation of a normal number per median of its size."""
+
+
+def fill_gaps(
+    time: Float[np.ndarray, " n_frames"],
+    observed: Complex[np.ndarray, "n_frames n_points"],
+    seen: Bool[np.ndarray, "n_frames n_points"],
+) -> Complex[np.ndarray, "n_frames n_points"]:
+    """Return places of all points in all frames: straight lines where one was lost or jumps away and back.
+
+    Args:
+        time: Times of the frames [s].
+        observed: Where points were seen [m].
+        seen: Where they were seen at all.
+    """
+    filled = np.empty_like(observed)
+    for point in range(observed.shape[1]):
+        frames = np.flatnonzero(seen[:, point])
+        kept = frames[~_jumps(observed[frames, point])]
+        places = observed[kept, point]
+        filled[:, point] = np.interp(time, time[kept], places)
+    return filled
+
+
+def _jumps(places: Complex[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
+    """Return which places lie far off the line between the one before and the one after."""
+    off_line = np.zeros(len(places))
+    if len(places) > 2:
+        off_line[1:-1] = np.abs(places[1:-1] - 0.5 * (places[2:] + places[:-2]))
+    usual = NORMAL_MEDIAN * float(np.median(off_line))
+    jumps = off_line > JUMP * max(usual, 1e-12)
+    # The neighbors of a jump are off the line through it by half.
+    largest = np.maximum(np.append(off_line[1:], 0.0), np.append(0.0, off_line[:-1]))
+    return jumps & (off_line >= largest)
+
+
+def guess_coordinates(
+    geometry: ChainGeometry, places: PointPlaces, filled: Complex[np.ndarray, "n_frames n_points"]
+) -> Float[np.ndarray, "n_frames n_coordinates"]:
+    """Return coordinates of the chain in every frame, from a line through its points.
+
+    Args:
+        geometry: The chain with its points.
+        places: Where the points sit.
+        filled: Where they were seen, without gaps [m].
+    """
+    robot = geometry.robot
+    ends = np.append(link_begins(robot), robot.length)
+    line: np.ndarray = filled @ _interpolation(places.along, ends).T
+    along_links = line[:, 1:] - line[:, :-1]
+    angles = np.unwrap(
+        np.unwrap(np.arctan2(np.imag(along_links), np.real(along_links)), axis=1), axis=0
+    )
+    of_centers: np.ndarray = filled - np.exp(1j * angles) @ geometry.lever.T
+    center = np.mean(of_centers, axis=1)
+    heading = np.mean(angles, axis=1)
+    joint_angles: np.ndarray = angles[:, 1:] - angles[:, :-1]
+    root = np.array([np.real(center), np.imag(center), heading]).T
+    return np.column_stack((root, joint_angles))
+
+
+def _interpolation(
+    known: Float[np.ndarray, " n_known"], wanted: Float[np.ndarray, " n_wanted"]
+) -> Float[np.ndarray, "n_wanted n_known"]:
+    """Return the matrix that takes values at known places to others, on straight lines, also beyond the ends."""
+    order = np.argsort(known, kind="stable")
+    sorted_places = known[order]
+    matrix = np.zeros((wanted.size, known.size))
+    after = np.clip(np.searchsorted(sorted_places, wanted), 1, known.size - 1)
+    before = after - 1
+    # Two points of one cross-section tell no direction: the next one further does.
+    while np.any(short := sorted_places[after] - sorted_places[before] < 1e-9):
+        stuck = short & (before == 0) & (after == known.size - 1)
+        if np.any(stuck):
+            break
+        before = np.where(short, np.maximum(before - 1, 0), before)
+        after = np.where(short, np.minimum(after + 1, known.size - 1), after)
+    gap = np.maximum(sorted_places[after] - sorted_places[before], 1e-9)
+    share = (wanted - sorted_places[before]) / gap
+    row = np.arange(wanted.size)
+    np.add.at(matrix, (row, order[before]), 1.0 - share)
+    np.add.at(matrix, (row, order[after]), share)
+    return matrix
