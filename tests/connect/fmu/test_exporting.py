@@ -108,6 +108,16 @@ def in_python(robot: Any = "mamba-fin", gait: Any = GAIT, **settings: Any) -> tu
 
 
 def check_equal(slave: Any, body: Any, state: Any, log: Any, tolerance: float = ROUNDING) -> None:
+    check_motion(slave, body, state, log, tolerance)
+    work = slave.get("mechanical_work", "net_work", "positive_work")
+    assert work == pytest.approx(log.work[-1], abs=100 * tolerance)
+    if log.electrical_work is not None:
+        assert slave.get("electrical_work") == pytest.approx(
+            log.electrical_work[-1], abs=100 * tolerance
+        )
+
+
+def check_motion(slave: Any, body: Any, state: Any, log: Any, tolerance: float = ROUNDING) -> None:
     seen = body.observe(state)
     assert slave.get("time") == pytest.approx(seen.time, abs=1e-12)
     for name in (
@@ -123,12 +133,6 @@ def check_equal(slave: Any, body: Any, state: Any, log: Any, tolerance: float = 
     )
     for name in ("joint_torque", "joint_angle_ref"):
         assert slave.all(name) == pytest.approx(getattr(log, name)[-1], abs=10 * tolerance), name
-    work = slave.get("mechanical_work", "net_work", "positive_work")
-    assert work == pytest.approx(log.work[-1], abs=100 * tolerance)
-    if log.electrical_work is not None:
-        assert slave.get("electrical_work") == pytest.approx(
-            log.electrical_work[-1], abs=100 * tolerance
-        )
     for name in [key for key in log.signals if key.startswith("fin_angle") and key[-1].isdigit()]:
         k = name.rsplit("_", 1)[-1]
         assert slave.get(f"fin_angle[{k}]") == pytest.approx(log.signals[name][-1], abs=tolerance)
@@ -215,7 +219,7 @@ def test_a_driven_fins_reference_acts_as_one_more_does_in_python(make, slave):
         state, log, _ = body.march(
             state, replace(command, references=(0.0,) * 8 + (angle,)), 0.05, 0.05
         )
-        check_equal(one, body, state, log)
+        check_motion(one, body, state, log)
     assert one.get("fin_angle[0]").item() > 0.01
 
 
@@ -223,12 +227,36 @@ def test_references_that_change_act_as_references_in_python(make, slave):
     one = slave(make(**KINDS["references"])).begin()
     body, command, state = in_python(**KINDS["references"])
     for k in range(60):
-        asked = tuple(0.5 * math.sin(0.15 * k + 0.7 * i) for i in range(8))
+        asked = tuple(2e-3 * k * math.sin(0.1 * k + 0.7 * i) for i in range(8))
         for i, angle in enumerate(asked):
             one.put(f"references[{i}]", angle)
         state, log, _ = body.march(state, replace(command, references=asked), 0.05, 0.05)
         one.steps([0.05], time=0.05 * k)
     check_equal(one, body, state, log)
+
+
+@pytest.mark.parametrize("jump", [0.03, 0.05, 0.1, 0.3, 0.6])
+@pytest.mark.parametrize("kind", ["references", "fin reference"])
+def test_works_after_jumps_are_those_of_small_steps_and_the_motion_is_as_in_python(
+    make, slave, kind, jump
+):
+    one = slave(make(**KINDS[kind])).begin()
+    body, command, state = in_python(**KINDS[kind])
+    fine, _, exact = in_python(**KINDS[kind], dt=2e-5)
+    n_joints = len(body.robot.driven_joints)
+    names = [name for name in one.number if name.startswith(("references[", "fin.reference"))]
+    assert len(names) == n_joints
+    for k in range(3):
+        asked = tuple(jump * (-1) ** (i + k) for i in range(n_joints))
+        for name, angle in zip(names, asked, strict=True):
+            one.put(name, angle)
+        wanted = replace(command, references=asked)
+        state, log, _ = body.march(state, wanted, 0.1, 0.1)
+        exact, right, _ = fine.march(exact, wanted, 0.1, 0.1)
+        one.steps([0.1], time=0.1 * k)
+        check_motion(one, body, state, log)
+        work = one.get("mechanical_work", "net_work", "positive_work")
+        assert work == pytest.approx(right.work[-1], abs=0.01 * right.work[-1, 0])
 
 
 @pytest.mark.parametrize(

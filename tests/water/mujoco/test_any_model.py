@@ -2,6 +2,7 @@
 
 import gc
 import warnings
+import weakref
 from pathlib import Path
 
 import mujoco
@@ -71,10 +72,19 @@ def test_a_file_gets_water_and_the_handle_keeps_its_model(tmp_path: Path):
 
 def test_a_model_that_attach_compiled_goes_with_its_handle():
     handle = water.attach(mujoco.MjSpec.from_string(floating()))
-    reference = handle.model
+    reference = weakref.ref(handle.model())
     del handle
     gc.collect()
     assert reference() is None
+
+
+def test_a_model_that_attach_compiled_can_be_kept_without_the_handle():
+    model = water.attach(mujoco.MjSpec.from_string(floating())).model()
+    gc.collect()
+    handle = water.attached(model)
+    assert handle is not None and handle.model() is model
+    added_mass = handle.elements[0].added_mass[0]
+    assert accelerate(model) == pytest.approx(1.0 / (model.body_mass[1] + added_mass))
 
 
 def test_a_file_that_mujoco_cannot_read_is_refused_in_its_words(tmp_path: Path):

@@ -22,7 +22,7 @@ from laticauda.connect.fmu.model_description import (
     Description,
     write_model_description,
 )
-from laticauda.connect.native.c_tables import make_c_identifier, write_c_tables
+from laticauda.connect.native.c_tables import make_c_identifier, write_headers
 from laticauda.connect.native.linking import LinkedLibrary, combine_libraries, link_library
 from laticauda.connect.native.machine_code import compile_kernels_of
 from laticauda.connect.native.platforms import Platform, find_library_platforms
@@ -119,7 +119,8 @@ def export_fmu(
 def _make_guid(description: Description, codes: Sequence[bytes]) -> str:
     """Return the identifier of an FMU: a digest of everything from which it is made."""
     content = write_model_description(description)
-    content += write_c_tables(description.tables, "").encode()
+    for header in write_headers(description.tables, "").values():
+        content += header.encode()
     content += b"".join(codes)
     for source in sorted(C_FOLDER.iterdir()):
         content += source.read_bytes()
@@ -135,7 +136,7 @@ def _link_libraries(
 ) -> dict[str, bytes]:
     """Return the libraries by their paths in the FMU; those of both kinds of Mac may share a path, and are one file."""
     source = C_FOLDER / f"fmi{description.fmi_version[0]}.c"
-    headers = {"tables.h": write_c_tables(description.tables, guid)}
+    headers = write_headers(description.tables, guid)
     libraries: dict[str, list[LinkedLibrary]] = {}
     for platform, machine_code in zip(platforms, codes, strict=True):
         folder = platform.fmi2_folder if description.is_fmi2 else platform.pair

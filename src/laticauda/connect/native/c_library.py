@@ -10,7 +10,7 @@ from typing import Unpack
 
 import laticauda as lc
 from laticauda import scenarios
-from laticauda.connect.native.c_tables import make_c_identifier, write_c_tables
+from laticauda.connect.native.c_tables import make_c_identifier, write_headers
 from laticauda.connect.native.linking import LinkedLibrary, combine_libraries, link_library
 from laticauda.connect.native.machine_code import compile_kernels_of
 from laticauda.connect.native.platforms import C_FOLDER, find_library_platforms
@@ -66,7 +66,7 @@ def export_c(
     name = make_c_identifier(header_path.stem)
     header = write_header(tables, name)
     included_headers = {
-        "tables.h": write_c_tables(tables, name),
+        **write_headers(tables, name),
         "header.h": header + "\n" + _write_definitions(name),
     }
     libraries: list[LinkedLibrary] = []

@@ -29,6 +29,8 @@ LARGEST_BANDWIDTH = 1e6
 """Largest bandwidth of the filters that may be set [rad/s]."""
 LONGEST_RAMP = 1e6
 """Longest smooth start that may be set [s]."""
+REFERENCE_SYMBOL = "phi_ref"
+"""Symbol of reference angles."""
 
 
 class WaterNumber(NamedTuple):
@@ -434,7 +436,7 @@ def _reference_input(*, name: str, driven: str, first_row: int) -> Variable:
         name=name,
         causality="input",
         unit="rad",
-        symbol="phi_ref",
+        symbol=REFERENCE_SYMBOL,
         description=f"Reference angle of {driven}, held during a communication step.",
         least=-LARGEST_POSITION,
         most=LARGEST_POSITION,

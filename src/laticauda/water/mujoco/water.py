@@ -48,7 +48,7 @@ class Water:
     """Water attached to a model; created by `attach`. It stays as long as the model lives, or until `detach`."""
 
     model: Any
-    """Weak reference to the `mujoco.MjModel`: call it to get the model."""
+    """Call it to get the `mujoco.MjModel`: a weak reference, unless `attach` compiled the model."""
     elements: tuple[Element, ...]
     """The elements, in the order in which they were given."""
     options: dict[str, Any]
@@ -59,8 +59,6 @@ class Water:
     """Arrays that the table points to, by name; see `filling`."""
     flows: FlowStore
     """Flows that this water and its copies were given."""
-    compiled: Any = None
-    """The model, if `attach` compiled it and no one else may have it; else None."""
 
     def detach(self) -> None:
         """Remove the water from the model; copies of it keep theirs."""
@@ -212,8 +210,10 @@ def attach(
     water = _enter(model, elements, options, filled)
     checked_speed = None if implicit_drag else usual_speed
     warn_of_mistakes(model, water, checked_speed, fitted)
-    # The registry must not hold a model, or it would live forever.
-    return replace(water, compiled=compiled)
+    if compiled is None:
+        return water
+    # No one else may have it. The registry must not hold a model, or it would live forever.
+    return replace(water, model=lambda: compiled)
 
 
 def attached(model: Any) -> Water | None:

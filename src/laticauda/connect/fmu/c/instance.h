@@ -24,6 +24,8 @@
 
 extern int64_t laticauda_move(const int64_t *whole, const double *real, double *variables, double *rows, double interval);
 
+#include "works.h"
+
 typedef enum { BEFORE, BEGINNING, STEPPING, OVER, FAILED } Phase;
 
 /* All that a run needs to go on, and nothing that is an address: a state is a copy of it. */
@@ -95,7 +97,7 @@ static void destroy(Instance *instance) {
 static int move(Instance *instance, double interval) {
     Numbers before = instance->now;
     instance->now.variables[0] -= before.start_time;
-    if (laticauda_move(whole, real, instance->now.variables, instance->now.rows, interval) != 1) {
+    if (!move_robot(instance->now.variables, instance->now.rows, interval)) {
         instance->now = before;
         return 0;
     }

@@ -17,6 +17,8 @@
 
 extern int64_t laticauda_move(const int64_t *whole, const double *real, double *variables, double *rows, double interval);
 
+#include "works.h"
+
 _Static_assert(sizeof(ROBOT) == (N_VARIABLES + N_NUMBERS) * sizeof(double), "the structure is not what the kernels know");
 
 /* The place of the first number that is set from outside and is out of its range; 0, that of the time, if there is none. */
@@ -31,7 +33,7 @@ static int move_on(ROBOT *_robot, double interval) {
     double *numbers = (double *)&next;
     int place = wrong(numbers);
     if (place != 0) return place;
-    if (laticauda_move(whole, real, numbers, numbers + N_VARIABLES, interval) != 1) return DIVERGED;
+    if (!move_robot(numbers, numbers + N_VARIABLES, interval)) return DIVERGED;
     *_robot = next;
     return 0;
 }
