@@ -1,6 +1,8 @@
 """From film to forces: bodies that were tracked on video; needs the extra `film`.
 
 - points: points tracked on one body, what all else here takes and returns
+- calibration: from pixels to metres
+- vision: OpenCV
 - formats: files of DeepLabCut, SLEAP, TRex, idtracker.ai, and plain tables of points
 """
 

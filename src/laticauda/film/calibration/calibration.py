@@ -1,0 +1,244 @@
+"""From pixels to metres: what a calibration knows, its uncertainty, and the file that keeps it."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+
+from laticauda.film.calibration.optics import Lens, Pixels, Places, Surface, locate
+from laticauda.film.points import TrackedPoints
+from laticauda.values import (
+    BadArgument,
+    TrialFileError,
+    check_instance,
+    codec,
+    files,
+    option,
+    quantity,
+    value_class,
+)
+
+MARGIN = 0.02
+"""Share of the picture by which points may lie outside: a tracker extrapolates a little [-]."""
+
+
+@value_class
+class CameraCalibration:
+    """A camera whose lens and pose are known, and the plane that a body moves in."""
+
+    lens: Lens = option("The lens")
+    rotation: tuple[float, float, float] = quantity(
+        "rad", "Rotation vector from the axes of the tags to those of the camera"
+    )
+    translation: tuple[float, float, float] = quantity(
+        "m", "Origin of the tags in the axes of the camera"
+    )
+    plane_height: float = quantity(
+        "m", "Height of the plane of motion above that of the tags", default=0.0
+    )
+    plane_height_deviation: float = quantity(
+        "m", "Standard deviation of this height", default=0.002, ge=0.0
+    )
+    surface: Surface | None = option("Surface of water between, if any", default=None)
+    residual: float = quantity(
+        "px", "Distance of the marks from where their places say (rms)", default=0.0, ge=0.0
+    )
+    scale_deviation: float = quantity(
+        "", "Standard deviation of lengths in the plane, as a share", default=0.0, ge=0.0
+    )
+    position_deviation: float = quantity(
+        "m",
+        "Further standard deviation of places, beyond scale, shift and turn",
+        default=0.0,
+        ge=0.0,
+    )
+
+    @property
+    def image_size(self) -> tuple[int, int]:
+        """Width and height of the picture [px]."""
+        return self.lens.image_size
+
+    def to_plane(self, pixels: Pixels) -> Places:
+        """Return places in the plane of motion [m]; nan above the horizon.
+
+        Args:
+            pixels: Pixels.
+        """
+        return locate(
+            pixels,
+            lens=self.lens,
+            rotation=np.array(self.rotation),
+            translation=np.array(self.translation),
+            plane_height=self.plane_height,
+            surface=self.surface,
+        )
+
+
+@value_class
+class RulerCalibration:
+    """A camera right above: one length in the picture gives the scale; x is right, y up."""
+
+    image_size: tuple[int, int] = quantity("px", "Width and height of the picture", ge=1)
+    metres_per_pixel: float = quantity("m", "Size of a pixel in the plane of motion", gt=0.0)
+    scale_deviation: float = quantity(
+        "", "Standard deviation of lengths in the plane, as a share", default=0.0, ge=0.0
+    )
+    position_deviation: float = quantity(
+        "m",
+        "Further standard deviation of places; perspective is not known",
+        default=0.0,
+        ge=0.0,
+    )
+
+    def to_plane(self, pixels: Pixels) -> Places:
+        """Return places in the plane of motion, from the lower left corner of the picture [m].
+
+        Args:
+            pixels: Pixels.
+        """
+        _, height = self.image_size
+        return self.metres_per_pixel * np.stack((pixels[:, 0], height - pixels[:, 1]), axis=1)
+
+
+Calibration: TypeAlias = CameraCalibration | RulerCalibration
+KINDS: dict[str, type[CameraCalibration] | type[RulerCalibration] | type[Lens]] = {
+    "film-camera": CameraCalibration,
+    "film-ruler": RulerCalibration,
+    "lens": Lens,
+}
+"""Classes by the `kind` of their files."""
+
+
+def calibrate_by_ruler(
+    image_size: tuple[int, int],
+    begin: tuple[float, float],
+    end: tuple[float, float],
+    length: float,
+    *,
+    pixel_deviation: float = 1.0,
+    length_deviation: float = 0.001,
+) -> RulerCalibration:
+    """Return the calibration from two points in the picture and their distance.
+
+    Args:
+        image_size: Width and height of the picture [px].
+        begin: One end of the ruler, which lies in the plane of motion [px].
+        end: The other.
+        length: Their distance [m].
+        pixel_deviation: Standard deviation of each of them [px].
+        length_deviation: That of the distance [m].
+
+    Raises:
+        ValueError: If they are less than 10 px apart, or the length is not > 0.
+    """
+    distance = float(np.hypot(end[0] - begin[0], end[1] - begin[1]))
+    if distance < SHORTEST_RULER:
+        raise BadArgument(
+            "end", f"must be at least {SHORTEST_RULER:g} px from `begin`, got {distance:.3g} px"
+        )
+    if length <= 0.0:
+        raise BadArgument("length", f"must be > 0 m, got {length}")
+    shares = np.array([np.sqrt(2.0) * pixel_deviation / distance, length_deviation / length])
+    return RulerCalibration(
+        image_size=image_size,
+        metres_per_pixel=length / distance,
+        scale_deviation=float(np.linalg.norm(shares)),
+        position_deviation=pixel_deviation * length / distance,
+    )
+
+
+SHORTEST_RULER = 10.0
+"""Distance of the two ends of a ruler in the picture at least [px]."""
+
+
+def points_on_plane(points: TrackedPoints, calibration: Calibration) -> TrackedPoints:
+    """Return points in m, in the plane of motion, from points in px.
+
+    Args:
+        points: Points in px.
+        calibration: Of the camera that filmed them.
+
+    Raises:
+        ValueError: If the points are in m already, or lie outside the picture.
+    """
+    check_instance("calibration", calibration, CameraCalibration, RulerCalibration)
+    if points.unit != "px":
+        raise BadArgument("points", f"must be in px, got {points.unit}: they need no calibration")
+    width, height = calibration.image_size
+    seen = points.position[points.is_seen]
+    margin = MARGIN * np.array([width, height])
+    outside = np.any((seen < -margin) | (seen > np.array([width, height]) + margin), axis=1)
+    if np.mean(outside) > MARGIN:
+        rule = f"must lie in the picture of {width} x {height} px that was calibrated"
+        x, y = seen[outside][0]
+        raise BadArgument("points", f"{rule}, got ({x:.0f}, {y:.0f}) px; was the film scaled?")
+    pixels = points.position.reshape(-1, 2)
+    places = np.full_like(pixels, np.nan)
+    is_known = np.isfinite(pixels).all(axis=1)
+    places[is_known] = calibration.to_plane(pixels[is_known])
+    places[~np.isfinite(places).all(axis=1)] = np.nan
+    note = (
+        f"Lengths are certain to {calibration.scale_deviation:.2%}, places to "
+        f"{1e3 * calibration.position_deviation:.2g} mm more (standard deviations)."
+    )
+    moved = replace(points, position=places.reshape(points.position.shape), unit="m")
+    return moved.with_notes(note)
+
+
+# ---- files ---------------------------------------------------------------------------------------
+
+
+def save_calibration(calibration: Calibration | Lens, path: str | Path) -> None:
+    """Write a calibration, or a lens, to a TOML file.
+
+    Args:
+        calibration: The calibration.
+        path: Path of the file.
+
+    Raises:
+        StorageFailed: If it cannot be written.
+    """
+    import tomli_w
+
+    kind = next(name for name, known in KINDS.items() if isinstance(calibration, known))
+    table = codec.stamped(kind, codec.encode(calibration))
+    files.write(Path(path), tomli_w.dumps(table).encode())
+
+
+def load_calibration(path: str | Path) -> Calibration:
+    """Read a calibration that `save_calibration` wrote.
+
+    Args:
+        path: Path of the TOML file.
+
+    Raises:
+        TrialFileError: If there is no such file, or anything in it is wrong.
+    """
+    loaded = _load(path, ("film-camera", "film-ruler"))
+    assert not isinstance(loaded, Lens)
+    return loaded
+
+
+def load_lens(path: str | Path) -> Lens:
+    """Read a lens that `save_calibration` wrote; of a calibration, its lens.
+
+    Args:
+        path: Path of the TOML file.
+
+    Raises:
+        TrialFileError: If there is no such file, or anything in it is wrong.
+    """
+    loaded = _load(path, ("lens", "film-camera"))
+    if isinstance(loaded, CameraCalibration):
+        return loaded.lens
+    assert isinstance(loaded, Lens)
+    return loaded
+
+
+def _load(path: str | Path, kinds: tuple[str, ...]) -> Calibration | Lens:
+    path = Path(path)
+    with codec.keys_of(path, TrialFileError):
+        table = files.read_toml(path, TrialFileError)
+        kind = codec.take_kind(table, *kinds)
+        return codec.decode(KINDS[kind], table)

@@ -1,0 +1,377 @@
+"""Lens, pose and surface of a camera from marks of known places: least squares, with an uncertainty.
+
+Every mark is traced back from its pixel to the plane of the marks; what is left between there and
+its place, in pixels, is a residual. What is known beforehand of the lens and of the surface of water
+is a residual, too: the data may correct it, and what they do not see stays as uncertain as stated.
+"""
+
+# pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from laticauda.film.calibration.calibration import CameraCalibration
+from laticauda.film.calibration.optics import Lens, Pixels, Places, Surface, locate
+from laticauda.film.vision import load_opencv
+from laticauda.values import BadArgument, optional_import
+
+FEWEST_MARKS = 4
+"""Marks that determine a pose."""
+SMALLEST_NOISE = 0.1
+"""Deviation of a mark at least, however well a few of them fit [px]."""
+WORST_RESIDUAL = 0.0025
+"""Residual (rms), as a share of the width of the picture, above which places cannot be right [-]."""
+USUAL_FOCAL_LENGTHS = (0.6, 0.9, 1.4, 2.2)
+"""Focal lengths that are tried if the lens is unknown, in widths of the picture [-]."""
+UNKNOWN_LENS = {
+    "focal_length_deviation": 0.5,
+    "center_deviation": 0.01,
+    "distortion_deviation": 0.15,
+}
+"""Deviations of a lens of which nothing is known; that of the center in widths of the picture."""
+WIDEST = 6.0
+"""Distance from what is known beforehand at most, in standard deviations."""
+MOST_STEPS = 40
+"""Steps of a search at most."""
+N_DRAWS = 200
+"""Draws from the covariance from which the deviations of lengths and places are found."""
+N_GRID = 6
+"""Points along each side of the grid at which they are found."""
+CORNERS_OF_TAG = 4
+Vector = Float[np.ndarray, " n_parameters"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Marks:
+    """Marks seen by the camera whose places in their plane are known."""
+
+    pixels: Pixels
+    """Where the camera sees them [px]."""
+    places: Places
+    """Where they are [m]."""
+    groups: Sequence[str]
+    """Name of the tag, or of what else, that each belongs to."""
+    place_deviation: float = 0.001
+    """Standard deviation of the place of a tag, as it was measured or printed [m]."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Model:
+    """What the parameters mean: a pose, and corrections of lens and surface."""
+
+    lens: Lens
+    surface: Surface | None
+
+    def unpack(self, vector: Vector) -> dict[str, Any]:
+        """Return the arguments of `locate`, without the height of the plane."""
+        rotation, translation = vector[:3], vector[3:6]
+        log_focal_length, x, y, k1, k2 = vector[6:11]
+        _, _, p1, p2, k3 = self.lens.distortion
+        lens = replace(
+            self.lens,
+            focal_length=float(np.exp(log_focal_length)),
+            center=(float(x), float(y)),
+            distortion=(float(k1), float(k2), p1, p2, k3),
+        )
+        surface = self.surface
+        if surface is not None:
+            surface = replace(
+                surface, height=float(vector[11]), index=float(np.clip(vector[12], 1.0, 2.0))
+            )
+        return {
+            "lens": lens,
+            "rotation": rotation,
+            "translation": translation,
+            "surface": surface,
+        }
+
+    def expected(self) -> tuple[Float[np.ndarray, " n_known"], Float[np.ndarray, " n_known"]]:
+        """Return what is known beforehand of all parameters after the pose, and its deviations."""
+        lens = self.lens
+        k1, k2 = lens.distortion[:2]
+        values = [np.log(lens.focal_length), *lens.center, k1, k2]
+        deviations = [
+            lens.focal_length_deviation,
+            lens.center_deviation,
+            lens.center_deviation,
+            lens.distortion_deviation,
+            3.0 * lens.distortion_deviation,
+        ]
+        if self.surface is not None:
+            values += [self.surface.height, self.surface.index]
+            deviations += [self.surface.height_deviation, self.surface.index_deviation]
+        smallest = 1e-9  # what is certain stays as it is
+        return np.array(values), np.maximum(deviations, smallest)
+
+
+def calibrate_camera(
+    marks: Marks,
+    image_size: tuple[int, int],
+    *,
+    lens: Lens | None = None,
+    surface: Surface | None = None,
+    plane_height: float = 0.0,
+    plane_height_deviation: float = 0.002,
+) -> CameraCalibration:
+    """Find pose and lens of a camera from marks in one plane.
+
+    Args:
+        marks: The marks; well spread over the picture, they tell the lens, too.
+        image_size: Width and height of the picture [px].
+        lens: The lens, if it was calibrated; None: found from the marks, as far as they tell.
+        surface: Surface of water or window between the camera and what lies behind.
+        plane_height: Height of the plane of motion above that of the marks [m].
+        plane_height_deviation: Standard deviation of this height [m].
+
+    Raises:
+        ValueError: If there are too few marks, or their places cannot be right; the message names
+            the worst tag.
+        MissingExtra: If OpenCV or SciPy is not installed.
+    """
+    if len(marks.pixels) < FEWEST_MARKS:
+        raise BadArgument(
+            "marks", f"must be at least {FEWEST_MARKS} points, got {len(marks.pixels)}"
+        )
+    spread = np.linalg.svd(marks.places - marks.places.mean(axis=0), compute_uv=False)
+    if spread[1] < 1e-3 * spread[0]:
+        raise BadArgument("marks", "must not lie on one line")
+    candidates = _candidate_lenses(lens, image_size)
+    fits = [_search(marks, _Model(lens=each, surface=surface)) for each in candidates]
+    best = min(range(len(fits)), key=lambda i: fits[i].cost)
+    # The best guess is the start; what is known beforehand of the lens remains the same.
+    model = _Model(lens=candidates[best], surface=surface)
+    _check_residuals(marks, model, fits[best].x, image_size)
+    noise = _noise_of(marks, model, fits[best].x)
+    solution = _search(marks, model, start=fits[best].x, noise=noise, loss="linear")
+    residual = _residual_of(marks, model, solution.x)
+    calibration = CameraCalibration(
+        **_stored(model.unpack(solution.x)),
+        plane_height=plane_height,
+        plane_height_deviation=plane_height_deviation,
+        residual=residual,
+    )
+    covariance = np.linalg.pinv(solution.jac.T @ solution.jac)
+    return _with_deviations(calibration, marks, model, solution.x, covariance)
+
+
+def _stored(arguments: dict[str, Any]) -> dict[str, Any]:
+    stored = dict(arguments)
+    for name in ("rotation", "translation"):
+        stored[name] = tuple(float(number) for number in arguments[name])
+    return stored
+
+
+def _candidate_lenses(lens: Lens | None, image_size: tuple[int, int]) -> list[Lens]:
+    if lens is not None:
+        return [lens.scaled_to(image_size)]
+    width, height = image_size
+    return [
+        Lens(
+            image_size=image_size,
+            focal_length=share * width,
+            center=(0.5 * (width - 1), 0.5 * (height - 1)),
+            focal_length_deviation=UNKNOWN_LENS["focal_length_deviation"],
+            center_deviation=UNKNOWN_LENS["center_deviation"] * width,
+            distortion_deviation=UNKNOWN_LENS["distortion_deviation"],
+        )
+        for share in USUAL_FOCAL_LENGTHS
+    ]
+
+
+# ---- search --------------------------------------------------------------------------------------
+
+
+def _search(
+    marks: Marks,
+    model: _Model,
+    start: Vector | None = None,
+    noise: float = 1.0,
+    loss: str = "soft_l1",
+) -> Any:
+    """Return the parameters of least squares, as SciPy returns them; a soft loss lets a wrong mark stand out."""
+    optimize: Any = optional_import("Calibrating a camera", "scipy", "film", "scipy.optimize")
+    expected, deviations = model.expected()
+    if start is None:
+        start = np.concatenate((_first_pose(marks, model.lens), expected))
+
+    def residuals(vector: Vector) -> Float[np.ndarray, " n_residuals"]:
+        in_pixels = _residuals_in_pixels(marks, model, vector, noise)
+        return np.concatenate((in_pixels, (vector[6:] - expected) / deviations))
+
+    scale = np.concatenate((np.full(3, 0.01), np.full(3, 0.01), deviations))
+    reach = np.concatenate((np.full(6, np.inf), WIDEST * deviations))
+    middle = np.concatenate((np.zeros(6), expected))
+    return optimize.least_squares(
+        residuals,
+        start,
+        bounds=(middle - reach, middle + reach),
+        x_scale=scale,
+        loss=loss,
+        max_nfev=MOST_STEPS,
+    )
+
+
+def _first_pose(marks: Marks, lens: Lens) -> Float[np.ndarray, " 6"]:
+    """Return rotation vector and translation, as if there were no water."""
+    opencv = load_opencv("Calibrating a camera")
+    x, y = lens.center
+    matrix = np.array([[lens.focal_length, 0.0, x], [0.0, lens.focal_length, y], [0.0, 0.0, 1.0]])
+    places = np.column_stack((marks.places, np.zeros(len(marks.places))))
+    middle = places.mean(axis=0)
+    is_found, rotation, translation = opencv.solvePnP(
+        places - middle,
+        np.ascontiguousarray(marks.pixels),
+        matrix,
+        np.array(lens.distortion),
+        flags=opencv.SOLVEPNP_IPPE,
+    )
+    if not is_found:
+        raise BadArgument("marks", "must be seen from a place from which they form their pattern")
+    turned = opencv.Rodrigues(rotation)[0]
+    return np.concatenate((rotation.ravel(), translation.ravel() - turned @ middle))
+
+
+def _residuals_in_pixels(
+    marks: Marks, model: _Model, vector: Vector, noise: float
+) -> Float[np.ndarray, " n_residuals"]:
+    """Return what is left between marks and their places, over its deviation."""
+    n_marks = len(marks.pixels)
+    beside = np.concatenate([marks.pixels + shift for shift in ((0, 0), (1, 0), (0, 1))])
+    seen = locate(beside, plane_height=0.0, **model.unpack(vector)).reshape(3, n_marks, 2)
+    is_seen = np.isfinite(np.sum(seen, axis=(0, 2)))
+    seen = np.where(is_seen[:, np.newaxis], seen, 0.0)
+    per_pixel = np.stack((seen[1] - seen[0], seen[2] - seen[0]), axis=-1)
+    left = np.einsum("nij,nj->ni", np.linalg.pinv(per_pixel), seen[0] - marks.places)
+    size = np.sqrt(np.abs(np.linalg.det(per_pixel)))
+    left[~is_seen] = FAR_AWAY
+    size = np.where(is_seen, np.maximum(size, SMALLEST_PIXEL), np.inf)
+    # The corners of a tag are misplaced together, so that they count like one.
+    of_place = np.sqrt(CORNERS_OF_TAG) * marks.place_deviation / size
+    return (left / np.hypot(noise, of_place)[:, np.newaxis]).ravel()
+
+
+FAR_AWAY = 1e4
+"""Residual of a mark whose ray does not meet the plane [px]."""
+SMALLEST_PIXEL = 1e-9
+"""Size of a pixel in the plane at least [m]."""
+
+
+def _distances(marks: Marks, model: _Model, vector: Vector) -> Float[np.ndarray, " n_marks"]:
+    """Return how far each mark is from where its place says [px]."""
+    exact = replace(marks, place_deviation=0.0)
+    left = _residuals_in_pixels(exact, model, vector, noise=1.0)
+    return np.linalg.norm(left.reshape(-1, 2), axis=1)
+
+
+def _residual_of(marks: Marks, model: _Model, vector: Vector) -> float:
+    return float(np.sqrt(np.mean(_distances(marks, model, vector) ** 2)))
+
+
+def _noise_of(marks: Marks, model: _Model, vector: Vector) -> float:
+    """Return the deviation of a coordinate of a mark that the residuals show [px]."""
+    squares = float(np.sum(_distances(marks, model, vector) ** 2))
+    n_free = max(2 * len(marks.pixels) - vector.size, 2)
+    return max(float(np.sqrt(squares / n_free)), SMALLEST_NOISE)
+
+
+def _check_residuals(
+    marks: Marks, model: _Model, vector: Vector, image_size: tuple[int, int]
+) -> None:
+    """Refuse places that cannot be right, and name the tag without which all others fit."""
+    residual = _residual_of(marks, model, vector)
+    if residual <= WORST_RESIDUAL * image_size[0]:
+        return
+    names = list(dict.fromkeys(marks.groups))
+    if len(names) == 1:
+        rule = f"must be where their places say, but they are {residual:.1f} px off"
+        raise BadArgument("marks", f"{rule}; measure them again")
+    without = {name: _fit_without(name, marks, model, vector) for name in names}
+    worst = min(names, key=lambda name: without[name].residual_of_others)
+    raise BadArgument(
+        "marks",
+        f"must be where their places say, but {worst} is {without[worst].distance:.0f} px off; "
+        "measure its place, size and direction again",
+    )
+
+
+class _Without(NamedTuple):
+    """A fit without one tag."""
+
+    residual_of_others: float
+    distance: float
+    """How far the tag is from where its place says [px]."""
+
+
+def _fit_without(name: str, marks: Marks, model: _Model, vector: Vector) -> _Without:
+    is_own = np.array([group == name for group in marks.groups])
+    others = _select(marks, ~is_own)
+    if len(others.pixels) < FEWEST_MARKS:
+        return _Without(residual_of_others=np.inf, distance=np.inf)
+    found = _search(others, model, start=vector).x
+    return _Without(
+        residual_of_others=_residual_of(others, model, found),
+        distance=_residual_of(_select(marks, is_own), model, found),
+    )
+
+
+def _select(marks: Marks, is_chosen: Bool[np.ndarray, " n"]) -> Marks:
+    groups = [group for group, chosen in zip(marks.groups, is_chosen, strict=True) if chosen]
+    return replace(
+        marks, pixels=marks.pixels[is_chosen], places=marks.places[is_chosen], groups=groups
+    )
+
+
+# ---- uncertainty ---------------------------------------------------------------------------------
+
+
+def _with_deviations(
+    calibration: CameraCalibration,
+    marks: Marks,
+    model: _Model,
+    vector: Vector,
+    covariance: Float[np.ndarray, "n_parameters n_parameters"],
+) -> CameraCalibration:
+    """Return the calibration with the deviations of lengths and places, from draws of all parameters."""
+    generator = np.random.default_rng(0)
+    low, high = marks.pixels.min(axis=0), marks.pixels.max(axis=0)
+    x, y = np.meshgrid(*np.linspace(low, high, N_GRID).T)
+    grid = np.column_stack((x.ravel(), y.ravel()))
+    expected = calibration.to_plane(grid)
+    is_known = np.isfinite(expected).all(axis=1)
+    draws = generator.multivariate_normal(vector, covariance, size=N_DRAWS, method="svd")
+    heights = generator.normal(
+        calibration.plane_height, calibration.plane_height_deviation, size=N_DRAWS
+    )
+    scales: list[float] = []
+    remainders: list[float] = []
+    for draw, height in zip(draws, heights, strict=True):
+        places = locate(grid, plane_height=height, **model.unpack(draw))
+        usable = is_known & np.isfinite(places).all(axis=1)
+        if np.count_nonzero(usable) < FEWEST_MARKS:
+            continue
+        scale, remainder = compare_shapes(expected[usable], places[usable])
+        scales.append(scale)
+        remainders.append(remainder)
+    return replace(
+        calibration,
+        scale_deviation=float(np.sqrt(np.mean((np.array(scales) - 1.0) ** 2))),
+        position_deviation=float(np.sqrt(np.mean(np.square(remainders)))),
+    )
+
+
+def compare_shapes(first: Places, second: Places) -> tuple[float, float]:
+    """Return the scale from one set of places to another, and what is left (rms) after shift, turn and scale.
+
+    Args:
+        first: Places [m].
+        second: The same places, by another measurement [m].
+    """
+    numbers = (first - first.mean(axis=0)) @ np.array([1.0, 1.0j])
+    others = (second - second.mean(axis=0)) @ np.array([1.0, 1.0j])
+    factor = np.vdot(numbers, others) / np.vdot(numbers, numbers)
+    left = others - factor * numbers
+    return float(np.abs(factor)), float(np.sqrt(np.mean(np.abs(left) ** 2)))
