@@ -4,8 +4,8 @@ import sys
 
 import pytest
 
-from laticauda.compiling.templates import PACKAGE, closure, digest_of
 from laticauda.models.planar.model import TEMPLATES, specialize
+from laticauda.values.sources import PACKAGE, closure, digest_of
 from laticauda.water.fluid.flow import rows_of
 from laticauda.water.fluid.laws import TotalSpeedDrag
 from laticauda.water.fluid.uniform import LinearShear

@@ -1,8 +1,4 @@
-"""Compiled code and its sources: templates, loaded once per specialization, and digests of sources.
-
-Machine code on disk is stored under a digest of a module and everything that it imports, so editing
-any of these files changes the name and triggers recompilation; no list of files has to be
-maintained by hand.
+"""Templates of compiled code, loaded once per specialization.
 
 Templates are the modules of a package that kernels are made of. While it is loaded, each reads its
 specialization and the preceding templates from its `bindings`. It is loaded once per combination of
@@ -12,13 +8,12 @@ disk again and the code is never stale: an edited law or kernel has another name
 The numbers of a law are rows, and not part of the digest.
 """
 
-import ast
 import functools
 import hashlib
 import importlib.util
 import sys
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any, cast
@@ -26,8 +21,8 @@ from typing import Any, cast
 from laticauda.compiling import PROCESSOR, Target, compiling_for, formulas, globals_of, ready
 from laticauda.compiling.inner import is_inner
 from laticauda.values import Formula
+from laticauda.values.sources import PACKAGE, sources_digest
 
-PACKAGE = Path(__file__).parent.parent
 _loading: dict[str, Mapping[str, Any]] = {}
 """Specializations of the templates that are being loaded, by the names of their modules."""
 _loaded: dict[tuple[str, str, Target], ModuleType] = {}
@@ -37,45 +32,6 @@ _specialized: dict[tuple[str, str, Target], ModuleType] = {}
 _inner_functions: dict[tuple[Any, ...], tuple[Any, list[Any]]] = {}
 """Inner functions with what they refer to, by what makes two of them identical."""
 _one_at_a_time = threading.Lock()
-
-
-def closure(*modules: str, package: Path = PACKAGE) -> tuple[Path, ...]:
-    """Return the package's files that make up modules: their own and those of all direct and indirect imports.
-
-    Imports for type checkers only do not count, nor do the ``__init__`` files of a module's parent
-    packages. A name that is imported from the ``__init__`` of a package counts as imported from the
-    module that defines it.
-
-    Args:
-        modules: Full module names, such as ``laticauda.models.planar.stepping``; may be kernel templates.
-        package: Folder of the package.
-    """
-    files: set[Path] = set()
-    pending = [_file(package, name.split(".")[1:]) for name in modules]
-    while pending:
-        path = pending.pop()
-        if path is not None and path not in files:
-            files.add(path)
-            for imported in _imported_modules(package, path.read_bytes()):
-                pending.append(_file(package, imported))
-    return tuple(sorted(files))
-
-
-def digest_of(*modules: str, package: Path = PACKAGE) -> str:
-    """Return the digest of the text of the `closure` of modules, 16 hexadecimal digits.
-
-    Args:
-        modules: Full module names.
-        package: Folder of the package.
-    """
-    digest = hashlib.sha256()
-    for path in closure(*modules, package=package):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-sources_digest = functools.cache(digest_of)
-"""`digest_of`, computed once per process."""
 
 
 def named_after(digest: str, function: Callable[..., Any]) -> Callable[..., Any]:
@@ -99,67 +55,6 @@ def is_kept(compiled: Any) -> bool:
         return True
     cached = Path(compiled.stats.cache_path).glob(f"*{compiled.py_func.__qualname__}-*.nbi")
     return any(cached) or ready.is_ready(compiled.py_func)
-
-
-def _file(package: Path, names: list[str]) -> Path | None:
-    """Return the file of a module in the package; None if there is none of that name."""
-    if not names:
-        return None
-    inside = package.joinpath(*names)
-    for path in (inside.with_suffix(".py"), inside / "__init__.py"):
-        if path.is_file():
-            return path
-    return None
-
-
-@functools.cache
-def _imported_modules(package: Path, text: bytes) -> list[list[str]]:
-    return list(_find_imports(package, ast.parse(text)))
-
-
-def _find_imports(package: Path, tree: ast.AST) -> Iterator[list[str]]:
-    """Yield the modules of the package that a syntax tree imports, without the package's name."""
-    for node in ast.iter_child_nodes(tree):
-        if _is_for_type_checkers(node):
-            continue
-        yield from _find_imports(package, node)
-        modules: list[list[str]] = []
-        if isinstance(node, ast.Import):
-            modules = [alias.name.split(".") for alias in node.names]
-        elif isinstance(node, ast.ImportFrom) and node.module:
-            origin = node.module.split(".")
-            modules = [_home(package, origin, alias.name) for alias in node.names]
-        for module in modules:
-            if module[0] == package.name:
-                yield module[1:]
-
-
-def _is_for_type_checkers(node: ast.AST) -> bool:
-    return isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING")
-
-
-def _home(package: Path, module: list[str], name: str) -> list[str]:
-    """Return the module from which a name comes: it may be a module itself, or be handed on by a package."""
-    if _file(package, [*module[1:], name]):
-        return [*module, name]
-    face = package.joinpath(*module[1:], "__init__.py")
-    if module[0] == package.name and face.is_file():
-        return _homes_of_names(face.read_bytes()).get(name, module)
-    return module
-
-
-@functools.cache
-def _homes_of_names(face: bytes) -> dict[str, list[str]]:
-    """Return the modules of the names that a package imports when they are first used, see `values.packaging`."""
-    homes: dict[str, list[str]] = {}
-    for node in ast.parse(face).body:
-        if not isinstance(node, ast.If) or not _is_for_type_checkers(node):
-            continue
-        for statement in node.body:
-            if isinstance(statement, ast.ImportFrom) and statement.module:
-                for alias in statement.names:
-                    homes[alias.name] = statement.module.split(".")
-    return homes
 
 
 def specialized(

@@ -12,13 +12,13 @@ import llvmlite
 import llvmlite.binding as llvm
 import numba
 
-from laticauda.compiling.templates import sources_digest
 from laticauda.connect.native.entry import compile_bitcode
 from laticauda.connect.native.linking import find_compiler
 from laticauda.connect.native.platforms import Platform
 from laticauda.models.planar import PlanarPlant, specialize
 from laticauda.motion.joints import JointLaw
 from laticauda.values import files, formulas
+from laticauda.values.sources import sources_digest
 from laticauda.water.fluid import DragLaw
 
 

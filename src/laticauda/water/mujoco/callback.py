@@ -23,8 +23,9 @@ from typing import Any
 from numba import types
 
 from laticauda.compiling import for_c, kernel
-from laticauda.compiling.templates import named_after, sources_digest
+from laticauda.compiling.templates import named_after
 from laticauda.values import load_mujoco
+from laticauda.values.sources import sources_digest
 from laticauda.water.mujoco import native
 from laticauda.water.mujoco.element_loads import element_load
 from laticauda.water.mujoco.registry import (

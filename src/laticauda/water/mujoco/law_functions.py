@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from laticauda.compiling.formulas import digest_of
-from laticauda.compiling.templates import load, sources_digest
+from laticauda.compiling.templates import load
 from laticauda.values import Formula
+from laticauda.values.sources import sources_digest
 from laticauda.water.fluid.flow import Flow, Rows
 from laticauda.water.fluid.laws import DragLaw
 

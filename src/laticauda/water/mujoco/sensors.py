@@ -24,8 +24,9 @@ import numpy as np
 from numba import types
 
 from laticauda.compiling import for_c, kernel
-from laticauda.compiling.templates import named_after, sources_digest
+from laticauda.compiling.templates import named_after
 from laticauda.values import load_mujoco
+from laticauda.values.sources import sources_digest
 from laticauda.water.mujoco.callback import LAW_SCRATCH, SCRATCH, collect
 from laticauda.water.mujoco.native import allocate, call_3, free_stack, library, mark_stack
 from laticauda.water.mujoco.registry import (
