@@ -11,6 +11,7 @@ from laticauda.robot import Ground
 from laticauda.trials import (
     MeasuredTrial,
     Trial,
+    describe_edge,
     describe_sweeping,
     following,
     measured_counterpart,
@@ -39,6 +40,7 @@ def first_screen(trial: Trial, basis: str = "", more: str = MORE) -> str:
     rows = [
         ("speed", _describe_speed(trial, measured)),
         ("", describe_sweeping(trial)),
+        ("", describe_edge(trial)),
         ("power", _describe_power(trial, measured)),
     ]
     rows = [(name, text) for name, text in rows if text]

@@ -22,6 +22,7 @@ from laticauda.trials import (
     MOVING_WATER_NOTE,
     MeasuredTrial,
     Trial,
+    describe_edge,
     describe_sweeping,
     following,
     measured_counterpart,
@@ -40,6 +41,7 @@ def facts_of_trial(trial: Trial) -> dict[str, Any]:
         "not_measured": list(trial.not_measured),
         "infeasible": list(trial.feasibility.problems),
         "swept": describe_sweeping(trial),
+        "outside_law": describe_edge(trial),
         "measured": _measured_facts(trial),
         "gait_parameters": _gait_parameters(trial),
         "certainty": SEEN if _is_of_textbook(trial) else None,
@@ -173,6 +175,7 @@ def _notes(trial: Trial) -> str:
             notes += filter(None, [MOVING_WATER_NOTE, describe_sweeping(trial)])
         if _is_of_textbook(trial):
             notes.append(_note_on_textbook())
+        notes += filter(None, [describe_edge(trial)])
         notes += _notes_on_missing_figures(trial)
     return wrap_notes(notes)
 

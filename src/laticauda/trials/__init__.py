@@ -5,6 +5,7 @@ arrays.py       checks of its arrays and texts
 trial.py        `Trial`: the contents, with figures, pictures and files
 metrics.py      formulas of the figures
 moving_water.py what a current does to a run, in words
+edge.py         incidence of the trailing edge, and whether its law holds
 cycles.py       whole gait cycles of a log, and means over them
 feasibility/    whether the robot can do what the run demands
 following.py    figures of path following
@@ -52,6 +53,11 @@ if TYPE_CHECKING:
         Trial as Trial,
         shown_figures as shown_figures,
     )
+    from laticauda.trials.edge import (
+        ThrustError as ThrustError,
+        describe_edge as describe_edge,
+        thrust_error as thrust_error,
+    )
     from laticauda.trials.following import nearest_points as nearest_points
     from laticauda.trials.moving_water import (
         MOVING_WATER_NOTE as MOVING_WATER_NOTE,
@@ -89,6 +95,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.trials.contents": ["REACHED_END", "Setting"],
         "laticauda.trials.cycles": ["TRANSIENT", "hermite"],
         "laticauda.trials.dataset": ["AXES"],
+        "laticauda.trials.edge": ["ThrustError", "describe_edge", "thrust_error"],
         "laticauda.trials.following": ["nearest_points"],
         "laticauda.trials.several": ["note_differences"],
         "laticauda.trials.moving_water": ["MOVING_WATER_NOTE", "describe_sweeping", "water_moves"],

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self, overload
 
 import numpy as np
 
-from laticauda.trials import contents, cycles, metrics, moving_water
+from laticauda.trials import contents, cycles, edge, metrics, moving_water
 from laticauda.trials.dataset import fields_of, save, to_dataset
 from laticauda.trials.feasibility import Feasibility, judge_feasibility, make_peak_figure
 from laticauda.values import BadArgument, RunFailed, Suggesting, display_unit, html_table
@@ -28,6 +28,7 @@ MEANT = {
     "energy": ("work", "joules_per_meter"),
     "error": ("status",),
     "export": ("save",),
+    "incidence": ("edge_incidence",),
     "fluid": ("environment",),
     "from_file": ("laticauda.load_trial",),
     "joint_angles": ("joint_angle",),
@@ -205,6 +206,9 @@ class Trial(Suggesting, contents.Contents):
     """Slope of `heading_cycle_mean` over the steady part; positive to the left [rad/s]."""
     strouhal_number = Figure("", "Strouhal number of the trailing edge", metrics.strouhal_number)
     """Strouhal number f A / U of the trailing edge over the steady part, with U through the water [-]."""
+    edge_incidence = Figure("rad", "largest incidence of the trailing edge", edge.edge_incidence)
+    """Largest angle between the flow and the plate that ends in the trailing edge, after the first third of the run
+    [rad]; see `laticauda.trials.describe_edge`."""
 
     peak_joint_angle = Figure(
         "rad", "largest joint angle, first cycle left out", make_peak_figure("peak_joint_angle")

@@ -1,1 +1,1 @@
-"""Water: loads on an element and how the water moves, and water for any MuJoCo model."""
+"""Water: loads on an element and on plates, how the water moves, and water for any MuJoCo model."""

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from laticauda import robot, scenarios
 from laticauda.models.simulate.numbers import change_parameters
 from laticauda.models.simulate.runner import swim
-from laticauda.trials import Trial
+from laticauda.trials import ThrustError, Trial, thrust_error
 from laticauda.values import BadArgument, RunFailed, check_choice
 
 Interval = tuple[float, float]
@@ -59,7 +59,9 @@ def figure_intervals(
     Each number is set to either end while the others stay unchanged; the resulting changes are
     added in quadrature, upward and downward changes separately. This is valid if the numbers are
     independent and act nearly linearly, and says nothing about what the model itself omits (see the
-    theory page on textbook water).
+    theory page on textbook water). If the thrust of the edge is outside its law
+    (`laticauda.trials.describe_edge`), its error is added in quadrature, as a share of each figure
+    that depends on a coefficient.
 
     Args:
         trial: A simulated run; it is repeated twice for each interval.
@@ -94,11 +96,29 @@ def figure_intervals(
         _RunsAtEnds(lower=figures_with(name, lowest), upper=figures_with(name, highest))
         for name, (lowest, highest) in intervals.items()
     ]
+    error = thrust_error(trial)
     bounds: dict[str, Interval] = {}
     for name, value in figures(trial).items():
         if all(run.have(name) for run in runs):
             bounds[name] = _interval_around(value, name, runs)
+            if error is not None:
+                bounds[name] = _widened_by_thrust(bounds[name], value, error)
     return bounds
+
+
+def _widened_by_thrust(interval: Interval, value: float, error: ThrustError) -> Interval:
+    """Return the interval of a figure with the error of the thrust, as if the figure were proportional to it.
+
+    A figure that depends on no coefficient, such as the duration, depends on no thrust.
+    """
+    lowest, highest = interval
+    if lowest == highest:
+        return interval
+    ends = (value / (1.0 + error.highest), value / (1.0 + error.lowest))
+    return (
+        value - math.hypot(value - lowest, value - min(ends)),
+        value + math.hypot(highest - value, max(ends) - value),
+    )
 
 
 def _interval_around(value: float, name: str, runs: Iterable[_RunsAtEnds]) -> Interval:

@@ -10,10 +10,8 @@ References:
 import numpy as np
 
 from laticauda.water.mujoco.elements import Three
+from laticauda.water.plates import plate_drag
 
-PLATE_HEIGHT_OVER_WIDTH = (0.0, 0.1, 0.2, 1.0)
-PLATE = (1.90, 1.50, 1.20, 1.16)
-"""C_D of rectangular plates across the flow."""
 SQUARE_ROD_LENGTH = (0.0, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0)
 """Length along the flow over the side [-]."""
 SQUARE_ROD = (1.16, 1.15, 0.97, 0.87, 0.90, 0.93, 0.95)
@@ -33,11 +31,8 @@ def drag_of_box(half: Three, axis: int) -> float:
     """Return C_D of a box along an axis: the plate that it shows, times the effect of its length along the flow."""
     side_1 = half[(axis + 1) % 3]
     side_2 = half[(axis + 2) % 3]
-    height = min(side_1, side_2)
-    width = max(side_1, side_2)
-    of_plate = np.interp(height / width, PLATE_HEIGHT_OVER_WIDTH, PLATE)
-    of_rod = np.interp(half[axis] / height, SQUARE_ROD_LENGTH, SQUARE_ROD)
-    return float(of_plate * of_rod / SQUARE_ROD[0])
+    of_rod = np.interp(half[axis] / min(side_1, side_2), SQUARE_ROD_LENGTH, SQUARE_ROD)
+    return float(plate_drag(side_1, side_2) * of_rod / SQUARE_ROD[0])
 
 
 def drag_along_rod(slenderness: float) -> float:
