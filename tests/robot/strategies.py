@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from laticauda.robot import (
     Actuator,
     CaudalFin,
+    DragArea,
     Ground,
     Joint,
     Module,
@@ -120,6 +121,18 @@ def robots(draw: st.DrawFn, max_links: int = 8) -> Robot:
                     area=numbers(1e-4, 0.1),
                     lift_slope=numbers(0.0, 7.0),
                     stall_angle=numbers(0.01, 1.5),
+                ),
+                max_size=2,
+            )
+        ),
+        drag_areas=draw(
+            st.lists(
+                st.builds(
+                    DragArea,
+                    link=links,
+                    x=numbers(-1.0, 1.0),
+                    along=numbers(0.0, 0.1),
+                    across=numbers(0.0, 0.1),
                 ),
                 max_size=2,
             )

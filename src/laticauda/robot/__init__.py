@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     )
     from laticauda.robot.effectors import (
         CaudalFin as CaudalFin,
+        DragArea as DragArea,
         Hinge as Hinge,
         PectoralFin as PectoralFin,
         Piece as Piece,
@@ -97,6 +98,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.robot.describe": ["describe_coefficients", "in_a_line", "summarize_robot"],
         "laticauda.robot.effectors": [
             "CaudalFin",
+            "DragArea",
             "Hinge",
             "PectoralFin",
             "Piece",

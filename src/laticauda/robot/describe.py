@@ -125,6 +125,8 @@ def robot_rows(robot: Robot) -> Iterator[Row]:
         yield f"thruster on link {thruster.link}", in_a_line(describe_fields(thruster, "link"))
     for plate in robot.pectoral_fins:
         yield f"pectoral fin on link {plate.link}", in_a_line(describe_fields(plate, "link"))
+    for area in robot.drag_areas:
+        yield f"drag area on link {area.link}", in_a_line(describe_fields(area, "link"))
     tether = describe_fields(robot.tether)
     if tether:
         yield "tether", in_a_line(tether)

@@ -1,4 +1,4 @@
-"""Parts of a robot besides its body: caudal fin, thrusters, pectoral fins, and the tether it drags.
+"""Parts of a robot besides its body: caudal fin, thrusters, pectoral fins, drag areas, and the tether it drags.
 
 Links are counted from the tail, starting at 0, here and in the files.
 
@@ -260,6 +260,35 @@ class PectoralFin(Mounted):
     )
     max_deflection: float | None = quantity(
         "rad", "Limit of commanded deflection to either side", ge=0.0, default=None
+    )
+
+
+@value_class
+class DragArea:
+    """Bar, arm, cable or other part on a link that only drags: it carries no water along and does not turn the link.
+
+    Its drag is that of two areas times rho v^2 / 2, by the law of the water, at a place on the axis of the
+    link; parts that stand out to both sides are one area. For a flat bar, multiply its frontal
+    area by some 1.2, for a round rod by 1.0.
+    """
+
+    link: int = quantity("", "Link that carries it, counted from 0 at the tail", ge=0)
+    x: float = quantity(
+        "m", "Position along the link, from mid-length toward the head", default=0.0
+    )
+    along: float = quantity(
+        "m^2",
+        "C_D A for motion along the link: area seen from ahead times drag coefficient",
+        ge=0.0,
+        le=1e4,
+        default=0.0,
+    )
+    across: float = quantity(
+        "m^2",
+        "C_D A for motion across the link: area seen from the side times drag coefficient",
+        ge=0.0,
+        le=1e4,
+        default=0.0,
     )
 
 

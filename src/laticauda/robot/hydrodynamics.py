@@ -27,7 +27,7 @@ The wake behind the tail end carries m' = rho pi C_A a^2 per length, from the se
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TypeVar
 
@@ -69,6 +69,8 @@ class Coefficients:
     """Mass of the water that would fill the element's volume; 0 on the ground [kg]."""
     fin: "Coefficients | None" = None
     """Strips of the caudal fin on body 0, from its root to the trailing edge; None without a fin [-]."""
+    areas: "Coefficients | None" = None
+    """Drag areas in the robot's order, each at its place from the tail end of its link; None without any [-]."""
 
 
 def link_coefficients(robot: Robot, environment: Environment) -> Coefficients:
@@ -88,7 +90,7 @@ def link_coefficients(robot: Robot, environment: Environment) -> Coefficients:
         environment: The water in which it swims, or the ground on which it crawls.
 
     Returns:
-        Arrays per link, tail first, together with the fin's strips. Coefficients of a module or of
+        Arrays per link, tail first, together with the fin's strips and the drag areas. Coefficients of a module or of
         the fin replace the water's on that module or on the fin.
 
     Raises:
@@ -103,13 +105,16 @@ def link_coefficients(robot: Robot, environment: Environment) -> Coefficients:
     if isinstance(environment, Ground):
         loads, density = _ground_loads(mass, environment), 0.0
         strips = _fin_on_ground(fin, environment) if fin else None
+        areas = None
     else:
         loads, density = (
             _loads_in_water(robot.modules, half_length, environment),
             environment.density,
         )
         strips = _fin_in_water(fin, environment) if fin else None
-    return _coefficients(half_length, half_length, mass, loads, density * volume, strips)
+        areas = _areas_in_water(robot, environment)
+    links = _coefficients(half_length, half_length, mass, loads, density * volume, strips)
+    return replace(links, areas=areas)
 
 
 def immersion_factor(half_height: float, depth: float | None) -> float:
@@ -247,6 +252,18 @@ def _fin_in_water(fin: CaudalFin, water: Water) -> Coefficients:
         _strip_lambdas(mu_n, c_n, d / 2.0) if water.rotational == "strip" else (zero, zero, zero)
     )
     return _strips(fin, edges, (c_t, c_n, zero, mu_n, *lambdas), rho)
+
+
+def _areas_in_water(robot: Robot, water: Water) -> Coefficients | None:
+    """Return the loads of the drag areas: drag only."""
+    if not robot.drag_areas:
+        return None
+    zero = np.zeros(len(robot.drag_areas))
+    position = [area.x + robot.modules[area.link].half_length for area in robot.drag_areas]
+    c_t = 0.5 * water.density * np.array([area.along for area in robot.drag_areas])
+    c_n = 0.5 * water.density * np.array([area.across for area in robot.drag_areas])
+    loads = (c_t, c_n, zero, zero, zero, zero, zero)
+    return _coefficients(zero, np.array(position), zero, loads, zero)
 
 
 def _fin_on_ground(fin: CaudalFin, ground: Ground) -> Coefficients:

@@ -21,7 +21,7 @@ from laticauda.values import (
 )
 
 Numbers: TypeAlias = NDArray[np.float64]
-Effector = TypeVar("Effector", effectors.Thruster, effectors.PectoralFin)
+Effector = TypeVar("Effector", effectors.Thruster, effectors.PectoralFin, effectors.DragArea)
 MOST_LINKS = 10_000
 """Upper limit: more links are assumed to be a mistake and would exhaust the memory."""
 Surface: TypeAlias = Literal["smooth", "jointed", "skinned"]
@@ -74,6 +74,9 @@ class Robot(Suggesting):
     pectoral_fins: tuple[effectors.PectoralFin, ...] = option(
         "Pectoral fins, in any order", default=()
     )
+    drag_areas: tuple[effectors.DragArea, ...] = option(
+        "Bars, arms and cables that drag, in any order", default=()
+    )
     tether: effectors.Tether = option("The cable at the tail end", default_factory=effectors.Tether)
     surface: Surface = option(
         "Surface: smooth, with gaps at the joints, or with a loose skin", default="jointed"
@@ -97,7 +100,7 @@ class Robot(Suggesting):
                 f"must hold one Joint fewer than there are modules, {n - 1} for {n} modules, "
                 f"got {len(self.joints)}",
             )
-        for group in ("thrusters", "pectoral_fins"):
+        for group in ("thrusters", "pectoral_fins", "drag_areas"):
             for i, effector in enumerate(getattr(self, group)):
                 if effector.link >= n:
                     raise BadArgument(
@@ -198,6 +201,7 @@ class Robot(Suggesting):
             joints=tuple(joint for joint in self.joints if joint.axis == "yaw"),
             thrusters=tuple(_move(thruster, reduction) for thruster in self.thrusters),
             pectoral_fins=tuple(_move(fin, reduction) for fin in self.pectoral_fins),
+            drag_areas=tuple(_move(area, reduction) for area in self.drag_areas),
             electronics_power=self.electronics_power + idle_power,
         )
 

@@ -182,7 +182,7 @@ def linear_drag_share(water: Water, speed: float) -> float:
 def towing_drag(robot: Robot, water: Water, speed: float) -> float:
     """Compute the drag of the straight robot, with its fin, when it is towed along its own axis [N].
 
-        F = sum c_t v (U_ref + v),    over links and fin strips, each term only if the water includes it
+        F = sum c_t v (U_ref + v),    over links, fin strips and drag areas, each term only if the water includes it
 
     Tether and pectoral fins are not included.
 
@@ -197,6 +197,8 @@ def towing_drag(robot: Robot, water: Water, speed: float) -> float:
     c_t = float(np.sum(link.c_t))
     if link.fin is not None:
         c_t += float(np.sum(link.fin.c_t))
+    if link.areas is not None:
+        c_t += float(np.sum(link.areas.c_t))
     return -c_t * _along(water, speed)
 
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import accumulate
-from typing import NamedTuple, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -68,6 +68,10 @@ class Layout:
             self.tail_link,
             self.has_extras,
         )
+
+
+NOT_PER_ELEMENT = ("fin", "areas")
+"""Fields of `Coefficients` that hold further elements."""
 
 
 class _Part(NamedTuple):
@@ -173,12 +177,37 @@ def _links_and_fin(
             part = _Part(module.mass, position, module.moment_of_inertia)
             body_of_module[id(module)] = _Body(module.length, (part,))
     links = [body_of_module[id(module)] for module in robot.modules]
+    if coefficients.areas is not None:
+        links = _with_areas(links, robot, coefficients.areas)
     if robot.caudal_fin is None or coefficients.fin is None:
         return links, []
     fin = _fin_bodies(robot.caudal_fin, coefficients.fin, joints.code)
     if len(fin) == 1 and fin[0].law == rows.LOCKED:
         links[0] = _fold(links[0], fin.pop())
     return links, fin
+
+
+def _with_areas(links: Sequence[_Body], robot: robots.Robot, areas: Coefficients) -> list[_Body]:
+    """Return the links with their drag areas, which are strips for the kernels."""
+    link_of_area = np.array([area.link for area in robot.drag_areas])
+    with_areas: list[_Body] = []
+    for i, body in enumerate(links):
+        is_on_link = link_of_area == i
+        if np.any(is_on_link):
+            with_areas.append(body._replace(strips=_select(areas, is_on_link, 0.0)))
+        else:
+            with_areas.append(body)
+    return with_areas
+
+
+def _join(first: Coefficients, second: Coefficients) -> Coefficients:
+    """Return the strips of both, those of the first before those of the second."""
+    joined: dict[str, Any] = {
+        field.name: np.concatenate((getattr(first, field.name), getattr(second, field.name)))
+        for field in fields(first)
+        if field.name not in NOT_PER_ELEMENT
+    }
+    return Coefficients(**joined)
 
 
 def _fin_bodies(fin: robots.CaudalFin, strips: Coefficients, joints: int) -> list[_Body]:
@@ -209,7 +238,7 @@ def _select(strips: Coefficients, is_selected: np.ndarray, end: float) -> Coeffi
     selected = {
         field.name: getattr(strips, field.name)[is_selected]
         for field in fields(strips)
-        if field.name != "fin"
+        if field.name not in NOT_PER_ELEMENT
     }
     selected["position"] = selected["position"] + end
     return Coefficients(**selected)
@@ -219,10 +248,10 @@ def _fold(tail: _Body, piece: _Body) -> _Body:
     """Return the tail link with a fin of one rigid piece as part of it."""
     part = piece.parts[0]
     strips = cast(Coefficients, piece.strips)
-    return tail._replace(
-        parts=(*tail.parts, part._replace(position=-part.position)),
-        strips=replace(strips, position=strips.position - piece.length),
-    )
+    strips = replace(strips, position=strips.position - piece.length)
+    if tail.strips is not None:
+        strips = _join(strips, tail.strips)
+    return tail._replace(parts=(*tail.parts, part._replace(position=-part.position)), strips=strips)
 
 
 def _write_environment(

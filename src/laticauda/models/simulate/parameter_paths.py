@@ -21,6 +21,7 @@ SINGULARS = {
     "joints": "joint",
     "thrusters": "thruster",
     "pectoral_fins": "pectoral_fin",
+    "drag_areas": "drag_area",
 }
 """Fields whose items may be changed all alike, and the step that stands for them."""
 SINGULARS_OF_SEPARATE = {"flows": "flow"}

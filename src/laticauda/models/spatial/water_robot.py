@@ -53,6 +53,7 @@ def robot_elements(
         elements += _build_strips(robot.caudal_fin, coefficients.fin, environment, floats=floats)
         elements += _build_plates(robot.caudal_fin, environment, floats=floats)
     if isinstance(environment, Water):
+        elements += _build_areas(robot, coefficients, environment)
         elements += _build_tether(robot)
         elements += _build_trailing_edge(robot, environment)
     # Last, where the twin expects them.
@@ -161,6 +162,22 @@ def _build_plates(fin: CaudalFin, environment: Environment, *, floats: bool) -> 
         )
         plates.append(plate)
     return plates
+
+
+def _build_areas(robot: Robot, c: Coefficients, water: Water) -> list[Element]:
+    """Return the elements of drag areas, on the axes of their links."""
+    elements: list[Element] = []
+    for k, area in enumerate(robot.drag_areas):
+        assert c.areas is not None
+        c_n = float(c.areas.c_n[k])
+        element = Element(
+            body=f"module_{area.link}",
+            position=(float(c.areas.position[k]), 0.0, 0.0),
+            drag=(float(c.areas.c_t[k]), c_n, c_n),
+            law=law_of(water),
+        )
+        elements.append(element)
+    return elements
 
 
 def _build_tether(robot: Robot) -> list[Element]:
