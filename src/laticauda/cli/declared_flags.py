@@ -30,7 +30,7 @@ from laticauda.cli.flag_names import (
     spell_option,
 )
 from laticauda.cli.flag_types import REQUIRED, BadFlag, read_first, words_flag
-from laticauda.cli.mistaken_flags import refuse_mistaken
+from laticauda.cli.mistaken_flags import refuse_mistaken, refuse_repeated
 from laticauda.cli.number_flags import numbers_flag
 from laticauda.cli.wave_flags import wave_flags, with_typed_wave
 from laticauda.values import BadArgument, Field, docstring_without_fields, fields_of, texts_of
@@ -67,6 +67,7 @@ def parse_command(
         SystemExit: If the help was requested or a flag is unknown.
     """
     _reject_null_characters(arguments, prog)
+    refuse_repeated(arguments)
     if default is not None:
         flags = {spell_option(field) for field in options_of(default)}
         refuse_mistaken(arguments, flags)

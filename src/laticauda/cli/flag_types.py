@@ -103,6 +103,7 @@ def _split_at_commas(typed: list[str]) -> tuple[str, ...]:
 
 
 _NAMES_WITH_VALUES = words_flag(n_words="*", metavar="NAME=VALUES ...", read=tuple)
+_COLUMN_NAMES = words_flag(n_words="*", metavar="NAME=HEADER ...", read=tuple)
 _LISTED_NAMES = words_flag(n_words="*", metavar="NAME[,NAME...]", read=_split_at_commas)
 _PRESET = words_flag(n_words=1, metavar="NAME|PATH", read=read_first)
 _SCENARIO_FILE = words_flag(n_words=1, metavar="FILE", read=read_first)
@@ -115,6 +116,8 @@ Files = Annotated[tuple[str, ...], _path_flag("FILE ...", "*")]
 """Any number of files."""
 Words = Annotated[tuple[str, ...], _NAMES_WITH_VALUES]
 """Any number of words, most of them NAME=VALUES; the command reads them."""
+ColumnNames = Annotated[tuple[str, ...], _COLUMN_NAMES]
+"""Names of columns in a file by ours, NAME=HEADER (`laticauda.cli.shared_options.read_columns`)."""
 NameList = Annotated[tuple[str, ...], _LISTED_NAMES]
 """Names, separated by commas or spaces."""
 

@@ -25,6 +25,7 @@ from laticauda.cli.flag_types import (
     PICTURES as PICTURES,
     REQUIRED as REQUIRED,
     BadFlag as BadFlag,
+    ColumnNames as ColumnNames,
     File as File,
     FileArgument as FileArgument,
     FileArguments as FileArguments,

@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Literal, NamedTuple
 from laticauda.cli.command import Command, Outcome
 from laticauda.cli.flags import (
     BadFlag,
+    ColumnNames,
     File,
     FileArguments,
     Files,
@@ -22,7 +23,13 @@ from laticauda.cli.flags import (
     was_typed,
 )
 from laticauda.cli.progress import SHARE, show_progress
-from laticauda.cli.shared_options import base_option, joint_law_option, threads_option
+from laticauda.cli.shared_options import (
+    base_option,
+    column_option,
+    joint_law_option,
+    read_columns,
+    threads_option,
+)
 from laticauda.cli.tables import format_table, parse_numbers
 from laticauda.identify import fitting, list_assumptions, measurements, result, tasks, validation
 from laticauda.models.simulate import UNITS
@@ -77,6 +84,7 @@ class IdentificationTarget(Options):
         "CSV file of speeds, a row per trial, with the columns of `reproduce --repeats`",
         default=None,
     )
+    column: ColumnNames = column_option("--table")
     table1: bool = option("The paper's Table 1, alone or beside files", default=False)
     free_start: bool = option(
         "Also identify where the trials began, if path or heading is fitted", default=True
@@ -265,8 +273,9 @@ class Identify(Command):
         measured = _parse_measured(self.target.measured)
         table["parameters"] = [_parse_unknown(text) for text in self.target.parameters]
         table["trials"] = self._tables_of_trials(measured)
+        columns = read_columns(self.target.column, self.target.table, "table")
         if self.target.table:
-            table["table"] = {"file": self.target.table}
+            table["table"] = {"file": self.target.table, "columns": columns}
         if self.target.table1:
             table["table1"] = True
         return table

@@ -31,6 +31,25 @@ RESULTS = ("--forward-velocity", "--power", "--speed", "--velocity")
 """Results that people try to set."""
 
 
+LISTS = ("--column",)
+"""Options that hold all words behind them; given twice, the first would be lost."""
+
+
+def refuse_repeated(arguments: Sequence[str]) -> None:
+    """Reject an option of several words that is given twice.
+
+    Args:
+        arguments: What was typed.
+
+    Raises:
+        BadFlag: If there is one.
+    """
+    flags = [spell_typed_flag(argument) for argument in arguments]
+    for flag in LISTS:
+        if flags.count(flag) > 1:
+            raise BadFlag(f"{flag} must be given once, with all its words behind it.")
+
+
 def refuse_mistaken(arguments: Sequence[str], known_flags: Collection[str]) -> None:
     """Reject an option that no command has, and say which one is meant.
 

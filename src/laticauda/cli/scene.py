@@ -6,7 +6,7 @@ the scenario that they stand for, everything.
 """
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple, Self, cast
@@ -15,6 +15,7 @@ import laticauda as lc
 from laticauda import robot
 from laticauda.cli.command import Command
 from laticauda.cli.flags import (
+    ColumnNames,
     File,
     Internal,
     Options,
@@ -24,6 +25,7 @@ from laticauda.cli.flags import (
     was_typed,
 )
 from laticauda.cli.laws import find_member, import_law
+from laticauda.cli.shared_options import column_option, read_columns
 from laticauda.cli.short_forms import write_out
 from laticauda.models import simulate
 from laticauda.motion.gaits import FIRST_GAIT
@@ -83,6 +85,7 @@ class Names(Choice, Options):
         "trial; a wave given by --amplitude-deg is added to them",
         default=None,
     )
+    column: ColumnNames = column_option("--joint-angles")
     law: str | None = option(
         "Drag law by name, or MODULE:CLASS of your own, which is imported", default=None
     )
@@ -99,9 +102,10 @@ class Names(Choice, Options):
 
     def choose_gait(self) -> lc.Gait:
         """Return the gait of Mamba's first trial in the paper with the requested envelope, or a recorded gait."""
+        columns = read_columns(self.column, self.joint_angles, "joint-angles")
         if self.joint_angles is None:
             return replace(FIRST_GAIT, envelope=self.choose_envelope())
-        angles = _load_joint_angles(self.joint_angles)
+        angles = _load_joint_angles(self.joint_angles, columns)
         return lc.recorded_gait(angles, envelope=self.choose_envelope())
 
     def choose_envelope(self) -> lc.Envelope:
@@ -245,7 +249,7 @@ class _ScenarioChange:
         return not self.typed_names.isdisjoint(names)
 
     def _change_gait(self, gait: lc.Gait) -> lc.Gait:
-        if self._are_typed("joint_angles"):
+        if self._are_typed("joint_angles", "column"):
             return self.names.choose_gait()
         if self._are_typed("gait", "envelope"):
             envelope = self.names.choose_envelope()
@@ -281,13 +285,15 @@ def _motion_with_gait(scenario: Scenario, gait: lc.Gait) -> Any:
     return replace(cast("Any", scenario.motion), gait=gait)
 
 
-def _load_joint_angles(name: str) -> lc.JointAngles:
+def _load_joint_angles(name: str, columns: Mapping[str, str]) -> lc.JointAngles:
     """Return the joint angles of a preset, a table, or a trial in any of its formats."""
     ending = Path(name).suffix.lower()
     if ending in ("", ".csv"):
-        return lc.load_joint_angles(name)
+        return lc.load_joint_angles(name, columns=columns)
     if ending in TABLE_ENDINGS:
-        return lc.load_joint_angles(Path(name))
+        return lc.load_joint_angles(Path(name), columns=columns)
+    if columns:
+        raise BadArgument("column", f"must be given with a table, but {name} is a trial")
     from laticauda.trials.logs import load_trial
 
     return lc.JointAngles.of(load_trial(name))

@@ -14,7 +14,10 @@ flags by themselves (`laticauda.cli.flags`). How a flag is read is its type's ma
 (`laticauda.cli.flag_types`).
 """
 
-from laticauda.values import option, quantity
+from collections.abc import Sequence
+
+from laticauda.values import BadArgument, option, quantity
+from laticauda.values.tables import parse_columns
 
 THIS_COMPUTER = "127.0.0.1"
 """Address under which a server is reached from this computer only."""
@@ -43,6 +46,33 @@ def joint_law_option() -> str | None:
     """Declare the joint law of trials that an identification simulates."""
     text = "How joints follow the gait; if omitted, the base's law or prescribed"
     return option(text, default=None)
+
+
+def column_option(file_option: str) -> tuple[str, ...]:
+    """Declare the names of columns that a table calls otherwise than we do.
+
+    Args:
+        file_option: Option that gives the table.
+    """
+    text = f'Columns of {file_option} that the file calls otherwise, such as time="t [s]"'
+    return option(text, default=())
+
+
+def read_columns(words: Sequence[str], file: str | None, file_option: str) -> dict[str, str]:
+    """Return the names of columns in a file by ours.
+
+    Args:
+        words: What was typed behind `--column`.
+        file: The table; None if there is none.
+        file_option: Name of the option that gives it, without hyphens before it.
+
+    Raises:
+        ValueError: If a word has another form, or there is no table.
+    """
+    if words and file is None:
+        rule = f"must be given with --{file_option}: it says what that file calls its columns"
+        raise BadArgument("column", rule)
+    return parse_columns(words)
 
 
 def host_option(subject: str) -> str:

@@ -1,7 +1,7 @@
 """Measurements from tables of speeds: the paper's Table 1, or your own."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -82,6 +82,7 @@ def from_table(
     *,
     sigma: float = TABLE_SIGMA,
     robot: str = "mamba",
+    columns: Mapping[str, str] | None = None,
 ) -> tuple[Measurement, ...]:
     """Read speeds or powers from a CSV file with one row per trial.
 
@@ -93,6 +94,8 @@ def from_table(
         sigma: Standard deviation of the noise as a fraction of the value, for rows that do not
             state their own [-].
         robot: Robot in rows that do not name one, a preset or a TOML file.
+        columns: Names in the file by ours, for columns that it calls otherwise, such as
+            ``{"v_m_s": "Speed"}``.
 
     Warns:
         SkippedRowsWarning: If rows lack the figure.
@@ -106,7 +109,7 @@ def from_table(
     load_swimmer = cache(_load_swimmer)
     n_of_name = Counter[str]()
     measurements: list[Measurement] = []
-    rows = measured.load_numbered_speeds(file)
+    rows = measured.load_numbered_speeds(file, columns)
     empty_rows: list[int] = []
     too_fast: dict[int, str] = {}
     for row_number, row in rows.items():

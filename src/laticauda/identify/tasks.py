@@ -407,7 +407,9 @@ def _rows_of_tables(content: _TaskFile, folder: Path) -> list[Measurement]:
     own = content.table
     if own is not None:
         robot = content.robot or _TABLE_ROBOT
-        rows += from_table(folder / own.file, own.figure, sigma=own.sigma, robot=robot)
+        rows += from_table(
+            folder / own.file, own.figure, sigma=own.sigma, robot=robot, columns=own.columns
+        )
     if content.table1 is True:
         rows += from_table1()
     elif content.table1 is not None and content.table1 is not False:

@@ -22,6 +22,7 @@ from laticauda.values import (
     quantity,
     value_class,
 )
+from laticauda.values.tables import check_columns
 
 PATH = {"center_of_mass": 0.005}
 """Series of a trial used by default: the path as seen by a camera, with its noise [m]."""
@@ -121,4 +122,9 @@ class TableFile:
     )
     sigma: float = quantity(
         "", "Relative noise of rows that do not state their own", default=TABLE_SIGMA, gt=0.0
+    )
+    columns: Mapping[str, str] = option(
+        "Names in the file by ours, for columns that it calls otherwise",
+        default_factory=dict[str, str],
+        check=check_columns,
     )

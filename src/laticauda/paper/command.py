@@ -5,8 +5,9 @@ from collections import Counter
 from typing import TYPE_CHECKING, Any, Literal
 
 from laticauda.cli import command, scene, tables
-from laticauda.cli.flags import File, Folder
+from laticauda.cli.flags import ColumnNames, File, Folder
 from laticauda.cli.progress import show_progress
+from laticauda.cli.shared_options import column_option, read_columns
 from laticauda.scenarios import loop_in_words
 from laticauda.values import option, quantity, value_class
 
@@ -52,6 +53,7 @@ class Reproduce(command.Command):
         "P_avg_W) to show in the figures of the efficiency study with their scatter",
         default=None,
     )
+    column: ColumnNames = column_option("--repeats")
     workers: int | None = quantity(
         "", "Number of worker processes; one per core if omitted", ge=1, default=None
     )
@@ -70,9 +72,10 @@ class Reproduce(command.Command):
         if self.parameters is not None:
             parameters = load_parameters(self.parameters)
             joints = joints or parameters.joints
+        columns = read_columns(self.column, self.repeats, "repeats")
         repeats: tuple[Repeat, ...] = ()
         if self.repeats is not None:
-            repeats = load_repeats(self.repeats)
+            repeats = load_repeats(self.repeats, columns)
         n_workers = self.workers
         if n_workers is None:
             n_workers = os.cpu_count() or 1

@@ -4,6 +4,7 @@ They show the scatter of measurements of the same setting. The file is a table o
 (`laticauda.trials.measured`), intended to have several rows per setting.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -55,11 +56,12 @@ class _Setting(NamedTuple):
     has_fin: bool
 
 
-def load_repeats(path: str | Path) -> tuple[Repeat, ...]:
+def load_repeats(path: str | Path, columns: Mapping[str, str] | None = None) -> tuple[Repeat, ...]:
     """Load repeated trials from a CSV file.
 
     Args:
         path: Path of the file.
+        columns: Names in the file by ours, for columns that it calls otherwise.
 
     Returns:
         One entry per setting, in the order in which they first appear.
@@ -68,7 +70,7 @@ def load_repeats(path: str | Path) -> tuple[Repeat, ...]:
         TrialFileError: If `load_speeds` cannot read the file.
     """
     rows_by_setting: dict[_Setting, list[tuple[float, float | None]]] = {}
-    for row in measured.load_speeds(path):
+    for row in measured.load_speeds(path, columns):
         if row.v_m_s is not None:
             setting = _Setting(gait=row.motion, has_fin=row.config == "fin")
             rows_by_setting.setdefault(setting, []).append((row.v_m_s, row.P_avg_W))

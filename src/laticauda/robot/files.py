@@ -14,6 +14,7 @@ name, in the same units (lengths in m, angles in rad). Four features keep a file
 The ``current`` of a water may also be a preset's name or such a path.
 """
 
+from collections.abc import Mapping
 from os import sep
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar, cast, overload
@@ -348,19 +349,25 @@ def current_of(current: Any, folder: Path | None = None) -> Any:
     return from_toml(find(current, "current", folder), Flow)
 
 
-def load_joint_angles(name_or_path: str | Path, folder: Path | None = None) -> gaits.JointAngles:
+def load_joint_angles(
+    name_or_path: str | Path,
+    folder: Path | None = None,
+    *,
+    columns: Mapping[str, str] | None = None,
+) -> gaits.JointAngles:
     """Load a recorded motion.
 
     Args:
         name_or_path: A preset's name, such as `amphibot-1`, or the path of a CSV file
             (`JointAngles.read`).
         folder: Base of relative paths; None for the working directory.
+        columns: Names in the file by ours, for columns that it calls otherwise.
 
     Raises:
         RobotNotFound: If there is no such motion.
         TrialFileError: If its file is invalid.
     """
-    return gaits.JointAngles.read(find(name_or_path, "motion", folder))
+    return gaits.JointAngles.read(find(name_or_path, "motion", folder), columns)
 
 
 def _load(name_or_path: str | Path, kind: str) -> Any:

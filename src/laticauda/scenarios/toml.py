@@ -29,6 +29,7 @@ from laticauda.scenarios import choice, stored
 from laticauda.scenarios.scenario import Scenario
 from laticauda.values import RobotFileError, codec, files
 from laticauda.values.packaging import renamed_names
+from laticauda.values.tables import check_columns
 
 NAMES = ("robot", "n_links", "water", "ground", "parameters")
 """Entries that choose robot and environment by name, see `laticauda.scenarios.Choice`."""
@@ -154,10 +155,11 @@ def _with_recorded(table: codec.Table, folder: Path | None) -> codec.Table:
 
     Omitted fields are taken from the recording; an angle may also be stated in degrees.
     """
-    recorded = table["recorded"]
+    recorded: Any = table["recorded"]
     if isinstance(recorded, str):
-        with codec.arguments_of("gait.recorded"):
-            angles = robot.load_joint_angles(recorded, folder)
+        angles = _load_recorded({"file": recorded}, folder)
+    elif _names_file(recorded):
+        angles = _load_recorded(dict(recorded), folder)
     else:
         angles = codec.decode(gaits.JointAngles, recorded, "gait.recorded")
     defaults = {"amplitude": 0.0, "frequency": angles.frequency, "phase_shift": 0.0}
@@ -165,6 +167,18 @@ def _with_recorded(table: codec.Table, folder: Path | None) -> codec.Table:
         if any(key.startswith(name + "_deg") for key in table):
             del defaults[name]
     return {**defaults, **table, "recorded": angles}
+
+
+def _names_file(recorded: object) -> bool:
+    return isinstance(recorded, Mapping) and "file" in recorded
+
+
+def _load_recorded(recorded: codec.Table, folder: Path | None) -> gaits.JointAngles:
+    """Return the joint angles in a file, whose columns may have names of their own."""
+    codec.check_keys(recorded, ("file", "columns"), "gait.recorded")
+    with codec.arguments_of("gait.recorded"):
+        columns = check_columns("columns", recorded.get("columns", {}))
+        return robot.load_joint_angles(recorded["file"], folder, columns=columns)
 
 
 # Names of 0.2, for one release.

@@ -13,12 +13,14 @@ trial. The first row has the column names, in any order:
 `gait` is LU (lateral undulation) or EEL (eel-like), `config` nofin or fin, v_m_s the forward
 velocity (5). A speed may be missing; the column P_avg_W, the electrical power above idle, may be
 missing too, and so may every column for which `SpeedTrial` has a default. Column names state the
-unit; numbers that can only be in another unit are rejected.
+unit; numbers that can only be in another unit are rejected. Columns that the file calls otherwise
+are given by name (`laticauda.values.tables.renaming`).
 """
 
 import math
+import re
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -36,7 +38,7 @@ from laticauda.values import (
     suggest_nearest,
     value_class,
 )
-from laticauda.values.tables import split_unit
+from laticauda.values.tables import spell_columns, split_unit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -205,26 +207,32 @@ _NEVER_EMPTY = ("gait", "alpha_deg", "omega_deg_s", "delta_deg")
 _NEEDED = (*_NEVER_EMPTY, "v_m_s")
 
 
-def load_speeds(path: str | Path) -> tuple[SpeedTrial, ...]:
+def load_speeds(
+    path: str | Path, columns: Mapping[str, str] | None = None
+) -> tuple[SpeedTrial, ...]:
     """Load a table of speeds from a CSV file.
 
     Args:
         path: Path of the file; its columns are those described at the top of this module.
+        columns: Names in the file by ours, for columns that it calls otherwise.
 
     Raises:
         TrialFileError: If the file cannot be read, or anything in it is wrong; the message gives
             the row, counted as in a spreadsheet, with the header as row 1.
     """
-    return tuple(load_numbered_speeds(path).values())
+    return tuple(load_numbered_speeds(path, columns).values())
 
 
-def load_numbered_speeds(path: str | Path) -> dict[int, SpeedTrial]:
+def load_numbered_speeds(
+    path: str | Path, columns: Mapping[str, str] | None = None
+) -> dict[int, SpeedTrial]:
     """Load a table of speeds by the numbers of its rows; see `load_speeds`.
 
     Args:
         path: Path of the file.
+        columns: Names in the file by ours, for columns that it calls otherwise.
     """
-    names, rows = read_rows(path, TrialFileError)
+    names, rows = read_rows(path, TrialFileError, columns)
     _check_columns(path, names)
     trials: dict[int, SpeedTrial] = {}
     for number, row in rows:
@@ -263,16 +271,34 @@ def _check_columns(path: str | Path, names: list[str]) -> None:
 def _describe_unknown_columns(names: Sequence[str]) -> str:
     """Return which columns are not known, each with the one that is probably meant."""
     descriptions: list[str] = []
+    meant_columns: dict[str, str] = {}
     for name in names:
-        meant = MEANT_COLUMNS.get(split_unit(name)[0].casefold())
-        hint = suggest_nearest(name, _COLUMNS)
+        meant = _guess_column(name)
+        hint = ""
         if meant is not None:
             hint = f"; did you mean `{meant}`?"
+            meant_columns.setdefault(meant, name)
         descriptions.append(f"column `{name}` is not known{hint}")
     sentence = " ".join(descriptions)
+    if not meant_columns:
+        return f"{sentence}; they are {', '.join(_COLUMNS)}"
+    advice = f"If so, say --column {spell_columns(meant_columns)}"
     if sentence.endswith("?"):
-        return sentence
-    return f"{sentence}; they are {', '.join(_COLUMNS)}"
+        return f"{sentence} {advice}"
+    return f"{sentence}; they are {', '.join(_COLUMNS)}. {advice}"
+
+
+def _guess_column(name: str) -> str | None:
+    """Return the column that a heading probably means, if any."""
+    heading = split_unit(name)[0]
+    meant = MEANT_COLUMNS.get("_".join(heading.casefold().split()))
+    if meant is not None:
+        return meant
+    for words in (name, heading):
+        match = re.search("`(.*)`", suggest_nearest(words, _COLUMNS))
+        if match is not None:
+            return match[1]
+    return None
 
 
 def _parse_cell(name: str, text: str) -> Any:

@@ -617,3 +617,22 @@ def test_a_robot_with_pitch_joints_is_followed_as_its_planar_chain(make_trial, t
         write(tmp_path / "log.csv", log), mapped(tmp_path, MAP.replace("-fin", "-modules") + text)
     )
     assert found.link_angle == pytest.approx(trial.link_angle, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("header", "names", "message"),
+    [
+        ("t,x [ft],y [ft]", ("x", "y"), r"Column `x` must be in m, cm, mm, in, but the file says 'ft'"),
+        ("t,x [deg],y [deg]", ("x [deg]", "y [deg]"), r"must be in m, cm, mm, in, but the file says 'deg'"),
+        ("t,x [smoot],y [smoot]", ("x [smoot]", "y [smoot]"), r"but the file says 'smoot'"),
+        ("t [min],x,y", ("x", "y"), r"`t` must be in s, ms, us, ns, but the file says min"),
+    ],
+)  # fmt: skip
+def test_a_unit_in_brackets_that_is_none_of_a_column_is_refused(tmp_path, header, names, message):
+    rows = [f"{0.05 * i},{0.01 * i},0" for i in range(20)]
+    (tmp_path / "log.csv").write_text("\n".join([header, *rows]))
+    names = json.dumps(names)
+    text = f'kind = "columns"\nrobot = "mamba"\n[time]\ncolumn = "t"\n[center_of_mass]\nposition = {names}\n'
+    (tmp_path / "map.toml").write_text(text)
+    with pytest.raises(TrialFileError, match=message):
+        load_trial(tmp_path / "log.csv", tmp_path / "map.toml")

@@ -9,16 +9,17 @@ A table has a column of times and one for every yaw joint, in any order:
 Joint 1 is the tail-most. The last part of a name is its unit (s, ms, us or ns; deg or rad); it may
 stand in brackets, or in a row below the names. Times since 1970 are recognized; whatever the file
 counts from, the first row is time 0, unless it is within a step of 0 already. Other columns are ignored.
+Columns that the file calls otherwise are given by name (`laticauda.values.tables.renaming`).
 """
 
-import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
+from laticauda.motion.gaits.angle_columns import JOINT, TIME, find_columns
 from laticauda.values import TableWarning, TrialFileError, warn_caller
 from laticauda.values.tables import (
     ANGLES,
@@ -32,14 +33,8 @@ from laticauda.values.tables import (
     mend_turns,
     open_sheet,
     read_times,
-    split_unit,
 )
 
-TIME = re.compile(r"(t|time)(_(s|ms|us|ns))?", re.IGNORECASE)
-"""Pattern for the name of the column of times."""
-JOINT = re.compile(r"joint_(\d+)(_deg|_rad)?")
-"""Pattern for the names of angle columns; 1 is the tail-most joint."""
-FORM = "a column `time_s` and columns `joint_1_deg`, `joint_2_deg`, ... starting at the tail"
 MOST_LISTED_JOINTS = 3
 """Columns that a remark names at most."""
 
@@ -53,20 +48,12 @@ class RecordedAngles(NamedTuple):
     """Tail first [rad]."""
 
 
-class _JointColumn(NamedTuple):
-    """A column with the angles of a joint."""
-
-    number: int
-    """Number of the joint; 1 is the tail-most."""
-    name: str
-    unit: str
-
-
-def read_angles(path: str | Path) -> RecordedAngles:
+def read_angles(path: str | Path, columns: Mapping[str, str] | None = None) -> RecordedAngles:
     """Read a table of joint angles.
 
     Args:
         path: Path of the file: text of any usual form, or an Excel workbook.
+        columns: Names in the file by ours, for columns that it calls otherwise.
 
     Warns:
         TableWarning: If times or angles were not taken as they are written.
@@ -74,13 +61,12 @@ def read_angles(path: str | Path) -> RecordedAngles:
     Raises:
         TrialFileError: If the file cannot be read or is invalid.
     """
-    sheet = open_sheet(path, TrialFileError)
+    sheet = open_sheet(path, TrialFileError, columns)
     with failures_of_table(path, TrialFileError):
         table = build_table(sheet)
-        joint_columns = _find_joint_columns(table)
-        time_name = _find_time(table)
-        if time_name is None or not _are_numbered(joint_columns):
-            raise ValueError(f"must have {FORM}, got {', '.join(sheet.names)}")
+        stated = list(columns or {})
+        _check_names(stated)
+        time_name, joint_columns = find_columns(table, stated)
         file_times = read_times(table, time_name)
         check_increasing(time_name, file_times.seconds, table.row_numbers)
         if len(file_times.seconds) < 2:
@@ -105,13 +91,15 @@ def read_angles(path: str | Path) -> RecordedAngles:
     return RecordedAngles(time=time, angle=np.array(angles))
 
 
-def _find_time(table: Table) -> str | None:
-    if "time_s" in table.columns:
-        return "time_s"
-    names = [name for name in table.columns if TIME.fullmatch(split_unit(name)[0])]
-    if len(names) == 1:
-        return names[0]
-    return None
+def _check_names(names: Iterable[str]) -> None:
+    """Reject names for columns that no table of joint angles has."""
+    for name in names:
+        joint = name.replace("{}", "1")
+        if not TIME.fullmatch(name) and not JOINT.fullmatch(joint):
+            raise ValueError(
+                f"column `{name}` is not known; name columns time, joint_1, joint_2, ... with or "
+                "without a unit, such as joint_1_deg."
+            )
 
 
 def _find_start(seconds: Float[np.ndarray, " n_times"]) -> float:
@@ -121,26 +109,6 @@ def _find_start(seconds: Float[np.ndarray, " n_times"]) -> float:
     if 0.0 <= first <= usual_step:
         return 0.0
     return first
-
-
-def _find_joint_columns(table: Table) -> list[_JointColumn]:
-    """Return the columns of joints among all columns, tail first."""
-    joint_columns: list[_JointColumn] = []
-    for name in table.columns:
-        match = JOINT.fullmatch(split_unit(name)[0])
-        if match is None:
-            continue
-        unit = table.unit_of(name) or "rad"
-        if unit not in ANGLES:
-            raise ValueError(f"column `{name}` must be in deg or rad, but the file says {unit}.")
-        joint_columns.append(_JointColumn(number=int(match[1]), name=name, unit=unit))
-    return sorted(joint_columns)
-
-
-def _are_numbered(joint_columns: Sequence[_JointColumn]) -> bool:
-    """Return whether there is one column for each joint from the tail on."""
-    numbers = [joint_column.number for joint_column in joint_columns]
-    return numbers == list(range(1, max(len(numbers), 1) + 1))
 
 
 def _read_complete(table: Table, name: str) -> Float[np.ndarray, " n_times"]:

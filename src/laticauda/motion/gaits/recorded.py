@@ -58,7 +58,7 @@ class JointAngles:
         return new
 
     @classmethod
-    def read(cls, path: str | Path) -> "JointAngles":
+    def read(cls, path: str | Path, columns: Mapping[str, str] | None = None) -> "JointAngles":
         """Read the angles in a table, see `laticauda.motion.gaits.angle_tables`.
 
         The file has a column of times (`time_s`) and one per yaw joint, where `joint_1_deg` (or
@@ -67,6 +67,8 @@ class JointAngles:
 
         Args:
             path: Path of the file.
+            columns: Names in the file by ours, for columns that it calls otherwise, such as
+                ``{"time": "t [s]", "joint_{}_deg": "JointAngle{}"}``.
 
         Warns:
             TableWarning: If times or angles were not taken as they are written.
@@ -74,7 +76,7 @@ class JointAngles:
         Raises:
             TrialFileError: If the file cannot be read or is invalid.
         """
-        recording = read_angles(path)
+        recording = read_angles(path, columns)
         return cls(time=tuple(recording.time.tolist()), angle=_rows(recording.angle))
 
     @classmethod

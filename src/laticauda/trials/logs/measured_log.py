@@ -9,7 +9,15 @@ from jaxtyping import Bool, Float
 from laticauda.trials.arrays import Samples
 from laticauda.trials.logs.column_maps import ColumnMap
 from laticauda.values import BadArgument
-from laticauda.values.tables import ANGLES, LENGTHS, Table, find_lost_samples, unit_in_name
+from laticauda.values.tables import (
+    ANGLES,
+    LENGTHS,
+    Table,
+    find_lost_samples,
+    split_unit,
+    unit_in_name,
+    unknown_unit,
+)
 
 SMALLEST_EXCESS = 1e-9
 """A gap is too long if it exceeds the longest allowed one by this, relative to it."""
@@ -100,8 +108,9 @@ class MeasuredLog:
     def find_unit(self, name: str, unit_in_map: str | None, units: Mapping[str, float]) -> str:
         """Return the unit that the map states for a column, else that of the file, else the default."""
         default = next(iter(units))
-        unit = unit_in_map or self.table.unit_of(name) or default
-        if unit not in units and unit_in_map is None and unit == unit_in_name(name):
+        unit = unit_in_map or self.table.unit_of(name) or unknown_unit(name) or default
+        is_in_name = unit == unit_in_name(name) and split_unit(name)[1] is None
+        if unit not in units and unit_in_map is None and is_in_name:
             unit = default  # the name only ends like a unit
         if unit not in units:
             raise ValueError(

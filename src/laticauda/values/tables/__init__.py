@@ -8,6 +8,7 @@ splitting.py  text to cells: separators, comments
 workbooks.py  Excel workbooks to cells
 sheets.py     names, units and decimal signs of the cells
 opening.py    files by name
+renaming.py   columns that the file calls otherwise
 columns.py    columns of numbers
 units.py      units, and how people write them
 times.py      times: units, clocks, order
@@ -34,6 +35,13 @@ from laticauda.values.tables.opening import (
     open_sheet as open_sheet,
 )
 from laticauda.values.tables.positions import find_lost_samples as find_lost_samples
+from laticauda.values.tables.renaming import (
+    check_columns as check_columns,
+    list_names as list_names,
+    parse_columns as parse_columns,
+    rename_columns as rename_columns,
+    spell_columns as spell_columns,
+)
 from laticauda.values.tables.sheets import (
     NAME_JOINT as NAME_JOINT,
     Sheet as Sheet,
@@ -54,4 +62,5 @@ from laticauda.values.tables.units import (
     read_unit as read_unit,
     split_unit as split_unit,
     unit_in_name as unit_in_name,
+    unknown_unit as unknown_unit,
 )

@@ -1,11 +1,12 @@
 """Files of rows, opened by name: whole tables, or the cells of each row or column."""
 
-from collections.abc import Generator
+from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
 from laticauda.values import files
 from laticauda.values.errors import LaticaudaError, MissingExtra, StorageFailed
+from laticauda.values.tables.renaming import rename_columns
 from laticauda.values.tables.sheets import Sheet, parse_sheet
 
 
@@ -25,21 +26,28 @@ def failures_of_table(path: object, error: type[LaticaudaError]) -> Generator[No
         raise error(f"{path}: {failure}") from None
 
 
-def open_sheet(path: str | Path, error: type[LaticaudaError] = StorageFailed) -> Sheet:
+def open_sheet(
+    path: str | Path,
+    error: type[LaticaudaError] = StorageFailed,
+    columns: Mapping[str, str] | None = None,
+) -> Sheet:
     """Read a table from a file.
 
     Args:
         path: Path of the file: text of any usual form, or an Excel workbook.
         error: Error raised if the file cannot be read, or is no table; the message gives file and
             reason.
+        columns: Names in the file by ours, for columns that it calls otherwise.
     """
     content = files.read_content(path, error)
     with failures_of_table(path, error):
-        return parse_sheet(content)
+        return rename_columns(parse_sheet(content), columns or {})
 
 
 def read_rows(
-    path: str | Path, error: type[LaticaudaError] = StorageFailed
+    path: str | Path,
+    error: type[LaticaudaError] = StorageFailed,
+    columns: Mapping[str, str] | None = None,
 ) -> tuple[list[str], list[tuple[int, dict[str, str]]]]:
     """Read a table: its column names, and for each row below them its row number (from 1) and its cells by column.
 
@@ -49,8 +57,9 @@ def read_rows(
         path: Path of the file.
         error: Error raised if the file cannot be read, or its rows differ in length; the message
             gives file and reason.
+        columns: Names in the file by ours, for columns that it calls otherwise.
     """
-    sheet = open_sheet(path, error)
+    sheet = open_sheet(path, error, columns)
     rows = [(row.number, dict(zip(sheet.names, row.cells, strict=True))) for row in sheet.rows]
     return list(sheet.names), rows
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from laticauda.values.errors import BadArgument
 from laticauda.values.tables.columns import Samples, Table
-from laticauda.values.tables.units import TIMES
+from laticauda.values.tables.units import TIMES, split_unit, unit_in_name, unknown_unit
 
 SLOWEST_SAMPLING = 1.0
 """Longest usual step between samples [s]; anything longer is in another unit."""
@@ -45,8 +45,11 @@ def read_times(table: Table, name: str, stated_unit: str | None = None) -> FileT
     """
     times = table[name]
     _check_complete(table, name, times)
-    unit_in_file = table.unit_of(name)
+    unit_in_file = table.unit_of(name) or unknown_unit(name)
     if unit_in_file not in TIMES:
+        if stated_unit is None and unit_in_file is not None and not _is_guess(name, unit_in_file):
+            known = ", ".join(TIMES)
+            raise BadArgument(name, f"must be in {known}, but the file says {unit_in_file}")
         unit_in_file = None
     unit = stated_unit or unit_in_file
     unit_by_size = _recognize_date(times)
@@ -57,6 +60,11 @@ def read_times(table: Table, name: str, stated_unit: str | None = None) -> FileT
     if unit == unit_by_size and unit is not None:
         remark = f"`{name}` counts {unit} since 1970; time 0 is its first row"
     return FileTimes(seconds=seconds, remark=remark)
+
+
+def _is_guess(name: str, unit: str) -> bool:
+    """Return whether a unit is only the end of a name, as in `t_m`."""
+    return split_unit(name)[1] is None and unit == unit_in_name(name)
 
 
 def _recognize_date(times: Samples) -> str | None:

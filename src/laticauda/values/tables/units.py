@@ -31,8 +31,11 @@ SPELLINGS = {
     "second": "s",
 }
 """Units by other ways to write them, in lower case and without the s of the plural."""
-OTHER_UNITS = ("m/s", "cm/s", "mm/s", "hz", "a", "ma", "v", "mv", "w", "n", "kg", "g")
-"""Further units that a row of units may hold, in lower case."""
+OTHER_UNITS = frozenset(
+    "m/s cm/s mm/s km/h ft/s in/s kn knots bl/s hz rpm rev/s turns/s cycles/s a ma v mv w mw kw n "
+    "kg g km um ft yd bl min h hours grad rev turns".split()
+)
+"""Further units that people write in brackets or in a row of units, in lower case; none of them is converted."""
 NO_UNIT = ("", "-", "1", "n/a")
 """What stands in a row of units below a column without one."""
 SUFFIXES = {
@@ -50,9 +53,11 @@ SUFFIXES = {
     "ms": "ms",
     "us": "us",
     "ns": "ns",
+    "W": "W",
 }
 """Units by the last part of a name."""
 _IN_BRACKETS = re.compile(r"(.*\S)\s*[\[(]([^\[\]()]*)[\])]")
+_IN_SQUARE_BRACKETS = re.compile(r".*\S\s*\[([^\[\]]*)\]")
 _BY_LENGTH = sorted(SUFFIXES, key=len, reverse=True)
 
 
@@ -91,6 +96,21 @@ def split_unit(name: str) -> tuple[str, str | None]:
     if unit is None:
         return name, None
     return match[1], unit
+
+
+def unknown_unit(name: str) -> str | None:
+    """Return the text in square brackets behind a name if it is no unit that is known here.
+
+    Args:
+        name: Name in the file; the number in `angle[0]` is none.
+    """
+    match = _IN_SQUARE_BRACKETS.fullmatch(name)
+    if match is None:
+        return None
+    text = match[1].strip()
+    if text.lower() in NO_UNIT or text.isdecimal() or read_unit(text) is not None:
+        return None
+    return text
 
 
 def unit_in_name(name: str) -> str | None:
