@@ -64,8 +64,8 @@ def find_columns(table: Table, stated: Collection[str]) -> AngleColumns:
     joints = _find_joints(table)
     time = _find_time(table, stated)
     if time is None or not _are_numbered(joints):
-        got = list_names(list(table.columns))
-        raise ValueError(f"must have {FORM}, got {got}{_advise(table)}")
+        names = list_names(list(table.columns))
+        raise ValueError(f"must have {FORM}, got {names}{_advise(table)}")
     return AngleColumns(time=time, joints=joints)
 
 
@@ -129,8 +129,8 @@ def _guess_columns(table: Table) -> dict[str, str]:
 
 def _guess_time(table: Table, names: Sequence[str]) -> str | None:
     for name in names:
-        words = {word.lower() for word in _WORD.findall(split_unit(name)[0])}
-        if words & WORDS_OF_TIME:
+        words_of_name = {word.lower() for word in _WORD.findall(split_unit(name)[0])}
+        if words_of_name & WORDS_OF_TIME:
             return name
     for name in names:
         if table[name].size > 1 and np.all(np.diff(table[name]) > 0.0):
@@ -150,10 +150,10 @@ def _largest_group(names: Sequence[str]) -> str | None:
 
 def _guess_ending(table: Table, header: str) -> str:
     """Return the unit at the end of our names, if the file states none."""
-    before, after = header.split("{}")
+    prefix, suffix = header.split("{}")
     largest = 0.0
     for name in table.columns:
-        if name.startswith(before) and split_unit(name)[0].endswith(after):
+        if name.startswith(prefix) and split_unit(name)[0].endswith(suffix):
             if table.unit_of(name) is not None:
                 return ""
             column = table.columns[name]

@@ -158,8 +158,8 @@ def _number_pairs(names_in_file: Sequence[str], pair: _Pair) -> list[_Pair]:
     """Return a pair for every number in the file; the first is 1."""
     if pair.name.count(NUMBER) != 1 or pair.header.count(NUMBER) != 1:
         raise ValueError(f"`{pair.name}` and `{pair.header}` must both hold {NUMBER}, once.")
-    before, after = pair.header.split(NUMBER)
-    pattern = re.compile(rf"{re.escape(before)}(\d+){re.escape(after)}")
+    prefix, suffix = pair.header.split(NUMBER)
+    pattern = re.compile(rf"{re.escape(prefix)}(\d+){re.escape(suffix)}")
     headers: dict[int, str] = {}
     for header in names_in_file:
         match = pattern.fullmatch(header) or pattern.fullmatch(split_unit(header)[0])
