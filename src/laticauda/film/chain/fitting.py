@@ -53,6 +53,8 @@ FIRST_BEND = 0.3
 """Standard deviation of the harmonics of an angle at first [rad]."""
 LARGEST_CHANGE = 10.0
 """Factor by which a weight changes in one step, at most."""
+STIFFEST = 1e10
+"""Largest weight of roughness, by what the film says of a spline: beyond it, rounding rules."""
 N_PROBES = 32
 """Draws that stand for a trace."""
 MOST_STEPS = 40
@@ -263,11 +265,13 @@ class _Search:
         roughness, deviation = np.empty(m), np.empty_like(old.harmonic_deviation)
         spread = np.mean(probes[n_splines : n_splines + n_harmonics] ** 2, axis=1)
         squares = unknowns.harmonics**2 + spread.reshape(model.harmonics.size, m)
+        stiffest = _stiffest(linearized, old)
         for group in GROUPS.values():
             now = old.roughness[group]
             freedoms = now.size * basis.n_penalized - float(np.sum(now * traces[group]))
             wanted = max(freedoms, 1e-3) / float(np.sum(rough[group]))
-            lowest, highest = now / LARGEST_CHANGE, now * LARGEST_CHANGE
+            lowest = now / LARGEST_CHANGE
+            highest = np.minimum(now * LARGEST_CHANGE, stiffest[group])
             roughness[group] = np.minimum(np.maximum(wanted, lowest), highest)
             for order in range(model.harmonics.n_orders):
                 pair = slice(2 * order, 2 * order + 2)
@@ -342,3 +346,12 @@ def _count_freedoms(
     """Return how many numbers the unknowns take from the film: the trace of H^-1 J^T W J."""
     taken = np.sum(membership * linearized.spread_of_places(probes), axis=0)
     return float(np.sum(taken / weights.noise**2))
+
+
+def _stiffest(linearized: Linearized, weights: Weights) -> Float[np.ndarray, " n_coordinates"]:
+    """Return the largest weights of roughness with which the equations can be solved."""
+    basis = linearized.model.basis
+    root_weight = np.tile(1.0 / weights.noise, 2)[:, np.newaxis]
+    said = np.sum((root_weight * linearized.by_coordinate) ** 2, axis=(0, 1)) / basis.size
+    diagonal: np.ndarray = basis.roughness.diagonal()
+    return _shared(STIFFEST * basis.size * said / float(np.sum(diagonal)))

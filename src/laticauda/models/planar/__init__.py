@@ -13,6 +13,7 @@ drives         the reference generator, the joint laws and the work of the joint
 stepping       steps in time, by one of two integrators (template)
 model          a single robot as a `Plant`
 batch          many runs at once
+given_motion   loads of a motion that is known, as from a film
 school         many robots that are commanded step by step
 """
 
@@ -30,6 +31,11 @@ if TYPE_CHECKING:
         block_of as block_of,
         columns_of as columns_of,
         kinds_of as kinds_of,
+    )
+    from laticauda.models.planar.given_motion import (
+        GivenMotion as GivenMotion,
+        MotionLoads as MotionLoads,
+        evaluate_motion as evaluate_motion,
     )
     from laticauda.models.planar.layout import build_layout as build_layout
     from laticauda.models.planar.model import (
@@ -53,6 +59,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "columns_of",
             "kinds_of",
         ],
+        "laticauda.models.planar.given_motion": ["GivenMotion", "MotionLoads", "evaluate_motion"],
         "laticauda.models.planar.layout": ["build_layout"],
         "laticauda.models.planar.model": ["LEAST_DT", "PlanarPlant", "specialize"],
         "laticauda.models.planar.rows": ["VX", "VY"],

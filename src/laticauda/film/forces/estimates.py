@@ -1,0 +1,104 @@
+"""Figures of many draws with median, interval, and the shares of where the interval comes from."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.film.forces.assumptions import AssumptionDraws
+
+CONFIDENCE = 0.95
+"""Probability of an interval."""
+SOURCES = ("film", "water", "body")
+"""Where an interval comes from."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Estimate:
+    """A figure with its interval."""
+
+    title: str
+    """What it is, a few words."""
+    unit: str
+    """Its unit; empty for a pure number."""
+    median: float
+    """Median of the draws."""
+    low: float
+    """Lower end of the 95 % interval."""
+    high: float
+    """Upper end."""
+    shares: Mapping[str, float]
+    """Shares of its variance from `film`, `water` and `body`."""
+
+    def holds(self, value: float) -> bool:
+        """Return whether a value lies in the interval.
+
+        Args:
+            value: The value.
+        """
+        return bool(self.low <= value <= self.high)
+
+
+def estimate(
+    title: str, unit: str, values: Float[np.ndarray, " n_draws"], assumed: AssumptionDraws
+) -> Estimate:
+    """Return a figure with its interval and shares.
+
+    The shares are those of a linear regression on the numbers of water and body that were drawn, less
+    what as many numbers without any effect would explain; the rest is the film's.
+
+    Args:
+        title: What it is.
+        unit: Its unit.
+        values: Its value in every draw; draws without one, nan, are left out.
+        assumed: What was drawn of water and body.
+    """
+    known = np.isfinite(values)
+    if np.count_nonzero(known) < 2:
+        unknown = {source: np.nan for source in SOURCES}
+        return Estimate(
+            title=title, unit=unit, median=np.nan, low=np.nan, high=np.nan, shares=unknown
+        )
+    low, median, high = np.quantile(
+        values[known], [0.5 - 0.5 * CONFIDENCE, 0.5, 0.5 + 0.5 * CONFIDENCE]
+    )
+    shares = _share_variance(
+        values[known], assumed.water_numbers[known], assumed.body_numbers[known]
+    )
+    return Estimate(
+        title=title,
+        unit=unit,
+        median=float(median),
+        low=float(low),
+        high=float(high),
+        shares=shares,
+    )
+
+
+def _share_variance(
+    values: Float[np.ndarray, " n"],
+    water: Float[np.ndarray, "n n_water"],
+    body: Float[np.ndarray, "n n_body"],
+) -> dict[str, float]:
+    """Return the shares of the variance that are linear in the numbers of water and body; the rest is the film's."""
+    centered = values - np.mean(values)
+    total = float(np.sum(centered**2))
+    if total == 0.0:
+        return {"film": 1.0, "water": 0.0, "body": 0.0}
+    numbers: np.ndarray = np.column_stack((water, body))
+    numbers = numbers - np.mean(numbers, axis=0)
+    inverse: np.ndarray = np.linalg.pinv(numbers)
+    slopes: np.ndarray = inverse @ centered
+    of_water: np.ndarray = numbers[:, : water.shape[1]] @ slopes[: water.shape[1]]
+    of_body: np.ndarray = numbers[:, water.shape[1] :] @ slopes[water.shape[1] :]
+    rest: np.ndarray = centered - of_water - of_body
+    n_left = max(len(values) - 1 - numbers.shape[1], 1)
+    by_chance = float(np.sum(rest**2)) / n_left
+    sizes = {
+        "water": max(float(np.sum(of_water**2)) - water.shape[1] * by_chance, 0.0),
+        "body": max(float(np.sum(of_body**2)) - body.shape[1] * by_chance, 0.0),
+        "film": by_chance * (len(values) - 1),
+    }
+    whole = sum(sizes.values())
+    return {source: sizes[source] / whole for source in SOURCES}

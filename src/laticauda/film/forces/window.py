@@ -1,0 +1,91 @@
+"""Which part of a film the figures are of: whole cycles in its middle, where the fit is surest."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.film.chain import ChainFit
+from laticauda.values import BadArgument
+
+END_CYCLES = 0.25
+"""Part of a cycle at either end of a film that is left out: there the fit sees one side alone."""
+END_SHARE = 0.05
+"""Share of a film without cycles that is left out at either end."""
+SAMPLES_PER_CYCLE = 24
+"""Moments of a cycle at which forces are computed."""
+SAMPLES_WITHOUT_CYCLE = 120
+"""Moments of a film without cycles."""
+MOST_CYCLES = 12
+"""Cycles that are used, at most: those in the middle."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Window:
+    """A span of a film with the moments at which forces are computed."""
+
+    begin: float
+    """Begin [s]."""
+    end: float
+    """End [s]."""
+    n_cycles: int
+    """Whole cycles in it; 0: the motion does not repeat."""
+
+    @property
+    def duration(self) -> float:
+        """Length [s]."""
+        return self.end - self.begin
+
+    @property
+    def time(self) -> Float[np.ndarray, " n_times"]:
+        """Equally distant moments, both ends included [s]."""
+        n_samples = SAMPLES_WITHOUT_CYCLE
+        if self.n_cycles:
+            n_samples = SAMPLES_PER_CYCLE * self.n_cycles
+        return np.linspace(self.begin, self.end, n_samples + 1)
+
+    def mean(self, series: Float[np.ndarray, "n_times ..."]) -> np.ndarray:
+        """Return the mean over the span, by the trapezoidal rule.
+
+        Args:
+            series: Values at `time`, the first axis.
+        """
+        inside = np.sum(series[1:-1], axis=0) + 0.5 * (series[0] + series[-1])
+        return inside / (len(series) - 1)
+
+    def mean_cycle(self, series: Float[np.ndarray, "n_times ..."]) -> np.ndarray:
+        """Return the mean over the cycles at `SAMPLES_PER_CYCLE` moments of a cycle.
+
+        Args:
+            series: Values at `time`, the first axis.
+        """
+        return series[:-1].reshape(self.n_cycles, SAMPLES_PER_CYCLE, *series.shape[1:]).mean(axis=0)
+
+
+def choose_window(fit: ChainFit, span: tuple[float, float] | None = None) -> Window:
+    """Return the whole cycles in the middle of a film, or of a span of it.
+
+    Args:
+        fit: The fit.
+        span: Begin and end that are asked for; None: the whole film [s].
+
+    Raises:
+        ValueError: If the span is not within the film.
+    """
+    first, last = float(fit.model.time[0]), float(fit.model.time[-1])
+    begin, end = span or (first, last)
+    if not first <= begin < end <= last:
+        rule = f"must lie within the film, {first:.4g} to {last:.4g} s"
+        raise BadArgument("span", f"{rule}, got {begin:.4g} to {end:.4g}")
+    if fit.frequency == 0.0:
+        margin = END_SHARE * (last - first)
+        return Window(begin=max(begin, first + margin), end=min(end, last - margin), n_cycles=0)
+    margin = END_CYCLES / fit.frequency
+    begin, end = max(begin, first + margin), min(end, last - margin)
+    n_cycles = min(math.floor((end - begin) * fit.frequency + 1e-6), MOST_CYCLES)
+    if n_cycles < 1:
+        rule = f"must hold a whole cycle of {1.0 / fit.frequency:.3g} s without its ends"
+        raise BadArgument("span", f"{rule}, got {end - begin:.3g} s")
+    middle, half = 0.5 * (begin + end), 0.5 * n_cycles / fit.frequency
+    return Window(begin=middle - half, end=middle + half, n_cycles=n_cycles)
