@@ -2,7 +2,8 @@
 
 The joints do what markers on the tail say (`tendon_fish.csv`: a harmonic of every joint, tail
 first), prescribed; the water is the textbook's. What comes out stands beside the speed of the head
-in the same videos, and beside models without hydrodynamics.
+in the same videos, the incidence of the fin, and models without hydrodynamics. The first rows go, step by
+step, from the water and the robot before fins were plates and the bars were there.
 
     python campaigns/tendon_fish.py                     the table
     python campaigns/tendon_fish.py --markers FOLDER    make tendon_fish.csv anew from the source's Data/Markers
@@ -87,17 +88,36 @@ def textbook(swim: Swim, **changes: Any) -> lc.Water:
     return replace(textbook_water(lc.load_robot("tendon-fish"), speed=swim.speed).water, **changes)
 
 
-def speed(swim: Swim, water: lc.Water) -> float:
-    """Simulated, over the last three cycles [m/s]."""
+AS_A_BODY = {"plate_drag": None, "plate_added_mass": None}
+"""Changes of the water with which the fin and the flat tail have the coefficients of the box-shaped body."""
+
+
+def without_bars() -> lc.Robot:
+    """The robot without the five bars across its tail."""
+    return replace(lc.load_robot("tendon-fish"), drag_areas=())
+
+
+def swum(swim: Swim, water: lc.Water, robot: lc.Robot | str = "tendon-fish") -> lc.Trial:
+    """The run."""
     period = 1.0 / swim.frequency
-    trial = lc.swim(
-        "tendon-fish",
+    return lc.swim(
+        robot,
         gait(swim),
         N_CYCLES * period,
         environment=water,
         dt=period / 100.0,
         sample_interval=period / N_SAMPLES,
     )
+
+
+def speed(swim: Swim, water: lc.Water) -> float:
+    """Simulated, over the last three cycles [m/s]."""
+    return steady_speed(swim, swum(swim, water))
+
+
+def steady_speed(swim: Swim, trial: lc.Trial) -> float:
+    """Speed of a run over its last three cycles [m/s]."""
+    period = 1.0 / swim.frequency
     way = trial.center_of_mass[-1] - trial.center_of_mass[-1 - 3 * N_SAMPLES]
     return float(np.hypot(*way) / (3.0 * period))
 
@@ -192,11 +212,22 @@ def main() -> None:
         record(folder)
         return
     rows = swims()
-    print(" " * 28 + "".join(f"{one.frequency:>15.3f} Hz" for one in rows))
-    print(f"{'measured [m/s]':28}" + "".join(f"{one.speed:>18.3f}" for one in rows))
-    ways = {f"textbook, beta {b}": {"drag": lc.TotalSpeedDrag(beta=b)} for b in (0.5, 0.0, 1.0)}
-    ways |= {"textbook, no shed edge": {"trailing_edge": "none"}}
-    found = {name: [speed(one, textbook(one, **how)) for one in rows] for name, how in ways.items()}
+    print(" " * 34 + "".join(f"{one.frequency:>15.3f} Hz" for one in rows))
+    print(f"{'measured [m/s]':34}" + "".join(f"{one.speed:>18.3f}" for one in rows))
+    ways: dict[str, tuple[lc.Robot | str, dict[str, Any]]] = {
+        "fin as body, no bars": (without_bars(), {"trailing_edge": "elongated", **AS_A_BODY}),
+        "plates": (without_bars(), {"trailing_edge": "elongated"}),
+        "plates and bars": ("tendon-fish", {"trailing_edge": "elongated"}),
+        "textbook, beta 0": ("tendon-fish", {"drag": lc.TotalSpeedDrag(beta=0.0)}),
+        "textbook, beta 1": ("tendon-fish", {"drag": lc.TotalSpeedDrag(beta=1.0)}),
+        "textbook, no shed edge": ("tendon-fish", {"trailing_edge": "none"}),
+    }
+    found: dict[str, list[float]] = {}
+    for name, (robot, changes) in ways.items():
+        trials = [swum(one, textbook(one, **changes), robot) for one in rows]
+        found[name] = [steady_speed(one, trial) for one, trial in zip(rows, trials, strict=True)]
+        incidences = [f"{np.degrees(trial.edge_incidence):.0f} deg" for trial in trials]
+        print(f"{f'incidence: {name}':34}" + "".join(f"{angle:>18}" for angle in incidences))
     found["paper-lateral"] = [speed(one, lc.load_water("paper-lateral")) for one in rows]
     for name in null_models(rows[0]):
         found[name] = [null_models(one)[name] for one in rows]
@@ -205,7 +236,7 @@ def main() -> None:
             f"{v:.3f} ({100 * (v / one.speed - 1):+.0f} %)"
             for v, one in zip(speeds, rows, strict=True)
         ]
-        print(f"{name:28}" + "".join(f"{cell:>18}" for cell in cells))
+        print(f"{name:34}" + "".join(f"{cell:>18}" for cell in cells))
 
 
 if __name__ == "__main__":

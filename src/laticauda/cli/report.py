@@ -185,8 +185,8 @@ def _note_on_textbook() -> str:
         f"{kind} {100.0 * low:+.0f} to {100.0 * high:+.0f} %" for kind, (low, high) in SEEN.items()
     )
     return (
-        f"Textbook water, nothing fitted. AmphiBot's runs were off by: {errors}; a fish robot with a broad fin is 4 "
-        "to 7 times too fast in it. How uncertain this robot's coefficients are: laticauda swim --interval."
+        f"Textbook water, nothing fitted. AmphiBot's runs were off by: {errors}; a fish robot with a broad fin is up "
+        "to 5 times too fast in it. How uncertain this robot's coefficients are: laticauda swim --interval."
     )
 
 

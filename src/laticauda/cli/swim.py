@@ -51,7 +51,8 @@ class Swim(ScenarioRun):
         "Continue from the end of this stored trial, with its robot, gait and water", default=None
     )
     interval: bool = option(
-        "Also print intervals from those of the textbook coefficients (8 more runs)", default=False
+        "Also print intervals from those of the textbook coefficients (8 or 12 more runs)",
+        default=False,
     )
 
     beside: Files = option(

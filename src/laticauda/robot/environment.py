@@ -45,6 +45,18 @@ class Water:
     tangential_added_mass: float = quantity(
         "", "Added mass along the body per displaced mass", ge=0.0, default=0.0
     )
+    plate_drag: float | None = quantity(
+        "",
+        "C_D of fins and flat modules over that of plates of their proportions; None: they have `normal_drag`",
+        ge=0.0,
+        default=None,
+    )
+    plate_added_mass: float | None = quantity(
+        "",
+        "C_A of fins and flat modules over that of plates of their proportions; None: they have `added_mass`",
+        ge=0.0,
+        default=None,
+    )
     friction_taper: float = quantity(
         "",
         "C_f is 1 + taper times as large at the tail end, 1 - taper at the head end",

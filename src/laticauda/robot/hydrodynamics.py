@@ -26,7 +26,7 @@ The wake behind the tail end carries m' = rho pi C_A a^2 per length, from the se
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TypeVar
@@ -35,6 +35,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda.robot import CaudalFin, Environment, Ground, Module, Robot, Water
+from laticauda.robot.plates import PlateCoefficients, plate_of_fin, plates_of_modules
 from laticauda.values import BadArgument, explain
 
 _LOADS = ("c_t", "c_n", "mu_t", "mu_n", "lambda_1", "lambda_2", "lambda_3")
@@ -108,7 +109,7 @@ def link_coefficients(robot: Robot, environment: Environment) -> Coefficients:
         areas = None
     else:
         loads, density = (
-            _loads_in_water(robot.modules, half_length, environment),
+            _loads_in_water(robot, half_length, environment),
             environment.density,
         )
         strips = _fin_in_water(fin, environment) if fin else None
@@ -163,10 +164,66 @@ def wake_mass(robot: Robot, water: Water) -> float:
         rho pi C_A a^2, including the effect of the surface [kg/m].
     """
     fin, tail = robot.caudal_fin, robot.modules[0]
-    last, half_height = (fin, fin.height / 2.0) if fin else (tail, tail.section.half_height)
-    return mass_across(last.added_mass, half_height, water) * immersion_factor(
-        half_height, water.depth
-    )
+    if fin is not None:
+        half_height = fin.height / 2.0
+        coefficient = added_mass_of_fin(fin, water)
+    else:
+        half_height = tail.section.half_height
+        coefficient = added_mass_of_module(tail, plates_of_modules(robot)[0], water)
+    mass = mass_across(coefficient, half_height, water)
+    return mass * immersion_factor(half_height, water.depth)
+
+
+def added_mass_of_fin(fin: CaudalFin, water: Water) -> float | None:
+    """Return C_A of a fin: its own, or that of a plate; None for the water's [-].
+
+    Args:
+        fin: The fin.
+        water: Water that defines whether fins are plates.
+    """
+    if fin.added_mass is not None or water.plate_added_mass is None:
+        return fin.added_mass
+    return water.plate_added_mass * plate_of_fin(fin).added_mass
+
+
+def drag_of_fin(fin: CaudalFin, water: Water) -> float:
+    """Return C_D of a fin: its own, that of a plate, or the water's [-].
+
+    Args:
+        fin: The fin.
+        water: Water that defines C_D and whether fins are plates.
+    """
+    if fin.normal_drag is not None or water.plate_drag is None:
+        return override_or_default(fin.normal_drag, water.normal_drag)
+    return water.plate_drag * plate_of_fin(fin).drag
+
+
+def added_mass_of_module(
+    module: Module, plate: PlateCoefficients | None, water: Water
+) -> float | None:
+    """Return C_A of a module: its own, or that of a plate; None for the water's [-].
+
+    Args:
+        module: The module.
+        plate: Coefficients of the plate that it is; None if it is not flat.
+        water: Water that defines whether flat modules are plates.
+    """
+    if module.added_mass is not None or plate is None or water.plate_added_mass is None:
+        return module.added_mass
+    return water.plate_added_mass * plate.added_mass
+
+
+def drag_of_module(module: Module, plate: PlateCoefficients | None, water: Water) -> float:
+    """Return C_D of a module: its own, that of a plate, or the water's [-].
+
+    Args:
+        module: The module.
+        plate: Coefficients of the plate that it is; None if it is not flat.
+        water: Water that defines C_D and whether flat modules are plates.
+    """
+    if module.normal_drag is not None or plate is None or water.plate_drag is None:
+        return override_or_default(module.normal_drag, water.normal_drag)
+    return water.plate_drag * plate.drag
 
 
 def override_or_default(override: float | None, water: float) -> float:
@@ -192,8 +249,10 @@ def _coefficients(
     return Coefficients(**shape, **named, fin=fin)
 
 
-def _loads_in_water(modules: Sequence[Module], half_length: np.ndarray, water: Water) -> np.ndarray:
+def _loads_in_water(robot: Robot, half_length: np.ndarray, water: Water) -> np.ndarray:
     """Compute the loads of all links, one column per link; identical modules are computed once."""
+    modules = robot.modules
+    plates = plates_of_modules(robot)
     friction = [water.tangential_friction] * len(modules)
     if water.friction_taper != 0.0:
         middle = np.cumsum(2.0 * half_length) - half_length
@@ -201,25 +260,28 @@ def _loads_in_water(modules: Sequence[Module], half_length: np.ndarray, water: W
             1.0 - middle / np.sum(half_length)
         )  # 1 + taper (1 - 2 s)
         friction = (water.tangential_friction * share).tolist()
-    known: dict[tuple[int, float], tuple[float, ...]] = {}
+    known: dict[tuple[int, float, PlateCoefficients | None], tuple[float, ...]] = {}
     columns: list[tuple[float, ...]] = []
-    for module, C_f in zip(modules, friction, strict=True):
-        key = id(module), C_f
+    for module, plate, C_f in zip(modules, plates, friction, strict=True):
+        key = id(module), C_f, plate
         if key not in known:
-            known[key] = _link_loads(module, water, C_f)
+            known[key] = _link_loads(module, plate, water, C_f)
         columns.append(known[key])
     return np.array(columns).T
 
 
-def _link_loads(module: Module, water: Water, friction: float) -> tuple[float, ...]:
+def _link_loads(
+    module: Module, plate: PlateCoefficients | None, water: Water, friction: float
+) -> tuple[float, ...]:
     rho, l = water.density, module.half_length  # noqa: E741
     a, b = module.section.half_height, module.section.half_width
     C_f = override_or_default(module.tangential_friction, friction)
-    C_D = override_or_default(module.normal_drag, water.normal_drag)
+    C_D = drag_of_module(module, plate, water)
+    C_A = added_mass_of_module(module, plate, water)
     C_M = override_or_default(module.added_inertia, water.added_inertia)
     c_t = 0.5 * rho * np.pi * C_f * (a + b) / 2.0 * 2.0 * l
     c_n = 0.5 * rho * C_D * 2.0 * a * 2.0 * l
-    mu_n = mass_across(module.added_mass, a, water) * 2.0 * l * immersion_factor(a, water.depth)
+    mu_n = mass_across(C_A, a, water) * 2.0 * l * immersion_factor(a, water.depth)
     mu_t = rho * np.pi * water.tangential_added_mass * a * b * 2.0 * l
     if water.rotational == "strip":
         lambdas = _strip_lambdas(mu_n, c_n, l)
@@ -237,9 +299,9 @@ def _fin_in_water(fin: CaudalFin, water: Water) -> Coefficients:
     edges = _strip_edges(fin, closed=fin.opening == "closed")
     d, h, rho = np.diff(edges), fin.height, water.density
     zero = np.zeros_like(d)
-    mu_n = mass_across(fin.added_mass, h / 2.0, water) * d
+    mu_n = mass_across(added_mass_of_fin(fin, water), h / 2.0, water) * d
     mu_n *= immersion_factor(h / 2.0, water.depth)
-    c_n = 0.5 * rho * override_or_default(fin.normal_drag, water.normal_drag) * h * d
+    c_n = 0.5 * rho * drag_of_fin(fin, water) * h * d
     c_t = (
         0.5
         * rho

@@ -8,7 +8,8 @@ surface, form drag of both ends, gaps at the joints. This area divided by the re
 
 with S the wetted surface, A the largest section, A_j the section at a joint, h and L of the fin,
 and Re based on the length. Drag and added mass across the body come from tables of sections by
-their ratio of width to height.
+their ratio of width to height; fins and flat modules are plates of their own proportions
+(`laticauda.robot.plates`). Drag areas (`Robot.drag_areas`) stand beside C_f.
 
 References:
     [1] A. Morrall, 1957 ITTC Model-Ship Correlation Line, National Physical Laboratory, Ship Report 142, 1970: C_F, and
@@ -21,6 +22,7 @@ References:
     [5] An experimental study on aerodynamic drag of rectangular cylinders, abstract: 2.6 at a depth of 2/3 of the
         height, about 2.0 for plate and square, reattachment near 2.8.
     [6] F. M. White, Fluid Mechanics, fig. 7.6: rough plates to .014 at L/roughness = 200; laminar below Re 5e5.
+    [7] DNV-RP-C205, Environmental conditions and environmental loads, 2010, as quoted in secondary sources.
 """
 
 import functools
@@ -31,6 +33,7 @@ from itertools import pairwise
 
 from laticauda.robot.body import Section
 from laticauda.robot.environment import Water
+from laticauda.robot.plates import is_flat
 from laticauda.robot.robot import Robot, Surface
 from laticauda.values import BadArgument
 from laticauda.water.fluid import TotalSpeedDrag
@@ -75,7 +78,7 @@ class Estimate:
 
 
 @dataclass(frozen=True)
-class DragArea:
+class DragPart:
     """A part of the drag along the body: an area times a coefficient."""
 
     name: str
@@ -144,6 +147,13 @@ LOWEST_DRAG_SHARE: Mapping[str, SectionTable] = {"ellipse": [(1.0, 0.8)], "box":
 HIGHEST_DRAG_SHARE: Mapping[str, SectionTable] = {"ellipse": [(1.0, 1.2)], "box": [(1.0, 1.1)]}
 """High end, likewise [-]."""
 
+PLATE_DRAG_FACTOR = (0.8, 1.65)
+"""Interval of the drag of plates, from rounded edges to a plate of 1.98, which is long or closed at its ends [-]."""
+PLATE_SOURCES: Mapping[str, str] = {
+    "water.plate_drag": "rectangular plates across the flow [7]; interval: judgment (edges, closed ends)",
+    "water.plate_added_mass": "rectangular plates, vortex lattice and [7]; interval: judgment",
+}
+"""Sources of the parameters of fins and flat modules, by name."""
 SOURCES: Mapping[str, str] = {
     "water.normal_drag": "sections across the flow [2, 4, 5]; interval: judgment (corners, Reynolds number)",
     "water.added_mass": "potential flow about the section; interval: judgment",
@@ -194,23 +204,33 @@ def textbook_water(
     mass = _average_across(robot, ADDED_MASS_ACROSS, power=2)
     lowest_share = _average_across(robot, LOWEST_DRAG_SHARE, power=1)
     highest_share = _average_across(robot, HIGHEST_DRAG_SHARE, power=1)
+    has_plates = robot.caudal_fin is not None or any(map(is_flat, robot.modules))
+    plate_factor = None
+    if has_plates:
+        plate_factor = 1.0
     water = Water(
         name=TEXTBOOK,
         tangential_friction=friction.value,
         normal_drag=drag,
         added_mass=mass,
+        plate_drag=plate_factor,
+        plate_added_mass=plate_factor,
         drag=TotalSpeedDrag(beta=0.5),
         added_mass_form="kirchhoff",
         rotational="strip",
         trailing_edge="elongated",
     )
-    intervals = {
+    intervals: dict[str, tuple[float, float]] = {
         "water.tangential_friction": (friction.low, friction.high),
         "water.normal_drag": (lowest_share * drag, highest_share * drag),
         "water.added_mass": (ADDED_MASS_SHARES[0] * mass, ADDED_MASS_SHARES[1] * mass),
         "water.drag.beta": (0.0, 1.0),
     }
     sources = {**SOURCES, "water.tangential_friction": friction_source}
+    if has_plates:
+        intervals["water.plate_drag"] = PLATE_DRAG_FACTOR
+        intervals["water.plate_added_mass"] = ADDED_MASS_SHARES
+        sources |= PLATE_SOURCES
     return Textbook(water=water, intervals=intervals, sources=sources)
 
 
@@ -252,7 +272,7 @@ def _friction(robot: Robot, speed: float) -> tuple[Estimate, str]:
 
     The uncertainties of the drag areas are independent of each other.
     """
-    parts = _drag_areas(robot, speed)
+    parts = _drag_parts(robot, speed)
     value = sum(part.value for part in parts)
     margin_below = math.hypot(
         *(part.area * (part.coefficient.low - part.coefficient.value) for part in parts)
@@ -274,7 +294,7 @@ def _friction(robot: Robot, speed: float) -> tuple[Estimate, str]:
     return estimate, source
 
 
-def _drag_areas(robot: Robot, speed: float) -> list[DragArea]:
+def _drag_parts(robot: Robot, speed: float) -> list[DragPart]:
     """Return the parts of the drag along the straight robot: skin, both ends, gaps at the joints."""
     sections = [module.section for module in robot.modules]
     wetted = sum(module.section.perimeter * module.length for module in robot.modules)
@@ -294,9 +314,9 @@ def _drag_areas(robot: Robot, speed: float) -> list[DragArea]:
     largest_section = max(section.area for section in sections)
     joint_sections = sum(min(behind.area, ahead.area) for behind, ahead in pairwise(sections))
     return [
-        DragArea("skin (ITTC-57 [1])", wetted + _fin_surface(robot), skin),
-        DragArea(f"{robot.nose} nose and {robot.tail} tail [2, 3]", largest_section, ends),
-        DragArea("gaps", joint_sections, GAP_DRAG[robot.surface]),
+        DragPart("skin (ITTC-57 [1])", wetted + _fin_surface(robot), skin),
+        DragPart(f"{robot.nose} nose and {robot.tail} tail [2, 3]", largest_section, ends),
+        DragPart("gaps", joint_sections, GAP_DRAG[robot.surface]),
     ]
 
 
@@ -319,11 +339,14 @@ def _reference_area(robot: Robot) -> float:
 
 
 def _average_across(robot: Robot, tables: Mapping[str, SectionTable], *, power: int) -> float:
-    """Average a coefficient over the sections, weighted like the modules' loads: by height or its square."""
-    weights = [module.length * module.section.half_height**power for module in robot.modules]
-    coefficients = [
-        _look_up(tables[module.section.shape], module.section) for module in robot.modules
-    ]
+    """Average a coefficient over the sections, weighted like the modules' loads: by height or its square.
+
+    Flat modules have coefficients of their own, unless all are flat.
+    """
+    bodies = [module for module in robot.modules if not is_flat(module)]
+    modules = bodies or robot.modules
+    weights = [module.length * module.section.half_height**power for module in modules]
+    coefficients = [_look_up(tables[module.section.shape], module.section) for module in modules]
     weighted = sum(
         weight * coefficient for weight, coefficient in zip(weights, coefficients, strict=True)
     )

@@ -38,6 +38,17 @@ ERROR_OF_SLENDER_LAW = (
     (8.0, 3.70),
 )
 """Error of the thrust by `elongated`, the law of slender plates, by height over length: the lattice's mean."""
+ERROR_WITH_PLATE_MASS = (
+    (0.08, 0.02),
+    (0.24, 0.05),
+    (0.5, 0.12),
+    (1.0, 0.23),
+    (2.0, 0.33),
+    (3.0, 0.39),
+    (5.56, 0.45),
+    (8.0, 0.48),
+)
+"""The same if strips and edge have the added mass of a plate; either way [-]."""
 SHARE_OF_START = 1.0 / 3.0
 """Share of the run that is left out: it begins at rest, where every edge is across the flow [-]."""
 SHARE_OF_FASTEST = 0.5
@@ -136,10 +147,7 @@ def thrust_error(trial: Contents) -> ThrustError | None:
     if plate_lift_share(aspect) >= BROAD_LIFT_SHARE:
         return None
     if water.trailing_edge == "elongated":
-        aspects, errors = zip(*ERROR_OF_SLENDER_LAW, strict=True)
-        error = float(np.interp(aspect, aspects, errors))
-        reason = f"that law is for slender fins, and this one is {aspect:.3g} times as high as long"
-        return ThrustError(0.0, error, reason)
+        return _error_of_slender_law(aspect, has_plate_mass=water.plate_added_mass is not None)
     try:
         incidence = edge_incidence(trial)
     except ValueError:
@@ -152,6 +160,16 @@ def thrust_error(trial: Contents) -> ThrustError | None:
     angle, limit = math.degrees(incidence), math.degrees(LARGEST_INCIDENCE)
     reason = f"the flow meets the broad fin at up to {angle:.0f} deg, and the law holds to about {limit:.0f}"
     return ThrustError(-error, error, reason)
+
+
+def _error_of_slender_law(aspect: float, *, has_plate_mass: bool) -> ThrustError:
+    reason = f"that law is for slender fins, and this one is {aspect:.3g} times as high as long"
+    if has_plate_mass:
+        aspects, errors = zip(*ERROR_WITH_PLATE_MASS, strict=True)
+        error = float(np.interp(aspect, aspects, errors))
+        return ThrustError(-error, error, reason)
+    aspects, errors = zip(*ERROR_OF_SLENDER_LAW, strict=True)
+    return ThrustError(0.0, float(np.interp(aspect, aspects, errors)), reason)
 
 
 def describe_edge(trial: Contents) -> str:

@@ -1,0 +1,85 @@
+"""Fins and flat modules as plates: drag and added mass across them from their own proportions.
+
+Drag and added mass of a body's sections do not hold for thin plates on it: a fin has free edges on
+all sides, and is no box. In a water with `plate_drag` and `plate_added_mass`, fins and flat modules that
+have no coefficients of their own take those of rectangular plates (`laticauda.water.plates`), times
+these factors. Flat modules in a row are one plate. Where a plate adjoins another part of the robot, the
+water cannot go around its end: of what free ends take off the added mass of a slender plate, each
+takes half.
+"""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from itertools import groupby
+from typing import NamedTuple
+
+from laticauda.robot.body import Module
+from laticauda.robot.effectors import CaudalFin
+from laticauda.robot.robot import Robot
+from laticauda.water.plates import plate_drag, plate_mass_share
+
+FLAT = 0.1
+"""A module is flat if its section is at most so wide as it is high [-]."""
+
+
+class PlateCoefficients(NamedTuple):
+    """Coefficients of one plate across the flow."""
+
+    drag: float
+    """C_D [-]."""
+    added_mass: float
+    """C_A [-]."""
+
+
+def is_flat(module: Module) -> bool:
+    """Return whether a module is a thin upright plate.
+
+    Args:
+        module: The module.
+    """
+    return module.section.half_width <= FLAT * module.section.half_height
+
+
+def plate_of_fin(fin: CaudalFin) -> PlateCoefficients:
+    """Return the coefficients of a fin as a plate with four free edges, without an open opening.
+
+    Args:
+        fin: The fin.
+    """
+    length = fin.length
+    if fin.opening == "open":
+        length -= fin.opening_length
+    return PlateCoefficients(
+        drag=plate_drag(fin.height, length), added_mass=plate_mass_share(fin.height / length)
+    )
+
+
+@lru_cache(maxsize=256)
+def plates_of_modules(robot: Robot) -> tuple[PlateCoefficients | None, ...]:
+    """Return the coefficients of each module as a part of a plate, tail first; None for one that is not flat.
+
+    Args:
+        robot: The robot.
+    """
+    plates: list[PlateCoefficients | None] = []
+    for flat, group in groupby(robot.modules, key=is_flat):
+        row = list(group)
+        if not flat:
+            plates += [None] * len(row)
+            continue
+        begins_free = not plates and robot.caudal_fin is None
+        ends_free = len(plates) + len(row) == robot.n_links
+        plate = _plate_of_row(row, n_free_ends=int(begins_free) + int(ends_free))
+        plates += [plate] * len(row)
+    return tuple(plates)
+
+
+def _plate_of_row(row: Sequence[Module], *, n_free_ends: int) -> PlateCoefficients:
+    """Return the coefficients of flat modules in a row, as of one plate of their mean height."""
+    length = sum(module.length for module in row)
+    face = sum(2.0 * module.section.half_height * module.length for module in row)
+    height = face / length
+    lacking = 1.0 - plate_mass_share(height / length)
+    return PlateCoefficients(
+        drag=plate_drag(height, length), added_mass=1.0 - 0.5 * n_free_ends * lacking
+    )
