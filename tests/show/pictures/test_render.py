@@ -508,3 +508,31 @@ def test_a_state_of_a_plant_is_a_picture_without_a_trial(screen, model):
     assert first.shape == (72, 128, 3) and first.dtype == np.uint8
     np.testing.assert_array_equal(first, again)
     assert len(np.unique(first.reshape(-1, 3), axis=0)) > 100
+
+
+NET = """<mujoco><worldbody><flexcomp name="net" type="grid" count="4 4 1" spacing=".05 .05 .05" radius=".003"
+ dim="2" mass=".3" pos="1.05 0 -.5" euler="0 90 0"><edge equality="true"/></flexcomp>
+<body name="leaf" pos="3 0 -.5"><joint type="slide" damping="1"/><geom size=".05"/></body></worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize("root", ["planar", "free"])
+def test_what_moves_in_a_scene_is_shown_where_it_is_nets_included(tmp_path, root):
+    (tmp_path / "net.xml").write_text(NET)
+    scene = str(tmp_path / "net.xml")
+    settings = {"model": "spatial", "scene": scene, "root": root}
+    moving = replace(lc.load_water("paper-lateral"), current=(0.5, 0.2))
+    plant = lc.build_plant("mamba", moving, **settings)
+    command = lc.Command(gait=lc.lateral_undulation(amplitude=0.3, frequency=3.0, phase_shift=0.7))
+    first = plant.init(lc.Start(), command)
+    later = plant.step(first, command, 0.3)
+    studio = Studio.of(plant)
+    places = []
+    for state in (first, later):
+        studio.take(read_posture(plant, state))
+        shown, right = studio.data, plant.data(state)
+        knots = np.array([right.body(f"net_{k}").xpos for k in range(16)])
+        np.testing.assert_allclose(shown.flexvert_xpos, knots, atol=1e-12)
+        leaf = shown.body("leaf").xpos
+        np.testing.assert_allclose(leaf, right.body("leaf").xpos, atol=1e-12)
+        places.append(knots)
+    assert np.max(np.abs(places[1] - places[0])) > 1e-3

@@ -129,6 +129,7 @@ class Twin:
             self._ends_of_elements.append(len(elements))
         setup = members[0].setup
         scene = setup.scene or Scene()
+        water.choose_right_solver(self.model)
         if isinstance(environment, Water):
             elements.extend(water.flex_elements(self.model, density=environment.density))
         if isinstance(environment, Ground):

@@ -16,6 +16,7 @@ from laticauda.water.fluid import has_waves
 
 MID_WATER = 1.0
 """Depth at which a robot without one is shown [m]."""
+NONE = np.zeros(0)
 
 
 class Posture(NamedTuple):
@@ -31,6 +32,8 @@ class Posture(NamedTuple):
     """Angles of the joints of a driven or bending fin, starting at its root; straight if they are unknown [rad]."""
     time: float = 0.0
     """Time since the start of the run, which determines the motion of the water [s]."""
+    scene_coordinates: Float[np.ndarray, " n_coordinates"] = NONE
+    """MuJoCo's coordinates of what moves in the scene, nets included; empty: it is where it began [m, rad]."""
 
 
 def choose_swimming_height(robot: Robot, environment: Environment) -> float:
@@ -78,12 +81,14 @@ def _read_spatial_posture(plant: SpatialPlant, state: Any) -> Posture:
     # Moving parts of the scene may follow the robot's joints.
     n_angles = len(robot.joints) + len(robot.fin_joints)
     angles = coordinates[first_joint:][:n_angles]
+    of_scene = coordinates[first_joint + n_angles :]
     return Posture(
         center_of_mass=observation.center_of_mass,
         orientation=orientation,
         joint_angle=angles[: robot.n_joints],
         fin_angle=angles[robot.n_joints :],
         time=float(observation.time),
+        scene_coordinates=of_scene.copy(),
     )
 
 

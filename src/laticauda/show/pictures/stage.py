@@ -8,11 +8,11 @@ import numpy as np
 from jaxtyping import Float, UInt8
 
 from laticauda.models.dynamics import Plant
-from laticauda.models.spatial import SpatialPlant, ballast_of, mjcf
+from laticauda.models.spatial import SpatialPlant, ballast_of, mjcf, reporting_scene_errors
 from laticauda.robot import Environment, Ground, Robot
 from laticauda.scenarios import Model, Spatial
 from laticauda.show.pictures.camera import VIEW_DEG, aim_camera, middle_ahead_of_center
-from laticauda.show.pictures.posture import Posture, choose_swimming_height
+from laticauda.show.pictures.posture import N_FREE_ROOT, Posture, choose_swimming_height
 from laticauda.show.pictures.renderer import create_renderer
 from laticauda.show.pictures.shadows import draw_shadows, find_shadow_casters
 from laticauda.show.pictures.surroundings import add_surroundings
@@ -88,7 +88,8 @@ class Studio:
             waves=waves,
         )
         _set_picture(spec, size)
-        self.model: Any = spec.compile()
+        with reporting_scene_errors():
+            self.model: Any = spec.compile()
         self.data: Any = load_mujoco().MjData(self.model)
         self._shadow_casters = find_shadow_casters(self.model)
 
@@ -151,7 +152,10 @@ class Studio:
         angles = np.append(posture.joint_angle, posture.fin_angle)
         position[:] = 0.0
         coordinates[3:7] = posture.orientation
-        coordinates[7 : 7 + angles.size] = angles
+        end = N_FREE_ROOT + angles.size
+        coordinates[N_FREE_ROOT:end] = angles
+        of_scene = posture.scene_coordinates
+        coordinates[end : end + of_scene.size] = of_scene
         self._update_kinematics()
         position[:] = posture.center_of_mass - self.data.subtree_com[tail.id]
 
@@ -159,10 +163,15 @@ class Studio:
         mujoco = load_mujoco()
         mujoco.mj_kinematics(self.model, self.data)
         mujoco.mj_comPos(self.model, self.data)
+        mujoco.mj_flex(self.model, self.data)
 
     @cached_property
     def _renderer(self) -> Any:
         return create_renderer(self.model)
+
+    @cached_property
+    def _option(self) -> Any:
+        return _show_twine()
 
     def picture(
         self,
@@ -211,7 +220,7 @@ class Studio:
         scene = renderer.scene
         # Infinite planes are placed where the camera was before.
         load_mujoco().mjv_updateCamera(self.model, self.data, camera, scene)
-        renderer.update_scene(self.data, camera)
+        renderer.update_scene(self.data, camera, self._option)
         flags = load_mujoco().mjtRndFlag
         # From a large distance, fog would hide the robot.
         scene.flags[flags.mjRND_FOG] = camera.distance < 0.5 * self.model.vis.map.fogend
@@ -275,6 +284,15 @@ def _visible_level(
     if has_waves or highest > level - NEAR_SURFACE:
         return level
     return None
+
+
+def _show_twine() -> Any:
+    """Return what is drawn: of nets and ropes (flexes) the edges, without a skin between them."""
+    mujoco = load_mujoco()
+    option = mujoco.MjvOption()
+    option.flags[mujoco.mjtVisFlag.mjVIS_FLEXEDGE] = True
+    option.flags[mujoco.mjtVisFlag.mjVIS_FLEXSKIN] = False
+    return option
 
 
 def _set_picture(spec: Any, size: tuple[int, int]) -> None:

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from laticauda.water.mujoco.specs import compile_spec as compile_spec
     from laticauda.water.mujoco.steps import stable_step as stable_step
     from laticauda.water.mujoco.water import Water as Water, attach as attach, attached as attached
+    from laticauda.water.mujoco.checks import choose_right_solver as choose_right_solver
     from laticauda.water.mujoco.flexes import flex_elements as flex_elements
     from laticauda.water.mujoco.native import (
         forces_after as forces_after,
@@ -52,6 +53,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.water.mujoco.water": ["Water", "attach", "attached"],
     },
     plain={
+        "laticauda.water.mujoco.checks": ["choose_right_solver"],
         "laticauda.water.mujoco.flexes": ["flex_elements"],
         "laticauda.water.mujoco.ground": ["SINK"],
         "laticauda.water.mujoco.native": ["forces_after", "forward_skip", "integrate_positions"],

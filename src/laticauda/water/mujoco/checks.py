@@ -161,7 +161,6 @@ def make_room(model: Any, elements: Sequence[Element]) -> None:
             and the `gravcomp` of its bodies, may be changed.
         elements: The elements of its water.
     """
-    mujoco = load_mujoco()
     option = model.opt
     displacing = {body_of(model, element.body) for element in elements if element.volume > 0.0}
     lifted = [body for body in sorted(displacing) if model.body_gravcomp[body] != 0.0]
@@ -170,11 +169,22 @@ def make_room(model: Any, elements: Sequence[Element]) -> None:
     option.density = 0.0
     option.viscosity = 0.0
     model.body_gravcomp[lifted] = 0.0
-    if _is_solved_wrongly(model):
-        if model.nv > MOST_DENSE:
-            option.solver = mujoco.mjtSolver.mjSOL_CG
-        else:
-            option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+    choose_right_solver(model)
+
+
+def choose_right_solver(model: Any) -> None:
+    """Let a model be solved rightly in MuJoCo 4.0.0, too: with dense matrices, or by CG if it is large.
+
+    Args:
+        model: The `mujoco.MjModel`; its options `jacobian` and `solver` may be changed.
+    """
+    if not _is_solved_wrongly(model):
+        return
+    mujoco = load_mujoco()
+    if model.nv > MOST_DENSE:
+        model.opt.solver = mujoco.mjtSolver.mjSOL_CG
+    else:
+        model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
 
 
 def _is_solved_wrongly(model: Any) -> bool:
