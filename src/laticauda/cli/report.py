@@ -90,6 +90,8 @@ def describe_trial(trial: Trial, origin: str = "") -> str:
         (place, _describe_environment(trial, origin)),
         ("run", _describe_run(trial)),
     ]
+    if trial.settings.get("reading"):
+        head.append(("read", str(trial.settings["reading"])))
     if "joint_angle" not in trial.not_measured and trial.succeeded:
         head.append(("joints", trial.feasibility.words))
     if trial.feasibility.problems:

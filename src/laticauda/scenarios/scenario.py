@@ -225,7 +225,11 @@ class Scenario:
         settings: dict[str, Any] = {}
         if not isinstance(self.motion, Gait):
             settings = _settings_of_controller(self.motion)
-        return {**settings, **settings_of(self.model)}
+        settings |= settings_of(self.model)
+        recorded = self.gait.recorded
+        if recorded is not None and recorded.reading:
+            settings["reading"] = recorded.reading
+        return settings
 
 
 def _settings_of_controller(controller: Controller[Any]) -> dict[str, Any]:

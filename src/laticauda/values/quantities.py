@@ -108,13 +108,18 @@ def quantity(
 
 
 @overload
-def option(text: str, *, default: T, check: Check | None = ...) -> T: ...
+def option(text: str, *, default: T, check: Check | None = ..., is_compared: bool = ...) -> T: ...
 @overload
 def option(text: str, *, default_factory: Callable[[], T], check: Check | None = ...) -> T: ...
 @overload
 def option(text: str, *, check: Check | None = ...) -> Any: ...
 def option(
-    text: str, *, default: Any = MISSING, default_factory: Any = MISSING, check: Check | None = None
+    text: str,
+    *,
+    default: Any = MISSING,
+    default_factory: Any = MISSING,
+    check: Check | None = None,
+    is_compared: bool = True,
 ) -> Any:
     """Declare a field that is not a number: a text, a truth value, a choice or another value.
 
@@ -124,11 +129,12 @@ def option(
         default_factory: Function that makes the default.
         check: Replaces the check implied by the type: `check(name, value)` returns the cleaned
             value.
+        is_compared: Whether values that differ in this field alone are unequal.
     """
     metadata = {"text": text, "check": check}
     if default_factory is not MISSING:
         return dataclasses.field(default_factory=default_factory, metadata=metadata)
-    return dataclasses.field(default=default, metadata=metadata)
+    return dataclasses.field(default=default, metadata=metadata, compare=is_compared)
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(quantity, option))

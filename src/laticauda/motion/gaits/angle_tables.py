@@ -46,6 +46,8 @@ class RecordedAngles(NamedTuple):
     """Since the first row [s]."""
     angle: Float[np.ndarray, "n_joints n_times"]
     """Tail first [rad]."""
+    reading: str
+    """What was read, in one line: rows, span, and what was not taken as it is written."""
 
 
 def read_angles(path: str | Path, columns: Mapping[str, str] | None = None) -> RecordedAngles:
@@ -87,8 +89,22 @@ def read_angles(path: str | Path, columns: Mapping[str, str] | None = None) -> R
             angles.append(mended.radians)
         in_deg = [i for i, column in enumerate(joint_columns) if column.unit == "deg"]
         check_unit("joint_1_deg", np.array(angles)[in_deg], "deg")
-        _warn_of_remarks(path, file_times.remark, start, turned)
-    return RecordedAngles(time=time, angle=np.array(angles))
+        remarks = _list_remarks(file_times.remark, start, turned)
+    if remarks:
+        warn_caller(f"{path}: {'; '.join(remarks)}", TableWarning)
+    rows = f"{time.size} of {table.n_rows} rows, from {time[0]:.6g} to {time[-1]:.6g} s, no gaps"
+    reading = "; ".join(
+        [f"{Path(path).name}: {rows}", *_list_names(columns), *table.remarks, *remarks]
+    )
+    return RecordedAngles(time=time, angle=np.array(angles), reading=reading)
+
+
+def _list_names(columns: Mapping[str, str] | None) -> list[str]:
+    """Return what columns are called that have other names in the file."""
+    if not columns:
+        return []
+    pairs = [f"{name} is `{header}`" for name, header in columns.items()]
+    return [", ".join(pairs)]
 
 
 def _check_names(names: Iterable[str]) -> None:
@@ -126,10 +142,8 @@ def _read_complete(table: Table, name: str) -> Float[np.ndarray, " n_times"]:
     return values
 
 
-def _warn_of_remarks(
-    path: str | Path, remark_on_time: str, start: float, turned: Sequence[str]
-) -> None:
-    """Say what was not taken as it is written."""
+def _list_remarks(remark_on_time: str, start: float, turned: Sequence[str]) -> list[str]:
+    """Return what was not taken as it is written."""
     remarks: list[str] = []
     if remark_on_time:
         remarks.append(remark_on_time)
@@ -140,5 +154,4 @@ def _warn_of_remarks(
         if len(turned) > MOST_LISTED_JOINTS:
             listed += f" and {len(turned) - MOST_LISTED_JOINTS} more"
         remarks.append(f"whole turns were taken out of {listed}")
-    if remarks:
-        warn_caller(f"{path}: {'; '.join(remarks)}", TableWarning)
+    return remarks

@@ -12,7 +12,7 @@ from jaxtyping import Float
 
 from laticauda.motion.gaits.angle_tables import read_angles
 from laticauda.motion.gaits.reference import between_knots
-from laticauda.values import BadArgument, Log, quantity, value_class
+from laticauda.values import BadArgument, Log, option, quantity, value_class
 
 ZERO_PADDING = 32
 """Factor by which zeros lengthen the angles, for frequencies between those of whole cycles."""
@@ -33,6 +33,11 @@ class JointAngles:
     time: tuple[float, ...] = quantity("s", "Times since the start of the run, increasing")
     angle: tuple[tuple[float, ...], ...] = quantity(
         "rad", "Angle of every yaw joint, tail first, at these times"
+    )
+    reading: str = option(
+        "What was read of a file, in one line: rows, span, and what was not taken as it is written",
+        default="",
+        is_compared=False,
     )
 
     def __post_init__(self) -> None:
@@ -77,7 +82,11 @@ class JointAngles:
             TrialFileError: If the file cannot be read or is invalid.
         """
         recording = read_angles(path, columns)
-        return cls(time=tuple(recording.time.tolist()), angle=_rows(recording.angle))
+        return cls(
+            time=tuple(recording.time.tolist()),
+            angle=_rows(recording.angle),
+            reading=recording.reading,
+        )
 
     @classmethod
     def of(cls, log: Log) -> "JointAngles":
