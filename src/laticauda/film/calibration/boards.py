@@ -121,7 +121,7 @@ def calibrate_lens(pictures: Sequence[Picture], board: Checkerboard) -> Lens:
         focal_length=focal_length,
         center=(float(matrix[0, 2]), float(matrix[1, 2])),
         distortion=(k1, k2, p1, p2, k3),
-        focal_length_deviation=float(spread[0]) / focal_length,
+        focal_length_deviation=float(np.max(spread[:2])) / focal_length,
         center_deviation=float(np.max(spread[2:4])),
         distortion_deviation=float(spread[4]),
     )
