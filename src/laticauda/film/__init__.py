@@ -2,6 +2,8 @@
 
 - points: points tracked on one body, what all else here takes and returns
 - calibration: from pixels to metres
+- tags: printed tags, and finding them in a film
+- tracking: from tags or points to a trial
 - vision: OpenCV
 - formats: files of DeepLabCut, SLEAP, TRex, idtracker.ai, and plain tables of points
 """

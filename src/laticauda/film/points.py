@@ -111,6 +111,23 @@ class TrackedPoints:
         """
         return self.names.index(check_choice("point", name, self.names))
 
+    def only(self, names: tuple[str, ...]) -> "TrackedPoints":
+        """Return some of the points, in this order.
+
+        Args:
+            names: Their names.
+
+        Raises:
+            ValueError: If there is no such point.
+        """
+        columns = [self.index_of(name) for name in names]
+        return replace(
+            self,
+            names=names,
+            position=self.position[:, columns],
+            likelihood=self.likelihood[:, columns],
+        )
+
     def with_notes(self, *notes: str) -> "TrackedPoints":
         """Return the same points with further notes.
 

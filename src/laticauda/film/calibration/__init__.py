@@ -16,6 +16,7 @@ if TYPE_CHECKING:
         calibrate_lens as calibrate_lens,
         find_corners as find_corners,
         marks_of_board as marks_of_board,
+        pictures_of_film as pictures_of_film,
     )
     from laticauda.film.calibration.calibration import (
         Calibration as Calibration,
@@ -41,6 +42,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "calibrate_lens",
             "find_corners",
             "marks_of_board",
+            "pictures_of_film",
         ],
         "laticauda.film.calibration.calibration": [
             "Calibration",

@@ -2,16 +2,19 @@
 
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, UInt8
 
 from laticauda.film.calibration.fitting import Marks
 from laticauda.film.calibration.optics import Lens
-from laticauda.film.vision import load_opencv
+from laticauda.film.vision import load_opencv, open_film
 from laticauda.values import BadArgument, check_positive, check_whole_number, quantity, value_class
 
+N_PICTURES = 25
+"""Pictures of a film from which a lens is calibrated."""
 FEWEST_PICTURES = 5
 """Pictures of a board that determine a lens, if they show it from different sides."""
 WORST_FIT = 2.0
@@ -49,6 +52,40 @@ def find_corners(picture: Picture, board: Checkerboard) -> Float[np.ndarray, "n 
     if not is_found:
         return None
     return np.asarray(corners, dtype=float).reshape(-1, 2)
+
+
+def pictures_of_film(
+    path: str | Path,
+    *,
+    n_pictures: int = N_PICTURES,
+    on_progress: Callable[[float], object] | None = None,
+) -> list[Picture]:
+    """Return pictures that are evenly spread over a film.
+
+    Args:
+        path: Path of the film.
+        n_pictures: How many at most.
+        on_progress: Called with the share that is read.
+
+    Raises:
+        TrialFileError: If it cannot be read.
+        MissingExtra: If OpenCV is not installed.
+    """
+    opencv = load_opencv("Reading a film")
+    pictures: list[Picture] = []
+    with open_film(path) as capture:
+        n_frames = max(int(capture.get(opencv.CAP_PROP_FRAME_COUNT)), 1)
+        step = max(n_frames // n_pictures, 1)
+        frame = 0
+        while capture.grab():
+            if frame % step == 0:
+                is_read, picture = capture.retrieve()
+                if is_read:
+                    pictures.append(opencv.cvtColor(picture, opencv.COLOR_BGR2GRAY))
+            frame += 1
+            if on_progress is not None:
+                on_progress(min(frame / n_frames, 1.0))
+    return pictures
 
 
 def marks_of_board(picture: Picture, board: Checkerboard) -> Marks:

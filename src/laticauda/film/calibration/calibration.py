@@ -6,7 +6,14 @@ from typing import TypeAlias
 
 import numpy as np
 
-from laticauda.film.calibration.optics import Lens, Pixels, Places, Surface, locate
+from laticauda.film.calibration.optics import (
+    Lens,
+    Pixels,
+    Places,
+    Surface,
+    locate,
+    rotation_matrix,
+)
 from laticauda.film.points import TrackedPoints
 from laticauda.values import (
     BadArgument,
@@ -19,6 +26,8 @@ from laticauda.values import (
     value_class,
 )
 
+N_CORRECTIONS = 8
+"""Steps of Newton's method from a place to its pixel."""
 MARGIN = 0.02
 """Share of the picture by which points may lie outside: a tracker extrapolates a little [-]."""
 
@@ -74,6 +83,27 @@ class CameraCalibration:
             surface=self.surface,
         )
 
+    def to_picture(self, places: Places) -> Pixels:
+        """Return where the camera sees places in the plane of motion [px].
+
+        Args:
+            places: Places [m].
+        """
+        matrix = rotation_matrix(np.array(self.rotation))
+        heights = np.full(len(places), self.plane_height)
+        in_camera = np.column_stack((places, heights)) @ matrix.T + np.array(self.translation)
+        straight = in_camera[:, :2] / in_camera[:, 2:]
+        pixels = self.lens.focal_length * straight + np.array(self.lens.center)
+        for _ in range(N_CORRECTIONS):  # lens and water move them but little
+            seen = self.to_plane(pixels)
+            beside = [self.to_plane(pixels + shift) - seen for shift in np.eye(2)]
+            per_pixel = np.stack(beside, axis=-1)
+            is_known = np.isfinite(per_pixel).all(axis=(1, 2))
+            left = (places - seen)[is_known]
+            pixels[is_known] += np.einsum("nij,nj->ni", np.linalg.pinv(per_pixel[is_known]), left)
+            pixels[~is_known] = np.nan
+        return pixels
+
 
 @value_class
 class RulerCalibration:
@@ -99,6 +129,16 @@ class RulerCalibration:
         """
         _, height = self.image_size
         return self.metres_per_pixel * np.stack((pixels[:, 0], height - pixels[:, 1]), axis=1)
+
+    def to_picture(self, places: Places) -> Pixels:
+        """Return where the camera sees places in the plane of motion [px].
+
+        Args:
+            places: Places [m].
+        """
+        _, height = self.image_size
+        pixels = places / self.metres_per_pixel
+        return np.stack((pixels[:, 0], height - pixels[:, 1]), axis=1)
 
 
 Calibration: TypeAlias = CameraCalibration | RulerCalibration

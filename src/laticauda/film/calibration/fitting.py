@@ -148,18 +148,25 @@ def calibrate_camera(
     noise = _noise_of(marks, model, fits[best].x)
     solution = _search(marks, model, start=fits[best].x, noise=noise, loss="linear")
     residual = _residual_of(marks, model, solution.x)
+    covariance = np.linalg.pinv(solution.jac.T @ solution.jac)
     calibration = CameraCalibration(
-        **_stored(model.unpack(solution.x)),
+        **_stored(model.unpack(solution.x), np.sqrt(np.diag(covariance))),
         plane_height=plane_height,
         plane_height_deviation=plane_height_deviation,
         residual=residual,
     )
-    covariance = np.linalg.pinv(solution.jac.T @ solution.jac)
     return _with_deviations(calibration, marks, model, solution.x, covariance)
 
 
-def _stored(arguments: dict[str, Any]) -> dict[str, Any]:
+def _stored(arguments: dict[str, Any], deviations: Vector) -> dict[str, Any]:
+    """Return fields of a calibration; the lens is as certain as the marks have made it."""
     stored = dict(arguments)
+    stored["lens"] = replace(
+        arguments["lens"],
+        focal_length_deviation=float(deviations[6]),
+        center_deviation=float(np.max(deviations[7:9])),
+        distortion_deviation=float(deviations[9]),
+    )
     for name in ("rotation", "translation"):
         stored[name] = tuple(float(number) for number in arguments[name])
     return stored

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
         TagFilm as TagFilm,
         find_tags as find_tags,
         marks_of_floor as marks_of_floor,
-        open_film as open_film,
     )
     from laticauda.film.tags.layout import (
         FloorTag as FloorTag,
@@ -30,7 +29,7 @@ if TYPE_CHECKING:
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
     {
-        "laticauda.film.tags.detection": ["TagFilm", "find_tags", "marks_of_floor", "open_film"],
+        "laticauda.film.tags.detection": ["TagFilm", "find_tags", "marks_of_floor"],
         "laticauda.film.tags.layout": [
             "FloorTag",
             "LinkTag",

@@ -2,8 +2,7 @@
 
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 
-from collections.abc import Callable, Generator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,15 +12,18 @@ from jaxtyping import Float
 
 from laticauda.film.calibration.fitting import Marks
 from laticauda.film.tags.layout import DICTIONARIES, TagLayout, corners_of
-from laticauda.film.vision import load_opencv
+from laticauda.film.vision import load_opencv, open_film
 from laticauda.trials.arrays import Samples
-from laticauda.values import BadArgument, TrialFileError, check_positive, files
+from laticauda.values import BadArgument, TrialFileError, check_positive
 
 FASTEST_CAMERA = 10_000.0
 """Frames per second that a film may state at most [1/s]."""
 FARTHEST_MOVE = 0.005
 """Share of the width of the picture by which a tag on the floor may move during a film [-]."""
+SMALLEST_PERIMETER = 0.015
+"""Perimeter of a tag that is looked for, as a share of the larger side of the picture, at least [-]."""
 FEWEST_FLOOR_TAGS = 3
+"""Tags on the floor that tell where the camera is, at least."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -55,34 +57,6 @@ class TagFilm:
         """
         columns = [self.numbers.index(number) for number in numbers]
         return float(np.mean(np.isnan(self.corners[:, columns, 0, 0])))
-
-
-@contextmanager
-def open_film(path: str | Path) -> Generator[Any]:
-    """Open a film.
-
-    Args:
-        path: Path of the film.
-
-    Raises:
-        TrialFileError: If there is no such file, or OpenCV cannot read it.
-        MissingExtra: If OpenCV is not installed.
-    """
-    opencv = load_opencv("Reading a film")
-    path = files.local(path)
-    if not path.is_file():
-        raise TrialFileError(f"Cannot read {path}: there is no such file.")
-    before = opencv.setLogLevel(0)  # its codecs print what they dislike
-    capture = opencv.VideoCapture(str(path))
-    try:
-        if not capture.isOpened():
-            raise TrialFileError(
-                f"Cannot read {path}: it is no film that OpenCV reads; MP4 and AVI are safe."
-            )
-        yield capture
-    finally:
-        capture.release()
-        opencv.setLogLevel(before)
 
 
 def find_tags(
@@ -147,6 +121,7 @@ def _make_detector(opencv: Any, layout: TagLayout) -> Any:
     aruco = opencv.aruco
     settings = aruco.DetectorParameters()
     settings.cornerRefinementMethod = aruco.CORNER_REFINE_SUBPIX
+    settings.minMarkerPerimeterRate = SMALLEST_PERIMETER
     known = aruco.getPredefinedDictionary(getattr(aruco, DICTIONARIES[layout.dictionary]))
     return aruco.ArucoDetector(known, settings)
 

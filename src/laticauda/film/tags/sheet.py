@@ -2,18 +2,17 @@
 
 # pyright: reportUnknownMemberType=false, reportUnknownVariableType=false, reportUnknownArgumentType=false
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from laticauda.film.tags.layout import CELLS, DICTIONARIES, TagLayout, describe_placing
 from laticauda.film.vision import load_opencv
 from laticauda.values import BadArgument, check_choice, files
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 PAPERS = {"a4": (210.0, 297.0), "a3": (297.0, 420.0), "letter": (215.9, 279.4)}
 """Width and height of papers [mm]."""
@@ -72,7 +71,7 @@ def write_sheet(layout: TagLayout, path: str | Path, paper: str = "a4") -> int:
     return len(figures)
 
 
-def draw_sheet(layout: TagLayout, paper: str = "a4") -> "list[Figure]":
+def draw_sheet(layout: TagLayout, paper: str = "a4") -> list[Figure]:
     """Draw the pages of the sheet: instructions first, then the tags.
 
     Args:
@@ -122,7 +121,7 @@ def _lay_out(
     n_rows = int(usable_height // (whole + CAPTION))
     if n_columns < 1 or n_rows < 1:
         largest = min(usable_width, usable_height - CAPTION) / (1.0 + 2.0 / n_cells)
-        rule = f"must be at most {1e-3 * largest:.3f} m on this paper"
+        rule = f"must be at most {math.floor(largest) / 1e3:.3f} m on this paper"
         raise BadArgument(name, f"{rule}, got {1e-3 * tags[0].size:g} m")
     for i, tag in enumerate(tags):
         row, column = divmod(i % (n_columns * n_rows), n_columns)
@@ -150,10 +149,8 @@ def pattern_of(number: int, dictionary: str) -> np.ndarray:
 # ---- drawing -------------------------------------------------------------------------------------
 
 
-def _new_page(size: tuple[float, float]) -> tuple["Figure", Any]:
+def _new_page(size: tuple[float, float]) -> tuple[Figure, Any]:
     """Return a page whose axes count mm from its lower left corner."""
-    from matplotlib.figure import Figure
-
     figure = Figure(figsize=(size[0] / INCH, size[1] / INCH))
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set_xlim(0.0, size[0])
@@ -171,7 +168,7 @@ def _draw_ruler(axes: Any, size: tuple[float, float]) -> None:
     axes.text(EDGE, y - 5.0, text, fontsize=8.0, va="top")
 
 
-def _draw_page(page: _Page, size: tuple[float, float], layout: TagLayout) -> "Figure":
+def _draw_page(page: _Page, size: tuple[float, float], layout: TagLayout) -> Figure:
     figure, axes = _new_page(size)
     _draw_ruler(axes, size)
     n_cells = CELLS[layout.dictionary]
@@ -207,7 +204,7 @@ def _draw_tag(
     axes.text(left, lower - 1.0, tag.caption, fontsize=fontsize, va="top")
 
 
-def _draw_instructions(layout: TagLayout, size: tuple[float, float]) -> "Figure":
+def _draw_instructions(layout: TagLayout, size: tuple[float, float]) -> Figure:
     """Draw the first page: what to do, and a map of the tags on the floor."""
     import textwrap
 

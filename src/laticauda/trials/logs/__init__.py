@@ -30,6 +30,13 @@ if TYPE_CHECKING:
         open_recording as open_recording,
         failures_of as failures_of,
     )
+    from laticauda.trials.logs.map_sections import (
+        Heading as Heading,
+        JointColumns as JointColumns,
+        Position as Position,
+        TimeColumn as TimeColumn,
+    )
+    from laticauda.trials.logs.measuring import build_measured_trial as build_measured_trial
     from laticauda.trials.logs.netcdf import write_dataset as write_dataset
     from laticauda.trials.logs.rates import interpolate_columns as interpolate_columns
     from laticauda.trials.logs.tabular import TableColumn as TableColumn, format_csv as format_csv
@@ -44,6 +51,13 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.trials.logs.recording": ["Logged", "Recording", "open_recording"],
     },
     plain={
+        "laticauda.trials.logs.map_sections": [
+            "Heading",
+            "JointColumns",
+            "Position",
+            "TimeColumn",
+        ],
+        "laticauda.trials.logs.measuring": ["build_measured_trial"],
         "laticauda.trials.logs.netcdf": ["write_dataset"],
         "laticauda.trials.logs.rates": ["interpolate_columns"],
         "laticauda.trials.logs.recorder": ["CLOCK"],

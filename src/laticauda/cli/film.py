@@ -1,0 +1,333 @@
+"""`laticauda tags`, `laticauda lens`, `laticauda track`: from a film to a trial."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import laticauda as lc
+from laticauda.cli import report
+from laticauda.cli.command import Command, Outcome
+from laticauda.cli.flags import (
+    BadFlag,
+    File,
+    FileArgument,
+    OutputFile,
+    PictureOutput,
+    RequiredFile,
+    TomlOutput,
+    TrialOutput,
+    Words,
+)
+from laticauda.cli.output_files import check_output
+from laticauda.cli.progress import PATIENCE, SHARE, show_progress
+from laticauda.film import read_points
+from laticauda.film.calibration import (
+    Calibration,
+    CameraCalibration,
+    Checkerboard,
+    Surface,
+    calibrate_camera,
+    calibrate_lens,
+    load_calibration,
+    load_lens,
+    pictures_of_film,
+    save_calibration,
+)
+from laticauda.film.chain import places_at
+from laticauda.film.tags import (
+    TagFilm,
+    TagLayout,
+    describe_placing,
+    find_tags,
+    load_layout,
+    marks_of_floor,
+    propose_layout,
+    save_layout,
+    write_sheet,
+)
+from laticauda.film.tracking import (
+    BodyTrack,
+    build_trial,
+    draw_over_frames,
+    follow_points,
+    follow_tags,
+)
+from laticauda.motion.gaits import lateral_undulation
+from laticauda.scenarios import take_chosen
+from laticauda.show.figures import save_figure
+from laticauda.values import option, quantity, value_class
+
+FILM_ENDINGS = (".mp4", ".avi", ".mov", ".m4v", ".mkv", ".mts", ".webm", ".wmv")
+"""Endings of films; any other file holds points of a tracker."""
+STILL = lateral_undulation(amplitude=0.0, frequency=0.0, phase_shift=0.0)
+"""Gait of a body that holds straight."""
+
+
+@value_class
+class Tags(Command):
+    """Write a sheet of tags to print at true scale, and a file that says which is where.
+
+    For example: laticauda tags --robot mamba --area 3 2 --output tags.pdf
+
+    Beside tags.pdf, it writes tags.toml: measure where the tags on the floor are, and correct their
+    places there. `laticauda track` reads it.
+    """
+
+    robot: str = option("Robot, a preset or a TOML file", default="mamba")
+    output: Annotated[RequiredFile, OutputFile((".pdf",))] = option("PDF to write or replace")
+    area: tuple[float, float] = quantity(
+        "m", "Length and width of the area that the tags on the floor surround", default=(3.0, 2.0)
+    )
+    floor_tags: int = quantity("", "Number of tags on the floor", default=6, ge=4, le=20)
+    floor_size: float = quantity("m", "Side of their black squares", default=0.13, gt=0.0)
+    link_size: float | None = quantity(
+        "m", "Side of those on the robot; as its links allow if omitted", default=None, gt=0.0
+    )
+    dictionary: Literal["aruco-4x4", "apriltag-36h11"] = option(
+        "Set of tags; the second needs more pixels", default="aruco-4x4"
+    )
+    paper: Literal["a4", "a3", "letter"] = option("Paper", default="a4")
+
+    def run(self) -> Outcome:
+        """Write both files."""
+        layout = propose_layout(
+            lc.load_robot(self.robot),
+            area=self.area,
+            n_floor_tags=self.floor_tags,
+            floor_size=self.floor_size,
+            link_size=self.link_size,
+            dictionary=self.dictionary,
+        )
+        places = str(Path(self.output).with_suffix(".toml"))
+        check_output("output", places, (".toml",))
+        n_pages = write_sheet(layout, self.output, self.paper)
+        save_layout(layout, places)
+        steps = describe_placing(layout)
+        numbered = [f"{i}. {step}" for i, step in enumerate(steps, start=1)]
+        text = f"{self.output}: {n_pages} pages; {places}: places of the tags\n"
+        facts = {"output": self.output, "tags": places, "n_pages": n_pages, "steps": steps}
+        return Outcome(facts=facts, text=text + "\n".join(numbered))
+
+
+@value_class
+class CalibrateLens(Command):
+    """Calibrate a camera's lens from a film of a checkerboard that is held at different angles.
+
+    For example: laticauda lens board.mp4 --columns 9 --rows 6 --square 0.025 --output lens.toml
+    """
+
+    file: FileArgument = option("The film")
+    columns: int = quantity("", "Inner corners of the checkerboard along a row", ge=3)
+    rows: int = quantity("", "Inner corners along a column", ge=3)
+    square: float = quantity("m", "Side of a square", gt=0.0)
+    output: TomlOutput = option("TOML file to write, for `laticauda track --lens`", default=None)
+
+    def run(self) -> Outcome:
+        """Calibrate."""
+        board = Checkerboard(columns=self.columns, rows=self.rows, square=self.square)
+        show = show_progress(SHARE, what="read", patience=PATIENCE)
+        pictures = pictures_of_film(self.file, on_progress=show)
+        lens = calibrate_lens(pictures, board)
+        if self.output is not None:
+            save_calibration(lens, self.output)
+        share = lens.focal_length_deviation
+        text = (
+            f"focal length {lens.focal_length:.1f} px, certain to {share:.2%}; "
+            f"distortion k1 {lens.distortion[0]:.4f}, k2 {lens.distortion[1]:.4f}"
+        )
+        facts = {
+            "focal_length": lens.focal_length,
+            "distortion": lens.distortion,
+            "output": self.output,
+        }
+        return Outcome(facts=facts, text=text)
+
+
+@value_class
+class Track(Command):
+    """Make a trial from a film: path, heading and joint angles of a robot with tags, or of points that a tracker found.
+
+    For example: laticauda track glide.mp4 --tags tags.toml --height 0.1 --straight --save glide.nc
+    --picture glide.png
+
+    The points of a tracker (DeepLabCut, SLEAP, TRex, idtracker.ai, or a table) need places on the
+    body and a calibration: laticauda track eel.csv --robot eel.toml --along nose=0.39 tail=0.01
+    --calibration camera.toml --frame-rate 60
+    """
+
+    file: FileArgument = option("The film, or the file of a tracker")
+    robot: str = option("What swims, a preset or a TOML file", default="mamba")
+    water: str | None = option("Water, a preset or a TOML file", default=None)
+    tags: File = option("Tags, as `laticauda tags` wrote the file", default=None)
+    lens: File = option("The lens, as `laticauda lens` wrote it", default=None)
+    calibration: File = option(
+        "The camera, as --save-calibration wrote it; else from the tags", default=None
+    )
+    height: float = quantity(
+        "m", "Height of the tags on the robot above those on the floor", default=0.0
+    )
+    height_deviation: float = quantity(
+        "m", "Standard deviation of this height", default=0.003, ge=0.0
+    )
+    water_surface: float | None = quantity(
+        "m",
+        "Height of the water's surface above the tags on the floor, if there is any above either",
+        default=None,
+    )
+    surface_deviation: float = quantity(
+        "m", "Standard deviation of the height of the surface", default=0.003, ge=0.0
+    )
+    frame_rate: float | None = quantity(
+        "1/s",
+        "Frames per second at which the film was taken; if omitted, as it states",
+        default=None,
+        gt=0.0,
+    )
+    start: float | None = quantity("s", "Time in the film at which the trial begins", default=None)
+    stop: float | None = quantity("s", "Time in the film at which it ends", default=None)
+    straight: bool = option(
+        "The body holds straight, as in a glide: one tag is enough", default=False
+    )
+    longest_gap: float = quantity(
+        "s", "Gaps up to this long are filled by straight lines", default=0.2, ge=0.0
+    )
+    smoothing: float = quantity(
+        "s", "Rates are slopes of cubic fits over this time", default=0.2, gt=0.0
+    )
+    along: Words = option(
+        "NAME=METRES: distance of each of a tracker's points from the tail end", default=()
+    )
+    individual: str | None = option("Whose points, if a tracker found several", default=None)
+    save: TrialOutput = option("Write the trial (.nc, .mcap, ...)", default=None)
+    save_calibration: TomlOutput = option("Write the calibration of the camera", default=None)
+    picture: PictureOutput = option("Draw the chain over frames of the film", default=None)
+
+    def run(self) -> Outcome:
+        """Track."""
+        table: dict[str, Any] = {"robot": self.robot}
+        if self.water is not None:
+            table["water"] = self.water
+        chosen = take_chosen(table, STILL, None)
+        if Path(self.file).suffix.lower() in FILM_ENDINGS:
+            track = self._follow_tags(chosen.robot)
+        else:
+            track = self._follow_points(chosen.robot)
+        if self.picture is not None:
+            film = None
+            if Path(self.file).suffix.lower() in FILM_ENDINGS:
+                film = self.file
+            save_figure(draw_over_frames(track, film), self.picture)
+        trial = build_trial(
+            track,
+            chosen.robot,
+            chosen.environment,
+            start=self.start,
+            stop=self.stop,
+            longest_gap=self.longest_gap,
+            smoothing=self.smoothing,
+        )
+        if self.save is not None:
+            trial.save(self.save)
+        return Outcome(facts=self._facts_of(trial, track), text=self._describe(trial, track))
+
+    def _follow_tags(self, robot: lc.Robot) -> BodyTrack:
+        if self.tags is None:
+            raise BadFlag(
+                "--tags must be given for a film: the file that `laticauda tags` wrote. Points of a "
+                "tracker are read from its own file, not from the film."
+            )
+        layout = load_layout(self.tags)
+        show = show_progress(SHARE, what="searched", patience=PATIENCE)
+        film = find_tags(self.file, layout, frame_rate=self.frame_rate, on_progress=show)
+        camera = self._load_camera()
+        if camera is None:
+            camera = self._calibrate(film, layout)
+        return follow_tags(film, layout, camera, robot, is_straight=self.straight)
+
+    def _load_camera(self) -> Calibration | None:
+        if self.calibration is None:
+            return None
+        return load_calibration(self.calibration)
+
+    def _calibrate(self, film: TagFilm, layout: TagLayout) -> Calibration:
+        surface = None
+        if self.water_surface is not None:
+            surface = Surface(height=self.water_surface, height_deviation=self.surface_deviation)
+        lens = None
+        if self.lens is not None:
+            lens = load_lens(self.lens)
+        camera = calibrate_camera(
+            marks_of_floor(film, layout),
+            film.image_size,
+            lens=lens,
+            surface=surface,
+            plane_height=self.height,
+            plane_height_deviation=self.height_deviation,
+        )
+        if self.save_calibration is not None:
+            save_calibration(camera, self.save_calibration)
+        return camera
+
+    def _follow_points(self, robot: lc.Robot) -> BodyTrack:
+        points = read_points(self.file, frame_rate=self.frame_rate, individual=self.individual)
+        distance_of = _read_distances(self.along, points.names)
+        chosen = points.only(tuple(distance_of))
+        places = places_at(list(distance_of.values()))
+        return follow_points(chosen, places, self._load_camera(), robot)
+
+    def _facts_of(self, trial: lc.Trial, track: BodyTrack) -> Mapping[str, Any]:
+        facts = dict(report.facts_of_trial(trial))
+        facts["notes"] = list(track.notes)
+        facts["save"] = self.save
+        if isinstance(track.calibration, CameraCalibration):
+            facts["residual"] = track.calibration.residual
+        if track.calibration is not None:
+            facts["scale_deviation"] = track.calibration.scale_deviation
+            facts["position_deviation"] = track.calibration.position_deviation
+        return facts
+
+    def _describe(self, trial: lc.Trial, track: BodyTrack) -> str:
+        rows = [("seen", f"{trial.time.size} frames, {trial.time[-1] - trial.time[0]:.2f} s")]
+        camera = track.calibration
+        if isinstance(camera, CameraCalibration):
+            rows.append(("camera", f"tags on the floor fit to {camera.residual:.2f} px"))
+        if camera is not None:
+            rows.append(
+                (
+                    "certain",
+                    f"lengths to {camera.scale_deviation:.2%}, places to "
+                    f"{1e3 * camera.position_deviation:.1f} mm more (standard deviations)",
+                )
+            )
+        rows += [("note", note) for note in track.notes]
+        moved = float(((trial.center_of_mass[-1] - trial.center_of_mass[0]) ** 2).sum() ** 0.5)
+        duration = float(trial.time[-1] - trial.time[0])
+        rows.append(("path", f"{moved:.3f} m from begin to end, {moved / duration:.4f} m/s"))
+        for name, path in (("trial", self.save), ("picture", self.picture)):
+            if path is not None:
+                rows.append((name, path))
+        return "\n".join(f"{name:<9}{text}" for name, text in rows)
+
+
+def _read_distances(words: tuple[str, ...], names: tuple[str, ...]) -> dict[str, float]:
+    """Return the distances of points from the tail end [m], by name."""
+    listed = ", ".join(names)
+    if not words:
+        raise BadFlag(
+            "--along must say where the points sit on the body, NAME=METRES from the tail end; the "
+            f"file has {listed}"
+        )
+    distances: dict[str, float] = {}
+    for word in words:
+        name, separator, number = word.rpartition("=")
+        try:
+            distance = float(number)
+        except ValueError:
+            separator = ""
+            distance = 0.0
+        if not separator:
+            raise BadFlag(f"--along must be NAME=METRES, got {word!r}")
+        if name not in names:
+            raise BadFlag(f"--along must name points of the file, {listed}, got {name!r}")
+        distances[name] = distance
+    return distances

@@ -1,0 +1,343 @@
+"""Where a body was in every frame of a film: its center of mass and the angles of its links."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.film.calibration import Calibration, points_on_plane
+from laticauda.film.chain import PointPlaces, fit_chain, places_at
+from laticauda.film.points import TrackedPoints
+from laticauda.film.tags import LinkTag, TagFilm, TagLayout
+from laticauda.robot import Robot, kinematics
+from laticauda.trials.arrays import Samples
+from laticauda.values import BadArgument
+
+NOTED_SIZE_ERROR = 0.03
+"""Difference of the size of tags from the stated one that is noted [-]."""
+WORST_SIZE_ERROR = 0.15
+"""Difference above which a height or a size is wrong [-]."""
+LONG_GAP = 0.2
+"""Time for which a tag may be lost before frames are no longer taken by themselves [s]."""
+FEWEST_FRAMES = 5
+"""Frames in which a body is seen at least."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BodyTrack:
+    """A body in every frame of a film."""
+
+    robot: Robot
+    """Its planar chain."""
+    time: Samples
+    """Time of every frame [s]."""
+    center_of_mass: Float[np.ndarray, "n_frames 2"]
+    """Where its center of mass was; nan where that is not known [m]."""
+    link_angle: Float[np.ndarray, "n_frames n_links"]
+    """Angle of every link from the x axis; nan where it was not seen [rad]."""
+    points: TrackedPoints
+    """What was seen, in px unless there is no calibration."""
+    calibration: Calibration | None
+    """Of the camera; None if the points are in m."""
+    notes: tuple[str, ...] = ()
+    """What a reader of the figures should know, a sentence each."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LinkPoses:
+    """Poses of links that carry tags."""
+
+    link: tuple[int, ...]
+    """The links, 0 = tail."""
+    center: Float[np.ndarray, "n_frames n_tags 2"]
+    """Middle of each; nan where its tag was not found [m]."""
+    angle: Float[np.ndarray, "n_frames n_tags"]
+    """Angle of each from the x axis, without jumps [rad]."""
+    size_ratio: float
+    """Usual size of the tags as seen, over the stated one [-]."""
+
+
+def poses_of_links(film: TagFilm, layout: TagLayout, calibration: Calibration) -> LinkPoses:
+    """Return the poses of links from their tags.
+
+    Args:
+        film: Tags in the film.
+        layout: Which is on which link.
+        calibration: Of the camera.
+
+    Raises:
+        ValueError: If no tag was found on a link.
+    """
+    centers: list[np.ndarray] = []
+    angles: list[np.ndarray] = []
+    sizes: list[float] = []
+    links: list[int] = []
+    for tag in sorted(layout.links, key=lambda tag: tag.link):
+        corners = film.corners_of(tag.number)
+        if np.isnan(corners[:, 0, 0]).all():
+            continue
+        places = calibration.to_plane(corners.reshape(-1, 2)).reshape(corners.shape)
+        along = 0.5 * (places[:, 1] - places[:, 0] + places[:, 2] - places[:, 3])
+        angle = np.arctan2(along[:, 1], along[:, 0]) - tag.angle
+        direction = np.stack((np.cos(angle), np.sin(angle)), axis=1)
+        left = np.stack((-direction[:, 1], direction[:, 0]), axis=1)
+        offset = tag.offset[0] * direction + tag.offset[1] * left
+        centers.append(places.mean(axis=1) - offset)
+        angles.append(unwrap_seen(angle))
+        sizes.append(float(np.nanmedian(np.linalg.norm(along, axis=1))) / layout.link_size)
+        links.append(tag.link)
+    if not links:
+        numbers = ", ".join(str(tag.number) for tag in layout.links)
+        raise BadArgument("film", f"must show tags on the robot, {numbers}: none was found")
+    angle = np.stack(angles, axis=1)
+    # Neighbours are within half a turn of each other, where both are first seen.
+    for i in range(1, angle.shape[1]):
+        difference = np.nanmedian(angle[:, i] - angle[:, i - 1])
+        if np.isfinite(difference):
+            angle[:, i] -= 2.0 * np.pi * np.round(difference / (2.0 * np.pi))
+    return LinkPoses(
+        link=tuple(links),
+        center=np.stack(centers, axis=1),
+        angle=angle,
+        size_ratio=float(np.median(sizes)),
+    )
+
+
+def unwrap_seen(angle: Float[np.ndarray, " n_frames"]) -> Float[np.ndarray, " n_frames"]:
+    """Return angles without jumps of whole turns from one seen frame to the next [rad].
+
+    Args:
+        angle: Angles; nan where not seen [rad].
+    """
+    is_seen = np.isfinite(angle)
+    unwrapped = angle.copy()
+    unwrapped[is_seen] = np.unwrap(angle[is_seen])
+    return unwrapped
+
+
+def follow_tags(
+    film: TagFilm,
+    layout: TagLayout,
+    calibration: Calibration,
+    robot: Robot,
+    *,
+    is_straight: bool = False,
+) -> BodyTrack:
+    """Find a body from tags on its links.
+
+    If every link has a tag that is never lost for long, each frame is taken by itself. Otherwise a
+    chain is fitted to all frames at once.
+
+    Args:
+        film: Tags in the film.
+        layout: Which is on which link.
+        calibration: Of the camera.
+        robot: What swims.
+        is_straight: Whether it holds straight, as in a glide: then one tag is enough.
+
+    Raises:
+        ValueError: If a tag's link does not exist, the tags look too large or too small, or too few
+            were found.
+    """
+    chain = robot.planar()
+    for tag in layout.links:
+        if tag.link >= chain.n_links:
+            rule = f"must be of links of {chain.name}, 0 to {chain.n_links - 1}"
+            raise BadArgument("tags", f"{rule}, got {tag.link}")
+    poses = poses_of_links(film, layout, calibration)
+    notes = [*_check_sizes(poses.size_ratio), _describe_lost(film, layout)]
+    points = points_of_tags(film, layout, poses.link)
+    if is_straight:
+        angle = _mean_of_seen(poses.angle)
+        link_angle = np.repeat(angle[:, np.newaxis], chain.n_links, axis=1)
+        notes.append("The body is taken for straight.")
+    elif len(poses.link) == chain.n_links and find_longest_gap(film.time, poses.angle) <= LONG_GAP:
+        link_angle = poses.angle
+    else:
+        tracked = points_on_plane(points, calibration)
+        return _fit(
+            tracked, points, _places_of_tags(layout, poses.link, chain), chain, calibration, notes
+        )
+    _check_seen(link_angle)
+    return BodyTrack(
+        robot=chain,
+        time=film.time,
+        center_of_mass=_center_of_mass(chain, poses, link_angle),
+        link_angle=link_angle,
+        points=points,
+        calibration=calibration,
+        notes=tuple(notes),
+    )
+
+
+def follow_points(
+    points: TrackedPoints, places: PointPlaces, calibration: Calibration | None, robot: Robot
+) -> BodyTrack:
+    """Find a body from points that a tracker found: a chain is fitted to all frames at once.
+
+    Args:
+        points: The points.
+        places: Where they sit on the body.
+        calibration: Of the camera; None if the points are in m.
+        robot: What swims.
+
+    Raises:
+        ValueError: If points in px have no calibration, or too few were seen.
+    """
+    tracked = points
+    if points.unit == "px":
+        if calibration is None:
+            raise BadArgument("calibration", "must be given: the points are in px")
+        tracked = points_on_plane(points, calibration)
+    elif calibration is not None:
+        raise BadArgument("calibration", "must not be given: the points are in m already")
+    return _fit(tracked, points, places, robot.planar(), calibration, list(tracked.notes))
+
+
+def find_longest_gap(time: Samples, values: Float[np.ndarray, "n_frames n_columns"]) -> float:
+    """Return the longest time between two frames in which a column is known [s]; inf if one never is.
+
+    Args:
+        time: Time of every frame [s].
+        values: Columns; nan where unknown.
+    """
+    longest = 0.0
+    for column in values.T:
+        known = time[np.isfinite(column)]
+        if not known.size:
+            return np.inf
+        edges = np.concatenate((time[:1], known, time[-1:]))
+        longest = max(longest, float(np.max(np.diff(edges))))
+    return longest
+
+
+# ---- one frame after the other -------------------------------------------------------------------
+
+
+def _mean_of_seen(values: Float[np.ndarray, "n_frames n_tags"]) -> Float[np.ndarray, " n_frames"]:
+    is_seen = np.isfinite(values)
+    total = np.where(is_seen, values, 0.0).sum(axis=1)
+    count = is_seen.sum(axis=1)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+
+
+def _center_of_mass(
+    chain: Robot, poses: LinkPoses, link_angle: Float[np.ndarray, "n_frames n_links"]
+) -> Float[np.ndarray, "n_frames 2"]:
+    """Return the mean of what all links that were seen say [m]."""
+    estimates: list[np.ndarray] = []
+    for i, link in enumerate(poses.link):
+        estimates.append(
+            kinematics.center_of_mass(chain, poses.center[:, i], link_angle, link=link)
+        )
+    stacked = np.stack(estimates, axis=1)
+    return np.stack([_mean_of_seen(stacked[..., axis]) for axis in (0, 1)], axis=1)
+
+
+def _check_seen(link_angle: Float[np.ndarray, "n_frames n_links"]) -> None:
+    n_seen = np.isfinite(link_angle).sum(axis=0)
+    if np.any(n_seen < FEWEST_FRAMES):
+        link = int(np.argmin(n_seen))
+        rule = f"must show every link in at least {FEWEST_FRAMES} frames"
+        raise BadArgument("film", f"{rule}, got {n_seen[link]} of link {link}")
+
+
+def _check_sizes(size_ratio: float) -> list[str]:
+    """Refuse tags that look too large or small, which shows that a height or a size is wrong."""
+    error = size_ratio - 1.0
+    if abs(error) > WORST_SIZE_ERROR:
+        rule = "must be right: tags on the robot look"
+        raise BadArgument("height", f"{rule} {size_ratio:.2f} times as large as they are")
+    if abs(error) > NOTED_SIZE_ERROR:
+        return [
+            f"Tags on the robot look {size_ratio:.3f} times as large as they are: check the height of "
+            "the plane and the size of the tags."
+        ]
+    return []
+
+
+def _describe_lost(film: TagFilm, layout: TagLayout) -> str:
+    numbers = [
+        tag.number for tag in layout.links if not np.isnan(film.corners_of(tag.number)).all()
+    ]
+    never = [tag.number for tag in layout.links if tag.number not in numbers]
+    sentence = f"Tags on the robot were lost in {film.share_lost(numbers):.1%} of the frames."
+    if never:
+        sentence += f" Never found: {', '.join(map(str, never))}."
+    return sentence
+
+
+# ---- all frames at once --------------------------------------------------------------------------
+
+
+def _fit(
+    tracked: TrackedPoints,
+    seen: TrackedPoints,
+    places: PointPlaces,
+    chain: Robot,
+    calibration: Calibration | None,
+    notes: list[str],
+) -> BodyTrack:
+    fit = fit_chain(tracked, chain, places)
+    motion = fit.motion(tracked.time)
+    link_angle = kinematics.link_angles(motion.joint_angle, angle=motion.heading)
+    degrees = np.degrees(np.max(fit.joint_deviation, initial=0.0))
+    notes.append(
+        f"A chain was fitted to all frames: noise {1e3 * float(np.median(fit.noise)):.2g} mm, joint "
+        f"angles to {degrees:.2g} deg (standard deviation), {fit.n_outliers} outliers."
+    )
+    return BodyTrack(
+        robot=chain,
+        time=tracked.time,
+        center_of_mass=motion.center_of_mass,
+        link_angle=link_angle,
+        points=seen,
+        calibration=calibration,
+        notes=tuple(notes),
+    )
+
+
+def points_of_tags(film: TagFilm, layout: TagLayout, links: Sequence[int]) -> TrackedPoints:
+    """Return two points for every tag on the robot: the middles of its rear and its front edge [px].
+
+    Args:
+        film: Tags in the film.
+        layout: Which is on which link.
+        links: Links whose tags are wanted.
+    """
+    names: list[str] = []
+    positions: list[np.ndarray] = []
+    for link in links:
+        tag = _tag_of(layout, link)
+        corners = film.corners_of(tag.number)
+        names += [f"tag {tag.number} rear", f"tag {tag.number} front"]
+        positions.append(0.5 * (corners[:, 0] + corners[:, 3]))
+        positions.append(0.5 * (corners[:, 1] + corners[:, 2]))
+    position = np.stack(positions, axis=1)
+    return TrackedPoints(
+        time=film.time,
+        names=tuple(names),
+        position=position,
+        likelihood=np.full(position.shape[:2], np.nan),
+        unit="px",
+        source=f"{film.source}: tags",
+    )
+
+
+def _places_of_tags(layout: TagLayout, links: Sequence[int], chain: Robot) -> PointPlaces:
+    """Return where these points sit on the body."""
+    ends = np.cumsum([module.length for module in chain.modules])
+    along: list[float] = []
+    left: list[float] = []
+    for link in links:
+        tag = _tag_of(layout, link)
+        middle = ends[link] - 0.5 * chain.modules[link].length + tag.offset[0]
+        for half in (-0.5 * layout.link_size, 0.5 * layout.link_size):
+            along.append(float(middle + half * np.cos(tag.angle)))
+            left.append(float(tag.offset[1] + half * np.sin(tag.angle)))
+    return places_at(along, left)
+
+
+def _tag_of(layout: TagLayout, link: int) -> LinkTag:
+    return next(tag for tag in layout.links if tag.link == link)

@@ -1,0 +1,66 @@
+import json
+
+import numpy as np
+import pytest
+from film import tracker_files
+from film.tag_films import LEVEL, SURFACE, rendered
+
+import laticauda as lc
+from laticauda.cli import main
+from laticauda.film.calibration import calibrate_by_ruler, save_calibration
+from laticauda.film.tags import load_layout, save_layout
+from laticauda.robot.files import to_toml
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "robot.toml").write_text(to_toml(rendered().robot))
+    save_layout(rendered().layout, tmp_path / "tags.toml")
+    return tmp_path
+
+
+def test_a_sheet_of_tags_comes_with_their_places_and_what_to_do(folder, capsys):
+    assert main(["tags", "--robot", "mamba", "--output", "sheet.pdf", "--area", "2", "1"]) == 0
+    text = capsys.readouterr().out
+    assert text.startswith("sheet.pdf: 12 pages; sheet.toml: places of the tags\n1. Print at 100 %")
+    assert load_layout("sheet.toml").floor[2].x == 2.0
+
+
+def test_a_film_becomes_a_trial_a_picture_and_a_calibration(folder, capsys):
+    options = ["--robot", "robot.toml", "--tags", "tags.toml", "--water", "paper-lateral"]
+    options += ["--height", str(LEVEL), "--water-surface", str(SURFACE)]
+    options += ["--save", "swim.nc", "--picture", "swim.png", "--save-calibration", "camera.toml"]
+    assert main(["track", str(rendered().path), *options]) == 0
+    text = capsys.readouterr().out
+    assert "camera   tags on the floor fit to 0." in text
+    assert "note     Tags on the robot were lost in" in text
+    trial = lc.load_trial("swim.nc")
+    true = rendered().trial
+    moved = np.linalg.norm(trial.center_of_mass[-1] - trial.center_of_mass[0])
+    at = [np.interp(trial.time[-1], true.time, true.center_of_mass[:, k]) for k in (0, 1)]
+    assert moved == pytest.approx(np.hypot(*(at - true.center_of_mass[0, :2])), abs=4e-3)
+    assert (folder / "swim.png").stat().st_size > 10_000
+    again = ["--robot", "robot.toml", "--tags", "tags.toml", "--calibration", "camera.toml"]
+    assert main(["track", str(rendered().path), *again, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["scale_deviation"] > 0.0
+
+
+def test_points_of_a_tracker_become_a_trial(folder, capsys):
+    tracker_files.write_deeplabcut_csv(folder / "eel.csv")
+    save_calibration(calibrate_by_ruler((640, 480), (0, 0), (500, 0), 1.0), "camera.toml")
+    options = ["--robot", "robot.toml", "--calibration", "camera.toml", "--frame-rate", "30"]
+    assert main(["track", "eel.csv", *options]) == 2
+    assert "--along must say where the points sit on the body" in capsys.readouterr().err
+    wrong = ["--along", "nose=x"]
+    assert main(["track", "eel.csv", *options, *wrong]) == 2
+    assert "--along must be NAME=METRES, got 'nose=x'" in capsys.readouterr().err
+    along = ["--along", "nose=0.44", "middle=0.36", "tail=0.28"]
+    assert main(["track", "eel.csv", *options, *along, "--save", "eel.nc"]) == 0
+    speed = np.diff(lc.load_trial("eel.nc").center_of_mass[[0, -1], 0])[0] / (11 / 30)
+    assert speed == pytest.approx(3.0 / 500.0 * 30.0, rel=0.02)
+
+
+def test_a_film_without_its_tags_is_refused(folder, capsys):
+    assert main(["track", "swim.mp4"]) == 2
+    assert "--tags must be given for a film" in capsys.readouterr().err
