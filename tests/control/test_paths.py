@@ -114,7 +114,7 @@ def test_a_spline_passes_through_its_points_with_a_unit_tangent(corners):
 @given(corners=waypoints(most=5))
 def test_the_length_of_a_spline_is_that_of_a_numerical_integration(corners):
     path = Spline(waypoints=corners)
-    curve = path._curve
+    curve = path.curve
 
     def speed(u):
         return float(np.linalg.norm(curve.derivatives(np.array([u]))[1]))

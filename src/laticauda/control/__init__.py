@@ -7,6 +7,7 @@ tank.
 - curve: smooth curve through points; paths: line, circle, legs and smooth curve as paths
 - guidance: laws that give a heading, its estimate, and the offset that turns the robot there
 - path_following, spatial_path_following: the controllers, in plan and in space
+- vector_paths, vector_guidance, vector_following: the same of many robots at once, as arrays
 - following: their parameters as in trial files and on the command line
 - averaged: a model of the motion from cycle to cycle; averaged_fit: its fit to trials;
   offset_steps: a maneuver that identifies it; current: an observer of the current, built on it

@@ -132,11 +132,82 @@ class Curve:
             u = 0.5 * (low + high)
             if slope_rate > 0.0:
                 newton_u = last_u - slope / slope_rate
-                if low < newton_u < high:
+                if low <= newton_u <= high:  # at the foot, Newton's step is zero
                     u = newton_u
             if abs(u - last_u) <= TOLERANCE * float(self.nodes[-1]):
                 break
         return u
+
+
+def nearest_of_many(
+    curve: Curve, positions: Float[np.ndarray, "n_points 2"], near: Numbers | None
+) -> Numbers:
+    """Return u of the curve points nearest to many positions, as `Curve.nearest` does for one.
+
+    Args:
+        curve: The curve.
+        positions: Points in the plane [m].
+        near: Length [m] at which to start for each; None searches the whole curve.
+    """
+    i = _nearest_nodes(curve, positions, near)
+    low = curve.nodes[np.maximum(i - 1, 0)]
+    high = curve.nodes[np.minimum(i + 1, curve.nodes.size - 1)]
+    return _find_feet(curve, positions, low, curve.nodes[i], high)
+
+
+def _nearest_nodes(curve: Curve, positions: Vectors, near: Numbers | None) -> np.ndarray:
+    """Return the node nearest to each position: of all, or the first downhill from `near`."""
+    if near is None:
+        nodes = [
+            np.argmin(np.sum((curve.corners - position) ** 2, axis=1)) for position in positions
+        ]
+        return np.array(nodes)
+    last = curve.nodes.size - 1
+
+    def squared_distance(i: np.ndarray) -> np.ndarray:
+        return np.sum((curve.corners[np.clip(i, 0, last)] - positions) ** 2, axis=1)
+
+    i = np.minimum(np.searchsorted(curve.lengths, near), last)
+    for step in (1, -1):
+        distance = squared_distance(i)
+        while True:
+            distance_after = squared_distance(i + step)
+            is_inside = (i + step >= 0) & (i + step <= last)
+            moves = is_inside & (distance_after < distance)
+            if not moves.any():
+                break
+            i = i + step * moves
+            distance = np.where(moves, distance_after, distance)
+    return i
+
+
+def _find_feet(
+    curve: Curve, positions: Vectors, low: Numbers, u: Numbers, high: Numbers
+) -> Numbers:
+    """Find (r - p) . r' = 0 between `low` and `high` for many points, see `Curve.nearest`."""
+    found = u.copy()
+    searched = np.arange(u.size)
+    tolerance = TOLERANCE * float(curve.nodes[-1])
+    for _ in range(MOST_BISECTIONS):
+        points, first, second = curve.derivatives(u)
+        apart = points - positions[searched]
+        slope = np.sum(apart * first, axis=1)
+        high = np.where(slope > 0.0, u, high)
+        low = np.where(slope > 0.0, low, u)
+        squared_speed = np.sum(first * first, axis=1)
+        slope_rate = squared_speed + np.sum(apart * second, axis=1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            newton_u = u - slope / slope_rate
+        is_inside = (low <= newton_u) & (newton_u <= high)
+        is_newton = is_inside & (slope_rate > 0.0)
+        next_u = np.where(is_newton, newton_u, 0.5 * (low + high))
+        found[searched] = next_u
+        goes_on = np.abs(next_u - u) > tolerance
+        if not goes_on.any():
+            break
+        searched = searched[goes_on]
+        u, low, high = next_u[goes_on], low[goes_on], high[goes_on]
+    return found
 
 
 def fit_natural_cubic(points: Vectors) -> Curve:
@@ -156,8 +227,14 @@ def fit_natural_cubic(points: Vectors) -> Curve:
     corners, first, _ = _evaluate(knots, cubics, nodes)
     _check_speed(corners, first)
     piece_lengths = _integrate_length(knots, cubics, nodes[:-1], nodes[1:])
-    lengths = np.concatenate(([0.0], np.cumsum(piece_lengths)))
-    return Curve(knots=knots, cubics=cubics, nodes=nodes, corners=corners, lengths=lengths)
+    lengths_after = np.cumsum(piece_lengths)
+    return Curve(
+        knots=knots,
+        cubics=cubics,
+        nodes=nodes,
+        corners=corners,
+        lengths=np.concatenate(([0.0], lengths_after)),
+    )
 
 
 def _solve_cubics(points: Vectors, step: Steps) -> Cubics:
@@ -167,13 +244,16 @@ def _solve_cubics(points: Vectors, step: Steps) -> Cubics:
     matrix = np.eye(n)
     right_side = np.zeros((n, 2))
     for i in range(1, n - 1):
-        matrix[i, i - 1] = step[i - 1]
-        matrix[i, i] = 2.0 * (step[i - 1] + step[i])
-        matrix[i, i + 1] = step[i]
+        step_before = step[i - 1]
+        step_after = step[i]
+        matrix[i, i - 1] = step_before
+        matrix[i, i] = 2.0 * (step_before + step_after)
+        matrix[i, i + 1] = step_after
         right_side[i] = 6.0 * (slope[i] - slope[i - 1])
     second = np.linalg.solve(matrix, right_side)
     h = step[:, np.newaxis]
-    first = slope - h * (2.0 * second[:-1] + second[1:]) / 6.0
+    bend = 2.0 * second[:-1] + second[1:]
+    first = slope - h * bend / 6.0
     third = np.diff(second, axis=0) / (6.0 * h)
     return np.stack((points[:-1], first, 0.5 * second[:-1], third))
 
@@ -199,11 +279,10 @@ def _evaluate(knots: Knots, cubics: Cubics, u: Numbers) -> Derivatives:
     i = np.clip(np.searchsorted(knots, u, side="right") - 1, 0, knots.size - 2)
     h = (u - knots[i])[:, np.newaxis]
     a, b, c, d = cubics[:, i]
-    return Derivatives(
-        points=((d * h + c) * h + b) * h + a,
-        first=(3.0 * d * h + 2.0 * c) * h + b,
-        second=6.0 * d * h + 2.0 * c,
-    )
+    points = ((d * h + c) * h + b) * h + a
+    first = (3.0 * d * h + 2.0 * c) * h + b
+    second = 6.0 * d * h + 2.0 * c
+    return Derivatives(points=points, first=first, second=second)
 
 
 def _integrate_length(knots: Knots, cubics: Cubics, begin: Numbers, end: Numbers) -> Numbers:

@@ -3,7 +3,9 @@
 `Path` is the interface that guidance needs of a path; `laticauda.control.paths` has the usual ones.
 """
 
-from typing import Generic, NamedTuple, TypeAlias, TypeVar
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 from jaxtyping import Float
@@ -65,6 +67,18 @@ class Path(Extensible, Generic[State], group="paths"):
         """
         raise NotImplementedError
 
+    @classmethod
+    def vectorize(cls, paths: Sequence[Any]) -> "VectorPath | None":
+        """Return one object that locates a robot on each of many paths; None: they are asked one by one.
+
+        It stands for `init` and `locate`; a subclass that changes these is not asked.
+
+        Args:
+            paths: Paths of this class, one for each robot.
+        """
+        del paths
+        return None
+
     def points(self, along_track_distance: Distances) -> Points:
         """Return points of the path, for plots and tests.
 
@@ -75,3 +89,30 @@ class Path(Extensible, Generic[State], group="paths"):
             One row x, y per distance [m], world axes; beyond its ends the path continues straight.
         """
         raise NotImplementedError
+
+
+class PathFrames(NamedTuple):
+    """Positions of many robots relative to the nearest points of their paths: a `PathFrame` of arrays."""
+
+    along_track_distance: Float[np.ndarray, " n"]
+    """Path length up to the nearest point [m]."""
+    cross_track_error: Float[np.ndarray, " n"]
+    """Distance from the path, positive to the left of it [m]."""
+    path_tangential_angle: Float[np.ndarray, " n"]
+    """Direction of the path at the nearest point, in [-pi, pi) [rad]."""
+    curvature: Float[np.ndarray, " n"]
+    """Curvature of the path at the nearest point, positive where it turns left [1/m]."""
+    remaining: Float[np.ndarray, " n"]
+    """Length of the path ahead [m]."""
+
+
+class VectorPath(ABC):
+    """Paths of many robots, with the progress of each. It is made for one run."""
+
+    @abstractmethod
+    def locate(self, position: Float[np.ndarray, "n n_axes"]) -> PathFrames:
+        """Locate every robot relative to its path, after the last call.
+
+        Args:
+            position: p [m], one row per robot; only the first two components are used.
+        """

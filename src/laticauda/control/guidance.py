@@ -5,11 +5,16 @@ world axes and within half a turn of the robot's heading, so that no law ever as
 """
 
 import math
+from abc import ABC, abstractmethod
 from bisect import bisect_right
+from collections.abc import Sequence
 from operator import attrgetter
-from typing import Generic, NamedTuple, TypeAlias, TypeVar
+from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
 
-from laticauda.control.frames import PathFrame
+import numpy as np
+from jaxtyping import Bool, Float
+
+from laticauda.control.frames import PathFrame, PathFrames
 from laticauda.values import BadArgument, Extensible, quantity, value_class, wrap_to_pi
 
 State = TypeVar("State")
@@ -41,6 +46,39 @@ class Guidance(Extensible, Generic[State], group="guidance"):
             The new state, and theta_ref in world axes, within half a turn of `heading` [rad].
         """
         raise NotImplementedError
+
+    @classmethod
+    def vectorize(cls, laws: Sequence[Any]) -> "VectorGuidance | None":
+        """Return one object that computes many laws of this class; None: they are called one by one.
+
+        It stands for `init` and `step`; a subclass that changes these is not asked.
+
+        Args:
+            laws: Laws of this class, one for each robot.
+        """
+        del laws
+        return None
+
+
+class VectorGuidance(ABC):
+    """Guidance laws of many robots, with the state of each. It is made for one run."""
+
+    @abstractmethod
+    def step(
+        self,
+        frames: PathFrames,
+        heading: Float[np.ndarray, " n"],
+        dt: Float[np.ndarray, " n"],
+        is_saturated: Bool[np.ndarray, " n"],
+    ) -> Float[np.ndarray, " n"]:
+        """Return theta_ref of every robot, in world axes, within half a turn of its heading [rad].
+
+        Args:
+            frames: Positions relative to the paths.
+            heading: Theta of the robots [rad].
+            dt: Time since the last call, 0 at the first [s].
+            is_saturated: Whether the offset was at its limit during that time.
+        """
 
 
 @value_class
@@ -88,6 +126,18 @@ class LineOfSight(Guidance[None]):
         slope = frame.cross_track_error / self.look_ahead_distance
         return None, _approach_path(frame, slope, heading)
 
+    @classmethod
+    def vectorize(cls, laws: Sequence[Any]) -> VectorGuidance:
+        """Return one object that computes many of these laws.
+
+        Args:
+            laws: The laws, one for each robot.
+        """
+        from laticauda.control.vector_guidance import LinesOfSight
+
+        look_ahead_distance = np.array([law.look_ahead_distance for law in laws])
+        return LinesOfSight(look_ahead_distance, np.zeros(len(laws)))
+
 
 @value_class
 class IntegralLineOfSight(Guidance[float]):
@@ -129,6 +179,18 @@ class IntegralLineOfSight(Guidance[float]):
             state += dt * delta * error / (aim * aim + delta * delta)
         slope = (error + self.integral_gain * state) / delta
         return state, _approach_path(frame, slope, heading)
+
+    @classmethod
+    def vectorize(cls, laws: Sequence[Any]) -> VectorGuidance:
+        """Return one object that computes many of these laws.
+
+        Args:
+            laws: The laws, one for each robot.
+        """
+        from laticauda.control.vector_guidance import LinesOfSight
+
+        look_ahead_distance = np.array([law.look_ahead_distance for law in laws])
+        return LinesOfSight(look_ahead_distance, np.array([law.integral_gain for law in laws]))
 
 
 def _approach_path(frame: PathFrame, slope: float, heading: float) -> float:

@@ -5,7 +5,7 @@ robot there. In space, see `laticauda.control.spatial_path_following`.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
@@ -15,7 +15,7 @@ from laticauda.control.frames import Path
 from laticauda.control.guidance import Guidance, HeadingController, HeadingEstimate, HeadingWindow
 from laticauda.motion import gaits
 from laticauda.robot import Robot
-from laticauda.scenarios import Command, Controller, Observation
+from laticauda.scenarios import Command, Controller, Observation, VectorController
 from laticauda.values import BadArgument, angles, check_positive, option, quantity, value_class
 
 _SLOWEST = 0.5
@@ -162,6 +162,19 @@ class PathFollowing(Controller[PathFollowingState]):
             signals=signals,
         )
         return state_after, Command(gait=self.gait, offset=offset)
+
+    @classmethod
+    def vectorize(cls, controllers: Sequence[Any]) -> VectorController | None:
+        """Return one object that makes a robot follow a path for each of many controllers.
+
+        Args:
+            controllers: The controllers, one for each robot.
+        """
+        if cls is not PathFollowing or controllers[0].observer is not None:
+            return None
+        from laticauda.control.vector_following import VectorFollowing
+
+        return VectorFollowing(controllers)
 
     def _observe_current(
         self, observer: CurrentObserver, state: PathFollowingState, observation: Observation

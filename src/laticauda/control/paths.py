@@ -4,13 +4,14 @@ Each is a `Path` with `init` and `locate`, and with the progress along it as an 
 """
 
 import math
+from collections.abc import Sequence
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from laticauda.control.curve import Curve, fit_natural_cubic
-from laticauda.control.frames import Distances, Path, PathFrame, Points, Position
+from laticauda.control.frames import Distances, Path, PathFrame, Points, Position, VectorPath
 from laticauda.values import BadArgument, quantity, value_class, wrap_to_pi
 
 Waypoints = tuple[tuple[float, float], ...]
@@ -50,6 +51,17 @@ class StraightLine(Path[None]):
         along, across = transform_to_axes(self.point, self.angle, position)
         frame = _build_frame(along=along, across=across, angle=self.angle, length=math.inf)
         return None, frame
+
+    @classmethod
+    def vectorize(cls, paths: Sequence[Any]) -> VectorPath:
+        """Return one object that locates a robot on each of many of these paths.
+
+        Args:
+            paths: The paths, one for each robot.
+        """
+        from laticauda.control.vector_paths import VectorLines
+
+        return VectorLines(paths)
 
     def points(self, along_track_distance: Distances) -> Points:
         """Return the point of the line at each `along_track_distance` [m].
@@ -122,6 +134,17 @@ class Circle(Path[CircleProgress | None]):
             curvature=side / self.radius,
         )
         return CircleProgress(direction, angle_covered), frame
+
+    @classmethod
+    def vectorize(cls, paths: Sequence[Any]) -> VectorPath:
+        """Return one object that locates a robot on each of many of these paths.
+
+        Args:
+            paths: The paths, one for each robot.
+        """
+        from laticauda.control.vector_paths import VectorCircles
+
+        return VectorCircles(paths)
 
     def points(self, along_track_distance: Distances) -> Points:
         """Return the point at each `along_track_distance` [m]; distance 0 is at the circle's right.
@@ -196,6 +219,17 @@ class Polyline(Path[int]):
         )
         return leg, frame
 
+    @classmethod
+    def vectorize(cls, paths: Sequence[Any]) -> VectorPath:
+        """Return one object that locates a robot on each of many of these paths.
+
+        Args:
+            paths: The paths, one for each robot.
+        """
+        from laticauda.control.vector_paths import VectorPolylines
+
+        return VectorPolylines(paths)
+
     def points(self, along_track_distance: Distances) -> Points:
         """Return the point of the legs at each `along_track_distance` [m].
 
@@ -246,21 +280,22 @@ class Spline(Path[float | None]):
     def __post_init__(self) -> None:
         """Check every field once."""
         _check_waypoints(self.waypoints)
-        _ = self._curve  # reject an impossible curve now
+        _ = self.curve  # reject an impossible curve now
 
     @cached_property
-    def _curve(self) -> Curve:
+    def curve(self) -> Curve:
+        """The curve through the waypoints."""
         return fit_natural_cubic(np.array(self.waypoints))
 
     @property
     def length(self) -> float:
         """Length of the whole curve [m]."""
-        return float(self._curve.lengths[-1])
+        return float(self.curve.lengths[-1])
 
     @cached_property
     def lengths(self) -> tuple[float, ...]:
         """Length up to each waypoint [m]."""
-        lengths = self._curve.length(self._curve.knots)
+        lengths = self.curve.length(self.curve.knots)
         return tuple(lengths.tolist())
 
     def init(self) -> None:
@@ -273,7 +308,7 @@ class Spline(Path[float | None]):
             progress: Length up to the last nearest point [m]; None if there is none yet.
             position: Center of mass, in world axes [m].
         """
-        curve = self._curve
+        curve = self.curve
         u = np.array([curve.nearest(position[:2], progress)])
         length = float(curve.length(u)[0])
         points, first_derivatives, second_derivatives = curve.derivatives(u)
@@ -295,6 +330,17 @@ class Spline(Path[float | None]):
         )
         return length, frame
 
+    @classmethod
+    def vectorize(cls, paths: Sequence[Any]) -> VectorPath:
+        """Return one object that locates a robot on each of many of these paths.
+
+        Args:
+            paths: The paths, one for each robot.
+        """
+        from laticauda.control.vector_paths import VectorSplines
+
+        return VectorSplines(paths)
+
     def points(self, along_track_distance: Distances) -> Points:
         """Return the point of the curve at each `along_track_distance` [m].
 
@@ -302,8 +348,8 @@ class Spline(Path[float | None]):
             along_track_distance: Distances along the path from its start [m].
         """
         inside = np.clip(along_track_distance, 0.0, self.length)
-        u = self._curve.parameter(inside)
-        points, first, _ = self._curve.derivatives(u)
+        u = self.curve.parameter(inside)
+        points, first, _ = self.curve.derivatives(u)
         directions = first / np.linalg.norm(first, axis=1, keepdims=True)
         beyond = along_track_distance - inside
         return points + beyond[:, np.newaxis] * directions

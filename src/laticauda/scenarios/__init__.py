@@ -7,6 +7,9 @@ choice.py    the names with which a command or a file chooses robot, environment
 toml.py      files that people write
 stored.py    text with every number, as trials store it
 
+interfaces.py      what plants and controllers exchange
+vector_control.py  the same of many robots at once, as arrays
+
 plausibility  whether a run can be meant: what cannot be is refused, of what hardly is there is a warning
 """
 
@@ -56,6 +59,16 @@ if TYPE_CHECKING:
         run_from_toml as run_from_toml,
         run_to_toml as run_to_toml,
         unknown_in as unknown_in,
+    )
+    from laticauda.scenarios.vector_control import (
+        Observations as Observations,
+        VectorController as VectorController,
+        Decisions as Decisions,
+        OneByOne as OneByOne,
+        check_decisions as check_decisions,
+        is_vectorized as is_vectorized,
+        kind_of_controller as kind_of_controller,
+        vectorize as vectorize,
     )
     from laticauda.scenarios.toml import (
         load_scenario as load_scenario,
@@ -113,6 +126,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "run_to_toml",
             "unknown_in",
         ],
+        "laticauda.scenarios.vector_control": ["Observations", "VectorController"],
         "laticauda.scenarios.toml": ["load_scenario", "save_scenario", "scenario_from_table"],
         "laticauda.scenarios.waters": [
             "default_water",
@@ -149,5 +163,13 @@ __getattr__, __dir__, __all__ = lazy_exports(
         ],
         "laticauda.scenarios.scenario": ["NO_FILTER"],
         "laticauda.scenarios.toml": ["NAMES", "take_chosen"],
+        "laticauda.scenarios.vector_control": [
+            "Decisions",
+            "OneByOne",
+            "check_decisions",
+            "is_vectorized",
+            "kind_of_controller",
+            "vectorize",
+        ],
     },
 )

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from jaxtyping import Float
@@ -20,6 +20,9 @@ from laticauda.values import (
     quantity,
     value_class,
 )
+
+if TYPE_CHECKING:
+    from laticauda.scenarios.vector_control import VectorController
 
 State = TypeVar("State")
 FAR = 1e5
@@ -277,6 +280,20 @@ class Controller(Extensible, Generic[State], group="controllers"):
         Args:
             robot: Robot to be controlled.
         """
+
+    @classmethod
+    def vectorize(cls, controllers: Sequence[Any]) -> "VectorController | None":
+        """Return one object that steers a robot for each of many controllers, by arrays.
+
+        By default None: the controllers are called one after the other. It stands for `init` and
+        `step`; a subclass that changes these is not asked.
+
+        Args:
+            controllers: Controllers of this class, one for each robot; the fields of all have values of
+                the same classes.
+        """
+        del controllers
+        return None
 
 
 @value_class

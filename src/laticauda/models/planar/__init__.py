@@ -14,6 +14,7 @@ stepping       steps in time, by one of two integrators (template)
 model          a single robot as a `Plant`
 batch          many runs at once
 given_motion   loads of a motion that is known, as from a film
+fleet          many runs at once that controllers steer
 school         many robots that are commanded step by step
 """
 
@@ -31,6 +32,12 @@ if TYPE_CHECKING:
         block_of as block_of,
         columns_of as columns_of,
         kinds_of as kinds_of,
+        march_many as march_many,
+    )
+    from laticauda.models.planar.fleet import (
+        Fleet as Fleet,
+        LoggedLeg as LoggedLeg,
+        NeedsRunOfItsOwn as NeedsRunOfItsOwn,
     )
     from laticauda.models.planar.given_motion import (
         GivenMotion as GivenMotion,
@@ -58,8 +65,10 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "block_of",
             "columns_of",
             "kinds_of",
+            "march_many",
         ],
         "laticauda.models.planar.given_motion": ["GivenMotion", "MotionLoads", "evaluate_motion"],
+        "laticauda.models.planar.fleet": ["Fleet", "LoggedLeg", "NeedsRunOfItsOwn"],
         "laticauda.models.planar.layout": ["build_layout"],
         "laticauda.models.planar.model": ["LEAST_DT", "PlanarPlant", "specialize"],
         "laticauda.models.planar.rows": ["VX", "VY"],

@@ -25,7 +25,7 @@ from laticauda.models.planar import rows
 from laticauda.models.planar.layout import Layout
 from laticauda.models.planar.model import PlanarPlant
 from laticauda.models.planar.sample_format import column_of
-from laticauda.scenarios import Command, Start
+from laticauda.scenarios import Command, Controller, Start
 from laticauda.values import Extensible
 
 Result = TypeVar("Result")
@@ -52,16 +52,18 @@ PATH_ROWS = _VX + _AXES
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """One run of a batch: the plant, its constant command and its start."""
+    """One run of a batch: the plant, its command and its start."""
 
     plant: PlanarPlant
     """Robot, environment and settings."""
     command: Command
-    """Command, held throughout the run."""
+    """Command, held throughout the run, or until the controller's first one acts."""
     start: Start = Start()  # noqa: RUF009 - frozen
     """Start; by default straight and at rest."""
     slope: Float[np.ndarray, " rows"] | None = None
     """Derivative of the run's rows with respect to a parameter, to differentiate the results; for all runs or none."""
+    controller: Controller[Any] | None = None
+    """Controller that steers (`fleet`); None: the command is held."""
 
     @property
     def rows(self) -> Float[np.ndarray, " rows"]:

@@ -2,10 +2,12 @@
 
 plants.py           plants of scenarios
 runner.py           one run over time, with its controller and log
+timeline.py         spans between control instants, and legs with one command each
 several.py          several runs on threads, or several robots in one scene
 many.py             `swim_many`: figures of many runs
 batch_scenarios.py  scenarios and runs of a batch, from the arguments of `swim_many`
 batch_run.py        running a batch, block by block
+steered.py          runs that controllers steer, side by side
 batch_figures.py    what is kept of each run, and the figures computed from it
 run_figures.py      names, units and titles of these figures
 numbers.py          parameters that can be swept, by dotted name

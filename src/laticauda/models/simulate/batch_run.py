@@ -44,6 +44,7 @@ def run_batch(
     device: str = CPU,
     observe: BlockObserver = silent,
     with_joints: bool = False,
+    march: Callable[..., Iterator[int]] | None = None,
 ) -> BatchResult:
     """Run a batch, and return the figures of all blocks in the order of the runs.
 
@@ -60,11 +61,14 @@ def run_batch(
         observe: Called once per block, in the computing threads, before the next block overwrites
             its log; cpu only.
         with_joints: Whether the log that `observe` receives includes the motion of the joints.
+        march: Function that simulates the runs, with the arguments of `march_many`, if it is not that
+            of the device.
     """
     check_size(duration, sample_interval)
     if threads is not None:
         check_whole_number("threads", threads, 1)
-    march = _march_on(device)
+    if march is None:
+        march = _march_on(device)
     if weights is None:
         weights = _weights_of(runs)
     n_intervals = max(1, round(duration / sample_interval))

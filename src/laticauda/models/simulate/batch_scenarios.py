@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple, TypeVar, Unpack, cast
+from typing import Any, NamedTuple, TypeVar, Unpack, cast
 
 from laticauda.models.planar.batch import Run
 from laticauda.models.planar.model import PlanarPlant
@@ -12,6 +12,7 @@ from laticauda.motion.gaits import Gait
 from laticauda.robot import Environment, Ground, Robot, Water, load_robot
 from laticauda.scenarios import (
     Command,
+    Controller,
     ModelChanges,
     OpenLoop,
     Planar,
@@ -90,13 +91,14 @@ class _PlantKey(NamedTuple):
         )
 
 
-def runs_of(scenarios: Sequence[Scenario]) -> list[Run]:
+def runs_of(scenarios: Sequence[Scenario], *, steered: bool = False) -> list[Run]:
     """Return the runs of a batch, with one plant for all that share robot, environment and model.
 
     Scenarios share these if they hold the same objects; equal ones are not looked for.
 
     Args:
         scenarios: Planar scenarios with the same duration and sample interval.
+        steered: Whether they may have controllers that steer.
 
     Raises:
         ValueError: If they are not planar, or differ in these.
@@ -110,10 +112,24 @@ def runs_of(scenarios: Sequence[Scenario]) -> list[Run]:
             check_instance(f"scenarios[{i}].model", scenario.model, Planar)
             plants[key] = cast(PlanarPlant, plant_of_scenario(scenario))
         _check_same_sampling(scenario, scenarios[0])
-        command = _command_of(scenario, i)
         start = cast(Start, check_instance(f"scenarios[{i}].start", scenario.start, Start))
-        runs.append(Run(plant=plants[key], command=command, start=start))
+        plant = plants[key]
+        motion = scenario.motion
+        if steered and isinstance(motion, Controller) and not isinstance(motion, OpenLoop):
+            _check_controller(motion, plant, i)
+            command = Command(gait=motion.gait)
+            runs.append(Run(plant=plant, command=command, start=start, controller=motion))
+        else:
+            runs.append(Run(plant=plant, command=_command_of(scenario, i), start=start))
     return runs
+
+
+def _check_controller(controller: Controller[Any], plant: PlanarPlant, i: int) -> None:
+    """Reject a controller of scenario `i` that may command what its robot cannot do."""
+    try:
+        controller.check(plant.robot)
+    except BadArgument as error:
+        raise BadArgument(f"scenarios[{i}].motion.{error.name}", error.rule) from error
 
 
 def _check_same_sampling(scenario: Scenario, first: Scenario) -> None:

@@ -9,11 +9,12 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from laticauda.models.simulate.batch_figures import Block, Run, joint_peaks
-from laticauda.models.simulate.batch_run import CPU, BatchResult, run_batch
+from laticauda.models.simulate.batch_run import CPU, BatchResult
 from laticauda.models.simulate.batch_scenarios import runs_of, scenarios_of_batch
 from laticauda.models.simulate.run_figures import UNITS, Figure, RunFigures, of_figure
 from laticauda.models.simulate.runner import Progress, silent
 from laticauda.models.simulate.several import swim_each
+from laticauda.models.simulate.steered import run_mixed_batch
 from laticauda.motion.gaits import Gait
 from laticauda.robot import Environment, Robot
 from laticauda.scenarios import ModelChanges, Scenario, Spatial, Start, check_many
@@ -106,9 +107,10 @@ def swim_many(
     in the batch, nor on the number of threads.
 
     Args:
-        robots: The scenarios, all planar or all spatial; planar ones have no controllers, and share
-            duration and sample interval. Or the robots, together with their gaits; one robot may be
-            given by preset name or file path.
+        robots: The scenarios, all planar or all spatial; planar ones share duration and sample
+            interval. Controllers that are written for arrays, such as path following, are many
+            times as fast as others (`Controller.vectorize`). Or the robots, together with their
+            gaits; one robot may be given by preset name or file path.
         gaits: The commanded gaits.
         duration: Duration of every trial [s].
         environments: Waters or grounds; None uses `default_water` of each robot and gait.
@@ -159,7 +161,7 @@ def swim_many(
         return _swims_of(result, utilization)
     if feasibility:
         check_choice("device", device, (CPU,))
-    runs = runs_of(scenarios)
+    runs = runs_of(scenarios, steered=True)
     check_many(scenarios)
     first = scenarios[0]
     largest_shares = np.full(len(runs), np.nan)
@@ -167,7 +169,7 @@ def swim_many(
     def keep_utilization(block_runs: Sequence[Run], block: Block) -> None:
         largest_shares[block.index] = joint_peaks(block_runs, block)["utilization"]
 
-    result = run_batch(
+    result = run_mixed_batch(
         runs,
         first.duration,
         first.sample_interval,

@@ -1,25 +1,27 @@
 """Simulation of plants over time, with their logs.
 
-A run is split into spans at the control instants, where controllers see their robots and decide. A
-long time between two control instants becomes several spans, only to report progress between them;
-nobody decides there. A command may take effect later, inside a span, which is then split into legs
-with one command each.
+`timeline` splits a run into spans and legs with one command each.
 `run_all` is the loop; `run`, `run_scenario`, `resume` and `swim` lead to it.
 """
 
-import math
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple, TypedDict, Unpack, cast
 
 import numpy as np
 
 from laticauda.models.dynamics.plant import Plant
-from laticauda.models.dynamics.samples import Stretch, check_size
+from laticauda.models.dynamics.samples import Stretch, check_size, join_samples
 from laticauda.models.simulate.plants import build_plant
+from laticauda.models.simulate.timeline import (
+    CommandQueue,
+    Span,
+    cut_duration,
+    split_run,
+    split_span,
+)
 from laticauda.motion import gaits
 from laticauda.robot import Robot
 from laticauda.scenarios import (
@@ -56,11 +58,6 @@ Marched = tuple[States, Sequence[Stretch], str | None]
 """States of all plants after a stretch of time, the resulting stretches of log, and a failure message, if any."""
 March = Callable[[States, Sequence[Command], float, float], Marched]
 """Like `Plant.advance`, for all plants at once: states, commands, length [s], sample interval [s]."""
-
-CLOSE = 1e-9
-"""Times closer than this are equal [s]."""
-LONGEST_SPAN = 2000
-"""Samples in a span, at most, so that `progress` is called every some tens of milliseconds of work."""
 
 
 def silent(*_: object) -> None:
@@ -204,6 +201,49 @@ def run_all(
     Raises:
         ValueError: If an argument is out of its range, or a controller rejects its robot.
     """
+    finished = _run_swimmers(scenarios, plants, march, until=until, check=check, progress=progress)
+    return [swimmer.trial(finished.duration, finished.failure) for swimmer in finished.swimmers]
+
+
+def run_samples(scenario: Scenario, plant: Plant[Any]) -> np.ndarray:
+    """Run a scenario on its plant, and return the raw samples of its log, up to the failure if it diverged.
+
+    Args:
+        scenario: Everything that determines the run.
+        plant: The plant made from the scenario.
+    """
+
+    def march(
+        states: States, commands: Sequence[Command], length: float, sample_interval: float
+    ) -> Marched:
+        state, stretch, failure = plant.advance(states[0], commands[0], length, sample_interval)
+        return [state], [stretch], failure
+
+    finished = _run_swimmers([scenario], [plant], march)
+    return join_samples(finished.swimmers[0].stretches)
+
+
+class _Finished(NamedTuple):
+    """Swimmers after a run."""
+
+    swimmers: "list[_Swimmer]"
+    """The swimmers, with their logs."""
+    duration: float
+    """Duration of the run, shorter than that of the scenarios if it was cut [s]."""
+    failure: str | None
+    """What went wrong, in a sentence; None if nothing did."""
+
+
+def _run_swimmers(
+    scenarios: Sequence[Scenario],
+    plants: Sequence[Plant[Any]],
+    march: March,
+    *,
+    until: Until | None = None,
+    check: Callable[[States], object] = silent,
+    progress: Progress = silent,
+) -> _Finished:
+    """Run plants that advance together; arguments as for `run_all`."""
     duration = scenarios[0].duration
     sample_interval = scenarios[0].sample_interval
     check_size(duration, sample_interval)
@@ -218,11 +258,11 @@ def run_all(
     failure: str | None = None
     n_instants = 0
     now = 0.0
-    for span in _spans(duration, sample_interval, control_interval):
+    for span in split_run(duration, sample_interval, control_interval):
         if span.begins_at_control_instant:
             observations = [swimmer.plant.observe(swimmer.state) for swimmer in swimmers]
             if until is not None and n_instants and until(observations[0]):
-                duration = _cut(duration, control_interval, n_instants)
+                duration = cut_duration(duration, control_interval, n_instants)
                 break
             for swimmer, observation in zip(swimmers, observations):  # noqa: B905 - many times a second
                 swimmer.decide(observation, now, control_interval)
@@ -232,18 +272,10 @@ def run_all(
             break
         now = span.end
         progress(now)
-    return [swimmer.trial(duration, failure) for swimmer in swimmers]
+    return _Finished(swimmers, duration, failure)
 
 
 # ---- one robot of a run --------------------------------------------------------------------------
-
-
-class _DueCommand(NamedTuple):
-    """A command on its way from the controller to the joints."""
-
-    due: float
-    """When it takes effect, or did [s]."""
-    command: Command
 
 
 class _Swimmer:
@@ -260,10 +292,10 @@ class _Swimmer:
         self.controller = scenario.controller
         self.state = _initial_state(plant, scenario.start, scenario.gait)
         self.controller_state = self.controller.init()
-        self.delay = _delay(plant, self.controller, scenario.start)
-        """Time after which a command takes effect [s]."""
-        self.commands = [_DueCommand(0.0, Command(gait=self.controller.gait))]
-        """The command that acts, and those on their way, in the order in which they take effect."""
+        self.commands = CommandQueue[Command](
+            Command(gait=self.controller.gait),
+            delay=_delay(plant, self.controller, scenario.start),
+        )
         self.stretches: list[Stretch] = []
         self.signals: list[Mapping[str, float]] = []
         """Signals of the controller at every control instant."""
@@ -275,7 +307,7 @@ class _Swimmer:
 
         A controller slower than the fastest one in the run keeps its first command.
         """
-        command = self.commands[-1].command
+        command = self.commands.latest
         if not self.signals or self.controller.interval <= control_interval:
             self.controller_state, command = self.controller.step(
                 self.controller_state, observation
@@ -283,22 +315,7 @@ class _Swimmer:
             check_instance("command", command, Command)
         self.signals.append(self.controller.signals(self.controller_state))
         self.n_samples.append(0)
-        self.commands.append(_DueCommand(now + self.delay, command))
-        while len(self.commands) > 1 and self.commands[1].due <= now + CLOSE:
-            del self.commands[0]
-
-    def command_at(self, now: float, elapsed: float) -> Command:
-        """Return the command that acts some time after a control instant.
-
-        Args:
-            now: Time of the control instant [s].
-            elapsed: Time since then [s].
-        """
-        acting = self.commands[0].command
-        for due, command in self.commands:
-            if due - now <= elapsed + CLOSE:
-                acting = command
-        return acting
+        self.commands.add(now, command)
 
     def log(self, stretch: Stretch) -> None:
         """Keep the samples of a stretch, whose first one the stretch before has, too."""
@@ -355,71 +372,13 @@ def _initial_state(plant: Plant[Any], start: Start | Resumed, gait: gaits.Gait) 
     return plant.init(start, Command(gait=gait))
 
 
-# ---- time: spans between control instants, and legs with one command -----------------------------
-
-
-class _Span(NamedTuple):
-    """Time without a control instant inside."""
-
-    length: float
-    """Its length [s]."""
-    n_samples: int
-    """Number of samples, the one at its end included."""
-    end: float
-    """Time reached at its end [s]."""
-    begins_at_control_instant: bool
-    """Whether the controllers decide at its begin."""
-
-
-def _spans(duration: float, sample_interval: float, control_interval: float) -> Iterator[_Span]:
-    """Split a run at its control instants, and long spans so that `progress` is called often enough."""
-    n_intervals = max(1, math.ceil(duration / control_interval - 1e-9))
-    length = duration / n_intervals
-    n_samples = max(1, round(length / sample_interval))
-    for i in range(n_intervals):
-        for first in range(0, n_samples, LONGEST_SPAN):
-            count = min(LONGEST_SPAN, n_samples - first)
-            yield _Span(
-                length=length * count / n_samples,
-                n_samples=count,
-                end=length * (i + (first + count) / n_samples),
-                begins_at_control_instant=first == 0,
-            )
-
-
-def _cut(duration: float, control_interval: float, n_finished: int) -> float:
-    """Return the shortened duration of a run that ends after `n_finished` control intervals [s].
-
-    Repeated with this duration, the run has control instants at the same times to the last bit,
-    if one of the neighboring floating-point numbers allows it.
-    """
-    length = duration / max(1, math.ceil(duration / control_interval - 1e-9))
-    cut = length * n_finished
-    for candidate in (cut, math.nextafter(cut, 0.0), math.nextafter(cut, 2.0 * cut)):
-        if candidate / n_finished == length:
-            return candidate
-    return cut
-
-
-class _Leg(NamedTuple):
-    """Part of a span during which every swimmer has one command; times since the span's begin."""
-
-    begin: float
-    """Begin [s]."""
-    end: float
-    """End [s]."""
-    sample_interval: float
-    """Time between its samples [s]."""
-    ends_at_sample: bool
-    """Whether the log has a sample at its end."""
-
-
-def _advance(swimmers: Sequence[_Swimmer], march: March, now: float, span: _Span) -> str | None:
+def _advance(swimmers: Sequence[_Swimmer], march: March, now: float, span: Span) -> str | None:
     """Advance by a span, leg by leg; return the failure message, if any."""
-    for leg in _legs(swimmers, now, span):
+    queues = [swimmer.commands for swimmer in swimmers]
+    for leg in split_span(queues, now, span):
         states, stretches, failure = march(
             [swimmer.state for swimmer in swimmers],
-            [swimmer.command_at(now, leg.begin) for swimmer in swimmers],
+            [swimmer.commands.acting(now, leg.begin) for swimmer in swimmers],
             leg.end - leg.begin,
             leg.sample_interval,
         )
@@ -431,37 +390,6 @@ def _advance(swimmers: Sequence[_Swimmer], march: March, now: float, span: _Span
         if failure is not None:
             return failure
     return None
-
-
-def _legs(swimmers: Sequence[_Swimmer], now: float, span: _Span) -> list[_Leg]:
-    """Return the legs of a span: all of it, or from sample to sample if a command takes effect inside.
-
-    In the latter case it is also split where the command takes effect between two samples.
-    """
-    sample_interval = span.length / span.n_samples
-    changes = _changes_of_command(swimmers, now, span.length)
-    if not changes:
-        return [_Leg(0.0, span.length, sample_interval, ends_at_sample=True)]
-    samples = [i * sample_interval for i in range(span.n_samples + 1)]
-    between_samples = {change for change in changes if not _is_close_to_one(change, samples)}
-    return [
-        _Leg(begin, end, sample_interval=end - begin, ends_at_sample=end in samples)
-        for begin, end in pairwise(sorted([*samples, *between_samples]))
-    ]
-
-
-def _is_close_to_one(time: float, times: Sequence[float]) -> bool:
-    return min(abs(time - candidate) for candidate in times) <= CLOSE
-
-
-def _changes_of_command(swimmers: Sequence[_Swimmer], now: float, length: float) -> list[float]:
-    """Return the times since the begin of a span at which a command takes effect inside it [s]."""
-    changes: list[float] = []
-    for swimmer in swimmers:
-        for due, _ in swimmer.commands[1:]:
-            if now + CLOSE < due < now + length - CLOSE:
-                changes.append(due - now)
-    return changes
 
 
 def resume(

@@ -1,0 +1,279 @@
+"""A fleet: runs of one kind side by side, whose controllers decide again and again.
+
+Unlike the robots of a `School`, those of a fleet differ in all that runs of one kind may differ in,
+and everything is logged. The rows of each robot stay in its lane from one call of the kernels to the
+next, and the results are those of the same robot alone.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+from laticauda.models.dynamics.samples import PlantState
+from laticauda.models.planar import rows
+from laticauda.models.planar.batch import (
+    PATH_ROWS,
+    WIDTH,
+    Block,
+    Run,
+    aligned,
+    block_of,
+    columns_of,
+)
+from laticauda.scenarios import Command, Decisions, Observation, Observations, check_decisions
+
+ROW_OF_COMMAND = {
+    "amplitude": rows.AMPLITUDE,
+    "frequency": rows.FREQUENCY,
+    "phase_shift": rows.PHASE_SHIFT,
+    "offset": rows.OFFSET,
+}
+"""Row of every number that arrays command."""
+_SEEN = slice(rows.TIME, rows.VY + 1)
+"""Rows of what every controller sees: time, heading, position and their rates."""
+
+
+class NeedsRunOfItsOwn(Exception):
+    """A command that the lanes of a fleet cannot take, such as references from an external source."""
+
+
+class Fleet:
+    """Robots side by side, with a log of all that they do.
+
+    Args:
+        runs: Runs of the same kind, see `batch.kinds_of`, with the same time step.
+        n_samples: Number of samples of the log, after the first.
+        with_joints: Whether to log everything that the kernels can log, including the joints.
+    """
+
+    def __init__(self, runs: Sequence[Run], n_samples: int, *, with_joints: bool) -> None:
+        self.runs = runs
+        self.n = len(runs)
+        self.plant = runs[0].plant
+        self._kernel = self.plant.kernels_of(WIDTH).run
+        n_blocks = -(-self.n // WIDTH)
+        columns = columns_of(runs)
+        unused = np.repeat(columns[:, -1:], n_blocks * WIDTH - self.n, axis=1)
+        in_blocks = np.concatenate((columns, unused), axis=1).reshape(-1, n_blocks, WIDTH)
+        self._lanes = aligned((n_blocks, len(columns), WIDTH), float)
+        self._lanes[:] = in_blocks.transpose(1, 0, 2)
+        n_rows = PATH_ROWS
+        if with_joints:
+            n_rows = self.plant.layout.sample_size
+        self._log = aligned((n_blocks, 1 + n_samples, n_rows, WIDTH), float)
+        self._between_samples = aligned((2, n_rows, WIDTH), float)
+        self._logs_joints = with_joints
+        self._lane_is_well = np.full((n_blocks, WIDTH), True)
+        self._blocks_that_swim = list(range(n_blocks))
+        self._n_samples = np.full((n_blocks, WIDTH), 1 + n_samples)
+        self._gaits = [run.command.gait for run in runs]
+        """The gait that each robot swims, except for what arrays command."""
+        self._is_gait_alone = [True] * self.n
+        self._gait_offset = np.array([gait.offset for gait in self._gaits])
+        self._acting: Decisions | None = None
+        self._last_seen = self._read(_SEEN)
+
+    @property
+    def is_well(self) -> np.ndarray:
+        """Whether each robot still swims."""
+        return self._lane_is_well.ravel()[: self.n]
+
+    def observe(self) -> Observations:
+        """Return what controllers see of all robots now."""
+        seen = self._read(_SEEN)
+        if not self._lane_is_well.all():
+            now = np.max(seen[0])
+            seen = np.where(self.is_well, seen, self._last_seen)
+            seen[0] = now  # time goes on for a robot whose lane no longer runs
+        self._last_seen = seen
+        time, _, heading, x, y, heading_rate, velocity_x, velocity_y = seen
+        return _FleetObservations(
+            self,
+            time=time,
+            center_of_mass=np.stack((x, y), axis=1),
+            center_of_mass_velocity=np.stack((velocity_x, velocity_y), axis=1),
+            heading=heading,
+            heading_rate=heading_rate,
+            is_well=self.is_well,
+            observe=self._observe_one,
+        )
+
+    def command(self, decisions: Decisions) -> None:
+        """Let all robots do something else from now on.
+
+        Args:
+            decisions: What each is to do, see `Decisions`.
+
+        Raises:
+            NeedsRunOfItsOwn: If a command is of another kind than a gait with an offset, or switches
+                between recordings.
+        """
+        if decisions is self._acting:
+            return
+        self._acting = decisions
+        if isinstance(decisions, Mapping):
+            self._command_numbers(check_decisions(decisions, self.n))
+            return
+        for i, command in enumerate(decisions):
+            if command is not None:
+                self._command_one(i, command)
+
+    def march(self, leg: "LoggedLeg") -> None:
+        """Let all robots swim a leg, and log it.
+
+        Args:
+            leg: The leg.
+        """
+        sample_interval = leg.duration / leg.n_intervals
+        every = self.plant.steps_in(sample_interval)
+        dt = sample_interval / every
+        n_steps = leg.n_intervals * every
+        chain = self.plant.layout.chain
+        is_implicit = self.plant.is_implicit
+        is_in_log = leg.begins_at_sample and leg.ends_at_sample
+        for block in self._blocks_that_swim:
+            log = self._log[block]
+            part = self._between_samples
+            if is_in_log:
+                part = log[leg.first : leg.first + leg.n_intervals + 1]
+            # Joints at a control instant are logged as they were under the command before.
+            sample_before = part[0].copy() if self._logs_joints else part[0]
+            self._kernel(self._lanes[block], *chain, is_implicit, n_steps, dt, every, part)
+            if is_in_log:
+                if leg.first > 0 and self._logs_joints:
+                    part[0] = sample_before
+                continue
+            if leg.first == 0 and leg.begins_at_sample:
+                log[0] = part[0]
+            if leg.ends_at_sample:
+                log[leg.first + 1] = part[1]
+        self._note_failures(leg)
+
+    def blocks(self, indices: np.ndarray) -> Iterator[Block]:
+        """Yield the results of all robots, a few at a time.
+
+        Args:
+            indices: Index of each robot's run in its batch.
+        """
+        for block in range(len(self._lanes)):
+            index = indices[block * WIDTH : (block + 1) * WIDTH]
+            n = index.size
+            yield block_of(
+                index,
+                self._log[block, :, :, :n],
+                self._lanes[block, :, :n],
+                self._n_samples[block, :n],
+            )
+
+    def read_joints(self, row: int) -> Float[np.ndarray, "n n_joints"]:
+        """Return a number of every joint of the body, one row per robot.
+
+        Args:
+            row: Row of the joint's record.
+        """
+        layout = self.plant.layout
+        first = rows.HEADER_ROWS + (layout.tail_link + 1) * rows.BODY_ROWS + row
+        end = rows.HEADER_ROWS + layout.n_bodies * rows.BODY_ROWS
+        return self._read(slice(first, end, rows.BODY_ROWS)).T
+
+    def samples_of(self, i: int) -> Float[np.ndarray, "n_samples n_rows"]:
+        """Return the log of one robot.
+
+        Args:
+            i: Index of the robot.
+        """
+        block, lane = divmod(i, WIDTH)
+        return self._log[block, :, :, lane]
+
+    def state_of(self, i: int) -> PlantState:
+        """Return the state of one robot, for its plant.
+
+        Args:
+            i: Index of the robot.
+        """
+        block, lane = divmod(i, WIDTH)
+        return PlantState(values=self._lanes[block, self.plant.layout.state_rows, lane])
+
+    def _read(self, part: slice) -> np.ndarray:
+        """Return rows of all robots: one row per quantity, one column per robot."""
+        numbers = self._lanes[:, part].transpose(1, 0, 2)
+        return numbers.reshape(numbers.shape[0], -1)[:, : self.n].copy()  # the lanes move on
+
+    def _observe_one(self, i: int) -> Observation:
+        return self.runs[i].plant.observe(self.state_of(i))
+
+    def _command_numbers(self, numbers: Mapping[str, np.ndarray]) -> None:
+        """Write what arrays command into the lanes."""
+        in_lanes = np.zeros(self._lanes.shape[0] * WIDTH)
+        for name, values in numbers.items():
+            in_lanes[: self.n] = values
+            if name == "offset":
+                in_lanes[: self.n] += self._gait_offset
+            in_lanes[self.n :] = in_lanes[self.n - 1]
+            self._lanes[:, ROW_OF_COMMAND[name]] = in_lanes.reshape(-1, WIDTH)
+
+    def _command_one(self, i: int, command: Command) -> None:
+        """Write one robot's command into its lane."""
+        block, lane = divmod(i, WIDTH)
+        gait = command.gait
+        is_gait_alone = (
+            command.enabled is None
+            and command.thrusts is None
+            and command.deflections is None
+            and command.pitch_offset == 0.0
+        )
+        if is_gait_alone and self._is_gait_alone[i] and gait is self._gaits[i]:
+            if command.references is None:
+                self._lanes[block, rows.OFFSET, lane] = gait.offset + command.offset
+                return
+        if command.references is not None or gait.recorded != self._gaits[i].recorded:
+            raise NeedsRunOfItsOwn
+        new_rows = self.runs[i].plant.rows(self.state_of(i), command)
+        self._lanes[block, :, lane] = new_rows
+        self._gaits[i] = gait
+        self._is_gait_alone[i] = is_gait_alone
+
+    def _note_failures(self, leg: "LoggedLeg") -> None:
+        """Note which robots' numbers left the finite range in a leg, and after how many samples."""
+        n_written = self._lanes[:, rows.SAMPLES]
+        fails = self._lane_is_well & (n_written <= leg.n_intervals)
+        if fails.any():
+            self._n_samples[fails] = leg.first + n_written[fails].astype(int)
+            self._lane_is_well &= ~fails
+            self._blocks_that_swim = np.flatnonzero(self._lane_is_well.any(axis=1)).tolist()
+
+
+class LoggedLeg(NamedTuple):
+    """Time during which no robot of a fleet gets a new command."""
+
+    duration: float
+    """Its duration [s]."""
+    n_intervals: int
+    """Number of samples, the one at its end included."""
+    first: int
+    """Index in the log of the sample at its begin, or of the last one before."""
+    begins_at_sample: bool
+    """Whether the log has a sample at its begin."""
+    ends_at_sample: bool
+    """Whether the log has a sample at its end."""
+
+
+class _FleetObservations(Observations):
+    """What controllers see of a fleet; the joints are read on first access."""
+
+    def __init__(self, fleet: Fleet, **seen: Any) -> None:
+        super().__init__(**seen)
+        self._fleet = fleet
+
+    @cached_property
+    def joint_angle(self) -> np.ndarray:
+        """phi [rad]."""
+        return self._fleet.read_joints(rows.ANGLE)
+
+    @cached_property
+    def joint_rate(self) -> np.ndarray:
+        """phi' [rad/s]."""
+        return self._fleet.read_joints(rows.RATE)

@@ -1,0 +1,338 @@
+"""Runs that controllers steer, side by side.
+
+Runs of one kind whose controllers decide at the same times are a fleet: at every control instant all
+of its controllers decide, by arrays if they are written so, and then all robots swim on together. The
+results are those of the runner, run by run.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from typing import Any, NamedTuple, TypeVar, cast
+
+import numpy as np
+
+from laticauda.models.dynamics.school import usable_cores
+from laticauda.models.planar import (
+    PATH_ROWS,
+    Block,
+    Fleet,
+    LoggedLeg,
+    NeedsRunOfItsOwn,
+    Run,
+    block_of,
+    kinds_of,
+    march_many,
+    rows,
+)
+from laticauda.models.simulate.batch_run import CPU, BatchResult, BlockObserver, run_batch
+from laticauda.models.simulate.runner import Progress, run_samples, silent
+from laticauda.models.simulate.timeline import (
+    CommandQueue,
+    Leg,
+    Span,
+    count_samples_of_run,
+    split_run,
+    split_span,
+)
+from laticauda.scenarios import (
+    Controller,
+    Decisions,
+    Scenario,
+    kind_of_controller,
+    vectorize,
+)
+from laticauda.values import check_choice
+
+Result = TypeVar("Result")
+
+LARGEST_FLEET = 512
+"""Robots of a fleet at most: enough for arrays to pay off."""
+SMALLEST_FLEET = 64
+"""Robots of a fleet that is not shared by more threads."""
+LOG_BYTES = 64_000_000
+"""Memory that the log of a fleet may take, unless it has very few robots."""
+LEAST_LANES = 8
+"""Robots of a fleet at least, however long its log."""
+
+
+class Sampling(NamedTuple):
+    """When the robots of a fleet are seen, and when their log has samples."""
+
+    n_intervals: int
+    """Number of control intervals."""
+    samples_per_interval: int
+    """Number of samples in each."""
+
+    @property
+    def n_samples(self) -> int:
+        """Number of samples after the first."""
+        return self.n_intervals * self.samples_per_interval
+
+    @classmethod
+    def of(cls, controller: Controller[Any], duration: float, sample_interval: float) -> "Sampling":
+        """Return the sampling of a run.
+
+        Args:
+            controller: Controller that steers.
+            duration: Duration of the run [s].
+            sample_interval: Time between two samples, not yet adjusted [s].
+        """
+        counts = count_samples_of_run(duration, sample_interval, controller.interval)
+        return cls(*counts)
+
+
+def run_mixed_batch(
+    runs: Sequence[Run],
+    duration: float,
+    sample_interval: float,
+    *,
+    threads: int | None,
+    progress: Progress,
+    device: str = CPU,
+    observe: BlockObserver = silent,
+    with_joints: bool = False,
+) -> BatchResult:
+    """Run a batch in which some runs may have controllers; arguments as for `run_batch`.
+
+    Those whose logs have other samples, because they must divide the control interval, are batches
+    of their own.
+    """
+    batches = _split_by_sampling(runs, duration, sample_interval)
+    if list(batches) == [None]:
+        return run_batch(
+            runs,
+            duration,
+            sample_interval,
+            threads=threads,
+            progress=progress,
+            device=device,
+            observe=observe,
+            with_joints=with_joints,
+        )
+    check_choice("device", device, (CPU,))
+    results: list[BatchResult] = []
+    n_finished = 0
+    for sampling, members in batches.items():
+
+        def report(share: float, n_before: int = n_finished, n: int = len(members)) -> None:
+            progress((n_before + share * n) / len(runs))
+
+        def observe_members(
+            block_runs: Sequence[Run], block: Block, members: np.ndarray = members
+        ) -> None:
+            observe(block_runs, replace(block, index=members[block.index]))
+
+        own_interval = sample_interval
+        if sampling is not None:
+            own_interval = duration / sampling.n_samples
+        result = run_batch(
+            [runs[int(i)] for i in members],
+            duration,
+            own_interval,
+            threads=threads,
+            progress=report,
+            observe=observe_members,
+            with_joints=with_joints,
+            march=march_many if sampling is None else march_steered,
+        )
+        results.append(result)
+        n_finished += len(members)
+    return _join_results(list(batches.values()), results)
+
+
+def _split_by_sampling(
+    runs: Sequence[Run], duration: float, sample_interval: float
+) -> dict[Sampling | None, np.ndarray]:
+    """Return the indices of the runs with each sampling; None: without a controller."""
+    members: dict[Sampling | None, list[int]] = {}
+    for i, run in enumerate(runs):
+        sampling = None
+        if run.controller is not None:
+            sampling = Sampling.of(run.controller, duration, sample_interval)
+        members.setdefault(sampling, []).append(i)
+    return {sampling: np.array(indices) for sampling, indices in members.items()}
+
+
+def _join_results(members: Sequence[np.ndarray], results: Sequence[BatchResult]) -> BatchResult:
+    """Return the results of several batches as those of one, in the order of its runs."""
+    n = sum(map(len, members))
+    figures = {name: np.full(n, np.nan) for name in results[0].figures}
+    succeeded = np.zeros(n, dtype=bool)
+    status = [""] * n
+    for indices, result in zip(members, results, strict=True):
+        succeeded[indices] = result.succeeded
+        for name, values in result.figures.items():
+            figures[name][indices] = values
+        for i, words in zip(indices, result.status, strict=True):
+            status[i] = words
+    return BatchResult(figures=figures, succeeded=succeeded, status=tuple(status))
+
+
+def march_steered(
+    runs: Sequence[Run],
+    duration: float,
+    sample_interval: float,
+    use: Callable[[Block], Result],
+    *,
+    threads: int | None = None,
+    with_joints: bool = False,
+) -> Iterator[Result]:
+    """Simulate every run for `duration` and pass the results to `use`, as `planar.batch.march_many` does.
+
+    Args:
+        runs: Runs with controllers, all with the same `Sampling`.
+        duration: Duration of every run [s].
+        sample_interval: Time between two samples [s]; adjusted so that it divides the control
+            interval.
+        use: Function that is called once per block, in the computing threads.
+        threads: Number of threads; None: one per core that this process may use.
+        with_joints: Whether to log everything that the kernels can log, including the joints.
+
+    Yields:
+        Return values of `use`, in no particular order of runs.
+    """
+    n_threads = threads or usable_cores()
+
+    def work(members: np.ndarray) -> list[Result]:
+        member_runs = [runs[int(i)] for i in members]
+        try:
+            fleet = swim_fleet(member_runs, duration, sample_interval, with_joints=with_joints)
+        except NeedsRunOfItsOwn:
+            return [
+                use(_swim_alone(run, int(i), duration, sample_interval))
+                for run, i in zip(member_runs, members, strict=True)
+            ]
+        return [use(block) for block in fleet.blocks(members)]
+
+    fleets = list(_split_into_fleets(runs, duration, sample_interval, n_threads, with_joints))
+    with ThreadPoolExecutor(n_threads) as pool:
+        for results in pool.map(work, fleets):
+            yield from results
+
+
+def swim_fleet(
+    runs: Sequence[Run],
+    duration: float,
+    sample_interval: float,
+    *,
+    with_joints: bool,
+) -> Fleet:
+    """Return a fleet after its whole run.
+
+    Args:
+        runs: Runs of one kind with controllers that decide at the same times.
+        duration: Duration of the run [s].
+        sample_interval: Time between two samples, not yet adjusted [s].
+        with_joints: Whether to log the joints as well.
+    """
+    controllers = [cast("Controller[Any]", run.controller) for run in runs]
+    interval = controllers[0].interval
+    sampling = Sampling.of(controllers[0], duration, sample_interval)
+    fleet = Fleet(runs, sampling.n_samples, with_joints=with_joints)
+    steering = vectorize(controllers)
+    first_commands: Decisions = [run.command for run in runs]
+    commands = CommandQueue[Decisions](first_commands, delay=runs[0].plant.settings.loop_delay)
+    n_logged = 0
+    now = 0.0
+    for span in split_run(duration, sample_interval, interval):
+        if span.begins_at_control_instant:
+            commands.add(now, steering.step(fleet.observe()))
+        for leg in _logged_legs(split_span([commands], now, span), span, n_logged):
+            fleet.command(commands.acting(now, leg.begin))
+            fleet.march(leg.logged)
+        n_logged += span.n_samples
+        now = span.end
+        if not fleet.is_well.any():
+            break
+    return fleet
+
+
+def _swim_alone(run: Run, index: int, duration: float, sample_interval: float) -> Block:
+    """Return the results of a run that no fleet can hold."""
+    plant = run.plant
+    controller = cast("Controller[Any]", run.controller)
+    scenario = Scenario(
+        robot=plant.robot,
+        motion=controller,
+        environment=plant.environment,
+        model=plant.settings,
+        start=run.start,
+        duration=duration,
+        sample_interval=sample_interval,
+    )
+    samples = run_samples(scenario, plant)
+    n_samples = 1 + Sampling.of(controller, duration, sample_interval).n_samples
+    log = np.full((n_samples, samples.shape[1], 1), np.nan)
+    log[:, 0, 0] = np.linspace(0.0, duration, n_samples)
+    log[: len(samples), :, 0] = samples
+    last_rows = np.zeros((rows.HEADER_ROWS, 1))
+    last_rows[rows.TIME : rows.TIME + rows.LOG_STATE, 0] = samples[-1, : rows.LOG_STATE]
+    return block_of(np.array([index]), log, last_rows, np.array([len(samples)]))
+
+
+class _CommandedLeg(NamedTuple):
+    """A leg, with its place in the log."""
+
+    begin: float
+    """Its begin after that of the span [s]."""
+    logged: LoggedLeg
+    """What the fleet needs to know of it."""
+
+
+def _logged_legs(legs: Iterable[Leg], span: Span, first: int) -> Iterator[_CommandedLeg]:
+    """Yield the legs of a span, whose log begins with the sample `first`."""
+    begins_at_sample = True
+    for leg in legs:
+        duration = leg.end - leg.begin
+        n_intervals = max(1, round(duration / leg.sample_interval))
+        logged = LoggedLeg(
+            duration=duration,
+            n_intervals=n_intervals,
+            first=first,
+            begins_at_sample=begins_at_sample,
+            ends_at_sample=leg.ends_at_sample,
+        )
+        yield _CommandedLeg(leg.begin, logged)
+        begins_at_sample = leg.ends_at_sample
+        if leg.ends_at_sample:
+            first += n_intervals
+
+
+def _split_into_fleets(
+    runs: Sequence[Run],
+    duration: float,
+    sample_interval: float,
+    n_threads: int,
+    with_joints: bool,
+) -> Iterator[np.ndarray]:
+    """Yield the indices of the runs of every fleet."""
+    first = cast("Controller[Any]", runs[0].controller)
+    sampling = Sampling.of(first, duration, sample_interval)
+    for members in _kinds_of_fleets(runs, duration / sampling.n_samples):
+        plant = runs[members[0]].plant
+        n_rows = plant.layout.sample_size if with_joints else PATH_ROWS
+        bytes_of_log = 8 * n_rows * (1 + sampling.n_samples)
+        size = min(LARGEST_FLEET, max(LEAST_LANES, LOG_BYTES // bytes_of_log))
+        size = min(size, max(SMALLEST_FLEET, -(-len(members) // n_threads)))
+        for begin in range(0, len(members), size):
+            yield np.array(members[begin : begin + size])
+
+
+def _kinds_of_fleets(runs: Sequence[Run], interval: float) -> Iterable[list[int]]:
+    """Group the indices of runs that can be one fleet; `interval` is the sample interval [s]."""
+    kinds: dict[object, list[int]] = {}
+    for members in kinds_of(runs, interval):
+        for i in members:
+            run = runs[i]
+            controller = cast("Controller[Any]", run.controller)
+            settings = run.plant.settings
+            key = (
+                members[0],
+                kind_of_controller(controller),
+                controller.interval,
+                settings.loop_delay,
+                run.plant.dt,
+            )
+            kinds.setdefault(key, []).append(i)
+    return kinds.values()
