@@ -276,7 +276,14 @@ def _run_in_shell(line: str, changes: Mapping[str, str | None]) -> Ran | None:
             os.killpg(shell.pid, signal.SIGKILL)
         shell.wait()
         return None
-    return Ran(shell.returncode, out.decode(errors="replace"), err.decode(errors="replace"))
+    encoding = "utf-8"
+    if variables.get("PYTHONIOENCODING") == "utf-16":
+        encoding = "utf-16"
+    return Ran(
+        status=shell.returncode,
+        out=out.decode(encoding, errors="replace"),
+        err=err.decode(encoding, errors="replace"),
+    )
 
 
 def _usual_output(command: str, folder: Path) -> str:

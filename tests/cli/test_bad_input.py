@@ -1,8 +1,12 @@
 """Bad input through the command line: exit status 2, one clear message that names the option, nothing done."""
 
+import re
 from pathlib import Path
 
 import pytest
+
+import laticauda as lc
+from laticauda.robot.files import to_toml
 
 BAD = {
     # numbers of the gait, in degrees
@@ -164,3 +168,14 @@ def test_a_folder_without_permission_is_refused_before_the_run(run, monkeypatch,
     done = run(f"swim {option}")
     assert done.status == 2
     assert "must be a writable file, got run" in done.err
+
+
+@pytest.mark.parametrize("flag", ["--robot heavy.toml", "--robot=heavy.toml"])
+def test_what_cannot_be_in_a_robot_file_is_named_with_the_file_and_the_key(run, folder, flag):
+    text = to_toml(lc.load_robot("mamba-fin"))
+    (folder / "heavy.toml").write_text(re.sub(r"(?m)^mass = .*$", "mass = 800.0", text))
+    done = run(f"swim --duration 1 {flag}")
+    assert done.status == 2
+    assert re.search(
+        r"laticauda: heavy\.toml: `modules\[0\]\.mass` must be between .* got 800", done.err
+    )

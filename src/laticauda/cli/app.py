@@ -10,7 +10,7 @@ from typing import Annotated, Any, NamedTuple, NoReturn, Union
 import tyro
 
 from laticauda.cli.command import Command, warnings_as_lines
-from laticauda.cli.flags import BadFlag, spell_field, wrap_text
+from laticauda.cli.flags import BadFlag, spell_field, spell_part_of_file, wrap_text
 from laticauda.cli.surroundings import (
     check_memory,
     settle_streams,
@@ -124,7 +124,7 @@ def main(args: Sequence[str] | None = None) -> int:
         silence("stdout")  # its reader has gone
         return STATUS_BROKEN_PIPE
     except BadArgument as error:
-        subject = spell_field(error.name, command)
+        subject = spell_part_of_file(error.name, typed) or spell_field(error.name, command)
         return _complain(error.sentence_about(subject), STATUS_BAD_INPUT)
     except SimulationFailed as error:
         return _complain(str(error), STATUS_FAILED)

@@ -10,6 +10,8 @@ names.
 the ending of its unit in degrees, see `laticauda.values.display_units`.
 """
 
+import itertools
+import re
 import typing
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
@@ -195,6 +197,9 @@ def spell_field(name: str, command: object) -> str:
     """
     argument, _, _ = name.partition("[")
     option_name = FLAG_NAMES.option_of_argument.get(argument, argument)
+    is_part_of_item = "]." in name
+    if is_part_of_item and argument not in FLAG_NAMES.option_of_argument:
+        return f"`{name}`"
     if command is None:
         return spell_flag(option_name)
     for field in options_of(command):
@@ -203,3 +208,22 @@ def spell_field(name: str, command: object) -> str:
     if option_name in FLAG_NAMES.spelling:
         return spell_flag(FLAG_NAMES.spelling[option_name])
     return f"`{name}`"
+
+
+def spell_part_of_file(name: str, typed: Sequence[str]) -> str:
+    """Return the file and the key, if a part of the robot is named and the robot was typed as a file; else "".
+
+    Args:
+        name: Name of an argument, such as `caudal_fin.thickness` or `modules[2].mass`.
+        typed: Words of the command line.
+    """
+    from laticauda.robot import Robot  # when something is wrong, not whenever a command begins
+
+    root = re.split(r"[.\[]", name, maxsplit=1)[0]
+    if root == name or root not in Robot.__dataclass_fields__:
+        return ""
+    words = [part for word in typed for part in word.split("=", maxsplit=1)]
+    for word, next_word in itertools.pairwise(words):
+        if word == "--robot" and next_word.endswith(".toml"):
+            return f"{next_word}: `{name}`"
+    return ""

@@ -18,6 +18,7 @@ from laticauda.cli.flag_names import (
     spell_field as spell_field,
     spell_flag as spell_flag,
     spell_option as spell_option,
+    spell_part_of_file as spell_part_of_file,
     spell_typed_flag as spell_typed_flag,
     was_typed as was_typed,
 )
