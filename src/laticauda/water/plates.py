@@ -90,5 +90,5 @@ def _interpolate(aspect: float, shares: list[float], *, slope: float) -> float:
         corrected.append(share * (1.0 + slope * row.aspect))
     places.append(1.0)
     corrected.append(1.0)
-    found = float(np.interp(aspect / (1.0 + aspect), places, corrected))
-    return found / (1.0 + slope * aspect)
+    at_aspect = float(np.interp(aspect / (1.0 + aspect), places, corrected))
+    return at_aspect / (1.0 + slope * aspect)
