@@ -33,8 +33,9 @@ from laticauda.trials.markers import marker_places
 STORED = Path(__file__).with_suffix(".csv")
 N_FILMS = 200
 WATERS = ("same", "tables", "foreign")
-N_FOREIGN = 40
+N_FOREIGN = 20
 """Films in the foreign water."""
+N_DRAWS = 100
 FRAME_RATES = (30.0, 60.0, 120.0, 240.0)
 PIXELS = 800.0
 """Length of the robot in the film [px]."""
@@ -145,7 +146,7 @@ def film(water: str, seed: int) -> Row:
     )
     fit = fit_chain(points, robot, places_at(along))
     assumed = environment if water == "same" else None
-    forces = find_forces(fit, assumed, seed=seed)
+    forces = find_forces(fit, assumed, n_draws=N_DRAWS, seed=seed)
     figures = forces.figures
     begin, end = settling + forces.window.begin, settling + forces.window.end
     center = [

@@ -20,7 +20,7 @@ def find_frequency(
 ) -> float:
     """Return the angular frequency that explains most of the joints' motion; 0 if none explains much [rad/s].
 
-    At every candidate, cosine, sine and a parabola are fitted to all joints together.
+    It is the peak of their spectrum without a parabola, and one if cosine and sine explain enough.
 
     Args:
         time: Times of the frames [s].
@@ -37,12 +37,28 @@ def find_frequency(
     size = float(np.sum(rest**2))
     if size == 0.0:
         return 0.0
-    highest = FASTEST * (time.size - 1)
-    cycles = np.arange(1.0, highest, 1.0 / N_CANDIDATES)
-    explained = np.array([_explained(middle, rest, slow, n / duration) for n in cycles])
-    if explained.size == 0 or np.max(explained) < LEAST_SHARE * size:
+    n_cycles = _strongest_cycles(time, rest)
+    if n_cycles == 0.0 or _explained(middle, rest, slow, n_cycles / duration) < LEAST_SHARE * size:
         return 0.0
-    return 2.0 * math.pi * float(cycles[np.argmax(explained)]) / duration
+    return 2.0 * math.pi * n_cycles / duration
+
+
+def _strongest_cycles(
+    time: Float[np.ndarray, " n_frames"], rest: Float[np.ndarray, "n_frames n_joints"]
+) -> float:
+    """Return how many cycles the film has of the strongest oscillation of all joints together, 0 if it is too short."""
+    n_frames = time.size
+    even_time = np.linspace(float(time[0]), float(time[-1]), n_frames)
+    even = np.empty((rest.shape[1], n_frames))
+    for joint, angle in enumerate(rest.T):
+        even[joint] = np.interp(even_time, time, angle)
+    spectrum = np.fft.rfft(even, N_CANDIDATES * (n_frames - 1))
+    power = np.sum(np.abs(spectrum) ** 2, axis=0)
+    highest = int(FASTEST * N_CANDIDATES * (n_frames - 1))
+    candidates = power[N_CANDIDATES:highest]
+    if candidates.size == 0:
+        return 0.0
+    return 1.0 + int(np.argmax(candidates)) / N_CANDIDATES
 
 
 def _explained(

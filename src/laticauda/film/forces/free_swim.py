@@ -12,7 +12,7 @@ from laticauda.models.simulate import swim_many
 from laticauda.motion.gaits import JointAngles, recorded_gait
 from laticauda.scenarios import Start
 
-MOST_SWIMS = 100
+MOST_SWIMS = 60
 """Draws that swim, at most; the figures of the others are nan."""
 SETTLING_CYCLES = 8
 """Cycles until a swim that begins with the filmed speed is steady."""
