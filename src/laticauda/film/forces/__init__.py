@@ -6,6 +6,10 @@ loads        forces and torques of every draw, and what the water does not expla
 free_swim    how fast the model swims with the filmed joint angles
 estimates    figures with median, interval and where it comes from
 inverse      `find_forces`
+from_points  `invert_points`: from tracked points in one call
+words        a filmed swim in words
+picture      its figure
+page         a page with its results
 """
 
 from typing import TYPE_CHECKING
@@ -15,13 +19,31 @@ from laticauda.values import lazy_exports
 if TYPE_CHECKING:
     from laticauda.film.forces.assumptions import Assumptions as Assumptions
     from laticauda.film.forces.estimates import Estimate as Estimate
+    from laticauda.film.forces.from_points import (
+        guess_places as guess_places,
+        invert_points as invert_points,
+        points_of_trial as points_of_trial,
+        scale_points as scale_points,
+    )
     from laticauda.film.forces.inverse import FilmForces as FilmForces, find_forces as find_forces
+    from laticauda.film.forces.page import write_page as write_page
+    from laticauda.film.forces.picture import draw_forces as draw_forces
+    from laticauda.film.forces.words import list_remarks as list_remarks, summarize as summarize
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
     {
         "laticauda.film.forces.assumptions": ["Assumptions"],
         "laticauda.film.forces.estimates": ["Estimate"],
+        "laticauda.film.forces.from_points": [
+            "guess_places",
+            "invert_points",
+            "points_of_trial",
+            "scale_points",
+        ],
         "laticauda.film.forces.inverse": ["FilmForces", "find_forces"],
+        "laticauda.film.forces.page": ["write_page"],
+        "laticauda.film.forces.picture": ["draw_forces"],
+        "laticauda.film.forces.words": ["list_remarks", "summarize"],
     },
 )
