@@ -162,13 +162,15 @@ def count_frames(path: Path, layout: Layout, parameters: Any) -> Count:
     """
     if not layout.bytes_per_frame:
         raise ValueError("it has neither points nor analog channels")
-    end = _find_end(layout, parameters)
-    most = (end - layout.begin) // layout.bytes_per_frame
+    end_of_frames = _find_end(layout, parameters)
+    most = (end_of_frames - layout.begin) // layout.bytes_per_frame
     # The file ends with a whole block, which may have room for some frames more.
     least = max(most - BLOCK // layout.bytes_per_frame - 1, 0)
     stated = dict(_stated_frames(parameters))
     if layout.is_header_full:
-        return _count_long(path, layout, stated, least=least, most=most, end=end)
+        return _count_long(
+            path, layout, stated, least=least, most=most, end_of_frames=end_of_frames
+        )
     if least <= layout.n_in_header <= most:
         return Count(layout.n_in_header, "")
     for name, n_frames in stated.items():
@@ -180,7 +182,7 @@ def count_frames(path: Path, layout: Layout, parameters: Any) -> Count:
         return Count(n_frames, _describe_count(layout, n_frames, "the length of the file"))
     _check_not_cut({"the header": layout.n_in_header}, most)
     end_by_header = layout.begin + layout.n_in_header * layout.bytes_per_frame
-    if _read_between(path, end_by_header, end).strip(b"\0"):
+    if _read_between(path, end_by_header, end_of_frames).strip(b"\0"):
         counts = [f"{name} {n_frames}" for name, n_frames in stated.items()]
         listed = ", ".join([f"its header counts {layout.n_in_header} frames", *counts])
         raise ValueError(f"{listed}, but its length is that of {most}")
@@ -188,7 +190,7 @@ def count_frames(path: Path, layout: Layout, parameters: Any) -> Count:
 
 
 def _find_end(layout: Layout, parameters: Any) -> int:
-    """Return where the frames end: with the file, or where it has rotations [bytes]."""
+    """Return where the frames end_of_frames: with the file, or where it has rotations [bytes]."""
     values = parameters.get("ROTATION", {}).get("DATA_START", {}).get("value", [])
     if len(values) == 1:
         begin_of_rotations = BLOCK * (int(values[0]) % WORD - 1)
@@ -205,16 +207,16 @@ def _stated_frames(parameters: Any) -> Iterator[tuple[str, int]]:
     trial = parameters.get("TRIAL", {})
     ends: list[int] = []
     for name in ACTUAL_FIELDS:
-        words = trial.get(name, {}).get("value", [])
-        if len(words) != 2:
+        halves = trial.get(name, {}).get("value", [])
+        if len(halves) != 2:
             return
-        low, high = words
-        ends.append(int(low) % WORD + WORD * (int(high) % WORD))
+        low_word, high_word = halves
+        ends.append(int(low_word) % WORD + WORD * (int(high_word) % WORD))
     yield "TRIAL:ACTUAL_END_FIELD", ends[1] - ends[0] + 1
 
 
 def _count_long(
-    path: Path, layout: Layout, stated: dict[str, int], *, least: int, most: int, end: int
+    path: Path, layout: Layout, stated: dict[str, int], *, least: int, most: int, end_of_frames: int
 ) -> Count:
     """Return the number of frames of a file whose header is full."""
     # A parameter may have been at its end as the header is.
@@ -228,11 +230,11 @@ def _count_long(
     for n_frames in (layout.n_in_header, *stated.values()):
         if n_frames == most:
             return Count(n_frames, "")
-    if end % BLOCK:
+    if end_of_frames % BLOCK:
         raise ValueError(
             "it has more frames than its header can count, and no whole blocks: it is cut off"
         )
-    n_frames = _count_by_length(path, layout, least=least, end=end)
+    n_frames = _count_by_length(path, layout, least=least, end_of_frames=end_of_frames)
     n_frames = max(n_frames, layout.n_in_header)
     if n_frames == layout.n_in_header:
         return Count(n_frames, "")
@@ -247,22 +249,22 @@ def _check_not_cut(stated: dict[str, int], most: int) -> None:
             )
 
 
-def _count_by_length(path: Path, layout: Layout, *, least: int, end: int) -> int:
+def _count_by_length(path: Path, layout: Layout, *, least: int, end_of_frames: int) -> int:
     """Return the number of frames before the zeros that fill the last block."""
     length = layout.bytes_per_frame
     begin_of_last = layout.begin + least * length
-    last_bytes = _read_between(path, begin_of_last, end)
+    last_bytes = _read_between(path, begin_of_last, end_of_frames)
     n_bytes = len(last_bytes.rstrip(b"\0"))
     n_frames = least + math.ceil(n_bytes / length)
-    if layout.begin + n_frames * length > end:
+    if layout.begin + n_frames * length > end_of_frames:
         raise ValueError("it ends within a frame: it is cut off")
     return n_frames
 
 
-def _read_between(path: Path, begin: int, end: int) -> bytes:
+def _read_between(path: Path, start: int, stop: int) -> bytes:
     with path.open("rb") as file:
-        file.seek(begin)
-        return file.read(end - begin)
+        file.seek(start)
+        return file.read(stop - start)
 
 
 def _describe_count(layout: Layout, n_frames: int, name: str) -> str:
@@ -285,8 +287,8 @@ def read_frames(path: Path, layout: Layout, n_frames: int, parameters: Any) -> F
         ValueError: If the parameters contradict the header.
         OSError: If the file cannot be read.
     """
-    end = layout.begin + n_frames * layout.bytes_per_frame
-    content = _read_between(path, layout.begin, end)
+    end_of_frames = layout.begin + n_frames * layout.bytes_per_frame
+    content = _read_between(path, layout.begin, end_of_frames)
     numbers = _decode_numbers(content, layout)
     by_frame = numbers.reshape(n_frames, -1)
     n_point_numbers = NUMBERS_PER_POINT * layout.n_points

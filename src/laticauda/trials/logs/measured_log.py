@@ -1,5 +1,6 @@
 """The part of an external log that forms a trial: its columns in SI units, with their gaps filled."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -13,6 +14,8 @@ from laticauda.values.tables import (
     ANGLES,
     LENGTHS,
     Table,
+    count_turns,
+    find_lost_angles,
     find_lost_samples,
     split_unit,
     unit_in_name,
@@ -44,8 +47,14 @@ class MeasuredLog:
     """Names of the quantities that had a gap; updated by `fill`."""
     empty_cells: list[str] = field(default_factory=list[str])
     """Rows in which quantities had no number; updated by `fill`."""
+    was_lost: Bool[np.ndarray, " n_samples"] = field(init=False)
+    """Whether the position was a constant that stands for a lost marker; updated by `read_positions`."""
     remarks: list[str] = field(default_factory=list[str])
     """What was not taken as the file says it; updated by `read_positions`, and others."""
+
+    def __post_init__(self) -> None:
+        """Begin with nothing lost."""
+        self.was_lost = np.zeros(self.time.size, dtype=np.bool_)
 
     def read(self, name: str) -> Samples:
         """Return the column `name` as it is in the file, including its gaps."""
@@ -99,11 +108,27 @@ class MeasuredLog:
         if lost.code is not None:
             code = ", ".join(f"{coordinate:g}" for coordinate in lost.code)
             self.remarks.append(f"`{label}` was lost in {lost.n_lost} samples, at ({code}) m")
+            self.was_lost |= lost.is_lost
         return np.where(lost.is_lost[:, np.newaxis], np.nan, position)
 
-    def read_angle(self, name: str, unit: str | None) -> Samples:
-        """Return the column `name` as angles [rad], including gaps; `unit` if the map states it."""
-        return ANGLES[self.find_unit(name, unit, ANGLES)] * self.read(name)
+    def read_heading(self, name: str, unit: str | None) -> Samples:
+        """Return the column `name` as angles of a body [rad], nan where lost; `unit` if the map states it."""
+        angle = ANGLES[self.find_unit(name, unit, ANGLES)] * self.read(name)
+        measured = self.without_lost_angles(name, angle)
+        n_turns = count_turns(measured)
+        if n_turns:
+            self.remarks.append(f"whole turns were taken out of `{name}` at {n_turns} samples")
+        return measured
+
+    def without_lost_angles(self, name: str, angle: Samples) -> Samples:
+        """Return angles of a body [rad], nan where its position was lost, or a constant stands for a lost angle."""
+        angle = np.where(self.was_lost, np.nan, angle)
+        lost = find_lost_angles(name, self.time, angle)
+        if lost.code is not None:
+            n_lost = np.count_nonzero(lost.is_lost)
+            code = math.degrees(lost.code)
+            self.remarks.append(f"`{name}` was lost in {n_lost} samples, at {code:.4g} deg")
+        return np.where(lost.is_lost, np.nan, angle)
 
     def find_unit(self, name: str, unit_in_map: str | None, units: Mapping[str, float]) -> str:
         """Return the unit that the map states for a column, else that of the file, else the default."""

@@ -78,7 +78,7 @@ def _place_by_center_of_mass(
     placement: Placement = {"center_of_mass": center_of_mass}
     if heading is None:
         return placement
-    yaw = log.read_angle(heading.column, heading.unit)
+    yaw = log.read_heading(heading.column, heading.unit)
     forward = np.stack((np.cos(yaw), np.sin(yaw), 0.0 * yaw), axis=1)
     placement["heading"] = _angle_of_direction(log, heading.column, forward)
     if log.column_map.joint_angle is not None:
@@ -132,7 +132,7 @@ def _read_forward_axis(log: MeasuredLog, body: Body) -> Directions:
         rotation = kinematics.from_quaternion(w, x, y, z)
         return forward.sign * rotation[:, forward.axis].T
     assert body.yaw is not None
-    yaw = log.read_angle(body.yaw, body.angle_unit)
+    yaw = log.read_heading(body.yaw, body.angle_unit)
     if forward.axis == 2:
         rule = "must be x or y, or its opposite, with `yaw`: z does not turn with it"
         raise BadArgument("body.forward", rule)
@@ -233,8 +233,12 @@ def _angle_of_direction(log: MeasuredLog, name: str, direction: Directions) -> S
             f"The body of `{name}` must lie flat: its forward axis is almost upright. Is `forward` right?"
         )
     angle = np.full(len(in_plane), np.nan)
-    angle[is_known] = np.unwrap(np.arctan2(y, x))
-    return log.fill(f"angle of {name}", angle)
+    angle[is_known] = np.arctan2(y, x)
+    label = f"angle of {name}"
+    angle = log.without_lost_angles(label, angle)
+    is_known = np.isfinite(angle)
+    angle[is_known] = np.unwrap(angle[is_known])
+    return log.fill(label, angle)
 
 
 # ---- joints --------------------------------------------------------------------------------------

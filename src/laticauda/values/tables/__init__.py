@@ -13,6 +13,7 @@ columns.py    columns of numbers
 units.py      units, and how people write them
 times.py      times: units, clocks, order
 angles.py     joint angles: units, whole turns, jumps
+headings.py   angles of a body: where they were lost, whole turns, jumps
 positions.py  positions: where a marker was lost, jumps
 """
 
@@ -30,6 +31,10 @@ from laticauda.values.tables.columns import (
     convert_numbers as convert_numbers,
 )
 from laticauda.values.tables.decoding import decode_text as decode_text
+from laticauda.values.tables.headings import (
+    count_turns as count_turns,
+    find_lost_angles as find_lost_angles,
+)
 from laticauda.values.tables.opening import (
     failures_of_table as failures_of_table,
     open_sheet as open_sheet,

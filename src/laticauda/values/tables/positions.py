@@ -3,7 +3,7 @@
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from laticauda.values.tables.columns import Samples
 
@@ -58,18 +58,32 @@ def find_lost_samples(
     if np.count_nonzero(is_jump) > MOST_JUMPS * is_jump.size:
         # The whole motion is too fast: a matter of units, which is said of the whole robot.
         return LostSamples(is_lost=is_lost, code=code)
-    if np.any(is_jump):
-        pieces = np.split(samples, np.flatnonzero(is_jump) + 1)
-        are_constant = [not np.any(np.ptp(position[piece], axis=0)) for piece in pieces]
-        sizes = [piece.size for piece in pieces]
-        # The robot is where the marker moves; if it moves nowhere, where it is for the longest time.
-        motion = max(range(len(pieces)), key=lambda i: (not are_constant[i], sizes[i]))
-        for i, piece in enumerate(pieces):
-            if i != motion and are_constant[i]:
-                is_lost[piece] = True
-                code = position[piece[0]] if code is None else code
+    for piece in find_constant_pieces(position, samples, is_jump):
+        is_lost[piece] = True
+        if code is None:
+            code = position[piece[0]]
     _check_smooth(name, time, position, samples[~is_lost[samples]], body_length)
     return LostSamples(is_lost=is_lost, code=code)
+
+
+def find_constant_pieces(
+    values: Points, samples: Int[np.ndarray, " n_known"], is_jump: Bool[np.ndarray, " n_steps"]
+) -> list[Int[np.ndarray, " n_piece"]]:
+    """Return the samples, piece by piece, at which something stands beyond a jump that never changes.
+
+    Args:
+        values: Numbers of every sample.
+        samples: Samples that have numbers.
+        is_jump: Whether there is a jump between each of them and the next.
+    """
+    pieces = np.split(samples, np.flatnonzero(is_jump) + 1)
+    are_constant = [not np.any(np.ptp(values[piece], axis=0)) for piece in pieces if piece.size]
+    if len(are_constant) < 2:
+        return []
+    sizes = [piece.size for piece in pieces]
+    # The robot is where the marker moves; if it moves nowhere, where it is for the longest time.
+    motion = max(range(len(pieces)), key=lambda i: (not are_constant[i], sizes[i]))
+    return [piece for i, piece in enumerate(pieces) if i != motion and are_constant[i]]
 
 
 def _find_jumps(

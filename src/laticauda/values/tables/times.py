@@ -48,8 +48,8 @@ def read_times(table: Table, name: str, stated_unit: str | None = None) -> FileT
     unit_in_file = table.unit_of(name) or unknown_unit(name)
     if unit_in_file not in TIMES:
         if stated_unit is None and unit_in_file is not None and not _is_guess(name, unit_in_file):
-            known = ", ".join(TIMES)
-            raise BadArgument(name, f"must be in {known}, but the file says {unit_in_file}")
+            units = ", ".join(TIMES)
+            raise BadArgument(name, f"must be in {units}, but the file says {unit_in_file}")
         unit_in_file = None
     unit = stated_unit or unit_in_file
     unit_by_size = _recognize_date(times)
