@@ -126,7 +126,9 @@ def _fit_row(row: SheetRow, width: int, header_row: int) -> SheetRow:
     if len(row.cells) >= width and not has_more:
         return SheetRow(number=row.number, cells=row.cells[:width])
     hint = ""
-    if len(row.cells) > width and len(row.cells) % width == 0:
+    if width == 1:
+        hint = f"; is row {header_row} a title?"
+    elif len(row.cells) > width and len(row.cells) % width == 0:
         hint = "; are there commas in its numbers, too?"
     raise ValueError(
         f"row {row.number} must have {width} cells, as row {header_row} has, "

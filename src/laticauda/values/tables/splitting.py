@@ -13,6 +13,8 @@ SEPARATOR_NAMES = {"\t": "tabs", ";": "semicolons", "|": "bars", BLANKS: "blanks
 """What separators other than the comma are called."""
 COMMENT = "#"
 """First sign of a line that is a comment."""
+ERRORS = ("#DIV/0!", "#N/A", "#NAME?", "#NULL!", "#NUM!", "#REF!", "#VALUE!", "#SPILL!")
+"""What Excel writes for results that it does not have."""
 NUMBER = re.compile(r"[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d+)?")
 """A number with either decimal sign."""
 _QUOTED = re.compile('"[^"]*"')
@@ -76,8 +78,18 @@ def detect_separator(lines: Sequence[str]) -> str:
     return ","
 
 
+def is_comment(text: str) -> bool:
+    """Return whether a line, or the first cell of a row, is a comment; Excel's errors, such as #N/A, are none.
+
+    Args:
+        text: Its text.
+    """
+    stripped = text.lstrip()
+    return stripped.startswith(COMMENT) and not stripped.upper().startswith(ERRORS)
+
+
 def _is_comment(line: _Line) -> bool:
-    return line.text.lstrip().startswith(COMMENT)
+    return is_comment(line.text)
 
 
 def _take_stated_separator(lines: list[_Line]) -> str | None:
