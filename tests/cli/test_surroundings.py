@@ -102,3 +102,11 @@ def test_a_variable_that_the_compiler_cannot_read_is_said_in_one_line():
         "laticauda: Environment variable 'NUMBA_NUM_THREADS' is defined but its associated value "
         "'x' could not be parsed. Numba goes on without it."
     ]
+
+
+def test_an_encoding_that_other_processes_do_not_expect_costs_no_traceback():
+    done = run_in_shell(
+        "LATICAUDA swim --duration 0.1 --model spatial >/dev/null", PYTHONIOENCODING="utf-16"
+    )
+    assert done.returncode == 0
+    assert "Traceback" not in done.stderr.replace("\0", "")

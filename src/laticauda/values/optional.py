@@ -4,11 +4,17 @@ If one is missing, the error states what to install. Processes started by such a
 Ctrl-C.
 """
 
+import os
+from collections.abc import Generator
+from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
 from laticauda.values.errors import MissingExtra
 from laticauda.values.interrupts import defer_interrupts
+
+ENCODING = "PYTHONIOENCODING"
+"""Variable with the encoding of the standard streams of Python."""
 
 
 def optional_import(feature: str, package: str, extra: str, module: str | None = None) -> Any:
@@ -39,6 +45,17 @@ def load_mujoco() -> Any:
         MissingExtra: If the package is not installed.
     """
     # One of its imports runs Python in other processes, which would answer Ctrl-C with a
-    # traceback.
-    with defer_interrupts():
+    # traceback, and so an encoding in which they do not talk to each other.
+    with defer_interrupts(), _usual_encoding():
         return optional_import("The 3D model", "MuJoCo", "spatial", "mujoco")
+
+
+@contextmanager
+def _usual_encoding() -> Generator[None]:
+    """Let processes that are started meanwhile use the usual encoding of their streams."""
+    encoding = os.environ.pop(ENCODING, None)
+    try:
+        yield
+    finally:
+        if encoding is not None:
+            os.environ[ENCODING] = encoding
