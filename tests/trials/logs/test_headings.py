@@ -96,6 +96,12 @@ def test_degrees_that_are_taken_for_radians_are_refused(tmp_path):
         read(tmp_path, np.degrees(HEADING))
 
 
+def test_radians_that_are_called_degrees_are_said(tmp_path):
+    trial = read(tmp_path, HEADING, "deg")
+    assert "`yaw` only reaches 0.8 deg, as angles in rad would." in trial.status
+    assert "as angles in rad would" not in read(tmp_path, np.degrees(HEADING), "deg").status
+
+
 def test_a_body_that_turns_round_and_round_is_no_jump(tmp_path):
     trial = read(tmp_path, 5.0 * TIMES)
     assert trial.heading[-1] - trial.heading[0] == pytest.approx(5.0 * TIMES[-1])

@@ -13,6 +13,7 @@ from laticauda.values import BadArgument
 from laticauda.values.tables import (
     ANGLES,
     LENGTHS,
+    SMALLEST_SWING,
     Table,
     count_turns,
     find_lost_angles,
@@ -113,8 +114,13 @@ class MeasuredLog:
 
     def read_heading(self, name: str, unit: str | None) -> Samples:
         """Return the column `name` as angles of a body [rad], nan where lost; `unit` if the map states it."""
-        angle = ANGLES[self.find_unit(name, unit, ANGLES)] * self.read(name)
+        unit_of_angle = self.find_unit(name, unit, ANGLES)
+        angle = ANGLES[unit_of_angle] * self.read(name)
         measured = self.without_lost_angles(name, angle)
+        largest = float(np.max(np.abs(measured), initial=0.0, where=np.isfinite(measured)))
+        if unit_of_angle == "deg" and 0.0 < largest < SMALLEST_SWING:
+            reach = math.degrees(largest)
+            self.remarks.append(f"`{name}` only reaches {reach:.3g} deg, as angles in rad would")
         n_turns = count_turns(measured)
         if n_turns:
             self.remarks.append(f"whole turns were taken out of `{name}` at {n_turns} samples")

@@ -17,6 +17,7 @@ ERRORS = ("#DIV/0!", "#N/A", "#NAME?", "#NULL!", "#NUM!", "#REF!", "#VALUE!", "#
 """What Excel writes for results that it does not have."""
 NUMBER = re.compile(r"[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d+)?")
 """A number with either decimal sign."""
+_BETWEEN_BLANKS = re.compile(r'"[^"]*"(?!\S)|\S+')
 _QUOTED = re.compile('"[^"]*"')
 
 
@@ -68,12 +69,13 @@ def detect_separator(lines: Sequence[str]) -> str:
     Args:
         lines: The row of names, and the one below it if there is one.
     """
-    names, *below = [_QUOTED.sub("", line) for line in lines]
-    separator = max(SEPARATORS, key=names.count)
-    if names.count(separator):
+    names, *below = lines
+    names_outside_quotes = _QUOTED.sub("", names)
+    separator = max(SEPARATORS, key=names_outside_quotes.count)
+    if names_outside_quotes.count(separator):
         return separator
-    n_words = len(names.split())
-    if n_words > 1 and all(len(line.split()) == n_words for line in below):
+    n_words = len(split_at_blanks(names))
+    if n_words > 1 and all(len(split_at_blanks(line)) == n_words for line in below):
         return BLANKS
     return ","
 
@@ -86,6 +88,15 @@ def is_comment(text: str) -> bool:
     """
     stripped = text.lstrip()
     return stripped.startswith(COMMENT) and not stripped.upper().startswith(ERRORS)
+
+
+def split_at_blanks(line: str) -> list[str]:
+    """Return the cells between blanks; those in quotes may hold some.
+
+    Args:
+        line: A line of a text.
+    """
+    return [word.strip('"') for word in _BETWEEN_BLANKS.findall(line)]
 
 
 def _is_comment(line: _Line) -> bool:
@@ -122,13 +133,13 @@ def _find_names_in_comment(
 
 def _split_line(line: str, separator: str) -> list[str]:
     if separator == BLANKS:
-        return line.split()
+        return split_at_blanks(line)
     return next(csv.reader([line], delimiter=separator))
 
 
 def _split_lines(lines: Sequence[_Line], separator: str) -> list[SheetRow]:
     if separator == BLANKS:
-        return [SheetRow(number=line.number, cells=line.text.split()) for line in lines]
+        return [SheetRow(number=line.number, cells=split_at_blanks(line.text)) for line in lines]
     reader = csv.reader((line.text for line in lines), delimiter=separator, strict=True)
     rows: list[SheetRow] = []
     n_lines_before = 0
