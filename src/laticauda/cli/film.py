@@ -188,6 +188,9 @@ class Track(Command):
     straight: bool = option(
         "The body holds straight, as in a glide: one tag is enough", default=False
     )
+    each_frame: bool = option(
+        "Take every frame by itself, without fitting a chain to all of them", default=False
+    )
     longest_gap: float = quantity(
         "s", "Gaps up to this long are filled by straight lines", default=0.2, ge=0.0
     )
@@ -242,7 +245,14 @@ class Track(Command):
         camera = self._load_camera()
         if camera is None:
             camera = self._calibrate(film, layout)
-        return follow_tags(film, layout, camera, robot, is_straight=self.straight)
+        return follow_tags(
+            film,
+            layout,
+            camera,
+            robot,
+            is_straight=self.straight,
+            takes_frames_alone=self.each_frame,
+        )
 
     def _load_camera(self) -> Calibration | None:
         if self.calibration is None:

@@ -39,11 +39,16 @@ def difference(trial, film):
     return np.degrees(np.sqrt(np.mean(of_joints**2))), 1e3 * np.sqrt(np.mean(of_center**2))
 
 
-def test_a_film_of_tags_becomes_a_trial_of_the_true_motion(film, found, camera):
-    track = follow_tags(found, film.layout, camera, film.robot)
+@pytest.mark.parametrize(("takes_frames_alone", "largest"), [(False, 0.9), (True, 2.0)])
+def test_a_film_of_tags_becomes_a_trial_of_the_true_motion(
+    takes_frames_alone, largest, film, found, camera
+):
+    track = follow_tags(
+        found, film.layout, camera, film.robot, takes_frames_alone=takes_frames_alone
+    )
     trial = build_trial(track, film.robot, WATER)
     joints, center = difference(trial, film)
-    assert joints < 2.0
+    assert joints < largest
     assert center < 3.0
     assert "Tags on the robot were lost in" in trial.status
     assert trial.gait.recorded is not None
@@ -63,9 +68,13 @@ def test_a_link_whose_tag_is_never_seen_is_found_by_the_chain(film, found, camer
 def test_a_tag_that_is_lost_for_a_frame_is_a_gap_that_is_filled_and_said(film, found, camera):
     corners = found.corners.copy()
     corners[6, found.numbers.index(22)] = np.nan
-    track = follow_tags(replace(found, corners=corners), film.layout, camera, film.robot)
+    alone = {"takes_frames_alone": True}
+    track = follow_tags(replace(found, corners=corners), film.layout, camera, film.robot, **alone)
     trial = build_trial(track, film.robot, WATER)
     assert "1 of 16 samples had gaps in" in trial.status
+    corners[:, found.numbers.index(22)] = np.nan
+    with pytest.raises(ValueError, match="on every link if frames are taken alone; none was found"):
+        follow_tags(replace(found, corners=corners), film.layout, camera, film.robot, **alone)
 
 
 def test_one_tag_is_enough_for_a_body_that_holds_straight(film, found, camera):

@@ -18,8 +18,6 @@ NOTED_SIZE_ERROR = 0.03
 """Difference of the size of tags from the stated one that is noted [-]."""
 WORST_SIZE_ERROR = 0.15
 """Difference above which a height or a size is wrong [-]."""
-LONG_GAP = 0.2
-"""Time for which a tag may be lost before frames are no longer taken by themselves [s]."""
 FEWEST_FRAMES = 5
 """Frames in which a body is seen at least."""
 
@@ -123,11 +121,12 @@ def follow_tags(
     robot: Robot,
     *,
     is_straight: bool = False,
+    takes_frames_alone: bool = False,
 ) -> BodyTrack:
     """Find a body from tags on its links.
 
-    If every link has a tag that is never lost for long, each frame is taken by itself. Otherwise a
-    chain is fitted to all frames at once.
+    A chain is fitted to all frames at once, which bridges tags that are lost, and is several times as
+    exact as frames that are taken alone.
 
     Args:
         film: Tags in the film.
@@ -135,6 +134,8 @@ def follow_tags(
         calibration: Of the camera.
         robot: What swims.
         is_straight: Whether it holds straight, as in a glide: then one tag is enough.
+        takes_frames_alone: Whether each frame is taken by itself, without a chain between them; every
+            link then needs a tag that is never lost for long.
 
     Raises:
         ValueError: If a tag's link does not exist, the tags look too large or too small, or too few
@@ -152,7 +153,8 @@ def follow_tags(
         angle = _mean_of_seen(poses.angle)
         link_angle = np.repeat(angle[:, np.newaxis], chain.n_links, axis=1)
         notes.append("The body is taken for straight.")
-    elif len(poses.link) == chain.n_links and find_longest_gap(film.time, poses.angle) <= LONG_GAP:
+    elif takes_frames_alone or chain.n_links == 1:
+        _check_all_tagged(poses.link, chain)
         link_angle = poses.angle
     else:
         tracked = points_on_plane(points, calibration)
@@ -195,24 +197,14 @@ def follow_points(
     return _fit(tracked, points, places, robot.planar(), calibration, list(tracked.notes))
 
 
-def find_longest_gap(time: Samples, values: Float[np.ndarray, "n_frames n_columns"]) -> float:
-    """Return the longest time between two frames in which a column is known [s]; inf if one never is.
-
-    Args:
-        time: Time of every frame [s].
-        values: Columns; nan where unknown.
-    """
-    longest = 0.0
-    for column in values.T:
-        known = time[np.isfinite(column)]
-        if not known.size:
-            return np.inf
-        edges = np.concatenate((time[:1], known, time[-1:]))
-        longest = max(longest, float(np.max(np.diff(edges))))
-    return longest
-
-
 # ---- one frame after the other -------------------------------------------------------------------
+
+
+def _check_all_tagged(links: Sequence[int], chain: Robot) -> None:
+    missing = [str(link) for link in range(chain.n_links) if link not in links]
+    if missing:
+        rule = "must show a tag on every link if frames are taken alone"
+        raise BadArgument("film", f"{rule}; none was found on link {', '.join(missing)}")
 
 
 def _mean_of_seen(values: Float[np.ndarray, "n_frames n_tags"]) -> Float[np.ndarray, " n_frames"]:

@@ -19,6 +19,7 @@ N_COLUMNS = 3
 MARGIN = 0.12
 """Margin around the whole path in the picture, as a share of its size [-]."""
 CHAIN_COLOR, PATH_COLOR, POINT_COLOR = "#e6550d", "#fdd049", "#31a354"
+LEGEND = "chain, its head large (orange); what was seen (green +); path of the middle (yellow)"
 PANEL_WIDTH = 4.2
 """Width of a panel [inch]."""
 
@@ -59,6 +60,7 @@ def draw_over_frames(track: BodyTrack, film: str | Path | None = None) -> Figure
         panel.set_xticks([])
         panel.set_yticks([])
         panel.set_title(f"{track.time[frame]:.2f} s", fontsize=10.0)
+    figure.supxlabel(LEGEND, fontsize=9.0)
     return figure
 
 
