@@ -37,6 +37,7 @@ ROOMS = {
     "identify": "Parameters from trials",
     "studies": "Sweeps and optimization",
     "connect": "TCP server, FMU, library in C, page without a server",
+    "film": "From film to forces: files of trackers, cameras, printed tags, a chain fitted to all frames",
     "show": "Figures, films and pictures, reports, the live page",
     "paper": "The paper's study, on top of all",
 }

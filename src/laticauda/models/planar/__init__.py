@@ -34,15 +34,15 @@ if TYPE_CHECKING:
         kinds_of as kinds_of,
         march_many as march_many,
     )
-    from laticauda.models.planar.fleet import (
-        Fleet as Fleet,
-        LoggedLeg as LoggedLeg,
-        NeedsRunOfItsOwn as NeedsRunOfItsOwn,
-    )
     from laticauda.models.planar.given_motion import (
         GivenMotion as GivenMotion,
         MotionLoads as MotionLoads,
         evaluate_motion as evaluate_motion,
+    )
+    from laticauda.models.planar.fleet import (
+        Fleet as Fleet,
+        LoggedLeg as LoggedLeg,
+        NeedsRunOfItsOwn as NeedsRunOfItsOwn,
     )
     from laticauda.models.planar.layout import build_layout as build_layout
     from laticauda.models.planar.model import (
