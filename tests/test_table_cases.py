@@ -218,3 +218,83 @@ def test_markers_that_change_places_are_refused(tmp_path):
     (tmp_path / "map.toml").write_text(MAP)
     with pytest.raises(TrialFileError, match=r"`m` jumps by 0.701 m from 2.99 s to 3 s, farther"):
         load_trial(tmp_path / "confused.c3d", tmp_path / "map.toml")
+
+
+# ---- ten more inputs of each kind ----------------------------------------------------------------
+
+
+def angle_table(folder: Path, times: list, name: str = "time_s", end: str = "\n") -> Path:
+    """The angles of f01 at other times."""
+    rows = PLAIN.read_text().split()
+    lines = [rows[0].replace("time_s", name)]
+    for time, row in zip(times, rows[1:], strict=True):
+        lines.append(",".join([str(time), *row.split(",")[1:]]))
+    (folder / "angles.csv").write_bytes(end.join(lines).encode())
+    return folder / "angles.csv"
+
+
+PLAIN_TIMES = [float(row.split(",")[0]) for row in PLAIN.read_text().split()[1:]]
+
+
+@pytest.mark.parametrize("unit", ["s", "ms", "us", "ns"])
+@pytest.mark.parametrize("name", ["t", "time_s"])
+@pytest.mark.parametrize("epoch", [700_000_000, 4_000_000_000])
+def test_times_since_1970_are_those_of_a_run_whatever_their_unit_is_called(
+    tmp_path, unit, name, epoch
+):
+    factor = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9}[unit]
+    times = [
+        epoch * factor + round(factor * time, 6 if unit == "s" else None) for time in PLAIN_TIMES
+    ]
+    with pytest.warns(TableWarning, match=f"counts {unit} since 1970; time 0 is its first row"):
+        assert_same_angles(lc.load_joint_angles(angle_table(tmp_path, times, name)))
+
+
+@pytest.mark.parametrize("name", ["time_s", "time_ms", "time_ns", "t"])
+@pytest.mark.parametrize(
+    "form", ["17:30:{:06.3f}", "2026-11-29T17:30:{:06.3f}", "2026-11-29 17:30:{:06.3f}Z"]
+)
+def test_clocks_and_dates_are_in_s_whatever_the_name_says(tmp_path, name, form):
+    path = angle_table(tmp_path, [form.format(time) for time in PLAIN_TIMES], name)
+    with pytest.warns(TableWarning, match="time 0 is its first row"):
+        assert_same_angles(lc.load_joint_angles(path))
+
+
+@pytest.mark.parametrize("turns", [1, -1, 2, 7])
+@pytest.mark.parametrize("row", [1, 5, 60, 119])
+def test_whole_turns_from_any_row_on_are_taken_out(tmp_path, turns, row):
+    lines = PLAIN.read_text().split()
+    for i in range(row, len(lines)):
+        time, first, *others = lines[i].split(",")
+        lines[i] = ",".join([time, repr(float(first) + 360.0 * turns), *others])
+    (tmp_path / "angles.csv").write_text("\n".join(lines))
+    if row == 1:  # all of them: nothing shows that they are turns but their size
+        with pytest.raises(TrialFileError, match="must be between -180 and 180 deg"):
+            lc.load_joint_angles(tmp_path / "angles.csv")
+        return
+    with pytest.warns(TableWarning, match="whole turns were taken out of joint_1_deg"):
+        assert_same_angles(lc.load_joint_angles(tmp_path / "angles.csv"))
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize("sign", ["\u2028", "\x0c", "\x0b", "\x1c", "\x85"])
+def test_only_ends_of_lines_end_a_row(tmp_path, end, sign):
+    path = angle_table(tmp_path, PLAIN_TIMES, end=end)
+    path.write_bytes(f"# a{sign}b{end}".encode() + path.read_bytes())
+    assert_same_angles(lc.load_joint_angles(path))
+
+
+@pytest.mark.parametrize(
+    "cell", ["1_0", "0x1F", "1.2.3", "1;5", "--1", "1e", "ten", "1 2", "+-3", "1d0"]
+)
+def test_what_only_a_program_takes_for_a_number_is_refused(tmp_path, cell):
+    path = angle_table(tmp_path, PLAIN_TIMES)
+    lines = path.read_text().split("\n")
+    lines[7] = f'{PLAIN_TIMES[6]},"{cell}",{",".join(lines[7].split(",")[2:])}'
+    path.write_text("\n".join(lines))
+    with pytest.raises(TrialFileError, match=r"`joint_1_deg` must hold numbers, got .* in row 8"):
+        lc.load_joint_angles(path)
+    speeds = f'gait,alpha_deg,omega_deg_s,delta_deg,v_m_s\nLU,30,130,40,"{cell}"\n'
+    (tmp_path / "speeds.csv").write_text(speeds)
+    with pytest.raises(TrialFileError, match="row 2: `v_m_s` must be a number, got"):
+        from_table(tmp_path / "speeds.csv")

@@ -38,7 +38,7 @@ from laticauda.values import (
     suggest_nearest,
     value_class,
 )
-from laticauda.values.tables import spell_columns, split_unit
+from laticauda.values.tables import parse_float, spell_columns, split_unit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -308,6 +308,6 @@ def _parse_cell(name: str, text: str) -> Any:
     try:
         if name == "selected_from":
             return int(text)
-        return float(text)
+        return parse_float(text)
     except ValueError:
         raise BadArgument(name, f"must be a number, got {text!r}") from None

@@ -29,6 +29,7 @@ from laticauda.values.tables.columns import (
     add_column as add_column,
     build_table as build_table,
     convert_numbers as convert_numbers,
+    parse_float as parse_float,
 )
 from laticauda.values.tables.decoding import decode_text as decode_text
 from laticauda.values.tables.headings import (

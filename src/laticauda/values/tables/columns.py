@@ -2,7 +2,7 @@
 
 import datetime
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -39,6 +39,8 @@ class Table:
     """Rows per second, if stated in the file [Hz]."""
     row_numbers: Sequence[int] = ()
     """Numbers of the rows in the file, if it has any."""
+    clocks: Collection[str] = ()
+    """Columns whose cells are times of a calendar or a clock, which are in s whatever their names say."""
     remarks: Sequence[str] = ()
     """What a person should know about how it was read, such as `decimal commas`."""
 
@@ -128,7 +130,14 @@ def build_table(sheet: Sheet) -> Table:
     columns = {
         name: convert_numbers(name, sheet.cells_of(name), row_numbers) for name in sheet.names
     }
-    return Table(columns=columns, units=sheet.units, row_numbers=row_numbers, remarks=sheet.remarks)
+    clocks = [name for name in sheet.names if any(map(_is_clock, sheet.cells_of(name)))]
+    return Table(
+        columns=columns,
+        units=sheet.units,
+        row_numbers=row_numbers,
+        clocks=clocks,
+        remarks=sheet.remarks,
+    )
 
 
 def convert_numbers(name: str, cells: Sequence[str], row_numbers: Sequence[int]) -> Samples | str:
@@ -184,7 +193,28 @@ def _parse_number(text: str) -> float:
     if clock is not None:
         minutes = 60.0 * float(clock[1]) + float(clock[2])
         return 60.0 * minutes + float(clock[3].replace(",", "."))
+    return parse_float(text)
+
+
+def parse_float(text: str) -> float:
+    """Return the number in a text; Python's own 1_0 for 10 is none.
+
+    Args:
+        text: Text of a cell.
+
+    Raises:
+        ValueError: If it is no number.
+    """
+    if "_" in text:
+        raise ValueError(f"must be a number, got {text!r}")
     return float(text)
+
+
+def _is_clock(text: str) -> bool:
+    """Return whether a cell is a time of a calendar or a clock."""
+    if ":" not in text:
+        return False
+    return bool(_CALENDAR_TIME.fullmatch(text) or _CLOCK_TIME.fullmatch(text))
 
 
 def _describe_bad_cell(name: str, text: str, row: int) -> str:

@@ -18,6 +18,7 @@ ERRORS = ("#DIV/0!", "#N/A", "#NAME?", "#NULL!", "#NUM!", "#REF!", "#VALUE!", "#
 NUMBER = re.compile(r"[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d+)?")
 """A number with either decimal sign."""
 _BETWEEN_BLANKS = re.compile(r'"[^"]*"(?!\S)|\S+')
+_LINE_END = re.compile("\r\n|\r|\n")
 _QUOTED = re.compile('"[^"]*"')
 
 
@@ -51,7 +52,7 @@ def split_text(text: str, separator: str | None) -> SplitText:
     Raises:
         ValueError: If a quote is not closed.
     """
-    lines = [_Line(number, line) for number, line in enumerate(text.splitlines(), start=1)]
+    lines = [_Line(number, line) for number, line in enumerate(_LINE_END.split(text), start=1)]
     stated = _take_stated_separator(lines)
     rows = [line for line in lines if line.text.strip() and not _is_comment(line)]
     if not rows:

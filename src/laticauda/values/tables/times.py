@@ -52,6 +52,8 @@ def read_times(table: Table, name: str, stated_unit: str | None = None) -> FileT
             raise BadArgument(name, f"must be in {units}, but the file says {unit_in_file}")
         unit_in_file = None
     unit = stated_unit or unit_in_file
+    if table.find(name) in table.clocks:
+        unit = stated_unit = "s"
     unit_by_size = _recognize_date(times)
     if stated_unit is None and unit_by_size is not None and not _is_possible(times, unit):
         unit = unit_by_size
