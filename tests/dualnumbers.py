@@ -12,7 +12,7 @@ from laticauda.models.dynamics import stages
 from laticauda.models.dynamics.shared_laws import SHARED_LAWS
 from laticauda.models.planar import number_types, rows, sample_format
 from laticauda.motion.joints import laws as joint_laws
-from laticauda.water.fluid import flow, inertia, laws
+from laticauda.water.fluid import edges, flow, inertia, laws
 
 PLANAR = Path(rows.__file__).parent
 
@@ -122,6 +122,7 @@ def python_kernels(law=None):
             **{law.__name__: law for law in SHARED_LAWS}
         ),
         "plate": laws.plate,
+        "edges": edges,
         "flow": flow,
         "inertia": inertia,
         "summed": lambda kinds, count: None,

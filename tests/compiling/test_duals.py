@@ -116,8 +116,9 @@ def test_a_law_that_branches_is_differentiated_lane_by_lane():
     )
 
 
+@pytest.mark.parametrize("edge", ["elongated", "finite-span"])
 @pytest.mark.parametrize(("joints", "seconds"), [("prescribed", 1.0), ("pd", 1.0), ("servo", 1.0)])
-def test_a_run_has_the_derivatives_of_dual_numbers(joints, seconds):
+def test_a_run_has_the_derivatives_of_dual_numbers(joints, seconds, edge):
     body = load_robot("mamba-fin").planar()
     plate = PectoralFin(link=3, area=0.01, lift_slope=3.0, stall_angle=0.5, y=0.05, angle=0.1)
     robot = replace(
@@ -130,7 +131,7 @@ def test_a_run_has_the_derivatives_of_dual_numbers(joints, seconds):
     water = replace(
         load_water("paper-eel"),
         added_mass_form="kirchhoff",
-        trailing_edge="elongated",
+        trailing_edge=edge,
         current=(0.1, 0.0),
     )
     plant = PlanarPlant(robot=robot, environment=water, settings=Planar(joints=JointLaw.of(joints)))

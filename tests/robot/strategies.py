@@ -164,7 +164,7 @@ def waters(draw: st.DrawFn) -> Water:
         friction_taper=draw(numbers(-1.0, 1.0)),
         added_mass_form=form,
         rotational=draw(st.sampled_from(["paper", "strip"])),
-        trailing_edge=draw(st.sampled_from(["none", "elongated"]))
+        trailing_edge=draw(st.sampled_from(["none", "elongated", "finite-span"]))
         if form == "kirchhoff"
         else "none",
         current=draw(st.tuples(numbers(-1.0, 1.0), numbers(-1.0, 1.0))),

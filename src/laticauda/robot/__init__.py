@@ -73,6 +73,8 @@ if TYPE_CHECKING:
     )
     from laticauda.robot.hydrodynamics import (
         Coefficients as Coefficients,
+        FinEdge as FinEdge,
+        fin_edge as fin_edge,
         link_coefficients as link_coefficients,
         mass_across as mass_across,
         override_or_default as override_or_default,
@@ -145,6 +147,8 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.robot.files": ["find", "read_table"],
         "laticauda.robot.hydrodynamics": [
             "Coefficients",
+            "FinEdge",
+            "fin_edge",
             "link_coefficients",
             "mass_across",
             "override_or_default",

@@ -20,6 +20,7 @@ from laticauda.values import (
     value_class,
 )
 from laticauda.water.fluid import DragLaw, Flow, PolynomialDrag
+from laticauda.water.fluid.edges import SLENDER, plate_functions
 
 Current: TypeAlias = tuple[float, float] | tuple[float, float, float] | Flow
 
@@ -75,8 +76,9 @@ class Water:
         "Torque on a link: from the `paper`'s coefficients, or from normal loads along it (`strip`)",
         default="paper",
     )
-    trailing_edge: Literal["none", "elongated"] = option(
-        "`elongated` adds Lighthill's wake force at the end of the fin or tail; requires `kirchhoff`",
+    trailing_edge: Literal["none", "elongated", "finite-span"] = option(
+        "`elongated` adds Lighthill's wake force at the end of the fin or tail, `finite-span` that of a "
+        "fin of any shape with its added mass; both require `kirchhoff`",
         default="none",
     )
     current: Current = quantity(
@@ -94,12 +96,12 @@ class Water:
             raise BadArgument(
                 "depth", f"must be <= {bed:g} m, the bed depth of its flow, got {self.depth:g}"
             )
-        if self.trailing_edge == "elongated" and self.added_mass_form != "kirchhoff":
+        if self.trailing_edge != "none" and self.added_mass_form != "kirchhoff":
             raise BadArgument(
                 "trailing_edge",
                 "must be `none` unless `added_mass_form` is `kirchhoff`, the only form that includes "
                 "the momentum that an edge sheds "
-                f"(here it is `{self.added_mass_form}`), got 'elongated'",
+                f"(here it is `{self.added_mass_form}`), got '{self.trailing_edge}'",
             )
 
     @property
@@ -263,9 +265,14 @@ def check_fits(robot: Robot, environment: Environment) -> None:
         environment: Environment in which it swims.
 
     Raises:
-        ValueError: If the water's depth leaves part of the body or of the fin above the surface.
+        ValueError: If the water's depth leaves part of the body or of the fin above the surface, or
+            if its law of the trailing edge does not hold for the robot.
     """
-    if isinstance(environment, Ground) or environment.depth is None:
+    if isinstance(environment, Ground):
+        return
+    if environment.trailing_edge == "finite-span":
+        _check_finite_span(robot)
+    if environment.depth is None:
         return
     half_heights = {
         f"modules[{i}]": module.section.half_height for i, module in enumerate(robot.modules)
@@ -278,4 +285,23 @@ def check_fits(robot: Robot, environment: Environment) -> None:
             "depth",
             f"must be > {half_height:g} m, the half height of `{part}` of robot `{robot.name}`, "
             f"got {environment.depth}",
+        )
+
+
+def _check_finite_span(robot: Robot) -> None:
+    """Reject a robot whose trailing edge is not that of a rigid plate, or of a slender body."""
+    fin = robot.caudal_fin
+    if fin is not None and fin.hinges:
+        raise BadArgument(
+            "trailing_edge",
+            "must be `elongated` or `none` for a fin that bends "
+            f"(`caudal_fin.n_hinges` is {fin.n_hinges}), because the law of a finite span is that of a "
+            "rigid plate, got 'finite-span'",
+        )
+    aspect = 2.0 * robot.modules[0].section.half_height / robot.length
+    if fin is None and plate_functions(aspect).lift < SLENDER:
+        raise BadArgument(
+            "trailing_edge",
+            "must be `elongated` or `none` for a body without a fin that is not slender "
+            f"(its height is {aspect:.2g} times its length), got 'finite-span'",
         )

@@ -20,7 +20,9 @@ links of equal length, the mean is C_f. The taper does not affect the fin, nor m
 own C_f.
 
 The wake behind the tail end carries m' = rho pi C_A a^2 per length, from the section there
-(`wake_mass`).
+(`wake_mass`). With ``trailing_edge="finite-span"`` a fin is a plate of finite span: its strips have
+the added mass k m' per length, together the moment of inertia k_r m' c^3 / 12 about the middle of
+its chord c, and its edge has the numbers of `fin_edge` (`laticauda.water.fluid.edges`).
 
 `bending_frequencies` computes the natural frequencies of a flexible fin in that water.
 """
@@ -37,6 +39,7 @@ from jaxtyping import Float
 from laticauda.robot import CaudalFin, Environment, Ground, Module, Robot, Water
 from laticauda.robot.plates import PlateCoefficients, plate_of_fin, plates_of_modules
 from laticauda.values import BadArgument, explain
+from laticauda.water.fluid.edges import Plate, build_plate, plate_functions
 
 _LOADS = ("c_t", "c_n", "mu_t", "mu_n", "lambda_1", "lambda_2", "lambda_3")
 _Number = TypeVar("_Number", float, np.ndarray)
@@ -183,6 +186,8 @@ def added_mass_of_fin(fin: CaudalFin, water: Water) -> float | None:
     """
     if fin.added_mass is not None or water.plate_added_mass is None:
         return fin.added_mass
+    if water.trailing_edge == "finite-span":
+        return water.plate_added_mass  # of a slender plate: the law takes the span into account
     return water.plate_added_mass * plate_of_fin(fin).added_mass
 
 
@@ -224,6 +229,44 @@ def drag_of_module(module: Module, plate: PlateCoefficients | None, water: Water
     if module.normal_drag is not None or plate is None or water.plate_drag is None:
         return override_or_default(module.normal_drag, water.normal_drag)
     return water.plate_drag * plate.drag
+
+
+@dataclass(frozen=True, kw_only=True)
+class FinEdge:
+    """Trailing edge of a fin of finite span."""
+
+    plate: Plate
+    """Numbers of the fin as a plate."""
+    distance: float
+    """Distance of x_w, where the speed across the fin decides on its lift, behind its root [m]."""
+
+
+def fin_edge(robot: Robot, water: Water) -> FinEdge | None:
+    """Return the trailing edge of a fin of finite span; None for other laws, and for a robot without a fin.
+
+    Args:
+        robot: The robot that swims.
+        water: Water that defines the law, density, depth, and C_A unless the fin has its own.
+    """
+    fin = robot.caudal_fin
+    if fin is None or water.trailing_edge != "finite-span":
+        return None
+    chord = _chord(fin)
+    functions = plate_functions(fin.height / chord)
+    plate = build_plate(
+        functions,
+        mass_per_length=wake_mass(robot, water),
+        chord=chord,
+        height=fin.height,
+    )
+    return FinEdge(plate=plate, distance=fin.length - functions.center * chord)
+
+
+def _chord(fin: CaudalFin) -> float:
+    """Return the length of the plate that the water meets: without an open opening [m]."""
+    if fin.opening == "open":
+        return fin.length - fin.opening_length
+    return fin.length
 
 
 def override_or_default(override: float | None, water: float) -> float:
@@ -313,6 +356,9 @@ def _fin_in_water(fin: CaudalFin, water: Water) -> Coefficients:
     lambdas = (
         _strip_lambdas(mu_n, c_n, d / 2.0) if water.rotational == "strip" else (zero, zero, zero)
     )
+    if water.trailing_edge == "finite-span":
+        mu_n, lambda_1 = _spread_added_mass(fin, edges, mu_n)
+        lambdas = (lambda_1, *lambdas[1:])
     return _strips(fin, edges, (c_t, c_n, zero, mu_n, *lambdas), rho)
 
 
@@ -326,6 +372,24 @@ def _areas_in_water(robot: Robot, water: Water) -> Coefficients | None:
     c_n = 0.5 * water.density * np.array([area.across for area in robot.drag_areas])
     loads = (c_t, c_n, zero, zero, zero, zero, zero)
     return _coefficients(zero, np.array(position), zero, loads, zero)
+
+
+def _spread_added_mass(
+    fin: CaudalFin, edges: np.ndarray, slender: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return added mass and inertia of the strips of a fin of finite span, from the mass of slender strips.
+
+    The inertia of a strip is what the plate's moment of inertia lacks beyond that of the strips' masses;
+    it is negative where the water near the ends of the plate moves less than that in its middle.
+    """
+    chord = _chord(fin)
+    functions = plate_functions(fin.height / chord)
+    mu_n = functions.added_mass * slender
+    middle = 0.5 * (edges[0] + edges[-1])
+    arm = 0.5 * (edges[:-1] + edges[1:]) - middle
+    whole = functions.rotary * slender.sum() * chord**2 / 12.0
+    lacking = whole - mu_n @ (arm * arm)
+    return mu_n, np.full_like(mu_n, lacking / mu_n.size)
 
 
 def _fin_on_ground(fin: CaudalFin, ground: Ground) -> Coefficients:

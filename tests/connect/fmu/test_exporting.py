@@ -84,6 +84,14 @@ KINDS: dict[str, dict[str, Any]] = {
             trailing_edge="elongated",
         ),
     },
+    "finite span": {
+        "joints": "servo",
+        "environment": replace(
+            lc.load_water("paper-lateral"),
+            added_mass_form="kirchhoff",
+            trailing_edge="finite-span",
+        ),
+    },
     "gusts": {
         "environment": replace(lc.load_water("paper-lateral"), current=replace(GUSTS, seed=2))
     },

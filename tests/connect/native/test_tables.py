@@ -53,7 +53,15 @@ def rows_in(told: Tables, water: Water) -> np.ndarray:
     return template
 
 
-@pytest.mark.parametrize("form", ["relative", "kirchhoff", "classic"])
+@pytest.mark.parametrize(
+    ("form", "trailing"),
+    [
+        ("relative", "none"),
+        ("kirchhoff", "elongated"),
+        ("kirchhoff", "finite-span"),
+        ("classic", "none"),
+    ],
+)
 @pytest.mark.parametrize("rotational", ["paper", "strip"])
 @settings(max_examples=10)
 @given(
@@ -62,9 +70,8 @@ def rows_in(told: Tables, water: Water) -> np.ndarray:
     taper=st.floats(-1.0, 1.0),
 )
 def test_rows_of_another_water_are_those_of_its_own_layout(
-    form, rotational, density, coefficients, taper
+    form, trailing, rotational, density, coefficients, taper
 ):
-    trailing = "elongated" if form == "kirchhoff" else "none"
     here = replace(
         lc.load_water("paper-eel"),
         added_mass_form=form,

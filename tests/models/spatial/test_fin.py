@@ -185,3 +185,18 @@ def test_an_actuator_turns_a_driven_fin_the_way_the_body_bends():
     assert model.joint("fin_hinge_1").stiffness[0] == pytest.approx(
         robot.caudal_fin.hinges[0].stiffness
     )
+
+
+def test_the_edge_of_a_finite_span_is_refused_in_space():
+    water = replace(
+        lc.load_water("paper-lateral"), added_mass_form="kirchhoff", trailing_edge="finite-span"
+    )
+    with pytest.raises(
+        ValueError, match=r"`trailing_edge` must be `elongated` or `none` for a fin in space"
+    ):
+        lc.swim(
+            "mamba-fin",
+            lc.eel_like(amplitude=0.4, frequency=2.0, phase_shift=0.7),
+            environment=water,
+            model="spatial",
+        )

@@ -13,7 +13,7 @@ from laticauda import robot as robots
 from laticauda.models.dynamics.joint_table import joint_table
 from laticauda.models.planar import rows, sample_format
 from laticauda.motion.joints import JointLaw, Prescribed
-from laticauda.robot import Coefficients, link_coefficients, wake_mass
+from laticauda.robot import Coefficients, fin_edge, link_coefficients, wake_mass
 from laticauda.values import BadArgument
 from laticauda.water.fluid import flow as flows
 
@@ -281,10 +281,18 @@ def _write_environment(
     S[rows.HEIGHT] = -(environment.depth or 0.0)
     S[rows.OWN_VELOCITY] = environment.added_mass_form != "classic"
     S[rows.KIRCHHOFF] = environment.added_mass_form == "kirchhoff"
-    if environment.trailing_edge == "elongated":
-        S[rows.WAKE_MASS] = wake_mass(robot, environment)
-        if robot.caudal_fin and folded:
-            S[rows.WAKE_POSITION] = -robot.caudal_fin.length
+    if environment.trailing_edge == "none":
+        return
+    edge = fin_edge(robot, environment)
+    if edge is not None and robot.caudal_fin is not None:
+        S[rows.EDGE : rows.EDGE_LAG + 1] = edge.plate
+        S[rows.WAKE_POSITION] = -edge.distance
+        if not folded:
+            S[rows.WAKE_POSITION] += robot.caudal_fin.length
+        return
+    S[rows.WAKE_MASS] = wake_mass(robot, environment)
+    if robot.caudal_fin and folded:
+        S[rows.WAKE_POSITION] = -robot.caudal_fin.length
 
 
 def _write_bodies(

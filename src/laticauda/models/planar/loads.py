@@ -25,7 +25,7 @@ from laticauda.compiling.lanes import first_lane, magnitude, where
 from laticauda.compiling.templates import bindings
 from laticauda.models.planar import number_types
 from laticauda.models.planar.rows import *
-from laticauda.water.fluid import MOTION, Element, flow, inertia
+from laticauda.water.fluid import MOTION, Element, edges, flow, inertia
 from laticauda.water.fluid.laws import plate
 
 _specialization = bindings(__name__)
@@ -35,6 +35,8 @@ _flow_parts = _specialization["flow_parts"]
 drag_law = in_rows(_drag_law, Element, MOTION)
 drag_law_numbers = rows_from(LAW, len(_drag_law.fields))
 plate_law = compile_scalar(plate)
+finite_span = compile_scalar(edges.finite_span)
+edge_numbers = rows_from(EDGE, len(edges.Plate._fields))
 plate_numbers = rows_from(PLATE_LAW, PLATE_WATER - PLATE_LAW)
 water_numbers = rows_from(0, WATER_ROWS)
 HAS_FLOW = bool(_flow_parts)
@@ -223,7 +225,10 @@ def extra_loads(S, n, first_strip, first_plate, tail_link):
         for fin in range(first_plate[i], first_plate[i + 1]):
             add_plate_load(S, b, plate_row(n, first_strip[n], fin))
     add_tether_force(S, HEADER_ROWS + tail_link * BODY_ROWS)
-    add_trailing_edge_load(S)
+    if has_finite_span(S):
+        add_finite_span_load(S)
+    else:
+        add_trailing_edge_load(S)
 
 
 @kernel
@@ -274,6 +279,23 @@ def add_trailing_edge_load(S):
     shed = where(u.real > 0.0, S[WAKE_MASS], zero_like(u))
     f_n = -shed * u * w
     add_extra(S, b, (0.5 * shed * w * w, f_n, x * f_n))
+
+
+@kernel
+def has_finite_span(S):
+    """Return whether a plate of finite span is at the tail, with a state of its own; the same in all lanes."""
+    return first_lane(S[EDGE_LAG].real) > 0.0
+
+
+@kernel
+def add_finite_span_load(S):
+    """Add the load at the edge of a plate of finite span, and set the rate of the edge's state."""
+    b = HEADER_ROWS
+    x = S[WAKE_POSITION]
+    u, w, turning = through_water(S, b, x, WAKE_WATER)
+    f_t, f_n, moment, memory_rate = finite_span(u, w, turning, S[EDGE_MEMORY], *edge_numbers(S))
+    add_extra(S, b, (f_t, f_n, moment + x * f_n))
+    S[EDGE_MEMORY_RATE] = memory_rate
 
 
 @kernel

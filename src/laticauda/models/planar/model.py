@@ -1,6 +1,7 @@
 """The closed-form planar model as a `Plant`."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import accumulate
@@ -267,6 +268,14 @@ class PlanarPlant(Plant[Planar]):
         length_of_links = np.sum(length[layout.tail_link :])
         middle = float(length_of_fin + 0.5 * length_of_links)
         return along, across, moment - middle * across
+
+    def unpack(self, stored: Mapping[str, np.ndarray]) -> PlantState:
+        """Return the state from stored arrays; those of older versions, without the state of an edge, have it at 0."""
+        values = np.asarray(stored.get(self.name, ()), dtype=float)
+        if values.shape == (self._size - 1,):
+            values = np.insert(values, column_of(rows.EDGE_MEMORY), 0.0)
+            return PlantState(values=values)
+        return super().unpack(stored)
 
     @property
     def _size(self) -> int:

@@ -19,6 +19,7 @@ from laticauda.motion.joints import (
     PRESCRIBED as PRESCRIBED,
 )
 from laticauda.values import MOST_NUMBERS
+from laticauda.water.fluid.edges import Plate
 
 
 class _Counter:
@@ -41,8 +42,8 @@ class _Counter:
 
 N_FREEDOMS = 3
 """Degrees of freedom of the base: heading, x and y of the center of mass."""
-BASE_ROWS = 2 * N_FREEDOMS
-"""Rows of the base's state, HEADING to VY: the degrees of freedom, then their rates."""
+BASE_ROWS = 2 * N_FREEDOMS + 1
+"""Rows of the base's state, HEADING to EDGE_MEMORY: the degrees of freedom, their rates, the state of an edge."""
 MOST_STAGES = 6
 """Stages whose slopes a step can keep: the room in SLOPES, which a method need not fill."""
 
@@ -77,8 +78,11 @@ CURRENT_Y = _header.take()  # V_y [m/s]
 OWN_VELOCITY = _header.take()
 KIRCHHOFF = _header.take()  # 1: momentum-conserving terms and Munk moment on; 0: off
 WAKE_MASS = _header.take()  # m' of the trailing edge [kg/m]; 0: off
-# x of the trailing edge from the tail end of body 0 [m], headward positive
+# x of the trailing edge from the tail end of body 0 [m], headward positive; of a finite span, x_w
 WAKE_POSITION = _header.take()
+# a plate of finite span at the tail instead of WAKE_MASS: the fields of `fluid.edges.Plate`
+EDGE = _header.take(len(Plate._fields))
+EDGE_LAG = EDGE + Plate._fields.index("lag")  # its l [m]; 0: none
 ACTIVE_POWER = _header.take()  # power of the electronics above idle [W]
 TETHER_DRAG = _header.take()  # k [kg/m]
 TETHER_FORCE_X = _header.take()  # [N]
@@ -111,6 +115,7 @@ Y = _header.take()
 HEADING_RATE = _header.take()  # [rad/s]
 VX = _header.take()  # velocity of the center of mass [m/s]
 VY = _header.take()
+EDGE_MEMORY = _header.take()  # z, the speed across that the wake of a finite span remembers [m/s]
 # wave of the body's joints: the fields of WaveState, its phase first
 PHASE = _header.take(len(WaveState._fields))
 AMPLITUDE_NOW = PHASE + WaveState._fields.index("amplitude")
@@ -152,6 +157,7 @@ WELL = _header.take()  # 1 until the lane's numbers leave the finite range, then
 SAMPLES = _header.take()  # number of samples logged until then
 SAVED = _header.take(BASE_ROWS)  # the base's state at the start of a step
 SLOPES = _header.take(MOST_STAGES * BASE_ROWS)  # slopes of the base's state in each stage
+EDGE_MEMORY_RATE = _header.take()  # dz/dt [m/s^2]
 TETHER_WATER = _header.take(WATER_ROWS)  # motion of the water at the tether
 WAKE_WATER = _header.take(WATER_ROWS)  # motion of the water at the trailing edge
 

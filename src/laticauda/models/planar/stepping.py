@@ -211,6 +211,7 @@ def keep_slope(S, stage):
     for r in range(N_FREEDOMS):
         S[slope + r] = S[HEADING_RATE + r]
         S[slope + N_FREEDOMS + r] = S[HEADING_ACCELERATION + r]
+    S[slope + EDGE_MEMORY - HEADING] = S[EDGE_MEMORY_RATE]
 
 
 @kernel
@@ -246,6 +247,10 @@ def finish_ros2(S, n, first_strip, first_plate, law, is_free, tail_link, has_ext
         )
         S[HEADING + r] = S[SAVED + r] + dt * slope[0]
         S[HEADING_RATE + r] = S[SAVED + N_FREEDOMS + r] + dt * slope[1]
+    # The state of an edge is explicit: the same formula without implicit terms.
+    memory = EDGE_MEMORY - HEADING
+    mean_rate = 0.5 * (S[SLOPES + memory] + S[EDGE_MEMORY_RATE])
+    S[EDGE_MEMORY] = S[SAVED + memory] + dt * mean_rate
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if is_free[i]:
@@ -272,6 +277,10 @@ def keep_first_slope(S, n, is_free, dt, gamma_dt):
         S[SLOPES + N_FREEDOMS + r] = acceleration
         S[HEADING + r] += dt * slope
         S[HEADING_RATE + r] += dt * acceleration
+    memory = EDGE_MEMORY - HEADING
+    S[SAVED + memory] = S[EDGE_MEMORY]
+    S[SLOPES + memory] = S[EDGE_MEMORY_RATE]
+    S[EDGE_MEMORY] += dt * S[EDGE_MEMORY_RATE]
     for i in range(1, n):
         b = HEADER_ROWS + i * BODY_ROWS
         if is_free[i]:

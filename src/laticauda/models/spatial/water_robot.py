@@ -31,6 +31,7 @@ from laticauda.robot import (
     override_or_default,
     wake_mass,
 )
+from laticauda.values import BadArgument
 from laticauda.water.mujoco import Element
 
 
@@ -45,6 +46,7 @@ def robot_elements(
         floats: Whether it has weight and buoyancy. Otherwise the volumes, which accelerating water
             carries along, are distributed as in the planar model.
     """
+    _check_edge(robot, environment)
     coefficients = link_coefficients(robot, environment)
     elements: list[Element] = []
     for i, module in enumerate(robot.modules):
@@ -59,6 +61,17 @@ def robot_elements(
     # Last, where the twin expects them.
     elements += mounted_elements(robot, environment)
     return tuple(elements)
+
+
+def _check_edge(robot: Robot, environment: Environment) -> None:
+    """Reject the law of an edge that has a state, which no element has."""
+    if isinstance(environment, Water) and robot.caudal_fin is not None:
+        if environment.trailing_edge == "finite-span":
+            raise BadArgument(
+                "trailing_edge",
+                "must be `elongated` or `none` for a fin in space, where an edge has no state yet "
+                "(the planar model has it), got 'finite-span'",
+            )
 
 
 def _build_module(i: int, module: Module, c: Coefficients, environment: Environment) -> Element:
@@ -191,7 +204,7 @@ def _build_tether(robot: Robot) -> list[Element]:
 
 def _build_trailing_edge(robot: Robot, water: Water) -> list[Element]:
     """Return the element of the trailing edge of fin or tail, as in the planar model."""
-    if water.trailing_edge != "elongated":
+    if water.trailing_edge == "none":
         return []
     fin = robot.caudal_fin
     body = "module_0"
