@@ -20,6 +20,8 @@ from typing import Any
 import numpy as np
 
 import laticauda as lc
+from laticauda.models.planar import rows
+from laticauda.models.planar.sample_format import column_of
 from laticauda.robot import PectoralFin
 from laticauda.scenarios import limit_case
 from laticauda.water.fluid.laws import PolynomialDrag
@@ -284,7 +286,18 @@ def series(run: Any) -> Iterator[tuple[str, np.ndarray]]:
         ("state", run.state),
     ):
         for name, value in named.items():
-            yield f"{kind}.{name}", np.asarray(value)
+            logged = np.asarray(value)
+            if (kind, name) == ("state", "planar"):
+                logged = without_edge(logged)
+            yield f"{kind}.{name}", logged
+
+
+def without_edge(state: np.ndarray) -> np.ndarray:
+    """Return a state without that of an edge of finite span, which is 0 here and was none when the set was recorded."""
+    column = column_of(rows.EDGE_MEMORY)
+    if state[column] != 0.0:
+        return state
+    return np.delete(state, column)
 
 
 def distance(there: np.ndarray, here: np.ndarray) -> float:
