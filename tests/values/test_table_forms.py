@@ -1,13 +1,10 @@
 """Forms of one table x three doors: read right, or refused with the cause; nothing is silent."""
 
 import re
-import types
 
 import numpy as np
 import pytest
 from table_forms import DOORS, FORMS, bring, numbers_of
-
-from laticauda.values.tables import workbooks
 
 
 @pytest.mark.parametrize("name", FORMS)
@@ -28,22 +25,6 @@ def test_a_form_of_a_table_is_read_right_or_refused_with_the_cause(name, tmp_pat
 
 def test_there_are_enough_forms():
     assert len(FORMS) >= 34
-
-
-def test_an_excel_workbook_gives_the_cells_of_its_first_sheet(monkeypatch):
-    sheet = types.SimpleNamespace(
-        iter_rows=lambda **_: [("# by hand",), (None, None), ("t", "x"), (0.1, None), (2, 3.5)]
-    )
-    library = types.SimpleNamespace(
-        load_workbook=lambda *_, **__: types.SimpleNamespace(worksheets=[sheet])
-    )
-    monkeypatch.setattr(workbooks, "optional_import", lambda *_: library)
-    rows = workbooks.read_workbook(b"PK\x03\x04")
-    assert [(row.number, list(row.cells)) for row in rows] == [
-        (3, ["t", "x"]),
-        (4, ["0.1", ""]),
-        (5, ["2", "3.5"]),
-    ]
 
 
 def test_excel_itself(tmp_path):

@@ -13,6 +13,7 @@ import laticauda as lc
 from laticauda.trials.measured import load_speeds
 from laticauda.values import TableWarning, TrialFileError
 from laticauda.values.tables import open_sheet
+from laticauda.values.tables.workbooks import read_workbook
 
 openpyxl = pytest.importorskip("openpyxl", reason="workbooks are read by openpyxl")
 NAMES = ["time_s", "joint_1_deg", "joint_2_deg"]
@@ -48,6 +49,16 @@ def test_a_plain_workbook_is_read_and_said(tmp_path):
     found = assert_read(workbook(tmp_path / "a.xlsx", [NAMES, *ROWS]))
     assert "an Excel workbook" in found.reading
     assert load_speeds(workbook(tmp_path / "s.xlsx", SPEEDS))[1].P_avg_W == 90.0
+
+
+def test_rows_have_their_numbers_in_the_file(tmp_path):
+    cells = [["# by hand"], [None, None], ["t", "x"], [0.1, None], [2, 3.5]]
+    rows = read_workbook(workbook(tmp_path / "a.xlsx", cells).read_bytes())
+    assert [(row.number, list(row.cells)) for row in rows] == [
+        (3, ["t", "x"]),
+        (4, ["0.1", ""]),
+        (5, ["2", "3.5"]),
+    ]
 
 
 START = datetime.datetime(2026, 11, 29, 17, 30)
