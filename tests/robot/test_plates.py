@@ -10,12 +10,17 @@ from laticauda.models.simulate import intervals_of
 from laticauda.robot import CaudalFin, Robot, textbook_water
 from laticauda.robot.hydrodynamics import link_coefficients, wake_mass
 from laticauda.robot.plates import is_flat, plate_of_fin, plates_of_modules
-from laticauda.water.plates import plate_drag, plate_mass_share
+from laticauda.water.fluid.edges import plate_functions
+from laticauda.water.plates import plate_drag
 
 FISH = lc.load_robot("tendon-fish")
 MAMBA_FIN = lc.load_robot("mamba-fin")
 WATER = replace(lc.load_water("paper-lateral"), added_mass_form="kirchhoff")
 PLATES = replace(WATER, plate_drag=1.0, plate_added_mass=1.0)
+
+
+def share_of(aspect: float) -> float:
+    return plate_functions(aspect).added_mass
 
 
 def flat(robot: Robot) -> Robot:
@@ -33,14 +38,21 @@ def test_a_fin_has_drag_and_added_mass_of_a_plate_of_its_height_and_length():
     area = fin.height * fin.length
     assert strips.c_n.sum() == pytest.approx(500.0 * plate_drag(0.203, 0.0365) * area)
     slender = 1000.0 * np.pi * 0.203**2 / 4.0 * 0.0365
-    assert strips.mu_n.sum() == pytest.approx(slender * plate_mass_share(0.203 / 0.0365))
+    assert strips.mu_n.sum() == pytest.approx(slender * share_of(0.203 / 0.0365))
     assert strips.mu_n.sum() == pytest.approx(0.193, rel=0.01)  # [kg]; a slender one has 1.18
+
+
+def test_the_law_of_a_finite_span_takes_off_what_the_span_does_only_once():
+    finite = replace(PLATES, trailing_edge="finite-span")
+    elongated = replace(PLATES, trailing_edge="elongated")
+    ours, theirs = (link_coefficients(FISH, water).fin.mu_n for water in (finite, elongated))
+    np.testing.assert_allclose(ours, theirs, rtol=1e-12)
 
 
 def test_an_open_opening_is_no_part_of_the_plate_and_a_closed_one_is():
     opened, closed = CaudalFin(), CaudalFin(opening="closed")
-    assert plate_of_fin(opened).added_mass == pytest.approx(plate_mass_share(0.09 / 0.38))
-    assert plate_of_fin(closed).added_mass == pytest.approx(plate_mass_share(0.09 / 0.5))
+    assert plate_of_fin(opened).added_mass == pytest.approx(share_of(0.09 / 0.38))
+    assert plate_of_fin(closed).added_mass == pytest.approx(share_of(0.09 / 0.5))
 
 
 def test_flat_modules_in_a_row_are_one_plate_whose_closed_ends_carry_all():
@@ -52,7 +64,7 @@ def test_flat_modules_in_a_row_are_one_plate_whose_closed_ends_carry_all():
     height = sum(2.0 * m.section.half_height * m.length for m in FISH.modules[:5]) / 0.156
     assert plates[0].drag == pytest.approx(plate_drag(height, 0.156))
     free = plates_of_modules(replace(FISH, caudal_fin=None))[0]
-    lacking = 1.0 - plate_mass_share(height / 0.156)
+    lacking = 1.0 - share_of(height / 0.156)
     assert free.added_mass == pytest.approx(1.0 - 0.5 * lacking)
     both = plates_of_modules(flat(FISH))[0]
     assert both.added_mass == pytest.approx(1.0 - lacking)

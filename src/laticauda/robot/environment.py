@@ -81,6 +81,13 @@ class Water:
         "fin of any shape with its added mass; both require `kirchhoff`",
         default="none",
     )
+    edge_clip: float | None = quantity(
+        "",
+        "A0, most of the suction of a `finite-span` fin, beyond which its flow separates; None: it never does",
+        gt=0.0,
+        le=1.0,
+        default=None,
+    )
     current: Current = quantity(
         "m/s", "V, velocity of the water in world axes, or a flow", default=(0.0, 0.0)
     )
@@ -95,6 +102,12 @@ class Water:
         if (self.depth or 0.0) > bed:
             raise BadArgument(
                 "depth", f"must be <= {bed:g} m, the bed depth of its flow, got {self.depth:g}"
+            )
+        if self.edge_clip is not None and self.trailing_edge != "finite-span":
+            raise BadArgument(
+                "edge_clip",
+                "must be None unless `trailing_edge` is `finite-span`, whose suction it limits "
+                f"(here it is `{self.trailing_edge}`), got {self.edge_clip}",
             )
         if self.trailing_edge != "none" and self.added_mass_form != "kirchhoff":
             raise BadArgument(
@@ -272,6 +285,7 @@ def check_fits(robot: Robot, environment: Environment) -> None:
         return
     if environment.trailing_edge == "finite-span":
         _check_finite_span(robot)
+        _check_clip(robot, environment)
     if environment.depth is None:
         return
     half_heights = {
@@ -285,6 +299,19 @@ def check_fits(robot: Robot, environment: Environment) -> None:
             "depth",
             f"must be > {half_height:g} m, the half height of `{part}` of robot `{robot.name}`, "
             f"got {environment.depth}",
+        )
+
+
+def _check_clip(robot: Robot, water: Water) -> None:
+    """Reject a limit of the suction of a leading edge for a body, or a slender fin, that has none of its own."""
+    if water.edge_clip is None:
+        return
+    fin = robot.caudal_fin
+    if fin is None or plate_functions(fin.height / fin.length).lift >= SLENDER:
+        raise BadArgument(
+            "edge_clip",
+            f"must be None for robot `{robot.name}`, whose trailing edge ends a slender body: no flow "
+            f"separates at a leading edge there, got {water.edge_clip}",
         )
 
 

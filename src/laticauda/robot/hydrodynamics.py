@@ -39,7 +39,7 @@ from jaxtyping import Float
 from laticauda.robot import CaudalFin, Environment, Ground, Module, Robot, Water
 from laticauda.robot.plates import PlateCoefficients, plate_of_fin, plates_of_modules
 from laticauda.values import BadArgument, explain
-from laticauda.water.fluid.edges import Plate, build_plate, plate_functions
+from laticauda.water.fluid.edges import NO_CAP, Plate, build_plate, plate_functions
 
 _LOADS = ("c_t", "c_n", "mu_t", "mu_n", "lambda_1", "lambda_2", "lambda_3")
 _Number = TypeVar("_Number", float, np.ndarray)
@@ -258,6 +258,7 @@ def fin_edge(robot: Robot, water: Water) -> FinEdge | None:
         mass_per_length=wake_mass(robot, water),
         chord=chord,
         height=fin.height,
+        cap=override_or_default(water.edge_clip, NO_CAP),
     )
     return FinEdge(plate=plate, distance=fin.length - functions.center * chord)
 

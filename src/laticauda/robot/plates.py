@@ -2,10 +2,10 @@
 
 Drag and added mass of a body's sections do not hold for thin plates on it: a fin has free edges on
 all sides, and is no box. In a water with `plate_drag` and `plate_added_mass`, fins and flat modules that
-have no coefficients of their own take those of rectangular plates (`laticauda.water.plates`), times
-these factors. Flat modules in a row are one plate. Where a plate adjoins another part of the robot, the
-water cannot go around its end: of what free ends take off the added mass of a slender plate, each
-takes half.
+have no coefficients of their own take those of rectangular plates, times these factors
+(`laticauda.water.plates`, `laticauda.water.fluid.edges`). Flat modules in a row are one plate. Where a
+plate adjoins another part of the robot, the water cannot go around its end: of what free ends take off
+the added mass of a slender plate, each takes half.
 """
 
 from collections.abc import Sequence
@@ -16,7 +16,8 @@ from typing import NamedTuple
 from laticauda.robot.body import Module
 from laticauda.robot.effectors import CaudalFin
 from laticauda.robot.robot import Robot
-from laticauda.water.plates import plate_drag, plate_mass_share
+from laticauda.water.fluid.edges import plate_functions
+from laticauda.water.plates import plate_drag
 
 FLAT = 0.1
 """A module is flat if its section is at most so wide as it is high [-]."""
@@ -50,7 +51,8 @@ def plate_of_fin(fin: CaudalFin) -> PlateCoefficients:
     if fin.opening == "open":
         length -= fin.opening_length
     return PlateCoefficients(
-        drag=plate_drag(fin.height, length), added_mass=plate_mass_share(fin.height / length)
+        drag=plate_drag(fin.height, length),
+        added_mass=plate_functions(fin.height / length).added_mass,
     )
 
 
@@ -79,7 +81,7 @@ def _plate_of_row(row: Sequence[Module], *, n_free_ends: int) -> PlateCoefficien
     length = sum(module.length for module in row)
     face = sum(2.0 * module.section.half_height * module.length for module in row)
     height = face / length
-    lacking = 1.0 - plate_mass_share(height / length)
+    lacking = 1.0 - plate_functions(height / length).added_mass
     return PlateCoefficients(
         drag=plate_drag(height, length), added_mass=1.0 - 0.5 * n_free_ends * lacking
     )

@@ -15,7 +15,7 @@ from laticauda.robot import Ground, Posture, Robot, Water
 from laticauda.scenarios import Scenario
 from laticauda.trials.contents import Contents
 from laticauda.values import BadArgument
-from laticauda.water.plates import plate_lift_share
+from laticauda.water.fluid.edges import plate_functions
 
 LARGEST_INCIDENCE = math.radians(20.0)
 """Incidence up to which the law of a broad edge is taken to hold [rad]."""
@@ -144,7 +144,7 @@ def thrust_error(trial: Contents) -> ThrustError | None:
     if not is_simulated or isinstance(water, Ground) or water.trailing_edge == "none":
         return None
     aspect = edge_aspect(trial.chain)
-    if plate_lift_share(aspect) >= BROAD_LIFT_SHARE:
+    if plate_functions(aspect).lift >= BROAD_LIFT_SHARE:
         return None
     if water.trailing_edge == "elongated":
         return _error_of_slender_law(aspect, has_plate_mass=water.plate_added_mass is not None)

@@ -99,7 +99,7 @@ def test_an_edge_never_gives_energy_whatever_moves_it():
     ).T
     u, w, turning, memory = rng.normal(size=(4, n)) * np.exp(rng.normal(size=(4, n)))
     f_t, f_n, moment, memory_rate = finite_span(u, w, turning, memory, *plates)
-    lift_mass, _, _, _, instant, lag = plates
+    lift_mass, _, _, _, instant, _, lag = plates
     stored = lift_mass * lag * instant * memory * memory_rate
     power = f_t * u + f_n * w + moment * turning
     size = np.abs(f_t * u) + np.abs(f_n * w) + np.abs(moment * turning) + np.abs(stored)

@@ -28,6 +28,10 @@ from laticauda.values import magnitude, where
 
 SLENDER = 0.98
 """Slope k_s from which on a body that ends in an edge counts as slender: Lighthill's law, without a state."""
+NO_CAP = 1e9
+"""Cap of a plate whose flow stays attached at any incidence [-]."""
+_AT_REST = 1e-30
+"""Keeps the speed of an edge differentiable at rest; far below any relevant speed [m^2/s^2]."""
 LAG_OF_SPAN = 9.0
 """The lag is l = c (1 + A/9), the only number that was read off the unsteady lattice."""
 LONGEST_LAG = 3.0
@@ -164,12 +168,19 @@ class Plate(NamedTuple):
     """chi [-]."""
     instant: float
     """b, share of the lift that comes at once [-]."""
+    cap: float
+    """A0, most of |y| over the speed of the edge, beyond which the flow separates [-]."""
     lag: float
     """l, length of the way over which the rest comes [m]."""
 
 
 def build_plate(
-    functions: PlateFunctions, *, mass_per_length: float, chord: float, height: float
+    functions: PlateFunctions,
+    *,
+    mass_per_length: float,
+    chord: float,
+    height: float,
+    cap: float = NO_CAP,
 ) -> Plate:
     """Return the numbers of a plate.
 
@@ -178,6 +189,7 @@ def build_plate(
         mass_per_length: m' [kg/m].
         chord: c [m].
         height: h at the edge [m].
+        cap: A0, most of |y| over the speed of the edge [-].
     """
     return Plate(
         lift_mass=functions.lift * mass_per_length,
@@ -185,6 +197,7 @@ def build_plate(
         lever=chord * (1.0 - 2.0 * functions.center),
         suction=1.0 - 0.5 * functions.lift,
         instant=1.0 / (2.0 - functions.lift),
+        cap=cap,
         lag=min(chord + height / LAG_OF_SPAN, LONGEST_LAG * chord),
     )
 
@@ -199,6 +212,7 @@ def finite_span(
     lever: float,
     suction: float,
     instant: float,
+    cap: float,
     lag: float,
 ) -> tuple[float, float, float, float]:
     """Return the load of a trailing edge, and the rate of its state.
@@ -212,6 +226,9 @@ def finite_span(
     and for u <= 0 no load and dz/dt = -(|u| / l) z. The added mass must have the form `kirchhoff`. The
     edge never gives energy: with V = G l b z^2 / 2, its power is at most -dV/dt, for any motion.
 
+    The flow separates where |y| > A0 sqrt(u^2 + w^2): y is held there, and the wake takes up the w
+    that gives this y. That is passive, too.
+
     Args:
         u: Velocity along the plate, relative to the water [m/s].
         w: Velocity across it, to its left, at x_w [m/s].
@@ -222,6 +239,7 @@ def finite_span(
         lever: x_w - x_ac [m].
         suction: chi [-].
         instant: b [-].
+        cap: A0 [-].
         lag: l [m].
 
     Returns:
@@ -230,9 +248,15 @@ def finite_span(
     zero = 0.0 * u
     ahead = where(u.real > 0.0, u, zero)
     is_ahead = where(u.real > 0.0, zero + 1.0, zero)
-    y = instant * w + (1.0 - instant) * memory
+    remembered = (1.0 - instant) * memory
+    attached = instant * w + remembered
+    most = cap * (u * u + w * w + _AT_REST) ** 0.5
+    y = where(attached.real > most.real, most, attached)
+    y = where(attached.real < -most.real, -most, y)
+    is_separated = magnitude(attached).real > most.real
+    w_of_wake = where(is_separated, (y - remembered) / instant, w)
     lift = lift_mass * y
     f_n = -ahead * lift
     f_t = is_ahead * (lift * (suction * y + lever * turning) - added_mass * w * turning)
     moment = lever * f_n + ahead * added_mass * w
-    return f_t, f_n, moment, (ahead * w - magnitude(u) * memory) / lag
+    return f_t, f_n, moment, (ahead * w_of_wake - magnitude(u) * memory) / lag
