@@ -7,6 +7,7 @@ free_swim    how fast the model swims with the filmed joint angles
 estimates    figures with median, interval and where it comes from
 inverse      `find_forces`
 from_points  `invert_points`: from tracked points in one call
+measured     films as measurements for `laticauda.identify`
 words        a filmed swim in words
 picture      its figure
 page         a page with its results
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
         scale_points as scale_points,
     )
     from laticauda.film.forces.inverse import FilmForces as FilmForces, find_forces as find_forces
+    from laticauda.film.forces.measured import measure_glide as measure_glide
     from laticauda.film.forces.page import write_page as write_page
     from laticauda.film.forces.picture import draw_forces as draw_forces
     from laticauda.film.forces.words import list_remarks as list_remarks, summarize as summarize
@@ -42,6 +44,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "scale_points",
         ],
         "laticauda.film.forces.inverse": ["FilmForces", "find_forces"],
+        "laticauda.film.forces.measured": ["measure_glide"],
         "laticauda.film.forces.page": ["write_page"],
         "laticauda.film.forces.picture": ["draw_forces"],
         "laticauda.film.forces.words": ["list_remarks", "summarize"],
