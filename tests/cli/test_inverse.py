@@ -40,7 +40,7 @@ def table(film, tmp_path_factory):
     return str(path)
 
 
-OPTIONS = ["--robot", "eel", "--length", "0.4", "--frame-rate", "60", "--draws", "20"]
+OPTIONS = ["--robot", "eel", "--length", "0.4", "--frame-rate", "60", "--draws", "40"]
 
 
 def test_a_file_of_deeplabcut_becomes_forces_with_a_page(film, table, tmp_path, capsys):
@@ -67,7 +67,7 @@ def test_a_trial_with_measured_angles_does_as_well(film, tmp_path, capsys):
     gait = lc.eel_like(amplitude=0.6, frequency=8.5, phase_shift=0.7)
     trial = lc.swim(robot, gait, 4.0, environment=textbook_of(robot), sample_interval=0.02)
     trial.save(path)
-    words = ["inverse", str(path), "--robot", "amphibot", "--span", "2", "3.8", "--draws", "10"]
+    words = ["inverse", str(path), "--robot", "amphibot", "--span", "2", "3.8", "--draws", "40"]
     assert main(words) == 0
     assert "amphibot swims at" in capsys.readouterr().out
 

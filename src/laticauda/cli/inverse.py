@@ -80,7 +80,7 @@ class Inverse(Command):
     span: tuple[float, float] | None = quantity(
         "s", "Begin and end of the part that counts; if omitted, all whole cycles", default=None
     )
-    draws: int = quantity("", "Draws of motion, body and water", ge=10, default=200)
+    draws: int = quantity("", "Draws of motion, body and water", ge=40, default=200)
     seed: int = quantity("", "Seed of the draws", ge=0, default=0)
     threads: int | None = threads_option()
     plot: flags.PictureOutput = option("Draw forces along the body over a cycle", default=None)

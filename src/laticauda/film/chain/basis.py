@@ -76,6 +76,13 @@ class SplineBasis:
         third = self.matrix(time, ROUGH_DERIVATIVE)
         return sparse.csr_array(third.T @ sparse.diags_array(all_weights) @ third)
 
+    @cached_property
+    def roughness_sizes(self) -> Float[np.ndarray, " n_splines"]:
+        """Eigenvalues of the roughness; those of parabolas are 0."""
+        sizes = np.linalg.eigvalsh(self.roughness.toarray())
+        sizes[:ROUGH_DERIVATIVE] = 0.0
+        return sizes
+
     @property
     def n_penalized(self) -> int:
         """Rank of the roughness: parabolas have none."""

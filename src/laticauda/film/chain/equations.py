@@ -17,8 +17,6 @@ from laticauda.film.chain.basis import DEGREE, Harmonics, SplineBasis
 from laticauda.film.chain.geometry import N_ROOT, ChainGeometry, PointPlaces
 from laticauda.film.chain.scipy_parts import load_scipy
 
-BEND_DEVIATION = 1.0
-"""Standard deviation of a joint angle before anything was seen, where points leave it open [rad]."""
 GROUPS = {"position": slice(0, 2), "heading": slice(2, 3), "joints": slice(3, None)}
 """Coordinates that share a weight."""
 
@@ -43,6 +41,8 @@ class Weights(NamedTuple):
     """Weight of the squared third derivative of every coordinate."""
     harmonic_deviation: Float[np.ndarray, "n_functions n_coordinates"]
     """Standard deviation of the coefficients of harmonics."""
+    bend_deviation: float
+    """Standard deviation of joint angles about straight, harmonics not counted [rad]."""
     noise: Float[np.ndarray, " n_points"]
     """Standard deviation of a point's noise along one axis [m]."""
     outlier_share: float
@@ -276,7 +276,7 @@ class Prior:
     @cached_property
     def _bend_precision(self) -> Float[np.ndarray, " n_coordinates"]:
         precision = np.zeros(self.model.n_coordinates)
-        precision[N_ROOT:] = BEND_DEVIATION**-2
+        precision[N_ROOT:] = self.weights.bend_deviation**-2
         return precision
 
     @cached_property
@@ -335,7 +335,9 @@ class Prior:
         border = self._border(unknowns)
         squares = np.sum(self.weights.roughness * rough) + bends
         squares += np.sum(self._border_precision * border**2)
-        logarithms = basis.n_penalized * np.sum(np.log(self.weights.roughness))
+        logarithms = basis.n_penalized * np.sum(np.log(self.weights.roughness[:N_ROOT]))
+        precision = np.outer(self.weights.roughness[N_ROOT:], basis.roughness_sizes)
+        logarithms += np.sum(np.log(precision + self.weights.bend_deviation**-2))
         logarithms -= 2.0 * np.sum(np.log(self.weights.harmonic_deviation))
         return 0.5 * float(logarithms - squares)
 

@@ -57,10 +57,12 @@ def guess_coordinates(
     robot = geometry.robot
     ends = np.append(link_begins(robot), robot.length)
     line: np.ndarray = filled @ _interpolation(places.along, ends).T
-    along_links = line[:, 1:] - line[:, :-1]
-    angles = np.unwrap(
-        np.unwrap(np.arctan2(np.imag(along_links), np.real(along_links)), axis=1), axis=0
-    )
+    along_links: np.ndarray = line[:, 1:] - line[:, :-1]
+    # Whole turns are counted for the body alone: an outlier must not leave a link a turn ahead for good.
+    whole: np.ndarray = np.sum(along_links, axis=1)
+    body_angle = np.unwrap(np.arctan2(np.imag(whole), np.real(whole))).reshape(-1, 1)
+    from_body: np.ndarray = along_links * np.exp(-1j * body_angle)
+    angles: np.ndarray = body_angle + np.arctan2(np.imag(from_body), np.real(from_body))
     of_centers: np.ndarray = filled - np.exp(1j * angles) @ geometry.lever.T
     center = np.mean(of_centers, axis=1)
     heading = np.mean(angles, axis=1)

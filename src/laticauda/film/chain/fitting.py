@@ -30,7 +30,7 @@ from laticauda.film.chain.equations import (
 )
 from laticauda.film.chain.first_guess import NORMAL_MEDIAN, fill_gaps, guess_coordinates
 from laticauda.film.chain.frequency import find_frequency
-from laticauda.film.chain.geometry import ChainGeometry, PointPlaces
+from laticauda.film.chain.geometry import N_ROOT, ChainGeometry, PointPlaces
 from laticauda.film.chain.result import ChainFit
 from laticauda.film.chain.scipy_parts import load_scipy
 from laticauda.film.points import TrackedPoints
@@ -51,6 +51,10 @@ FIRST_CUTOFF = 3.0
 """Frequency up to which the splines are free at first, by that of the gait."""
 FIRST_BEND = 0.3
 """Standard deviation of the harmonics of an angle at first [rad]."""
+SMALLEST_BEND = 1e-3
+"""Least deviation of joint angles about straight [rad]."""
+LARGEST_BEND = 1.0
+"""Greatest deviation of joint angles about straight [rad]."""
 LARGEST_CHANGE = 10.0
 """Factor by which a weight changes in one step, at most."""
 STIFFEST = 1e10
@@ -203,6 +207,7 @@ class _Search:
         weights = Weights(
             roughness=_shared(sensitivity * frame_rate * cutoff**-6.0),
             harmonic_deviation=np.tile(scale, (2 * n_orders, 1)),
+            bend_deviation=FIRST_BEND,
             noise=np.full(model.n_points, noise),
             outlier_share=FIRST_OUTLIERS,
         )
@@ -268,7 +273,11 @@ class _Search:
         stiffest = _stiffest(linearized, old)
         for group in GROUPS.values():
             now = old.roughness[group]
-            freedoms = now.size * basis.n_penalized - float(np.sum(now * traces[group]))
+            straightness = 0.0
+            if group.start == N_ROOT:
+                straightness = old.bend_deviation**-2
+            free = _count_free(basis, now, straightness)
+            freedoms = free - float(np.sum(now * traces[group]))
             wanted = max(freedoms, 1e-3) / float(np.sum(rough[group]))
             lowest = now / LARGEST_CHANGE
             highest = np.minimum(now * LARGEST_CHANGE, stiffest[group])
@@ -277,6 +286,9 @@ class _Search:
                 pair = slice(2 * order, 2 * order + 2)
                 of_pair = squares[pair, group]
                 deviation[pair, group] = math.sqrt(float(np.sum(of_pair)) / of_pair.size)
+        bends = unknowns.splines[:, N_ROOT:]
+        bend_spread = np.mean(drawn.reshape(basis.size, m, -1)[:, N_ROOT:] ** 2, axis=2)
+        bend = _renew_bend(old, basis, float(np.sum(bends**2)), float(np.sum(bend_spread)))
         membership = self.membership()
         square = membership * np.abs(model.residuals(unknowns)) ** 2
         taken = np.sum(membership * linearized.spread_of_places(probes), axis=0) / old.noise**2
@@ -288,6 +300,7 @@ class _Search:
         return Weights(
             roughness=roughness,
             harmonic_deviation=deviation,
+            bend_deviation=bend,
             noise=np.maximum(noise, 1e-7 * model.geometry.robot.length),
             outlier_share=share,
         )
@@ -346,6 +359,35 @@ def _count_freedoms(
     """Return how many numbers the unknowns take from the film: the trace of H^-1 J^T W J."""
     taken = np.sum(membership * linearized.spread_of_places(probes), axis=0)
     return float(np.sum(taken / weights.noise**2))
+
+
+def _count_free(
+    basis: SplineBasis, roughness: Float[np.ndarray, " n_members"], straightness: float
+) -> float:
+    """Return the trace of the prior's covariance times the weighted roughness, for coordinates of one group."""
+    if straightness == 0.0:
+        return float(roughness.size * basis.n_penalized)
+    stiffness = np.outer(roughness, basis.roughness_sizes)
+    return float(np.sum(stiffness / (stiffness + straightness)))
+
+
+def _renew_bend(old: Weights, basis: SplineBasis, size: float, spread: float) -> float:
+    """Return the deviation of joint angles about straight after a step of the kind of the roughness.
+
+    Args:
+        old: Weights before the step.
+        basis: The splines.
+        size: Sum of the squared coefficients of all joints [rad^2].
+        spread: The same of their variances [rad^2].
+    """
+    precision = old.bend_deviation**-2
+    stiffness = np.outer(old.roughness[N_ROOT:], basis.roughness_sizes)
+    if stiffness.size == 0:
+        return old.bend_deviation
+    known = float(np.sum(precision / (stiffness + precision))) - precision * spread
+    wanted = max(known, 1e-3) / size
+    renewed = min(max(wanted, precision / LARGEST_CHANGE), precision * LARGEST_CHANGE)
+    return min(max(renewed**-0.5, SMALLEST_BEND), LARGEST_BEND)
 
 
 def _stiffest(linearized: Linearized, weights: Weights) -> Float[np.ndarray, " n_coordinates"]:

@@ -12,8 +12,8 @@ from laticauda.models.simulate import swim_many
 from laticauda.motion.gaits import JointAngles, recorded_gait
 from laticauda.scenarios import Start
 
-MOST_SWIMS = 60
-"""Draws that swim, at most; the figures of the others are nan."""
+KNOTS_PER_CYCLE = 24
+"""Knots of the repeated joint angles in a cycle."""
 SETTLING_CYCLES = 8
 """Cycles until a swim that begins with the filmed speed is steady."""
 COUNTED_CYCLES = 4
@@ -37,6 +37,7 @@ def swim_draws(
     window: Window,
     speed: float,
     *,
+    n_swims: int,
     threads: int | None = None,
 ) -> FreeSwims:
     """Let every draw swim its mean cycle again and again, straight ahead, until it is steady.
@@ -46,9 +47,10 @@ def swim_draws(
         draws: Its body and water.
         window: Whole cycles.
         speed: Speed at which the swims begin [m/s].
+        n_swims: Number of draws that swim; the figures of the others are nan.
         threads: Number of threads; None uses all cores.
     """
-    n_swims = min(len(draws), MOST_SWIMS)
+    n_swims = min(len(draws), n_swims)
     period = window.duration / window.n_cycles
     gaits = [recorded_gait(_repeat_cycle(motions[i], window)) for i in range(n_swims)]
     settled, end = SETTLING_CYCLES * period, (SETTLING_CYCLES + COUNTED_CYCLES) * period
@@ -76,10 +78,10 @@ def swim_draws(
 
 def _repeat_cycle(motion: ChainMotion, window: Window) -> JointAngles:
     """Return the mean cycle of a motion, repeated; its amplitude grows in the first cycle from nothing."""
-    cycle = window.mean_cycle(motion.joint_angle)
+    cycle = window.mean_cycle(motion.joint_angle)[:: SAMPLES_PER_CYCLE // KNOTS_PER_CYCLE]
     n_cycles = SETTLING_CYCLES + COUNTED_CYCLES
     angle = np.vstack((np.tile(cycle, (n_cycles, 1)), cycle[:1]))
-    time = np.arange(len(angle)) / SAMPLES_PER_CYCLE
+    time = np.arange(len(angle)) / KNOTS_PER_CYCLE
     share = np.minimum(time, 1.0)
     growth = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
     period = window.duration / window.n_cycles

@@ -30,6 +30,8 @@ from laticauda.values import check_instance, check_whole_number
 
 USUAL_DRAWS = 200
 """Draws of motion, body and water."""
+USUAL_SWIMS = 60
+"""Draws that swim with a free root."""
 GRAVITY = 9.81
 """g, by which the cost of transport is defined [m/s^2]."""
 
@@ -145,6 +147,7 @@ def find_forces(
     body_deviation: float = 0.0,
     scale_deviation: float = 0.0,
     n_draws: int = USUAL_DRAWS,
+    n_swims: int = USUAL_SWIMS,
     seed: int = 0,
     threads: int | None = None,
 ) -> FilmForces:
@@ -159,6 +162,7 @@ def find_forces(
             has it [-].
         scale_deviation: The same of the film's scale [-].
         n_draws: Number of draws.
+        n_swims: Number of draws that swim with a free root as well; 0: none does.
         seed: Seed of the draws.
         threads: Number of threads of the free swims; None uses all cores.
 
@@ -169,7 +173,8 @@ def find_forces(
         ValueError: If the film holds no whole cycle, or an argument is out of its range.
     """
     check_instance("fit", fit, ChainFit)
-    check_whole_number("n_draws", n_draws, 10, 100_000)
+    check_whole_number("n_draws", n_draws, 40, 100_000)
+    check_whole_number("n_swims", n_swims, 0, 100_000)
     window = choose_window(fit, span)
     motions = fit.draw(n_draws, window.time, seed=seed)
     moved = np.linalg.norm(motions.center_of_mass[:, -1] - motions.center_of_mass[:, 0], axis=1)
@@ -178,8 +183,8 @@ def find_forces(
     assumed = draw_assumptions(fit.robot, assumptions, n_draws, seed + 1)
     loads = evaluate_draws(motions, assumed.draws, assumed.scale)
     swims = None
-    if window.n_cycles:
-        swims = swim_draws(motions, assumed.draws, window, speed, threads=threads)
+    if window.n_cycles and n_swims:
+        swims = swim_draws(motions, assumed.draws, window, speed, n_swims=n_swims, threads=threads)
     return FilmForces(
         fit=fit,
         assumptions=assumptions,

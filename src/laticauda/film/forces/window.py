@@ -13,7 +13,7 @@ END_CYCLES = 0.25
 """Part of a cycle at either end of a film that is left out: there the fit sees one side alone."""
 END_SHARE = 0.05
 """Share of a film without cycles that is left out at either end."""
-SAMPLES_PER_CYCLE = 24
+SAMPLES_PER_CYCLE = 48
 """Moments of a cycle at which forces are computed."""
 SAMPLES_WITHOUT_CYCLE = 120
 """Moments of a film without cycles."""
