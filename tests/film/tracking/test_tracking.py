@@ -91,6 +91,13 @@ def test_tags_that_look_too_large_show_a_wrong_height(film, found, camera):
         follow_tags(found, film.layout, low, film.robot)
 
 
+def test_a_calibration_of_another_size_of_film_is_refused(film, found, camera):
+    with pytest.raises(
+        ValueError, match="must be of a film of 1920 x 1080 px, got one of 960 x 540"
+    ):
+        follow_tags(replace(found, image_size=(1920, 1080)), film.layout, camera, film.robot)
+
+
 def test_a_tag_on_a_link_that_does_not_exist_is_refused(film, found, camera):
     with pytest.raises(ValueError, match="must be of links of mamba, 0 to 1, got 2"):
         follow_tags(found, film.layout, camera, lc.load_robot("mamba", n_links=2))
@@ -109,12 +116,12 @@ def test_the_chain_is_drawn_over_frames_of_the_film(film, found, camera, tmp_pat
 
 
 def tracked(film, unit):
-    """Points at the ends of links, in the plane, y up; or in px of a camera right above."""
+    """Points at the ends of links with 0.5 mm of noise, y up; or in px of a camera right above."""
     from laticauda.robot import kinematics
 
     trial = film.trial
     ends = kinematics.Posture(film.robot, trial.center_of_mass[:, :2], trial.link_angle).link_ends
-    position = ends
+    position = ends + np.random.default_rng(0).normal(0.0, 5e-4, ends.shape)
     if unit == "px":
         position = np.stack((position[..., 0] * 500.0, 540.0 - position[..., 1] * 500.0), axis=-1)
     return TrackedPoints(

@@ -130,17 +130,17 @@ def calibrate_lens(pictures: Sequence[Picture], board: Checkerboard) -> Lens:
     opencv = load_opencv("Calibrating a lens")
     check_whole_number("pictures", len(pictures), FEWEST_PICTURES)
     corners = [find_corners(picture, board) for picture in pictures]
-    found = [each.astype(np.float32) for each in corners if each is not None]
-    if len(found) < FEWEST_PICTURES:
+    found_corners = [points.astype(np.float32) for points in corners if points is not None]
+    if len(found_corners) < FEWEST_PICTURES:
         rule = f"must show the whole checkerboard in at least {FEWEST_PICTURES} pictures"
-        raise BadArgument("pictures", f"{rule}, got {len(found)} of {len(pictures)}")
+        raise BadArgument("pictures", f"{rule}, got {len(found_corners)} of {len(pictures)}")
     flat = np.column_stack((board.places(), np.zeros(board.columns * board.rows)))
     height, width = pictures[0].shape[:2]
     flags = opencv.CALIB_FIX_ASPECT_RATIO + opencv.CALIB_FIX_K3
     guess = np.array([[float(width), 0.0, 0.5 * width], [0.0, width, 0.5 * height], [0, 0, 1]])
     fit = opencv.calibrateCameraExtended(
-        [flat.astype(np.float32)] * len(found),
-        found,
+        [flat.astype(np.float32)] * len(found_corners),
+        found_corners,
         (width, height),
         guess,
         np.zeros(5),

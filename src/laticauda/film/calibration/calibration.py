@@ -95,11 +95,11 @@ class CameraCalibration:
         straight = in_camera[:, :2] / in_camera[:, 2:]
         pixels = self.lens.focal_length * straight + np.array(self.lens.center)
         for _ in range(N_CORRECTIONS):  # lens and water move them but little
-            seen = self.to_plane(pixels)
-            beside = [self.to_plane(pixels + shift) - seen for shift in np.eye(2)]
+            seen_places = self.to_plane(pixels)
+            beside = [self.to_plane(pixels + shift) - seen_places for shift in np.eye(2)]
             per_pixel = np.stack(beside, axis=-1)
             is_known = np.isfinite(per_pixel).all(axis=(1, 2))
-            left = (places - seen)[is_known]
+            left = (places - seen_places)[is_known]
             pixels[is_known] += np.einsum("nij,nj->ni", np.linalg.pinv(per_pixel[is_known]), left)
             pixels[~is_known] = np.nan
         return pixels
@@ -206,12 +206,14 @@ def points_on_plane(points: TrackedPoints, calibration: Calibration) -> TrackedP
     if points.unit != "px":
         raise BadArgument("points", f"must be in px, got {points.unit}: they need no calibration")
     width, height = calibration.image_size
-    seen = points.position[points.is_seen]
+    seen_pixels = points.position[points.is_seen]
     margin = MARGIN * np.array([width, height])
-    outside = np.any((seen < -margin) | (seen > np.array([width, height]) + margin), axis=1)
+    outside = np.any(
+        (seen_pixels < -margin) | (seen_pixels > np.array([width, height]) + margin), axis=1
+    )
     if np.mean(outside) > MARGIN:
         rule = f"must lie in the picture of {width} x {height} px that was calibrated"
-        x, y = seen[outside][0]
+        x, y = seen_pixels[outside][0]
         raise BadArgument("points", f"{rule}, got ({x:.0f}, {y:.0f}) px; was the film scaled?")
     pixels = points.position.reshape(-1, 2)
     places = np.full_like(pixels, np.nan)
@@ -241,7 +243,9 @@ def save_calibration(calibration: Calibration | Lens, path: str | Path) -> None:
     """
     import tomli_w
 
-    kind = next(name for name, known in KINDS.items() if isinstance(calibration, known))
+    kind = next(
+        name for name, stored_class in KINDS.items() if isinstance(calibration, stored_class)
+    )
     table = codec.stamped(kind, codec.encode(calibration))
     files.write(Path(path), tomli_w.dumps(table).encode())
 

@@ -140,7 +140,7 @@ def calibrate_camera(
     if spread[1] < 1e-3 * spread[0]:
         raise BadArgument("marks", "must not lie on one line")
     candidates = _candidate_lenses(lens, image_size)
-    fits = [_search(marks, _Model(lens=each, surface=surface)) for each in candidates]
+    fits = [_search(marks, _Model(lens=candidate, surface=surface)) for candidate in candidates]
     best = min(range(len(fits)), key=lambda i: fits[i].cost)
     # The best guess is the start; what is known beforehand of the lens remains the same.
     model = _Model(lens=candidates[best], surface=surface)
@@ -248,11 +248,11 @@ def _residuals_in_pixels(
     """Return what is left between marks and their places, over its deviation."""
     n_marks = len(marks.pixels)
     beside = np.concatenate([marks.pixels + shift for shift in ((0, 0), (1, 0), (0, 1))])
-    seen = locate(beside, plane_height=0.0, **model.unpack(vector)).reshape(3, n_marks, 2)
-    is_seen = np.isfinite(np.sum(seen, axis=(0, 2)))
-    seen = np.where(is_seen[:, np.newaxis], seen, 0.0)
-    per_pixel = np.stack((seen[1] - seen[0], seen[2] - seen[0]), axis=-1)
-    left = np.einsum("nij,nj->ni", np.linalg.pinv(per_pixel), seen[0] - marks.places)
+    traced = locate(beside, plane_height=0.0, **model.unpack(vector)).reshape(3, n_marks, 2)
+    is_seen = np.isfinite(np.sum(traced, axis=(0, 2)))
+    traced = np.where(is_seen[:, np.newaxis], traced, 0.0)
+    per_pixel = np.stack((traced[1] - traced[0], traced[2] - traced[0]), axis=-1)
+    left = np.einsum("nij,nj->ni", np.linalg.pinv(per_pixel), traced[0] - marks.places)
     size = np.sqrt(np.abs(np.linalg.det(per_pixel)))
     left[~is_seen] = FAR_AWAY
     size = np.where(is_seen, np.maximum(size, SMALLEST_PIXEL), np.inf)
@@ -315,13 +315,13 @@ class _Without(NamedTuple):
 
 def _fit_without(name: str, marks: Marks, model: _Model, vector: Vector) -> _Without:
     is_own = np.array([group == name for group in marks.groups])
-    others = _select(marks, ~is_own)
-    if len(others.pixels) < FEWEST_MARKS:
+    other_marks = _select(marks, ~is_own)
+    if len(other_marks.pixels) < FEWEST_MARKS:
         return _Without(residual_of_others=np.inf, distance=np.inf)
-    found = _search(others, model, start=vector).x
+    best = _search(other_marks, model, start=vector).x
     return _Without(
-        residual_of_others=_residual_of(others, model, found),
-        distance=_residual_of(_select(marks, is_own), model, found),
+        residual_of_others=_residual_of(other_marks, model, best),
+        distance=_residual_of(_select(marks, is_own), model, best),
     )
 
 
@@ -378,7 +378,7 @@ def compare_shapes(first: Places, second: Places) -> tuple[float, float]:
         second: The same places, by another measurement [m].
     """
     numbers = (first - first.mean(axis=0)) @ np.array([1.0, 1.0j])
-    others = (second - second.mean(axis=0)) @ np.array([1.0, 1.0j])
-    factor = np.vdot(numbers, others) / np.vdot(numbers, numbers)
-    left = others - factor * numbers
+    other_numbers = (second - second.mean(axis=0)) @ np.array([1.0, 1.0j])
+    factor = np.vdot(numbers, other_numbers) / np.vdot(numbers, numbers)
+    left = other_numbers - factor * numbers
     return float(np.abs(factor)), float(np.sqrt(np.mean(np.abs(left) ** 2)))

@@ -95,7 +95,7 @@ def open_hdf(path: Path) -> Generator[Any]:
     with opened as file:
         try:
             yield file
-        except (RuntimeError, OSError, zlib.error) as error:
+        except (RuntimeError, OSError, AttributeError, zlib.error) as error:
             raise ValueError(f"it is damaged: {error}") from error
 
 
@@ -154,13 +154,13 @@ def read_pickled_array(path: Path) -> Any:
         if version == (1, 0):
             read_header = np.lib.format.read_array_header_1_0
         _shape, _is_fortran, kind = read_header(content)
-    except (ValueError, EOFError) as error:
+    except Exception as error:  # a damaged header is Python that does not parse
         raise ValueError("it is no array of NumPy, or damaged.") from error
     if kind.hasobject:
-        held = unpickle(content.read())
-        if isinstance(held, np.ndarray) and held.size == 1:
-            return held.item()
-        return held
+        stored = unpickle(content.read())
+        if isinstance(stored, np.ndarray) and stored.size == 1:
+            return stored.item()
+        return stored
     content.seek(0)
     return np.lib.format.read_array(content, allow_pickle=False)
 

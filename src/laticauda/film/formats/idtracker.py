@@ -51,10 +51,10 @@ class Idtracker(PointFormat):
 
 
 def _read_array(path: Path) -> PointsFile:
-    held = contents.read_pickled_array(path)
-    if not isinstance(held, dict) or "trajectories" not in held:
+    session_object = contents.read_pickled_array(path)
+    if not isinstance(session_object, dict) or "trajectories" not in session_object:
         raise ValueError("it must be the `trajectories.npy` of idtracker.ai, with `trajectories`.")
-    session = cast("dict[str, Any]", held)
+    session = cast("dict[str, Any]", session_object)
     trajectories = np.asarray(session["trajectories"], dtype=float)
     probabilities = np.full(trajectories.shape[:2], np.nan)
     if isinstance(session.get("id_probabilities"), np.ndarray):

@@ -95,10 +95,8 @@ def read_hdf(path: Path) -> PointsFile:
     )
 
 
-def _in_order(
-    dataset: Any, wanted: Sequence[str], usual: Sequence[str]
-) -> Float[np.ndarray, "..."]:
-    """Return an array whose axes are in the order that is wanted."""
+def _in_order(dataset: Any, order: Sequence[str], usual: Sequence[str]) -> Float[np.ndarray, "..."]:
+    """Return an array whose axes are in an order."""
     dimensions = tuple(usual)
     stated = dataset.attrs.get("dims")
     if stated is not None:
@@ -107,11 +105,11 @@ def _in_order(
         except ValueError:
             raise ValueError(f"the axes of its arrays must be a list, got {stated!r}.") from None
     values = np.asarray(dataset[()], dtype=float)
-    if sorted(dimensions) != sorted(wanted) or values.ndim != len(wanted):
+    if sorted(dimensions) != sorted(order) or values.ndim != len(order):
         raise ValueError(
-            f"its arrays must have the axes {', '.join(wanted)}, got {', '.join(dimensions)}."
+            f"its arrays must have the axes {', '.join(order)}, got {', '.join(dimensions)}."
         )
-    return np.transpose(values, [dimensions.index(name) for name in wanted])
+    return np.transpose(values, [dimensions.index(name) for name in order])
 
 
 def _track_names(file: Any, n_tracks: int) -> tuple[str, ...]:

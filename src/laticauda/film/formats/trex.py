@@ -225,8 +225,8 @@ def resample_line(line: Float[np.ndarray, "n 2"], n_points: int) -> Float[np.nda
 
     Args:
         line: Its points.
-        n_points: Number of points wanted, with both ends.
+        n_points: Number of points, with both ends.
     """
     along = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))))
-    wanted = np.linspace(0.0, float(along[-1]), n_points, dtype=np.float64)
-    return np.stack([np.interp(wanted, along, line[:, axis]) for axis in (0, 1)], axis=1)
+    distances = np.linspace(0.0, float(along[-1]), n_points, dtype=np.float64)
+    return np.stack([np.interp(distances, along, line[:, axis]) for axis in (0, 1)], axis=1)

@@ -84,7 +84,7 @@ def find_tags(
     detector = _make_detector(opencv, layout)
     column_of = {number: i for i, number in enumerate(layout.numbers)}
     stated_times: list[float] = []
-    found: list[np.ndarray] = []
+    found_corners: list[np.ndarray] = []
     with open_film(path) as capture:
         stated_rate = float(capture.get(opencv.CAP_PROP_FPS))
         n_expected = max(float(capture.get(opencv.CAP_PROP_FRAME_COUNT)), 1.0)
@@ -103,17 +103,19 @@ def find_tags(
                 for quad, number in zip(quads, np.ravel(numbers), strict=True):
                     if int(number) in column_of:
                         corners[column_of[int(number)]] = np.reshape(quad, (4, 2))
-            found.append(corners)
+            found_corners.append(corners)
             if on_progress is not None:
-                on_progress(min(len(found) / n_expected, 1.0))
-    if len(found) < 2:
-        raise TrialFileError(f"Cannot read {path}: it has {len(found)} frames, too few for a film.")
+                on_progress(min(len(found_corners) / n_expected, 1.0))
+    if len(found_corners) < 2:
+        raise TrialFileError(
+            f"Cannot read {path}: it has {len(found_corners)} frames, too few for a film."
+        )
     return TagFilm(
         source=Path(path).name,
         image_size=size,
         time=_times_of_frames(path, np.array(stated_times), stated_rate, frame_rate),
         numbers=layout.numbers,
-        corners=np.stack(found),
+        corners=np.stack(found_corners),
     )
 
 
@@ -122,8 +124,8 @@ def _make_detector(opencv: Any, layout: TagLayout) -> Any:
     settings = aruco.DetectorParameters()
     settings.cornerRefinementMethod = aruco.CORNER_REFINE_SUBPIX
     settings.minMarkerPerimeterRate = SMALLEST_PERIMETER
-    known = aruco.getPredefinedDictionary(getattr(aruco, DICTIONARIES[layout.dictionary]))
-    return aruco.ArucoDetector(known, settings)
+    dictionary = aruco.getPredefinedDictionary(getattr(aruco, DICTIONARIES[layout.dictionary]))
+    return aruco.ArucoDetector(dictionary, settings)
 
 
 def _times_of_frames(
@@ -158,11 +160,11 @@ def marks_of_floor(film: TagFilm, layout: TagLayout) -> Marks:
     groups: list[str] = []
     for tag in layout.floor:
         corners = film.corners_of(tag.number)
-        seen = corners[np.isfinite(corners[:, 0, 0])]
-        if not len(seen):
+        seen_corners = corners[np.isfinite(corners[:, 0, 0])]
+        if not len(seen_corners):
             continue
-        _check_still(tag.number, seen, film.image_size[0])
-        pixels.append(np.median(seen, axis=0))
+        _check_still(tag.number, seen_corners, film.image_size[0])
+        pixels.append(np.median(seen_corners, axis=0))
         places.append(corners_of((tag.x, tag.y), tag.angle, layout.floor_size))
         groups += [f"tag {tag.number}"] * 4
     if len(pixels) < FEWEST_FLOOR_TAGS:
@@ -177,9 +179,9 @@ def marks_of_floor(film: TagFilm, layout: TagLayout) -> Marks:
     )
 
 
-def _check_still(number: int, seen: Float[np.ndarray, "n_seen 4 2"], width: int) -> None:
-    third = max(len(seen) // 3, 1)
-    moved = np.median(seen[-third:], axis=0) - np.median(seen[:third], axis=0)
+def _check_still(number: int, seen_corners: Float[np.ndarray, "n_seen 4 2"], width: int) -> None:
+    third = max(len(seen_corners) // 3, 1)
+    moved = np.median(seen_corners[-third:], axis=0) - np.median(seen_corners[:third], axis=0)
     distance = float(np.max(np.linalg.norm(moved, axis=-1)))
     if distance > FARTHEST_MOVE * width:
         rule = f"must be of a camera that stands still, but tag {number} on the floor moved"

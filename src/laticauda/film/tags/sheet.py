@@ -141,8 +141,10 @@ def pattern_of(number: int, dictionary: str) -> np.ndarray:
         dictionary: Set of tags, one of `DICTIONARIES`.
     """
     opencv = load_opencv("Drawing tags")
-    known = opencv.aruco.getPredefinedDictionary(getattr(opencv.aruco, DICTIONARIES[dictionary]))
-    cells = opencv.aruco.generateImageMarker(known, number, CELLS[dictionary])
+    tags_of_set = opencv.aruco.getPredefinedDictionary(
+        getattr(opencv.aruco, DICTIONARIES[dictionary])
+    )
+    cells = opencv.aruco.generateImageMarker(tags_of_set, number, CELLS[dictionary])
     return np.asarray(cells) > 127
 
 

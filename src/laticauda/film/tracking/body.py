@@ -142,6 +142,7 @@ def follow_tags(
             were found.
     """
     chain = robot.planar()
+    _check_size_of_film(film, calibration)
     for tag in layout.links:
         if tag.link >= chain.n_links:
             rule = f"must be of links of {chain.name}, 0 to {chain.n_links - 1}"
@@ -235,6 +236,13 @@ def _check_seen(link_angle: Float[np.ndarray, "n_frames n_links"]) -> None:
         raise BadArgument("film", f"{rule}, got {n_seen[link]} of link {link}")
 
 
+def _check_size_of_film(film: TagFilm, calibration: Calibration) -> None:
+    if film.image_size != calibration.image_size:
+        width, height = calibration.image_size
+        rule = f"must be of a film of {film.image_size[0]} x {film.image_size[1]} px"
+        raise BadArgument("calibration", f"{rule}, got one of {width} x {height} px")
+
+
 def _check_sizes(size_ratio: float) -> list[str]:
     """Refuse tags that look too large or small, which shows that a height or a size is wrong."""
     error = size_ratio - 1.0
@@ -265,7 +273,7 @@ def _describe_lost(film: TagFilm, layout: TagLayout) -> str:
 
 def _fit(
     tracked: TrackedPoints,
-    seen: TrackedPoints,
+    original: TrackedPoints,
     places: PointPlaces,
     chain: Robot,
     calibration: Calibration | None,
@@ -284,7 +292,7 @@ def _fit(
         time=tracked.time,
         center_of_mass=motion.center_of_mass,
         link_angle=link_angle,
-        points=seen,
+        points=original,
         calibration=calibration,
         notes=tuple(notes),
     )

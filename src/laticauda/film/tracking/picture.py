@@ -76,13 +76,13 @@ def read_frames(film: str | Path, frames: Sequence[int]) -> dict[int, np.ndarray
         MissingExtra: If OpenCV is not installed.
     """
     opencv = load_opencv("Drawing over a film")
-    wanted = set(frames)
+    frame_numbers = set(frames)
     pictures: dict[int, np.ndarray] = {}
     with open_film(film) as capture:
         for frame in range(max(frames) + 1):
             if not capture.grab():
                 break
-            if frame in wanted:
+            if frame in frame_numbers:
                 is_read, picture = capture.retrieve()
                 if is_read:
                     pictures[frame] = opencv.cvtColor(picture, opencv.COLOR_BGR2GRAY)
@@ -93,9 +93,9 @@ def _choose_frames(track: BodyTrack) -> list[int]:
     """Return frames in which the whole body is known, evenly spread."""
     is_known = np.isfinite(track.center_of_mass).all(axis=1)
     is_known &= np.isfinite(track.link_angle).all(axis=1)
-    known = np.flatnonzero(is_known)
-    steps = np.linspace(0, known.size - 1, min(N_PANELS, known.size))
-    return [int(known[round(step)]) for step in steps]
+    known_frames = np.flatnonzero(is_known)
+    steps = np.linspace(0, known_frames.size - 1, min(N_PANELS, known_frames.size))
+    return [int(known_frames[round(step)]) for step in steps]
 
 
 def _ends_in_picture(track: BodyTrack) -> Float[np.ndarray, "n_frames n_ends 2"]:
@@ -139,5 +139,12 @@ def _draw_panel(
     x, y = ends[frame].T
     panel.plot(x, y, "-o", color=CHAIN_COLOR, linewidth=1.6, markersize=3.0)
     panel.plot(x[-1], y[-1], "o", color=CHAIN_COLOR, markersize=6.0)  # the head
-    seen = track.points.position[frame]
-    panel.plot(seen[:, 0], seen[:, 1], "+", color=POINT_COLOR, markersize=5.0, markeredgewidth=1.2)
+    positions = track.points.position[frame]
+    panel.plot(
+        positions[:, 0],
+        positions[:, 1],
+        "+",
+        color=POINT_COLOR,
+        markersize=5.0,
+        markeredgewidth=1.2,
+    )
