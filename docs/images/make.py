@@ -387,6 +387,12 @@ def parity(folder: Path) -> None:
     campaign["draw"](campaign["stored"](), str(folder / "parity.png"))
 
 
+def edge_map(folder: Path) -> None:
+    """The errors of two laws of the trailing edge against a vortex lattice."""
+    campaign = runpy.run_path(str(CAMPAIGNS / "edge_map.py"))
+    campaign["figure"](str(folder / "edge-map.png"))
+
+
 @dataclass(frozen=True)
 class Picture:
     """One or several files that are drawn together."""
@@ -414,6 +420,7 @@ PICTURES = {
     "film": Picture(film, ("follow.webp",)),
     "street": Picture(street, ("street.png", "street.webp")),
     "currents": Picture(currents, ("currents.png",)),
+    "edge-map": Picture(edge_map, ("edge-map.png",)),
     "parity": Picture(parity, ("parity.png",)),
 }
 KEPT_FILES = ("cockpit-path.png", "follow.webp")

@@ -1,42 +1,26 @@
-"""A fin of finite span in the planar model: against an unsteady vortex lattice, and in all ways of running it.
+"""A fin of finite span in the planar model: against an unsteady vortex lattice, and in all ways of running it."""
 
-`tests/data/edge_map.csv` is the lattice's answer for a rigid rectangular plate in heave, in pitch about its root and in
-both (`swim`: heave 1, slope -.6 i omega), with rho = u = h = 1 and z = Re[(a + s x) exp(i omega t)]: vortex rings,
-harmonic in time, a straight wake, thrust by the energy balance in the far wake, extrapolated in the number of rings.
-Its phases are those of complex amplitudes; a side force is positive along z. No law was fitted to it.
-"""
-
-import csv
 from dataclasses import replace
-from functools import cache
-from itertools import groupby
-from pathlib import Path
 
+import campaign_scripts
 import numpy as np
 import pytest
 
 import laticauda as lc
 from laticauda.models.planar import rows
 from laticauda.models.planar.model import PlanarPlant
+from laticauda.models.simulate import compute_sensitivities
 from laticauda.robot import (
     CaudalFin,
     Joint,
     Module,
     Robot,
     Section,
-    Water,
     load_robot,
     load_water,
     wake_mass,
 )
 
-MAP = Path(__file__).parents[2] / "data" / "edge_map.csv"
-MOTIONS = {
-    "heave": lambda omega: (1.0, 0.0),
-    "pitchLE": lambda omega: (0.0, 1.0),
-    "swim": lambda omega: (1.0, -0.6j * omega),
-}
-PHASES = 2.0 * np.pi * np.arange(16) / 16.0
 GAIT = lc.lateral_undulation(
     amplitude=np.deg2rad(30), frequency=np.deg2rad(130), phase_shift=np.deg2rad(40)
 )
@@ -55,109 +39,9 @@ DRIVEN = replace(BROAD, name="driven", caudal_fin=replace(BROAD.caudal_fin, join
 # ---- the lattice ---------------------------------------------------------------------------------
 
 
-class RigidPlate:
-    """A plate of height 1 m in water of 1 kg/m^3 whose loads are those that the kernels of the package give.
-
-    It is the fin of a robot whose only link has neither mass nor loads worth mentioning.
-    """
-
-    def __init__(self, aspect):
-        self.chord = 1.0 / aspect
-        fin = CaudalFin(
-            length=self.chord, height=1.0, opening_length=0.0, thickness=1e-9, density=1e-3
-        )
-        link = Module(
-            length=1e-3, mass=1e-9, inertia=1e-9, section=Section(half_height=1e-6, half_width=1e-6)
-        )
-        water = Water(
-            density=1.0,
-            tangential_friction=0.0,
-            normal_drag=0.0,
-            added_mass=1.0,
-            added_mass_form="kirchhoff",
-            trailing_edge="finite-span",
-            rotational="strip",
-        )
-        self.plant = PlanarPlant(
-            robot=Robot(name="plate", modules=(link,), caudal_fin=fin), environment=water
-        )
-        self.template = self.plant.layout.template
-        self.body = self.template[rows.HEADER_ROWS : rows.HEADER_ROWS + rows.BODY_ROWS]
-        self.distance = -self.template[rows.WAKE_POSITION]
-        self.lag = self.template[rows.EDGE_LAG]
-        self.instant = self.template[rows.EDGE + 4]
-
-    def loads(self, w, turning, memory):
-        """Force along, force to the left, moment about the root at u = 1, and dz/dt, without what accelerations add."""
-        S = self.template.copy()
-        S[rows.VX] = 1.0
-        S[rows.VY] = w + turning * self.body[rows.FIRST_MOMENT_SHARE]
-        S[rows.HEADING_RATE] = turning
-        S[rows.EDGE_MEMORY] = memory
-        layout = self.plant.layout
-        chain = layout.first_strip, layout.first_plate, np.array([False])
-        kernels = self.plant.kernels_of(1)
-        kernels.evaluate(S, layout.n_bodies, *chain, layout.tail_link, layout.has_extras)
-        b = rows.HEADER_ROWS
-        moment, along, across = -S[[b + rows.P0, b + rows.P1, b + rows.P2]]
-        return along, across, moment, S[rows.EDGE_MEMORY_RATE]
-
-    def respond(self, omega, heave, slope):
-        """Mean thrust, side force and moment about the root of a motion, the last two as complex amplitudes."""
-        cycle = np.exp(1j * PHASES)
-
-        def in_time(amplitude):
-            return (amplitude * cycle).real
-
-        w_root = 1j * omega * heave + slope
-        turning = -1j * omega * slope
-        w_edge = w_root - turning * self.distance
-        memory = w_edge / (1.0 + 1j * omega * self.lag)
-        arguments = zip(in_time(w_root), in_time(turning), in_time(memory), strict=True)
-        along, across, moment, memory_rate = np.array([self.loads(*one) for one in arguments]).T
-        np.testing.assert_allclose(memory_rate, in_time(1j * omega * memory), atol=1e-9 * omega**2)
-        # What accelerations add, by the kernels' own inertia about the root.
-        sway = in_time(1j * omega * w_root + turning)  # its axes turn while it swims at 1 m/s
-        spin = in_time(1j * omega * turning)
-        coupling = self.body[rows.COUPLING]
-        across = across - self.body[rows.MASS_N] * sway - coupling * spin
-        moment = moment - coupling * sway - self.body[rows.INERTIA] * spin
-        thrust = np.mean(along + across * in_time(slope))
-        to_amplitude = 2.0 * np.conj(cycle) / PHASES.size
-        # The map's moment is about z x x, a turn to the right.
-        return thrust, across @ to_amplitude, -moment @ to_amplitude
-
-
-@cache
-def map_errors():
-    """The relative errors of thrust, side force and moment at all points of the map."""
-    points = list(csv.DictReader(MAP.read_text().splitlines()))
-    errors = []
-    for aspect, group in groupby(points, key=lambda point: float(point["h_over_c"])):
-        plate = RigidPlate(aspect)
-        for point in group:
-            omega = float(point["omega_h_over_u"])
-            thrust, side, moment = plate.respond(omega, *MOTIONS[point["motion"]](omega))
-            given_thrust = float(point["thrust_mean"])
-            size = max(abs(given_thrust), 0.25 * abs(float(point["power_in_mean"])))
-            errors.append(
-                (
-                    abs(thrust - given_thrust) / size,
-                    relative_error(side, point, "side"),
-                    relative_error(moment, point, "moment_LE"),
-                )
-            )
-    return np.array(errors).T
-
-
-def relative_error(value, point, name):
-    size = float(point[f"{name}_amp"])
-    phase = np.deg2rad(float(point[f"{name}_phase_deg"]))
-    return abs(value - size * np.exp(1j * phase)) / size
-
-
 def test_the_loads_of_a_rigid_plate_are_those_of_the_unsteady_lattice_on_the_whole_map():
-    thrust, side, moment = map_errors()
+    points = campaign_scripts.campaign("edge_map").errors()
+    thrust, side, moment = np.array([point[3:] for point in points]).T
     assert thrust.size == 252
     assert thrust.mean() <= 0.017
     assert thrust.max() <= 0.10
@@ -258,6 +142,41 @@ def test_a_batch_is_the_single_runs(joints):
     for k, gait in enumerate(gaits):
         single = lc.swim(BROAD, gait, duration=4.0, environment=WATER, joints=joints)
         np.testing.assert_allclose(swims.center_of_mass[k], single.center_of_mass[-1], rtol=1e-12)
+
+
+DERIVED = {
+    "robot.caudal_fin.height": lambda step: (replaced_fin(height=0.2 + step), WATER),
+    "robot.caudal_fin.length": lambda step: (replaced_fin(length=0.06 + step), WATER),
+    "water.density": lambda step: (BROAD, replace(WATER, density=1000.0 * (1.0 + step))),
+}
+
+
+def replaced_fin(**changes):
+    return replace(BROAD, caudal_fin=replace(BROAD.caudal_fin, **changes))
+
+
+@pytest.mark.parametrize("joints", ["prescribed", "servo"])
+def test_derivatives_are_those_of_differences(joints):
+    found = compute_sensitivities(
+        BROAD, GAIT, 10.0, names=list(DERIVED), environment=WATER, joints=joints
+    )
+    for name, change in DERIVED.items():
+        step = 1e-5
+        ends = []
+        for sign in (1.0, -1.0):
+            robot, water = change(sign * step)
+            trial = lc.swim(
+                robot, GAIT, 10.0, environment=water, joints=joints, dt=found_dt(joints)
+            )
+            ends.append(trial.forward_velocity)
+        scale = 1000.0 if name == "water.density" else 1.0
+        expected = (ends[0] - ends[1]) / (2.0 * step * scale)
+        assert found.of("forward_velocity", name)[0] == pytest.approx(expected, rel=2e-4), name
+
+
+def found_dt(joints):
+    """The step of the run whose derivatives are taken: differences must not change it."""
+    return lc.build_plant(BROAD, WATER, joints=joints).dt
 
 
 def test_halving_the_step_changes_nothing_worth_mentioning():
