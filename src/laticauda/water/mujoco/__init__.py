@@ -9,8 +9,9 @@
 Independent of laticauda's robots. Requires the extra `spatial`.
 
 What the user calls: `water` (attach water to a model), `elements` (pieces of bodies), `geoms`
-(elements fitted to shapes), `ground` (contacts), `specs` (models with room for added mass), `steps`
-(the largest step), with `lamb`, `bodies`, `checks`, `advice` and `floating` behind them.
+(elements fitted to shapes), `radiation` (waves that they make), `ground` (contacts), `specs`
+(models with room for added mass), `steps` (the largest step), with `lamb`, `bodies`, `checks`,
+`advice` and `floating` behind them.
 What steps: `callback` and `sensors` (MuJoCo calls them), `element_loads`, `hydrostatics` and
 `vectors` (compiled formulas), `law_entry` and `law_functions` (laws and flows by their address).
 What both share: `table` (its layout) and `filling`, `currents` (how the water moves), `registry`
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
         geom_elements as geom_elements,
     )
     from laticauda.water.mujoco.ground import Contact as Contact, Terrain as Terrain, SINK as SINK
+    from laticauda.water.mujoco.radiation import with_radiation as with_radiation
     from laticauda.water.mujoco.specs import compile_spec as compile_spec
     from laticauda.water.mujoco.steps import stable_step as stable_step
     from laticauda.water.mujoco.water import Water as Water, attach as attach, attached as attached
@@ -48,6 +50,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.water.mujoco.elements": ["Element"],
         "laticauda.water.mujoco.geoms": ["GeomCoefficients", "geom_element", "geom_elements"],
         "laticauda.water.mujoco.ground": ["Contact", "Terrain"],
+        "laticauda.water.mujoco.radiation": ["with_radiation"],
         "laticauda.water.mujoco.specs": ["compile_spec"],
         "laticauda.water.mujoco.steps": ["stable_step"],
         "laticauda.water.mujoco.water": ["Water", "attach", "attached"],

@@ -70,6 +70,10 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
         added = plus(added, slowing)
         added_torque = plus(added_torque, slowing_turn)
     dragged, dragged_torque = drag(T, E, o, law_io, u, w, wet)
+    if wet < 1.0 and E[o + HEAVE_DAMPING] != 0.0:
+        slowed, slowed_torque = radiation(E, o, three(R, 6), u, w, wet)
+        dragged = plus(dragged, slowed)
+        dragged_torque = plus(dragged_torque, slowed_torque)
     own = effector(E, o, u)
     displaced = P[DENSITY] * wet * E[o + VOLUME]
     buoyancy = scaled(-displaced, gravity(T, model))
@@ -269,6 +273,25 @@ def drag(T, E, o, law_io, u, w, wet):
         rolling = (0.0, 0.0, 0.0, w[0])
         _, _, t_x = by_law(law, own, law_io, rolling, (0.0, 0.0, linear[0], quadratic[0]))
     return scaled(wet, (f_x, f_y, f_z)), scaled(wet, (t_x, t_y, t_z))
+
+
+@kernel
+def radiation(E, o, up, u, w, wet):
+    """Return force and torque of the waves that an element makes, whose momentum is vertical, in element axes.
+
+    A torque has no vertical part: else each roll with a pitch would leave a yaw that nothing ends.
+    """
+    share = -4.0 * wet * (1.0 - wet)
+    force = scaled(share * E[o + HEAVE_DAMPING] * along(u, up), up)
+    tilting = plus(w, scaled(-along(w, up), up))
+    torque = scaled(share, times(three(E, o + TILT_DAMPING), tilting))
+    return force, plus(torque, scaled(-along(torque, up), up))
+
+
+@kernel
+def along(a, direction):
+    """Return the part of a along a direction of length 1."""
+    return a[0] * direction[0] + a[1] * direction[1] + a[2] * direction[2]
 
 
 @kernel

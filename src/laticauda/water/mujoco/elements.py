@@ -84,6 +84,15 @@ class Element:
     law: DragLaw = option(
         "Drag versus speed; quadratic if omitted", default=PolynomialDrag(reference_speed=0.0)
     )
+    heave_damping: float = quantity(
+        "N s/m", "By the waves that it makes, half submerged: of its rise", default=0.0, ge=0.0
+    )
+    tilt_damping: Three = quantity(
+        "N m s",
+        "Likewise, of its turning out of the level, about x, y and z",
+        default=_NONE,
+        ge=0.0,
+    )
 
     def __post_init__(self) -> None:
         """Normalize the quaternion."""

@@ -135,6 +135,7 @@ def geom_elements(
     Raises:
         ValueError: If no geom is left.
     """
+    check_positive("density", density, "kg/m^3")
     check_instance("model", getattr(model, "ptr", model), load_mujoco().MjModel)
     pieces_by_body: dict[int, list[_Piece]] = {}
     empty: list[str] = []

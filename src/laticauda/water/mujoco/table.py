@@ -81,6 +81,8 @@ RECORD = {
     "wake_mass": 1,
     "shape": 1,
     "plate": 5,  # as in fluid.laws.plate
+    "heave_damping": 1,
+    "tilt_damping": 3,
     "contact": 5,  # the fields of ground.Contact; those of ground.Terrain are 4 numbers of the water
     "own_mass": 1,  # of the body and what is fixed to it, per element on them
     "own_inertia": 1,  # the least, likewise
@@ -105,6 +107,8 @@ TETHER_DRAG = STARTS["tether_drag"]
 WAKE_MASS = STARTS["wake_mass"]
 SHAPE = STARTS["shape"]
 PLATE = STARTS["plate"]
+HEAVE_DAMPING = STARTS["heave_damping"]
+TILT_DAMPING = STARTS["tilt_damping"]
 CONTACT = STARTS["contact"]
 OWN_MASS = STARTS["own_mass"]
 OWN_INERTIA = STARTS["own_inertia"]

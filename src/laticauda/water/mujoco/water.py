@@ -26,6 +26,7 @@ from laticauda.water.mujoco.filling import fill_table
 from laticauda.water.mujoco.flexes import flex_elements
 from laticauda.water.mujoco.geoms import geom_elements
 from laticauda.water.mujoco.ground import Terrain
+from laticauda.water.mujoco.radiation import with_radiation
 from laticauda.water.mujoco.specs import compile_file, compile_spec
 
 FORMS = ("relative", "kirchhoff", "classic")
@@ -165,8 +166,9 @@ def attach(
             mass: the handle's `model()` is the model. Or a `mujoco.MjModel`, or an object that
             holds one as `ptr`, as in dm_control; some of those have no room for added mass and are
             rejected.
-        elements: Elements on which the water acts; None: `geom_elements`, and cylinders along the
-            edges of nets and ropes (flexes).
+        elements: Elements on which the water acts; None: `geom_elements`, with a surface also with
+            the damping by waves that they make, and cylinders along the edges of nets and ropes
+            (flexes).
         density: Density rho, for the buoyancy [kg/m^3].
         current: Motion of the water: its velocity, world axes [m/s]; or a flow
             (`laticauda.water.fluid.flow.Flow`), or a function of x, y, z [m] and t [s] like one, which
@@ -194,7 +196,7 @@ def attach(
     check_positive("usual_speed", usual_speed, "m/s")
     fitted = elements is None
     if elements is None:
-        elements = _fit_elements(model, density)
+        elements = _fit_elements(model, density, has_surface=surface is not None)
     elements = tuple(elements)
     _check_elements(elements)
     options = {
@@ -229,15 +231,18 @@ def attached(model: Any) -> Water | None:
     return replace(water, model=weakref.ref(model))
 
 
-def _fit_elements(model: Any, density: float) -> tuple[Element, ...]:
+def _fit_elements(model: Any, density: float, *, has_surface: bool) -> tuple[Element, ...]:
     """Return elements for all geoms and flexes; a model may consist of flexes alone."""
     of_flexes = flex_elements(model, density=density)
     try:
-        return geom_elements(model, density=density) + of_flexes
+        of_geoms = geom_elements(model, density=density)
     except BadArgument:
         if not of_flexes:
             raise
         return of_flexes
+    if not has_surface:
+        return of_geoms + of_flexes
+    return with_radiation(model, of_geoms, density=density) + of_flexes
 
 
 def _compile(model: Any) -> Any:
