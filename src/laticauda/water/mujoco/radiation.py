@@ -96,10 +96,12 @@ def _waterplane_of(element: Element, axes: np.ndarray) -> _Waterplane:
     is_round = element.shape == "ellipsoid" or (element.shape == "cylinder" and up == 0)
     if is_round:
         sides = ROUND_SIDE * sides
-    first, second = (axis for axis in range(3) if axis != up)
-    if sides[first] >= sides[second]:
-        return _Waterplane(up, first, second, float(sides[first]), float(sides[second]))
-    return _Waterplane(up, second, first, float(sides[second]), float(sides[first]))
+    level_axes = [axis for axis in range(3) if axis != up]
+    long = max(level_axes, key=lambda axis: sides[axis])
+    short = sum(level_axes) - long
+    return _Waterplane(
+        up=up, long=long, short=short, length=float(sides[long]), width=float(sides[short])
+    )
 
 
 class _Table(NamedTuple):
