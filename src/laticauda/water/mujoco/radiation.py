@@ -5,7 +5,6 @@ each motion, computed with boundary elements (campaigns/radiation.py). A piece c
 its waterplane and volume, floating alone, upright as in the reference pose.
 """
 
-import csv
 import functools
 import math
 from collections.abc import Iterable
@@ -118,11 +117,10 @@ class _Table(NamedTuple):
 @functools.cache
 def _table() -> _Table:
     file = Path(__file__).with_name("radiation_box.csv")
-    with file.open(newline="", encoding="utf-8") as lines:
-        rows = np.array([list(row.values()) for row in csv.DictReader(lines)], dtype=float)
-    widths = np.unique(rows[:, 0])
-    drafts = np.unique(rows[:, 1])
-    shares = rows[:, 2:].reshape(len(widths), len(drafts), 3)
+    table = np.loadtxt(file, delimiter=",", skiprows=1, encoding="utf-8")
+    widths = np.unique(table[:, 0])
+    drafts = np.unique(table[:, 1])
+    shares = table[:, 2:].reshape(len(widths), len(drafts), 3)
     return _Table(widths=widths, drafts=drafts, shares=shares)
 
 
