@@ -194,7 +194,11 @@ def swim_points_on(
         index: results for index, _, results in swim_on(client, scenario, names, enumerate(pieces))
     }
     in_order = [results_of_piece[index] for index in range(len(pieces))]
-    return {name: np.concatenate([results[name] for results in in_order]) for name in in_order[0]}
+    joined: dict[str, Column] = {}
+    for name in in_order[0]:
+        columns = [results[name] for results in in_order]
+        joined[name] = np.concatenate(columns)
+    return joined
 
 
 def _task_after_death(task: _Task, error: Exception) -> _Task:

@@ -132,13 +132,22 @@ class Front:
         """
         if len(self) <= count:
             return list(range(len(self)))
-        columns = [self.figures[name] for name in self.optimization.objectives]
-        scaled = np.stack([column / np.ptp(column) for column in columns], axis=1)
-        steps = np.linalg.norm(np.diff(scaled, axis=0), axis=1)
-        distances = np.concatenate(([0.0], np.cumsum(steps)))
-        even_distances = np.linspace(0.0, float(distances[-1]), count)
-        nearest = {int(np.argmin(np.abs(distances - distance))) for distance in even_distances}
+        distances = self._distances_along()
+        nearest: set[int] = set()
+        for even_distance in np.linspace(0.0, float(distances[-1]), count):
+            gaps = np.abs(distances - even_distance)
+            nearest.add(int(np.argmin(gaps)))
         return sorted(nearest)
+
+    def _distances_along(self) -> np.ndarray:
+        """Return how far each point lies from the first along the front, every objective scaled to its range."""
+        scaled: list[np.ndarray] = []
+        for name in self.optimization.objectives:
+            column = self.figures[name]
+            scaled.append(column / np.ptp(column))
+        changes = np.diff(scaled, axis=1)
+        steps = np.linalg.norm(changes, axis=0)
+        return np.concatenate(([0.0], np.cumsum(steps)))
 
     def to_dataset(self) -> "xarray.Dataset":
         """Return the front as an xarray Dataset with the dimension `point`; SI units, angles in radians."""

@@ -245,9 +245,11 @@ class Samples:
                 engine.fast_forward(rows.start - n_drawn)
             unit: Table = engine.random(rows.stop - rows.start)
             n_drawn = rows.stop
+            span = high - low
             # Every whole number in the range has an equal share.
-            steps = np.minimum(np.floor(unit * (high - low + 1.0)), high - low)
-            yield np.where(is_count, low + steps, low + unit * (high - low))
+            steps = np.floor(unit * (span + 1.0))
+            counted = low + np.minimum(steps, span)
+            yield np.where(is_count, counted, low + unit * span)
 
     def definition(self) -> dict[str, Any]:
         """Return the definition of the points for a file."""

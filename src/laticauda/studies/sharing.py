@@ -169,15 +169,19 @@ def _read_share(folder: Path, store: Store) -> Iterator[tuple[int, dict[str, Col
     """Yield index and results of the regions of a share that the whole sweep does not have yet."""
     _check_share(folder, store)
     marks = read_marks(folder, store.regions)
-    is_new = damage.is_stored(folder, marks) & ~store.done
+    is_in_share = damage.is_stored(folder, marks)
+    is_new = is_in_share & ~store.done
+    zarr = import_zarr()
     with readable(folder, RESULTS):
-        group = import_zarr().open_group(str(folder / RESULTS), mode="r", use_consolidated=False)
-        arrays: dict[str, Any] = {name: group[name] for name in QUANTITIES}
+        group = zarr.open_group(str(folder / RESULTS), mode="r", use_consolidated=False)
     for index in np.flatnonzero(is_new).tolist():
         block = store.regions.at(index)
+        results: dict[str, Column] = {}
         # zarr compares the checksum of every chunk that it reads.
         with readable(folder, RESULTS):
-            results = {name: array[block].reshape(-1) for name, array in arrays.items()}
+            for name in QUANTITIES:
+                values: Any = group[name][block]
+                results[name] = values.reshape(-1)
         yield index, results
 
 
