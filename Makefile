@@ -17,7 +17,7 @@ DEV := $(VENV)/.dev
 DOCS := $(VENV)/.docs
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 
-.PHONY: help setup swim lab test quick check lint types contracts pytest docs bench campaigns clean
+.PHONY: help setup kernels swim lab test quick check lint types contracts pytest docs bench campaigns clean
 .DEFAULT_GOAL := help
 
 help:  ## Say what there is (the default)
@@ -44,7 +44,11 @@ $(DOCS): $(DEV)
 
 setup: $(DEV)  ## Install the package and the developers' tools into .venv
 
-swim: $(PACKAGE)  ## One of Mamba's trials, with its fin, beside what was measured
+# The library with which runs start without Numba. The installation makes it; after an edit of the kernels it is made anew.
+kernels: $(PACKAGE)
+	@$(BIN)/python -m laticauda.connect.native.kernel_library
+
+swim: kernels  ## One of Mamba's trials, with its fin, beside what was measured
 	@$(BIN)/laticauda swim mamba-fin --gait lateral-undulation --amplitude-deg 30 --frequency-deg-s 130 \
 	--phase-shift-deg 40 --duration 30
 
@@ -75,7 +79,7 @@ contracts: $(DEV)  ## Imports point down the layers only
 	@$(BIN)/lint-imports --no-logo
 
 # The tests contain the code of the README and of the docs, and the examples.
-pytest: $(DEV)
+pytest: $(DEV) kernels
 	@$(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 docs: $(DOCS)  ## Build the documentation into site/

@@ -1,10 +1,7 @@
-"""Compiles the kernels of single runs into a wheel, where what they need is at hand; else there are none in it."""
+"""Makes the library of kernels (`laticauda.models.planar.kernel_library`) where a C compiler is at hand."""
 
-import os
-import shutil
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -12,45 +9,27 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 SCRIPT = """
 import sys
-from pathlib import Path
-sys.path[:0] = sys.argv[2:]
-import laticauda as lc
-from laticauda.compiling import ready
-gait = lc.lateral_undulation(amplitude=0.5, frequency=2.0, phase_shift=0.7)
-scenarios = [lc.build_scenario(robot, gait) for robot in ("mamba", "amphibot")]
-scenarios += [lc.build_scenario("mamba", gait, environment=lc.load_ground(name)) for name in ("viscous", "coulomb")]
-for scenario in scenarios:
-    plant = lc.build_plant(scenario)
-    plant.march(plant.init(lc.Start(), lc.Command(gait=gait)), lc.Command(gait=gait), 1.0, 0.1)
-    ready.keep(plant.kernels_of(1).run, Path(sys.argv[1]))
+sys.path[:0] = sys.argv[1:]
+from laticauda.connect.native.kernel_library import main
+main()
 """
+FOLDER = "laticauda/models/planar/ready"
+"""Folder of the library, in the sources and in a wheel."""
 
 
 class ReadyKernels(BuildHookInterface):
-    """Of a wheel; of nothing else."""
+    """Makes the library beside the sources, for an editable installation, and puts it into a wheel."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Compile in a process of its own, for a family of processors."""
-        if version == "editable":
-            return
-        self.folder = folder = Path(tempfile.mkdtemp(prefix="laticauda-ready-"))
-        own = {
-            "NUMBA_CACHE_DIR": str(folder / "cache"),
-            "NUMBA_CPU_NAME": "x86-64-v3",
-            "NUMBA_CPU_FEATURES": "",
-        }
+        """Make the library in a process of its own, which compiles for a family of processors."""
+        sources = Path(self.root, "src")
         # Not by PYTHONPATH: where pip's own Python has these sources installed to be edited, its
         # isolation drops them.
-        paths = [str(Path(self.root, "src")), *filter(None, sys.path)]
-        done = subprocess.run(
-            [sys.executable, "-c", SCRIPT, str(folder), *paths], env={**os.environ, **own}
-        )
+        paths = [str(sources), *filter(None, sys.path)]
+        done = subprocess.run([sys.executable, "-c", SCRIPT, *paths])
         if done.returncode:
-            self.app.display_warning("no kernels in this wheel: the first run will compile them")
-        for one in folder.glob("*.code"):
-            build_data["force_include"][str(one)] = f"laticauda/compiling/ready/{one.name}"
-
-    def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
-        """Leave nothing behind."""
-        if version != "editable":
-            shutil.rmtree(self.folder)
+            self.app.display_warning("no library of kernels: the first run will compile them")
+        if version == "editable":
+            return
+        for file in (sources / FOLDER).glob("kernels.*"):
+            build_data["force_include"][str(file)] = f"{FOLDER}/{file.name}"

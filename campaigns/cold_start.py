@@ -268,7 +268,7 @@ def main() -> int:
         with_kernels, without = (
             install(wheel, folder / one, python) for one in ("with", "without")
         )
-        for ready in without.parent.glob("lib/python*/site-packages/laticauda/compiling/ready"):
+        for ready in without.parent.glob("lib/python*/site-packages/laticauda/models/planar/ready"):
             shutil.rmtree(ready)
         found = costs(with_kernels, without, folder, settings.rounds)
         shares = first_second(

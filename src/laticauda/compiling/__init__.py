@@ -25,7 +25,7 @@ from numba.extending import overload
 
 from laticauda.values import scalars
 from laticauda.values import explain
-from laticauda.compiling import functions, lanes, ready
+from laticauda.compiling import functions, lanes
 from laticauda.compiling.inner import INLINED, OPTIONS, inlined
 from laticauda.compiling.lane_types import Lanes
 from laticauda.values import locked
@@ -172,16 +172,13 @@ def compile_once_across_processes(function: FunctionType) -> Any:
         function: Function whose machine code is cached on disk.
     """
     compiled: Any = njit(cache=True, nogil=True, **OPTIONS)(function)
-    if ready.FOLDER.is_dir():
-        compiled._cache = ready.ReadyCache(function)
     compile_now = compiled.compile
 
     def compile_or_load(signature: Any) -> Any:
         lock = Path(compiled.stats.cache_path) / f"{compiled.py_func.__qualname__}.lock"
         with locked(lock, wait=True):
             machine_code = compile_now(signature)
-        came_with_installation = not compiled.stats.cache_misses
-        if _temporary_folder_message and not came_with_installation:
+        if _temporary_folder_message and compiled.stats.cache_misses:
             warnings.warn(
                 f"{_temporary_folder_message}; set NUMBA_CACHE_DIR to a writable folder",
                 stacklevel=2,

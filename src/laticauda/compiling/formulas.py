@@ -28,7 +28,7 @@ def digest_of(formula: Formula) -> str:
         formula: Formula of a law; what a user's formula calls may be redefined at run time, unlike
             laticauda's own.
     """
-    if _is_ours(formula):
+    if formula.is_own:
         return _digest_of_ours(formula)
     return _digest(formula)
 
@@ -38,10 +38,6 @@ def _digest(formula: Formula) -> str:
 
 
 _digest_of_ours = functools.cache(_digest)
-
-
-def _is_ours(formula: Formula) -> bool:
-    return formula.function.__module__.startswith("laticauda.")
 
 
 def in_numbers(formula: Formula, record: type | None, n_first: int) -> Any:
@@ -58,7 +54,9 @@ def in_numbers(formula: Formula, record: type | None, n_first: int) -> Any:
     last = n_first + _size(record)
     # A tuple of no numbers is no type for Numba.
     numbers_of_law: Any = namedtuple("Numbers", formula.fields or ("nothing",))
-    padding = () if formula.fields else (0.0,)
+    padding: tuple[float, ...] = ()
+    if not formula.fields:
+        padding = (0.0,)
 
     def call_without_record(*numbers: float) -> Any:
         return inner(numbers_of_law(*numbers[last:], *padding), *numbers[:n_first])
@@ -112,7 +110,7 @@ def check(
     Raises:
         ValueError: If the formula is rejected; the message gives the reason.
     """
-    if _is_ours(formula):
+    if formula.is_own:
         return
     digest = digest_of(formula)
     if digest in _checked:
@@ -124,7 +122,9 @@ def check(
         raise ValueError(
             f"`{formula.name}` must have a formula that Numba can compile: {reason_of(err)}"
         ) from err
-    values = cast("tuple[object, ...]", result) if isinstance(result, tuple) else ()
+    values: tuple[object, ...] = ()
+    if isinstance(result, tuple):
+        values = cast("tuple[object, ...]", result)
     are_finite = [isinstance(value, float) and math.isfinite(value) for value in values]
     if are_finite != [True] * count:
         shown_count = {3: "three"}.get(count, count)

@@ -18,7 +18,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, cast
 
-from laticauda.compiling import PROCESSOR, Target, compiling_for, formulas, globals_of, ready
+from laticauda.compiling import PROCESSOR, Target, compiling_for, formulas, globals_of
 from laticauda.compiling.inner import is_inner
 from laticauda.values import Formula
 from laticauda.values.sources import PACKAGE, sources_digest
@@ -54,7 +54,7 @@ def is_kept(compiled: Any) -> bool:
     if compiled.signatures:
         return True
     cached = Path(compiled.stats.cache_path).glob(f"*{compiled.py_func.__qualname__}-*.nbi")
-    return any(cached) or ready.is_ready(compiled.py_func)
+    return any(cached)
 
 
 def specialized(
@@ -81,7 +81,9 @@ def specialized(
     template_bindings: dict[str, Any] = dict(names)
     with _one_at_a_time, compiling_for(target):
         sources = sources_digest(*(f"{package}.{template}" for template in made_for))
-        target_part = "" if target is PROCESSOR else id(target)
+        target_part = ""
+        if target is not PROCESSOR:
+            target_part = str(id(target))
         for template, template_names in made_for.items():
             values = [digests[name] for name in template_names]
             text = f"{package} {values} {sources} {target_part}"

@@ -31,6 +31,11 @@ class Formula:
     fields: tuple[str, ...]
     """Names of its numbers, in the order of their rows."""
 
+    @property
+    def is_own(self) -> bool:
+        """Whether it is laticauda's own, which is known to compile and does not change while a program runs."""
+        return self.function.__module__.startswith("laticauda.")
+
 
 class Law:
     """Mixin of laws: values whose numbers are rows of the kernels, and whose `__call__` the kernels compile."""

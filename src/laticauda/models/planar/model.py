@@ -3,18 +3,16 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import accumulate
 from types import ModuleType
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from laticauda.compiling import Target
-from laticauda.compiling.templates import specialized
 from laticauda.models.dynamics.plant import Plant
 from laticauda.models.dynamics.samples import PlantState, Samples
-from laticauda.models.planar import rows, sample_format
+from laticauda.models.planar import kernel_library, rows, sample_format
 from laticauda.models.planar.layout import Layout, build_layout, flow_rows, write_effectors
 from laticauda.models.planar.sample_format import column_of, columns_of_joints
 from laticauda.motion import gaits
@@ -23,6 +21,9 @@ from laticauda.robot import Coefficients, law_of, link_coefficients
 from laticauda.scenarios import Command, Observation, Planar, Start
 from laticauda.values import BadArgument, Formula, check_instance
 from laticauda.water.fluid import DragLaw, PolynomialDrag, flow as flows
+
+if TYPE_CHECKING:
+    from laticauda.compiling import Target
 
 LEAST_DT = 1e-7
 """Time that drag may take to stop a link, at least; with smaller steps a run would take forever [s]."""
@@ -45,7 +46,7 @@ def specialize(
     law: DragLaw | None = None,
     joints: JointLaw | None = None,
     flow: tuple[Formula, ...] = (),
-    target: Target | None = None,
+    target: "Target | None" = None,
 ) -> ModuleType:
     """Return the stepping kernels for `width` lanes, one drag law, one joint law and one kind of flow.
 
@@ -61,6 +62,8 @@ def specialize(
     Returns:
         The module `laticauda.models.planar.stepping`, compiled for these arguments on first call.
     """
+    from laticauda.compiling.templates import specialized  # Numba is slow to import
+
     own_joint_law = None if joints is None else joints.own
     names = {
         "n_lanes": width,
@@ -112,7 +115,12 @@ class PlanarPlant(Plant[Planar]):
 
     def kernels_of(self, width: int) -> Any:
         """Return the compiled kernels for `width` trials side by side."""
-        return specialize(width, self.law, self.joints, self.flow.kinds)
+        compiled = partial(specialize, width, self.law, self.joints, self.flow.kinds)
+        if width == 1 and not self.flow.kinds:
+            run = kernel_library.find_run(self.law.formula, self.joints.own)
+            if run is not None:
+                return kernel_library.LibraryKernels(run, compiled)
+        return compiled()
 
     @cached_property
     def _envelope(self) -> np.ndarray:

@@ -6,6 +6,7 @@ from typing import Any, Unpack, cast
 from laticauda import scenarios
 from laticauda.models.dynamics.plant import Plant
 from laticauda.models.dynamics.school import School
+from laticauda.motion.joints import JointLaw
 from laticauda.robot import Environment, Ground, Robot, Water, law_of, load_robot
 from laticauda.scenarios import Command, Experiment, Model, ModelChanges, Planar, Scenario, Spatial
 from laticauda.values import BadArgument, check_instance, load_mujoco
@@ -114,13 +115,24 @@ def needs_compiling(environment: Environment, model: Model | str | None = None) 
         MissingExtra: If the model needs a package that is not installed.
     """
     model = scenarios.model_of(model or "planar")
-    from laticauda.compiling.templates import is_kept
-
     if isinstance(model, Spatial):
+        from laticauda.compiling.templates import is_kept
         from laticauda.models.spatial.twin import stepping
 
         load_mujoco()
         return not is_kept(stepping(model.joints).run)
+    return _needs_compiling_in_plane(environment, model.joints)
+
+
+def _needs_compiling_in_plane(environment: Environment, joints: JointLaw) -> bool:
+    from laticauda.models.planar.kernel_library import find_run
+    from laticauda.models.planar.layout import flow_rows
     from laticauda.models.planar.model import specialize
 
-    return not is_kept(specialize(law=law_of(environment), joints=model.joints).run)
+    law = law_of(environment)
+    flow = flow_rows(environment).kinds
+    if not flow and find_run(law.formula, joints.own) is not None:
+        return False
+    from laticauda.compiling.templates import is_kept
+
+    return not is_kept(specialize(1, law, joints, flow).run)

@@ -102,7 +102,7 @@ class JointLaw(Law, Extensible, group="joint_laws"):
         Raises:
             ValueError: If the law cannot be compiled; the message gives the reason.
         """
-        if self.own is not None:
+        if self.own is not None and not self.own.is_own:
             from laticauda.compiling.formulas import check  # Numba is slow to import
 
             example = (0.1, -0.2, 0.3, 0.4, 0.5, *[1.0] * len(Drive._fields))

@@ -208,10 +208,12 @@ class Flow(Law, Extensible, group="flows"):
         Raises:
             ValueError: If the flow cannot be compiled; the message gives the reason.
         """
-        from laticauda.compiling.formulas import check  # Numba is slow to import
-
         part_of_each_class = {type(part): part for part in self.parts}
         for part in part_of_each_class.values():
+            if part.moving.is_own:
+                continue
+            from laticauda.compiling.formulas import check  # Numba is slow to import
+
             check(
                 part.moving,
                 part.numbers,

@@ -80,6 +80,8 @@ class DragLaw(Law, Extensible, group="drag_laws"):
         Raises:
             ValueError: If the law cannot be compiled; the message gives the reason.
         """
+        if self.formula.is_own:
+            return
         from laticauda.compiling.formulas import check  # Numba is slow to import
 
         example = (0.3, -0.2, 0.2, 0.5, 1.0, 10.0, 0.1, 0.01)

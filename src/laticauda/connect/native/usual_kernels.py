@@ -1,0 +1,157 @@
+"""Machine code of the kernels of single runs for the usual laws, for `laticauda.models.planar.kernel_library`.
+
+It is made of what `swim` itself runs, not of `entry`, so that its numbers are the same to the last
+digit. LLVM optimizes as it does for `swim`, for the processor of this machine, and only the
+instructions are those of a whole family: optimized for the family, other products would be
+contracted to fused multiply-adds.
+"""
+
+# pyright: basic
+# pyright: reportCallIssue=false
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import llvmlite.binding as llvm
+from numba import njit, types
+
+from laticauda.compiling import PROCESSOR
+from laticauda.compiling.inner import OPTIONS
+from laticauda.connect.native.linking import link_library
+from laticauda.connect.native.machine_code import compile_to_object
+from laticauda.connect.native.platforms import C_FOLDER, Platform
+from laticauda.models.planar import kernel_library, specialize
+from laticauda.models.planar.model import TEMPLATES
+from laticauda.motion.joints import JointLaw, Prescribed, SpeedServo
+from laticauda.values.sources import SourceRecord
+from laticauda.water.fluid import DragLaw, PolynomialDrag
+from laticauda.water.fluid.laws import CoulombFriction, TotalSpeedDrag, ViscousFriction
+
+
+class Laws(NamedTuple):
+    """Laws that kernels are compiled for."""
+
+    drag: DragLaw
+    """Law of the loads on one element."""
+    joints: JointLaw
+    """Law by which the joints follow their references."""
+
+
+USUAL_LAWS = (
+    Laws(
+        drag=PolynomialDrag(),
+        joints=Prescribed(),
+    ),
+    Laws(
+        drag=TotalSpeedDrag(),
+        joints=Prescribed(),
+    ),
+    Laws(
+        drag=TotalSpeedDrag(),
+        joints=SpeedServo(),
+    ),
+    Laws(
+        drag=ViscousFriction(),
+        joints=Prescribed(),
+    ),
+    Laws(
+        drag=CoulombFriction(),
+        joints=Prescribed(),
+    ),
+)
+"""Laws that the waters, the grounds and the identified parameters of the presets have.
+
+What is compiled for prescribed joints includes pd control and servos."""
+_NUMBERS = types.Array(types.float64, 1, "C")
+_INTEGERS = types.Array(types.int64, 1, "C")
+_LOG = types.Array(types.float64, 3, "C")
+SIGNATURE = (
+    _NUMBERS,
+    types.int64,
+    _INTEGERS,
+    _INTEGERS,
+    _INTEGERS,
+    types.int64,
+    types.boolean,
+    types.boolean,
+    types.int64,
+    types.float64,
+    types.int64,
+    _LOG,
+)
+"""Types of the arguments of `stepping.run`; `kernels.c` passes the same."""
+
+
+def build_library(
+    platform: Platform, features: str, maker: str
+) -> tuple[bytes, kernel_library.Contents]:
+    """Return the library, and what is in it.
+
+    Args:
+        platform: Platform of this machine.
+        features: Features of the processors that may use the library, in LLVM's words.
+        maker: Digest of the sources of the maker, which the contents state.
+
+    Raises:
+        MissingProgram: If there is no C compiler.
+        LinkingFailed: If the C compiler fails.
+    """
+    bitcode = _compile_kernels().as_bitcode()
+    machine_code = compile_to_object(bitcode, platform._replace(features=features))
+    functions = " ".join(f"F({k})" for k in range(len(USUAL_LAWS)))
+    library = link_library(
+        machine_code,
+        platform,
+        sources=[C_FOLDER / "kernels.c"],
+        headers={"kernels.h": f"#define KERNELS {functions}\n"},
+    )
+    laws: list[str] = []
+    for drag, joints in USUAL_LAWS:
+        laws.append(kernel_library.describe_laws(drag.formula, joints.own))
+    record = SourceRecord.of(*_list_modules())
+    return library, kernel_library.Contents(laws=laws, record=record, maker=maker)
+
+
+def _compile_kernels() -> llvm.ModuleRef:
+    """Return one LLVM module with the kernels for all laws."""
+    target = replace(PROCESSOR, entry=_without_python, functions={})
+    modules: list[llvm.ModuleRef] = []
+    for k, (drag, joints) in enumerate(USUAL_LAWS):
+        run: Any = specialize(1, drag, joints, (), target).run
+        run.compile(SIGNATURE)
+        modules.append(_module_of(run, f"laticauda_kernel_{k}"))
+    linked_module = modules.pop()
+    for module in modules:
+        linked_module.link_in(module)
+    return linked_module
+
+
+def _list_modules() -> list[str]:
+    """Return the modules that the library is made of, with their imports."""
+    modules = {f"laticauda.models.planar.{template}" for template in TEMPLATES}
+    modules.add(kernel_library.__name__)
+    for drag, joints in USUAL_LAWS:
+        modules.add(drag.formula.function.__module__)
+        modules.add(joints.formula.function.__module__)
+    return sorted(modules)
+
+
+def _without_python(function: Any) -> Any:
+    """Decorate an entry point that Python does not call."""
+    return njit(nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, **OPTIONS)(function)
+
+
+def _module_of(run: Any, name: str) -> llvm.ModuleRef:
+    """Return the LLVM module of a compiled function, optimized, with everything else in it internal."""
+    ((_, result),) = run.overloads.items()
+    module = llvm.parse_bitcode(result.library._final_module.as_bitcode())
+    native_name = result.fndesc.llvm_func_name
+    for symbol in (*module.functions, *module.global_variables):
+        if symbol.is_declaration:
+            continue
+        is_entry = symbol.name == native_name
+        symbol.linkage = "external" if is_entry else "internal"
+    function = module.get_function(native_name)
+    function.name = name
+    function.visibility = "hidden"
+    return module

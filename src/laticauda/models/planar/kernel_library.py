@@ -1,0 +1,214 @@
+"""Kernels of single runs from a shared library, without Numba, whose import takes longer than a run.
+
+The library is made when laticauda is installed (`laticauda.connect.native.kernel_library`), from the
+machine code that Numba makes of the templates, for the usual laws. It is used as long as the sources
+are those that it was made of, and the processor has what its code uses. Otherwise Numba compiles the
+templates, and the numbers are the same.
+"""
+
+import functools
+import json
+import os
+from collections.abc import Callable
+from ctypes import CDLL, c_double, c_int64, c_void_p
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from laticauda.values import Formula
+from laticauda.values.sources import SourceRecord
+
+FOLDER = Path(__file__).parent / "ready"
+"""Folder of the library; it does not exist where none could be made."""
+LIBRARY = "kernels.so"
+"""Name of the library."""
+CONTENTS = "kernels.json"
+"""Name of the file that says what is in the library, and what it was made of."""
+SETTINGS_OF_COMPILER = ("NUMBA_DISABLE_JIT", "NUMBA_CPU_NAME")
+"""Variables of the environment by which somebody asks for other machine code, or for none."""
+ARGUMENTS = [
+    *(c_void_p, c_int64),  # the rows, and how many there are
+    c_void_p,  # the chain, see `_Chain`
+    c_int64,  # whether steps are implicit
+    *(c_int64, c_double, c_int64),  # steps, dt, every
+    *(c_void_p, c_int64, c_int64),  # the log, its samples, the numbers of a sample
+]
+"""Types of the arguments of the library's functions."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contents:
+    """What is in the library, and what it was made of."""
+
+    laws: list[str]
+    """Laws that the functions were made for, in the order of the functions' numbers (`describe_laws`)."""
+    record: SourceRecord
+    """Sources of the library."""
+    maker: str
+    """Digest of the sources of the maker (`laticauda.connect.native.kernel_library`)."""
+
+    def write(self) -> str:
+        """Return the contents as text in JSON."""
+        stored = {"laws": self.laws, "record": self.record.write(), "maker": self.maker}
+        return json.dumps(stored)
+
+
+def read_contents(folder: Path) -> Contents | None:
+    """Return the contents of the library in a folder; None if there is none that the sources of today agree with.
+
+    Args:
+        folder: Folder of the library.
+    """
+    try:
+        stored = json.loads((folder / CONTENTS).read_text(encoding="utf-8"))
+        record = SourceRecord.read(stored["record"])
+        laws, maker = stored["laws"], stored["maker"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    if record is None or not record.is_current():
+        return None
+    return Contents(laws=laws, record=record, maker=maker)
+
+
+def describe_laws(drag: Formula, joints: Formula | None) -> str:
+    """Return what tells the kernels for two laws from others.
+
+    Args:
+        drag: Formula of the drag law.
+        joints: Formula of the joint law; None: one that all kernels include.
+    """
+    return f"{_describe(drag)}, {_describe(joints)}"
+
+
+def _describe(formula: Formula | None) -> str:
+    if formula is None:
+        return "included"
+    function = formula.function
+    return " ".join([f"{function.__module__}.{function.__qualname__}", *formula.fields])
+
+
+def find_run(drag: Formula, joints: Formula | None) -> Callable[..., int] | None:
+    """Return the library's function for two laws in still water or a uniform current; None if it has none.
+
+    Args:
+        drag: Formula of the drag law.
+        joints: Formula of the joint law; None: one that all kernels include.
+    """
+    return _load(FOLDER).get(describe_laws(drag, joints))
+
+
+@functools.cache
+def _load(folder: Path) -> dict[str, Callable[..., int]]:
+    """Return the functions of the library by the laws that they were made for; none if it cannot be used here."""
+    if any(variable in os.environ for variable in SETTINGS_OF_COMPILER):
+        return {}
+    contents = read_contents(folder)
+    if contents is None:
+        return {}
+    try:
+        library = CDLL(str(folder / LIBRARY))
+    except OSError:  # of another system
+        return {}
+    if not library.laticauda_fits_processor():
+        return {}
+    functions: dict[str, Callable[..., int]] = {}
+    for k, laws in enumerate(contents.laws):
+        function = library[f"laticauda_run_{k}"]
+        function.argtypes = ARGUMENTS
+        function.restype = c_int64
+        functions[laws] = function
+    return functions
+
+
+class LibraryKernels:
+    """Kernels of a single run, with the names of those in `laticauda.models.planar.stepping`."""
+
+    def __init__(self, run: Callable[..., int], specialize: Callable[[], ModuleType]) -> None:
+        """Use a function of the library.
+
+        Args:
+            run: The function, from `find_run`.
+            specialize: Returns the same kernels as compiled by Numba, for what the library does not have.
+        """
+        self._run = run
+        self._specialize = specialize
+        self._chain: _Chain | None = None
+
+    @property
+    def compiled(self) -> Any:
+        """The same kernels as compiled by Numba."""
+        return self._specialize()
+
+    @property
+    def evaluate(self) -> Any:
+        """`stepping.evaluate`."""
+        return self.compiled.evaluate
+
+    @property
+    def link_forces(self) -> Any:
+        """`stepping.link_forces`."""
+        return self.compiled.link_forces
+
+    def run(
+        self,
+        flat: np.ndarray,
+        n: int,
+        first_strip: np.ndarray,
+        first_plate: np.ndarray,
+        law: np.ndarray,
+        tail_link: int,
+        has_extras: bool,
+        implicit: bool,
+        steps: int,
+        dt: float,
+        every: int,
+        log: np.ndarray,
+    ) -> int:
+        """Advance the run in `flat`, see `stepping.run`."""
+        if not (_are_plain_numbers(flat) and _are_plain_numbers(log)):
+            raise TypeError("Rows and log must be contiguous arrays of floats.")
+        shape = (n, first_strip, first_plate, law, tail_link, has_extras)
+        chain = self._chain
+        if chain is None or not chain.is_of(shape):
+            chain = self._chain = _Chain(shape)
+        n_samples, size, _ = log.shape
+        written = self._run(
+            *(_address(flat), flat.size, chain.address, implicit, steps, dt, every),
+            *(_address(log), n_samples, size),
+        )
+        if written < 0:  # pragma: no cover - the kernels raise nothing
+            raise RuntimeError("A kernel of the library failed.")
+        return written
+
+
+class _Chain:
+    """The shape of a chain of bodies as integers whose address the library takes (`struct chain` in `kernels.c`)."""
+
+    def __init__(self, shape: tuple[Any, ...]) -> None:
+        n, first_strip, first_plate, law, tail_link, has_extras = shape
+        self._shape = shape
+        arrays = [
+            np.ascontiguousarray(array, np.int64) for array in (first_strip, first_plate, law)
+        ]
+        self._arrays = arrays  # kept alive, because the library has their addresses
+        addresses = [_address(array) for array in arrays]
+        sizes = [array.size for array in arrays]
+        numbers = [n, tail_link, has_extras, *addresses, *sizes]
+        self._numbers = np.array(numbers, dtype=np.int64)
+        self.address = _address(self._numbers)
+        """Address of the integers."""
+
+    def is_of(self, shape: tuple[Any, ...]) -> bool:
+        """Return whether it is of this very shape."""
+        return all(own is other for own, other in zip(self._shape, shape, strict=True))
+
+
+def _are_plain_numbers(array: np.ndarray) -> bool:
+    return array.dtype == float and array.flags.c_contiguous
+
+
+def _address(array: np.ndarray) -> int:
+    return array.__array_interface__["data"][0]
