@@ -122,7 +122,7 @@ def test_a_sweep_goes_on_where_it_was_stopped(tmp_path: Path):
 def test_a_finished_sweep_is_not_run_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     run_sweep(small(), tmp_path / "a")
     monkeypatch.setattr(
-        "laticauda.studies.point_trials.run_batch", lambda *_, **__: pytest.fail("it ran")
+        "laticauda.studies.point_trials.run_columns", lambda *_, **__: pytest.fail("it ran")
     )
     assert run_sweep(small(), tmp_path / "a").n_finished == 12
 

@@ -150,8 +150,11 @@ def nearest_of_many(
         near: Length [m] at which to start for each; None searches the whole curve.
     """
     i = _nearest_nodes(curve, positions, near)
-    low = curve.nodes[np.maximum(i - 1, 0)]
-    high = curve.nodes[np.minimum(i + 1, curve.nodes.size - 1)]
+    last = curve.nodes.size - 1
+    before = np.maximum(i - 1, 0)
+    after = np.minimum(i + 1, last)
+    low = curve.nodes[before]
+    high = curve.nodes[after]
     return _find_feet(curve, positions, low, curve.nodes[i], high)
 
 
@@ -165,14 +168,16 @@ def _nearest_nodes(curve: Curve, positions: Vectors, near: Numbers | None) -> np
     last = curve.nodes.size - 1
 
     def squared_distance(i: np.ndarray) -> np.ndarray:
-        return np.sum((curve.corners[np.clip(i, 0, last)] - positions) ** 2, axis=1)
+        corners = curve.corners[np.clip(i, 0, last)]
+        return np.sum((corners - positions) ** 2, axis=1)
 
     i = np.minimum(np.searchsorted(curve.lengths, near), last)
     for step in (1, -1):
         distance = squared_distance(i)
         while True:
-            distance_after = squared_distance(i + step)
-            is_inside = (i + step >= 0) & (i + step <= last)
+            following = i + step
+            distance_after = squared_distance(following)
+            is_inside = (following >= 0) & (following <= last)
             moves = is_inside & (distance_after < distance)
             if not moves.any():
                 break
@@ -192,15 +197,17 @@ def _find_feet(
         points, first, second = curve.derivatives(u)
         apart = points - positions[searched]
         slope = np.sum(apart * first, axis=1)
-        high = np.where(slope > 0.0, u, high)
-        low = np.where(slope > 0.0, low, u)
+        is_beyond = slope > 0.0
+        high = np.where(is_beyond, u, high)
+        low = np.where(is_beyond, low, u)
         squared_speed = np.sum(first * first, axis=1)
         slope_rate = squared_speed + np.sum(apart * second, axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
             newton_u = u - slope / slope_rate
         is_inside = (low <= newton_u) & (newton_u <= high)
         is_newton = is_inside & (slope_rate > 0.0)
-        next_u = np.where(is_newton, newton_u, 0.5 * (low + high))
+        middle = 0.5 * (low + high)
+        next_u = np.where(is_newton, newton_u, middle)
         found[searched] = next_u
         goes_on = np.abs(next_u - u) > tolerance
         if not goes_on.any():

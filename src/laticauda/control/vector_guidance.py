@@ -65,11 +65,14 @@ class LinesOfSight(VectorGuidance):
         error = frames.cross_track_error
         if self._has_integral:
             aim = error + self._integral_gain * self._integral
-            growth = dt * delta * error / (aim * aim + delta * delta)
-            self._integral = np.where(is_saturated, self._integral, self._integral + growth)
+            squared_distance = aim * aim + delta * delta
+            growth = dt * delta * error / squared_distance
+            grown = self._integral + growth
+            self._integral = np.where(is_saturated, self._integral, grown)
             error = error + self._integral_gain * self._integral
         approach = apply(math.atan, error / delta)
-        return heading + wrap_to_pi(frames.path_tangential_angle - approach - heading)
+        turn = frames.path_tangential_angle - approach - heading
+        return heading + wrap_to_pi(turn)
 
 
 class GuidanceOneByOne(VectorGuidance):
@@ -133,8 +136,10 @@ class HeadingControllers:
     """
 
     def __init__(self, controllers: Sequence[HeadingController]) -> None:
-        self._gain = np.array([controller.gain for controller in controllers])
-        self._max_offset = np.array([controller.max_offset for controller in controllers])
+        gains = [controller.gain for controller in controllers]
+        max_offsets = [controller.max_offset for controller in controllers]
+        self._gain = np.array(gains)
+        self._max_offset = np.array(max_offsets)
 
     def offset(
         self, *, heading_ref: Numbers, heading: Numbers
@@ -145,9 +150,11 @@ class HeadingControllers:
             heading_ref: theta_ref [rad].
             heading: theta [rad].
         """
-        offset = self._gain * wrap_to_pi(heading_ref - heading)
+        error = wrap_to_pi(heading_ref - heading)
+        offset = self._gain * error
         is_saturated = np.abs(offset) > self._max_offset
-        return np.clip(offset, -self._max_offset, self._max_offset), is_saturated
+        limited = np.clip(offset, -self._max_offset, self._max_offset)
+        return limited, is_saturated
 
 
 class HeadingEstimates:
@@ -192,8 +199,10 @@ class HeadingEstimates:
             return heading
         last_time = self._time[latest - 1]
         last_heading = self._heading[latest - 1]
-        integral = self._integral[latest - 1] + 0.5 * (time - last_time) * (last_heading + heading)
-        begin = np.maximum(time - self._window, self._time[self._first, self._robots])
+        half_time = 0.5 * (time - last_time)
+        integral = self._integral[latest - 1] + half_time * (last_heading + heading)
+        first_time = self._time[self._first, self._robots]
+        begin = np.maximum(time - self._window, first_time)
         self._move_windows(begin)
         self._keep(time, heading, integral)
         return self._mean_since(begin, time, integral)
@@ -238,8 +247,10 @@ class HeadingEstimates:
         second = self._first + 1, self._robots
         first_time = self._time[first]
         first_heading = self._heading[first]
-        share = (begin - first_time) / (self._time[second] - first_time)
-        heading_at_begin = first_heading + share * (self._heading[second] - first_heading)
+        interval = self._time[second] - first_time
+        share = (begin - first_time) / interval
+        change = self._heading[second] - first_heading
+        heading_at_begin = first_heading + share * change
         half_time = 0.5 * (begin - first_time)
         integral_at_begin = self._integral[first] + half_time * (first_heading + heading_at_begin)
         return (integral - integral_at_begin) / (time - begin)

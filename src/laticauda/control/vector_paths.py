@@ -108,8 +108,10 @@ class VectorCircles(VectorPath):
     def __init__(self, circles: Sequence[Circle]) -> None:
         self._x, self._y = np.array([circle.center for circle in circles], dtype=float).T
         self._radius = np.array([circle.radius for circle in circles], dtype=float)
-        self._side = np.array([math.copysign(1.0, circle.turns) for circle in circles])
-        self._length = np.array([circle.lengths[-1] for circle in circles])
+        sides = [math.copysign(1.0, circle.turns) for circle in circles]
+        lengths = [circle.lengths[-1] for circle in circles]
+        self._side = np.array(sides)
+        self._length = np.array(lengths)
         self._direction: np.ndarray | None = None
         """Direction from the center to the last position; None: the robots are not yet seen [rad]."""
         self._angle_covered = np.zeros(len(circles))
@@ -148,9 +150,12 @@ class VectorPolylines(VectorPath):
         n = len(polylines)
         self._robots = np.arange(n)
         self._leg = np.zeros(n, dtype=int)
-        self._last_leg = np.array([len(polyline.waypoints) - 2 for polyline in polylines])
-        self._acceptance = np.array([polyline.acceptance_distance for polyline in polylines])
-        self._length = np.array([polyline.length for polyline in polylines])
+        last_legs = [len(polyline.waypoints) - 2 for polyline in polylines]
+        acceptance_distances = [polyline.acceptance_distance for polyline in polylines]
+        lengths = [polyline.length for polyline in polylines]
+        self._last_leg = np.array(last_legs)
+        self._acceptance_distance = np.array(acceptance_distances)
+        self._length = np.array(lengths)
         self._curvature = np.zeros(n)
         most_legs = int(self._last_leg.max()) + 1
         begins = np.zeros((n, most_legs, 2))
@@ -191,7 +196,8 @@ class VectorPolylines(VectorPath):
     def _is_done(self, position: Positions) -> np.ndarray:
         """Return whether the end of each robot's leg is passed or reached."""
         along, across = self._axes_at_end.transform(position, (self._robots, self._leg))
-        is_near = apply(math.hypot, along, across) < self._acceptance
+        distance = apply(math.hypot, along, across)
+        is_near = distance < self._acceptance_distance
         return (along >= 0.0) | is_near
 
 
@@ -237,10 +243,13 @@ def _locate_on_curve(
     u = nearest_of_many(curve, position[:, :2], near)
     length = curve.length(u)
     points, first, second = curve.derivatives(u)
-    angle = apply(math.atan2, first[:, 1], first[:, 0])
+    first_x, first_y = first.T
+    angle = apply(math.atan2, first_y, first_x)
     beyond, across = _Axes(points, angle).transform(position)
-    speed = apply(math.hypot, first[:, 0], first[:, 1])
-    curvature = (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]) / speed**3
+    second_x, second_y = second.T
+    speed = apply(math.hypot, first_x, first_y)
+    cross_product = first_x * second_y - first_y * second_x
+    curvature = cross_product / speed**3
     is_before_start = (length <= 0.0) & (beyond < 0.0)
     is_after_end = (length >= spline.length) & (beyond > 0.0)
     is_outside = is_before_start | is_after_end

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 import laticauda as lc
+from laticauda.models.simulate import make_run_table
 from laticauda.models.simulate.numbers import list_parameters
 from laticauda.studies import sampling
 from laticauda.studies.point_trials import (
@@ -18,7 +19,6 @@ from laticauda.studies.point_trials import (
     check_ranges,
     check_scenario,
     definition_of,
-    scenarios_at,
     swim_points,
     swum_figure,
 )
@@ -179,12 +179,7 @@ def evaluate(
     """
     scenario = optimization.scenario
     names = optimization.names
-    violation = np.array(
-        [
-            _excess_of_gait(point_scenario, optimization.joint_rate_limit)
-            for point_scenario in scenarios_at(scenario, names, table)
-        ]
-    )
+    violation = _excess_of_gaits(scenario, names, table, optimization.joint_rate_limit)
     swims = violation == 0.0
     results: dict[str, Column] = {name: np.full(len(table), np.nan) for name in QUANTITIES}
     results["succeeded"] = np.zeros(len(table), dtype=bool)
@@ -224,15 +219,28 @@ def compute_losses(names: Sequence[str], results: Mapping[str, np.ndarray]) -> n
     return np.nan_to_num(np.stack(columns, axis=1), nan=0.0)
 
 
-def _excess_of_gait(scenario: lc.Scenario, joint_rate_limit: float | None) -> float:
-    """Return how far a gait exceeds the limits of the joints, relative to them."""
-    robot = scenario.robot.planar()
-    gait = scenario.gait
-    largest_share = 0.0
-    for joint, envelope in zip(robot.joints, gait.joint_envelope(robot.n_links), strict=True):
-        swing = abs(envelope) * gait.amplitude
-        angle_share = (swing + abs(gait.offset)) / joint.limit
-        largest_share = max(largest_share, angle_share)
+def _excess_of_gaits(
+    scenario: lc.Scenario,
+    names: tuple[str, ...],
+    table: Table,
+    joint_rate_limit: float | None,
+) -> Column:
+    """Return how far the gait of every point exceeds the limits of the joints, relative to them."""
+    runs = make_run_table(scenario, dict(zip(names, table.T, strict=True)))
+    amplitude, frequency, _, offset = runs.waves
+    excess = np.zeros(len(table))
+    for index, base in enumerate(runs.bases):
+        of_base = runs.base_of == index
+        robot = base.plant.robot
+        envelope = base.command.gait.joint_envelope(robot.n_links)
+        limit = np.array([joint.limit for joint in robot.joints])
+        swing = np.outer(amplitude[of_base], np.abs(envelope))
+        largest_offset = np.abs(offset[of_base])
+        largest_angle = swing + largest_offset[:, np.newaxis]
+        shares = largest_angle / limit
         if joint_rate_limit is not None:
-            largest_share = max(largest_share, swing * gait.frequency / joint_rate_limit)
-    return max(0.0, largest_share - 1.0)
+            frequency_of_base = frequency[of_base]
+            rates = swing * frequency_of_base[:, np.newaxis]
+            shares = np.maximum(shares, rates / joint_rate_limit)
+        excess[of_base] = np.max(shares, axis=1, initial=0.0)
+    return np.maximum(excess - 1.0, 0.0)

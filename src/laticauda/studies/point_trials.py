@@ -5,8 +5,7 @@ with which figures are stored.
 """
 
 import itertools
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -15,17 +14,13 @@ from jaxtyping import Shaped
 import laticauda as lc
 from laticauda.models.simulate import (
     UNITS,
-    Block,
-    Run,
     change_parameters,
     check_whole,
     described,
-    joint_peaks,
     look_up,
     of_figure,
-    run_batch,
-    runs_of,
-    silent,
+    run_columns,
+    scenarios_at as scenarios_at,
 )
 from laticauda.models.simulate.numbers import list_parameters
 from laticauda.scenarios import telling, warn_of_doubt
@@ -55,13 +50,6 @@ THROUGH_WATER = {
 """Speeds through the water by those over ground, which a current makes without any swimming."""
 COSTS = ("mechanical_power", "net_power", "mean_power", "cost_of_transport")
 """Figures of which the smallest is best; of all others, the largest."""
-PART_OF_ROOT = {
-    "robot": "robot",
-    "gait": "motion",
-    "water": "environment",
-    "ground": "environment",
-}
-"""Field of a scenario that a parameter changes, by the first word of the parameter's name."""
 MOST_CORNERS = 256
 """Corners of the ranges that are tried; more are not worth the time."""
 
@@ -200,22 +188,8 @@ def swim_points(
         One value per point of every quantity in `QUANTITIES`; nan where a run diverged, or where
         there is none.
     """
-    runs = runs_of(scenarios_at(scenario, names, table))
-    peaks = {name: np.full(len(runs), np.nan) for name in NEEDS}
-
-    def keep_peaks(block_runs: Sequence[Run], block: Block) -> None:
-        for name, values in joint_peaks(block_runs, block).items():
-            peaks[name][block.index] = values
-
-    batch = run_batch(
-        runs,
-        scenario.duration,
-        scenario.sample_interval,
-        threads=threads,
-        progress=silent,
-        observe=keep_peaks,
-        with_joints=True,
-    )
+    columns = dict(zip(names, table.T, strict=True))
+    batch, peaks = run_columns(scenario, columns, threads=threads, with_peaks=True)
     results: dict[str, Column] = {}
     for name in FIGURES:
         if name in peaks:
@@ -225,33 +199,3 @@ def swim_points(
             results[name] = batch.figures[name]
     results["succeeded"] = batch.succeeded
     return results
-
-
-def scenarios_at(scenario: lc.Scenario, names: tuple[str, ...], table: Table) -> list[lc.Scenario]:
-    """Return the scenario of every point; equal robots, gaits and environments are one object, created once.
-
-    Args:
-        scenario: What all trials share.
-        names: Names of the parameters, one per column of the table.
-        table: The points, one per row.
-    """
-    columns_of_root: dict[str, list[int]] = {}
-    for column, name in enumerate(names):
-        root = name.split(".")[0]
-        columns_of_root.setdefault(root, []).append(column)
-    roots = [root for root in PART_OF_ROOT if root in columns_of_root]
-    parts: dict[tuple[str, tuple[float, ...]], Any] = {}
-
-    def part_at(root: str, row: Sequence[float]) -> Any:
-        columns = columns_of_root[root]
-        values = tuple(row[column] for column in columns)
-        if (root, values) not in parts:
-            changes = {names[column]: row[column] for column in columns}
-            changed_scenario = change_parameters(scenario, changes)
-            parts[root, values] = getattr(changed_scenario, PART_OF_ROOT[root])
-        return parts[root, values]
-
-    return [
-        replace(scenario, **{PART_OF_ROOT[root]: part_at(root, row) for root in roots})
-        for row in table.tolist()
-    ]

@@ -86,6 +86,30 @@ def steady_part(time: Time, period: float | None) -> SteadyPart:
     return SteadyPart(max(stop - n_cycles * period, start), stop, n_cycles)
 
 
+def find_steady_starts(
+    time: Time, period: Float[np.ndarray, " n_runs"]
+) -> Float[np.ndarray, " n_runs"]:
+    """Return the start of the steady part of many runs, as `steady_part` does [s]; nan if there is none.
+
+    Args:
+        time: Times of the samples of every run [s].
+        period: Gait period of each run [s]; nan if it has no gait.
+    """
+    stop = float(time[-1])
+    start = float(time[0])
+    duration = stop - start
+    time_after_transient = duration - max(duration / 3.0, TRANSIENT)
+    if time_after_transient <= 0.0 or time.size < 2:
+        return np.full(period.size, np.nan)
+    n_cycles = np.floor(time_after_transient / period + _ROUNDING)
+    begin = np.maximum(stop - n_cycles * period, start)
+    is_resolved = _mean_step(time) * SAMPLES_PER_CYCLE <= period * (1.0 + _ROUNDING)
+    has_cycle = is_resolved & (n_cycles >= 1.0)
+    begin_of_cycles = np.where(has_cycle, begin, np.nan)
+    begin_without_gait = stop - time_after_transient
+    return np.where(np.isnan(period), begin_without_gait, begin_of_cycles)
+
+
 def interpolated(
     time: Time, signal: Signal, rate: Signal, at: Float[np.ndarray, " n_points"]
 ) -> Points:

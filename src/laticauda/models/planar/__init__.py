@@ -25,6 +25,12 @@ from laticauda.values import lazy_exports
 if TYPE_CHECKING:
     from laticauda.models.planar.batch import (
         Block as Block,
+        COMMAND as COMMAND,
+        FILTERED_COMMAND as FILTERED_COMMAND,
+        MOST_BLOCKS_PER_TASK as MOST_BLOCKS_PER_TASK,
+        SAMPLES_PER_CALL as SAMPLES_PER_CALL,
+        WIDTH as WIDTH,
+        aligned as aligned,
         Device as Device,
         PATH_ROWS as PATH_ROWS,
         Run as Run,
@@ -44,7 +50,7 @@ if TYPE_CHECKING:
         LoggedLeg as LoggedLeg,
         NeedsRunOfItsOwn as NeedsRunOfItsOwn,
     )
-    from laticauda.models.planar.layout import build_layout as build_layout
+    from laticauda.models.planar.layout import Layout as Layout, build_layout as build_layout
     from laticauda.models.planar.model import (
         LEAST_DT as LEAST_DT,
         PlanarPlant as PlanarPlant,
@@ -58,6 +64,12 @@ __getattr__, __dir__, __all__ = lazy_exports(
     plain={
         "laticauda.models.planar.batch": [
             "Block",
+            "COMMAND",
+            "FILTERED_COMMAND",
+            "MOST_BLOCKS_PER_TASK",
+            "SAMPLES_PER_CALL",
+            "WIDTH",
+            "aligned",
             "Device",
             "PATH_ROWS",
             "Run",
@@ -69,7 +81,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         ],
         "laticauda.models.planar.given_motion": ["GivenMotion", "MotionLoads", "evaluate_motion"],
         "laticauda.models.planar.fleet": ["Fleet", "LoggedLeg", "NeedsRunOfItsOwn"],
-        "laticauda.models.planar.layout": ["build_layout"],
+        "laticauda.models.planar.layout": ["Layout", "build_layout"],
         "laticauda.models.planar.model": ["LEAST_DT", "PlanarPlant", "specialize"],
         "laticauda.models.planar.rows": ["VX", "VY"],
     },

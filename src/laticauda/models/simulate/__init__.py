@@ -9,6 +9,9 @@ batch_scenarios.py  scenarios and runs of a batch, from the arguments of `swim_m
 batch_run.py        running a batch, block by block
 steered.py          runs that controllers steer, side by side
 batch_figures.py    what is kept of each run, and the figures computed from it
+run_table.py        many runs as columns, without an object for each
+table_run.py        running these
+harvest.py          what is taken from their logs, in compiled code (template)
 run_figures.py      names, units and titles of these figures
 numbers.py          parameters that can be swept, by dotted name
 parameter_paths.py  steps of these names, and changing what they lead to
@@ -69,6 +72,12 @@ if TYPE_CHECKING:
     )
     from laticauda.models.simulate.batch_run import run_batch as run_batch
     from laticauda.models.simulate.batch_scenarios import runs_of as runs_of
+    from laticauda.models.simulate.run_table import (
+        RunTable as RunTable,
+        make_run_table as make_run_table,
+        scenarios_at as scenarios_at,
+    )
+    from laticauda.models.simulate.table_run import run_columns as run_columns
 
 __getattr__, __dir__, __all__ = lazy_exports(
     __name__,
@@ -89,6 +98,8 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.models.simulate.batch_figures": ["Block", "Run", "joint_peaks"],
         "laticauda.models.simulate.batch_run": ["run_batch"],
         "laticauda.models.simulate.batch_scenarios": ["runs_of"],
+        "laticauda.models.simulate.run_table": ["RunTable", "make_run_table", "scenarios_at"],
+        "laticauda.models.simulate.table_run": ["run_columns"],
         "laticauda.models.simulate.numbers": [
             "UNITS",
             "change_parameters",

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import NamedTuple, cast
 
 import numpy as np
-from jaxtyping import Float, Inexact, Int
+from jaxtyping import Bool, Float, Inexact, Int
 
 from laticauda.models.planar import rows, sample_format
 from laticauda.models.planar.batch import PATH_ROWS, STEP, Block, Run
@@ -37,19 +37,34 @@ class Steady(NamedTuple):
             runs: The runs, with their gaits.
             time: Times of their samples [s].
         """
-        start = np.array([_steady_start(time, run.command.gait) for run in runs])
+        frequency = np.array([run.command.gait.frequency for run in runs])
+        steady = cls.at_frequencies(frequency, time)
+        if runs[0].slope is None:
+            return steady
+        change = _change_of_start(runs, steady.start, float(time[-1]))
+        return steady._replace(start=steady.start + 1j * STEP * change)
+
+    @classmethod
+    def at_frequencies(cls, frequency: Float[np.ndarray, " n_runs"], time: np.ndarray) -> "Steady":
+        """Find the steady part of every run.
+
+        Args:
+            frequency: Frequencies of the gaits [rad/s].
+            time: Times of the samples [s].
+        """
+        start = cycles.find_steady_starts(time, periods_of(frequency))
         before = np.searchsorted(time, np.nan_to_num(start), side="right") - 1
-        if runs[0].slope is not None:
-            start = start + 1j * STEP * _change_of_start(runs, start, float(time[-1]))
         return cls(start, np.clip(before, 0, time.size - 2), time)
 
 
-def _steady_start(time: np.ndarray, gait: Gait) -> float:
-    """Return the start of the steady part [s]; nan if there is none."""
-    try:
-        return cycles.steady_part(time, _period_of(gait)).start
-    except ValueError:
-        return np.nan
+def periods_of(frequency: Float[np.ndarray, " n_runs"]) -> Float[np.ndarray, " n_runs"]:
+    """Return the periods of gaits [s]; nan where one stands still.
+
+    Args:
+        frequency: Frequencies of the gaits [rad/s].
+    """
+    with np.errstate(divide="ignore"):
+        return np.where(frequency > 0.0, 2.0 * np.pi / frequency, np.nan)
 
 
 def _change_of_start(runs: Sequence[Run], start: np.ndarray, end: float) -> np.ndarray:
@@ -121,30 +136,61 @@ def sample_block(runs: Sequence[Run], block: Block, before: np.ndarray) -> np.nd
     )
 
 
-def compute_figures(
-    runs: Sequence[Run], weight: np.ndarray, numbers: np.ndarray, steady: Steady
-) -> dict[str, np.ndarray]:
+class RunFacts(NamedTuple):
+    """What figures depend on besides the motion, for every run."""
+
+    weight: Inexact[np.ndarray, " n_runs"]
+    """Weight of the robot, see `carried_weight` [N]."""
+    is_on_ground: Bool[np.ndarray, " n_runs"]
+    """Whether it crawls on ground."""
+    has_power_model: Bool[np.ndarray, " n_runs"]
+    """Whether its electrical power is known."""
+
+    @classmethod
+    def of(cls, runs: Sequence[Run]) -> "RunFacts":
+        """Return the facts of runs, computed once per plant."""
+        by_plant: dict[int, tuple[float, bool, bool]] = {}
+        for run in runs:
+            plant = run.plant
+            if id(plant) not in by_plant:
+                by_plant[id(plant)] = (
+                    metrics.carried_weight(plant.robot, plant.environment),
+                    isinstance(plant.environment, Ground),
+                    has_power_model(plant.robot, plant.joints),
+                )
+        weight, is_on_ground, has_power = zip(
+            *(by_plant[id(run.plant)] for run in runs), strict=True
+        )
+        return cls(np.array(weight), np.array(is_on_ground), np.array(has_power))
+
+    def take(self, index: Int[np.ndarray, " n_taken"]) -> "RunFacts":
+        """Return the facts at these indices, which may repeat."""
+        return RunFacts(
+            weight=self.weight[index],
+            is_on_ground=self.is_on_ground[index],
+            has_power_model=self.has_power_model[index],
+        )
+
+
+def compute_figures(facts: RunFacts, numbers: np.ndarray, steady: Steady) -> dict[str, np.ndarray]:
     """Compute the figures of all runs from the kept numbers.
 
     The results are meaningless where a run diverged.
 
     Args:
-        runs: Runs of the batch.
-        weight: Weights of their robots, see `carried_weight` [N].
+        facts: What the figures depend on besides the motion.
         numbers: The kept numbers, one column per run.
-        steady: Start of their steady parts.
+        steady: Start of the steady parts.
     """
     end = numbers[END]
     water = _WaterNumbers(*numbers[WATER].reshape(5, 2, -1))
-    is_on_ground = [isinstance(run.plant.environment, Ground) for run in runs]
     duration = float(steady.time[-1])
-    has_power_models = _have_power_models(runs)
     with np.errstate(all="ignore"):
         displacement = end - numbers[START]
         speed = _magnitude(displacement) / duration
         transport_speed = _magnitude(displacement - water.end) / duration
         mechanical, net, positive, electrical = numbers[WORK] / duration
-        mean_power = cast(np.ndarray, np.where(has_power_models, electrical, mechanical))
+        mean_power = cast(np.ndarray, np.where(facts.has_power_model, electrical, mechanical))
         steady_displacement = end - _position_at_start_of(steady, numbers)
         steady_drift = water.end - _interpolate_at_start_of(
             steady,
@@ -153,12 +199,12 @@ def compute_figures(
         )
         steady_duration = duration - steady.start
         steady_transport_speed = _magnitude(steady_displacement - steady_drift) / steady_duration
-        cost_of_transport = mean_power / (weight * transport_speed)
+        cost_of_transport = mean_power / (facts.weight * transport_speed)
         figures = RunFigures(
             forward_velocity=speed,
             steady_velocity=_magnitude(steady_displacement) / steady_duration,
-            speed_through_water=np.where(is_on_ground, np.nan, transport_speed),
-            steady_speed_through_water=np.where(is_on_ground, np.nan, steady_transport_speed),
+            speed_through_water=np.where(facts.is_on_ground, np.nan, transport_speed),
+            steady_speed_through_water=np.where(facts.is_on_ground, np.nan, steady_transport_speed),
             mechanical_power=mechanical,
             net_power=net,
             positive_power=positive,
@@ -169,12 +215,6 @@ def compute_figures(
         )
     values = {**vars(figures), "x": end[0], "y": end[1], "heading": numbers[HEADING]}
     return {name: np.where(np.isfinite(value), value, np.nan) for name, value in values.items()}
-
-
-def _have_power_models(runs: Sequence[Run]) -> list[bool]:
-    """Return whether the electrical power of every run is known; computed once per plant."""
-    by_plant = {id(run.plant): has_power_model(run.plant.robot, run.plant.joints) for run in runs}
-    return [by_plant[id(run.plant)] for run in runs]
 
 
 def _position_at_start_of(steady: Steady, numbers: np.ndarray) -> np.ndarray:

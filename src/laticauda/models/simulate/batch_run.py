@@ -11,7 +11,7 @@ from laticauda.models.dynamics.samples import check_size
 from laticauda.models.planar.batch import Block, Device, Run, march_many
 from laticauda.models.simulate import batch_figures
 from laticauda.models.simulate.runner import Progress, silent
-from laticauda.trials import REACHED_END, metrics
+from laticauda.trials import REACHED_END
 from laticauda.values import check_choice, check_whole_number
 
 CPU = "cpu"
@@ -69,15 +69,18 @@ def run_batch(
         check_whole_number("threads", threads, 1)
     if march is None:
         march = _march_on(device)
-    if weights is None:
-        weights = _weights_of(runs)
+    facts = batch_figures.RunFacts.of(runs)
+    if weights is not None:
+        facts = facts._replace(weight=weights)
     n_intervals = max(1, round(duration / sample_interval))
     sample_times = np.linspace(0.0, duration, n_intervals + 1)
     kept_runs = _KeptRuns(
         runs=runs,
         sample_times=sample_times,
         steady=batch_figures.Steady.of(runs, sample_times),
-        numbers=np.full((batch_figures.N_SAMPLED_NUMBERS, len(runs)), np.nan, dtype=weights.dtype),
+        numbers=np.full(
+            (batch_figures.N_SAMPLED_NUMBERS, len(runs)), np.nan, dtype=facts.weight.dtype
+        ),
         succeeded=np.zeros(len(runs), dtype=bool),
         status=[REACHED_END] * len(runs),
     )
@@ -93,9 +96,7 @@ def run_batch(
     ):
         n_finished += n_runs
         progress(n_finished / len(runs))
-    figures = batch_figures.compute_figures(
-        runs, weights, kept_runs.numbers, steady=kept_runs.steady
-    )
+    figures = batch_figures.compute_figures(facts, kept_runs.numbers, steady=kept_runs.steady)
     return BatchResult(
         figures={
             name: np.where(kept_runs.succeeded, values, np.nan) for name, values in figures.items()
@@ -145,14 +146,3 @@ def _march_on(device: str) -> Callable[..., Iterator[int]]:
     if check_choice("device", device, (CPU, *Device.names())) == CPU:
         return march_many
     return Device.named(device)().march_many
-
-
-def _weights_of(runs: Sequence[Run]) -> Float[np.ndarray, " n_runs"]:
-    """Return the weight that the robot of every run carries, computed once per plant [N]."""
-    weight_by_plant: dict[int, float] = {}
-    for run in runs:
-        plant = run.plant
-        if id(plant) not in weight_by_plant:
-            weight = metrics.carried_weight(plant.robot, plant.environment)
-            weight_by_plant[id(plant)] = weight
-    return np.array([weight_by_plant[id(run.plant)] for run in runs])

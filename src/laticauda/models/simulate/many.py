@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Unpack
+from typing import TYPE_CHECKING, Any, NamedTuple, Unpack, cast
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -12,18 +12,23 @@ from laticauda.models.simulate.batch_figures import Block, Run, joint_peaks
 from laticauda.models.simulate.batch_run import CPU, BatchResult
 from laticauda.models.simulate.batch_scenarios import runs_of, scenarios_of_batch
 from laticauda.models.simulate.run_figures import UNITS, Figure, RunFigures, of_figure
+from laticauda.models.simulate.run_table import Columns, check_columns, scenarios_of_extremes
 from laticauda.models.simulate.runner import Progress, silent
 from laticauda.models.simulate.several import swim_each
 from laticauda.models.simulate.steered import run_mixed_batch
+from laticauda.models.simulate.table_run import run_columns
 from laticauda.motion.gaits import Gait
 from laticauda.robot import Environment, Robot
-from laticauda.scenarios import ModelChanges, Scenario, Spatial, Start, check_many
+from laticauda.scenarios import ModelChanges, Planar, Scenario, Spatial, Start, check_many
 from laticauda.trials import AXES, Trial
 from laticauda.trials.feasibility import ROUNDING
-from laticauda.values import check_choice, check_instance
+from laticauda.values import BadArgument, check_choice, check_instance
 
 if TYPE_CHECKING:
     import xarray
+
+COLUMNS_AT_ONCE = 1 << 16
+"""Trials of columns that are computed at once: what is kept of them until then takes some ten megabytes."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -84,10 +89,11 @@ class Swims(RunFigures):
 
 
 def swim_many(
-    robots: Sequence[Scenario] | Robot | Sequence[Robot] | str | Path,
+    robots: Scenario | Sequence[Scenario] | Robot | Sequence[Robot] | str | Path,
     gaits: Gait | Sequence[Gait] | None = None,
     duration: float = 30.0,
     *,
+    columns: Columns | None = None,
     environments: Environment | Sequence[Environment] | None = None,
     starts: Start | Sequence[Start] | None = None,
     sample_interval: float = 0.05,
@@ -113,6 +119,11 @@ def swim_many(
             gaits; one robot may be given by preset name or file path.
         gaits: The commanded gaits.
         duration: Duration of every trial [s].
+        columns: With a single scenario instead of robots: values of some of its numbers, one array for
+            each and one value per trial, by the names of a sweep's parameters, such as
+            `gait.amplitude` and `water.normal_drag` (SI, radians). No object is made for a trial, so
+            a million takes no longer than the kernels; what differs besides the gait's waves costs
+            about as much as a trial for each of its combinations.
         environments: Waters or grounds; None uses `default_water` of each robot and gait.
         starts: Start of each trial; None: at the origin, along x.
         sample_interval: Sample interval of the logs used for the figures; the logs are not kept
@@ -141,9 +152,22 @@ def swim_many(
         >>> gaits = [lc.eel_like(amplitude=a, frequency=2.0, phase_shift=0.7) for a in (0.4, 0.5, 0.6)]
         >>> lc.swim_many("mamba", gaits).forward_velocity.round(3)
         array([0.066, 0.091, 0.116])
+        >>> scenario = lc.build_scenario("mamba", gaits[0])
+        >>> columns = {"gait.amplitude": [0.4, 0.5, 0.6]}
+        >>> lc.swim_many(scenario, columns=columns).forward_velocity.round(3)
+        array([0.066, 0.091, 0.116])
     """
+    if columns is not None:
+        check_choice("device", device, (CPU,))
+        if gaits is not None or environments is not None or starts is not None or changes:
+            raise BadArgument(
+                "columns", "must be given with a scenario alone, and nothing to change it"
+            )
+        return _swim_columns(
+            robots, columns, threads=threads, feasibility=feasibility, progress=progress
+        )
     scenarios = scenarios_of_batch(
-        robots,
+        cast(Any, robots),
         gaits,
         environments=environments,
         starts=starts,
@@ -182,6 +206,53 @@ def swim_many(
     if not feasibility:
         return _swims_of(result, None)
     return _swims_of(result, np.where(result.succeeded, largest_shares, np.nan))
+
+
+def _swim_columns(
+    scenario: object,
+    columns: Columns,
+    *,
+    threads: int | None,
+    feasibility: bool,
+    progress: Progress,
+) -> Swims:
+    """Return the figures of a scenario with other values of some of its numbers; arguments as for `swim_many`."""
+    checked_scenario = cast(Scenario, check_instance("robots", scenario, Scenario))
+    check_instance("robots.model", checked_scenario.model, Planar)
+    arrays = check_columns(checked_scenario, columns)
+    _, largest = scenarios_of_extremes(checked_scenario, arrays)
+    check_many([largest])  # batches may begin at little
+    n_trials = next(iter(arrays.values())).size
+    parts: list[Swims] = []
+    for first in range(0, n_trials, COLUMNS_AT_ONCE):
+        part = {name: values[first : first + COLUMNS_AT_ONCE] for name, values in arrays.items()}
+
+        def report(share: float, n_before: int = first) -> None:
+            n_of_part = min(COLUMNS_AT_ONCE, n_trials - n_before)
+            progress((n_before + share * n_of_part) / n_trials)
+
+        batch, peaks = run_columns(
+            checked_scenario, part, threads=threads, progress=report, with_peaks=feasibility
+        )
+        utilization = None
+        if feasibility:
+            utilization = np.where(batch.succeeded, peaks["utilization"], np.nan)
+        parts.append(_swims_of(batch, utilization))
+    return _join_swims(parts)
+
+
+def _join_swims(parts: Sequence[Swims]) -> Swims:
+    """Return the trials of several parts, one after the other."""
+    if len(parts) == 1:
+        return parts[0]
+    status: list[str] = []
+    for part in parts:
+        status += part.status
+    joined: dict[str, Any] = {"status": tuple(status)}
+    for name, values in vars(parts[0]).items():
+        if name not in joined and values is not None:
+            joined[name] = np.concatenate([getattr(part, name) for part in parts])
+    return Swims(**joined)
 
 
 def _describe_range(values: np.ndarray) -> str:

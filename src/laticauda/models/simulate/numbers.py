@@ -5,7 +5,8 @@ The singular of a plural field addresses all of its items alike: `robot.module.m
 `robot.joint.actuator.servo_gain`. A pair of numbers is two parameters: `water.current_x`,
 `water.current_y`; a flow has each of its numbers: `water.current.height`, and a sum of flows those
 of each flow: `water.current.flow[0].height`. `robot.n_links` is the number of links; `joints` has
-the numbers of a custom joint law. Units are those of the fields: SI and radians.
+the numbers of a custom joint law, and `controller` those of a controller, apart from its gait:
+`controller.guidance.look_ahead_distance`. Units are those of the fields: SI and radians.
 """
 
 import difflib
@@ -30,8 +31,9 @@ from laticauda.models.simulate.run_figures import (  # where they were found so 
     described as described,
     of_figure as of_figure,
 )
+from laticauda.motion.gaits import Gait
 from laticauda.robot import Current, Environment, Water
-from laticauda.scenarios import Scenario
+from laticauda.scenarios import Motion, OpenLoop, Scenario
 from laticauda.values import BadArgument, hints_of, quantities_of, texts_of
 from laticauda.values.packaging import renamed_names
 
@@ -93,6 +95,7 @@ def list_parameters(scenario: Scenario, *, each: bool = False) -> dict[str, Para
         *_numbers_in(scenario.gait, "gait"),
         *_numbers_in(environment, environment_prefix(environment)),
         *_numbers_in(scenario.model.joints, "joints"),
+        *_numbers_of_controller(scenario.motion),
         n_links,
         *_numbers_in(robot, "robot"),
     ]
@@ -101,6 +104,15 @@ def list_parameters(scenario: Scenario, *, each: bool = False) -> dict[str, Para
             for i, item in enumerate(getattr(robot, field)):
                 parameters += _numbers_in(item, f"robot.{step}[{i}]")
     return {parameter.name: parameter for parameter in parameters}
+
+
+def _numbers_of_controller(motion: Motion) -> Iterator[Parameter]:
+    """Yield the numbers of a controller that is a value, apart from those of its gait."""
+    if isinstance(motion, Gait) or not is_dataclass(motion):
+        return
+    for parameter in _numbers_in(motion, "controller"):
+        if not parameter.name.startswith("controller.gait."):
+            yield parameter
 
 
 def environment_prefix(environment: Environment) -> str:
@@ -120,7 +132,7 @@ def _numbers_in(owner: Any, prefix: str) -> Iterator[Parameter]:
         value = getattr(owner, field.name)
         hint = hints[field.name]
         name = f"{prefix}.{field.name}"
-        title = titles[field.name]
+        title = titles.get(field.name, field.name)
         unit = quantities[field.name].unit if field.name in quantities else ""
         if hint in COUNT_TYPES:
             yield Parameter(name=name, unit=unit, title=title, is_whole=True)
@@ -192,9 +204,9 @@ def change_parameters(scenario: Scenario, values: Mapping[str, float]) -> Scenar
     robot_changes = dict(changes.get("robot", {}))
     if "n_links" in robot_changes:
         robot = robot.with_links(int(robot_changes.pop("n_links")))
-    motion = scenario.motion
+    motion = apply_changes(scenario.motion, changes.get("controller", {}))
     if "gait" in changes:
-        motion = apply_changes(scenario.gait, changes["gait"])
+        motion = _with_gait(motion, apply_changes(scenario.gait, changes["gait"]))
     model = scenario.model
     if "joints" in changes:
         model = apply_changes(model, {"joints": changes["joints"]})
@@ -207,6 +219,18 @@ def change_parameters(scenario: Scenario, values: Mapping[str, float]) -> Scenar
         environment=apply_changes(environment, environment_changes),
         model=model,
     )
+
+
+def _with_gait(motion: Motion, gait: Gait) -> Motion:
+    """Return a motion with another gait: that gait, or the controller that steers it."""
+    if isinstance(motion, Gait):
+        return gait
+    if isinstance(motion, OpenLoop):
+        return replace(motion, command=replace(motion.command, gait=gait))
+    if not is_dataclass(motion):
+        rule = "must be a dataclass, so that its gait can be changed"
+        raise BadArgument("motion", f"{rule}, got {motion.__class__.__name__}")
+    return replace(cast(Any, motion), gait=gait)
 
 
 def value_of(name: str, scenario: Scenario, argument: str = "names") -> float:
@@ -222,7 +246,12 @@ def value_of(name: str, scenario: Scenario, argument: str = "names") -> float:
     """
     root, *steps = name.split(".")
     environment = scenario.environment
-    roots = {"robot": scenario.robot, "gait": scenario.gait, "joints": scenario.model.joints}
+    roots = {
+        "robot": scenario.robot,
+        "gait": scenario.gait,
+        "joints": scenario.model.joints,
+        "controller": scenario.motion,
+    }
     values: list[Any] = [roots.get(root, environment)]
     for step in steps:
         values = _objects_after(values, step)

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from laticauda.robot import Robot
 from laticauda.trials.feasibility.actuators import Joints, Offer, driven_rate, duty_from_offer
@@ -51,6 +51,23 @@ def find_settled_samples(
     return time >= end_of_start_up
 
 
+def count_unsettled_samples(
+    time: Float[np.ndarray, " n_samples"], period: Float[np.ndarray, " n_runs"]
+) -> Int[np.ndarray, " n_runs"]:
+    """Return the number of samples of many runs that do not count, see `find_settled_samples`.
+
+    Args:
+        time: Times of the samples of every run [s].
+        period: Gait period of each run, nan without a gait [s].
+    """
+    start_up: np.ndarray = np.nan_to_num(period)
+    end_of_start_up: np.ndarray = time[0] + start_up
+    counts = np.where(
+        time[-1] - end_of_start_up < 0.5 * start_up, 0, np.searchsorted(time, end_of_start_up)
+    )
+    return counts
+
+
 def compute_peaks(
     robots: Sequence[Robot],
     angle: Joints,
@@ -89,7 +106,7 @@ def compute_peaks(
         utilization[run] = max(
             utilization[run],
             measure_neighbor_overlap(robot, largest_angle[: robot.n_joints, run]).share,
-            measure_crossing(robot, body_angle[_evenly_spread(may_cross, most)]).share,
+            measure_crossing(robot, body_angle[spread_evenly(may_cross, most)]).share,
         )
     return {
         "peak_joint_angle": largest_angle.max(axis=0, initial=0.0),
@@ -112,8 +129,15 @@ def _curl(body_angle: Joints) -> Float[np.ndarray, "n_samples n_runs"]:
     return leftmost - rightmost
 
 
-def _evenly_spread(is_chosen: Bool[np.ndarray, " n_samples"], most: int) -> np.ndarray:
-    """Return the indices of at most `most` of the chosen samples, evenly spread."""
+def spread_evenly(
+    is_chosen: Bool[np.ndarray, " n_samples"], most: int = MOST_POSTURES
+) -> np.ndarray:
+    """Return the indices of at most `most` of the chosen samples, evenly spread.
+
+    Args:
+        is_chosen: Whether each sample is chosen.
+        most: Largest number of indices.
+    """
     chosen = np.flatnonzero(is_chosen)
     return chosen[:: max(1, math.ceil(chosen.size / most))]
 

@@ -55,16 +55,26 @@ def measure_neighbor_overlap(robot: Robot, largest_bend: Float[np.ndarray, " n_j
         largest_bend: Largest |phi| of every joint [rad].
     """
     closest = NO_OVERLAP
-    for i, (joint, bend) in enumerate(zip(robot.joints, largest_bend.tolist(), strict=True)):
-        neighbors = robot.modules[i : i + 2]
-        if joint.axis == "yaw":
-            half_size = max(module.section.half_width for module in neighbors)
-        else:
-            half_size = max(module.section.half_height for module in neighbors)
-        half_length = 0.5 * min(module.length for module in neighbors)
+    for i, bend in enumerate(largest_bend.tolist()):
+        half_size, half_length = measure_room_of_neighbors(robot, i)
         inner_edge = half_size * math.tan(0.5 * min(bend, SHARPEST_BEND))
         closest = max(closest, Overlap(inner_edge / half_length, i, i + 1))
     return closest
+
+
+def measure_room_of_neighbors(robot: Robot, joint: int) -> tuple[float, float]:
+    """Return half the width of the two links at a joint, and half the length of the shorter one [m].
+
+    Args:
+        robot: The robot.
+        joint: Index of the joint; the width is that in the plane in which it bends.
+    """
+    neighbors = robot.modules[joint : joint + 2]
+    if robot.joints[joint].axis == "yaw":
+        half_size = max(module.section.half_width for module in neighbors)
+    else:
+        half_size = max(module.section.half_height for module in neighbors)
+    return half_size, 0.5 * min(module.length for module in neighbors)
 
 
 def find_smallest_crossing_curl(robot: Robot) -> float:
