@@ -22,12 +22,15 @@ import numpy as np
 import laticauda as lc
 from laticauda.models.planar import rows
 from laticauda.models.planar.sample_format import column_of
+from laticauda.models.spatial import rows as spatial_rows
 from laticauda.robot import PectoralFin
 from laticauda.scenarios import limit_case
 from laticauda.water.fluid.laws import PolynomialDrag
 
 STORE = Path(__file__).with_suffix(".npz")
 TOLERANCE = 1e-12
+EDGE_COLUMNS = {"planar": column_of(rows.EDGE_MEMORY), "spatial": spatial_rows.EDGE_MEMORY}
+"""Where the state of an edge stands in the state vectors of the models."""
 ARRAYS = (
     *(
         "time",
@@ -287,14 +290,13 @@ def series(run: Any) -> Iterator[tuple[str, np.ndarray]]:
     ):
         for name, value in named.items():
             logged = np.asarray(value)
-            if (kind, name) == ("state", "planar"):
-                logged = without_edge(logged)
+            if kind == "state" and name in EDGE_COLUMNS:
+                logged = without_edge(logged, EDGE_COLUMNS[name])
             yield f"{kind}.{name}", logged
 
 
-def without_edge(state: np.ndarray) -> np.ndarray:
+def without_edge(state: np.ndarray, column: int) -> np.ndarray:
     """Return a state without that of an edge of finite span, which is 0 here and was none when the set was recorded."""
-    column = column_of(rows.EDGE_MEMORY)
     if state[column] != 0.0:
         return state
     return np.delete(state, column)

@@ -158,7 +158,7 @@ def replaced_fin(**changes):
 @pytest.mark.parametrize("joints", ["prescribed", "servo"])
 def test_derivatives_are_those_of_differences(joints):
     found = compute_sensitivities(
-        BROAD, GAIT, 10.0, names=list(DERIVED), environment=WATER, joints=joints
+        BROAD, GAIT, 10.0, names=list(DERIVED), environments=WATER, joints=joints
     )
     for name, change in DERIVED.items():
         step = 1e-5
@@ -171,7 +171,7 @@ def test_derivatives_are_those_of_differences(joints):
             ends.append(trial.forward_velocity)
         scale = 1000.0 if name == "water.density" else 1.0
         expected = (ends[0] - ends[1]) / (2.0 * step * scale)
-        assert found.of("forward_velocity", name)[0] == pytest.approx(expected, rel=2e-4), name
+        assert found.of("forward_velocity", name)[0] == pytest.approx(expected, rel=1e-3), name
 
 
 def found_dt(joints):

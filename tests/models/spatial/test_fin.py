@@ -12,6 +12,7 @@ from hypothesis import given, settings, strategies as st
 import laticauda as lc
 from laticauda.models.planar import rows
 from laticauda.models.planar.layout import build_layout
+from laticauda.models.spatial import rows as spatial_rows
 from laticauda.robot import CaudalFin, Joint
 from laticauda.scenarios import limit_case
 
@@ -187,16 +188,54 @@ def test_an_actuator_turns_a_driven_fin_the_way_the_body_bends():
     )
 
 
-def test_the_edge_of_a_finite_span_is_refused_in_space():
-    water = replace(
-        lc.load_water("paper-lateral"), added_mass_form="kirchhoff", trailing_edge="finite-span"
-    )
-    with pytest.raises(
-        ValueError, match=r"`trailing_edge` must be `elongated` or `none` for a fin in space"
-    ):
-        lc.swim(
-            "mamba-fin",
-            lc.eel_like(amplitude=0.4, frequency=2.0, phase_shift=0.7),
-            environment=water,
-            model="spatial",
+SPANNED = replace(
+    lc.load_water("paper-lateral"),
+    added_mass_form="kirchhoff",
+    rotational="strip",
+    trailing_edge="finite-span",
+)
+SWIM = lc.eel_like(amplitude=0.4, frequency=2.0, phase_shift=0.7)
+
+
+def broad_robot(**changes):
+    robot = lc.load_robot("mamba-fin")
+    fin = replace(robot.caudal_fin, length=0.12, height=0.2, opening_length=0.0, **changes)
+    return replace(robot, caudal_fin=fin)
+
+
+@pytest.mark.parametrize(("joints", "bound"), [("prescribed", 1e-5), ("servo", 1e-4)])
+@pytest.mark.parametrize("fin", ["rigid", "driven"])
+def test_the_edge_of_a_finite_span_swims_in_space_as_in_the_plane(joints, bound, fin):
+    robot, gait = broad_robot(), SWIM
+    if fin == "driven":
+        robot = broad_robot(joint=lc.robot.Joint())
+        gait = replace(SWIM, fin=lc.Wave(amplitude=0.3, frequency=2.0))
+    ends = []
+    for model in ("planar", "spatial"):
+        settings = {"root": "planar"} if model == "spatial" else {}
+        trial = lc.swim(
+            robot, gait, 4.0, environment=SPANNED, joints=joints, dt=0.001, model=model, **settings
         )
+        ends.append(trial.center_of_mass[-1, :2])
+    assert np.linalg.norm(ends[0] - ends[1]) < bound * np.linalg.norm(ends[0])
+
+
+def test_a_run_with_an_edge_of_finite_span_is_resumed_in_space_to_the_last_bit():
+    plant = lc.build_plant(broad_robot(), SPANNED, model="spatial")
+    command = lc.Command(gait=SWIM)
+    start = plant.init(lc.Start(velocity=0.1), command)
+    whole = plant.march(start, command, 0.4, 0.1)
+    half = plant.march(start, command, 0.2, 0.1)
+    rest = plant.march(plant.unpack(plant.pack(half.state)), command, 0.2, 0.1)
+    assert abs(whole.state.values[spatial_rows.EDGE_MEMORY]) > 1e-3
+    assert np.array_equal(rest.state.values, whole.state.values)
+
+
+def test_a_mujoco_model_of_ones_own_gets_no_edge_whose_state_it_would_not_advance():
+    from laticauda.models.spatial import robot_elements
+
+    with pytest.raises(
+        ValueError,
+        match=r"`trailing_edge` must be `elongated` or `none` for elements in a MuJoCo model of one's own",
+    ):
+        robot_elements(lc.load_robot("mamba-fin"), SPANNED)

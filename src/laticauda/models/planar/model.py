@@ -25,6 +25,8 @@ from laticauda.water.fluid import DragLaw, PolynomialDrag, flow as flows
 if TYPE_CHECKING:
     from laticauda.compiling import Target
 
+FASTEST = 1.0
+"""Speed above that of links of a swimming robot [m/s]."""
 LEAST_DT = 1e-7
 """Time that drag may take to stop a link, at least; with smaller steps a run would take forever [s]."""
 TEMPLATES = {
@@ -291,7 +293,7 @@ class PlanarPlant(Plant[Planar]):
 
     def stopping(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """Return pairs of drag slopes [kg/s] and masses [kg] of the elements, first across them, then along them."""
-        along, across = self.law.steepest(1.0)  # links of a swimming robot are slower
+        along, across = self.law.steepest(FASTEST)
         links = self.coefficients
         fin = self.robot.caudal_fin
         elements = [links]
@@ -304,8 +306,11 @@ class PlanarPlant(Plant[Planar]):
         return pairs
 
     def _stable_step(self) -> float:
-        """Return the time constant of the link that drag stops fastest."""
+        """Return the time constant of the link that drag stops fastest, or of the wake of an edge."""
         rate = max(float((drag / mass).max()) for drag, mass in self.stopping())
+        lag = float(self.layout.template[rows.EDGE_LAG])
+        if lag > 0.0:
+            rate = max(rate, FASTEST / lag)
         if not rate < 1.0 / LEAST_DT:
             raise BadArgument(
                 "environment",

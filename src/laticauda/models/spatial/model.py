@@ -2,7 +2,7 @@
 
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
@@ -52,7 +52,7 @@ class SpatialPlant(Plant[Spatial]):
     generator: ClassVar[tuple[slice, ...]] = (
         slice(rows.PHASE, rows.WORK_ABSOLUTE),
         slice(rows.PITCH, rows.FIN),
-        slice(rows.FIN, rows.STATE_ROWS),
+        slice(rows.FIN, rows.EDGE_MEMORY),
     )
 
     def __post_init__(self) -> None:
@@ -98,7 +98,7 @@ class SpatialPlant(Plant[Spatial]):
         parts = self._split(values)
         yaw, pitch, fin = self._first_waves(command)
         values[rows.PHASE : rows.WORK_ABSOLUTE] = yaw
-        values[rows.PITCH : rows.STATE_ROWS] = pitch + fin
+        values[rows.PITCH : rows.EDGE_MEMORY] = pitch + fin
         parts.qpos[:] = twin.model.qpos0
         if self.settings.root == "planar":
             start.check_planar()
@@ -198,6 +198,13 @@ class SpatialPlant(Plant[Spatial]):
     @cached_property
     def _twin(self) -> Twin:
         return Twin(self.robot, self.environment, self.settings)
+
+    def unpack(self, stored: Mapping[str, np.ndarray]) -> PlantState:
+        """Return the state from stored arrays; those of older versions, without the state of an edge, have it at 0."""
+        values = np.asarray(stored.get(self.name, ()), dtype=float)
+        if values.shape == (self._size - 1,):
+            return PlantState(values=np.insert(values, rows.EDGE_MEMORY, 0.0))
+        return super().unpack(stored)
 
     @property
     def _size(self) -> int:

@@ -23,7 +23,9 @@ PITCH = WORK_ABSOLUTE + 4
 """Wave of the pitch joints."""
 FIN = PITCH + len(WaveState._fields)
 """Wave of a driven fin."""
-STATE_ROWS = FIN + len(WaveState._fields)
+EDGE_MEMORY = FIN + len(WaveState._fields)
+"""z, the speed across that the wake of an edge of finite span remembers [m/s]."""
+STATE_ROWS = EDGE_MEMORY + 1
 
 SECOND = PITCH - PHASE
 """Rows from the wave of the yaw joints to that of the pitch joints."""
@@ -76,7 +78,9 @@ CONTACTS = MODEL + 13
 """The fields of `native.ContactLayout`."""
 GEOM_BODY = CONTACTS + 5
 """Address of the body of every geom, 32 bits each."""
-SETUP_SIZE = GEOM_BODY + 1
+EDGE_RECORD = GEOM_BODY + 1
+"""Address of z and dz/dt in the record of the edge's element; 0 without an edge of finite span."""
+SETUP_SIZE = EDGE_RECORD + 1
 
 # --- Start of each robot's part in the arrays of all robots in one scene; a last row holds the ends
 FIRST_STATE = 0

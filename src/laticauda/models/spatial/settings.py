@@ -99,7 +99,9 @@ def build_plant_elements(
         environment: The water it swims in, or the ground.
         setup: The model's settings.
     """
-    elements = water_robot.robot_elements(robot, environment, floats=is_floating(setup))
+    elements = water_robot.robot_elements(
+        robot, environment, floats=is_floating(setup), advances_edge=True
+    )
     land = land_of(environment, setup)
     if land is None:
         return elements

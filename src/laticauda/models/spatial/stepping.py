@@ -150,8 +150,47 @@ def set_first_stage_of_all(W, qpos, qvel, hold, gamma_dt):
 
 
 @kernel
-def finish_rk4(W, hold, qpos, qvel, qacc, B, dt):
-    """Finish the step with stages 2 to 4; the accelerations of the first are already in the data. B: scratch rows."""
+def put_edges(W):
+    """Put the states of the edges of finite span where the water finds them."""
+    for r in range(len(W[0])):
+        N, X, _, _, _, _, _, _, _ = select_robot(W, r)
+        if N[EDGE_RECORD] != 0:
+            numbers(N[EDGE_RECORD], 2)[0] = X[EDGE_MEMORY]
+
+
+@kernel
+def keep_edges(W, Z):
+    """Store the states of the edges at the start of a step, in Z; the sums of their changes begin at 0."""
+    for r in range(len(W[0])):
+        _, X, _, _, _, _, _, _, _ = select_robot(W, r)
+        Z[r, 0] = X[EDGE_MEMORY]
+        Z[r, 1] = 0.0
+
+
+@kernel
+def move_edges(W, Z, weight, ahead):
+    """Add the weighted rates of the edges to the sums, and set their states to those at the start moved ahead."""
+    for r in range(len(W[0])):
+        N, X, _, _, _, _, _, _, _ = select_robot(W, r)
+        if N[EDGE_RECORD] != 0:
+            rate = numbers(N[EDGE_RECORD], 2)[1]
+            Z[r, 1] += weight * rate
+            X[EDGE_MEMORY] = Z[r, 0] + ahead * rate
+    put_edges(W)
+
+
+@kernel
+def finish_edges(W, Z):
+    """Set the states of the edges to those at the start plus the sums."""
+    for r in range(len(W[0])):
+        _, X, _, _, _, _, _, _, _ = select_robot(W, r)
+        X[EDGE_MEMORY] = Z[r, 0] + Z[r, 1]
+    put_edges(W)
+
+
+@kernel
+def finish_rk4(W, hold, qpos, qvel, qacc, B, Z, dt):
+    """Finish the step with stages 2 to 4; the accelerations of the first are already in the data. B, Z: scratch."""
     N = W[0][0]
     q0 = B[0]
     v0 = B[1]
@@ -160,6 +199,7 @@ def finish_rk4(W, hold, qpos, qvel, qacc, B, dt):
     now = B[4]
     n = N[N_QVEL]
     copy_numbers(qpos, q0)
+    keep_edges(W, Z)
     for i in range(n):
         v0[i] = qvel[i]
         sum_v[i] = 0.0
@@ -171,6 +211,7 @@ def finish_rk4(W, hold, qpos, qvel, qacc, B, dt):
             sum_v[i] += weight * qvel[i]
             sum_a[i] += weight * qacc[i]
             now[i] = qvel[i]
+        move_edges(W, Z, weight, ahead)
         if stage == 3:
             break
         move(N, qpos, q0, now, ahead)
@@ -178,6 +219,7 @@ def finish_rk4(W, hold, qpos, qvel, qacc, B, dt):
             qvel[i] = v0[i] + ahead * qacc[i]
         put_all_on_reference(W, qpos, qvel, hold, 0.5 * dt if stage != 1 else 0.0)
         evaluate(N)
+    finish_edges(W, Z)
     move(N, qpos, q0, sum_v, 1.0)
     for i in range(n):
         qvel[i] = v0[i] + sum_a[i]
@@ -185,7 +227,7 @@ def finish_rk4(W, hold, qpos, qvel, qacc, B, dt):
 
 
 @kernel
-def finish_ros2(W, hold, qpos, qvel, qacc, B, dt):
+def finish_ros2(W, hold, qpos, qvel, qacc, B, Z, dt):
     """Finish the step, y + h (3/2 k1 + 1/2 k2), from both stages; the accelerations of k1 are already in the data."""
     N = W[0][0]
     q0 = B[0]
@@ -196,6 +238,8 @@ def finish_ros2(W, hold, qpos, qvel, qacc, B, dt):
     n = N[N_QVEL]
     gamma_dt = GAMMA * dt
     copy_numbers(qpos, q0)
+    keep_edges(W, Z)
+    move_edges(W, Z, 0.5 * dt, dt)  # explicit: the same formula without implicit terms
     for i in range(n):
         v0[i] = qvel[i]
         first[i] = qacc[i]
@@ -210,6 +254,8 @@ def finish_ros2(W, hold, qpos, qvel, qacc, B, dt):
             M, qpos[q:], qvel[v:], C, J, R, hold[v:], K, first[v:], slope[v:], gamma_dt
         )
     evaluate(N)
+    move_edges(W, Z, 0.5 * dt, 0.0)
+    finish_edges(W, Z)
     for i in range(n):
         # As `stages.combined`; a call to it would be contracted differently here and change the
         # last digit.
@@ -423,6 +469,7 @@ def run(N, S, Y, moving, C, J, mass, order, hold, steps, dt, every, log):
     K = np.zeros((2, len(J)))
     P = np.zeros((n_robots, 4))
     B = np.zeros((5, n_q))
+    Z = np.zeros((n_robots, 2))
     W = (N, S, Y, C, J, R, U, K)
     hold[:] = 0.0
     is_led = C[IS_LED] != 0.0
@@ -435,6 +482,7 @@ def run(N, S, Y, moving, C, J, mass, order, hold, steps, dt, every, log):
     two_ways = implicit and np.any(J[:, LAW] == PRESCRIBED)
     if is_led:
         put_all_on_reference(W, qpos, qvel, hold, 0.0)
+    put_edges(W)
     written = 0
     for step in range(steps + 1):
         if is_led:
@@ -453,14 +501,14 @@ def run(N, S, Y, moving, C, J, mass, order, hold, steps, dt, every, log):
         if step == steps:
             break
         if not implicit:
-            finish_rk4(W, hold, qpos, qvel, qacc, B, dt)
+            finish_rk4(W, hold, qpos, qvel, qacc, B, Z, dt)
         else:
             if two_ways:
                 # The torques above follow from accelerations, which must not be those of an
                 # implicit step.
                 set_first_stage_of_all(W, qpos, qvel, hold, GAMMA * dt)
                 evaluate(M)
-            finish_ros2(W, hold, qpos, qvel, qacc, B, dt)
+            finish_ros2(W, hold, qpos, qvel, qacc, B, Z, dt)
     copy_numbers(qpos, moving[:n_q])
     copy_numbers(qvel, moving[n_q:])
     return written

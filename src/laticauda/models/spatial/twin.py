@@ -29,8 +29,9 @@ from laticauda.models.spatial.settings import (
     used_ballast_depth,
 )
 from laticauda.models.spatial.surroundings import reporting_scene_errors
+from laticauda.models.spatial.water_robot import mounted_elements
 from laticauda.motion.joints import JointLaw
-from laticauda.robot import Environment, Ground, Robot, Scene, Water
+from laticauda.robot import Environment, Ground, Robot, Scene, Water, fin_edge
 from laticauda.scenarios import Spatial
 from laticauda.values import load_mujoco
 from laticauda.water import mujoco as water
@@ -117,6 +118,7 @@ class Twin:
         self.water.table[table.FIRST_ORDER] = 0
         # Height from which a flow measures z.
         self.water.numbers["water"][table.LEVEL] = (setup.scene or Scene()).level
+        self._write_edges(members, environment)
         self._stepping = stepping(setup.joints)
 
     def _attach_water(self, members: Sequence[Member], environment: Environment) -> water.Water:
@@ -143,6 +145,20 @@ class Twin:
             form=environment.added_mass_form,
             terrain=scene.terrain,
         )
+
+    def _write_edges(self, members: Sequence[Member], environment: Environment) -> None:
+        """Write the edges of finite span to the records of their elements, and where the kernels find their states."""
+        if not isinstance(environment, Water):
+            return
+        records = self.water.numbers["elements"].reshape(-1, table.ELEMENT_SIZE)
+        for k, (member, end) in enumerate(zip(members, self._ends_of_elements, strict=True)):
+            edge = fin_edge(member.robot, environment)
+            if edge is None:
+                continue
+            # The element of the edge comes right before the effectors.
+            record = records[end - len(mounted_elements(member.robot, environment)) - 1]
+            record[table.EDGE : table.EDGE + len(edge.plate)] = edge.plate
+            self._setups[k, rows.EDGE_RECORD] = record[table.EDGE_MEMORY :].ctypes.data
 
     @property
     def elements_of_robots(self) -> tuple[water.Element, ...]:

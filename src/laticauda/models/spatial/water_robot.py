@@ -14,6 +14,9 @@ about x the normal drag is spread over its height, c_n (h/2)^2 / 3 and c_n (h/2)
 added inertia rho pi C_A (h/2)^4 / 8 d.
 """
 
+import math
+from dataclasses import replace
+
 import numpy as np
 
 from laticauda.models.spatial.bodies import Three, build_fin_bodies
@@ -22,9 +25,11 @@ from laticauda.robot import (
     CaudalFin,
     Coefficients,
     Environment,
+    FinEdge,
     Module,
     Robot,
     Water,
+    fin_edge,
     law_of,
     link_coefficients,
     mass_across,
@@ -34,9 +39,12 @@ from laticauda.robot import (
 from laticauda.values import BadArgument
 from laticauda.water.mujoco import Element
 
+NONE: Three = (0.0, 0.0, 0.0)
+"""No load along any axis."""
+
 
 def robot_elements(
-    robot: Robot, environment: Environment, *, floats: bool = True
+    robot: Robot, environment: Environment, *, floats: bool = True, advances_edge: bool = False
 ) -> tuple[Element, ...]:
     """Return the elements of a robot, on the bodies named in `spatial.bodies`.
 
@@ -45,33 +53,63 @@ def robot_elements(
         environment: The water it swims in, or the ground it crawls on in the plane.
         floats: Whether it has weight and buoyancy. Otherwise the volumes, which accelerating water
             carries along, are distributed as in the planar model.
+        advances_edge: Whether the caller writes and advances the state of an edge of finite span.
+
+    Raises:
+        ValueError: If the water requires such a state, and the caller does not advance it.
     """
-    _check_edge(robot, environment)
+    edge = None
+    if isinstance(environment, Water):
+        edge = fin_edge(robot, environment)
+    if edge is not None and not advances_edge:
+        raise BadArgument(
+            "trailing_edge",
+            "must be `elongated` or `none` for elements in a MuJoCo model of one's own, which does not advance "
+            "the state of an edge (the plant of `spatial` does), got 'finite-span'",
+        )
     coefficients = link_coefficients(robot, environment)
     elements: list[Element] = []
     for i, module in enumerate(robot.modules):
         elements.append(_build_module(i, module, coefficients, environment))
     if robot.caudal_fin is not None and coefficients.fin is not None:
-        elements += _build_strips(robot.caudal_fin, coefficients.fin, environment, floats=floats)
+        strips = _build_strips(robot.caudal_fin, coefficients.fin, environment, floats=floats)
+        if edge is not None:
+            strips = _gather_inertia(strips, coefficients.fin)
+        elements += strips
         elements += _build_plates(robot.caudal_fin, environment, floats=floats)
     if isinstance(environment, Water):
         elements += _build_areas(robot, coefficients, environment)
         elements += _build_tether(robot)
-        elements += _build_trailing_edge(robot, environment)
+        elements += _build_trailing_edge(robot, environment, edge)
     # Last, where the twin expects them.
     elements += mounted_elements(robot, environment)
     return tuple(elements)
 
 
-def _check_edge(robot: Robot, environment: Environment) -> None:
-    """Reject the law of an edge that has a state, which no element has."""
-    if isinstance(environment, Water) and robot.caudal_fin is not None:
-        if environment.trailing_edge == "finite-span":
-            raise BadArgument(
-                "trailing_edge",
-                "must be `elongated` or `none` for a fin in space, where an edge has no state yet "
-                "(the planar model has it), got 'finite-span'",
-            )
+def _gather_inertia(strips: list[Element], c: Coefficients) -> list[Element]:
+    """Return strips without added mass, and as many masses without drag, closer to the middle of the plate.
+
+    Together these have the added mass and the moment of inertia of strips whose own inertia would be negative.
+    """
+    middle = float(np.average(c.position, weights=c.mu_n))
+    arm = c.position - middle
+    spread = float(c.mu_n @ (arm * arm))
+    share = math.sqrt((spread + float(c.lambda_1.sum())) / spread)
+    masses: list[Element] = []
+    for strip, distance in zip(strips, arm, strict=True):
+        x, y, z = strip.position
+        mass = replace(
+            strip,
+            position=(x + (share - 1.0) * float(distance), y, z),
+            drag=NONE,
+            torque_linear=NONE,
+            torque_quadratic=NONE,
+            added_inertia=(strip.added_inertia[0], 0.0, 0.0),
+            volume=0.0,
+        )
+        masses.append(mass)
+    bare = [replace(strip, added_mass=NONE, added_inertia=NONE) for strip in strips]
+    return bare + masses
 
 
 def _build_module(i: int, module: Module, c: Coefficients, environment: Environment) -> Element:
@@ -141,7 +179,7 @@ def _build_strips(
             torque_linear=(c_n * h**2 / 3.0, 0.0, float(c.lambda_2[k])),
             torque_quadratic=(c_n * h**3 / 4.0, 0.0, float(c.lambda_3[k])),
             added_mass=(float(c.mu_t[k]), mu_n, 0.0),
-            added_inertia=(mu_n * h**2 / 8.0, 0.0, float(c.lambda_1[k])),
+            added_inertia=(mu_n * h**2 / 8.0, 0.0, max(float(c.lambda_1[k]), 0.0)),
             volume=volume,
             shape="box",
             half_size=(0.5 * d, 0.5 * fin.thickness, h),
@@ -202,18 +240,23 @@ def _build_tether(robot: Robot) -> list[Element]:
     return [Element(body="module_0", tether_drag=tether.drag, pull=(x, y, 0.0))]
 
 
-def _build_trailing_edge(robot: Robot, water: Water) -> list[Element]:
-    """Return the element of the trailing edge of fin or tail, as in the planar model."""
+def _build_trailing_edge(robot: Robot, water: Water, edge: FinEdge | None) -> list[Element]:
+    """Return the element of the trailing edge of fin or tail, as in the planar model.
+
+    Of an edge of finite span it is only the place: the twin writes its numbers.
+    """
     if water.trailing_edge == "none":
         return []
     fin = robot.caudal_fin
+    if fin is not None and edge is not None:
+        return [Element(body=build_fin_bodies(fin)[-1].name, position=(-edge.distance, 0.0, 0.0))]
     body = "module_0"
     distance = 0.0
     if fin is not None:
         body = build_fin_bodies(fin)[-1].name
         distance = fin.pieces[-1].length
-    edge = (-distance, 0.0, 0.0)
-    return [Element(body=body, position=edge, wake_mass=wake_mass(robot, water))]
+    position = (-distance, 0.0, 0.0)
+    return [Element(body=body, position=position, wake_mass=wake_mass(robot, water))]
 
 
 def mounted_elements(robot: Robot, environment: Environment) -> list[Element]:

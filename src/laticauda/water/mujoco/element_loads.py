@@ -19,8 +19,8 @@ MuJoCo's matrix M.
 # pyright: reportCallIssue=false, reportConstantRedefinition=false
 
 from laticauda.compiling import compile_scalar, kernel
-from laticauda.compiling.formulas import PLACE
-from laticauda.water.fluid import inertia
+from laticauda.compiling.formulas import PLACE, rows_from
+from laticauda.water.fluid import edges, inertia
 from laticauda.water.fluid.laws import plate
 from laticauda.water.mujoco import hydrostatics
 from laticauda.water.mujoco.ground import ground_load
@@ -31,6 +31,8 @@ from laticauda.water.mujoco.vectors import *
 wetted = compile_scalar(hydrostatics.wetted)
 wetting = compile_scalar(hydrostatics.wetting)
 plate_law = compile_scalar(plate)
+finite_span = compile_scalar(edges.finite_span)
+edge_numbers = rows_from(EDGE, len(edges.Plate._fields))
 carried = compile_scalar(inertia.carried)
 load = compile_scalar(inertia.load)
 
@@ -56,6 +58,7 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
             surface = P, place, elevation, model, law_io
             covered, whole = covering(T, E, o, R, wet, depth, arm, body, data, step, surface)
         if wet == 0.0 and covered == 0.0 and E[o + CONTACT] == 0.0:
+            E[o + EDGE_MEMORY + 1] = 0.0
             return
     u, w, a, alpha = motion(T, P, S, R, arm, body, data, V, flow, spin)
     m = scaled(wet, three(E, o + MASS))
@@ -75,6 +78,9 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
         dragged = plus(dragged, slowed)
         dragged_torque = plus(dragged_torque, slowed_torque)
     own = effector(E, o, u)
+    turn = (0.0, 0.0, 0.0)
+    if E[o + EDGE_LAG] != 0.0:
+        own, turn = edge_load(E, o, u, w)
     displaced = P[DENSITY] * wet * E[o + VOLUME]
     buoyancy = scaled(-displaced, gravity(T, model))
     carried_along = scaled(displaced, flow)
@@ -84,7 +90,7 @@ def element_load(E, o, T, P, S, body, model, data, law_io, step):
         added_in_all = plus(added, to_own(R, carried_along))
         write_loads(T, o, R, dragged, added_in_all, buoyancy, own, pull, wet)
     own_force = plus(plus(added, dragged), own)
-    own_torque = plus(added_torque, dragged_torque)
+    own_torque = plus(plus(added_torque, dragged_torque), turn)
     force = plus(to_world(R, own_force), plus(lift, pull))
     torque = plus(to_world(R, own_torque), cross(to_world(R, center), lift))
     if E[o + CONTACT] != 0.0:
@@ -319,6 +325,15 @@ def effector(E, o, u):
         along, across = plate_law(u[0], u[1], E[k], E[k + 1], E[k + 2], E[k + 3], E[k + 4])
         force = plus(force, (along, across, 0.0))
     return force
+
+
+@kernel
+def edge_load(E, o, u, w):
+    """Return force and torque of an edge of finite span about its element, and set the rate of its state."""
+    z = E[o + EDGE_MEMORY]
+    along, across, torque, rate = finite_span(u[0], u[1], w[2], z, *edge_numbers(E, o))
+    E[o + EDGE_MEMORY + 1] = rate
+    return (along, across, 0.0), (0.0, 0.0, torque)
 
 
 @kernel

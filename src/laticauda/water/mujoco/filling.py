@@ -144,6 +144,10 @@ def _add_own_inertias(model: Any, bodies: np.ndarray, records: np.ndarray) -> No
     records[:, rows.OWN_INERTIA] = (inertia / sharing)[rigid[bodies]]
 
 
+COMPUTED_LATER = ("edge", "edge_memory", "own_mass", "own_inertia")
+"""Fields of a record that are no fields of an element."""
+
+
 def _record_of(element: Element) -> np.ndarray:
     """Return the numbers of an element; what it does not have, and its own inertia, are 0."""
     record = np.zeros(rows.ELEMENT_SIZE)
@@ -157,7 +161,7 @@ def _record_of(element: Element) -> np.ndarray:
 
 def _values_of(element: Element, name: str) -> np.ndarray:
     """Return the numbers of one field of a record; none if the element does not have it."""
-    if name in ("own_mass", "own_inertia"):
+    if name in COMPUTED_LATER:
         return np.zeros(0)
     if name == "shape":
         return np.array([getattr(hydrostatics, element.shape.upper())])

@@ -5,6 +5,7 @@ from collections import namedtuple
 from itertools import accumulate
 
 from laticauda.values import MOST_NUMBERS
+from laticauda.water.fluid.edges import Plate
 from laticauda.water.fluid.laws import MOTION, Element
 
 # --- The table of one model: 64-bit integers ------------------------------------------------------
@@ -84,6 +85,10 @@ RECORD = {
     "heave_damping": 1,
     "tilt_damping": 3,
     "contact": 5,  # the fields of ground.Contact; those of ground.Terrain are 4 numbers of the water
+    "edge": len(
+        Plate._fields
+    ),  # as in fluid.edges.Plate; only of robots, whose model advances the memory
+    "edge_memory": 2,  # z, and dz/dt, which the loads set
     "own_mass": 1,  # of the body and what is fixed to it, per element on them
     "own_inertia": 1,  # the least, likewise
 }
@@ -110,6 +115,10 @@ PLATE = STARTS["plate"]
 HEAVE_DAMPING = STARTS["heave_damping"]
 TILT_DAMPING = STARTS["tilt_damping"]
 CONTACT = STARTS["contact"]
+EDGE = STARTS["edge"]
+EDGE_LAG = EDGE + Plate._fields.index("lag")
+"""The lag; 0: no edge of finite span."""
+EDGE_MEMORY = STARTS["edge_memory"]
 OWN_MASS = STARTS["own_mass"]
 OWN_INERTIA = STARTS["own_inertia"]
 LAW_NUMBERS = PLACES[-1]
