@@ -7,7 +7,7 @@ from film.tag_films import LEVEL, SURFACE, rendered
 
 import laticauda as lc
 from laticauda.cli import main
-from laticauda.film.calibration import calibrate_by_ruler, save_calibration
+from laticauda.film.calibration import calibrate_by_ruler, load_calibration, save_calibration
 from laticauda.film.tags import load_layout, save_layout
 from laticauda.robot.files import to_toml
 
@@ -27,13 +27,19 @@ def test_a_sheet_of_tags_comes_with_their_places_and_what_to_do(folder, capsys):
     assert load_layout("sheet.toml").floor[2].x == 2.0
 
 
+def test_animals_get_tags_for_the_floor_only(folder, capsys):
+    assert main(["tags", "--output", "floor.pdf", "--floor-only"]) == 0
+    assert "arrow to the head" not in capsys.readouterr().out
+    assert load_layout("floor.toml").links == ()
+
+
 def test_a_film_becomes_a_trial_a_picture_and_a_calibration(folder, capsys):
     options = ["--robot", "robot.toml", "--tags", "tags.toml", "--water", "paper-lateral"]
     options += ["--height", str(LEVEL), "--water-surface", str(SURFACE)]
     options += ["--save", "swim.nc", "--picture", "swim.png", "--save-calibration", "camera.toml"]
     assert main(["track", str(rendered().path), *options]) == 0
     text = capsys.readouterr().out
-    assert "camera   tags on the floor fit to 0." in text
+    assert "camera   marks fit to 0." in text
     assert "note     Tags on the robot were lost in" in text
     trial = lc.load_trial("swim.nc")
     true = rendered().trial
@@ -46,6 +52,21 @@ def test_a_film_becomes_a_trial_a_picture_and_a_calibration(folder, capsys):
     assert json.loads(capsys.readouterr().out)["scale_deviation"] > 0.0
 
 
+def test_a_camera_is_calibrated_by_tags_on_the_floor_or_by_a_ruler(folder, capsys):
+    film = str(rendered().path)
+    tags = ["--tags", "tags.toml", "--height", str(LEVEL), "--water-surface", str(SURFACE)]
+    assert main(["camera", film, *tags, "--output", "camera.toml"]) == 0
+    text = capsys.readouterr().out
+    assert "camera   marks fit to 0." in text
+    assert load_calibration("camera.toml").plane_height == LEVEL
+    ruler = ["--ruler-px", "100", "500", "900", "500", "--ruler-length", "2"]
+    assert main(["camera", film, *ruler, "--output", "ruler.toml"]) == 0
+    assert load_calibration("ruler.toml").metres_per_pixel == pytest.approx(0.0025)
+    assert main(["camera", film, *ruler, *tags, "--output", "ruler.toml"]) == 2
+    error = capsys.readouterr().err
+    assert "one of --tags, --columns, --ruler-px must be given, got 2 of them" in error
+
+
 def test_points_of_a_tracker_become_a_trial(folder, capsys):
     tracker_files.write_deeplabcut_csv(folder / "eel.csv")
     save_calibration(calibrate_by_ruler((640, 480), (0, 0), (500, 0), 1.0), "camera.toml")
@@ -55,6 +76,9 @@ def test_points_of_a_tracker_become_a_trial(folder, capsys):
     wrong = ["--along", "nose=x"]
     assert main(["track", "eel.csv", *options, *wrong]) == 2
     assert "--along must be NAME=METRES, got 'nose=x'" in capsys.readouterr().err
+    alone = ["--along", "nose=0.44"]
+    assert main(["track", "eel.csv", *options, *alone]) == 2
+    assert "--along must place at least 2 points: one has no direction" in capsys.readouterr().err
     along = ["--along", "nose=0.44", "middle=0.36", "tail=0.28"]
     assert main(["track", "eel.csv", *options, *along, "--save", "eel.nc"]) == 0
     speed = np.diff(lc.load_trial("eel.nc").center_of_mass[[0, -1], 0])[0] / (11 / 30)

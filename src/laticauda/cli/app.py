@@ -62,7 +62,7 @@ COMMANDS_BY_PURPOSE: dict[str, tuple[str, ...]] = {
     "Look at trials": ("view", "trial"),
     "Study": ("sweep", "optimize", "reproduce"),
     "Measure": ("identify", "predict", "design-experiment", "lab", "operate", "drivers", "replay"),
-    "Film": ("tags", "lens", "track", "inverse"),
+    "Film": ("tags", "lens", "camera", "track", "inverse"),
     "Use elsewhere": ("export", "serve"),
 }
 """Commands in the order in which a newcomer needs them; others come last."""

@@ -1,6 +1,8 @@
 """`laticauda tags`, `laticauda lens`, `laticauda track`: from a film to a trial."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -25,18 +27,20 @@ from laticauda.film.calibration import (
     Calibration,
     CameraCalibration,
     Checkerboard,
+    Marks,
     Surface,
+    calibrate_by_ruler,
     calibrate_camera,
     calibrate_lens,
+    describe_certainty,
     load_calibration,
     load_lens,
+    marks_of_board,
     pictures_of_film,
     save_calibration,
 )
 from laticauda.film.chain import places_at
 from laticauda.film.tags import (
-    TagFilm,
-    TagLayout,
     describe_placing,
     find_tags,
     load_layout,
@@ -59,6 +63,8 @@ from laticauda.values import option, quantity, value_class
 
 FILM_ENDINGS = (".mp4", ".avi", ".mov", ".m4v", ".mkv", ".mts", ".webm", ".wmv")
 """Endings of films; any other file holds points of a tracker."""
+FEWEST_POINTS = 2
+"""Points of a tracker that show where a body is, and its direction."""
 STILL = lateral_undulation(amplitude=0.0, frequency=0.0, phase_shift=0.0)
 """Gait of a body that holds straight."""
 
@@ -86,6 +92,7 @@ class Tags(Command):
     dictionary: Literal["aruco-4x4", "apriltag-36h11"] = option(
         "Set of tags; the second needs more pixels", default="aruco-4x4"
     )
+    floor_only: bool = option("Only tags for the floor, for films of animals", default=False)
     paper: Literal["a4", "a3", "letter"] = option("Paper", default="a4")
 
     def run(self) -> Outcome:
@@ -98,6 +105,8 @@ class Tags(Command):
             link_size=self.link_size,
             dictionary=self.dictionary,
         )
+        if self.floor_only:
+            layout = replace(layout, links=())
         places = str(Path(self.output).with_suffix(".toml"))
         check_output("output", places, (".toml",))
         n_pages = write_sheet(layout, self.output, self.paper)
@@ -144,7 +153,141 @@ class CalibrateLens(Command):
 
 
 @value_class
-class Track(Command):
+class OfCamera(Command):
+    """A command that calibrates a camera by tags on the floor."""
+
+    tags: File = option("Tags, as `laticauda tags` wrote the file", default=None)
+    lens: File = option("The lens, as `laticauda lens` wrote it", default=None)
+    height: float = quantity(
+        "m",
+        "Height of the plane of motion, such as tags on a robot, above the tags on the floor",
+        default=0.0,
+    )
+    height_deviation: float = quantity(
+        "m", "Standard deviation of this height", default=0.003, ge=0.0
+    )
+    water_surface: float | None = quantity(
+        "m",
+        "Height of the water's surface above the tags on the floor, if there is any above either",
+        default=None,
+    )
+    surface_deviation: float = quantity(
+        "m", "Standard deviation of the height of the surface", default=0.003, ge=0.0
+    )
+
+    def calibrate(self, marks: Marks, image_size: tuple[int, int]) -> CameraCalibration:
+        """Calibrate the camera by marks of known places.
+
+        Args:
+            marks: The marks.
+            image_size: Width and height of the picture [px].
+        """
+        surface = None
+        if self.water_surface is not None:
+            surface = Surface(height=self.water_surface, height_deviation=self.surface_deviation)
+        lens = None
+        if self.lens is not None:
+            lens = load_lens(self.lens)
+        return calibrate_camera(
+            marks,
+            image_size,
+            lens=lens,
+            surface=surface,
+            plane_height=self.height,
+            plane_height_deviation=self.height_deviation,
+        )
+
+
+@value_class
+class Camera(OfCamera):
+    """Calibrate a camera for the points of a tracker: by tags on the floor, a checkerboard in the plane, or a ruler.
+
+    For example: laticauda camera empty-tank.mp4 --tags tags.toml --height 0.1 --output camera.toml
+
+    A ruler is for a camera that looks straight down: laticauda camera film.mp4 --ruler-px 212 540
+    1710 548 --ruler-length 1 --output camera.toml
+    """
+
+    file: FileArgument = option("A film by this camera, which does not move")
+    output: Annotated[RequiredFile, OutputFile((".toml",))] = option(
+        "TOML file to write, for `laticauda track --calibration`"
+    )
+    columns: int | None = quantity(
+        "", "Inner corners of a checkerboard in the plane, along a row", default=None, ge=3
+    )
+    rows: int | None = quantity("", "Inner corners along a column", default=None, ge=3)
+    square: float | None = quantity("m", "Side of its squares", default=None, gt=0.0)
+    ruler_px: tuple[float, float, float, float] | None = quantity(
+        "px", "x and y of both ends of a ruler in the plane of motion", default=None
+    )
+    ruler_length: float | None = quantity("m", "Distance of these ends", default=None, gt=0.0)
+
+    def run(self) -> Outcome:
+        """Calibrate."""
+        ways = {"--tags": self.tags, "--columns": self.columns, "--ruler-px": self.ruler_px}
+        chosen = [way for way, typed in ways.items() if typed is not None]
+        if len(chosen) != 1:
+            raise BadFlag(f"one of {', '.join(ways)} must be given, got {len(chosen)} of them")
+        if self.ruler_px is not None:
+            camera: Calibration = self._calibrate_by_ruler(self.ruler_px)
+        elif self.tags is not None:
+            layout = load_layout(self.tags)
+            show = show_progress(SHARE, what="searched", patience=PATIENCE)
+            film = find_tags(self.file, layout, frame_rate=1.0, on_progress=show)
+            camera = self.calibrate(marks_of_floor(film, layout), film.image_size)
+        else:
+            camera = self._calibrate_by_board()
+        save_calibration(camera, self.output)
+        rows = [
+            *describe_residual(camera),
+            ("note", describe_certainty(camera)),
+            ("camera", self.output),
+        ]
+        facts = {
+            "output": self.output,
+            "scale_deviation": camera.scale_deviation,
+            "position_deviation": camera.position_deviation,
+        }
+        return Outcome(facts=facts, text=format_rows(rows))
+
+    def _calibrate_by_ruler(self, ends: tuple[float, float, float, float]) -> Calibration:
+        if self.ruler_length is None:
+            raise BadFlag("--ruler-length must be given with --ruler-px")
+        picture = pictures_of_film(self.file, n_pictures=1)[0]
+        size = (int(picture.shape[1]), int(picture.shape[0]))
+        return calibrate_by_ruler(size, ends[:2], ends[2:], self.ruler_length)
+
+    def _calibrate_by_board(self) -> Calibration:
+        if self.columns is None or self.rows is None or self.square is None:
+            raise BadFlag("--columns, --rows and --square must be given together")
+        board = Checkerboard(columns=self.columns, rows=self.rows, square=self.square)
+        picture = pictures_of_film(self.file, n_pictures=1)[0]
+        size = (int(picture.shape[1]), int(picture.shape[0]))
+        return self.calibrate(marks_of_board(picture, board), size)
+
+
+def describe_residual(camera: Calibration | None) -> list[tuple[str, str]]:
+    """Return a row that says how well marks fit; none for a ruler.
+
+    Args:
+        camera: The calibration.
+    """
+    if not isinstance(camera, CameraCalibration):
+        return []
+    return [("camera", f"marks fit to {camera.residual:.2f} px")]
+
+
+def format_rows(rows: Sequence[tuple[str, str]]) -> str:
+    """Return rows of a name and a text.
+
+    Args:
+        rows: The rows.
+    """
+    return "\n".join(f"{name:<9}{text}" for name, text in rows)
+
+
+@value_class
+class Track(OfCamera):
     """Make a trial from a film: path, heading and joint angles of a robot with tags, or of points that a tracker found.
 
     For example: laticauda track glide.mp4 --tags tags.toml --height 0.1 --straight --save glide.nc
@@ -158,24 +301,8 @@ class Track(Command):
     file: FileArgument = option("The film, or the file of a tracker")
     robot: str = option("What swims, a preset or a TOML file", default="mamba")
     water: str | None = option("Water, a preset or a TOML file", default=None)
-    tags: File = option("Tags, as `laticauda tags` wrote the file", default=None)
-    lens: File = option("The lens, as `laticauda lens` wrote it", default=None)
     calibration: File = option(
         "The camera, as --save-calibration wrote it; else from the tags", default=None
-    )
-    height: float = quantity(
-        "m", "Height of the tags on the robot above those on the floor", default=0.0
-    )
-    height_deviation: float = quantity(
-        "m", "Standard deviation of this height", default=0.003, ge=0.0
-    )
-    water_surface: float | None = quantity(
-        "m",
-        "Height of the water's surface above the tags on the floor, if there is any above either",
-        default=None,
-    )
-    surface_deviation: float = quantity(
-        "m", "Standard deviation of the height of the surface", default=0.003, ge=0.0
     )
     frame_rate: float | None = quantity(
         "1/s",
@@ -201,6 +328,14 @@ class Track(Command):
         "NAME=METRES: distance of each of a tracker's points from the tail end", default=()
     )
     individual: str | None = option("Whose points, if a tracker found several", default=None)
+    likelihood_floor: float | None = quantity(
+        "",
+        "Points less sure than this are lost; as is usual for the tracker if omitted",
+        default=None,
+        ge=0.0,
+        le=1.0,
+    )
+    film: File = option("Film of a tracker's points, to draw the chain over", default=None)
     save: TrialOutput = option("Write the trial (.nc, .mcap, ...)", default=None)
     save_calibration: TomlOutput = option("Write the calibration of the camera", default=None)
     picture: PictureOutput = option("Draw the chain over frames of the film", default=None)
@@ -216,7 +351,7 @@ class Track(Command):
         else:
             track = self._follow_points(chosen.robot)
         if self.picture is not None:
-            film = None
+            film = self.film
             if Path(self.file).suffix.lower() in FILM_ENDINGS:
                 film = self.file
             save_figure(draw_over_frames(track, film), self.picture)
@@ -244,7 +379,10 @@ class Track(Command):
         film = find_tags(self.file, layout, frame_rate=self.frame_rate, on_progress=show)
         camera = self._load_camera()
         if camera is None:
-            camera = self._calibrate(film, layout)
+            by_tags = self.calibrate(marks_of_floor(film, layout), film.image_size)
+            if self.save_calibration is not None:
+                save_calibration(by_tags, self.save_calibration)
+            camera = by_tags
         return follow_tags(
             film,
             layout,
@@ -258,25 +396,6 @@ class Track(Command):
         if self.calibration is None:
             return None
         return load_calibration(self.calibration)
-
-    def _calibrate(self, film: TagFilm, layout: TagLayout) -> Calibration:
-        surface = None
-        if self.water_surface is not None:
-            surface = Surface(height=self.water_surface, height_deviation=self.surface_deviation)
-        lens = None
-        if self.lens is not None:
-            lens = load_lens(self.lens)
-        camera = calibrate_camera(
-            marks_of_floor(film, layout),
-            film.image_size,
-            lens=lens,
-            surface=surface,
-            plane_height=self.height,
-            plane_height_deviation=self.height_deviation,
-        )
-        if self.save_calibration is not None:
-            save_calibration(camera, self.save_calibration)
-        return camera
 
     def _follow_points(self, robot: lc.Robot) -> BodyTrack:
         points = read_points(self.file, frame_rate=self.frame_rate, individual=self.individual)
@@ -298,25 +417,19 @@ class Track(Command):
 
     def _describe(self, trial: lc.Trial, track: BodyTrack) -> str:
         rows = [("seen", f"{trial.time.size} frames, {trial.time[-1] - trial.time[0]:.2f} s")]
-        camera = track.calibration
-        if isinstance(camera, CameraCalibration):
-            rows.append(("camera", f"tags on the floor fit to {camera.residual:.2f} px"))
-        if camera is not None:
-            rows.append(
-                (
-                    "certain",
-                    f"lengths to {camera.scale_deviation:.2%}, places to "
-                    f"{1e3 * camera.position_deviation:.1f} mm more (standard deviations)",
-                )
-            )
+        rows += describe_residual(track.calibration)
         rows += [("note", note) for note in track.notes]
+        if math.isfinite(track.center_deviation):
+            noise = f"center of mass to {1e3 * track.center_deviation:.2g} mm"
+            option_of_identify = f"--measured center_of_mass={track.center_deviation:.1g}"
+            rows.append(("noise", f"{noise}: for identify, {option_of_identify}"))
         moved = float(((trial.center_of_mass[-1] - trial.center_of_mass[0]) ** 2).sum() ** 0.5)
         duration = float(trial.time[-1] - trial.time[0])
         rows.append(("path", f"{moved:.3f} m from begin to end, {moved / duration:.4f} m/s"))
         for name, path in (("trial", self.save), ("picture", self.picture)):
             if path is not None:
                 rows.append((name, path))
-        return "\n".join(f"{name:<9}{text}" for name, text in rows)
+        return format_rows(rows)
 
 
 def _read_distances(words: tuple[str, ...], names: tuple[str, ...]) -> dict[str, float]:
@@ -340,4 +453,6 @@ def _read_distances(words: tuple[str, ...], names: tuple[str, ...]) -> dict[str,
         if name not in names:
             raise BadFlag(f"--along must name points of the file, {listed}, got {name!r}")
         distances[name] = distance
+    if len(distances) < FEWEST_POINTS:
+        raise BadFlag(f"--along must place at least {FEWEST_POINTS} points: one has no direction")
     return distances

@@ -220,12 +220,20 @@ def points_on_plane(points: TrackedPoints, calibration: Calibration) -> TrackedP
     is_known = np.isfinite(pixels).all(axis=1)
     places[is_known] = calibration.to_plane(pixels[is_known])
     places[~np.isfinite(places).all(axis=1)] = np.nan
-    note = (
+    moved = replace(points, position=places.reshape(points.position.shape), unit="m")
+    return moved.with_notes(describe_certainty(calibration))
+
+
+def describe_certainty(calibration: Calibration) -> str:
+    """Return a sentence that says how certain lengths and places are.
+
+    Args:
+        calibration: The calibration.
+    """
+    return (
         f"Lengths are certain to {calibration.scale_deviation:.2%}, places to "
         f"{1e3 * calibration.position_deviation:.2g} mm more (standard deviations)."
     )
-    moved = replace(points, position=places.reshape(points.position.shape), unit="m")
-    return moved.with_notes(note)
 
 
 # ---- files ---------------------------------------------------------------------------------------

@@ -181,13 +181,18 @@ def describe_placing(layout: TagLayout) -> list[str]:
         layout: The layout.
     """
     numbers = [tag.number for tag in layout.floor]
-    on_links = ", ".join(f"{tag.number} on link {tag.link}" for tag in layout.links)
+    on_robot: list[str] = []
+    if layout.links:
+        on_links = ", ".join(f"{tag.number} on link {tag.link}" for tag in layout.links)
+        on_robot = [
+            f"Put one tag on the middle of each link, arrow to the head: {on_links}. Link 0 is the tail."
+        ]
     return [
         "Print at 100 %, without fitting to the page, and check the line of 100 mm.",
         f"Put tags {numbers[0]} to {numbers[-1]} flat around the swimming area, all at one height "
         "(floor or rim), arrows along x. Measure their centers to 2 mm, and correct x and y in the file.",
-        f"Put one tag on the middle of each link, arrow to the head: {on_links}. Link 0 is the tail.",
-        "Measure how high the tags on the robot are above those on the floor, and, if there is water "
+        *on_robot,
+        "Measure how high the plane of motion is above the tags on the floor, and, if there is water "
         "above either, how high its surface is.",
         "The camera must not move, must see all tags on the floor, and must be in focus. "
         "A short exposure (1/500 s) keeps tags sharp; matt paper or film keeps them free of glare.",

@@ -1,12 +1,13 @@
 """Where a body was in every frame of a film: its center of mass and the angles of its links."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
-from laticauda.film.calibration import Calibration, points_on_plane
+from laticauda.film.calibration import Calibration, describe_certainty, points_on_plane
 from laticauda.film.chain import PointPlaces, fit_chain, places_at
 from laticauda.film.points import TrackedPoints
 from laticauda.film.tags import LinkTag, TagFilm, TagLayout
@@ -18,6 +19,8 @@ NOTED_SIZE_ERROR = 0.03
 """Difference of the size of tags from the stated one that is noted [-]."""
 WORST_SIZE_ERROR = 0.15
 """Difference above which a height or a size is wrong [-]."""
+N_DRAWS = 32
+"""Draws of a fit from which the deviation of the center of mass is found."""
 FEWEST_FRAMES = 5
 """Frames in which a body is seen at least."""
 
@@ -34,10 +37,15 @@ class BodyTrack:
     """Where its center of mass was; nan where that is not known [m]."""
     link_angle: Float[np.ndarray, "n_frames n_links"]
     """Angle of every link from the x axis; nan where it was not seen [rad]."""
+    frame: Int[np.ndarray, " n_frames"]
+    """Number of every frame in the film, from 0."""
     points: TrackedPoints
     """What was seen, in px unless there is no calibration."""
     calibration: Calibration | None
     """Of the camera; None if the points are in m."""
+    center_deviation: float
+    """Standard deviation of the center of mass along one axis, without that of the camera; nan where one
+    tag alone cannot tell [m]."""
     notes: tuple[str, ...] = ()
     """What a reader of the figures should know, a sentence each."""
 
@@ -148,7 +156,11 @@ def follow_tags(
             rule = f"must be of links of {chain.name}, 0 to {chain.n_links - 1}"
             raise BadArgument("tags", f"{rule}, got {tag.link}")
     poses = poses_of_links(film, layout, calibration)
-    notes = [*_check_sizes(poses.size_ratio), _describe_lost(film, layout)]
+    notes = [
+        describe_certainty(calibration),
+        *_check_sizes(poses.size_ratio),
+        _describe_lost(film, layout),
+    ]
     points = points_of_tags(film, layout, poses.link)
     if is_straight:
         angle = _mean_of_seen(poses.angle)
@@ -163,13 +175,16 @@ def follow_tags(
             tracked, points, _places_of_tags(layout, poses.link, chain), chain, calibration, notes
         )
     _check_seen(link_angle)
+    estimates = _estimate_centers(chain, poses, link_angle)
     return BodyTrack(
         robot=chain,
         time=film.time,
-        center_of_mass=_center_of_mass(chain, poses, link_angle),
+        center_of_mass=np.stack([_mean_of_seen(estimates[..., axis]) for axis in (0, 1)], axis=1),
         link_angle=link_angle,
+        frame=np.arange(film.time.size),
         points=points,
         calibration=calibration,
+        center_deviation=_deviation_of_means(estimates),
         notes=tuple(notes),
     )
 
@@ -215,17 +230,29 @@ def _mean_of_seen(values: Float[np.ndarray, "n_frames n_tags"]) -> Float[np.ndar
     return np.where(count > 0, total / np.maximum(count, 1), np.nan)
 
 
-def _center_of_mass(
+def _estimate_centers(
     chain: Robot, poses: LinkPoses, link_angle: Float[np.ndarray, "n_frames n_links"]
-) -> Float[np.ndarray, "n_frames 2"]:
-    """Return the mean of what all links that were seen say [m]."""
+) -> Float[np.ndarray, "n_frames n_tags 2"]:
+    """Return what every link that was seen says of the center of mass [m]."""
     estimates: list[np.ndarray] = []
     for i, link in enumerate(poses.link):
         estimates.append(
             kinematics.center_of_mass(chain, poses.center[:, i], link_angle, link=link)
         )
-    stacked = np.stack(estimates, axis=1)
-    return np.stack([_mean_of_seen(stacked[..., axis]) for axis in (0, 1)], axis=1)
+    return np.stack(estimates, axis=1)
+
+
+def _deviation_of_means(estimates: Float[np.ndarray, "n_frames n_tags 2"]) -> float:
+    """Return the standard deviation of the mean over links that their scatter shows [m]; nan for one link."""
+    n_tags = estimates.shape[1]
+    if n_tags < 2:
+        return float("nan")
+    # What a link always says differently is no noise: its tag is not where it should be.
+    mean = np.stack([_mean_of_seen(estimates[..., axis]) for axis in (0, 1)], axis=1)
+    scatter = estimates - mean[:, np.newaxis]
+    scatter = scatter - np.nanmedian(scatter, axis=0, keepdims=True)
+    size = float(np.nanmean(scatter**2))
+    return math.sqrt(size / (n_tags - 1.0))
 
 
 def _check_seen(link_angle: Float[np.ndarray, "n_frames n_links"]) -> None:
@@ -281,6 +308,9 @@ def _fit(
 ) -> BodyTrack:
     fit = fit_chain(tracked, chain, places)
     motion = fit.motion(tracked.time)
+    draws = fit.draw(N_DRAWS, tracked.time)
+    shift = draws.center_of_mass - motion.center_of_mass
+    variance = float(np.mean(shift**2))
     link_angle = kinematics.link_angles(motion.joint_angle, angle=motion.heading)
     degrees = np.degrees(np.max(fit.joint_deviation, initial=0.0))
     notes.append(
@@ -292,8 +322,10 @@ def _fit(
         time=tracked.time,
         center_of_mass=motion.center_of_mass,
         link_angle=link_angle,
+        frame=np.round(original.time * original.frame_rate).astype(int),
         points=original,
         calibration=calibration,
+        center_deviation=math.sqrt(variance),
         notes=tuple(notes),
     )
 

@@ -40,7 +40,7 @@ def draw_over_frames(track: BodyTrack, film: str | Path | None = None) -> Figure
     low, high = _window(ends[np.isfinite(ends).all(axis=(1, 2))], track)
     pictures: dict[int, np.ndarray] = {}
     if film is not None:
-        pictures = read_frames(film, chosen)
+        pictures = read_frames(film, [int(track.frame[i]) for i in chosen])
     n_rows = -(-len(chosen) // N_COLUMNS)
     ratio = float((high[1] - low[1]) / (high[0] - low[0]))
     figure = Figure(
@@ -51,7 +51,7 @@ def draw_over_frames(track: BodyTrack, film: str | Path | None = None) -> Figure
     for panel in panels[len(chosen) :]:
         panel.axis("off")
     for panel, frame in zip(panels, chosen, strict=False):
-        _draw_panel(panel, track, ends, frame, pictures.get(frame))
+        _draw_panel(panel, track, ends, frame, pictures.get(int(track.frame[frame])))
         panel.set_xlim(low[0], high[0])
         panel.set_ylim(low[1], high[1])
         if track.calibration is not None:
