@@ -67,6 +67,13 @@ def test_a_camera_is_calibrated_by_tags_on_the_floor_or_by_a_ruler(folder, capsy
     assert "one of --tags, --columns, --ruler-px must be given, got 2 of them" in error
 
 
+def test_a_lens_needs_a_film_that_shows_the_checkerboard(folder, capsys):
+    board = ["--columns", "9", "--rows", "6", "--square", "0.025"]
+    assert main(["lens", str(rendered().path), *board]) == 2
+    error = capsys.readouterr().err
+    assert "whole checkerboard in at least 5 pictures, got 0 of 16" in error
+
+
 def test_points_of_a_tracker_become_a_trial(folder, capsys):
     tracker_files.write_deeplabcut_csv(folder / "eel.csv")
     save_calibration(calibrate_by_ruler((640, 480), (0, 0), (500, 0), 1.0), "camera.toml")

@@ -202,7 +202,7 @@ class OfCamera(Command):
 class Camera(OfCamera):
     """Calibrate a camera for the points of a tracker: by tags on the floor, a checkerboard in the plane, or a ruler.
 
-    For example: laticauda camera empty-tank.mp4 --tags tags.toml --height 0.1 --output camera.toml
+    For example: laticauda camera swim.mp4 --tags tags.toml --height 0.1 --output camera.toml
 
     A ruler is for a camera that looks straight down: laticauda camera film.mp4 --ruler-px 212 540
     1710 548 --ruler-length 1 --output camera.toml
