@@ -8,7 +8,7 @@ from point_films import SETTLING, film_of
 
 import laticauda as lc
 from laticauda.film.chain import fit_chain, places_at
-from laticauda.film.forces import measure_glide
+from laticauda.film.forces import Assumptions, find_forces, measure_glide
 from laticauda.identify import fit as identify
 from laticauda.robot import textbook_of
 
@@ -46,6 +46,23 @@ def test_a_glide_gives_the_friction_with_the_truth_in_its_interval():
         low, high = estimate.interval
         inside += low <= 0.045 <= high
     assert inside == 3
+
+
+def test_water_that_a_glide_identified_goes_into_the_forces_of_a_swim():
+    robot = lc.load_robot("amphibot")
+    known = textbook_of(robot)
+    _, glide = glide_of(robot, known, 0)
+    found = identify(
+        [measure_glide(glide, known)], parameters=["water.tangential_friction"], n_starts=1
+    )
+    gait = lc.eel_like(amplitude=0.6, frequency=8.5, phase_shift=0.7)
+    film = film_of(robot, gait, noise=0.001, environment=known)
+    fit = fit_chain(film.points, robot, places_at(film.along))
+    forces = find_forces(fit, Assumptions.of_identified(found), n_draws=60, n_swims=0)
+    tables = find_forces(fit, n_draws=60, n_swims=0)
+    assert forces.explains
+    left, wide = (one.figures["left_over"] for one in (forces, tables))
+    assert left.high - left.low < 0.3 * (wide.high - wide.low)
 
 
 def test_a_glide_says_how_sure_it_is():

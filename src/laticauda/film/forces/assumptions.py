@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from laticauda import scenarios
+from laticauda.identify import Fit
 from laticauda.models.simulate.numbers import change_parameters, value_of
 from laticauda.motion.gaits import JointAngles, recorded_gait
 from laticauda.robot import Robot, Water, textbook_water
@@ -57,6 +58,27 @@ class Assumptions:
         """
         textbook = textbook_water(robot, speed=speed)
         return cls(water=textbook.water, intervals=textbook.intervals, **known)
+
+    @classmethod
+    def of_identified(cls, found: Fit, **known: float) -> "Assumptions":
+        """Return the water that was identified, with its intervals; that they are correlated is left out.
+
+        Args:
+            found: What `laticauda.identify` found.
+            known: `body_deviation` and `scale_deviation`.
+
+        Raises:
+            ValueError: If it found nothing of the water.
+        """
+        intervals = {
+            estimate.name: estimate.interval
+            for estimate in found.estimates
+            if estimate.name.startswith("water.") and estimate.interval is not None
+        }
+        if not intervals:
+            raise BadArgument("found", "must hold a number of the water, such as its friction")
+        scenario = found.problem.scenarios_at(found.best)[0]
+        return cls(water=_water_of(scenario), intervals=intervals, **known)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
