@@ -111,9 +111,9 @@ def fill_band(blocks: Float[np.ndarray, "n_offsets n_knots m m"]) -> Float[np.nd
     band = np.zeros((n_offsets * m, n_knots * m))
     columns = np.array([[m * k] for k in range(n_knots)])
     for offset in range(n_offsets):
-        held = n_knots - offset
+        n_blocks = n_knots - offset
         for q in range(m):
             first = q if offset == 0 else 0
             rows = np.array(range(offset * m + first - q, offset * m + m - q))
-            band[rows, columns[:held] + q] = blocks[offset, :held, first:, q]
+            band[rows, columns[:n_blocks] + q] = blocks[offset, :n_blocks, first:, q]
     return band

@@ -58,9 +58,9 @@ class SplineBasis:
         # The derivative of a spline on equal knots has the differences of its coefficients.
         for order in range(derivative, 0, -1):
             n_columns = self.size - order + 1
-            ones = np.ones(n_columns)
+            step_up = np.ones(n_columns - 1)
             differences = sparse.diags_array(
-                [-ones[:-1], ones[:-1]], offsets=[0, 1], shape=(n_columns - 1, n_columns)
+                [-step_up, step_up], offsets=[0, 1], shape=(n_columns - 1, n_columns)
             )
             matrix = matrix @ differences / self.step
         return sparse.csr_array(matrix)

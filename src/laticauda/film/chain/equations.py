@@ -198,7 +198,7 @@ class Linearized:
         coordinate, extra = root * self.by_coordinate, root * self.by_extra
         per_frame = _transposed(coordinate) @ coordinate
         flat = per_frame.reshape(n_frames, m * m)
-        blocks = [(one @ flat).reshape(-1, m, m) for one in model.spline_products]
+        blocks = [(products @ flat).reshape(-1, m, m) for products in model.spline_products]
         cross = _transposed(coordinate) @ extra
         values, splines = self.harmonic_values, model.spline_values
         n_functions, n_extra = values.shape[1], extra.shape[2]

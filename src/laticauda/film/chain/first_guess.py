@@ -26,9 +26,9 @@ def fill_gaps(
     filled = np.empty_like(observed)
     for point in range(observed.shape[1]):
         frames = np.flatnonzero(seen[:, point])
-        kept = frames[~_jumps(observed[frames, point])]
-        places = observed[kept, point]
-        filled[:, point] = np.interp(time, time[kept], places)
+        regular_frames = frames[~_jumps(observed[frames, point])]
+        places = observed[regular_frames, point]
+        filled[:, point] = np.interp(time, time[regular_frames], places)
     return filled
 
 
@@ -72,24 +72,24 @@ def guess_coordinates(
 
 
 def _interpolation(
-    known: Float[np.ndarray, " n_known"], wanted: Float[np.ndarray, " n_wanted"]
-) -> Float[np.ndarray, "n_wanted n_known"]:
+    begin: Float[np.ndarray, " n_begin"], target: Float[np.ndarray, " n_target"]
+) -> Float[np.ndarray, "n_target n_begin"]:
     """Return the matrix that takes values at known places to others, on straight lines, also beyond the ends."""
-    order = np.argsort(known, kind="stable")
-    sorted_places = known[order]
-    matrix = np.zeros((wanted.size, known.size))
-    after = np.clip(np.searchsorted(sorted_places, wanted), 1, known.size - 1)
+    order = np.argsort(begin, kind="stable")
+    sorted_places = begin[order]
+    matrix = np.zeros((target.size, begin.size))
+    after = np.clip(np.searchsorted(sorted_places, target), 1, begin.size - 1)
     before = after - 1
     # Two points of one cross-section tell no direction: the next one further does.
     while np.any(short := sorted_places[after] - sorted_places[before] < 1e-9):
-        stuck = short & (before == 0) & (after == known.size - 1)
+        stuck = short & (before == 0) & (after == begin.size - 1)
         if np.any(stuck):
             break
         before = np.where(short, np.maximum(before - 1, 0), before)
-        after = np.where(short, np.minimum(after + 1, known.size - 1), after)
+        after = np.where(short, np.minimum(after + 1, begin.size - 1), after)
     gap = np.maximum(sorted_places[after] - sorted_places[before], 1e-9)
-    share = (wanted - sorted_places[before]) / gap
-    row = np.arange(wanted.size)
+    share = (target - sorted_places[before]) / gap
+    row = np.arange(target.size)
     np.add.at(matrix, (row, order[before]), 1.0 - share)
     np.add.at(matrix, (row, order[after]), share)
     return matrix

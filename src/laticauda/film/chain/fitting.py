@@ -140,8 +140,8 @@ def _choose_basis(time: Float[np.ndarray, " n_frames"], frequency: float) -> Spl
     """Return splines that follow the third harmonic, with no more intervals than frames."""
     begin, duration = float(time[0]), float(time[-1] - time[0])
     n_cycles = duration * frequency / (2.0 * math.pi)
-    wanted = USUAL_INTERVALS if frequency == 0.0 else math.ceil(KNOTS_PER_CYCLE * n_cycles)
-    n_intervals = max(FEWEST_INTERVALS, min(max(wanted, USUAL_INTERVALS), time.size - 1))
+    n_knots = max(math.ceil(KNOTS_PER_CYCLE * n_cycles), USUAL_INTERVALS)
+    n_intervals = max(FEWEST_INTERVALS, min(n_knots, time.size - 1))
     return SplineBasis(begin=begin, step=duration / n_intervals, n_intervals=n_intervals)
 
 
@@ -278,10 +278,10 @@ class _Search:
                 straightness = old.bend_deviation**-2
             free = _count_free(basis, now, straightness)
             freedoms = free - float(np.sum(now * traces[group]))
-            wanted = max(freedoms, 1e-3) / float(np.sum(rough[group]))
+            unlimited = max(freedoms, 1e-3) / float(np.sum(rough[group]))
             lowest = now / LARGEST_CHANGE
             highest = np.minimum(now * LARGEST_CHANGE, stiffest[group])
-            roughness[group] = np.minimum(np.maximum(wanted, lowest), highest)
+            roughness[group] = np.minimum(np.maximum(unlimited, lowest), highest)
             for order in range(model.harmonics.n_orders):
                 pair = slice(2 * order, 2 * order + 2)
                 of_pair = squares[pair, group]
@@ -291,10 +291,10 @@ class _Search:
         bend = _renew_bend(old, basis, float(np.sum(bends**2)), float(np.sum(bend_spread)))
         membership = self.membership()
         square = membership * np.abs(model.residuals(unknowns)) ** 2
-        taken = np.sum(membership * linearized.spread_of_places(probes), axis=0) / old.noise**2
+        spread = np.sum(membership * linearized.spread_of_places(probes), axis=0)
         numbers = 2.0 * np.sum(membership, axis=0)
-        left = np.maximum(numbers - taken, FEWEST_FREEDOMS * numbers)
-        noise = np.sqrt(np.sum(square, axis=0) / left)
+        freedoms_left = np.maximum(numbers - spread / old.noise**2, FEWEST_FREEDOMS * numbers)
+        noise = np.sqrt(np.sum(square, axis=0) / freedoms_left)
         n_seen = int(np.sum(model.seen))
         share = (n_seen - float(np.sum(membership)) + 0.5) / (n_seen + 1.0)
         return Weights(
@@ -357,8 +357,8 @@ def _count_freedoms(
     weights: Weights,
 ) -> float:
     """Return how many numbers the unknowns take from the film: the trace of H^-1 J^T W J."""
-    taken = np.sum(membership * linearized.spread_of_places(probes), axis=0)
-    return float(np.sum(taken / weights.noise**2))
+    spread = np.sum(membership * linearized.spread_of_places(probes), axis=0)
+    return float(np.sum(spread / weights.noise**2))
 
 
 def _count_free(
@@ -384,9 +384,9 @@ def _renew_bend(old: Weights, basis: SplineBasis, size: float, spread: float) ->
     stiffness = np.outer(old.roughness[N_ROOT:], basis.roughness_sizes)
     if stiffness.size == 0:
         return old.bend_deviation
-    known = float(np.sum(precision / (stiffness + precision))) - precision * spread
-    wanted = max(known, 1e-3) / size
-    renewed = min(max(wanted, precision / LARGEST_CHANGE), precision * LARGEST_CHANGE)
+    freedoms = float(np.sum(precision / (stiffness + precision))) - precision * spread
+    unlimited = max(freedoms, 1e-3) / size
+    renewed = min(max(unlimited, precision / LARGEST_CHANGE), precision * LARGEST_CHANGE)
     return min(max(renewed**-0.5, SMALLEST_BEND), LARGEST_BEND)
 
 
@@ -394,6 +394,6 @@ def _stiffest(linearized: Linearized, weights: Weights) -> Float[np.ndarray, " n
     """Return the largest weights of roughness with which the equations can be solved."""
     basis = linearized.model.basis
     root_weight = np.tile(1.0 / weights.noise, 2)[:, np.newaxis]
-    said = np.sum((root_weight * linearized.by_coordinate) ** 2, axis=(0, 1)) / basis.size
+    information = np.sum((root_weight * linearized.by_coordinate) ** 2, axis=(0, 1)) / basis.size
     diagonal: np.ndarray = basis.roughness.diagonal()
-    return _shared(STIFFEST * basis.size * said / float(np.sum(diagonal)))
+    return _shared(STIFFEST * basis.size * information / float(np.sum(diagonal)))

@@ -33,24 +33,24 @@ def find_frequency(
     middle = time - 0.5 * (time[0] + time[-1])
     share = 2.0 * middle / duration
     slow = np.column_stack((np.ones_like(share), share, share**2))
-    rest = angles - slow @ np.linalg.pinv(slow) @ angles
-    size = float(np.sum(rest**2))
+    swing = angles - slow @ np.linalg.pinv(slow) @ angles
+    size = float(np.sum(swing**2))
     if size == 0.0:
         return 0.0
-    n_cycles = _strongest_cycles(time, rest)
-    if n_cycles == 0.0 or _explained(middle, rest, slow, n_cycles / duration) < LEAST_SHARE * size:
+    n_cycles = _strongest_cycles(time, swing)
+    if n_cycles == 0.0 or _explained(middle, swing, slow, n_cycles / duration) < LEAST_SHARE * size:
         return 0.0
     return 2.0 * math.pi * n_cycles / duration
 
 
 def _strongest_cycles(
-    time: Float[np.ndarray, " n_frames"], rest: Float[np.ndarray, "n_frames n_joints"]
+    time: Float[np.ndarray, " n_frames"], swing: Float[np.ndarray, "n_frames n_joints"]
 ) -> float:
     """Return how many cycles the film has of the strongest oscillation of all joints together, 0 if it is too short."""
     n_frames = time.size
     even_time = np.linspace(float(time[0]), float(time[-1]), n_frames)
-    even = np.empty((rest.shape[1], n_frames))
-    for joint, angle in enumerate(rest.T):
+    even = np.empty((swing.shape[1], n_frames))
+    for joint, angle in enumerate(swing.T):
         even[joint] = np.interp(even_time, time, angle)
     spectrum = np.fft.rfft(even, N_CANDIDATES * (n_frames - 1))
     power = np.sum(np.abs(spectrum) ** 2, axis=0)
@@ -63,7 +63,7 @@ def _strongest_cycles(
 
 def _explained(
     time: Float[np.ndarray, " n_frames"],
-    rest: Float[np.ndarray, "n_frames n_joints"],
+    swing: Float[np.ndarray, "n_frames n_joints"],
     slow: Float[np.ndarray, "n_frames 3"],
     frequency: float,
 ) -> float:
@@ -72,4 +72,4 @@ def _explained(
     waves = np.column_stack((np.cos(phase), np.sin(phase)))
     waves -= slow @ np.linalg.pinv(slow) @ waves
     directions, _ = np.linalg.qr(waves)
-    return float(np.sum((directions.T @ rest) ** 2))
+    return float(np.sum((directions.T @ swing) ** 2))

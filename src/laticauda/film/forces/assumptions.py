@@ -48,37 +48,37 @@ class Assumptions:
                 raise BadArgument(name, f"must be 0 to 1, got {getattr(self, name)}")
 
     @classmethod
-    def of_textbook(cls, robot: Robot, speed: float, **known: float) -> "Assumptions":
+    def of_textbook(cls, robot: Robot, speed: float, **deviations: float) -> "Assumptions":
         """Return the water from tables, with its intervals, for a body at a speed.
 
         Args:
             robot: What swims.
             speed: Its speed [m/s].
-            known: `body_deviation` and `scale_deviation`.
+            deviations: `body_deviation` and `scale_deviation`.
         """
         textbook = textbook_water(robot, speed=speed)
-        return cls(water=textbook.water, intervals=textbook.intervals, **known)
+        return cls(water=textbook.water, intervals=textbook.intervals, **deviations)
 
     @classmethod
-    def of_identified(cls, found: Fit, **known: float) -> "Assumptions":
+    def of_identified(cls, fit: Fit, **deviations: float) -> "Assumptions":
         """Return the water that was identified, with its intervals; that they are correlated is left out.
 
         Args:
-            found: What `laticauda.identify` found.
-            known: `body_deviation` and `scale_deviation`.
+            fit: What `laticauda.identify` found.
+            deviations: `body_deviation` and `scale_deviation`.
 
         Raises:
             ValueError: If it found nothing of the water.
         """
         intervals = {
             estimate.name: estimate.interval
-            for estimate in found.estimates
+            for estimate in fit.estimates
             if estimate.name.startswith("water.") and estimate.interval is not None
         }
         if not intervals:
-            raise BadArgument("found", "must hold a number of the water, such as its friction")
-        scenario = found.problem.scenarios_at(found.best)[0]
-        return cls(water=_water_of(scenario), intervals=intervals, **known)
+            raise BadArgument("fit", "must hold a number of the water, such as its friction")
+        scenario = fit.problem.scenarios_at(fit.best)[0]
+        return cls(water=_water_of(scenario), intervals=intervals, **deviations)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -54,17 +54,17 @@ def estimate(
         values: Its value in every draw; draws without one, nan, are left out.
         assumed: What was drawn of water and body.
     """
-    known = np.isfinite(values)
-    if np.count_nonzero(known) < 2:
+    is_finite = np.isfinite(values)
+    if np.count_nonzero(is_finite) < 2:
         unknown = {source: np.nan for source in SOURCES}
         return Estimate(
             title=title, unit=unit, median=np.nan, low=np.nan, high=np.nan, shares=unknown
         )
     # The usual quantile of few draws lies inside the interval; this one is right on average.
     probabilities = [0.5 - 0.5 * CONFIDENCE, 0.5, 0.5 + 0.5 * CONFIDENCE]
-    low, median, high = np.quantile(values[known], probabilities, method="weibull")
+    low, median, high = np.quantile(values[is_finite], probabilities, method="weibull")
     shares = _share_variance(
-        values[known], assumed.water_numbers[known], assumed.body_numbers[known]
+        values[is_finite], assumed.water_numbers[is_finite], assumed.body_numbers[is_finite]
     )
     return Estimate(
         title=title,
@@ -92,9 +92,9 @@ def _share_variance(
     slopes: np.ndarray = inverse @ centered
     of_water: np.ndarray = numbers[:, : water.shape[1]] @ slopes[: water.shape[1]]
     of_body: np.ndarray = numbers[:, water.shape[1] :] @ slopes[water.shape[1] :]
-    rest: np.ndarray = centered - of_water - of_body
+    remainder: np.ndarray = centered - of_water - of_body
     n_left = max(len(values) - 1 - numbers.shape[1], 1)
-    by_chance = float(np.sum(rest**2)) / n_left
+    by_chance = float(np.sum(remainder**2)) / n_left
     sizes = {
         "water": max(float(np.sum(of_water**2)) - water.shape[1] * by_chance, 0.0),
         "body": max(float(np.sum(of_body**2)) - body.shape[1] * by_chance, 0.0),

@@ -88,5 +88,5 @@ def _repeat_cycle(motion: ChainMotion, window: Window) -> JointAngles:
     angle = growth[:, np.newaxis] * angle
     return JointAngles(
         time=tuple(float(moment) for moment in period * time),
-        angle=tuple(tuple(float(one) for one in of_joint) for of_joint in angle.T),
+        angle=tuple(tuple(float(radians) for radians in of_joint) for of_joint in angle.T),
     )

@@ -41,9 +41,9 @@ def list_remarks(forces: FilmForces) -> list[str]:
     fit, window = forces.fit, forces.window
     n_frames, n_points = fit.membership.shape
     remarks = [_describe_window(forces)]
-    noise = ", ".join(f"{1e3 * one:.2g}" for one in sorted({min(fit.noise), max(fit.noise)}))
+    least, greatest = 1e3 * min(fit.noise), 1e3 * max(fit.noise)
     remarks.append(
-        f"{n_points} points in {n_frames} frames; noise of {noise} mm, least and greatest of the points; "
+        f"{n_points} points in {n_frames} frames; noise of {least:.2g} to {greatest:.2g} mm; "
         f"{fit.n_outliers} places belong elsewhere and do not count."
     )
     if fit.noise_correlation > 0.0:
@@ -75,14 +75,14 @@ def _describe_window(forces: FilmForces) -> str:
 
 def _describe_water(forces: FilmForces) -> str:
     assumptions = forces.assumptions
-    name = assumptions.water.name
+    water = assumptions.water.name
     if not assumptions.intervals:
-        return f"The water `{name}` was taken as known."
+        return f"The water `{water}` was taken as known."
     numbers = ", ".join(
-        f"{one.removeprefix('water.')} {low:.3g} to {high:.3g}"
-        for one, (low, high) in assumptions.intervals.items()
+        f"{name.removeprefix('water.')} {low:.3g} to {high:.3g}"
+        for name, (low, high) in assumptions.intervals.items()
     )
-    return f"The water `{name}` is known to its intervals alone: {numbers}."
+    return f"The water `{water}` is known to its intervals alone: {numbers}."
 
 
 def _describe_left_over(forces: FilmForces) -> str:
