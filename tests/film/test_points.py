@@ -46,6 +46,7 @@ def test_a_lost_point_is_nan_and_everything_else_is_seen():
     points = TrackedPoints(**(VALID | {"position": position}))
     assert points.is_seen.tolist() == [[True, True], [False, True], [True, True]]
     assert points.frame_rate == pytest.approx(30.0)
+    assert repr(points) == "<TrackedPoints: 2 points in 3 frames at 30 1/s, px>"
     assert points.with_notes("Lost twice.").notes == ("Lost twice.",)
 
 

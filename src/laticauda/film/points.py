@@ -11,7 +11,7 @@ UNITS = ("px", "m")
 """Units of positions: pixels of the film (x right, y down), or metres in a plane (right handed)."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class TrackedPoints:
     """Points tracked on one body in a film.
 
@@ -59,6 +59,11 @@ class TrackedPoints:
         check_choice("unit", self.unit, UNITS)
         for name in ("individual", "source"):
             check_text(name, getattr(self, name))
+
+    def __repr__(self) -> str:
+        """Return one line: points, frames, their rate, and the unit."""
+        film = f"{self.n_frames} frames at {self.frame_rate:.4g} 1/s"
+        return f"<TrackedPoints: {self.n_points} points in {film}, {self.unit}>"
 
     def _check_time(self) -> None:
         if self.time.ndim != 1 or self.time.size < 2:
