@@ -8,20 +8,20 @@ the table are computed in `scores`.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 import laticauda as lc
 from laticauda.paper.measured import MeasuredPathFollowing, percent_change
-from laticauda.paper.runs import Coefficients, Runs, Study
+from laticauda.paper.runs import Coefficients, NamedScenario, Runs, Study
 from laticauda.paper.settings import (
     Group,
     HeldOut,
     PathFollowingSettings,
     load_path_following_settings,
 )
-from laticauda.scenarios import Model, loop_in_words
+from laticauda.scenarios import Model, Observations, loop_in_words
 from laticauda.trials import TRANSIENT, Trial, following
 from laticauda.values import name_of, option, quantity, value_class
 
@@ -214,9 +214,7 @@ def _run_study(
 ) -> PathFollowingStudy:
     """Run all cases with every model, one of which is `runs.model`, and the held-out trial."""
     following_runs = _FollowingRuns(settings=settings, models=models, runs=runs)
-    cases: list[FollowingCase] = []
-    for group in settings.groups:
-        cases += following_runs.run_group(group)
+    cases = following_runs.run_groups()
     return PathFollowingStudy(
         settings=settings,
         trial_settings=cases[0].trial.settings,
@@ -302,6 +300,55 @@ class _Task:
     """Gait without the steering."""
 
 
+class _RunAlongPath(NamedTuple):
+    """A run along the path."""
+
+    task: _Task
+    """What swims."""
+    model: Model
+    """Model that computes it."""
+    start: lc.Start
+    """Its start."""
+    heading_estimate: str
+    """Heading that is used: raw or cycle_mean."""
+
+
+class _Row(NamedTuple):
+    """A row of Table 2 before its runs."""
+
+    group: Group
+    """Part of the table to which it belongs."""
+    measured: MeasuredPathFollowing
+    """What was measured."""
+    figure: int
+    """Number of the paper's figure."""
+    free_velocity: float
+    """Steady velocity of the same gait, unsteered [m/s]."""
+
+    def run_along_path(self, model: Model, heading_estimate: str) -> _RunAlongPath:
+        """Return a run of this row."""
+        measured = self.measured
+        task = _Task(
+            name=f"{self.group.name}, case {measured.case}",
+            robot=self.group.robot,
+            gait=measured.gait,
+        )
+        start = lc.Start(
+            center_of_mass=(0.0, measured.initial_cross_track_error),
+            heading=measured.initial_heading,
+        )
+        return _RunAlongPath(task, model, start, heading_estimate)
+
+
+def _free_task(group: Group) -> _Task:
+    """Return what swims when nothing steers the gait of a group."""
+    return _Task(
+        name=f"{group.name}, unsteered",
+        robot=group.robot,
+        gait=group.path_following_cases[0].gait,
+    )
+
+
 @dataclass(frozen=True, kw_only=True)
 class _FollowingRuns:
     """Runs all trials of a study."""
@@ -313,40 +360,39 @@ class _FollowingRuns:
     runs: Runs
     """Runner; its model is the chosen one."""
 
-    def run_group(self, group: Group) -> list[FollowingCase]:
-        """Run all cases of a group."""
-        free = _Task(
-            name=f"{group.name}, unsteered",
-            robot=group.robot,
-            gait=group.path_following_cases[0].gait,
-        )
-        free_velocity = self._swim_unsteered(free).steady_velocity
+    def run_groups(self) -> list[FollowingCase]:
+        """Run all cases of all groups, side by side: with every model of the band, and with the cycle-mean heading."""
+        rows: list[_Row] = []
+        runs_along_path: list[_RunAlongPath] = []
+        for group in self.settings.groups:
+            free_velocity = self._swim_unsteered(_free_task(group)).steady_velocity
+            for measured, figure in zip(group.path_following_cases, group.figures, strict=True):
+                row = _Row(group, measured, figure, free_velocity)
+                rows.append(row)
+                for model in self.models:
+                    runs_along_path.append(row.run_along_path(model, "raw"))
+                runs_along_path.append(row.run_along_path(self.runs.model, "cycle_mean"))
+        trials = self._swim_along_path(runs_along_path)
+        n_of_row = len(self.models) + 1
         return [
-            self._run_case(group, row, figure, free_velocity)
-            for row, figure in zip(group.path_following_cases, group.figures, strict=True)
+            self._build_case(row, trials[n_of_row * i : n_of_row * (i + 1)])
+            for i, row in enumerate(rows)
         ]
 
-    def _run_case(
-        self, group: Group, row: MeasuredPathFollowing, figure: int, free_velocity: float
-    ) -> FollowingCase:
-        """Run one row of Table 2 with every model of the band, and with the cycle-mean heading."""
-        task = _Task(name=f"{group.name}, case {row.case}", robot=group.robot, gait=row.gait)
-        start = lc.Start(
-            center_of_mass=(0.0, row.initial_cross_track_error), heading=row.initial_heading
-        )
-        trials = [self._swim_along_path(task, model, start, "raw") for model in self.models]
-        band = [self._figures(trial) for trial in trials]
-        cycle_mean = self._swim_along_path(task, self.runs.model, start, "cycle_mean")
+    def _build_case(self, row: "_Row", trials: list[Trial]) -> FollowingCase:
+        """Return a case from its trials: one for every model of the band, then that with the cycle-mean heading."""
+        *trials_of_band, cycle_mean = trials
+        band = [self._figures(trial) for trial in trials_of_band]
         chosen = self.models.index(self.runs.model)
         return FollowingCase(
-            measured=row,
-            group=group,
-            figure=figure,
-            trial=trials[chosen],
+            measured=row.measured,
+            group=row.group,
+            figure=row.figure,
+            trial=trials_of_band[chosen],
             run=band[chosen],
             band=tuple(band),
             cycle_mean=self._figures(cycle_mean),
-            free_velocity=free_velocity,
+            free_velocity=row.free_velocity,
         )
 
     def run_held_out(self) -> HeldOutRun:
@@ -357,7 +403,7 @@ class _FollowingRuns:
             center_of_mass=(0.0, held_out.initial_cross_track_error),
             heading=held_out.initial_heading,
         )
-        trial = self._swim_along_path(task, self.runs.model, start, "raw")
+        (trial,) = self._swim_along_path([_RunAlongPath(task, self.runs.model, start, "raw")])
         period = trial.period
         assert period is not None
         elapsed = trial.time - trial.time[0]
@@ -384,21 +430,24 @@ class _FollowingRuns:
         model = self.runs.model
         return self.runs.swim(_name_run(task, model), self._unsteered_scenario(task, model))
 
-    def _swim_along_path(
-        self, task: _Task, model: Model, start: lc.Start, heading_estimate: str
-    ) -> Trial:
-        """Return the trial of a run along the path, which ends at the distance of the settings."""
-        scenario = replace(
-            self._unsteered_scenario(task, model),
-            motion=self.settings.controller(task.gait, heading_estimate),
-            start=start,
-        )
-        end = start.center_of_mass[0] + self.settings.distance
-        return self.runs.swim(
-            _name_run(task, model),
-            scenario,
-            until=lambda observation: bool(observation.center_of_mass[0] >= end),
-        )
+    def _swim_along_path(self, runs_along_path: "list[_RunAlongPath]") -> list[Trial]:
+        """Return the trials of runs along the path, each of which ends at the distance of the settings."""
+        tasks: list[NamedScenario] = []
+        ends: list[float] = []
+        for run in runs_along_path:
+            scenario = replace(
+                self._unsteered_scenario(run.task, run.model),
+                motion=self.settings.controller(run.task.gait, run.heading_estimate),
+                start=run.start,
+            )
+            tasks.append(NamedScenario(_name_run(run.task, run.model), scenario))
+            ends.append(run.start.center_of_mass[0] + self.settings.distance)
+        end_of_run = np.array(ends)
+
+        def has_arrived(observations: Observations, index: np.ndarray) -> np.ndarray:
+            return observations.center_of_mass[:, 0] >= end_of_run[index]
+
+        return self.runs.swim_side_by_side(tasks, has_arrived)
 
     def _unsteered_scenario(self, task: _Task, model: Model) -> lc.Scenario:
         coefficients: Coefficients = self.settings.coefficients

@@ -7,14 +7,29 @@ and `Study` is the base of all studies: its `run` is what users call.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import Any, ClassVar, Generic, NamedTuple, Self, TypeVar, Unpack, get_args
+from typing import Any, ClassVar, Generic, NamedTuple, Self, TypeVar, Unpack, cast, get_args
 
 import numpy as np
 
 import laticauda as lc
-from laticauda.models.simulate import Until, build_plant, run_scenario, silent
+from laticauda.models.simulate import (
+    HasArrived,
+    Until,
+    build_plant,
+    run_scenario,
+    silent,
+    swim_side_by_side,
+)
 from laticauda.motion import gaits
-from laticauda.scenarios import NO_FILTER, Model, ModelChanges, Scenario, model_of, settings_of
+from laticauda.scenarios import (
+    NO_FILTER,
+    Model,
+    ModelChanges,
+    Scenario,
+    check_plausible,
+    model_of,
+    settings_of,
+)
 from laticauda.studies import Progress
 from laticauda.trials import Setting
 from laticauda.values import SimulationFailed, check_instance, packaging
@@ -143,6 +158,30 @@ class Runs:
         self.trial_settings |= settings_of(plant.settings)
         self._count_run()
         return trial
+
+    def swim_side_by_side(
+        self, tasks: Sequence[NamedScenario], has_arrived: HasArrived
+    ) -> list[lc.Trial]:
+        """Return the trials of scenarios with controllers; up to rounding, those of `swim`.
+
+        Args:
+            tasks: Names and scenarios, all with the same duration and sample interval.
+            has_arrived: Called at every control instant after the first: a run ends early where it
+                returns True; see `laticauda.models.simulate.swim_side_by_side`.
+
+        Raises:
+            SimulationFailed: If one blows up; the message says which.
+        """
+        scenarios = [task.scenario for task in tasks]
+        for scenario in scenarios:
+            check_plausible(scenario)
+        trials = swim_side_by_side(scenarios, has_arrived)
+        for task, trial in zip(tasks, trials, strict=True):
+            if not trial.succeeded:
+                raise SimulationFailed(f"{task.name}: {trial.status}")
+            self.trial_settings |= settings_of(cast(Model, trial.scenario.model))
+            self._count_run()
+        return trials
 
     def swim_many(self, tasks: Sequence[NamedScenario]) -> dict[str, np.ndarray]:
         """Return the figures of many scenarios with a fixed gait; up to rounding, those of `swim`.

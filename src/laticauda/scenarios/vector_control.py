@@ -196,7 +196,9 @@ def check_decisions(decisions: Mapping[str, Any], n: int) -> dict[str, np.ndarra
         if numbers.shape not in ((), (n,)):
             rule = f"must hold one number for each of the {n} robots"
             raise BadArgument(f"decisions[{name!r}]", f"{rule}, got the shape {numbers.shape}")
-        checked[name] = np.broadcast_to(numbers, (n,))
+        if not numbers.shape:
+            numbers = np.full(n, numbers)
+        checked[name] = numbers
     return checked
 
 

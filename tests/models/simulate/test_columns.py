@@ -110,6 +110,7 @@ def test_trials_that_diverge_say_when_and_leave_no_figures():
     np.testing.assert_allclose(swims.heading[::2], [trial.heading[-1] for trial in trials[::2]])
 
 
+@pytest.mark.filterwarnings("ignore::laticauda.values.ImplausibleWarning")
 def test_swim_many_with_columns_is_swim_many_with_scenarios(monkeypatch):
     columns = random_columns(21, water__normal_drag=[1.0, 1.5])
     monkeypatch.setattr("laticauda.models.simulate.many.COLUMNS_AT_ONCE", 8)

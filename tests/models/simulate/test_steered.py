@@ -21,7 +21,7 @@ from laticauda.control import (
     Spline,
     StraightLine,
 )
-from laticauda.models.simulate import steered
+from laticauda.models.simulate import run_scenario, steered, swim_side_by_side
 from laticauda.scenarios import VectorController
 from laticauda.values import value_class
 
@@ -251,3 +251,47 @@ def test_progress_of_steered_and_unsteered_runs_adds_up(monkeypatch):
     lc.swim_many(scenarios, threads=2, progress=shares.append)
     assert shares == sorted(shares)
     assert shares[-1] == pytest.approx(1.0)
+
+
+@pytest.mark.filterwarnings("ignore::laticauda.values.InfeasibleWarning")
+def test_trials_side_by_side_are_those_of_single_runs_and_end_where_they_arrive():
+    laws = [follower(), follower(interval=0.2), OffsetSteps(gait=GAIT, interval=0.5), GAIT]
+    scenarios = scenarios_of(laws, joints=lc.JointLaw.of("pd"), dt=None, loop_delay=0.07)
+    scenarios[0] = replace(scenarios[0], robot=lc.load_robot("mamba-fin"))
+    ends = np.array([0.02, 0.05, 9.0, 9.0])
+
+    def has_arrived(observations, index):
+        return observations.center_of_mass[:, 0] >= ends[index]
+
+    trials = swim_side_by_side(scenarios, has_arrived)
+    for scenario, trial, end in zip(scenarios, trials, ends, strict=True):
+        plant = lc.build_plant(scenario)
+        alone = run_scenario(
+            scenario, plant, until=lambda seen, end=end: seen.center_of_mass[0] >= end
+        )
+        assert trial.duration == alone.duration
+        assert trial.scenario == alone.scenario
+        assert trial.signals.keys() == alone.signals.keys()
+        for name in ("time", "heading", "joint_torque", "joint_angle_ref", "center_of_mass"):
+            values, expected = getattr(trial, name), getattr(alone, name)
+            np.testing.assert_allclose(values, expected, rtol=1e-10, atol=1e-10, err_msg=name)
+        for name, expected in alone.signals.items():
+            np.testing.assert_allclose(trial.signals[name], expected, atol=1e-12, err_msg=name)
+        (state,) = trial.state.values()
+        np.testing.assert_allclose(state, *alone.state.values(), rtol=1e-10, atol=1e-10)
+    assert trials[0].duration < 4.0
+    assert trials[3].duration == 4.0
+
+
+@pytest.mark.filterwarnings("ignore::laticauda.values.ImplausibleWarning")
+def test_trials_that_no_fleet_holds_are_run_alone():
+    held = scenarios_of([Holding(), Holding()], joints=lc.JointLaw.of("servo"), dt=None)
+    wild = replace(GAIT, amplitude=1.0, frequency=30.0)
+    gentle = HeadingController(gain=0.4, max_offset=0.01)
+    wild_follower = follower(gait=wild, heading=gentle)
+    diverging = scenarios_of([wild_follower], joints=lc.JointLaw.of("pd"), dt=0.05)
+    for scenario, trial in zip(
+        [*held, *diverging], swim_side_by_side([*held, *diverging]), strict=True
+    ):
+        assert trial.equals(lc.swim(scenario))
+    assert not trial.succeeded

@@ -23,7 +23,7 @@ from laticauda.models.planar.batch import (
     block_of,
     columns_of,
 )
-from laticauda.scenarios import Command, Decisions, Observation, Observations, check_decisions
+from laticauda.scenarios import Command, Decisions, Observation, Observations
 
 ROW_OF_COMMAND = {
     "amplitude": rows.AMPLITUDE,
@@ -81,23 +81,28 @@ class Fleet:
         """Whether each robot still swims."""
         return self._lane_is_well.ravel()[: self.n]
 
+    @property
+    def any_swims(self) -> bool:
+        """Whether any robot still swims."""
+        return bool(self._blocks_that_swim)
+
     def observe(self) -> Observations:
         """Return what controllers see of all robots now."""
         seen = self._read(_SEEN)
-        if not self._lane_is_well.all():
+        is_well = self.is_well
+        if not is_well.all():
             now = np.max(seen[0])
-            seen = np.where(self.is_well, seen, self._last_seen)
+            seen = np.where(is_well, seen, self._last_seen)
             seen[0] = now  # time goes on for a robot whose lane no longer runs
         self._last_seen = seen
-        time, _, heading, x, y, heading_rate, velocity_x, velocity_y = seen
         return _FleetObservations(
             self,
-            time=time,
-            center_of_mass=np.stack((x, y), axis=1),
-            center_of_mass_velocity=np.stack((velocity_x, velocity_y), axis=1),
-            heading=heading,
-            heading_rate=heading_rate,
-            is_well=self.is_well,
+            time=seen[0],
+            heading=seen[2],
+            center_of_mass=seen[3:5].T,
+            heading_rate=seen[5],
+            center_of_mass_velocity=seen[6:8].T,
+            is_well=is_well,
             observe=self._observe_one,
         )
 
@@ -105,7 +110,8 @@ class Fleet:
         """Let all robots do something else from now on.
 
         Args:
-            decisions: What each is to do, see `Decisions`.
+            decisions: What each is to do, see `Decisions`; numbers are those that `check_decisions`
+            returns.
 
         Raises:
             NeedsRunOfItsOwn: If a command is of another kind than a gait with an offset, or switches
@@ -115,7 +121,7 @@ class Fleet:
             return
         self._acting = decisions
         if isinstance(decisions, Mapping):
-            self._command_numbers(check_decisions(decisions, self.n))
+            self._command_numbers(decisions)
             return
         for i, command in enumerate(decisions):
             if command is not None:
@@ -239,7 +245,10 @@ class Fleet:
     def _note_failures(self, leg: "LoggedLeg") -> None:
         """Note which robots' numbers left the finite range in a leg, and after how many samples."""
         n_written = self._lanes[:, rows.SAMPLES]
-        fails = self._lane_is_well & (n_written <= leg.n_intervals)
+        is_short = n_written <= leg.n_intervals
+        if not is_short.any():
+            return
+        fails = self._lane_is_well & is_short
         if fails.any():
             self._n_samples[fails] = leg.first + n_written[fails].astype(int)
             self._lane_is_well &= ~fails

@@ -8,6 +8,7 @@ many.py             `swim_many`: figures of many runs
 batch_scenarios.py  scenarios and runs of a batch, from the arguments of `swim_many`
 batch_run.py        running a batch, block by block
 steered.py          runs that controllers steer, side by side
+steered_trials.py   trials of these, each with its log
 batch_figures.py    what is kept of each run, and the figures computed from it
 run_table.py        many runs as columns, without an object for each
 table_run.py        running these
@@ -72,6 +73,10 @@ if TYPE_CHECKING:
     )
     from laticauda.models.simulate.batch_run import run_batch as run_batch
     from laticauda.models.simulate.batch_scenarios import runs_of as runs_of
+    from laticauda.models.simulate.steered_trials import (
+        HasArrived as HasArrived,
+        swim_side_by_side as swim_side_by_side,
+    )
     from laticauda.models.simulate.run_table import (
         RunTable as RunTable,
         make_run_table as make_run_table,
@@ -98,6 +103,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
         "laticauda.models.simulate.batch_figures": ["Block", "Run", "joint_peaks"],
         "laticauda.models.simulate.batch_run": ["run_batch"],
         "laticauda.models.simulate.batch_scenarios": ["runs_of"],
+        "laticauda.models.simulate.steered_trials": ["HasArrived", "swim_side_by_side"],
         "laticauda.models.simulate.run_table": ["RunTable", "make_run_table", "scenarios_at"],
         "laticauda.models.simulate.table_run": ["run_columns"],
         "laticauda.models.simulate.numbers": [

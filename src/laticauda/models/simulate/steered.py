@@ -5,7 +5,7 @@ of its controllers decide, by arrays if they are written so, and then all robots
 results are those of the runner, run by run.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any, NamedTuple, TypeVar, cast
@@ -38,7 +38,10 @@ from laticauda.models.simulate.timeline import (
 from laticauda.scenarios import (
     Controller,
     Decisions,
+    Observation,
+    Observations,
     Scenario,
+    check_decisions,
     kind_of_controller,
     vectorize,
 )
@@ -205,7 +208,9 @@ def march_steered(
             ]
         return [use(block) for block in fleet.blocks(members)]
 
-    fleets = list(_split_into_fleets(runs, duration, sample_interval, n_threads, with_joints))
+    fleets = split_into_fleets(
+        runs, duration, sample_interval, n_threads=n_threads, with_joints=with_joints
+    )
     with ThreadPoolExecutor(n_threads) as pool:
         for results in pool.map(work, fleets):
             yield from results
@@ -226,26 +231,107 @@ def swim_fleet(
         sample_interval: Time between two samples, not yet adjusted [s].
         with_joints: Whether to log the joints as well.
     """
-    controllers = [cast("Controller[Any]", run.controller) for run in runs]
+    (fleet,) = swim_fleets([runs], duration, sample_interval, with_joints=with_joints)
+    return fleet
+
+
+def swim_fleets(
+    runs_of_fleets: Sequence[Sequence[Run]],
+    duration: float,
+    sample_interval: float,
+    *,
+    with_joints: bool,
+    watch: Callable[[Observations, Mapping[str, np.ndarray]], bool] | None = None,
+) -> list[Fleet]:
+    """Return fleets after their whole run; the controllers of all decide together.
+
+    Args:
+        runs_of_fleets: For each fleet, runs of one kind; the controllers of all are of one kind and
+            decide at the same times.
+        duration: Duration of the run [s].
+        sample_interval: Time between two samples, not yet adjusted [s].
+        with_joints: Whether to log the joints as well.
+        watch: Called after every control instant with what was observed of all robots and the signals
+            of their controllers; when it returns True, the run ends there.
+    """
+    controllers = [
+        cast("Controller[Any]", run.controller) for runs in runs_of_fleets for run in runs
+    ]
     interval = controllers[0].interval
     sampling = Sampling.of(controllers[0], duration, sample_interval)
-    fleet = Fleet(runs, sampling.n_samples, with_joints=with_joints)
     steering = vectorize(controllers)
-    first_commands: Decisions = [run.command for run in runs]
-    commands = CommandQueue[Decisions](first_commands, delay=runs[0].plant.settings.loop_delay)
+    members = [
+        _Member(Fleet(runs, sampling.n_samples, with_joints=with_joints)) for runs in runs_of_fleets
+    ]
+    ends = np.cumsum([member.fleet.n for member in members]).tolist()
     n_logged = 0
     now = 0.0
     for span in split_run(duration, sample_interval, interval):
         if span.begins_at_control_instant:
-            commands.add(now, steering.step(fleet.observe()))
-        for leg in _logged_legs(split_span([commands], now, span), span, n_logged):
-            fleet.command(commands.acting(now, leg.begin))
-            fleet.march(leg.logged)
+            observations = _join_observations([member.fleet.observe() for member in members])
+            decisions = steering.step(observations)
+            if isinstance(decisions, Mapping):
+                decisions = check_decisions(decisions, len(controllers))
+            for member, end in zip(members, ends, strict=True):
+                part = _part_of_decisions(decisions, slice(end - member.fleet.n, end))
+                member.commands.add(now, part)
+            if watch is not None and watch(observations, steering.signals):
+                break
+        for member in members:
+            member.march(now, span, n_logged)
         n_logged += span.n_samples
         now = span.end
-        if not fleet.is_well.any():
+        if not any(member.fleet.any_swims for member in members):
             break
-    return fleet
+    return [member.fleet for member in members]
+
+
+class _Member:
+    """A fleet and its commands.
+
+    Args:
+        fleet: The fleet.
+    """
+
+    def __init__(self, fleet: Fleet) -> None:
+        self.fleet = fleet
+        first_commands: Decisions = [run.command for run in fleet.runs]
+        delay = fleet.plant.settings.loop_delay
+        self.commands = CommandQueue[Decisions](first_commands, delay=delay)
+
+    def march(self, now: float, span: Span, n_logged: int) -> None:
+        """Let the fleet swim for a span, of whose log `n_logged` is the first sample."""
+        for leg in _logged_legs(split_span([self.commands], now, span), span, n_logged):
+            self.fleet.command(self.commands.acting(now, leg.begin))
+            self.fleet.march(leg.logged)
+
+
+def _join_observations(parts: Sequence[Observations]) -> Observations:
+    """Return the observations of several fleets as those of one."""
+    if len(parts) == 1:
+        return parts[0]
+    places = [(part, i) for part in parts for i in range(len(part))]
+
+    def observe(i: int) -> Observation:
+        part, robot = places[i]
+        return part.of_robot(robot)
+
+    return Observations(
+        time=np.concatenate([part.time for part in parts]),
+        center_of_mass=np.concatenate([part.center_of_mass for part in parts]),
+        center_of_mass_velocity=np.concatenate([part.center_of_mass_velocity for part in parts]),
+        heading=np.concatenate([part.heading for part in parts]),
+        heading_rate=np.concatenate([part.heading_rate for part in parts]),
+        is_well=np.concatenate([part.is_well for part in parts]),
+        observe=observe,
+    )
+
+
+def _part_of_decisions(decisions: Decisions, robots: slice) -> Decisions:
+    """Return what some of the robots are to do."""
+    if isinstance(decisions, Mapping):
+        return {name: values[robots] for name, values in decisions.items()}
+    return decisions[robots]
 
 
 def _swim_alone(run: Run, index: int, duration: float, sample_interval: float) -> Block:
@@ -299,14 +385,23 @@ def _logged_legs(legs: Iterable[Leg], span: Span, first: int) -> Iterator[_Comma
             first += n_intervals
 
 
-def _split_into_fleets(
+def split_into_fleets(
     runs: Sequence[Run],
     duration: float,
     sample_interval: float,
+    *,
     n_threads: int,
     with_joints: bool,
 ) -> Iterator[np.ndarray]:
-    """Yield the indices of the runs of every fleet."""
+    """Yield the indices of the runs of every fleet.
+
+    Args:
+        runs: Runs with controllers, all with the same `Sampling`.
+        duration: Duration of every run [s].
+        sample_interval: Time between two samples, not yet adjusted [s].
+        n_threads: Number of threads that share the fleets.
+        with_joints: Whether the joints are logged as well.
+    """
     first = cast("Controller[Any]", runs[0].controller)
     sampling = Sampling.of(first, duration, sample_interval)
     for members in _kinds_of_fleets(runs, duration / sampling.n_samples):
