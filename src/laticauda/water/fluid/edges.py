@@ -13,7 +13,7 @@ and from them follow chi = 1 - k_s/2, b = 1/(2 - k_s), and x_w = c - x_ac, where
 theorem the speed across the plate decides on its lift. The lag is l = c (1 + A/9), at most 3 c.
 `finite_span` has the law.
 
-`TABLE` comes from an unsteady vortex lattice (see the theory page on fins). Between its rows,
+`TABLE` comes from a vortex lattice (`laticauda.water.fluid.lattice`). Between its rows,
 logarithms are interpolated by a monotone cubic over log A. Beyond them the functions reach their
 limits: for A -> 0 k, k_s, k_r -> 1 and x_ac -> 0, Lighthill's slender plate; for A -> infinity
 k -> c/h, k_s -> 4 c/h, k_r -> 3 c/(8 h) and x_ac -> c/4, Theodorsen's and Garrick's flat plate.
