@@ -23,7 +23,7 @@ def swum(robot):
     plant = lc.build_plant(robot, textbook_of(robot), dt=STEP)
     command = Command(gait=GAIT)
     log = plant.march(plant.init(Start(), command), command, 3.0, STEP, link_forces=True).log
-    part = slice(1000, 1200)
+    part = slice(200, 1200)
     motion = GivenMotion(
         time=log.time[part],
         center_of_mass=log.center_of_mass[part],
@@ -48,7 +48,8 @@ def test_the_motion_of_a_swim_has_the_loads_of_that_swim(name):
         "link_force": sum(log.link_force.values())[part],
     }
     for field, values in expected.items():
-        miss = np.abs(getattr(loads, field) - values).max()
+        # What the edge remembers of the time before the motion is forgotten by then.
+        miss = np.abs(getattr(loads, field) - values)[-200:].max()
         assert miss < 1e-3 * np.abs(values).max(), field
 
 

@@ -109,6 +109,7 @@ def evaluate_motion(plant: PlanarPlant, motion: GivenMotion) -> MotionLoads:
         samples[:, column_of(row)] = values
     samples[:, columns_of_joints(rows.ANGLE, n_joints)] = motion.joint_angle
     samples[:, columns_of_joints(rows.RATE, n_joints)] = motion.joint_rate
+    samples[:, column_of(rows.EDGE_MEMORY)] = _edge_memory(plant, samples, motion)
     root = _evaluate_root(plant, samples, motion)
     stiffness = np.array([joint.stiffness for joint in plant.robot.joints])
     damping = np.array([joint.damping for joint in plant.robot.joints])
@@ -122,25 +123,69 @@ def evaluate_motion(plant: PlanarPlant, motion: GivenMotion) -> MotionLoads:
     )
 
 
+class _Moments:
+    """The moments of a motion, of which the kernels compute the rows one by one."""
+
+    def __init__(self, plant: PlanarPlant, samples: np.ndarray, motion: GivenMotion) -> None:
+        layout = plant.layout
+        self.layout = layout
+        self.samples = samples
+        self.motion = motion
+        self.joints = rows.HEADER_ROWS + rows.BODY_ROWS * np.arange(1, layout.n_bodies)
+        self.rows = _rows_with_knots(plant, np.zeros((2, 1 + 2 * layout.n_joints)))
+        self._evaluate = plant.kernels_of(1).evaluate
+        is_free = np.zeros(layout.n_bodies, dtype=bool)
+        strips_and_plates = (layout.first_strip, layout.first_plate)
+        self._shape = (*strips_and_plates, is_free, layout.tail_link, layout.has_extras)
+
+    def evaluate(self, moment: int, edge_memory: float) -> None:
+        """Compute the rows at a moment, with a state of the trailing edge [m/s]."""
+        S = self.rows
+        S[self.layout.state_rows] = self.samples[moment, : self.layout.state_size]
+        S[rows.EDGE_MEMORY] = edge_memory
+        S[self.joints + rows.REFERENCE_2] = self.motion.joint_acceleration[moment]
+        self._evaluate(S, self.layout.n_bodies, *self._shape)
+
+    def edge_rate(self, moment: int, edge_memory: float) -> float:
+        """Return the rate of the state of the trailing edge at a moment [m/s^2]."""
+        self.evaluate(moment, edge_memory)
+        return float(self.rows[rows.EDGE_MEMORY_RATE])
+
+
+def _edge_memory(
+    plant: PlanarPlant, samples: Float[np.ndarray, "n_times n_numbers"], motion: GivenMotion
+) -> Float[np.ndarray, " n_times"]:
+    """Return the state of a trailing edge of finite span, integrated by Heun; 0 without one [m/s].
+
+    Nothing is known of the time before the motion: it begins with the state that would stay.
+    """
+    memory = np.zeros(motion.time.size)
+    if plant.layout.template[rows.EDGE_LAG] == 0.0:
+        return memory
+    moments = _Moments(plant, samples, motion)
+    growth = moments.edge_rate(0, 0.0)
+    decay = growth - moments.edge_rate(0, 1.0)
+    if decay > 0.0:
+        memory[0] = growth / decay
+    for i, step in enumerate(np.diff(motion.time)):
+        rate = moments.edge_rate(i, memory[i])
+        rate_after = moments.edge_rate(i + 1, memory[i] + step * rate)
+        memory[i + 1] = memory[i] + 0.5 * step * (rate + rate_after)
+    return memory
+
+
 def _evaluate_root(
     plant: PlanarPlant, samples: Float[np.ndarray, "n_times n_numbers"], motion: GivenMotion
 ) -> Float[np.ndarray, "n_times n_results"]:
     """Return the accelerations of heading and center of mass, then the torque in every joint."""
-    layout = plant.layout
-    S = _rows_with_knots(plant, np.zeros((2, 1 + 2 * layout.n_joints)))
-    joints = rows.HEADER_ROWS + rows.BODY_ROWS * np.arange(1, layout.n_bodies)
-    results = np.empty((len(samples), 3 + layout.n_joints))
-    is_free = np.zeros(layout.n_bodies, dtype=bool)
-    shape = (layout.first_strip, layout.first_plate, is_free, layout.tail_link, layout.has_extras)
-    kernels = plant.kernels_of(1)
+    moments = _Moments(plant, samples, motion)
     read = np.concatenate(
-        ([rows.HEADING_ACCELERATION, rows.AX, rows.AY], joints + rows.TOTAL_TORQUE)
+        ([rows.HEADING_ACCELERATION, rows.AX, rows.AY], moments.joints + rows.TOTAL_TORQUE)
     )
-    for i, sample in enumerate(samples):
-        S[layout.state_rows] = sample[: layout.state_size]
-        S[joints + rows.REFERENCE_2] = motion.joint_acceleration[i]
-        kernels.evaluate(S, layout.n_bodies, *shape)
-        results[i] = S[read]
+    results = np.empty((len(samples), read.size))
+    for i, edge_memory in enumerate(samples[:, column_of(rows.EDGE_MEMORY)]):
+        moments.evaluate(i, edge_memory)
+        results[i] = moments.rows[read]
     return results
 
 
