@@ -54,6 +54,8 @@ LOOP_DELAY = 0.12  # committed beforehand: cameras, computer, bus, servo [s]
 KICK = 2.0  # joints that torque does not limit start with a kick, which says nothing of power [s]
 LAGS = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8)  # from heading to joint, shown beside it [s]
 FIN = {"tangential_friction": 0.005, "normal_drag": 2.0, "added_mass": 1.0}
+FIN_AS_PLATE = {**FIN, "normal_drag": 1.2}
+"""In textbook water: drag of a plate of .09 x .38 m; its law of the edge takes the span off the added mass."""
 SERVO_POWER = (
     2.9 * 7.5
 )  # stall torque x no-load speed of the published servo, which a gear keeps [W]
@@ -104,9 +106,10 @@ class Candidate:
         robots: dict[bool, Robot] = {}
         for has_fin in (False, True):
             robot = lc.load_robot("mamba-fin" if has_fin else "mamba")
-            robot = adjust(
-                robot, {"actuator": actuator, **({"caudal_fin": FIN} if has_fin else {})}
-            )
+            changes: dict[str, Any] = {"actuator": actuator}
+            if has_fin:
+                changes["caudal_fin"] = FIN_AS_PLATE if self.mass == "kirchhoff" else FIN
+            robot = adjust(robot, changes)
             if self.place == "tail":
                 robot = replace(robot, tether=Tether(drag=drag))
             elif self.place == "head":
