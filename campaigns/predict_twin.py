@@ -134,6 +134,20 @@ def random_gait(rng: np.random.Generator) -> lc.Gait:
     )
 
 
+def textbook_then(robot: Robot) -> Textbook:
+    """The textbook as it was for the stored answer: fins like bodies, with the edge of slender ones."""
+    textbook = textbook_water(robot)
+    water = replace(
+        textbook.water, plate_drag=None, plate_added_mass=None, trailing_edge="elongated"
+    )
+    intervals = {
+        name: ends
+        for name, ends in textbook.intervals.items()
+        if not name.startswith("water.plate")
+    }
+    return replace(textbook, water=water, intervals=intervals)
+
+
 def true_water(textbook: Textbook, kind: str, rng: np.random.Generator) -> lc.Water:
     """Water that nobody knows."""
     water = textbook.water
@@ -157,7 +171,7 @@ def run(kind: str, seed: int) -> Row:
     rng = np.random.default_rng([KINDS.index(kind), seed])
     while True:
         robot = random_robot(rng)
-        textbook = textbook_water(robot)
+        textbook = textbook_then(robot)
         water = true_water(textbook, kind, rng)
         gaits = [random_gait(rng) for _ in range(int(rng.integers(8, 21)) + 1)]
         swims = lc.swim_many(robot, gaits, DURATION, environments=water, threads=1)

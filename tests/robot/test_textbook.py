@@ -159,3 +159,13 @@ def test_a_tether_pulls_with_the_friction_of_its_skin():
     drag = tether_drag(4.0, 0.008, 0.2)
     assert drag == pytest.approx(500.0 * skin_friction(0.2, 4.0) * math.pi * 0.008 * 4.0)
     assert replace(MAMBA, tether=Tether(drag=drag)).tether.drag == drag
+
+
+def test_the_edge_is_that_of_a_finite_span_unless_the_fin_bends_or_the_body_is_stubby():
+    def edge(robot):
+        return textbook_water(robot).water.trailing_edge
+
+    assert edge(MAMBA) == edge(lc.load_robot("mamba-fin")) == "finite-span"
+    fin = replace(lc.load_robot("mamba-fin").caudal_fin, n_hinges=2, flexural_rigidity=2.0)
+    assert edge(replace(MAMBA, caudal_fin=fin)) == "elongated"
+    assert edge(chain(a=0.3, n=2)) == "elongated"

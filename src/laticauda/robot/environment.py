@@ -284,7 +284,9 @@ def check_fits(robot: Robot, environment: Environment) -> None:
     if isinstance(environment, Ground):
         return
     if environment.trailing_edge == "finite-span":
-        _check_finite_span(robot)
+        refusal = finite_span_refusal(robot)
+        if refusal is not None:
+            raise refusal
         _check_clip(robot, environment)
     if environment.depth is None:
         return
@@ -315,11 +317,18 @@ def _check_clip(robot: Robot, water: Water) -> None:
         )
 
 
-def _check_finite_span(robot: Robot) -> None:
-    """Reject a robot whose trailing edge is not that of a rigid plate, or of a slender body."""
+def finite_span_refusal(robot: Robot) -> BadArgument | None:
+    """Return why `finite-span` does not hold for a robot: its edge ends no rigid plate and no slender body.
+
+    Args:
+        robot: The robot.
+
+    Returns:
+        The error of who names this law for the robot; None if it holds.
+    """
     fin = robot.caudal_fin
     if fin is not None and fin.hinges:
-        raise BadArgument(
+        return BadArgument(
             "trailing_edge",
             "must be `elongated` or `none` for a fin that bends "
             f"(`caudal_fin.n_hinges` is {fin.n_hinges}), because the law of a finite span is that of a "
@@ -327,8 +336,9 @@ def _check_finite_span(robot: Robot) -> None:
         )
     aspect = 2.0 * robot.modules[0].section.half_height / robot.length
     if fin is None and plate_functions(aspect).lift < SLENDER:
-        raise BadArgument(
+        return BadArgument(
             "trailing_edge",
             "must be `elongated` or `none` for a body without a fin that is not slender "
             f"(its height is {aspect:.2g} times its length), got 'finite-span'",
         )
+    return None

@@ -30,9 +30,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Literal
 
 from laticauda.robot.body import Section
-from laticauda.robot.environment import Water
+from laticauda.robot.environment import Water, finite_span_refusal
 from laticauda.robot.plates import is_flat
 from laticauda.robot.robot import Robot, Surface
 from laticauda.values import BadArgument
@@ -218,7 +219,7 @@ def textbook_water(
         drag=TotalSpeedDrag(beta=0.5),
         added_mass_form="kirchhoff",
         rotational="strip",
-        trailing_edge="elongated",
+        trailing_edge=_edge_law(robot),
     )
     intervals: dict[str, tuple[float, float]] = {
         "water.tangential_friction": (friction.low, friction.high),
@@ -232,6 +233,13 @@ def textbook_water(
         intervals["water.plate_added_mass"] = ADDED_MASS_SHARES
         sources |= PLATE_SOURCES
     return Textbook(water=water, intervals=intervals, sources=sources)
+
+
+def _edge_law(robot: Robot) -> Literal["finite-span", "elongated"]:
+    """Return the law of the trailing edge: that of a finite span, unless it does not hold for the robot."""
+    if finite_span_refusal(robot) is None:
+        return "finite-span"
+    return "elongated"
 
 
 @functools.lru_cache(maxsize=256)
