@@ -9,7 +9,13 @@ from laticauda.film import TrackedPoints
 from laticauda.film.calibration import Surface, calibrate_by_ruler, calibrate_camera
 from laticauda.film.chain import places_at
 from laticauda.film.tags import find_tags, marks_of_floor
-from laticauda.film.tracking import build_trial, draw_over_frames, follow_points, follow_tags
+from laticauda.film.tracking import (
+    build_trial,
+    draw_over_frames,
+    follow_points,
+    follow_tags,
+    measure_path,
+)
 
 WATER = lc.load_water("paper-lateral")
 
@@ -152,3 +158,20 @@ def test_points_in_px_need_a_calibration_and_points_in_m_none(film):
     camera = calibrate_by_ruler((960, 540), (0.0, 0.0), (500.0, 0.0), 1.0)
     with pytest.raises(ValueError, match="must not be given: the points are in m already"):
         follow_points(tracked(film, "m"), places, camera, film.robot)
+
+
+def test_a_path_is_measured_with_the_noise_of_its_frames_and_the_scale_of_the_film(
+    film, found, camera
+):
+    track = follow_tags(found, film.layout, camera, film.robot, is_straight=True)
+    trial = build_trial(track, film.robot, WATER)
+    vague = replace(track, calibration=replace(camera, scale_deviation=0.1))
+    for body, scale in ((track, camera.scale_deviation), (vague, 0.1)):
+        measurement = measure_path(body, trial, interval=0.1)
+        places, sigma = measurement.series["center_of_mass"]
+        assert len(places) == 8
+        away = places - places.mean(axis=0)
+        assert sigma == pytest.approx(np.hypot(track.center_deviation, scale * away))
+    alone = replace(track, center_deviation=float("nan"))
+    with pytest.raises(ValueError, match="must be of two tags at least: one does not show"):
+        measure_path(alone, trial)

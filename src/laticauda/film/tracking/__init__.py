@@ -2,6 +2,7 @@
 
 body     where a body was in every frame
 trials   a trial of it: path, heading, joint angles
+measuring  the path as a measurement for an identification
 picture  the chain over frames of the film
 """
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
         follow_tags as follow_tags,
         poses_of_links as poses_of_links,
     )
+    from laticauda.film.tracking.measuring import measure_path as measure_path
     from laticauda.film.tracking.picture import draw_over_frames as draw_over_frames
     from laticauda.film.tracking.trials import build_trial as build_trial
 
@@ -30,6 +32,7 @@ __getattr__, __dir__, __all__ = lazy_exports(
             "follow_tags",
             "poses_of_links",
         ],
+        "laticauda.film.tracking.measuring": ["measure_path"],
         "laticauda.film.tracking.picture": ["draw_over_frames"],
         "laticauda.film.tracking.trials": ["build_trial"],
     },
