@@ -1,5 +1,6 @@
 """The program: finds the requested command, reads its options, runs it and turns errors into messages."""
 
+import gc
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, make_dataclass
@@ -111,6 +112,9 @@ def main(args: Sequence[str] | None = None) -> int:
         with warnings_as_lines():
             command = _read_command(typed)
         check_memory()
+        if not gc.isenabled():  # see `laticauda.cli.main`
+            gc.freeze()
+            gc.enable()
         status = command()
         sys.stdout.flush()  # a closed pipe is noticed here, not after the end
         return status

@@ -11,7 +11,8 @@ import re
 from collections.abc import Mapping
 from importlib import import_module
 from importlib.metadata import entry_points
-from typing import Any, ClassVar, Self
+from itertools import chain
+from typing import Any, ClassVar, Self, cast
 
 from laticauda.values.checks import suggest_nearest
 from laticauda.values.errors import BadArgument
@@ -125,8 +126,8 @@ class Extensible:
         """
         if name in cls._homes and name not in cls._members:
             import_module(cls._homes[name])
-        if name not in cls._members and name in _installed(cls.group):
-            _installed(cls.group)[name].load()
+        if name not in cls._members and name in _find_installed(cls.group):
+            _find_installed(cls.group)[name].load()
         if name not in cls._members:
             listed = ", ".join(f"`{member}`" for member in cls.names())
             hint = suggest_nearest(name, cls.names())
@@ -148,7 +149,7 @@ class Extensible:
     @classmethod
     def names(cls) -> tuple[str, ...]:
         """Return the names of all members of this group, those of the package first."""
-        return tuple(dict.fromkeys([*cls._homes, *cls._members, *_installed(cls.group)]))
+        return tuple(dict.fromkeys([*cls._homes, *cls._members, *_find_installed(cls.group)]))
 
 
 class Unknown:
@@ -203,6 +204,18 @@ def name_of(kind: type) -> str:
     return re.sub(r"(?<=[^A-Z])(?=[A-Z])", "-", kind.__name__).lower()
 
 
+def _find_installed(group: str) -> Mapping[str, Any]:
+    """Return the entry points of a group, by their names."""
+    return _installed().get(f"{ENTRY_POINTS}{group}", {})
+
+
 @functools.cache
-def _installed(group: str) -> Mapping[str, Any]:
-    return {point.name: point for point in entry_points(group=f"{ENTRY_POINTS}{group}")}
+def _installed() -> Mapping[str, Mapping[str, Any]]:
+    """Return the entry points of all groups, by group and name: to find those of one takes as long."""
+    points: Any = entry_points()
+    if isinstance(points, dict):  # of Python 3.11: by groups, and with methods that warn
+        points = chain.from_iterable(cast(Any, dict).values(points))
+    groups: dict[str, dict[str, Any]] = {}
+    for point in points:
+        groups.setdefault(point.group, {})[point.name] = point
+    return groups

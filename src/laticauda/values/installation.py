@@ -4,8 +4,6 @@ import json
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlsplit
-from urllib.request import url2pathname
 
 SOURCES = Path(__file__).parents[3]
 """The clone, where the package is used from one."""
@@ -27,6 +25,10 @@ def advise_extra(extra: str) -> str:
         return f'run `pip install "laticauda[{extra}] @ {address}"`'
     if "dir_info" not in origin:
         return _advise_in_folder(SOURCES, "", extra)
+    # Slow to import, and needed only where an extra is missing.
+    from urllib.parse import urlsplit
+    from urllib.request import url2pathname
+
     folder = Path(url2pathname(urlsplit(address).path))
     option = ""
     if origin["dir_info"].get("editable", False):
