@@ -102,8 +102,10 @@ def find_steady_starts(
     if time_after_transient <= 0.0 or time.size < 2:
         return np.full(period.size, np.nan)
     n_cycles = np.floor(time_after_transient / period + _ROUNDING)
-    begin = np.maximum(stop - n_cycles * period, start)
-    is_resolved = _mean_step(time) * SAMPLES_PER_CYCLE <= period * (1.0 + _ROUNDING)
+    duration_of_cycles = n_cycles * period
+    begin = np.maximum(stop - duration_of_cycles, start)
+    shortest_period = _mean_step(time) * SAMPLES_PER_CYCLE
+    is_resolved = shortest_period <= period * (1.0 + _ROUNDING)
     has_cycle = is_resolved & (n_cycles >= 1.0)
     begin_of_cycles = np.where(has_cycle, begin, np.nan)
     begin_without_gait = stop - time_after_transient

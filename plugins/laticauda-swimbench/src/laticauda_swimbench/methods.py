@@ -18,6 +18,7 @@ import numpy as np
 
 import laticauda as lc
 from laticauda.control import AveragedModel, ModelPredictive
+from laticauda.scenarios import Observations, VectorController, vectorize
 from laticauda.values import BadArgument, check_choice, read_toml
 from laticauda_gym import Episodes, Pilots
 from laticauda_gym.packages import needed
@@ -65,8 +66,38 @@ def _open_loop(challenge: Challenge, run: int, episodes: Episodes) -> Act:
 
 
 def _piloted(controller: lc.Controller[Any], episodes: Episodes) -> Act:
-    pilots = Pilots(controller, episodes)
-    return lambda observed: pilots.actions()
+    """Steer every robot by the controller, by arrays if its class is written so; all episodes begin together."""
+    steering = vectorize([controller] * episodes.n)
+    if not isinstance(steering, VectorController):
+        pilots = Pilots(controller, episodes)
+        return lambda observed: pilots.actions()
+
+    def act(observed: np.ndarray) -> np.ndarray:
+        decisions = steering.step(_seen_by_controllers(episodes))
+        asked = np.empty((episodes.n, len(episodes.task.actions)))
+        for column, action in enumerate(episodes.task.actions):
+            usual = getattr(controller.gait, action.name)
+            if action.name == "offset":
+                asked[:, column] = usual + decisions.get("offset", 0.0)
+            else:
+                asked[:, column] = decisions.get(action.name, usual)
+        return (asked - episodes.middle) / episodes.half
+
+    return act
+
+
+def _seen_by_controllers(episodes: Episodes) -> Observations:
+    """Return what controllers see of all robots."""
+    motion = episodes.motion
+    return Observations(
+        time=motion.time,
+        center_of_mass=np.stack((motion.x, motion.y), axis=1),
+        center_of_mass_velocity=np.stack((motion.velocity_x, motion.velocity_y), axis=1),
+        heading=motion.heading,
+        heading_rate=motion.heading_rate,
+        is_well=episodes.school.is_well,
+        observe=episodes.school.observe,
+    )
 
 
 def law(gait: lc.Gait, interval: float, numbers: dict[str, float]) -> lc.PathFollowing:

@@ -254,9 +254,9 @@ def swim_fleets(
         watch: Called after every control instant with what was observed of all robots and the signals
             of their controllers; when it returns True, the run ends there.
     """
-    controllers = [
-        cast("Controller[Any]", run.controller) for runs in runs_of_fleets for run in runs
-    ]
+    controllers: list[Controller[Any]] = []
+    for runs in runs_of_fleets:
+        controllers += [cast("Controller[Any]", run.controller) for run in runs]
     interval = controllers[0].interval
     sampling = Sampling.of(controllers[0], duration, sample_interval)
     steering = vectorize(controllers)
@@ -310,7 +310,9 @@ def _join_observations(parts: Sequence[Observations]) -> Observations:
     """Return the observations of several fleets as those of one."""
     if len(parts) == 1:
         return parts[0]
-    places = [(part, i) for part in parts for i in range(len(part))]
+    places: list[tuple[Observations, int]] = []
+    for part in parts:
+        places += [(part, i) for i in range(len(part))]
 
     def observe(i: int) -> Observation:
         part, robot = places[i]

@@ -72,11 +72,17 @@ def _swim_in_fleets(
         controller = cast("Controller[Any]", runs[places[0]].controller)
         sampling = Sampling.of(controller, first.duration, first.sample_interval)
         members = _split_into_members(runs, places, first)
-        index = np.array([indices[place] for member in members for place in member])
+        places_in_order: list[int] = []
+        for member in members:
+            places_in_order += member
+        index = np.array([indices[place] for place in places_in_order])
         watch = _Watch(index, has_arrived)
+        runs_of_fleets: list[list[Run]] = []
+        for member in members:
+            runs_of_fleets.append([runs[place] for place in member])
         try:
             fleets = swim_fleets(
-                [[runs[place] for place in member] for member in members],
+                runs_of_fleets,
                 first.duration,
                 first.sample_interval,
                 with_joints=True,
@@ -85,7 +91,9 @@ def _swim_in_fleets(
         except NeedsRunOfItsOwn:
             continue
         signals = watch.signals_of_robots()
-        robots = [(fleet, robot) for fleet in fleets for robot in range(fleet.n)]
+        robots: list[tuple[Fleet, int]] = []
+        for fleet in fleets:
+            robots += [(fleet, robot) for robot in range(fleet.n)]
         for column, (fleet, robot) in enumerate(robots):
             n_finished = int(watch.n_finished[column])
             if not fleet.is_well[robot] and n_finished == 0:
@@ -118,7 +126,10 @@ def _split_into_members(
         n_threads=1,
         with_joints=True,
     )
-    return [[places[int(member)] for member in members] for members in fleets]
+    members_of_fleets: list[list[int]] = []
+    for members in fleets:
+        members_of_fleets.append([places[int(member)] for member in members])
+    return members_of_fleets
 
 
 class _Watch:

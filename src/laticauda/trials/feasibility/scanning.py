@@ -97,7 +97,8 @@ def include_neighbors(
     fold_of_joints = size_of_neighbors * np.tan(0.5 * bend)
     fold = np.max(fold_of_joints, axis=0, initial=0.0)
     # Hardly ever do links fold over each other before something else is used up.
-    may_be_largest = fold >= utilization * (1.0 - _ROUNDING)
+    threshold = utilization * (1.0 - _ROUNDING)
+    may_be_largest = fold >= threshold
     for run in map(int, np.flatnonzero(may_be_largest)):
         overlap = measure_neighbor_overlap(limits[run].robot, body_angle[:, run])
         largest[run] = max(largest[run], overlap.share)
