@@ -51,7 +51,7 @@ def build_body(
 
     Example:
         >>> build_body("tadpole", 0.04, width=[0.001, 0.002, 0.008], height=[0.004, 0.006, 0.007])
-        <Robot tadpole: 10 links, 0.04 m, 0.000617 kg>
+        <Robot tadpole: 10 links, 0.04 m, 0.0006384 kg>
     """
     length = check_positive("length", length, "m")
     check_whole_number("n_links", n_links, 2, 100)
@@ -94,7 +94,7 @@ def build_eel(length: float, *, mass: float | None = None, n_links: int = USUAL_
 
     Example:
         >>> build_eel(0.4)
-        <Robot eel: 10 links, 0.4 m, 0.127 kg>
+        <Robot eel: 10 links, 0.4 m, 0.1281 kg>
     """
     width = length * np.array(EEL_WIDTH)
     height = length * np.array(EEL_HEIGHT)
@@ -111,7 +111,7 @@ def build_fish(length: float, *, mass: float | None = None, n_links: int = USUAL
 
     Example:
         >>> build_fish(0.03)
-        <Robot fish: 10 links, 0.03 m, 0.000283 kg>
+        <Robot fish: 10 links, 0.03 m, 0.000307 kg>
     """
     width = length * np.array(FISH_WIDTH)
     height = length * np.array(FISH_HEIGHT)
