@@ -155,7 +155,7 @@ class ChainGeometry:
 
         Args:
             coordinates: Coordinates of the chain in every frame.
-            shift: As for `points` [m].
+            shift: By how much each point sits elsewhere on its link, headward + i leftward [m].
         """
         lever = self.lever.copy()
         lever[np.arange(lever.shape[0]), self.link] += shift

@@ -42,7 +42,8 @@ def invert_points(
         robot: What swims: a robot, or the body of an animal (`laticauda.film.chain.build_body`).
         along: Distance of every point from the tail end along the body [m], or its places; None: the points
             are in order from head to tail, the first at the nose, the last at the tail tip.
-        water: As for `find_forces`, as all that follow.
+        water: The water, taken as known; or what is assumed of water and body; None: the water from tables
+            for this body at this speed, with its intervals.
         span: Part of the film that is used [s].
         body_deviation: Relative standard deviation of the body's height and width [-].
         scale_deviation: Relative standard deviation of the film's scale [-].
