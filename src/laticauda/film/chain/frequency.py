@@ -11,6 +11,8 @@ N_CANDIDATES = 20
 """Frequencies tried per cycle that the film holds: neighbors differ by a twentieth of a cycle at its end."""
 LEAST_SHARE = 0.3
 """Share of the joints' motion that the best frequency must explain to be one [-]."""
+MOST_TYPICAL = 4.0
+"""Largest angle by the median of all: a sine's is 1.4 times as large [-]."""
 FASTEST = 0.35
 """Highest frequency, by that of the frames: beyond half of it nothing can be told [-]."""
 
@@ -34,6 +36,9 @@ def find_frequency(
     share = 2.0 * middle / duration
     slow = np.column_stack((np.ones_like(share), share, share**2))
     swing = angles - slow @ np.linalg.pinv(slow) @ angles
+    # Outliers, of which a first guess has some, must not outweigh the gait.
+    limits = MOST_TYPICAL * np.median(np.abs(swing), axis=0)
+    swing = np.minimum(np.maximum(swing, -limits), limits)
     size = float(np.sum(swing**2))
     if size == 0.0:
         return 0.0
